@@ -1,0 +1,39 @@
+# What every target of the project is compiled with, in one place.
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+if(LODESTONE_ASSERTIONS)
+  foreach(config RELEASE RELWITHDEBINFO)
+    string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_${config} "${CMAKE_CXX_FLAGS_${config}}")
+  endforeach()
+endif()
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+# Contraction is off everywhere: the crack-free guarantee compares distances and positions bit for bit, and a fused
+# multiply-add in one place but not in the other would break it (docs/architecture.md).
+function(lodestone_properties target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
+  target_compile_options(${target} PUBLIC $<BUILD_INTERFACE:-ffp-contract=off>)
+  if(LODESTONE_SANITIZE)
+    target_compile_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${LODESTONE_SANITIZE}>
+                                            $<BUILD_INTERFACE:-fno-omit-frame-pointer>
+                                            $<BUILD_INTERFACE:-fno-sanitize=vptr>)
+    target_link_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${LODESTONE_SANITIZE}>)
+  endif()
+endfunction()
+
+# One folder, one library: lodestone_core is lodestone::core, and so on.
+function(lodestone_library name)
+  add_library(lodestone_${name} STATIC)
+  add_library(lodestone::${name} ALIAS lodestone_${name})
+  set_target_properties(lodestone_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(lodestone_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lodestone>)
+  lodestone_properties(lodestone_${name})
+endfunction()

@@ -1,0 +1,54 @@
+// The contract of the per-block simplifiers.
+//
+// A simplifier gets the mesh of one block and answers with P: for every vertex the vertex that it moves to. The new
+// triangles are the images of the old ones under P, degenerate ones dropped; nothing else ever disappears.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/base/vec3.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+enum class SimplifierKind : std::uint32_t { quadric = 0, cluster = 1 };
+[[nodiscard]] SimplifierKind simplifier_kind(std::string_view name);  // throws InputError listing the known names
+[[nodiscard]] std::string_view name_of(SimplifierKind kind);
+
+struct SimplifyInput {
+  std::span<const Vec3f> positions;           // any number of vertices, also ones without triangles
+  std::span<const Triangle> triangles;        // into positions, none degenerate
+  std::span<const std::uint8_t> locked;       // one per position; non-zero: keeps itself and its position
+  float max_displacement = 0;                 // bound of (1), in units of the positions; > 0
+  std::size_t target_triangles = 0;           // stop at this count; more may remain where the constraints demand it
+};
+
+struct SimplifyResult {
+  std::vector<std::uint32_t> parent;          // P, fully resolved: parent[parent[v]] == parent[v]
+  std::vector<Vec3f> positions;               // one per input vertex; valid where parent[v] == v
+  std::size_t triangles = 0;                  // images that are not degenerate
+};
+
+// Guarantees, whatever the input:
+//   - locked vertices are their own parents and do not move;
+//   - |positions[parent[v]] - v| <= max_displacement, evaluated in double;
+//   - no surviving triangle with a normal is turned by more than 90 degrees by a single step (quadric);
+//   - a manifold neighbourhood stays manifold, borders of the surface stay borders, no chord between two locked
+//     vertices is created (quadric); clustering may pinch;
+//   - the result depends on the input alone: same bytes on every machine path and at every call.
+// An instance keeps its working memory between calls and serves one thread at a time.
+class Simplifier {
+ public:
+  virtual ~Simplifier() = default;
+  // The result stays valid until the next call on the same instance.
+  [[nodiscard]] virtual const SimplifyResult& simplify(const SimplifyInput& input) = 0;
+};
+
+[[nodiscard]] std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind);
+
+}  // namespace lodestone

@@ -1,0 +1,32 @@
+// Blending functions b: how a vertex travels from its own position to its parent's as the viewpoint moves away.
+//
+// Each is given on the unit interval by its share of the way, s(t): s(0) = 0, s(1) = 1, non-decreasing; lambda = 1 - s.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace lodestone {
+
+enum class Blend : std::uint8_t {
+  linear,
+  smoothstep,    // 3t^2 - 2t^3
+  smootherstep,  // 6t^5 - 15t^4 + 10t^3 (Perlin 2002)
+  cosine,        // (1 - cos pi t) / 2
+  early,         // smoothstep over the first half of the band: the parent's place is reached half-way
+  late,          // smoothstep over the second half
+  step,          // jumps at the middle: the popping baseline, continuous nowhere it matters
+};
+
+[[nodiscard]] Blend blend(std::string_view name);  // throws InputError listing the known names
+[[nodiscard]] std::string_view name_of(Blend blend);
+[[nodiscard]] std::span<const Blend> all_blends();
+
+// s(t); t is clamped to [0, 1]. Exactly 0 at t <= 0 and exactly 1 at t >= 1.
+[[nodiscard]] float blend_share(Blend blend, float t);
+
+// Lipschitz constant of s on [0, 1]; for `step` that of `linear`, which is what its jumps are measured against.
+[[nodiscard]] double blend_lipschitz(Blend blend);
+
+}  // namespace lodestone

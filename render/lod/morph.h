@@ -1,0 +1,34 @@
+// Where a drawn vertex stands: n = lambda w + (1 - lambda) P(w), lambda = b_l(d(v_p, w)).
+//
+// The one place of this formula on the CPU; the GL shader repeats it operation by operation. lambda is selected, not
+// only clamped, so that w and P(w) are reached bit for bit; `P + lambda (w - P)` would crack.
+#pragma once
+
+#include <span>
+
+#include "core/hierarchy/hierarchy.h"
+#include "render/lod/blend.h"
+#include "render/lod/radii.h"
+
+namespace lodestone {
+
+struct MorphContext {
+  const Hierarchy* hierarchy = nullptr;
+  const Radii* radii = nullptr;
+  Blend blend = Blend::smoothstep;
+  Vec3f viewpoint;   // normalised model space, one per frame
+};
+
+// lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.
+[[nodiscard]] float morph_lambda(const MorphContext& context, int level, Vec3f w);
+
+// w, P(w) or the blend of the two; `level` is that of w.
+[[nodiscard]] Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position);
+
+// Drawn positions of all vertices of a cell, in the cell's order. out.size() == cell.positions.size().
+void morph_cell(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out);
+
+// The same for normals, morphed by the same lambda and normalised.
+void morph_cell_normals(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out);
+
+}  // namespace lodestone

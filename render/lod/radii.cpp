@@ -1,0 +1,87 @@
+#include "render/lod/radii.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+void check(const RadiiConfig& config) {
+  if (config.kappa0 && !(*config.kappa0 > 0 && std::isfinite(*config.kappa0)))
+    throw InputError("kappa0 must be a positive number");
+  if (!config.kappa0 && config.rule == RadiiRule::uniform)
+    throw InputError("the uniform rule needs a kappa0; give one, or use per-level radii with a pixel error");
+  if (!(config.pixel_error > 0)) throw InputError("the pixel error must be positive");
+  if (!(config.beta > 0)) throw InputError("beta, the least width of the morph band, must be positive");
+  if (!(config.delta >= 0)) throw InputError("delta, the guard of a stale selection, must not be negative");
+  if (!(config.vertical_fov > 0 && config.vertical_fov < 3.14159f))
+    throw InputError("the vertical field of view must lie between 0 and 180 degrees");
+  if (config.image_height < 1 || !(config.aspect > 0)) throw InputError("the image must have a positive size");
+}
+
+// Least r_l / h_l that keeps an error of e_l h_l below tau pixels anywhere in the image: one pixel of a pinhole camera
+// subtends 2 tan(phi/2) / H at the centre, less by cos^2 of the angle towards the corner.
+float radius_for_pixels(float error_ratio, const RadiiConfig& config) {
+  const float half = std::tan(config.vertical_fov / 2);
+  const float corner_tan2 = half * half * (1 + config.aspect * config.aspect);  // tan^2; 1 / cos^2 = 1 + tan^2
+  return error_ratio * static_cast<float>(config.image_height) / (2 * config.pixel_error * half) * (1 + corner_tan2);
+}
+
+}  // namespace
+
+float reach(const Hierarchy& hierarchy, DistanceMetric metric) {
+  float rho = 0;
+  for (int l = 1; l < hierarchy.finest(); ++l)
+    rho = std::max(rho, hierarchy.levels[static_cast<std::size_t>(l)].reach[static_cast<std::size_t>(metric)]);
+  return rho;
+}
+
+Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
+  check(config);
+  const auto finest = static_cast<std::size_t>(hierarchy.finest());
+  const auto rho = [&](std::size_t l) {
+    return hierarchy.levels[l].reach[static_cast<std::size_t>(config.metric)];
+  };
+  const auto h = [](std::size_t l) { return cell_size(static_cast<int>(l)); };
+  // Distances from the viewpoint scale with the metric: a Chebyshev radius of r leaves Euclidean distances of at least r.
+  const auto wanted = [&](std::size_t l) {
+    return h(l) * (config.kappa0 ? *config.kappa0 : radius_for_pixels(hierarchy.levels[l].error, config));
+  };
+
+  Radii radii;
+  radii.metric = config.metric;
+  radii.select.assign(finest + 1, 0);
+  radii.band_begin.assign(finest + 1, 0);
+  radii.band_end.assign(finest + 1, std::numeric_limits<float>::infinity());
+  radii.admissible = true;
+
+  // Fine to coarse: at level l the band reaches from r_l + rho_l h_l to r_{l-1}. The finest level has no r of its own.
+  const float widen = 1 + rounding_guard, narrow = 1 - rounding_guard;
+  for (std::size_t l = finest; l >= 1; --l) {
+    const bool last = l == finest;
+    const float begin = last ? 0 : (radii.select[l] + (rho(l) + config.delta) * h(l)) * widen;
+    const float stale = 2 * config.delta * h(l);
+    float& coarser = radii.select[l - 1];
+    coarser = wanted(l - 1);
+    if (config.rule == RadiiRule::per_level)
+      coarser = std::max(coarser, ((begin + config.beta * h(l)) / narrow + stale) * widen);
+    const float end = (coarser - stale) * narrow;
+    radii.band_end[l] = end;
+    // At the finest level any begin below the end is right: as wide as at the other levels, where that fits.
+    radii.band_begin[l] =
+        last ? std::max(0.0f, std::min(end - config.beta * h(l), (coarser / 2 + (rho(l) + config.delta) * h(l)) * widen))
+             : begin;
+    if (!(radii.band_begin[l] < end)) {  // inadmissible: a step at r_{l-1}
+      radii.admissible = false;
+      radii.band_begin[l] = radii.band_end[l] = coarser;
+    }
+  }
+  if (finest >= 1) radii.select[finest] = 0;
+  radii.band_begin[0] = std::numeric_limits<float>::infinity();
+  return radii;
+}
+
+}  // namespace lodestone

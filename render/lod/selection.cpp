@@ -1,0 +1,64 @@
+#include "render/lod/selection.h"
+
+namespace lodestone {
+namespace {
+
+// Is the box, grown by `margin` on every side, entirely outside one of the planes?
+bool outside(const Frustum& frustum, const Box3f& box, float margin) {
+  for (const Plane& plane : frustum) {
+    // The corner farthest along the plane's normal.
+    const Vec3f corner{plane.n.x >= 0 ? box.hi.x + margin : box.lo.x - margin,
+                       plane.n.y >= 0 ? box.hi.y + margin : box.lo.y - margin,
+                       plane.n.z >= 0 ? box.hi.z + margin : box.lo.z - margin};
+    if (dot(plane.n, corner) + plane.d < 0) return true;
+  }
+  return false;
+}
+
+// lambda = 1 on the whole box: its farthest corner is no farther than the begin of the band.
+bool is_static(const Radii& radii, std::size_t level, Vec3f viewpoint, const Box3f& box) {
+  return farthest_corner_distance(radii.metric, viewpoint, box) < radii.band_begin[level];
+}
+
+class Traversal {
+ public:
+  Traversal(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const SelectionConfig& config,
+            Selection& out)
+      : hierarchy_(hierarchy), radii_(radii), viewpoint_(viewpoint), config_(config), out_(out) {}
+
+  void visit(std::uint32_t index, std::size_t level, bool visible) {
+    const Cell& cell = hierarchy_.cells[index];
+    ++out_.visited;
+    // Morphed vertices leave B by at most the displacement bound. B of an ancestor contains B of all below it and its
+    // bound is larger, so what is outside here is outside for the whole subtree.
+    if (visible && config_.frustum)
+      visible = !outside(*config_.frustum, cell.bounds, displacement_bound(hierarchy_.sigma0, static_cast<int>(level)));
+    if (!visible && !config_.keep_culled) return;
+    const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
+                       distance(radii_.metric, viewpoint_, cell.bounds) >= radii_.select[level];
+    if (drawn) {
+      out_.cells.push_back({index, static_cast<std::uint8_t>(level), visible,
+                            !is_static(radii_, level, viewpoint_, cell.bounds)});
+      return;
+    }
+    for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1, visible);
+  }
+
+ private:
+  const Hierarchy& hierarchy_;
+  const Radii& radii_;
+  Vec3f viewpoint_;
+  const SelectionConfig& config_;
+  Selection& out_;
+};
+
+}  // namespace
+
+void select_cells(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const SelectionConfig& config,
+                  Selection& out) {
+  out.cells.clear();
+  out.visited = 0;
+  if (!hierarchy.cells.empty()) Traversal(hierarchy, radii, viewpoint, config, out).visit(0, 0, true);
+}
+
+}  // namespace lodestone

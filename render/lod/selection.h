@@ -1,0 +1,44 @@
+// Which cells are drawn from a viewpoint, coarse to fine, and which of them the camera can see.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+#include "render/lod/radii.h"
+
+namespace lodestone {
+
+// Half-space n.x + d >= 0 of model space (normalised).
+struct Plane {
+  Vec3f n;
+  float d = 0;
+};
+using Frustum = std::array<Plane, 6>;
+
+struct SelectedCell {
+  std::uint32_t cell = 0;   // index in Hierarchy::cells
+  std::uint8_t level = 0;
+  bool visible = true;      // false: selected, but culled by the frustum
+  bool morphing = true;     // false: lambda = 1 on the whole box, the static path may draw it
+};
+
+struct Selection {
+  std::vector<SelectedCell> cells;   // in traversal order (Morton within a parent): a partition of M_L
+  std::uint32_t visited = 0;         // cells that the traversal looked at
+};
+
+// A cell of level l is drawn iff its ancestors are not, and l = L or d(v_p, B(C)) >= r_l. Culling happens after that:
+// with B(C) grown by sigma0 h_l / 2, since morphed vertices leave B. A null frustum culls nothing; with one,
+// whole subtrees outside it are left out when `keep_culled` is false, and marked visible = false otherwise.
+struct SelectionConfig {
+  const Frustum* frustum = nullptr;
+  bool keep_culled = true;   // list culled cells as the exact partition needs them (metrics); false: leave them out
+};
+
+// `out` is reused between frames. The viewpoint is in normalised model space.
+void select_cells(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const SelectionConfig& config,
+                  Selection& out);
+
+}  // namespace lodestone

@@ -1,0 +1,55 @@
+// The interface of the rendering backends: upload once, draw frames, read pictures back.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+#include "parallel/scheduler.h"
+#include "render/camera.h"
+#include "render/lod/morph.h"
+#include "render/lod/selection.h"
+
+namespace lodestone {
+
+struct Image {
+  ImageSize size;
+  std::vector<std::uint8_t> rgba;   // 4 bytes a pixel, rows from the top
+  std::vector<float> depth;         // window depth in [0, 1], 1 = nothing; rows from the top; may be empty
+};
+
+// Everything that a frame depends on. The selection has been made; a backend draws its visible cells.
+struct Frame {
+  MorphContext morph;
+  const Selection* selection = nullptr;
+  ViewProjection view_projection;
+  Vec3f light{0, 0, 1};             // unit, towards the light, normalised model space (a head light by default)
+  ImageSize size;
+  bool tint_by_level = false;
+};
+
+struct FrameStats {
+  std::uint64_t cells = 0, triangles = 0;          // drawn
+  std::map<std::string, double> milliseconds;      // by stage, as the backend names them
+};
+
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+  [[nodiscard]] virtual std::string_view name() const = 0;
+  // Keeps what it needs of the hierarchy; the hierarchy must outlive the renderer.
+  virtual void upload(const Hierarchy& hierarchy) = 0;
+  virtual FrameStats draw(const Frame& frame) = 0;
+  // Picture of the last frame; empty for `null`.
+  [[nodiscard]] virtual Image read_back() = 0;
+};
+
+// "soft", "gl", "null". Throws InputError for another name, UnsupportedError (with what is missing) when the backend
+// cannot run here. The scheduler must outlive the renderer.
+[[nodiscard]] std::unique_ptr<Renderer> make_renderer(std::string_view backend, Scheduler& scheduler);
+
+}  // namespace lodestone
