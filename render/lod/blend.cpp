@@ -38,13 +38,20 @@ float blend_share(Blend blend, float t) {
   if (t >= 1) return 1;
   const auto share = [&] {
     switch (blend) {
-      case Blend::linear: return t;
-      case Blend::smoothstep: return smoothstep(t);
-      case Blend::smootherstep: return smootherstep(t);
-      case Blend::cosine: return (1 - std::cos(std::numbers::pi_v<float> * t)) / 2;
-      case Blend::early: return smoothstep(std::min(2 * t, 1.0f));
-      case Blend::late: return smoothstep(std::max(2 * t - 1, 0.0f));
-      case Blend::step: return t < 0.5f ? 0.0f : 1.0f;
+      case Blend::linear:
+        return t;
+      case Blend::smoothstep:
+        return smoothstep(t);
+      case Blend::smootherstep:
+        return smootherstep(t);
+      case Blend::cosine:
+        return (1 - std::cos(std::numbers::pi_v<float> * t)) / 2;
+      case Blend::early:
+        return smoothstep(std::min(2 * t, 1.0f));
+      case Blend::late:
+        return smoothstep(std::max(2 * t - 1, 0.0f));
+      case Blend::step:
+        return t < 0.5f ? 0.0f : 1.0f;
     }
     return t;
   }();
@@ -54,12 +61,17 @@ float blend_share(Blend blend, float t) {
 double blend_lipschitz(Blend blend) {
   switch (blend) {
     case Blend::linear:
-    case Blend::step: return 1;
-    case Blend::smoothstep: return 1.5;
-    case Blend::smootherstep: return 1.875;
-    case Blend::cosine: return std::numbers::pi / 2;
+    case Blend::step:
+      return 1;
+    case Blend::smoothstep:
+      return 1.5;
+    case Blend::smootherstep:
+      return 1.875;
+    case Blend::cosine:
+      return std::numbers::pi / 2;
     case Blend::early:
-    case Blend::late: return 3;
+    case Blend::late:
+      return 3;
   }
   return 1;
 }

@@ -16,7 +16,7 @@ struct MorphContext {
   const Hierarchy* hierarchy = nullptr;
   const Radii* radii = nullptr;
   Blend blend = Blend::smoothstep;
-  Vec3f viewpoint;   // normalised model space, one per frame
+  Vec3f viewpoint;  // normalised model space, one per frame
 };
 
 // lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.

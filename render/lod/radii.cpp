@@ -42,11 +42,10 @@ float reach(const Hierarchy& hierarchy, DistanceMetric metric) {
 Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
   check(config);
   const auto finest = static_cast<std::size_t>(hierarchy.finest());
-  const auto rho = [&](std::size_t l) {
-    return hierarchy.levels[l].reach[static_cast<std::size_t>(config.metric)];
-  };
+  const auto rho = [&](std::size_t l) { return hierarchy.levels[l].reach[static_cast<std::size_t>(config.metric)]; };
   const auto h = [](std::size_t l) { return cell_size(static_cast<int>(l)); };
-  // Distances from the viewpoint scale with the metric: a Chebyshev radius of r leaves Euclidean distances of at least r.
+  // Distances from the viewpoint scale with the metric: a Chebyshev radius of r leaves Euclidean distances of at least
+  // r.
   const auto wanted = [&](std::size_t l) {
     return h(l) * (config.kappa0 ? *config.kappa0 : radius_for_pixels(hierarchy.levels[l].error, config));
   };
@@ -72,8 +71,9 @@ Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
     radii.band_end[l] = end;
     // At the finest level any begin below the end is right: as wide as at the other levels, where that fits.
     radii.band_begin[l] =
-        last ? std::max(0.0f, std::min(end - config.beta * h(l), (coarser / 2 + (rho(l) + config.delta) * h(l)) * widen))
-             : begin;
+        last
+            ? std::max(0.0f, std::min(end - config.beta * h(l), (coarser / 2 + (rho(l) + config.delta) * h(l)) * widen))
+            : begin;
     if (!(radii.band_begin[l] < end)) {  // inadmissible: a step at r_{l-1}
       radii.admissible = false;
       radii.band_begin[l] = radii.band_end[l] = coarser;
