@@ -1,0 +1,54 @@
+// Output files that are either complete or not there.
+//
+// The bytes go to a temporary name beside the target, which commit() renames over it; whatever ends the writing earlier
+// (an exception, a full disk) removes the temporary and leaves the target as it was. This guards against a failing
+// program and a full disk, not against a power cut: nothing is forced to the medium.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace lodestone {
+
+// Every member throws FileError naming the target when the file system refuses. A target that exists and is no regular
+// file (a pipe, /dev/null) is written to directly, without a temporary: renaming over it would destroy it. A symbolic
+// link is followed, so that the link stays and what it points to is replaced.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path target);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  // Appends. Small pieces are gathered into blocks of a mebibyte.
+  void write(std::span<const std::byte> bytes);
+
+  // Writes at a byte offset from the start, extending the file when needed. Any number of threads may do so at once, on
+  // disjoint ranges; the position of write() does not move. Do not aim it at bytes that write() has yet to flush().
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+
+  void flush();                                                       // hands the gathered bytes to the file system
+  [[nodiscard]] std::uint64_t position() const { return position_; }  // bytes appended by write() so far
+
+  // Makes the file appear under its name. At most once, and nothing is written afterwards.
+  void commit();
+
+ private:
+  void write_through(std::uint64_t offset, std::span<const std::byte> bytes);
+  [[noreturn]] void fail(const char* what) const;  // from errno
+  void discard() noexcept;
+
+  std::filesystem::path target_;     // as given, for messages
+  std::filesystem::path final_;      // with symbolic links resolved
+  std::filesystem::path temporary_;  // empty when the target is written to directly
+  int descriptor_ = -1;
+  bool seekable_ = true;
+  std::uint64_t position_ = 0;
+  std::size_t buffered_ = 0;
+  std::unique_ptr<std::byte[]> buffer_;
+};
+
+}  // namespace lodestone
