@@ -11,17 +11,21 @@
 #include "core/hierarchy/hierarchy.h"
 #include "parallel/scheduler.h"
 #include "render/camera.h"
+#include "render/image.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
 
+<<<<<<< HEAD
 struct Image {
   ImageSize size;
   std::vector<std::uint8_t> rgba;  // 4 bytes a pixel, rows from the top
   std::vector<float> depth;        // window depth in [0, 1], 1 = nothing; rows from the top; may be empty
 };
 
+=======
+>>>>>>> soft
 // Everything that a frame depends on. The selection has been made; a backend draws its visible cells.
 struct Frame {
   MorphContext morph;
