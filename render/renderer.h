@@ -17,15 +17,6 @@
 
 namespace lodestone {
 
-<<<<<<< HEAD
-struct Image {
-  ImageSize size;
-  std::vector<std::uint8_t> rgba;  // 4 bytes a pixel, rows from the top
-  std::vector<float> depth;        // window depth in [0, 1], 1 = nothing; rows from the top; may be empty
-};
-
-=======
->>>>>>> soft
 // Everything that a frame depends on. The selection has been made; a backend draws its visible cells.
 struct Frame {
   MorphContext morph;
