@@ -40,7 +40,7 @@ class Prover {
       MorphContext before = morph;
       before.viewpoint = previous_viewpoint_;
       before.radii = &*previous_radii_;
-      const PopReport pop = vertex_jumps(before, previous_, morph, whole, scheduler_, pop_scratch_);
+      const PopReport pop = largest_jump(before, previous_, morph, whole, scheduler_);
       row.max_jump = pop.max_jump;
       row.jump_over_bound = pop.jump_over_bound;
     }
@@ -54,7 +54,6 @@ class Prover {
   Scheduler& scheduler_;
   CrackBasis basis_;
   CrackScratch crack_scratch_;
-  PopScratch pop_scratch_;
   Selection previous_;
   Vec3f previous_viewpoint_;
   std::optional<Radii> previous_radii_;

@@ -56,18 +56,20 @@ RadiiConfig radii_config(const RenderOptions& options) {
   return config;
 }
 
-// A camera at an adversarial viewpoint, looking at the vertex that cracks there if anything does.
+// Cameras at adversarial viewpoints, each looking at the vertex that cracks there if anything does.
 std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiConfig& config, int frames) {
   if (!config.kappa0) throw InputError("--camera adversarial needs --kappa0: its viewpoints are made for one");
+  AdversaryConfig adversary;
+  adversary.per_level = static_cast<std::size_t>(frames) / static_cast<std::size_t>(hierarchy.levels.size()) + 1;
   std::vector<Camera> cameras;
-  for (const AdversarialView& view :
-       adversarial_viewpoints(hierarchy, config.metric, *config.kappa0, static_cast<std::size_t>(frames))) {
+  for (const AdversarialView& view : adversarial_views(hierarchy, make_radii(hierarchy, config), adversary)) {
     Camera camera;
     camera.position = hierarchy.transform.to_model(view.viewpoint);
-    camera.target = hierarchy.transform.to_model(view.vertex);
+    camera.target = hierarchy.transform.to_model(hierarchy.cells[view.cell].positions[view.vertex]);
     cameras.push_back(camera);
   }
-  if (cameras.empty()) throw InputError("the hierarchy has no shared vertex to look at: it cannot crack");
+  if (cameras.empty()) throw InputError("no vertex of this hierarchy is shared between cells: it cannot crack");
+  if (cameras.size() > static_cast<std::size_t>(frames)) cameras.resize(static_cast<std::size_t>(frames));
   return cameras;
 }
 
@@ -81,9 +83,10 @@ std::vector<Camera> cameras(const RenderOptions& options, const Hierarchy& hiera
 void refuse_inadmissible(const RenderOptions& options, const Hierarchy& hierarchy, const RadiiConfig& config) {
   if (options.allow_inadmissible || make_radii(hierarchy, config).admissible) return;
   const float rho = reach(hierarchy, config.metric);
-  throw InputError(describe(options.file, "", fmt::format("kappa0 = {} is inadmissible here: it must exceed {:.4f}",
-                                                          *config.kappa0, rho + 3 * config.delta),
-                            "raise it, use --radii per-level, or see it crack with --allow-inadmissible"));
+  throw InputError(describe(
+      options.file, "",
+      fmt::format("kappa0 = {} is inadmissible here: it must exceed {:.4f}", *config.kappa0, rho + 3 * config.delta),
+      "raise it, use --radii per-level, or see it crack with --allow-inadmissible"));
 }
 
 nlohmann::json to_json(const FlightResult& result, bool measured) {
@@ -98,9 +101,8 @@ nlohmann::json to_json(const FlightResult& result, bool measured) {
                     {"jump_over_bound", row.jump_over_bound}});
     frames.push_back(std::move(frame));
   }
-  nlohmann::json json{{"admissible", result.admissible},
-                      {"frames", frames},
-                      {"milliseconds_median", result.milliseconds_median}};
+  nlohmann::json json{
+      {"admissible", result.admissible}, {"frames", frames}, {"milliseconds_median", result.milliseconds_median}};
   if (measured) {
     json["cracks"] = {{"open_edges_max", result.open_edges_max}, {"gap_max", result.gap_max}};
     json["pops"] = {{"jump_over_bound_max", result.jump_over_bound_max}};
@@ -123,7 +125,8 @@ class PictureWriter {
     write_png(fmt::format("{}/frame{:04}.png", folder_, index), image);
     constexpr std::size_t on_sheet = 12;
     const std::size_t steps = std::min(frames_, on_sheet);
-    if (sheet_.size() < steps && index * (steps - 1) >= sheet_.size() * (frames_ - 1)) sheet_.push_back(std::move(image));
+    if (sheet_.size() < steps && index * (steps - 1) >= sheet_.size() * (frames_ - 1))
+      sheet_.push_back(std::move(image));
   }
 
   void finish() const {
@@ -192,10 +195,13 @@ void add_render(CLI::App& app) {
   command.add_option("FILE", options->file, "Hierarchy (.lode)")->required();
   command.add_option("--camera", options->camera, "fly-in, orbit, adversarial, or a path file (.json)")
       ->capture_default_str();
-  command.add_option("--frames", options->frames, "Number of frames")->check(CLI::Range(1, 1'000'000))->capture_default_str();
+  command.add_option("--frames", options->frames, "Number of frames")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
   command.add_option("--size", options->size, "Picture size")->capture_default_str();
   command.add_option("--backend", options->backend, "soft, gl or null")->capture_default_str();
-  command.add_option("--pixel-error", options->pixel_error, "Tolerance in pixels; 1 when neither this nor --kappa0 is given");
+  command.add_option("--pixel-error", options->pixel_error,
+                     "Tolerance in pixels; 1 when neither this nor --kappa0 is given");
   command.add_option("--kappa0", options->kappa0, "Selection radius over cell size instead");
   command.add_option("--radii", options->radii, "per-level (always admissible) or uniform (the published rule)")
       ->capture_default_str();
@@ -203,7 +209,8 @@ void add_render(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--metric", options->metric, "euclidean or chebyshev")->capture_default_str();
   command.add_option("--beta", options->beta, "Least width of a morph band over the cell size")->capture_default_str();
-  command.add_option("--delta", options->delta, "Guard for a selection stale by delta cell sizes")->capture_default_str();
+  command.add_option("--delta", options->delta, "Guard for a selection stale by delta cell sizes")
+      ->capture_default_str();
   command.add_flag("--allow-inadmissible", options->allow_inadmissible, "Draw although cracks are to be expected");
   command.add_flag("--tint", options->tint, "Colour by level");
   command.add_flag("--no-metrics", options->no_metrics, "With --json: times and counts only, no cracks and pops");
