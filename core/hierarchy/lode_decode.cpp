@@ -3,11 +3,11 @@
 #include <xxhash.h>
 
 #include <bit>
-#include <cmath>
 #include <cstring>
 
 #include "core/base/error.h"
 #include "core/hierarchy/lode_format.h"
+#include "core/hierarchy/structure.h"
 
 namespace lodestone {
 namespace {
@@ -30,8 +30,6 @@ T record_at(std::span<const std::byte> bytes, std::uint64_t offset) {
   std::memcpy(&record, bytes.data() + offset, sizeof(T));
   return record;
 }
-
-bool is_bound(float v) { return std::isfinite(v) && v >= 0; }
 
 // Size and kind first, so that nothing below reads beyond the end; the checksum next, so that what follows only meets
 // files that a program wrote on purpose.
@@ -66,12 +64,9 @@ void check_table_checksum(std::span<const std::byte> bytes, const LodeHeader& he
           "the checksum does not fit: the file was altered");
 }
 
-void take_header(Hierarchy& hierarchy, const LodeHeader& h, const std::string& file) {
+void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   hierarchy.transform = {{h.origin[0], h.origin[1], h.origin[2]}, h.scale};
   hierarchy.sigma0 = h.sigma0;
-  const bool finite = is_finite(hierarchy.transform.origin) && std::isfinite(h.scale) && h.scale > 0;
-  require(finite, file, "header", "origin or scale is not finite");
-  require(std::isfinite(h.sigma0) && h.sigma0 > 0, file, "header", "sigma0 is not a positive number");
   Provenance& p = hierarchy.provenance;
   p.input_vertices = h.input_vertices;
   p.input_triangles = h.input_triangles;
@@ -81,24 +76,16 @@ void take_header(Hierarchy& hierarchy, const LodeHeader& h, const std::string& f
   p.cell_triangles = h.cell_triangles;
 }
 
-// The levels cut the cell table into consecutive runs; the root level is the one root cell.
 void take_levels(Hierarchy& hierarchy, std::span<const std::byte> bytes, const LodeHeader& header,
                  const std::string& file) {
-  const auto say = [&](bool holds, const char* what) { require(holds, file, "level table", what); };
-  std::uint64_t next_cell = 0;
+  std::uint64_t cells = 0;
   for (std::uint32_t l = 0; l < header.level_count; ++l) {
     const auto r = record_at<LodeLevel>(bytes, sizeof(LodeHeader) + l * sizeof(LodeLevel));
-    say(r.first_cell == next_cell && r.cell_count >= 1, "the levels do not follow each other");
-    next_cell += r.cell_count;
-    say(next_cell <= header.cell_count, "a level goes beyond the last cell");
-    say(is_bound(r.reach[0]) && is_bound(r.reach[1]) && is_bound(r.diameter) && is_bound(r.error) &&
-            is_bound(r.max_edge),
-        "a bound is negative or not finite");
+    cells += r.cell_count;
     hierarchy.levels.push_back(
         {r.first_cell, r.cell_count, r.triangles, r.vertices, r.reach, r.diameter, r.error, r.max_edge, r.long_edges});
   }
-  say(next_cell == header.cell_count, "cells belong to no level");
-  say(hierarchy.levels.front().cell_count == 1, "the root level has more than one cell");
+  require(cells == header.cell_count, file, "level table", "the levels do not cover the cells");
 }
 
 // Spans of the cell's payload; the caller has made sure that it lies inside `bytes`.
@@ -160,64 +147,6 @@ void take_cells(Hierarchy& hierarchy, std::span<const std::byte> bytes, const Lo
   say(offset == bytes.size(), "the payloads do not fill the file");
 }
 
-// Codes in order and inside the level, children consecutive and complete, each the child of its parent.
-void check_tree(const Hierarchy& hierarchy, const std::string& file) {
-  const auto say = [&](bool holds, const char* what) { require(holds, file, "cell table", what); };
-  say(hierarchy.cells[0].parent == no_cell, "the root has a parent");
-  for (int l = 0; l <= hierarchy.finest(); ++l) {
-    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    std::uint64_t next_child = std::uint64_t{level.first_cell} + level.cell_count;
-    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
-      const Cell& cell = hierarchy.cells[c];
-      say(cell.code.morton >> (3 * l) == 0, "a cell lies outside the grid");
-      say(c == level.first_cell || hierarchy.cells[c - 1].code < cell.code, "cells are not in Morton order");
-      say(is_finite(cell.bounds.lo) && is_finite(cell.bounds.hi) && !cell.bounds.empty(), "a box is not finite");
-      say(is_bound(cell.max_displacement) && is_bound(cell.error), "a bound is negative or not finite");
-      if (l == hierarchy.finest()) {
-        say(cell.child_count == 0, "a finest cell has children");
-        continue;
-      }
-      say(cell.child_count >= 1 && cell.child_count <= 8 && cell.first_child == next_child &&
-              next_child + cell.child_count <= hierarchy.cells.size(),
-          "the children of a cell are out of range");
-      for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k)
-        say(hierarchy.cells[k].parent == c && hierarchy.cells[k].code.parent() == cell.code,
-            "a child belongs to another parent");
-      next_child += cell.child_count;
-    }
-    if (l < hierarchy.finest()) {
-      const Level& finer = hierarchy.levels[static_cast<std::size_t>(l) + 1];
-      say(next_child == std::uint64_t{finer.first_cell} + finer.cell_count, "a cell has no parent");
-    }
-  }
-}
-
-void check_counts(const Hierarchy& hierarchy, const std::string& file) {
-  for (int l = 0; l <= hierarchy.finest(); ++l) {
-    std::uint64_t triangles = 0, vertices = 0;
-    for (const Cell& cell : hierarchy.cells_of(l)) {
-      triangles += cell.triangles.size();
-      vertices += cell.positions.size();
-    }
-    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    require(level.triangles == triangles && level.vertices == vertices, file, "level table",
-            "counts do not fit the cells");
-  }
-}
-
-const char* fault_of(const Cell& cell, std::size_t parent_vertices) {
-  for (const Vec3f p : cell.positions)
-    if (!is_finite(p)) return "a position is not finite";
-  for (const std::uint32_t parent : cell.parents)
-    if (parent >= parent_vertices) return "a parent is out of range";
-  for (const Triangle& t : cell.triangles) {
-    for (const std::uint32_t v : t.v)
-      if (v >= cell.positions.size()) return "a triangle's vertex is out of range";
-    if (is_degenerate(t)) return "a triangle is degenerate";
-  }
-  return nullptr;
-}
-
 }  // namespace
 
 Hierarchy parse_lode_tables(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
@@ -226,11 +155,10 @@ Hierarchy parse_lode_tables(std::span<const std::byte> bytes, std::shared_ptr<co
   check_table_checksum(bytes, header, file);
   Hierarchy hierarchy;
   hierarchy.storage = std::move(storage);
-  take_header(hierarchy, header, file);
+  take_header(hierarchy, header);
   take_levels(hierarchy, bytes, header, file);
   take_cells(hierarchy, bytes, header, file);
-  check_tree(hierarchy, file);
-  check_counts(hierarchy, file);
+  if (const std::string fault = table_fault(hierarchy); !fault.empty()) refuse(file, "tables", fault);
   return hierarchy;
 }
 
@@ -243,8 +171,7 @@ void check_lode_cells(const Hierarchy& hierarchy, std::span<const std::byte> byt
     const auto place = [&] { return "cell " + std::to_string(c); };
     if (XXH3_64bits(bytes.data() + record.offset, payload_bytes(record, cell.parent == no_cell)) != record.checksum)
       refuse(file, place(), "the checksum does not fit: the file was altered");
-    const std::size_t parents = cell.parent == no_cell ? 0 : hierarchy.cells[cell.parent].positions.size();
-    if (const char* fault = fault_of(cell, parents)) refuse(file, place(), fault);
+    if (const char* fault = payload_fault(hierarchy, c)) refuse(file, place(), fault);
   }
 }
 
