@@ -3,13 +3,13 @@
 #include <png.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 
 #include "core/base/error.h"
-#include "render/shading.h"
 
 namespace lodestone {
 namespace {
@@ -75,9 +75,12 @@ void copy_into(const Image& from, Image& to, int left, int top) {
   }
 }
 
-Image filled(ImageSize size) {
+// Between the frames of a contact sheet, lighter than the background of the frames.
+constexpr std::array<std::uint8_t, channels> sheet_colour{58, 62, 70, 255};
+
+Image empty_sheet(ImageSize size) {
   Image image{size, std::vector<std::uint8_t>(channels * pixels(size)), {}};
-  for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = shading::background[i % channels];
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) image.rgba[i] = sheet_colour[i % channels];
   return image;
 }
 
@@ -161,7 +164,7 @@ Image contact_sheet(std::span<const Image> frames, const ContactSheetConfig& con
   const auto scaled = static_cast<int>(std::lround(static_cast<double>(full.height) * width / full.width));
   const int height = std::clamp(scaled, 1, full.height);
 
-  Image sheet = filled({columns * (width + gap) + gap, rows * (height + gap) + gap});
+  Image sheet = empty_sheet({columns * (width + gap) + gap, rows * (height + gap) + gap});
   for (int i = 0; i < count; ++i)
     copy_into(downscale(frames[static_cast<std::size_t>(i)], {width, height}), sheet,
               gap + (i % columns) * (width + gap), gap + (i / columns) * (height + gap));
