@@ -12,6 +12,8 @@ PROGRAM = None
 
 
 class Documents(unittest.TestCase):
+    maxDiff = None
+
     def markdown(self):
         for path in docs.sources.files(SOURCE_DIR):
             if path.suffix == ".md":
