@@ -11,16 +11,11 @@
 #include "core/hierarchy/hierarchy.h"
 #include "parallel/scheduler.h"
 #include "render/camera.h"
+#include "render/image.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
-
-struct Image {
-  ImageSize size;
-  std::vector<std::uint8_t> rgba;  // 4 bytes a pixel, rows from the top
-  std::vector<float> depth;        // window depth in [0, 1], 1 = nothing; rows from the top; may be empty
-};
 
 // Everything that a frame depends on. The selection has been made; a backend draws its visible cells.
 struct Frame {

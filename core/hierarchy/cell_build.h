@@ -15,7 +15,7 @@ namespace lodestone {
 //
 // After the finest level a copy may know less than the whole truth: what a neighbouring block added by collapses. It
 // always knows one cell of every block that uses the vertex beside its own, or learns it when copies are merged, so the
-// question is still answered exactly (docs/architecture.md gives the argument).
+// question is still answered exactly (docs/decisions/0003-usage-boxes.md gives the argument).
 struct UsageBox {
   CellCoord lo{0xffff, 0xffff, 0xffff}, hi{0, 0, 0};
   void extend(CellCoord c);

@@ -121,16 +121,20 @@ def local_paths(root):
 
 
 CITATION = re.compile(r"\b([A-Z][a-z]+)(?: (?:et al\.|(?:&|and) [A-Z][a-z]+),?)? \(?((?:19|20)\d\d)\b")
+KEY = re.compile(r"\b[a-z]{3,}(?:19|20)\d\d\b")
 MONTHS = {"January", "February", "March", "April", "May", "June", "July", "August", "September", "October", "November",
           "December"}
 
 
 def citations(root):
-    """Papers named in code or documents by author and year that docs/bibliography.bib does not hold."""
+    """Papers named in code or documents, by author and year or by key, that docs/bibliography.bib does not hold."""
     keys = set(re.findall(r"^@\w+\{([^,]+),", (root / "docs/bibliography.bib").read_text(), re.MULTILINE))
     for path in sources.files(root):
         if path.suffix not in {".h", ".cpp", ".md"}:
             continue
-        for author, year in CITATION.findall(sources.text(root, path)):
+        text = sources.text(root, path)
+        for key in set(KEY.findall(text)) - keys:
+            yield f"{path}: cites {key}, which docs/bibliography.bib does not hold"
+        for author, year in CITATION.findall(text):
             if author not in MONTHS and not any(key.startswith((author + year).lower()) for key in keys):
                 yield f"{path}: cites {author} {year}, which docs/bibliography.bib does not hold"

@@ -34,7 +34,7 @@ CONFINED = [
     Confined("oneTBB", r"#\s*include\s*<(oneapi/)?tbb/|\btbb::", r"parallel/[^/]*\.cpp$"),
     Confined("threads of the standard library",
              r"#\s*include\s*<(thread|future|execution|omp\.h|pthread\.h)>", r"(parallel|tests|bench)/"),
-    Confined("locks and atomics", r"#\s*include\s*<(mutex|shared_mutex|condition_variable|semaphore|atomic)>",
+    Confined("locks", r"#\s*include\s*<(mutex|shared_mutex|condition_variable|semaphore)>",
              r"(parallel|render|experiments|tests|bench)/"),
     Confined("OpenGL, EGL or epoxy", r"#\s*include\s*<(GL|GLES\d?|EGL|KHR|epoxy)/", r"render/(backends/gl|viewer)[/_.]"),
     Confined("GLFW", r"#\s*include\s*<GLFW/", r"render/(backends/gl|viewer)[/_.]"),

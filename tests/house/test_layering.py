@@ -11,6 +11,8 @@ SOURCE_DIR = pathlib.Path(__file__).resolve().parents[2]
 
 
 class SourceTree(unittest.TestCase):
+    maxDiff = None
+
     def test_has_no_violation(self):
         self.assertEqual(list(layering.violations(SOURCE_DIR)), [])
 

@@ -1,0 +1,77 @@
+#include "core/io/fixed_layout.h"
+
+#include <cassert>
+
+namespace lodestone {
+namespace {
+
+template <class T, std::endian order>
+void decode_vertices_as(const VertexLayout& layout, const char* record, std::span<Vec3d> out) {
+  const auto [x, y, z] = layout.coordinates;
+  for (Vec3d& position : out) {
+    position = {static_cast<double>(load<T, order>(record + x.offset)),
+                static_cast<double>(load<T, order>(record + y.offset)),
+                static_cast<double>(load<T, order>(record + z.offset))};
+    record += layout.stride;
+  }
+}
+
+template <std::endian order>
+std::size_t decode_triangles_as(const TriangleLayout& layout, const char* record, std::uint32_t vertex_count,
+                                std::span<Triangle> out) {
+  record += layout.count_offset;
+  for (std::size_t i = 0; i < out.size(); ++i, record += layout.stride) {
+    const Triangle triangle{{load<std::uint32_t, order>(record + 1), load<std::uint32_t, order>(record + 5),
+                             load<std::uint32_t, order>(record + 9)}};
+    // Negative indices are large ones here. One branch for the four conditions: it is never taken in sound files.
+    const bool sound = (record[0] == 3) & (triangle.v[0] < vertex_count) & (triangle.v[1] < vertex_count) &
+                       (triangle.v[2] < vertex_count);
+    if (!sound) return i;
+    out[i] = triangle;
+  }
+  return out.size();
+}
+
+}  // namespace
+
+void decode_vertices(const VertexLayout& layout, std::span<const char> bytes, std::span<Vec3d> out) {
+  assert(bytes.size() >= out.size() * layout.stride);
+  const auto [x, y, z] = layout.coordinates;
+  const bool big = layout.byte_order == std::endian::big;
+  if (x.type == y.type && y.type == z.type) {
+    with_scalar_type(x.type, [&](auto zero) {
+      using T = decltype(zero);
+      big ? decode_vertices_as<T, std::endian::big>(layout, bytes.data(), out)
+          : decode_vertices_as<T, std::endian::little>(layout, bytes.data(), out);
+    });
+    return;
+  }
+  const char* record = bytes.data();
+  for (Vec3d& position : out) {
+    position = {load_as<double>(x.type, layout.byte_order, record + x.offset),
+                load_as<double>(y.type, layout.byte_order, record + y.offset),
+                load_as<double>(z.type, layout.byte_order, record + z.offset)};
+    record += layout.stride;
+  }
+}
+
+std::size_t decode_triangles(const TriangleLayout& layout, std::span<const char> bytes, std::uint32_t vertex_count,
+                             std::span<Triangle> out) {
+  assert(bytes.size() >= out.size() * layout.stride);
+  return layout.byte_order == std::endian::big
+             ? decode_triangles_as<std::endian::big>(layout, bytes.data(), vertex_count, out)
+             : decode_triangles_as<std::endian::little>(layout, bytes.data(), vertex_count, out);
+}
+
+void decode_stl_corners(std::span<const char> bytes, std::span<Vec3d> out) {
+  assert(out.size() % 3 == 0 && bytes.size() >= out.size() / 3 * stl_facet_bytes);
+  const char* record = bytes.data();
+  for (std::size_t i = 0; i < out.size(); i += 3, record += stl_facet_bytes) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const char* xyz = record + 12 + 12 * corner;
+      out[i + corner] = {load<float>(xyz), load<float>(xyz + 4), load<float>(xyz + 8)};
+    }
+  }
+}
+
+}  // namespace lodestone

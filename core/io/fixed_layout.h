@@ -1,0 +1,50 @@
+// Kernels that decode a run of fixed-size records of a binary mesh file: pure functions of bytes, which a parallel
+// reader calls on any range of records.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/io/scalar.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+// A vertex record of `stride` bytes with three scalars somewhere in it.
+struct VertexLayout {
+  struct Coordinate {
+    std::size_t offset = 0;
+    ScalarType type{};
+  };
+  std::size_t stride = 0;
+  std::array<Coordinate, 3> coordinates;
+  std::endian byte_order = std::endian::little;
+};
+
+// A face record that is `stride` bytes long when it is a triangle: a one-byte corner count that has to be 3, directly
+// followed by three 32-bit indices, with other scalars before and behind.
+struct TriangleLayout {
+  std::size_t stride = 0;
+  std::size_t count_offset = 0;
+  std::endian byte_order = std::endian::little;
+};
+
+// Decodes out.size() records; `bytes` holds at least that many.
+void decode_vertices(const VertexLayout& layout, std::span<const char> bytes, std::span<Vec3d> out);
+
+// The same for triangles. Returns how many it decoded before the first record that is no triangle, or that has an index
+// of vertex_count or more: the caller turns to the general reader there.
+[[nodiscard]] std::size_t decode_triangles(const TriangleLayout& layout, std::span<const char> bytes,
+                                           std::uint32_t vertex_count, std::span<Triangle> out);
+
+// Binary STL: 84 bytes of header, then records of a normal, three corners and two more bytes.
+inline constexpr std::size_t stl_header_bytes = 84;
+inline constexpr std::size_t stl_facet_bytes = 50;
+
+// Decodes out.size() / 3 facets into their corners.
+void decode_stl_corners(std::span<const char> bytes, std::span<Vec3d> out);
+
+}  // namespace lodestone

@@ -1,0 +1,90 @@
+#include "core/io/mesh_file.h"
+
+#include <cctype>
+#include <new>
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/io/mesh_readers.h"
+
+namespace lodestone {
+namespace {
+
+std::optional<MeshFormat> format_of_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".ply") return MeshFormat::ply;
+  if (extension == ".obj") return MeshFormat::obj;
+  if (extension == ".stl") return MeshFormat::stl;
+  if (extension == ".off") return MeshFormat::off;
+  if (extension == ".drc") return MeshFormat::draco;
+  return std::nullopt;
+}
+
+std::optional<MeshFormat> format_of_content(ByteReader& input) {
+  const std::string_view head = input.window(4096).substr(0, 4096);
+  if (head.starts_with("ply")) return MeshFormat::ply;
+  if (head.starts_with("DRACO")) return MeshFormat::draco;
+  if (head.substr(0, head.find_first_of(" \t\r\n")).ends_with("OFF")) return MeshFormat::off;
+  if (head.size() >= 84 && head.find('\0') != std::string_view::npos) {
+    if (is_binary_stl(head, input.size())) return MeshFormat::stl;
+  } else if (head.starts_with("solid")) {
+    return MeshFormat::stl;
+  } else if (head.starts_with("v ") || head.find("\nv ") != std::string_view::npos) {
+    return MeshFormat::obj;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input) {
+  if (const auto format = format_of_extension(path)) return *format;
+  if (const auto format = format_of_content(input)) return *format;
+  throw UnsupportedError(
+      describe(input.name(), "", "is of no known mesh format", "give a .ply, .obj, .stl, .off or .drc file"));
+}
+
+RawMesh read_mesh(ByteReader& input, MeshFormat format) {
+  if (input.size() == 0) throw InputError(describe(input.name(), "", "is empty", "give a mesh with triangles"));
+  try {
+    RawMesh mesh = [&] {
+      switch (format) {
+        case MeshFormat::ply:
+          return read_ply(input);
+        case MeshFormat::obj:
+          return read_obj(input);
+        case MeshFormat::stl:
+          return read_stl(input);
+        case MeshFormat::off:
+          return read_off(input);
+        case MeshFormat::draco:
+          break;
+      }
+      return read_draco(input);
+    }();
+    require_triangles(mesh, input.name());
+    return mesh;
+  } catch (const std::bad_alloc&) {
+    throw_out_of_memory(input.name());
+  }
+}
+
+RawMesh read_mesh(const std::filesystem::path& path) {
+  ByteReader input(path);
+  if (input.size() == 0) throw InputError(describe(input.name(), "", "is empty", "give a mesh with triangles"));
+  return read_mesh(input, mesh_format(path, input));
+}
+
+void require_triangles(const RawMesh& mesh, const std::string& name) {
+  if (!mesh.triangles.empty()) return;
+  std::string what = "holds no triangle (" + std::to_string(mesh.positions.size()) + " vertices";
+  if (mesh.faces_dropped != 0) what += ", " + std::to_string(mesh.faces_dropped) + " faces of fewer than 3 corners";
+  throw InputError(describe(name, "", what + ")", "give a mesh with triangles"));
+}
+
+void throw_out_of_memory(const std::string& name) {
+  throw ResourceError(describe(name, "", "there is not enough memory to read it", "give a smaller mesh"));
+}
+
+}  // namespace lodestone
