@@ -20,15 +20,18 @@ class Users {
     std::sort(users_.begin(), users_.end());
   }
 
-  // First cell other than `cell` that uses the vertex and satisfies the condition; no_cell if there is none.
+  // A cell other than `cell` that uses the vertex: preferably one that satisfies the condition; no_cell without any.
   template <typename Condition>
   [[nodiscard]] std::uint32_t find(std::uint32_t id, std::uint32_t cell, const Condition& condition) const {
+    std::uint32_t found = no_cell;
     for (auto user = std::lower_bound(users_.begin(), users_.end(), std::uint64_t{id} << 32);
          user != users_.end() && *user >> 32 == id; ++user) {
       const auto other = static_cast<std::uint32_t>(*user);
-      if (other != cell && condition(other)) return other;
+      if (other == cell) continue;
+      found = other;
+      if (condition(other)) break;
     }
-    return no_cell;
+    return found;
   }
 
  private:
@@ -51,24 +54,42 @@ Vec3f viewpoint_behind(DistanceMetric metric, Vec3f u, const Box3f& box, double 
   return to_float(z + (radius / norm(metric, way)) * way);
 }
 
-// The view of the cell's vertex of largest reach that promises a crack.
-std::optional<AdversarialView> best_view(const Hierarchy& hierarchy, const Radii& radii, int level, std::uint32_t index,
-                                         const Users& users, float slack) {
+AdversarialView view_of_vertex(const Hierarchy& hierarchy, const Radii& radii, int level, std::uint32_t index,
+                               std::uint32_t u, const Users& users, double slack) {
   const Cell& cell = hierarchy.cells[index];
-  const Cell& parent = hierarchy.cells[cell.parent];
   const float radius = radii.select[static_cast<std::size_t>(level)];
-  std::optional<AdversarialView> best;
+  const auto behind = [&](double r) { return viewpoint_behind(radii.metric, cell.positions[u], cell.bounds, r); };
+  const Vec3f inside = behind(radius * (1 - slack)), outside = behind(radius * (1 + slack));
+  const auto unrefined = [&](std::uint32_t c) {
+    return distance(radii.metric, inside, hierarchy.cells[c].bounds) >= radius;
+  };
+  AdversarialView view;
+  view.level = level;
+  view.cell = index;
+  view.vertex = u;
+  view.other = users.find(cell.shared_ids[u - cell.first_shared()], index, unrefined);
+  view.refined = view.other != no_cell && unrefined(view.other);
+  view.viewpoint = view.refined ? inside : outside;
+  view.across = view.refined ? outside : inside;
+  view.reach = farthest_corner_distance(radii.metric, cell.positions[u], cell.bounds) / cell_size(level);
+  return view;
+}
+
+// The view of the cell's shared vertex of largest reach that has somewhere to go.
+std::optional<AdversarialView> best_view(const Hierarchy& hierarchy, const Radii& radii, int level, std::uint32_t index,
+                                         const Users& users, double slack) {
+  const Cell& cell = hierarchy.cells[index];
+  const std::span<const Vec3f> parents = hierarchy.cells[cell.parent].positions;
+  std::optional<std::uint32_t> best;
+  float best_reach = 0;
   for (std::uint32_t u = cell.first_shared(); u < cell.positions.size(); ++u) {
-    const Vec3f position = cell.positions[u];
-    const float reach = farthest_corner_distance(radii.metric, position, cell.bounds) / cell_size(level);
-    if (reach <= (best ? best->reach : 0.0f) || parent.positions[cell.parents[u]] == position) continue;
-    const Vec3f viewpoint = viewpoint_behind(radii.metric, position, cell.bounds, double{radius} * (1 - double{slack}));
-    const std::uint32_t other = users.find(cell.shared_ids[u - cell.first_shared()], index, [&](std::uint32_t c) {
-      return distance(radii.metric, viewpoint, hierarchy.cells[c].bounds) >= radius;
-    });
-    if (other != no_cell) best = {viewpoint, level, index, other, u, reach};
+    const float reach = farthest_corner_distance(radii.metric, cell.positions[u], cell.bounds);
+    if (reach <= best_reach || parents[cell.parents[u]] == cell.positions[u]) continue;
+    best = u;
+    best_reach = reach;
   }
-  return best;
+  if (!best) return std::nullopt;
+  return view_of_vertex(hierarchy, radii, level, index, *best, users, slack);
 }
 
 }  // namespace

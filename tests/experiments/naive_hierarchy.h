@@ -1,6 +1,6 @@
-// The slow, obvious builder: section by section the definitions of docs/architecture.md, with maps and sets over the
+// The slow, obvious builder: one by one the definitions of docs/architecture.md, with maps and sets over the
 // whole level. The twin of build_hierarchy for tests; its simplifier clusters the vertices of a level on a grid whose
-// diagonal is the bound of (1), each cluster moving to its mean.
+// half diagonal is the bound of (1).
 #pragma once
 
 #include <array>
@@ -65,19 +65,17 @@ inline NaiveLevel naive_finest(const IndexedMesh& mesh, int finest) {
   return level;
 }
 
-// P of a whole level: one cluster, its mean, the lowest id of its members.
+// P of a whole level: the vertices in a cube of a grid become one, with the lowest id among them, at the cube's centre.
+// So nearly every vertex moves at every level, some by all that (1) allows.
 inline void naive_simplify(NaiveLevel& fine, NaiveLevel& coarse, double max_displacement) {
-  const double side = 0.999 * max_displacement / std::sqrt(3.0);
-  std::map<std::tuple<long, long, long>, std::vector<std::uint32_t>> clusters;
-  for (const auto& [id, p] : fine.positions)
-    clusters[{std::lround(std::floor(p.x / side)), std::lround(std::floor(p.y / side)),
-              std::lround(std::floor(p.z / side))}]
-        .push_back(id);
-  for (const auto& [key, members] : clusters) {
-    Vec3d sum;
-    for (const std::uint32_t id : members) sum = sum + to_double(fine.positions[id]);
-    coarse.positions[members.front()] = to_float((1 / static_cast<double>(members.size())) * sum);
-    for (const std::uint32_t id : members) fine.parents[id] = members.front();
+  const double side = 0.999 * 2 * max_displacement / std::sqrt(3.0);
+  std::map<std::tuple<long, long, long>, std::uint32_t> clusters;
+  for (const auto& [id, p] : fine.positions) {
+    const auto slot = [&](float x) { return std::lround(std::floor(x / side)); };
+    const auto centre = [&](float x) { return (static_cast<double>(slot(x)) + 0.5) * side; };
+    const auto [cluster, is_new] = clusters.try_emplace({slot(p.x), slot(p.y), slot(p.z)}, id);
+    if (is_new) coarse.positions[id] = to_float(Vec3d{centre(p.x), centre(p.y), centre(p.z)});
+    fine.parents[id] = cluster->second;
   }
 }
 
