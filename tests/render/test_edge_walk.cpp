@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
-#include <map>
 #include <random>
 #include <utility>
 #include <vector>
@@ -61,9 +61,9 @@ class Random {
 TEST(EdgeWalk, EqualsItsDefinition) {
   Random random(1);
   for (int i = 0; i < 400; ++i) {
-    // Small ones in 32 bits, and some reaching 20,000 pixels beyond the canvas in 64 bits.
-    const int margin = i % 4 ? 10 : 20000;
-    const SnappedPoint a = random.point(margin), b = random.point(margin), c = random.point(i % 8 ? margin : 10);
+    // Small ones, which are walked in 32 bits, those just too large for that, and some 20,000 pixels long.
+    const int margin = std::array{10, 20, 300, 20000}[static_cast<std::size_t>(i % 4)];
+    const SnappedPoint a = random.point(margin), b = random.point(margin), c = random.point(i % 8 < 4 ? margin : 10);
     if (doubled_area(a, b, c) == 0) continue;
     Counts counts(width * height);
     draw(a, b, c, canvas, counts);

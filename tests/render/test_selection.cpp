@@ -155,6 +155,33 @@ TEST(Selection, CullingIsConservativeAndCulls) {
   EXPECT_GT(culled, 1000u);
 }
 
+// Morphed vertices leave the bounds of their cell. Half-spaces that hold such a vertex and nothing of the bounds.
+TEST(Selection, CellsWhoseMorphedVerticesAreInViewAreVisible) {
+  std::mt19937 random(4);
+  const Hierarchy& h = torus().hierarchy;
+  const Radii radii = radii_of(h, 1);
+  std::size_t met = 0;
+  for (int i = 0; i < 20; ++i) {
+    const MorphContext morph{&h, &radii, Blend::early, random_point(random, -0.3f, 1.3f)};
+    Selection whole, culled;
+    select_cells(h, radii, morph.viewpoint, {}, whole);
+    for (const SelectedCell& s : whole.cells) {
+      const Cell& cell = h.cells[s.cell];
+      std::vector<Vec3f> positions(cell.positions.size());
+      morph_cell(morph, s.cell, positions);
+      const auto top = std::ranges::max_element(positions, {}, &Vec3f::z);
+      if (top->z <= cell.bounds.hi.z) continue;
+      ++met;
+      Frustum above;
+      above.fill({{0, 0, 0}, 1});
+      above[0] = {{0, 0, 1}, -top->z};
+      select_cells(h, radii, morph.viewpoint, {&above, false}, culled);
+      EXPECT_TRUE(std::ranges::any_of(culled.cells, [&](const SelectedCell& c) { return c.cell == s.cell; }));
+    }
+  }
+  EXPECT_GT(met, 20u) << "hardly any vertex left its bounds: the test says nothing";
+}
+
 TEST(Selection, LeavingCulledCellsOutChangesNothingElse) {
   const Hierarchy& h = torus().hierarchy;
   const Radii radii = radii_of(h, 3);
