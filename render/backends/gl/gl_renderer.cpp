@@ -122,6 +122,10 @@ class MultiDrawRenderer final : public GlRenderer {
     glNamedBufferStorage(captured.name(), bytes, nullptr, 0);
     check_memory("capturing the drawn triangles");
     glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.name());
+    const GlFramebuffer nowhere;  // without a window there is none that could stay bound
+    glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_WIDTH, 1);
+    glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_HEIGHT, 1);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, nowhere.name());
     glEnable(GL_RASTERIZER_DISCARD);
     glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written.name());
     glBeginTransformFeedback(GL_TRIANGLES);
