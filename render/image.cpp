@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "core/io/atomic_file.h"
 
 namespace lodestone {
 namespace {
@@ -92,15 +93,13 @@ void write_png(const std::string& file, const Image& image) {
   png.header.width = static_cast<png_uint_32>(image.size.width);
   png.header.height = static_cast<png_uint_32>(image.size.height);
   png.header.format = PNG_FORMAT_RGBA;
-  const std::string aside = file + ".part";
-  File out(std::fopen(aside.c_str(), "wb"));
-  if (!out) throw FileError(describe(file, {}, "cannot be written"));
-  const bool encoded = png_image_write_to_stdio(&png.header, out.get(), 0, image.rgba.data(), 0, nullptr) != 0;
-  const bool closed = std::fclose(out.release()) == 0;
-  if (!encoded || !closed || std::rename(aside.c_str(), file.c_str()) != 0) {
-    std::remove(aside.c_str());
-    throw FileError(describe(file, {}, "cannot be written", encoded ? "" : png.header.message));
-  }
+  std::vector<std::byte> bytes(PNG_IMAGE_PNG_SIZE_MAX(png.header));
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&png.header, bytes.data(), &size, 0, image.rgba.data(), 0, nullptr) == 0)
+    throw ResourceError(describe(file, {}, "the picture cannot be encoded", png.header.message));
+  AtomicFile out(file);
+  out.write(std::span(bytes).first(size));
+  out.commit();
 }
 
 Image read_png(const std::string& file) {

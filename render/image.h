@@ -16,8 +16,8 @@ struct Image {
   std::vector<float> depth;        // window depth in [0, 1], 1 = nothing; rows from the top; may be empty
 };
 
-// Colour only, 8 bits a channel, no time stamp: equal pictures give equal files. Written to a temporary name, then
-// renamed. Throws InputError for an empty picture, FileError when the file cannot be written.
+// Colour only, 8 bits a channel, no time stamp: equal pictures give equal files, complete or not there. Throws
+// InputError for an empty picture, FileError when the file cannot be written.
 void write_png(const std::string& file, const Image& image);
 
 // Any PNG, converted to 8-bit RGBA. Throws FileError when it cannot be opened, InputError when it is no sound PNG.

@@ -74,4 +74,12 @@ void decode_stl_corners(std::span<const char> bytes, std::span<Vec3d> out) {
   }
 }
 
+void number_corners(std::span<Triangle> out, std::uint64_t first) {
+  auto corner = static_cast<std::uint32_t>(first);
+  for (Triangle& triangle : out) {
+    triangle = {{corner, corner + 1, corner + 2}};
+    corner += 3;
+  }
+}
+
 }  // namespace lodestone

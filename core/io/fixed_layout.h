@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 #include "core/io/scalar.h"
 #include "core/mesh/indexed_mesh.h"
@@ -44,7 +45,13 @@ void decode_vertices(const VertexLayout& layout, std::span<const char> bytes, st
 inline constexpr std::size_t stl_header_bytes = 84;
 inline constexpr std::size_t stl_facet_bytes = 50;
 
+// The number of facets in the first 84 bytes.
+[[nodiscard]] inline std::uint64_t declared_stl_facets(std::string_view head) {
+  return load<std::uint32_t>(head.data() + 80);
+}
 // Decodes out.size() / 3 facets into their corners.
 void decode_stl_corners(std::span<const char> bytes, std::span<Vec3d> out);
+// Triangles of unshared corners: (first, first + 1, first + 2), and so on.
+void number_corners(std::span<Triangle> out, std::uint64_t first);
 
 }  // namespace lodestone

@@ -8,15 +8,12 @@
 #include "core/io/fixed_layout.h"
 #include "core/io/mesh_readers.h"
 #include "core/io/polygon_fan.h"
-#include "core/io/scalar.h"
 #include "core/io/text_scanner.h"
 
 namespace lodestone {
 namespace {
 
 constexpr const char* truncated = "the file is truncated";
-
-std::uint64_t declared_facets(std::string_view head) { return load<std::uint32_t>(head.data() + 80); }
 
 bool begins_with_solid(std::string_view head) {
   const std::size_t first = std::min(head.find_first_not_of(" \t\r\n"), head.size());
@@ -34,7 +31,7 @@ RawMesh read_binary(ByteReader& input) {
   const std::uint64_t size = input.size();
   if (size < stl_header_bytes)
     throw InputError(describe(input.name(), "header", "holds " + std::to_string(size) + " bytes of 84", truncated));
-  const std::uint64_t facets = declared_facets(input.window(stl_header_bytes));
+  const std::uint64_t facets = declared_stl_facets(input.window(stl_header_bytes));
   const std::uint64_t held = (size - stl_header_bytes) / stl_facet_bytes;
   if (facets > held)
     throw InputError(describe(input.name(), "byte 80",
@@ -54,7 +51,7 @@ RawMesh read_binary(ByteReader& input) {
     input.advance(count * stl_facet_bytes);
     first += count;
   }
-  for (std::uint32_t i = 0; i < facets; ++i) mesh.triangles[i] = {{3 * i, 3 * i + 1, 3 * i + 2}};
+  number_corners(mesh.triangles, 0);
   return mesh;
 }
 
@@ -128,7 +125,7 @@ class AsciiStl {
 }  // namespace
 
 bool is_binary_stl(std::string_view head, std::uint64_t size) {
-  if (head.size() >= stl_header_bytes && size == stl_header_bytes + stl_facet_bytes * declared_facets(head))
+  if (head.size() >= stl_header_bytes && size == stl_header_bytes + stl_facet_bytes * declared_stl_facets(head))
     return true;
   // The size fits no facet count, so it is text or damaged; text has no zero bytes, and the header of a binary file
   // that begins with "solid" is padded with them.

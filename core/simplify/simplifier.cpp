@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/simplify/cluster.h"
-#include "core/simplify/quadric_reference.h"
+#include "core/simplify/quadric_simplifier.h"
 
 namespace lodestone {
 namespace {
@@ -25,7 +25,7 @@ SimplifierKind simplifier_kind(std::string_view name) {
 std::string_view name_of(SimplifierKind kind) { return names.at(static_cast<std::size_t>(kind)); }
 
 std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind) {
-  return kind == SimplifierKind::cluster ? make_cluster_simplifier() : make_quadric_reference();
+  return kind == SimplifierKind::cluster ? make_cluster_simplifier() : make_quadric_simplifier();
 }
 
 }  // namespace lodestone

@@ -13,8 +13,9 @@
 #include "render/lod/radii.h"
 #include "render/renderer.h"
 #include "tests/render/small_hierarchy.h"
+#include "tests/test_meshes.h"
 
-namespace lodestone::testing {
+namespace lodestone::test {
 
 // Backends differ where rounding moves an edge or the order of two nearly equal depths by a pixel, and nowhere else.
 struct ConformanceTolerance {
@@ -47,30 +48,38 @@ inline RadiiConfig kappa0(float value, RadiiRule rule = RadiiRule::per_level) {
   return config;
 }
 
+// Given in normalised space.
+inline Camera camera(const Hierarchy& hierarchy, Vec3d position, Vec3d target, double vertical_fov = 0.785) {
+  const auto to_model = [&](Vec3d p) { return hierarchy.transform.origin + hierarchy.transform.scale * p; };
+  return {to_model(position), to_model(target), {0, 0, 1}, vertical_fov};
+}
+
 }  // namespace detail
 
 inline std::vector<ConformanceScene> conformance_scenes() {
-  using detail::kappa0;
-  static const auto bumpy_torus = detail::shared(torus(96, 48), 3);
-  static const auto terrain = detail::shared(hills(64), 3);
-  static const auto sphere = detail::shared(ball(24), 2);
-  static const auto one_cell = detail::shared(ball(4), 0);
-  const Camera outside{{0.4, -0.55, 1.0}, {0.5, 0.5, 0.5}};
-  const Camera low_over_hills{{0.1, 0.1, 0.36}, {0.8, 0.7, 0.2}, {0, 0, 1}, 1.2};
+  using detail::camera, detail::kappa0;
+  static const auto torus = detail::shared(torus_mesh(96, 48), 3);
+  static const auto terrain = detail::shared(terrain_mesh(64), 3);
+  static const auto sphere = detail::shared(sphere_mesh(4), 2);
+  static const auto one_cell = detail::shared(sphere_mesh(1), 0);
+  const auto outside = [](const auto& h) { return camera(*h, {0.4, -0.55, 0.6}, {0.5, 0.5, 0.1}); };
+  const Camera above_torus = camera(*torus, {0.2, 0.1, 0.45}, {0.6, 0.5, 0.1});
+  const Camera low_over_hills = camera(*terrain, {0.1, 0.1, 0.22}, {0.8, 0.7, 0.05}, 1.2);
+  const Camera above_hills = camera(*terrain, {0.5, 0.5, 1.6}, {0.5, 0.5, 0});  // along its up: another is chosen
+  const Camera inside = camera(*sphere, {0.5, 0.5, 0.5}, {1, 0.7, 0.6});
+  const Camera away = camera(*sphere, {0.5, -1, 0.5}, {0.5, -2, 0.5});
   std::vector<ConformanceScene> scenes;
-  scenes.push_back({"finest", bumpy_torus, outside, kappa0(1000)});
-  scenes.push_back({"coarse", bumpy_torus, outside, kappa0(0.01f)});
-  scenes.push_back({"morphing", bumpy_torus, outside, kappa0(2.5f)});
-  scenes.push_back({"tinted", bumpy_torus, {{0.2, 0.1, 0.75}, {0.6, 0.5, 0.5}}, kappa0(2), Blend::linear, {}, true});
-  scenes.back().size = {317, 241};  // no multiple of anything
+  scenes.push_back({"finest", torus, outside(torus), kappa0(1000)});
+  scenes.push_back({"coarse", torus, outside(torus), kappa0(0.01f)});
+  scenes.push_back({"morphing", torus, outside(torus), kappa0(2.5f)});
+  scenes.push_back({"tinted", torus, above_torus, kappa0(2), Blend::linear, {317, 241}, true});
   scenes.push_back({"near_plane", terrain, low_over_hills, kappa0(2), Blend::cosine});
-  scenes.push_back({"inside", sphere, {{0.5, 0.5, 0.5}, {1, 0.7, 0.6}}, kappa0(2), Blend::smootherstep});
-  scenes.push_back({"step_inadmissible", bumpy_torus, outside, kappa0(0.8f, RadiiRule::uniform), Blend::step});
-  scenes.push_back({"looking_away", sphere, {{0.5, -1, 0.5}, {0.5, -2, 0.5}}, kappa0(2)});
-  scenes.push_back({"root_only", one_cell, {{0.5, -1, 0.5}, {0.5, 0.5, 0.5}}, kappa0(2)});
-  scenes.push_back({"straight_down", terrain, {{0.5, 0.5, 2}, {0.5, 0.5, 0}}, kappa0(3)});
-  scenes.push_back({"one_pixel", sphere, outside, kappa0(2)});
-  scenes.back().size = {1, 1};
+  scenes.push_back({"inside", sphere, inside, kappa0(2), Blend::smootherstep});
+  scenes.push_back({"step_inadmissible", torus, outside(torus), kappa0(0.8f, RadiiRule::uniform), Blend::step});
+  scenes.push_back({"looking_away", sphere, away, kappa0(2)});
+  scenes.push_back({"root_only", one_cell, outside(one_cell), kappa0(2)});
+  scenes.push_back({"straight_down", terrain, above_hills, kappa0(3)});
+  scenes.push_back({"one_pixel", sphere, outside(sphere), kappa0(2), Blend::smoothstep, {1, 1}});
   return scenes;
 }
 
@@ -121,4 +130,4 @@ inline void expect_conformance(const Image& image, const Image& reference, const
   EXPECT_TRUE(d.mean_absolute <= tolerance.mean_absolute || d.differing <= 1) << d.mean_absolute;
 }
 
-}  // namespace lodestone::testing
+}  // namespace lodestone::test

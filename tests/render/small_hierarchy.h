@@ -11,85 +11,13 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <set>
 #include <tuple>
 #include <vector>
 
 #include "core/hierarchy/hierarchy.h"
 
-namespace lodestone::testing {
-
-// ---- meshes in the unit cube ----
-
-// Height field of n x n quads over [0,1]^2, rolling hills; open.
-inline IndexedMesh hills(int n) {
-  IndexedMesh mesh;
-  const auto at = [&](int i) { return static_cast<float>(i) / static_cast<float>(n); };
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i)
-      mesh.positions.push_back({at(i), at(j),
-                                0.2f + 0.1f * std::sin(7 * at(i)) * std::cos(5 * at(j)) +
-                                    0.03f * std::sin(31 * at(i) + 3) * std::sin(23 * at(j))});
-  const auto id = [n](int i, int j) { return static_cast<std::uint32_t>(j * (n + 1) + i); };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      mesh.triangles.push_back({{id(i, j), id(i + 1, j), id(i + 1, j + 1)}});
-      mesh.triangles.push_back({{id(i, j), id(i + 1, j + 1), id(i, j + 1)}});
-    }
-  return mesh;
-}
-
-// Closed surface of rings x sectors quads around a tube; `bump` waves on it.
-inline IndexedMesh torus(int rings, int sectors, float bump = 0.02f) {
-  IndexedMesh mesh;
-  constexpr float two_pi = 2 * std::numbers::pi_v<float>;
-  for (int j = 0; j < rings; ++j)
-    for (int i = 0; i < sectors; ++i) {
-      const float u = two_pi * static_cast<float>(j) / static_cast<float>(rings);
-      const float v = two_pi * static_cast<float>(i) / static_cast<float>(sectors);
-      const float tube = 0.13f + bump * std::sin(9 * u) * std::sin(4 * v);
-      const float r = 0.34f + tube * std::cos(v);
-      mesh.positions.push_back({0.5f + r * std::cos(u), 0.5f + r * std::sin(u), 0.5f + tube * std::sin(v)});
-    }
-  const auto id = [=](int i, int j) { return static_cast<std::uint32_t>((j % rings) * sectors + i % sectors); };
-  for (int j = 0; j < rings; ++j)
-    for (int i = 0; i < sectors; ++i) {
-      mesh.triangles.push_back({{id(i, j), id(i, j + 1), id(i + 1, j + 1)}});
-      mesh.triangles.push_back({{id(i, j), id(i + 1, j + 1), id(i + 1, j)}});
-    }
-  return mesh;
-}
-
-// Octahedron subdivided n times per edge, pushed out to a sphere of radius 1/2; closed, outwards.
-inline IndexedMesh ball(int n) {
-  IndexedMesh mesh;
-  std::map<std::tuple<int, int, int>, std::uint32_t> ids;
-  const auto id = [&](int x, int y, int z) {
-    const auto [entry, added] = ids.try_emplace({x, y, z}, static_cast<std::uint32_t>(mesh.positions.size()));
-    if (added) {
-      const Vec3f p{static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
-      mesh.positions.push_back(Vec3f{0.5f, 0.5f, 0.5f} + (0.4999f / length(p)) * p);
-    }
-    return entry->second;
-  };
-  for (int octant = 0; octant < 8; ++octant) {
-    const int sx = octant & 1 ? -1 : 1, sy = octant & 2 ? -1 : 1, sz = octant & 4 ? -1 : 1;
-    const auto corner = [&](int i, int j) { return id(sx * i, sy * j, sz * (n - i - j)); };
-    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      if (sx * sy * sz < 0) std::swap(b, c);
-      mesh.triangles.push_back({{a, b, c}});
-    };
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; i + j < n; ++j) {
-        add(corner(i, j), corner(i + 1, j), corner(i, j + 1));
-        if (i + j + 2 <= n) add(corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1));
-      }
-  }
-  return mesh;
-}
-
-// ---- the hierarchy ----
+namespace lodestone::test {
 
 // A hierarchy and what it was made of: `ancestors[l][v]` is the vertex of the mesh that v has become at level l.
 struct SmallHierarchy {
@@ -273,4 +201,4 @@ inline SmallHierarchy small_hierarchy(IndexedMesh mesh, int finest, float sigma0
   return small;
 }
 
-}  // namespace lodestone::testing
+}  // namespace lodestone::test

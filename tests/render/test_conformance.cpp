@@ -1,13 +1,13 @@
 // Every backend draws the same scenes; pictures agree with those of `soft`, counts with those of `null`.
-#include "tests/render/conformance.h"
-
 #include <cstdlib>
 #include <tuple>
+
+#include "tests/render/conformance.h"
 
 namespace lodestone {
 namespace {
 
-using namespace lodestone::testing;
+using namespace lodestone::test;
 
 // To look at: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
 void keep_picture(const std::string& name, const Image& image) {

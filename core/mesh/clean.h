@@ -1,0 +1,46 @@
+// What makes a RawMesh an IndexedMesh: the definition, and its slow, obvious form.
+//
+// In this order: triangles with a corner that is not finite go; the others are normalised into the unit cube by the
+// bounding box of the vertices they use; vertices of equal float32 position *after* normalisation become one (so that
+// the model has no two vertices that the rest of the program could not tell apart), the one that is first in the file;
+// then triangles with two equal vertices go, then all but the first of triangles with the same vertices in the same
+// cyclic order, then vertices that no remaining triangle uses. Survivors keep their order. Triangles of zero area with
+// three distinct vertices stay: they hold the surface together.
+//
+// prepare_mesh (parallel/prepare.h) does the same in parallel.
+#pragma once
+
+#include <string>
+
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+struct Box3d {
+  Vec3d lo, hi;
+};
+
+// The transform that takes the longest side of the box to [0, 1]. Throws InputError when it cannot be computed in
+// double precision (extent beyond 1e308, or positive and below 1e-308). A box without extent gives scale 1.
+[[nodiscard]] Transform normalising_transform(const Box3d& box, const std::string& name = {});
+
+// In [0, 1] without -0; rounding never leads out of the cube.
+[[nodiscard]] inline Vec3f normalise(const Transform& transform, Vec3d position) {
+  const Vec3f p = transform.to_normalised(position);
+  return {(p.x < 1.0f ? p.x : 1.0f) + 0.0f, (p.y < 1.0f ? p.y : 1.0f) + 0.0f, (p.z < 1.0f ? p.z : 1.0f) + 0.0f};
+}
+
+// The same cyclic order, beginning with the smallest id.
+[[nodiscard]] constexpr Triangle canonical(const Triangle& t) {
+  if (t.v[0] < t.v[1]) return t.v[0] < t.v[2] ? t : Triangle{{t.v[2], t.v[0], t.v[1]}};
+  return t.v[1] < t.v[2] ? Triangle{{t.v[1], t.v[2], t.v[0]}} : Triangle{{t.v[2], t.v[0], t.v[1]}};
+}
+
+// Throws InputError with the reasons when no triangle is left; `name` stands for the mesh in messages.
+void require_survivors(const IndexedMesh& mesh, const Repairs& repairs, const std::string& name);
+
+// Cleans on one thread with ordered maps. `repairs` is overwritten. Vertices merged count as welded, all others that go
+// as unreferenced: input vertices = output vertices + welded + unreferenced. Every index of raw is in range.
+[[nodiscard]] IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& name = {});
+
+}  // namespace lodestone

@@ -1,0 +1,113 @@
+#include "parallel/load.h"
+
+#include <atomic>
+#include <limits>
+#include <memory>
+#include <new>
+#include <optional>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/io/fixed_layout.h"
+#include "core/io/mesh_file.h"
+#include "core/io/mesh_readers.h"
+#include "core/io/ply_header.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
+
+// A run of records of fixed size in a file.
+struct Records {
+  std::uint64_t offset = 0, count = 0;
+  std::size_t stride = 0;
+};
+
+// Whether the file holds them and a buffer holds one: asked before memory is allocated for them.
+bool readable(const Records& records, const InputFile& file) {
+  return records.stride > 0 && records.stride <= chunk_bytes && records.offset <= file.size() &&
+         records.count <= (file.size() - records.offset) / records.stride;
+}
+
+// Reads and decodes records in chunks, with one buffer per worker. `decode(bytes, first, count)` returns false when the
+// records are not what the layout promised; then no further chunk is read and the result is false.
+template <class Decode>
+[[nodiscard]] bool read_records(const InputFile& file, const Records& records, Scheduler& scheduler,
+                                const Decode& decode) {
+  std::vector<std::unique_ptr<char[]>> buffers(static_cast<std::size_t>(scheduler.workers()));
+  std::atomic<bool> sound = true;
+  scheduler.for_chunks(records.count, chunk_bytes / records.stride, [&](ChunkRange range) {
+    if (!sound.load(std::memory_order_relaxed)) return;
+    std::unique_ptr<char[]>& buffer = buffers[static_cast<std::size_t>(scheduler.worker_index())];
+    if (!buffer) buffer = std::make_unique_for_overwrite<char[]>(chunk_bytes);
+    const std::size_t count = range.end - range.begin;
+    const std::span<char> bytes(buffer.get(), count * records.stride);
+    const bool complete = file.read_at(records.offset + range.begin * records.stride, bytes) == bytes.size();
+    if (!complete || !decode(std::span<const char>(bytes), range.begin, count)) sound = false;
+  });
+  return sound;
+}
+
+// Each of these is empty when the file is of another layout, or damaged: the general reader knows more and says what.
+std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, Scheduler& scheduler) {
+  const std::optional<PlyFixedLayout> layout = fixed_layout(read_ply_header(head));
+  if (!layout) return std::nullopt;
+  const Records triangles{layout->triangle_offset, layout->triangle_count, layout->triangles.stride};
+  const Records vertices{layout->vertex_offset, layout->vertex_count, layout->vertices.stride};
+  if (!readable(triangles, file) || !readable(vertices, file)) return std::nullopt;
+  RawMesh mesh;
+  mesh.triangles.resize(triangles.count);
+  const auto vertex_count = static_cast<std::uint32_t>(vertices.count);
+  const bool triangles_only =
+      read_records(file, triangles, scheduler, [&](auto bytes, std::size_t first, std::size_t count) {
+        const std::span<Triangle> out = std::span(mesh.triangles).subspan(first, count);
+        return decode_triangles(layout->triangles, bytes, vertex_count, out) == count;
+      });
+  if (!triangles_only) return std::nullopt;
+  mesh.positions.resize(vertices.count);
+  const bool complete = read_records(file, vertices, scheduler, [&](auto bytes, std::size_t first, std::size_t count) {
+    decode_vertices(layout->vertices, bytes, std::span(mesh.positions).subspan(first, count));
+    return true;
+  });
+  if (!complete) return std::nullopt;
+  return mesh;
+}
+
+std::optional<RawMesh> load_stl(const InputFile& file, ByteReader& head, Scheduler& scheduler) {
+  const std::string_view header = head.window(stl_header_bytes);
+  if (header.size() < stl_header_bytes || !is_binary_stl(header, head.size())) return std::nullopt;
+  const Records facets{stl_header_bytes, declared_stl_facets(header), stl_facet_bytes};
+  if (!readable(facets, file) || 3 * facets.count > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
+  RawMesh mesh;
+  mesh.positions.resize(3 * facets.count);
+  mesh.triangles.resize(facets.count);
+  const bool complete = read_records(file, facets, scheduler, [&](auto bytes, std::size_t first, std::size_t count) {
+    decode_stl_corners(bytes, std::span(mesh.positions).subspan(3 * first, 3 * count));
+    number_corners(std::span(mesh.triangles).subspan(first, count), 3 * first);
+    return true;
+  });
+  if (!complete) return std::nullopt;
+  return mesh;
+}
+
+}  // namespace
+
+RawMesh load_mesh(const std::filesystem::path& path, Scheduler& scheduler) {
+  ByteReader head(path);
+  if (head.size() == 0) return read_mesh(path);
+  const MeshFormat format = mesh_format(path, head);
+  try {
+    const InputFile file(path);
+    std::optional<RawMesh> mesh;
+    if (format == MeshFormat::ply) mesh = load_ply(file, head, scheduler);
+    if (format == MeshFormat::stl) mesh = load_stl(file, head, scheduler);
+    if (!mesh) return read_mesh(path);
+    require_triangles(*mesh, head.name());
+    return std::move(*mesh);
+  } catch (const std::bad_alloc&) {
+    throw_out_of_memory(head.name());
+  }
+}
+
+}  // namespace lodestone

@@ -1,0 +1,249 @@
+#include "parallel/prepare.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/io/mesh_file.h"
+#include "core/mesh/clean.h"
+#include "parallel/load.h"
+#include "tests/test_data.h"
+
+namespace lodestone {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+template <class T>
+bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+void expect_same(const IndexedMesh& a, const IndexedMesh& b) {
+  EXPECT_TRUE(same_bytes(a.positions, b.positions));
+  EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
+  EXPECT_EQ(std::memcmp(&a.transform, &b.transform, sizeof(Transform)), 0);
+}
+
+// Prepares with any number of workers, compares each with the serial twin, and returns the mesh.
+IndexedMesh prepared(const RawMesh& raw, Repairs& repairs) {
+  const IndexedMesh expected = clean_mesh(raw, repairs);
+  for (const int threads : {0, 1, 2, 3, 7}) {
+    const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
+    Repairs counted;
+    RawMesh copy = raw;
+    expect_same(expected, prepare_mesh(std::move(copy), counted, *scheduler));
+    EXPECT_EQ(repairs, counted) << threads << " threads";
+  }
+  return expected;
+}
+
+// A tetrahedron that needs no repair, wound outwards.
+RawMesh tetrahedron() {
+  RawMesh raw;
+  raw.positions = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+  raw.triangles = {{{0, 2, 1}}, {{0, 1, 3}}, {{1, 2, 3}}, {{2, 0, 3}}};
+  return raw;
+}
+
+TEST(Prepare, SoundMeshStaysAsItIs) {
+  Repairs repairs;
+  const IndexedMesh mesh = prepared(tetrahedron(), repairs);
+  EXPECT_EQ(repairs, Repairs{});
+  EXPECT_EQ(mesh.triangles, tetrahedron().triangles);
+  EXPECT_EQ(mesh.positions, (std::vector<Vec3f>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}));
+  EXPECT_EQ(mesh.transform, (Transform{{0, 0, 0}, 2}));
+}
+
+TEST(Prepare, DropsTrianglesWithNonFiniteCorners) {
+  RawMesh raw = tetrahedron();
+  raw.positions.push_back({nan, 0, 0});
+  raw.positions.push_back({0, -infinity, 0});
+  raw.triangles.insert(raw.triangles.begin(), {{0, 1, 4}});
+  raw.triangles.push_back({{5, 1, 2}});
+  Repairs repairs;
+  const IndexedMesh mesh = prepared(raw, repairs);
+  EXPECT_EQ(mesh.triangles, tetrahedron().triangles);
+  EXPECT_EQ(repairs, (Repairs{.non_finite_triangles = 2, .unreferenced_vertices = 2}));
+}
+
+TEST(Prepare, BoxIsThatOfVerticesInUse) {
+  RawMesh raw = tetrahedron();
+  raw.positions.push_back({1e9, 1e9, 1e9});
+  raw.positions.push_back({-1e9, 0, 0});
+  raw.positions.push_back({nan, 0, 0});
+  raw.triangles.push_back({{4, 0, 6}});  // goes, and vertex 4 with it
+  Repairs repairs;
+  EXPECT_EQ(prepared(raw, repairs).transform, (Transform{{0, 0, 0}, 2}));
+  EXPECT_EQ(repairs, (Repairs{.non_finite_triangles = 1, .unreferenced_vertices = 3}));
+}
+
+TEST(Prepare, WeldsIntoTheFirstVertexOfEqualPosition) {
+  RawMesh raw = tetrahedron();
+  raw.positions.insert(raw.positions.begin(), {0, 0, 0});  // not in use: does not count as the first
+  for (Triangle& t : raw.triangles)
+    for (std::uint32_t& id : t.v) ++id;
+  raw.positions.push_back({-0.0, 0, 0});       // 5 = 1, although of other bits
+  raw.positions.push_back({2 - 1e-12, 0, 0});  // 6 = 2 in float32, after normalisation
+  raw.triangles[1] = {{5, 6, 4}};
+  Repairs repairs;
+  const IndexedMesh mesh = prepared(raw, repairs);
+  EXPECT_EQ(mesh.triangles, tetrahedron().triangles);
+  EXPECT_EQ(repairs, (Repairs{.welded_vertices = 2, .unreferenced_vertices = 1}));
+}
+
+TEST(Prepare, DropsDegenerateAndDuplicateButNotTurnedOrFlatTriangles) {
+  RawMesh raw = tetrahedron();
+  raw.positions.push_back({1, 0, 0});
+  raw.positions.push_back({2, 0, 0});
+  raw.triangles.push_back({{1, 1, 2}});  // degenerate
+  raw.triangles.push_back({{1, 5, 2}});  // degenerate after welding
+  raw.triangles.push_back({{3, 1, 2}});  // the third one again, begun elsewhere
+  raw.triangles.push_back({{1, 2, 3}});  // and again
+  raw.triangles.push_back({{3, 2, 1}});  // turned over: stays
+  raw.triangles.push_back({{0, 4, 1}});  // no area: stays
+  Repairs repairs;
+  const IndexedMesh mesh = prepared(raw, repairs);
+  std::vector<Triangle> expected = tetrahedron().triangles;
+  expected.push_back({{3, 2, 1}});
+  expected.push_back({{0, 4, 1}});
+  EXPECT_EQ(mesh.triangles, expected);
+  EXPECT_EQ(repairs, (Repairs{.welded_vertices = 1, .degenerate_triangles = 2, .duplicate_triangles = 2}));
+}
+
+TEST(Prepare, HandsOnWhatTheReaderCounted) {
+  RawMesh raw = tetrahedron();
+  raw.polygons_triangulated = 3;
+  raw.faces_dropped = 4;
+  Repairs repairs;
+  (void)prepared(raw, repairs);
+  EXPECT_EQ(repairs, (Repairs{.polygons_triangulated = 3, .faces_dropped = 4}));
+}
+
+// Random soup on a coarse lattice: every kind of repair, many of each, in several chunks and buckets.
+TEST(Prepare, EqualsItsTwinOnASoup) {
+  std::mt19937 random(7);
+  const auto below = [&random](std::uint32_t n) { return static_cast<std::uint32_t>(random()) % n; };
+  RawMesh raw;
+  raw.positions.resize(90'000);
+  for (Vec3d& p : raw.positions) {
+    p = {1e6 + below(30) * 0.1, below(30) * 0.1 - 3, -(below(30) * 0.1)};
+    if (below(1000) == 0) p.y = nan;
+  }
+  raw.triangles.resize(200'000);
+  for (Triangle& t : raw.triangles) {
+    const std::uint32_t base = below(80'000);
+    for (std::uint32_t& id : t.v) id = base + below(6);
+  }
+  for (int i = 0; i < 5000; ++i) raw.triangles[below(200'000)] = raw.triangles[below(200'000)];
+  Repairs repairs;
+  const IndexedMesh mesh = prepared(raw, repairs);
+  EXPECT_GT(repairs.non_finite_triangles, 100u);
+  EXPECT_GT(repairs.welded_vertices, 10'000u);
+  EXPECT_GT(repairs.degenerate_triangles, 10'000u);
+  EXPECT_GT(repairs.duplicate_triangles, 1000u);
+  EXPECT_GT(repairs.unreferenced_vertices, 1000u);
+  EXPECT_EQ(raw.positions.size(), mesh.positions.size() + repairs.welded_vertices + repairs.unreferenced_vertices);
+  EXPECT_EQ(raw.triangles.size(), mesh.triangles.size() + repairs.non_finite_triangles + repairs.degenerate_triangles +
+                                      repairs.duplicate_triangles);
+}
+
+// What IndexedMesh promises, checked without the code that made it.
+void expect_clean(const IndexedMesh& mesh) {
+  std::vector<char> used(mesh.positions.size(), 0);
+  for (const Triangle& t : mesh.triangles) {
+    EXPECT_FALSE(is_degenerate(t));
+    for (const std::uint32_t id : t.v) used.at(id) = 1;
+  }
+  EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0);
+  Vec3f highest{};
+  for (const Vec3f p : mesh.positions) {
+    EXPECT_TRUE(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1 && p.z >= 0 && p.z <= 1);
+    EXPECT_FALSE(std::signbit(p.x) || std::signbit(p.y) || std::signbit(p.z));
+    highest = {std::max(highest.x, p.x), std::max(highest.y, p.y), std::max(highest.z, p.z)};
+  }
+  EXPECT_EQ(std::max({highest.x, highest.y, highest.z}), 1.0f);
+}
+
+TEST(Prepare, HardModelsBecomeCleanMeshesOrClearErrors) {
+  LODESTONE_MODEL_OR_SKIP(folder, "hard");
+  const auto scheduler = make_serial_scheduler();
+  int meshes = 0, errors = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    SCOPED_TRACE(entry.path().filename().string());
+    try {
+      const RawMesh raw = load_mesh(entry.path(), *scheduler);
+      Repairs repairs;
+      expect_clean(prepared(raw, repairs));
+      ++meshes;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(entry.path().filename().string()), std::string::npos) << error.what();
+      ++errors;
+    }
+  }
+  EXPECT_EQ(meshes, 20);
+  EXPECT_EQ(errors, 7);  // three empty ones, OutOfMemory.off, fuzzed_header.ply, issue623.ply, malformed.obj
+}
+
+TEST(Prepare, RealRepairsAreThoseOnTheDataSheet) {
+  LODESTONE_MODEL_OR_SKIP(bunny, "scans/stanford-bunny.obj");
+  LODESTONE_MODEL_OR_SKIP(wuson, "hard/Wuson.ply");
+  LODESTONE_MODEL_OR_SKIP(chair, "hard/chair_model.obj");
+  Repairs repairs;
+  EXPECT_EQ(prepared(read_mesh(bunny), repairs).triangles.size(), 69451u);
+  EXPECT_EQ(repairs.unreferenced_vertices, 1113u);
+  (void)prepared(read_mesh(wuson), repairs);
+  EXPECT_EQ(repairs.welded_vertices, 9067u);
+  (void)prepared(read_mesh(chair), repairs);
+  EXPECT_EQ(repairs.welded_vertices, 28u);
+}
+
+TEST(Prepare, OffsetsOfMillionsOfMetresKeepTheSurface) {
+  LODESTONE_MODEL_OR_SKIP(terrain, "hard/bigtujunga_utm11n_double.ply");
+  Repairs repairs;
+  const IndexedMesh mesh = prepared(read_mesh(terrain), repairs);
+  EXPECT_EQ(repairs, Repairs{});
+  const RawMesh raw = read_mesh(terrain);
+  for (std::size_t i = 0; i < raw.positions.size(); i += 997) {
+    const Vec3d difference = mesh.transform.to_model(mesh.positions[i]) - raw.positions[i];
+    EXPECT_LT(length(difference), 6e-8 * mesh.transform.scale);
+  }
+}
+
+TEST(Prepare, ErrorsSayWhyNothingIsLeft) {
+  const auto scheduler = make_serial_scheduler();
+  const auto message = [&](RawMesh raw) {
+    Repairs repairs;
+    std::string serial, parallel;
+    try {
+      (void)clean_mesh(raw, repairs, "m.ply");
+    } catch (const InputError& error) {
+      serial = error.what();
+    }
+    try {
+      (void)prepare_mesh(std::move(raw), repairs, *scheduler, "m.ply");
+    } catch (const InputError& error) {
+      parallel = error.what();
+    }
+    EXPECT_EQ(serial, parallel);
+    return parallel;
+  };
+  EXPECT_NE(message({}).find("m.ply: no triangle is left"), std::string::npos);
+  RawMesh raw = tetrahedron();
+  for (Vec3d& p : raw.positions) p.z = nan;
+  EXPECT_NE(message(raw).find("4 with a corner that is not finite"), std::string::npos);
+  for (Vec3d& p : raw.positions) p = {3, 3, 3};
+  EXPECT_NE(message(raw).find("4 with two equal vertices"), std::string::npos);
+  raw.positions = {{-1e308, 0, 0}, {1e308, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  EXPECT_NE(message(raw).find("too large or too small"), std::string::npos);
+  raw.positions = {{0, 0, 0}, {1e-310, 0, 0}, {0, 1e-310, 0}, {0, 0, 1e-310}};
+  EXPECT_NE(message(raw).find("too large or too small"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lodestone
