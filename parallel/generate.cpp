@@ -2,13 +2,13 @@
 
 #include <atomic>
 #include <bit>
-#include <cstring>
 #include <mutex>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/io/atomic_file.h"
+#include "core/io/mesh_writer.h"
 
 namespace lodestone {
 namespace {
@@ -16,13 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "records are copied as they stand in memory");
 
 constexpr std::size_t grain = 1 << 16;
-constexpr std::size_t vertex_bytes = 12, face_bytes = 13;
-
-std::string header(const GeneratedSurface& surface) {
-  return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(surface.vertex_count()) +
-         "\nproperty float x\nproperty float y\nproperty float z\nelement face " +
-         std::to_string(surface.triangle_count()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-}
+constexpr std::size_t vertex_bytes = 3 * sizeof(float);
 
 }  // namespace
 
@@ -30,7 +24,7 @@ GenerateResult generate_ply(const GenerateConfig& config, const std::filesystem:
                             const CancelFlag* cancel, const std::function<void(double)>& progress) {
   const GeneratedSurface surface(config);
   AtomicFile file(target);
-  const std::string head = header(surface);
+  const std::string head = ply_header(surface.vertex_count(), surface.triangle_count(), ScalarType::float32);
   file.write_at(0, std::as_bytes(std::span(head)));
   const std::uint64_t first_face = head.size() + surface.vertex_count() * vertex_bytes;
 
@@ -51,15 +45,15 @@ GenerateResult generate_ply(const GenerateConfig& config, const std::filesystem:
     write_chunk(head.size() + range.begin * vertex_bytes, std::as_bytes(std::span(vertices)), vertices.size());
   });
   scheduler.for_chunks(surface.triangle_count(), grain, [&](ChunkRange range) {
-    std::vector<std::byte> faces((range.end - range.begin) * face_bytes, std::byte{3});
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      const Triangle t = surface.triangle(i);
-      std::memcpy(faces.data() + (i - range.begin) * face_bytes + 1, t.v.data(), sizeof(t.v));
-    }
-    write_chunk(first_face + range.begin * face_bytes, faces, range.end - range.begin);
+    std::vector<Triangle> triangles;
+    triangles.reserve(range.end - range.begin);
+    for (std::size_t i = range.begin; i < range.end; ++i) triangles.push_back(surface.triangle(i));
+    std::vector<std::byte> faces(triangles.size() * ply_triangle_bytes);
+    encode_ply_triangles(triangles, faces);
+    write_chunk(first_face + range.begin * ply_triangle_bytes, faces, range.end - range.begin);
   });
   file.commit();
-  return {surface.vertex_count(), surface.triangle_count(), first_face + surface.triangle_count() * face_bytes};
+  return {surface.vertex_count(), surface.triangle_count(), first_face + surface.triangle_count() * ply_triangle_bytes};
 }
 
 }  // namespace lodestone

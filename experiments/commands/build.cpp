@@ -114,13 +114,14 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"simplifier", options.simplifier},
                  {"repairs", to_json(repairs)}});
   write_json(common, result);
-  if (common.quiet) return;
+  if (common.quiet || common.json == "-") return;
   fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
              hierarchy.provenance.input_triangles, hierarchy.levels.size(), hierarchy.cells.size(), sum.triangles,
              static_cast<double>(sum.triangles) / input);
   fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", time.seconds,
              time.cpu_seconds, static_cast<double>(peak_resident_bytes()) * 1e-6, rate);
-  for (const auto& [name, count] : to_json(repairs).items())
+  const nlohmann::json counts = to_json(repairs);
+  for (const auto& [name, count] : counts.items())
     if (count.get<std::uint64_t>() > 0) fmt::print("repaired: {} {}\n", name, count.get<std::uint64_t>());
   if (sum.long_edges > 0)
     fmt::print("note: {} edges of the input are longer than sigma0 h_L; they cost triangles, not correctness\n",

@@ -4,7 +4,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/level_mesh.h"
 #include "core/hierarchy/lode_file.h"
-#include "core/io/mesh_file.h"
+#include "core/io/mesh_writer.h"
 #include "experiments/commands/command.h"
 
 namespace lodestone {
@@ -22,7 +22,7 @@ void run(const ExportOptions& options, const CommonOptions& common) {
     throw InputError(describe(options.file, "", fmt::format("there is no level {}", level),
                               fmt::format("the finest one is {}", hierarchy.finest())));
   const RawMesh mesh = level_mesh(hierarchy, level);
-  write_mesh(options.output, mesh);
+  write_mesh(options.output, view_of(mesh));
   write_json(common, {{"file", options.output},
                       {"level", level},
                       {"triangles", mesh.triangles.size()},
