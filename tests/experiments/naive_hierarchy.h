@@ -190,6 +190,9 @@ class NaiveBuilder {
         }
   }
 
+  static constexpr float up = 1e9f;
+  static float rounded_up(double v) { return v > 0 ? std::nextafter(static_cast<float>(v), up) : 0.0f; }
+
   // Bounds, displacements, errors (the sum of the displacements bounds the distance), then the figures of the levels.
   void measure() {
     Hierarchy& h = out_.hierarchy;
@@ -199,13 +202,13 @@ class NaiveBuilder {
       for (std::uint32_t k = 0; k < cell.child_count; ++k) {
         const Cell& child = h.cells[cell.first_child + k];
         cell.bounds.extend(child.bounds);
-        cell.error = std::max(cell.error, child.error + child.max_displacement);
+        cell.error = std::max(cell.error, std::nextafter(child.error + child.max_displacement, up));
       }
       for (std::size_t v = 0; v < cell.parents.size(); ++v)
-        cell.max_displacement = std::max(cell.max_displacement,
-                                         length(cell.positions[v] - h.cells[cell.parent].positions[cell.parents[v]]));
+        cell.max_displacement = std::max(
+            cell.max_displacement, rounded_up(length(to_double(cell.positions[v]) -
+                                                     to_double(h.cells[cell.parent].positions[cell.parents[v]]))));
     }
-    constexpr float up = 1e9f;
     for (int l = 0; l <= h.finest(); ++l) {
       Level& level = h.levels[static_cast<std::size_t>(l)];
       const float size = cell_size(l);
