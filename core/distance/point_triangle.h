@@ -22,24 +22,29 @@ struct NearestPoint {
 }
 
 // The distance is always that of `point`, which lies on the triangle within rounding: a normal that is mere noise, as
-// slivers have, may cost accuracy of the inside case but never reports less than the true distance; there the edges are
-// looked at as well.
+// slivers have, may never report less than the true distance. Of a sliver all three edges are looked at; of any other
+// triangle only those that the point lies outside of, since the nearest point is on one of them.
 [[nodiscard]] inline NearestPoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
   const Vec3d normal = cross(ab, ac);
+  // Barycentric coordinates of the foot of the perpendicular, times `area2`.
   const double area2 = squared_length(normal);
   const double wb = dot(cross(ap, ac), normal), wc = dot(cross(ab, ap), normal), wa = area2 - wb - wc;
-  const bool inside = wa >= 0 && wb >= 0 && wc >= 0 && area2 > 0;
+  constexpr double sliver_sine2 = 1e-8;  // beyond it the normal has lost at most four of its sixteen digits
+  const bool sliver = !(area2 > sliver_sine2 * squared_length(ab) * squared_length(ac));
   NearestPoint best{a, squared_length(ap)};
-  if (inside) {
+  if (area2 > 0 && wa >= 0 && wb >= 0 && wc >= 0) {
     const Vec3d q = a + (wb / area2) * ab + (wc / area2) * ac;
     best = {q, squared_length(p - q)};
-    constexpr double sliver = 1e-12;  // squared sine of an angle whose normal still has about half of its digits
-    if (area2 > sliver * squared_length(ab) * squared_length(ac)) return best;
+    if (!sliver) return best;
   }
-  for (const NearestPoint& other :
-       {nearest_on_segment(p, a, b), nearest_on_segment(p, b, c), nearest_on_segment(p, c, a)})
+  const auto consider = [&](Vec3d from, Vec3d to) {
+    const NearestPoint other = nearest_on_segment(p, from, to);
     if (other.squared_distance < best.squared_distance) best = other;
+  };
+  if (sliver || wc < 0) consider(a, b);
+  if (sliver || wa < 0) consider(b, c);
+  if (sliver || wb < 0) consider(c, a);
   return best;
 }
 
