@@ -80,6 +80,7 @@ TEST_F(GlTest, PlateHasTheColourDepthAndPlaceThatTheFormulasSay) {
     EXPECT_GE(stats.milliseconds.at(stage), 0) << stage;
   }
   EXPECT_LE(stats.milliseconds.at("upload"), stats.milliseconds.at("total"));
+  EXPECT_LE(stats.milliseconds.at("gpu"), stats.milliseconds.at("total"));
 }
 
 TEST_F(GlTest, BothSidesAreLit) {
