@@ -135,6 +135,21 @@ struct Id16 {
     for (unsigned k = at; k < ring_capacity; ++k) r.lane[k] = ring.lane[k + 1];
     return r;
   }
+  // Lanes from `start` on, cyclically among the first n; those behind are undefined.
+  [[nodiscard]] Id16 rotated(unsigned start, unsigned n) const {
+    Id16 r;
+    for (unsigned k = 0; k < 16; ++k) r.lane[k] = k < n ? lane[start + k < n ? start + k : start + k - n] : none;
+    return r;
+  }
+  // This ring with lane `at` replaced by lanes [first, first + length) of the other; the flags stay.
+  [[nodiscard]] Id16 spliced(unsigned at, const Id16& other, unsigned first, unsigned length) const {
+    Id16 r;
+    for (unsigned k = 0; k < ring_capacity; ++k)
+      r.lane[k] = k < at ? lane[k] : k < at + length ? other.lane[first + k - at] : lane[k + 1 - length];
+    r.lane[flags_lane - 1] = none;
+    r.lane[flags_lane] = lane[flags_lane];
+    return r;
+  }
   // How many of the first `n` ids, all different, are lanes of this one.
   [[nodiscard]] unsigned count_common(const Id* ids, unsigned n) const {
     unsigned common = 0;

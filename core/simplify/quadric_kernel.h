@@ -10,7 +10,7 @@
 namespace lodestone::quadric {
 
 // A collapse may leave a triangle this share of its height over the edge that stays, seen along its old normal.
-inline constexpr float least_height = 0.0f;
+inline constexpr float least_height = 0;
 // Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
 // a minimum, and short edges go first where nothing else decides.
 inline constexpr float stiffness = 1e-4f;
@@ -86,6 +86,7 @@ class BlockKernel {
   // quadric_collapse.h
   void collapse_to_target();
   void push(Id v, unsigned bucket);
+  void prefetch_next(Id v) const;
   static unsigned bucket_of(float cost);
   template <int G>
   void visit(Id v, unsigned n, unsigned bucket);

@@ -36,6 +36,7 @@ void BlockKernel<L>::place_points() {
     const Vec3f& p = input_.positions[v];
     a_.point[v] = {p.x * scale_, p.y * scale_, p.z * scale_, 0};
     a_.triangles[v] = 0;
+    a_.member[v] = {none, static_cast<Id>(v)};
     result_.positions[v] = p;
   }
 }
@@ -149,7 +150,7 @@ void BlockKernel<L>::start_vertices() {
     const Id v = static_cast<Id>(i);
     const unsigned n = make_ring(v);
     if (!a_.ring[v].has(movable)) {
-      a_.body[v] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, none, v};
+      a_.body[v] = {};
     } else if (n <= 8) {
       start_quadric<1>(v, n);
     } else {
@@ -200,7 +201,7 @@ void BlockKernel<L>::start_quadric(Id v, unsigned n) {
   }
   float sum[8];
   sums(terms, sum);
-  Body body{sum[0], sum[1], sum[2], sum[3], sum[4], sum[5], 0, 0, 0, 0, sum[6], none, v};
+  Body body{sum[0], sum[1], sum[2], sum[3], sum[4], sum[5], 0, 0, 0, 0, sum[6], 0};
   if (is_open) add_border_planes(v, n, body);
   const float isotropic = stiffness * body.weight;
   body.xx += isotropic, body.yy += isotropic, body.zz += isotropic;

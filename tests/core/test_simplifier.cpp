@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/simplify/quadric_reference.h"
+#include "core/simplify/quadric_simplifier.h"
 #include "core/simplify/simplifier.h"
 #include "tests/core/simplify_checks.h"
 #include "tests/core/simplify_meshes.h"
@@ -23,6 +24,7 @@ void PrintTo(const Maker& maker, std::ostream* out) { *out << maker.name; }
 
 const std::vector<Maker> makers{
     {"quadric", [] { return make_simplifier(SimplifierKind::quadric); }},
+    {"plain", [] { return make_quadric_simplifier(InstructionSet::plain); }},
     {"reference", make_quadric_reference},
     {"cluster", [] { return make_simplifier(SimplifierKind::cluster); }, false},
 };
