@@ -90,6 +90,7 @@ struct Id16 {
   __m256i lanes;
 
   static Id16 load(const Id* ids) { return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(ids))}; }
+  static Id16 all_none() { return {_mm256_set1_epi16(-1)}; }
   void store(Id* ids) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids), lanes); }
   static __m256i all(unsigned value) { return _mm256_set1_epi16(static_cast<short>(value)); }
   [[nodiscard]] __m256i equal(Id id) const {

@@ -115,6 +115,11 @@ struct Id16 {
     for (int k = 0; k < 16; ++k) r.lane[k] = ids[k];
     return r;
   }
+  static Id16 all_none() {
+    Id16 r;
+    for (Id& id : r.lane) id = none;
+    return r;
+  }
   void store(Id* ids) const {
     for (int k = 0; k < 16; ++k) ids[k] = lane[k];
   }

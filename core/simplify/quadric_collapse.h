@@ -56,7 +56,7 @@ void BlockKernel<L>::prefetch_next(Id v) const {
 // Lanes that every member of v reaches.
 template <class L>
 template <int G>
-unsigned BlockKernel<L>::within_bound(Id v, const Star<G>& star) const {
+inline unsigned BlockKernel<L>::within_bound(Id v, const Star<G>& star) const {
   Float farthest[G];
   for (int g = 0; g < G; ++g) farthest[g] = star.x[g] * star.x[g] + star.y[g] * star.y[g] + star.z[g] * star.z[g];
   const Point& p = a_.point[v];
@@ -76,7 +76,7 @@ unsigned BlockKernel<L>::within_bound(Id v, const Star<G>& star) const {
 // Lane of the least cost among the allowed; 32 where none is left.
 template <class L>
 template <int G>
-unsigned BlockKernel<L>::cheapest(const Float (&cost)[G], unsigned allowed) {
+inline unsigned BlockKernel<L>::cheapest(const Float (&cost)[G], unsigned allowed) {
   const Float infinite = Float::all(std::numeric_limits<float>::infinity());
   float best = lowest(select(allowed, cost[0], infinite));
   if constexpr (G == 2) {

@@ -61,23 +61,28 @@ void BlockKernel<L>::link_triangles() {
   }
 }
 
-// Follows the link of a closed fan of n triangles; 0 where it is none. Every link edge is met once: a path that met one
-// twice could not come back to its start.
+// Follows the link of a closed fan of n triangles; 0 where it is none. All successors are looked up first, four bits
+// each, so that only shifts wait for one another. Every link edge is met once: a path that met one twice could not come
+// back to its start.
 template <class L>
-unsigned BlockKernel<L>::close_ring(Id v, unsigned n, Id* ring) const {
+inline unsigned BlockKernel<L>::close_ring(Id v, unsigned n, Id* ring) const {
   const Link& link = a_.link[v];
   const Ids from = Ids::load(link.from);
-  const Id first = link.from[0];
-  Id at = link.to[0];
-  ring[0] = first;
-  unsigned k = 1;
-  for (; k < n && at != first; ++k) {
-    const unsigned next = from.find(at);
-    if (next >= n) return 0;
-    ring[k] = at;
-    at = link.to[next];
+  std::uint64_t successors = 0;
+  unsigned missing = 0;
+  for (unsigned k = 0; k < n; ++k) {
+    const unsigned next = from.find(link.to[k]);
+    missing |= next >= n;
+    successors |= static_cast<std::uint64_t>(next & 15) << (4 * k);
   }
-  return at == first && k == n ? n : 0;
+  if (missing != 0) return 0;
+  unsigned at = 0;
+  for (unsigned k = 0; k < n; ++k) {
+    if (at == 0 && k != 0) return 0;
+    ring[k] = link.from[at];
+    at = successors >> (4 * at) & 15;
+  }
+  return at == 0 ? n : 0;
 }
 
 // The same for an open fan, which has one neighbour more than triangles.
@@ -118,28 +123,28 @@ unsigned BlockKernel<L>::pile_ring(Id v, unsigned n, Id* ring) const {
 // Returns the degree.
 template <class L>
 unsigned BlockKernel<L>::make_ring(Id v) {
-  Ring ring;
-  for (Id& lane : ring.lane) lane = none;
+  Ring& ring = a_.ring[v];
+  const Ids empty = Ids::all_none();
+  empty.store(ring.lane);
   const unsigned n = a_.triangles[v];
   const bool is_locked = input_.locked[v] != 0;
   unsigned flags = flags_base | (is_locked ? locked : movable | queued);
   unsigned size = n >= 3 && n <= ring_capacity ? close_ring(v, n, ring.lane) : 0;
   if (size == 0 && n > 0) {
-    for (Id& lane : ring.lane) lane = none;
+    empty.store(ring.lane);
     flags |= open;
     size = n < ring_capacity ? open_ring(v, n, ring.lane) : 0;
   }
   if (size == 0) {
-    for (Id& lane : ring.lane) lane = none;
+    empty.store(ring.lane);
     flags = flags_base | (is_locked ? locked : 0) | pile;
     size = n > 0 && n <= 16 ? pile_ring(v, n, ring.lane) : 0;
     if (size == 0) {
-      for (Id& lane : ring.lane) lane = none;
+      empty.store(ring.lane);
       flags |= bare;
     }
   }
   ring.lane[flags_lane] = static_cast<Id>(flags);
-  a_.ring[v] = ring;
   return size;
 }
 
