@@ -22,9 +22,9 @@ int main(int argc, char** argv) {
   add_build(app);
   add_info(app);
   add_verify(app);
-  //add_compare(app);
+  add_compare(app);
   add_render(app);
-  //add_export(app);
+  add_export(app);
   install_interrupt_handler();
   try {
     app.parse(argc, argv);

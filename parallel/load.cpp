@@ -12,6 +12,7 @@
 #include "core/io/mesh_file.h"
 #include "core/io/mesh_readers.h"
 #include "core/io/ply_header.h"
+#include "parallel/first_touch.h"
 
 namespace lodestone {
 namespace {
@@ -57,7 +58,7 @@ std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, Schedul
   const Records vertices{layout->vertex_offset, layout->vertex_count, layout->vertices.stride};
   if (!readable(triangles, file) || !readable(vertices, file)) return std::nullopt;
   RawMesh mesh;
-  mesh.triangles.resize(triangles.count);
+  resize_in_parallel(mesh.triangles, triangles.count, scheduler);
   const auto vertex_count = static_cast<std::uint32_t>(vertices.count);
   const bool triangles_only =
       read_records(file, triangles, scheduler, [&](auto bytes, std::size_t first, std::size_t count) {
@@ -65,7 +66,7 @@ std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, Schedul
         return decode_triangles(layout->triangles, bytes, vertex_count, out) == count;
       });
   if (!triangles_only) return std::nullopt;
-  mesh.positions.resize(vertices.count);
+  resize_in_parallel(mesh.positions, vertices.count, scheduler);
   const bool complete = read_records(file, vertices, scheduler, [&](auto bytes, std::size_t first, std::size_t count) {
     decode_vertices(layout->vertices, bytes, std::span(mesh.positions).subspan(first, count));
     return true;
@@ -80,8 +81,8 @@ std::optional<RawMesh> load_stl(const InputFile& file, ByteReader& head, Schedul
   const Records facets{stl_header_bytes, declared_stl_facets(header), stl_facet_bytes};
   if (!readable(facets, file) || 3 * facets.count > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
   RawMesh mesh;
-  mesh.positions.resize(3 * facets.count);
-  mesh.triangles.resize(facets.count);
+  resize_in_parallel(mesh.positions, 3 * facets.count, scheduler);
+  resize_in_parallel(mesh.triangles, facets.count, scheduler);
   const bool complete = read_records(file, facets, scheduler, [&](auto bytes, std::size_t first, std::size_t count) {
     decode_stl_corners(bytes, std::span(mesh.positions).subspan(3 * first, 3 * count));
     number_corners(std::span(mesh.triangles).subspan(first, count), 3 * first);

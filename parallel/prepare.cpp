@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/clean_kernels.h"
+#include "parallel/first_touch.h"
 #include "parallel/hash_partition.h"
 
 namespace lodestone {
@@ -87,7 +88,7 @@ class Preparation {
 
   void normalise(const std::string& name) {
     mesh_.transform = normalising_transform(box_of(raw_.positions, states_, *scheduler_), name);
-    mesh_.positions.resize(raw_.positions.size());
+    resize_in_parallel(mesh_.positions, raw_.positions.size(), *scheduler_);
     scheduler_->for_chunks(raw_.positions.size(), grain, [&](ChunkRange range) {
       normalise_vertices(mesh_.transform, part(raw_.positions, range), part(states_, range),
                          part(mesh_.positions, range));
@@ -96,7 +97,7 @@ class Preparation {
   }
 
   void weld_vertices() {
-    ids_.resize(mesh_.positions.size());
+    resize_in_parallel(ids_, mesh_.positions.size(), *scheduler_);
     scheduler_->for_chunks(ids_.size(), grain, [&](ChunkRange range) {
       for (std::size_t i = range.begin; i < range.end; ++i) ids_[i] = static_cast<std::uint32_t>(i);
     });

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/io/atomic_file.h"
 #include "render/camera.h"
 
 namespace lodestone {
@@ -211,10 +212,10 @@ void write_camera_path(const std::string& file, std::span<const Camera> path) {
                       {"target", array(camera.target)},
                       {"up", array(camera.up)},
                       {"fov_degrees", camera.vertical_fov / degree}});
-  std::ofstream out(file, std::ios::binary);
-  out << json{{"frames", frames}}.dump(1) << '\n';
-  out.close();
-  if (!out) throw FileError(describe(file, {}, "cannot be written"));
+  const std::string text = json{{"frames", frames}}.dump(1) + '\n';
+  AtomicFile out(file);
+  out.write(std::as_bytes(std::span(text)));
+  out.commit();
 }
 
 std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames) {

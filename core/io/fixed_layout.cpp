@@ -1,5 +1,6 @@
 #include "core/io/fixed_layout.h"
 
+#include <algorithm>
 #include <cassert>
 
 namespace lodestone {
@@ -23,10 +24,9 @@ std::size_t decode_triangles_as(const TriangleLayout& layout, const char* record
   for (std::size_t i = 0; i < out.size(); ++i, record += layout.stride) {
     const Triangle triangle{{load<std::uint32_t, order>(record + 1), load<std::uint32_t, order>(record + 5),
                              load<std::uint32_t, order>(record + 9)}};
-    // Negative indices are large ones here. One branch for the four conditions: it is never taken in sound files.
-    const bool sound = (record[0] == 3) & (triangle.v[0] < vertex_count) & (triangle.v[1] < vertex_count) &
-                       (triangle.v[2] < vertex_count);
-    if (!sound) return i;
+    // Negative indices are large ones here.
+    const std::uint32_t highest = std::max({triangle.v[0], triangle.v[1], triangle.v[2]});
+    if (record[0] != 3 || highest >= vertex_count) return i;
     out[i] = triangle;
   }
   return out.size();

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/simplify/quadric_block.h"
+#include "core/simplify/quadric_parts.h"
 
 namespace lodestone {
 
@@ -33,13 +34,21 @@ class QuadricSimplifier final : public Simplifier {
   const SimplifyResult& simplify(const SimplifyInput& input) override {
     result_.parent.resize(input.positions.size());
     result_.positions.resize(input.positions.size());
-    kernel_(input, *arrays_, result_);
+    if (input.positions.size() <= quadric::id_limit) {
+      kernel_(input, *arrays_, result_);
+    } else {
+      quadric::simplify_in_parts(
+          input, quadric::id_limit,
+          [this](const SimplifyInput& part, SimplifyResult& result) { kernel_(part, *arrays_, result); }, parts_,
+          result_);
+    }
     return result_;
   }
 
  private:
   void (*kernel_)(const SimplifyInput&, quadric::Arrays&, SimplifyResult&);
   std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
+  quadric::PartsScratch parts_;
   SimplifyResult result_;
 };
 

@@ -35,7 +35,7 @@ RawMesh surface(const std::string& name, Scheduler& scheduler) {
   return level_mesh(hierarchy, level);
 }
 
-nlohmann::json to_json(const DistanceStats& d) {
+nlohmann::json to_json(const DirectedDistance& d) {
   return {{"max", d.max}, {"rms", d.rms}, {"mean", d.mean}, {"p99", d.p99}, {"samples", d.samples}};
 }
 
@@ -51,7 +51,7 @@ void run(const CompareOptions& options, const CommonOptions& common) {
                       {"backward", to_json(result.backward)}});
   if (common.quiet || common.json == "-") return;
   fmt::print("diagonal {:g}; distances in model units (and in % of the diagonal)\n", result.diagonal);
-  const auto line = [&](const char* name, const DistanceStats& d) {
+  const auto line = [&](const char* name, const DirectedDistance& d) {
     const double percent = result.diagonal > 0 ? 100 / result.diagonal : 0;
     fmt::print("{:<8} max {:g} ({:.4f} %)  rms {:g} ({:.4f} %)  mean {:g}  p99 {:g}\n", name, d.max, d.max * percent,
                d.rms, d.rms * percent, d.mean, d.p99);

@@ -17,7 +17,12 @@ constexpr std::array<std::string_view, 7> names{"linear", "smoothstep", "smoothe
                                                 "early",  "late",       "step"};
 
 float smoothstep(float t) { return t * t * (3 - 2 * t); }
-float smootherstep(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+
+// Symmetric about the middle; towards 1 the polynomial itself would lose its monotony to cancellation.
+float smootherstep(float t) {
+  const auto lower = [](float u) { return u * u * u * (u * (u * 6 - 15) + 10); };
+  return t <= 0.5f ? lower(t) : 1 - lower(1 - t);
+}
 
 }  // namespace
 

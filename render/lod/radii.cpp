@@ -10,16 +10,17 @@ namespace lodestone {
 namespace {
 
 void check(const RadiiConfig& config) {
-  if (config.kappa0 && !(*config.kappa0 > 0 && std::isfinite(*config.kappa0)))
-    throw InputError("kappa0 must be a positive number");
+  const auto positive = [](float v) { return v > 0 && std::isfinite(v); };
+  if (config.kappa0 && !positive(*config.kappa0)) throw InputError("kappa0 must be a positive number");
   if (!config.kappa0 && config.rule == RadiiRule::uniform)
     throw InputError("the uniform rule needs a kappa0; give one, or use per-level radii with a pixel error");
-  if (!(config.pixel_error > 0)) throw InputError("the pixel error must be positive");
-  if (!(config.beta > 0)) throw InputError("beta, the least width of the morph band, must be positive");
-  if (!(config.delta >= 0)) throw InputError("delta, the guard of a stale selection, must not be negative");
+  if (!positive(config.pixel_error)) throw InputError("the pixel error must be a positive number");
+  if (!positive(config.beta)) throw InputError("beta, the least width of the morph band, must be a positive number");
+  if (config.delta != 0 && !positive(config.delta))
+    throw InputError("delta, the guard of a stale selection, must be zero or a positive number");
   if (!(config.vertical_fov > 0 && config.vertical_fov < 3.14159f))
     throw InputError("the vertical field of view must lie between 0 and 180 degrees");
-  if (config.image_height < 1 || !(config.aspect > 0)) throw InputError("the image must have a positive size");
+  if (config.image_height < 1 || !positive(config.aspect)) throw InputError("the image must have a positive size");
 }
 
 // Least r_l / h_l that keeps an error of e_l h_l below tau pixels anywhere in the image: one pixel of a pinhole camera

@@ -81,7 +81,9 @@ def lodestone_command(path, line, words, help_of):
         known = help_of()
         subcommand = []
     else:
-        known = help_of(words[1])
+        # The program answers `nonsense --help` with its own help: look for the name there.
+        listed = re.search(rf"^\s+{re.escape(words[1])}\b", help_of() or "", re.MULTILINE)
+        known = help_of(words[1]) if listed else None
         subcommand = [words[1]]
     if known is None:
         yield f"{path}: `{line}`: no such subcommand"

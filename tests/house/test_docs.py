@@ -71,7 +71,7 @@ class Checks(unittest.TestCase):
             self.assertEqual(len(list(docs.links(self.root, path, bad))), 1, bad)
 
     def test_commands(self):
-        answers = {(): "subcommands: build", ("build",): "-o FILE  --sigma0 FLOAT"}
+        answers = {(): "Subcommands:\n  build  Build it\n", ("fly",): "-o", ("build",): "-o FILE  --sigma0 FLOAT"}
 
         def check(line):
             markdown = f"```sh\n{line}\n```\n"
