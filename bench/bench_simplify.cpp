@@ -7,13 +7,10 @@
 #include <benchmark/benchmark.h>
 #include <meshoptimizer.h>
 
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
-#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <functional>
 #include <string>
 
+#include "bench/peer_openmesh.h"
 #include "bench/simplify_chunks.h"
 #include "core/simplify/quadric_reference.h"
 #include "core/simplify/quadric_simplifier.h"
@@ -113,46 +110,11 @@ void run_meshopt(benchmark::State& state, const std::string& data, Meshopt kind)
   report(state, chunks, [&](const Chunk& c) { return with_indices(c, run_meshopt_on(c, kind)); });
 }
 
-using OpenMesh_ = OpenMesh::TriMesh_ArrayKernelT<>;
-
-Chunk run_openmesh_on(const Chunk& c) {
-  OpenMesh_ mesh;
-  mesh.request_face_normals();
-  mesh.request_vertex_status(), mesh.request_edge_status(), mesh.request_face_status();
-  std::vector<OpenMesh::VertexHandle> handles;
-  for (const Vec3f& p : c.positions) handles.push_back(mesh.add_vertex({p.x, p.y, p.z}));
-  for (std::size_t v = 0; v < handles.size(); ++v)
-    if (c.locked[v]) mesh.status(handles[v]).set_locked(true);
-  for (const auto& [v] : c.triangles) mesh.add_face(handles[v[0]], handles[v[1]], handles[v[2]]);
-  mesh.update_face_normals();
-  OpenMesh::Decimater::DecimaterT<OpenMesh_> decimater(mesh);
-  OpenMesh::Decimater::ModQuadricT<OpenMesh_>::Handle quadric;
-  OpenMesh::Decimater::ModNormalFlippingT<OpenMesh_>::Handle flipping;
-  decimater.add(quadric), decimater.add(flipping);
-  decimater.module(quadric).unset_max_err();
-  decimater.initialize();
-  decimater.decimate_to_faces(0, static_cast<std::size_t>(share * static_cast<double>(c.triangles.size())));
-  Chunk left{c.positions, {}, c.locked, 0};
-  for (const auto face : mesh.faces()) {
-    if (mesh.status(face).deleted()) continue;
-    Triangle t;
-    int k = 0;
-    for (const auto v : mesh.fv_range(face)) t.v[k++] = static_cast<std::uint32_t>(v.idx());
-    left.triangles.push_back(t);
-  }
-  return left;
-}
-
 void run_openmesh(benchmark::State& state, const std::string& data) {
   const std::vector<Chunk>& chunks = chunks_of(data);
   for (auto _ : state)
-    for (const Chunk& c : chunks) benchmark::DoNotOptimize(run_openmesh_on(c).triangles.size());
-  report(state, chunks, [](const Chunk& c) {
-    const Chunk left = run_openmesh_on(c);
-    std::vector<unsigned> indices;
-    for (const auto& [v] : left.triangles) indices.insert(indices.end(), v.begin(), v.end());
-    return with_indices(c, indices);
-  });
+    for (const Chunk& c : chunks) benchmark::DoNotOptimize(decimate_with_openmesh(c, share).size());
+  report(state, chunks, [](const Chunk& c) { return with_indices(c, decimate_with_openmesh(c, share)); });
 }
 
 void register_all() {

@@ -54,7 +54,7 @@ inline float lowest(Float8 a) {
 inline unsigned equal(Float8 a, float value) {
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.lanes, _mm256_set1_ps(value), _CMP_EQ_OQ)));
 }
-inline void sums(const Float8 (&in)[8], float (&out)[8]) {
+inline void sums(const Float8 (&in)[8], float* out) {
   for (int i = 0; i < 8; i += 4) {
     const __m256 ab = _mm256_hadd_ps(in[i].lanes, in[i + 1].lanes);
     const __m256 cd = _mm256_hadd_ps(in[i + 2].lanes, in[i + 3].lanes);
@@ -139,9 +139,17 @@ struct Id16 {
     const __m256i end = _mm256_insert_epi16(lanes, -1, 14);  // a `none` and the flags
     return {_mm256_blend_epi32(ring, end, 0x80)};
   }
-  [[nodiscard]] unsigned count_common(const Id* ids, unsigned n) const {
+  [[nodiscard]] unsigned count_common(unsigned n, Id16 other, unsigned m) const {
+    constexpr int any_equal = _SIDD_UWORD_OPS | _SIDD_CMP_EQUAL_ANY | _SIDD_BIT_MASK;
+    if (n <= 8 && m <= 8) {
+      const __m128i found = _mm_cmpestrm(_mm256_castsi256_si128(lanes), static_cast<int>(n),
+                                         _mm256_castsi256_si128(other.lanes), static_cast<int>(m), any_equal);
+      return static_cast<unsigned>(__builtin_popcount(static_cast<unsigned>(_mm_cvtsi128_si32(found))));
+    }
+    alignas(32) Id ids[16];
+    store(ids);
     __m256i any = _mm256_setzero_si256();
-    for (unsigned k = 0; k < n; ++k) any = _mm256_or_si256(any, equal(ids[k]));
+    for (unsigned k = 0; k < n; ++k) any = _mm256_or_si256(any, other.equal(ids[k]));
     return static_cast<unsigned>(__builtin_popcount(static_cast<unsigned>(_mm256_movemask_epi8(any)))) / 2;
   }
 };

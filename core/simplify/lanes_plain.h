@@ -77,8 +77,8 @@ inline unsigned equal(const Float8& a, float value) {
   for (int k = 0; k < 8; ++k) bits |= static_cast<unsigned>(a.lane[k] == value) << k;
   return bits;
 }
-// sums[i] = the lanes of in[i], added pairwise.
-inline void sums(const Float8 (&in)[8], float (&out)[8]) {
+// out[i] = the lanes of in[i], added pairwise.
+inline void sums(const Float8 (&in)[8], float* out) {
   for (int i = 0; i < 8; ++i) {
     const float* l = in[i].lane;
     out[i] = ((l[0] + l[1]) + (l[2] + l[3])) + ((l[4] + l[5]) + (l[6] + l[7]));
@@ -155,10 +155,10 @@ struct Id16 {
     r.lane[flags_lane] = lane[flags_lane];
     return r;
   }
-  // How many of the first `n` ids, all different, are lanes of this one.
-  [[nodiscard]] unsigned count_common(const Id* ids, unsigned n) const {
+  // How many of the first n lanes are among the first m of the other; no lane occurs twice.
+  [[nodiscard]] unsigned count_common(unsigned n, const Id16& other, unsigned m) const {
     unsigned common = 0;
-    for (unsigned k = 0; k < n; ++k) common += find(ids[k]) < 16;
+    for (unsigned k = 0; k < n; ++k) common += other.find(lane[k]) < m;
     return common;
   }
 };

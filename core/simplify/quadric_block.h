@@ -51,9 +51,9 @@ struct alignas(16) Point {
 // has neither a linear term nor an error.
 struct alignas(16) Body {
   float xx, xy, xz, yy, yz, zz;
-  float bx, by, bz;
-  float error;   // value at the vertex
   float weight;  // sum of areas
+  float error;   // value at the vertex
+  float bx, by, bz;
   float unused;
 };
 

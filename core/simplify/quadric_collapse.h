@@ -106,6 +106,7 @@ void BlockKernel<L>::visit(Id v, unsigned n, unsigned bucket) {
   }
   unsigned lane = cheapest<G>(cost, allowed);
   if (lane < 32) {
+    __builtin_prefetch(&a_.body[ring.lane[lane]]);
     const auto cost_of = [&](unsigned k) { return G == 1 || k < 8 ? pick(cost[0], k) : pick(cost[G - 1], k - 8); };
     const auto shift_to = [&](unsigned k) {
       const int g = G == 1 || k < 8 ? 0 : G - 1;
@@ -142,7 +143,7 @@ bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
   const bool is_open = ring.has(open);
   const unsigned joined = m + n - (is_open ? 3 : 4);
   if (joined > ring_capacity) return false;
-  if (target_ids.count_common(ring.lane, n) != (is_open ? 1u : 2u)) return false;
+  if (target_ids.count_common(m, Ids::load(ring.lane), n) != (is_open ? 1u : 2u)) return false;
   if (!is_open) {
     if (target.has(pile) ? n == 3 : !target.has(open) && joined < 3) return false;  // a triangle would be doubled
   } else if (n == 2 && (target.has(pile) || m < 3)) {

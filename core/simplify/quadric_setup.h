@@ -204,13 +204,12 @@ void BlockKernel<L>::start_quadric(Id v, unsigned n) {
         term(f.ny[g], f.nz[g]), term(f.nz[g], f.nz[g]), select(real, length, zero), zero};
     for (int k = 0; k < 8; ++k) terms[k] = g == 0 ? now[k] : terms[k] + now[k];
   }
-  float sum[8];
-  sums(terms, sum);
-  Body body{sum[0], sum[1], sum[2], sum[3], sum[4], sum[5], 0, 0, 0, 0, sum[6], 0};
+  Body& body = a_.body[v];
+  sums(terms, &body.xx);  // xx to weight, and no error yet
+  body.bx = body.by = body.bz = 0;
   if (is_open) add_border_planes(v, n, body);
   const float isotropic = stiffness * body.weight;
   body.xx += isotropic, body.yy += isotropic, body.zz += isotropic;
-  a_.body[v] = body;
   publish(body, a_.point[v]);
 
   const unsigned allowed = is_open ? 1u | 1u << (n - 1) : (1u << n) - 1;
