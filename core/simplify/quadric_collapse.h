@@ -149,13 +149,17 @@ bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
   } else if (n == 2 && (target.has(pile) || m < 3)) {
     return false;  // an ear whose last edge carries nothing else
   }
-  return !target.has(locked) || !makes_locked_chord(ring.lane, n, lane);
+  return !target.has(locked) || !makes_locked_chord(ring, n, lane);
 }
 
 // A new edge, or triangle, of locked vertices only: the block on the other side could make it too.
 template <class L>
-bool BlockKernel<L>::makes_locked_chord(const Id* ring, unsigned n, unsigned lane) const {
-  const unsigned before = lane == 0 ? n - 1 : lane - 1, after = lane + 1 == n ? 0 : lane + 1;
+bool BlockKernel<L>::makes_locked_chord(const Ring& v, unsigned n, unsigned lane) const {
+  // The common neighbours stand beside the target; the ends of an open ring do not stand beside each other.
+  const bool is_open = v.has(open);
+  const unsigned before = lane > 0 ? lane - 1 : is_open ? lane : n - 1;
+  const unsigned after = lane + 1 < n ? lane + 1 : is_open ? lane : 0;
+  const Id* ring = v.lane;
   unsigned count = 0;
   for (unsigned k = 0; k < n; ++k) {
     if (k == lane || !a_.ring[ring[k]].has(locked)) continue;

@@ -138,7 +138,9 @@ TEST(QuadricKernel, SurvivesNumbersThatAreNone) {
   const SimplifyResult result = make_quadric_simplifier()->simplify(input);
   for (std::size_t v = 0; v < result.parent.size(); ++v) {
     ASSERT_EQ(result.parent[result.parent[v]], result.parent[v]);
-    if (result.parent[v] == v && is_finite(input.positions[v])) EXPECT_TRUE(is_finite(result.positions[v]));
+    if (result.parent[v] == v && is_finite(input.positions[v])) {
+      EXPECT_TRUE(is_finite(result.positions[v]));
+    }
   }
   EXPECT_EQ(image(input, result).size(), result.triangles);
 }
