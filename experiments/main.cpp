@@ -1,8 +1,13 @@
 // The `lodestone` command: build, look into, prove and draw hierarchical levels of detail.
+//
+// Exit status: 0 on success, 1 with one line on standard error for whatever went wrong, 128 + signal when interrupted.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 
@@ -10,14 +15,58 @@
 #include "experiments/commands/command.h"
 #include "experiments/version.h"
 
+namespace lodestone {
+namespace {
+
+// Names of files and messages of libraries may hold line ends; an error has one line.
+void print_error(std::string message) {
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c < ' ' || c == 127; }, ' ');
+  fmt::print(stderr, "lodestone: {}\n", message);
+}
+
+// What was not understood comes before what is missing: `lodestone biuld` is not a call without a subcommand.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  const auto given = app.get_subcommands();
+  const std::string command = given.empty() ? "lodestone" : "lodestone " + given.front()->get_name();
+  const std::vector<std::string> unknown = app.remaining(true);
+  std::string what = error.what();
+  if (!unknown.empty()) {
+    const char* kind = unknown.front().starts_with('-') ? "option" : given.empty() ? "subcommand" : "argument";
+    what = fmt::format("unknown {} '{}'", kind, unknown.front());
+  }
+  return fmt::format("{}; see {} --help", what, command);
+}
+
+int run(CLI::App& app, int argc, char** argv) {
+  try {
+    app.parse(argc, argv);
+    // Results that did not reach a full disk are no success.
+    if (std::fflush(stdout) != 0) throw FileError(std::string("cannot write to standard output: ") + strerror(errno));
+    return 0;
+  } catch (const CLI::Success& e) {  // --help, --version
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    print_error(usage_error(app, e));
+  } catch (const Cancelled&) {
+    print_error("interrupted; no output file was left");
+    return interrupt_status();
+  } catch (const std::bad_alloc&) {
+    print_error("out of memory; close other programs or use a smaller input");
+  } catch (const std::exception& e) {
+    print_error(e.what());
+  }
+  return 1;
+}
+
+}  // namespace
+}  // namespace lodestone
+
 int main(int argc, char** argv) {
   using namespace lodestone;
-  CLI::App app{"Lodestone: level of detail of large triangle surfaces, without cracks or pops"};
+  CLI::App app{"Lodestone: level of detail of large triangle surfaces, without cracks or pops", "lodestone"};
   app.set_version_flag("--version", std::string(program_version()));
   app.require_subcommand(1);
-  app.failure_message([](const CLI::App*, const CLI::Error& e) {
-    return std::string("lodestone: ") + e.what() + "; see lodestone --help\n";
-  });
   add_generate(app);
   add_build(app);
   add_info(app);
@@ -26,18 +75,5 @@ int main(int argc, char** argv) {
   add_render(app);
   add_export(app);
   install_interrupt_handler();
-  try {
-    app.parse(argc, argv);
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e);
-  } catch (const Cancelled&) {
-    fmt::print(stderr, "lodestone: interrupted; no output file was left\n");
-    return 130;
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "lodestone: out of memory; close other programs or use a smaller input\n");
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "lodestone: {}\n", e.what());
-  }
-  return 1;
+  return run(app, argc, argv);
 }

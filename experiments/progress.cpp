@@ -11,8 +11,21 @@ namespace lodestone {
 Progress::Progress(std::string label, bool quiet)
     : label_(std::move(label)), shown_(!quiet && isatty(STDERR_FILENO)), start_(Clock::now()), last_(start_) {}
 
-Progress::~Progress() {
-  if (drawn_) fmt::print(stderr, "\r\x1b[K");
+Progress::~Progress() { clear(); }
+
+void Progress::phase(std::string label) {
+  label_ = std::move(label);
+  if (!shown_) return;
+  fmt::print(stderr, "\r{} ...\x1b[K", label_);
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+void Progress::clear() {
+  if (!drawn_) return;
+  fmt::print(stderr, "\r\x1b[K");
+  std::fflush(stderr);
+  drawn_ = false;
 }
 
 void Progress::update(double share) {

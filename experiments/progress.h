@@ -1,4 +1,5 @@
-// A progress bar for people: on standard error, only when that is a terminal and the work takes over a second.
+// A progress bar for people: on standard error, only when that is a terminal and the work takes over a second. Work
+// that cannot tell how far it is shows its name meanwhile.
 #pragma once
 
 #include <chrono>
@@ -14,8 +15,14 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
+  // Names what is under way and says nothing of how long it takes, until update() is called.
+  void phase(std::string label);
+
   // Share done in [0, 1]; calls more often than ten times a second cost next to nothing.
   void update(double share);
+
+  // Takes the bar away before other text is printed; the destructor does so, too.
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;

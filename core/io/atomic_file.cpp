@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cassert>
 #include <cerrno>
@@ -45,6 +46,24 @@ std::filesystem::path temporary_beside(const std::filesystem::path& target) {
   return name;
 }
 
+// Names of the temporaries that exist, for remove_temporaries(). Each is owned by its AtomicFile.
+std::array<std::atomic<const char*>, 64> temporaries{};
+static_assert(std::atomic<const char*>::is_always_lock_free, "a signal handler reads them");
+
+void remember(const char* name) {
+  for (auto& slot : temporaries) {
+    const char* empty = nullptr;
+    if (slot.compare_exchange_strong(empty, name)) return;
+  }
+}
+
+void forget(const char* name) {
+  for (auto& slot : temporaries) {
+    const char* found = name;
+    if (slot.compare_exchange_strong(found, nullptr)) return;
+  }
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path target)
@@ -66,6 +85,7 @@ AtomicFile::AtomicFile(std::filesystem::path target)
     descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   }
   if (descriptor_ < 0) fail("cannot create");
+  if (!temporary_.empty()) remember(temporary_.c_str());
 }
 
 AtomicFile::~AtomicFile() { discard(); }
@@ -112,6 +132,7 @@ void AtomicFile::commit() {
   if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot finish writing");
   if (temporary_.empty()) return;
   if (std::rename(temporary_.c_str(), final_.c_str()) != 0) fail("cannot rename the finished file");
+  forget(temporary_.c_str());
   temporary_.clear();
 }
 
@@ -122,7 +143,14 @@ void AtomicFile::fail(const char* what) const {
 
 void AtomicFile::discard() noexcept {
   if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
-  if (!temporary_.empty()) unlink(temporary_.c_str());
+  if (temporary_.empty()) return;
+  unlink(temporary_.c_str());
+  forget(temporary_.c_str());
+}
+
+void remove_temporaries() noexcept {
+  for (const auto& slot : temporaries)
+    if (const char* name = slot) unlink(name);
 }
 
 }  // namespace lodestone

@@ -51,4 +51,8 @@ class AtomicFile {
   std::unique_ptr<std::byte[]> buffer_;
 };
 
+// Removes the temporaries of all AtomicFiles under way; for the handler of a signal that ends the process, and safe to
+// call there. Of more than 64 at once the rest stay.
+void remove_temporaries() noexcept;
+
 }  // namespace lodestone

@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include "core/base/error.h"
 #include "experiments/commands/command.h"
 #include "experiments/progress.h"
 #include "parallel/cpu_clock.h"
@@ -54,6 +53,7 @@ nlohmann::json level_ratios(const Hierarchy& h) {
 }
 
 void run(const BuildOptions& options, const CommonOptions& common) {
+  check_files(common, {{"IN", options.input}}, {{"--output", options.output, ".lode"}});
   const auto scheduler = make_scheduler(common);
   BuildConfig config = options.config;
   config.simplifier = simplifier_kind(options.simplifier);
@@ -70,23 +70,21 @@ void run(const BuildOptions& options, const CommonOptions& common) {
     check_interrupt();
     clock = CpuClock();
   };
+  progress.phase("reading");
   RawMesh raw = load_mesh(options.input, *scheduler);
   stage("read");
   Repairs repairs;
-  IndexedMesh mesh = [&] {
-    try {
-      return prepare_mesh(std::move(raw), repairs, *scheduler);
-    } catch (const InputError& e) {
-      throw InputError(describe(options.input, "", e.what()));
-    }
-  }();
+  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, *scheduler, options.input);
   stage("weld");
+  progress.phase("building");
   BuildReport report;
   Hierarchy hierarchy = build_hierarchy(std::move(mesh), config, *scheduler, &report);
   hierarchy.provenance.repairs = repairs;
   stage("build");
+  progress.phase("writing");
   save_lode(hierarchy, options.output, *scheduler);
   stage("write");
+  progress.clear();
   const StageTime time = all.elapsed();
   for (const auto& [name, t] : report.stages) stages[name] = to_json(t);
 
@@ -146,6 +144,7 @@ void add_build(CLI::App& app) {
   command
       .add_option("--cell-triangles", options->config.cell_triangles,
                   "Mean triangles per occupied finest cell that the number of levels follows from")
+      ->check(CLI::Range(1, 1'000'000'000))
       ->capture_default_str();
   command.add_option("--levels", options->config.finest_level, "Finest level L instead (the root is level 0)")
       ->check(CLI::Range(0, max_level));

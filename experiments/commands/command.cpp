@@ -1,23 +1,33 @@
 #include "experiments/commands/command.h"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <span>
+#include <string_view>
 
 #include "core/io/atomic_file.h"
 
 namespace lodestone {
 namespace {
 
-CancelFlag interrupted{false};
-static_assert(CancelFlag::is_always_lock_free, "the signal handler may only touch lock-free atomics");
+CancelFlag interrupted{false}, polled{false};
+std::atomic<int> received{0};
+static_assert(CancelFlag::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "the signal handler may only touch lock-free atomics");
 
+// Only what POSIX allows in a handler.
 void on_interrupt(int signal) {
-  if (interrupted.exchange(true)) std::_Exit(128 + signal);
+  received = signal;
+  if (!interrupted.exchange(true) && polled) return;
+  remove_temporaries();
+  constexpr std::string_view line = "lodestone: interrupted; no output file was left\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
+  std::_Exit(128 + signal);
 }
 
 }  // namespace
@@ -36,7 +46,18 @@ CLI::App& add_command(CLI::App& app, const std::string& name, const std::string&
 
 std::unique_ptr<Scheduler> make_scheduler(const CommonOptions& common) { return make_tbb_scheduler(common.threads); }
 
-const CancelFlag& interrupt_flag() { return interrupted; }
+void check_files(const CommonOptions& common, const std::vector<FileArgument>& inputs,
+                 std::vector<FileArgument> outputs) {
+  if (!common.json.empty() && common.json != "-") outputs.push_back({"--json", common.json});
+  check_files(inputs, outputs);
+}
+
+const CancelFlag& interrupt_flag() {
+  polled = true;
+  return interrupted;
+}
+
+int interrupt_status() { return 128 + received; }
 
 void install_interrupt_handler() {
   std::signal(SIGINT, on_interrupt);
@@ -49,7 +70,8 @@ void check_interrupt() {
 
 void write_json(const CommonOptions& common, const nlohmann::json& result) {
   if (common.json.empty()) return;
-  const std::string text = result.dump(2) + "\n";
+  // File names need not be UTF-8, JSON must.
+  const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   if (common.json == "-") {
     std::fputs(text.c_str(), stdout);
     return;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "experiments/commands/files.h"
 #include "parallel/scheduler.h"
 #include "parallel/stage_time.h"
 
@@ -23,11 +24,19 @@ CLI::App& add_command(CLI::App& app, const std::string& name, const std::string&
 
 [[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const CommonOptions& common);
 
-// Set by the first Ctrl-C; a second one ends the process at once.
-[[nodiscard]] const CancelFlag& interrupt_flag();
+// check_files() with the file of --json among the outputs.
+void check_files(const CommonOptions& common, const std::vector<FileArgument>& inputs,
+                 std::vector<FileArgument> outputs = {});
+
+// Ctrl-C and SIGTERM end the process at once, with one line, a status of 128 + signal and no temporary left. A command
+// that has more to clean up, or ends more tidily, takes the flag and looks at it often: then the first signal only sets
+// it, and the second one ends the process.
 void install_interrupt_handler();
+[[nodiscard]] const CancelFlag& interrupt_flag();
 // Throws Cancelled when the flag is set.
 void check_interrupt();
+// 128 + signal, once the flag is set.
+[[nodiscard]] int interrupt_status();
 
 // Written aside and renamed; "-" prints.
 void write_json(const CommonOptions& common, const nlohmann::json& result);

@@ -3,11 +3,15 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "core/base/error.h"
 #include "core/hierarchy/level_mesh.h"
 #include "core/hierarchy/lode_file.h"
 #include "core/io/mesh_file.h"
 #include "experiments/commands/command.h"
+#include "experiments/progress.h"
 #include "parallel/load.h"
 
 namespace lodestone {
@@ -19,20 +23,47 @@ struct CompareOptions {
 };
 
 // "scan.ply", or "scan.lode", or "scan.lode:3" for a level of a hierarchy.
-RawMesh surface(const std::string& name, Scheduler& scheduler) {
+struct SurfaceName {
+  std::string file;
+  bool hierarchy = false;
+  std::optional<std::string> level;
+};
+
+SurfaceName parse_name(const std::string& name) {
   const std::size_t at = name.rfind(".lode");
-  if (at == std::string::npos || (at + 5 != name.size() && name[at + 5] != ':')) return load_mesh(name, scheduler);
-  const Hierarchy hierarchy = open_lode(name.substr(0, at + 5));
-  int level = hierarchy.finest();
-  if (at + 5 != name.size()) {
-    const std::string number = name.substr(at + 6);
-    if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos || number.size() > 2 ||
-        std::stoi(number) > hierarchy.finest())
-      throw InputError(describe(name, "", "there is no level '" + number + "'",
-                                fmt::format("the levels are 0 to {}", hierarchy.finest())));
-    level = std::stoi(number);
+  if (at == std::string::npos || (at + 5 != name.size() && name[at + 5] != ':')) return {name, false, {}};
+  SurfaceName result{name.substr(0, at + 5), true, {}};
+  if (at + 5 != name.size()) result.level = name.substr(at + 6);
+  return result;
+}
+
+int level_number(const SurfaceName& name, const Hierarchy& hierarchy) {
+  if (!name.level) return hierarchy.finest();
+  const std::string& number = *name.level;
+  if (number.empty() || number.find_first_not_of("0123456789") != std::string::npos || number.size() > 2 ||
+      std::stoi(number) > hierarchy.finest())
+    throw InputError(describe(name.file, "", "there is no level '" + number + "'",
+                              fmt::format("the levels are 0 to {}", hierarchy.finest())));
+  return std::stoi(number);
+}
+
+struct Surface {
+  RawMesh mesh;
+  std::uint64_t non_finite_triangles = 0;  // left out, as `build` does
+};
+
+Surface read_surface(const SurfaceName& name, Scheduler& scheduler) {
+  if (name.hierarchy) {
+    const Hierarchy hierarchy = open_lode(name.file);
+    return {level_mesh(hierarchy, level_number(name, hierarchy)), 0};
   }
-  return level_mesh(hierarchy, level);
+  Surface surface{load_mesh(name.file, scheduler), 0};
+  surface.non_finite_triangles = std::erase_if(surface.mesh.triangles, [&](const Triangle& t) {
+    return !std::all_of(t.v.begin(), t.v.end(), [&](auto v) { return is_finite(surface.mesh.positions[v]); });
+  });
+  if (surface.mesh.triangles.empty())
+    throw InputError(describe(name.file, "", "every triangle has a corner that is not finite"));
+  return surface;
 }
 
 nlohmann::json to_json(const DirectedDistance& d) {
@@ -40,13 +71,20 @@ nlohmann::json to_json(const DirectedDistance& d) {
 }
 
 void run(const CompareOptions& options, const CommonOptions& common) {
+  const SurfaceName name_a = parse_name(options.a), name_b = parse_name(options.b);
+  check_files(common, {{"A", name_a.file}, {"B", name_b.file}});
   const auto scheduler = make_scheduler(common);
-  const RawMesh a = surface(options.a, *scheduler);
-  const RawMesh b = surface(options.b, *scheduler);
-  const MeshDistance result = compare_meshes(a, b, options.config, *scheduler);
+  Progress progress("reading", common.quiet);
+  progress.phase("reading");
+  const Surface a = read_surface(name_a, *scheduler);
+  const Surface b = read_surface(name_b, *scheduler);
+  progress.phase("comparing");
+  const MeshDistance result = compare_meshes(a.mesh, b.mesh, options.config, *scheduler);
+  progress.clear();
   write_json(common, {{"a", options.a},
                       {"b", options.b},
                       {"diagonal", result.diagonal},
+                      {"non_finite_triangles", {a.non_finite_triangles, b.non_finite_triangles}},
                       {"forward", to_json(result.forward)},
                       {"backward", to_json(result.backward)}});
   if (common.quiet || common.json == "-") return;
@@ -58,6 +96,8 @@ void run(const CompareOptions& options, const CommonOptions& common) {
   };
   line("A to B", result.forward);
   line("B to A", result.backward);
+  if (const auto count = a.non_finite_triangles + b.non_finite_triangles; count > 0)
+    fmt::print("left out: {} triangles with a corner that is not finite\n", count);
 }
 
 }  // namespace

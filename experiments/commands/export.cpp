@@ -16,6 +16,7 @@ struct ExportOptions {
 };
 
 void run(const ExportOptions& options, const CommonOptions& common) {
+  check_files(common, {{"FILE", options.file}}, {{"--output", options.output}});
   const Hierarchy hierarchy = open_lode(options.file);
   const int level = options.level < 0 ? hierarchy.finest() : options.level;
   if (level > hierarchy.finest())

@@ -18,11 +18,13 @@ struct GenerateOptions {
 void run(const GenerateOptions& options, const CommonOptions& common) {
   GenerateConfig config = options.config;
   config.shape = shape(options.shape_name);
+  check_files(common, {}, {{"--output", options.output, ".ply"}});
   const auto scheduler = make_scheduler(common);
   const CpuClock clock;
   Progress progress("generating", common.quiet);
   const GenerateResult result = generate_ply(config, options.output, *scheduler, &interrupt_flag(),
                                              [&](double share) { progress.update(share); });
+  progress.clear();
   const StageTime time = clock.elapsed();
   write_json(common, {{"output", options.output},
                       {"shape", options.shape_name},
@@ -50,7 +52,9 @@ void add_generate(CLI::App& app) {
   command
       .add_option("--triangles", options->config.triangles, "Number of triangles; the nearest regular grid is taken")
       ->capture_default_str();
-  command.add_option("--seed", options->config.seed, "Seed of the displacement")->capture_default_str();
+  command.add_option("--seed", options->config.seed, "Seed of the displacement")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command.add_option("-o,--output", options->output, "File to write (.ply)")->required();
   command.callback([options, common] { run(*options, *common); });
 }

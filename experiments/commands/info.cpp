@@ -23,6 +23,7 @@ nlohmann::json describe_level(const Hierarchy& h, std::size_t l) {
 }
 
 void run(const std::string& file, const CommonOptions& common) {
+  check_files(common, {{"FILE", file}});
   const Hierarchy h = open_lode(file);
   nlohmann::json levels = nlohmann::json::array();
   for (std::size_t l = 0; l < h.levels.size(); ++l) levels.push_back(describe_level(h, l));

@@ -73,6 +73,16 @@ std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiC
   return cameras;
 }
 
+bool is_path_file(const std::string& camera) {
+  return camera != "orbit" && camera != "fly-in" && camera != "adversarial";
+}
+
+std::vector<FileArgument> input_files(const RenderOptions& options) {
+  std::vector<FileArgument> files{{"FILE", options.file}};
+  if (is_path_file(options.camera)) files.push_back({"--camera", options.camera});
+  return files;
+}
+
 std::vector<Camera> cameras(const RenderOptions& options, const Hierarchy& hierarchy, const RadiiConfig& config) {
   if (options.camera == "orbit") return orbit_path(hierarchy, options.frames);
   if (options.camera == "fly-in") return fly_in_path(hierarchy, options.frames);
@@ -110,33 +120,50 @@ nlohmann::json to_json(const FlightResult& result, bool measured) {
   return json;
 }
 
-// The frames on disk, and a sheet of some of them.
+// The frames on disk, and a sheet of some of them. Unless finish() is reached, the frames are removed again: a folder
+// holds a whole flight or nothing of it.
 class PictureWriter {
  public:
   PictureWriter(std::string folder, std::size_t frames) : folder_(std::move(folder)), frames_(frames) {
     std::error_code error;
-    std::filesystem::create_directories(folder_, error);
-    if (error) throw FileError(describe(folder_, "", "cannot create the folder: " + error.message()));
+    created_ = std::filesystem::create_directories(folder_, error);
+    if (error)
+      throw FileError(
+          describe(folder_, "", "cannot create the folder: " + error.message(), "name a folder you may write to"));
+  }
+  PictureWriter(const PictureWriter&) = delete;
+  PictureWriter& operator=(const PictureWriter&) = delete;
+
+  ~PictureWriter() {
+    if (finished_) return;
+    std::error_code ignored;
+    for (const std::string& file : written_) std::filesystem::remove(file, ignored);
+    if (created_) std::filesystem::remove(folder_, ignored);
   }
 
   void operator()(std::size_t index, Renderer& renderer) {
     Image image = renderer.read_back();
     if (image.rgba.empty()) return;
-    write_png(fmt::format("{}/frame{:04}.png", folder_, index), image);
+    const std::string file = fmt::format("{}/frame{:04}.png", folder_, index);
+    write_png(file, image);
+    written_.push_back(file);
     constexpr std::size_t on_sheet = 12;
     const std::size_t steps = std::min(frames_, on_sheet);
     if (sheet_.size() < steps && index * (steps - 1) >= sheet_.size() * (frames_ - 1))
       sheet_.push_back(std::move(image));
   }
 
-  void finish() const {
+  void finish() {
     if (!sheet_.empty()) write_png(folder_ + "/contact.png", contact_sheet(sheet_));
+    finished_ = true;
   }
 
  private:
   std::string folder_;
   std::size_t frames_;
   std::vector<Image> sheet_;
+  std::vector<std::string> written_;
+  bool created_ = false, finished_ = false;
 };
 
 void run(const RenderOptions& options, const CommonOptions& common) {
@@ -147,6 +174,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   config.tint_by_level = options.tint;
   config.measure = !common.json.empty() && !options.no_metrics;
   config.cancel = &interrupt_flag();
+  check_files(common, input_files(options));
 
   const Hierarchy hierarchy = open_lode(options.file);
   refuse_inadmissible(options, hierarchy, config.radii);
@@ -154,7 +182,8 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   const auto scheduler = make_scheduler(common);
   const auto renderer = make_renderer(options.backend, *scheduler);
   std::optional<PictureWriter> pictures;
-  if (!options.output.empty()) pictures.emplace(options.output, config.cameras.size());
+  const bool draws = options.backend != "null";
+  if (draws && !options.output.empty()) pictures.emplace(options.output, config.cameras.size());
 
   Progress progress("rendering", common.quiet);
   const FlightResult result = fly(hierarchy, *renderer, config, *scheduler, [&](std::size_t index, Renderer& r) {
@@ -162,6 +191,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
     progress.update(static_cast<double>(index + 1) / static_cast<double>(config.cameras.size()));
   });
   if (pictures) pictures->finish();
+  progress.clear();
 
   nlohmann::json json = to_json(result, config.measure);
   json.update({{"file", options.file},
@@ -174,7 +204,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   write_json(common, json);
   if (common.quiet || common.json == "-") return;
   fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer->name(),
-             result.milliseconds_median, options.output.empty() ? "" : ", pictures in " + options.output);
+             result.milliseconds_median, pictures ? ", pictures in " + options.output : "");
   if (config.measure)
     fmt::print("open edges {}, largest gap {:g}, largest jump {:.4f} of the analytic bound\n", result.open_edges_max,
                result.gap_max, result.jump_over_bound_max);

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode_file.h"
 #include "experiments/commands/command.h"
+#include "experiments/progress.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
 
@@ -16,14 +17,19 @@ namespace lodestone {
 namespace {
 
 void run(const std::string& file, const std::string& input, const CommonOptions& common) {
+  check_files(common, {{"FILE", file}});
+  Progress progress("reading", common.quiet);
+  progress.phase("reading");
   const Hierarchy hierarchy = open_lode(file);
   std::optional<IndexedMesh> mesh;
   if (!input.empty()) {
     const auto scheduler = make_scheduler(common);
     Repairs repairs;
-    mesh = prepare_mesh(load_mesh(input, *scheduler), repairs, *scheduler);
+    mesh = prepare_mesh(load_mesh(input, *scheduler), repairs, *scheduler, input);
   }
+  progress.phase("verifying");
   const VerifyReport report = verify_hierarchy(hierarchy, mesh ? &*mesh : nullptr);
+  progress.clear();
   const bool valid =
       std::all_of(report.checks.begin(), report.checks.end(), [](const VerifyCheck& c) { return c.passed; });
   nlohmann::json checks = nlohmann::json::array();

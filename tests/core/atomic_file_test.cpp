@@ -60,6 +60,20 @@ TEST_F(AtomicFileTest, LeavesNothingWhenAbandoned) {
   EXPECT_EQ(files(), 1u);
 }
 
+// What the handler of a signal does before it ends the process. Finished files stay.
+TEST_F(AtomicFileTest, TemporariesGoWhenTheProcessIsAboutToEnd) {
+  AtomicFile finished(folder_ / "finished");
+  finished.commit();
+  AtomicFile a(folder_ / "a"), b(folder_ / "b");
+  a.write(bytes("half of it"));
+  a.flush();
+  { AtomicFile abandoned(folder_ / "c"); }
+  EXPECT_EQ(files(), 3u);
+  remove_temporaries();
+  EXPECT_EQ(files(), 1u);
+  EXPECT_TRUE(fs::exists(folder_ / "finished"));
+}
+
 TEST_F(AtomicFileTest, SmallAndLargePiecesKeepTheirOrder) {
   std::string expected;
   AtomicFile file(folder_ / "a");

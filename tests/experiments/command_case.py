@@ -1,0 +1,123 @@
+"""What the tests of the command share: the program, a folder for each test, models made once, and one way to run it."""
+
+import json
+import pathlib
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM = None
+_models = None
+
+
+def main(document):
+    """Runs the tests of the calling file. usage: FILE PROGRAM [unittest arguments]"""
+    global PROGRAM, _models
+    import command_case  # the module the tests see, not __main__
+
+    if len(sys.argv) < 2:
+        sys.exit(document)
+    command_case.PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+    with tempfile.TemporaryDirectory() as folder:
+        command_case._models = pathlib.Path(folder)
+        unittest.main(module="__main__", verbosity=2)
+
+
+def call(*arguments, cwd=None, timeout=120):
+    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, timeout=timeout, check=False)
+
+
+class CommandCase(unittest.TestCase):
+    """Each test works in an empty folder of its own."""
+
+    maxDiff = None
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def lodestone(self, *arguments):
+        """Runs it, expects success and nothing on standard error; returns standard output."""
+        done = call(*arguments, cwd=self.folder)
+        self.assertEqual((done.returncode, done.stderr.decode()), (0, ""), arguments)
+        return done.stdout.decode()
+
+    def results(self, *arguments):
+        """Runs it with --json; returns what that holds."""
+        self.lodestone(*arguments, "--json", "results.json")
+        return json.loads((self.folder / "results.json").read_text(), parse_constant=self.fail)
+
+    def refused(self, *arguments, names=()):
+        """Expects one line that names what is wrong, and a folder that nothing was added to or changed in."""
+        before = self.listing()
+        done = call(*arguments, cwd=self.folder)
+        line = done.stderr.decode(errors="replace")
+        self.assertEqual(done.returncode, 1, (arguments, line))
+        self.assertRegex(line, r"\Alodestone: [^\n]+\n\Z", arguments)
+        self.assertEqual(done.stdout, b"", arguments)
+        for name in names:
+            self.assertIn(name, line, arguments)
+        self.assertEqual(self.listing(), before, arguments)
+        return line
+
+    def listing(self):
+        return {
+            str(path.relative_to(self.folder)): path.read_bytes() if path.is_file() else None
+            for path in sorted(self.folder.rglob("*"))
+        }
+
+    def write(self, name, content):
+        path = self.folder / name
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return path
+
+
+def model(name, *arguments):
+    """A file made once for all tests by `lodestone ARGUMENTS -o NAME`."""
+    path = _models / name
+    if not path.exists():
+        done = call(*arguments, "-o", path)
+        assert done.returncode == 0, done.stderr.decode()
+    return path
+
+
+def sphere():
+    return model("sphere.ply", "generate", "sphere", "--triangles", 20000)
+
+
+def hierarchy():
+    return model("sphere.lode", "build", sphere(), "--levels", 3)
+
+
+def ply_counts(path):
+    """(vertices, triangles) that the header of a binary PLY declares, checked against the size of the file."""
+    header, body = path.read_bytes().split(b"end_header\n", 1)
+    counts = {line.split()[1]: int(line.split()[2]) for line in header.decode().splitlines() if "element" in line}
+    assert len(body) == 12 * counts["vertex"] + 13 * counts["face"], path
+    return counts["vertex"], counts["face"]
+
+
+def ply(vertices, faces, vertex_count=None, face_count=None):
+    """Text of an ASCII PLY; the declared counts may lie."""
+    lines = ["ply", "format ascii 1.0", f"element vertex {vertex_count or len(vertices)}"]
+    lines += [f"property float {axis}" for axis in "xyz"]
+    lines += [f"element face {face_count or len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    lines += [" ".join(map(str, v)) for v in vertices]
+    lines += [" ".join(map(str, (len(f), *f))) for f in faces]
+    return "\n".join(lines) + "\n"
+
+
+def binary_stl(facets, declared=None):
+    """Bytes of a binary STL of `facets` (three corners each)."""
+    body = b"".join(struct.pack("<12fH", 0, 0, 1, *[x for corner in facet for x in corner], 0) for facet in facets)
+    return bytes(80) + struct.pack("<I", len(facets) if declared is None else declared) + body
+
+
+def png_size(path):
+    """(width, height) of a PNG that ends as it should."""
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND", path
+    return struct.unpack(">II", data[16:24])

@@ -1,0 +1,350 @@
+"""Every subcommand as a user meets it, when all goes well. usage: test_command.py PROGRAM"""
+
+import json
+import os
+import pty
+import re
+import shutil
+import subprocess
+import unittest
+
+import command_case
+from command_case import CommandCase, hierarchy, model, ply, ply_counts, png_size, sphere
+
+SUBCOMMANDS = ["generate", "build", "info", "verify", "compare", "render", "export"]
+SHAPES = ["sphere", "terrain", "torus", "box"]
+BLENDS = ["linear", "smoothstep", "smootherstep", "cosine", "early", "late"]  # and step, which pops
+WORKERS = [1, 2, 3, 7]
+
+
+class Help(CommandCase):
+    def test_lists_every_subcommand(self):
+        text = self.lodestone("--help")
+        for name in SUBCOMMANDS:
+            self.assertRegex(text, rf"(?m)^  {name} +\w")
+        self.assertRegex(self.lodestone("--version"), r"\A\d+\.\d+\.\d+\S*\n\Z")
+
+    def test_every_subcommand_has_options_and_examples(self):
+        for name in SUBCOMMANDS:
+            text = self.lodestone(name, "--help")
+            self.assertEqual(text, self.lodestone(name, "-h"))
+            for option in ("--json", "--threads", "--quiet"):
+                self.assertIn(option, text)
+            examples = text.split("Examples:\n")[1].splitlines()
+            self.assertTrue(examples and all(line.startswith(f"  lodestone {name} ") for line in examples), text)
+
+
+class Generate(CommandCase):
+    def test_shapes_have_about_the_triangles_asked_for(self):
+        for shape in SHAPES:
+            result = self.results("generate", shape, "--triangles", 10000, "-o", "m.ply")
+            vertices, triangles = ply_counts(self.folder / "m.ply")
+            self.assertEqual((result["vertices"], result["triangles"]), (vertices, triangles))
+            self.assertEqual(result["bytes"], (self.folder / "m.ply").stat().st_size)
+            self.assertLess(abs(triangles - 10000), 1000, shape)
+            if shape != "terrain":  # closed: as many vertices as Euler's formula says, for genus 0 and 1
+                self.assertEqual(2 * vertices - triangles, 0 if shape == "torus" else 4, shape)
+
+    def test_threads_do_not_change_a_byte(self):
+        for shape in SHAPES:
+            files = set()
+            for workers in WORKERS:
+                self.lodestone("generate", shape, "--triangles", 30000, "--threads", workers, "-o", "m.ply")
+                files.add((self.folder / "m.ply").read_bytes())
+            self.assertEqual(len(files), 1, shape)
+
+    def test_seed_changes_the_surface(self):
+        for shape in ("sphere", "terrain"):
+            files = []
+            for seed in (1, 2, 1):
+                self.lodestone("generate", shape, "--triangles", 2000, "--seed", seed, "-o", "m.ply")
+                files.append((self.folder / "m.ply").read_bytes())
+            self.assertEqual(files[0], files[2])
+            self.assertNotEqual(files[0], files[1])
+
+
+class Build(CommandCase):
+    def build(self, *arguments):
+        self.lodestone("build", sphere(), "-o", "m.lode", "--quiet", *arguments)
+        return (self.folder / "m.lode").read_bytes()
+
+    def test_json_has_what_scripts_rely_on(self):
+        result = self.results("build", sphere(), "-o", "m.lode", "--levels", 3)
+        self.assertEqual(result["input_triangles"], ply_counts(sphere())[1])
+        self.assertEqual(result["levels"], 4)
+        self.assertAlmostEqual(result["sigma0"], 0.2)
+        self.assertGreater(result["stored_triangles"], result["input_triangles"])
+        self.assertGreater(result["stored_vertices"], 0)
+        for metric in ("euclidean", "chebyshev"):
+            self.assertEqual(len(result["reach"][metric]), 4)
+            self.assertTrue(all(0 < r < 4 for r in result["reach"][metric]))
+        for euclidean, diameter in zip(result["reach"]["euclidean"], result["diameter"], strict=True):
+            self.assertLessEqual(euclidean, diameter * 1.001)
+        self.assertEqual(result["error_ratio"][-1], 0)
+        self.assertTrue(all(e > 0 for e in result["error_ratio"][:-1]))
+        self.assertGreater(result["peak_bytes"], 1 << 20)
+        for name in ("read", "weld", "build", "write"):
+            self.assertIn(name, result["stages"])
+        for stage in (result, *result["stages"].values()):
+            self.assertGreaterEqual(stage["seconds"], 0)
+            self.assertGreaterEqual(stage["cpu_seconds"], 0)
+        self.assertGreater(result["mtri_per_core_second"], 0)
+        self.assertTrue(all(count == 0 for count in result["repairs"].values()), result["repairs"])
+
+    def test_repairs_are_counted(self):
+        nan, square = float("nan"), [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        self.write("m.ply", ply([*square, (0, 0, 0), (nan, 0, 0), (5, 5, 5)],
+                                [(0, 1, 2), (4, 2, 3), (2, 3, 0), (0, 4, 1), (0, 1, 5), (0, 1, 2, 3)]))
+        result = self.results("build", "m.ply", "-o", "m.lode")
+        repairs = result["repairs"]
+        self.assertEqual(repairs["non_finite_triangles"], 1)
+        self.assertEqual(repairs["degenerate_triangles"], 1)
+        self.assertEqual(repairs["welded_vertices"], 1)
+        self.assertEqual(repairs["polygons_triangulated"], 1)
+        self.assertGreaterEqual(repairs["duplicate_triangles"], 1)
+        self.assertGreaterEqual(repairs["unreferenced_vertices"], 1)
+        self.assertEqual(result["stored_triangles"], result["input_triangles"])
+        self.assertTrue(self.results("verify", "m.lode", "--input", "m.ply")["valid"])
+
+    def test_threads_and_strategies_do_not_change_a_byte(self):
+        for simplifier in ("quadric", "cluster"):
+            fixed = ("--levels", 3, "--simplifier", simplifier)
+            files = {self.build(*fixed, "--threads", n) for n in WORKERS}
+            files |= {self.build(*fixed, "--threads", 2, "--strategy", s) for s in ("serial", "levels", "graph")}
+            self.assertEqual(len(files), 1, simplifier)
+            self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
+
+    def test_name_and_place_do_not_change_a_byte(self):
+        here = self.build()
+        (self.folder / "else").mkdir()
+        shutil.copy(sphere(), self.folder / "else" / "other name.ply")
+        os.utime(self.folder / "else" / "other name.ply", (0, 0))
+        self.lodestone("build", "else/other name.ply", "-o", "else/elsewhere.lode")
+        self.assertEqual((self.folder / "else" / "elsewhere.lode").read_bytes(), here)
+
+    def test_parameters_reach_the_hierarchy(self):
+        for levels in (0, 1, 4):
+            self.assertEqual(self.results("build", sphere(), "-o", "m.lode", "--levels", levels)["levels"], levels + 1)
+        few = self.results("build", sphere(), "-o", "m.lode", "--cell-triangles", 10000)["levels"]
+        many = self.results("build", sphere(), "-o", "m.lode", "--cell-triangles", 100)["levels"]
+        self.assertLess(few, many)
+        fine = self.results("build", sphere(), "-o", "m.lode", "--levels", 3, "--sigma0", 0.1)
+        coarse = self.results("build", sphere(), "-o", "m.lode", "--levels", 3, "--sigma0", 0.5)
+        self.assertAlmostEqual(coarse["sigma0"], 0.5)
+        self.assertLess(coarse["stored_triangles"], fine["stored_triangles"])
+
+    def test_file_names_need_not_be_utf8(self):
+        name = os.fsdecode(b"scan\xff.ply")
+        shutil.copy(sphere(), self.folder / name)
+        self.assertIn("scan", self.results("build", name, "-o", "m.lode")["input"])
+
+
+class InfoVerifyExport(CommandCase):
+    def test_info_tells_the_levels(self):
+        result = self.results("info", hierarchy())
+        self.assertEqual([level["level"] for level in result["levels"]], [0, 1, 2, 3])
+        self.assertEqual(result["levels"][3]["triangles"], result["input_triangles"])
+        self.assertEqual(result["simplifier"], "quadric")
+        text = self.lodestone("info", hierarchy())
+        self.assertIn(f"{result['kappa0_admissible_above']['euclidean']:.4f}", text)
+        self.assertEqual(json.loads(self.lodestone("info", hierarchy(), "--json", "-")), result)
+
+    def test_verify_lists_its_checks(self):
+        for arguments in ((), ("--input", sphere())):
+            result = self.results("verify", hierarchy(), *arguments)
+            self.assertTrue(result["valid"])
+            self.assertGreater(len(result["checks"]), 8)
+            for check in result["checks"]:
+                self.assertTrue(check["passed"] and check["name"] and check["detail"], check)
+        self.assertIn("input", [check["name"] for check in result["checks"]])
+
+    def test_verify_tells_another_input(self):
+        other = model("other.ply", "generate", "sphere", "--triangles", 20000, "--seed", 2)
+        done = command_case.call("verify", hierarchy(), "--input", other, "--json", "v.json", cwd=self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr.decode(), r"\Alodestone: [^\n]*sphere.lode[^\n]+\n\Z")
+        self.assertFalse(json.loads((self.folder / "v.json").read_text())["valid"])
+
+    def test_finest_level_goes_out_and_comes_back(self):
+        for suffix in ("ply", "obj", "stl"):
+            result = self.results("export", hierarchy(), "-o", f"m.{suffix}")
+            self.assertEqual((result["level"], result["triangles"]), (3, ply_counts(sphere())[1]))
+            back = self.results("compare", f"m.{suffix}", sphere())
+            self.assertLess(max(back["forward"]["max"], back["backward"]["max"]), 1e-6 * back["diagonal"], suffix)
+            built = self.results("build", f"m.{suffix}", "-o", "m.lode")
+            self.assertEqual(built["input_triangles"], result["triangles"])
+
+    def test_coarser_levels_have_fewer_triangles(self):
+        counts = [self.results("export", hierarchy(), "--level", l, "-o", "m.ply")["triangles"] for l in range(4)]
+        self.assertEqual(counts, sorted(set(counts)))
+
+
+class Compare(CommandCase):
+    def test_identical_surfaces_are_at_no_distance(self):
+        result = self.results("compare", sphere(), sphere())
+        for direction in ("forward", "backward"):
+            self.assertEqual({result[direction][key] for key in ("max", "rms", "mean", "p99")}, {0})
+
+    def test_parallel_squares(self):
+        square = [(0, 0), (3, 0), (3, 4), (0, 4)]
+        self.write("a.ply", ply([(x, y, 0) for x, y in square], [(0, 1, 2, 3)]))
+        self.write("b.ply", ply([(x, y, 0.5) for x, y in square], [(0, 1, 2, 3)]))
+        result = self.results("compare", "a.ply", "b.ply")
+        for direction in ("forward", "backward"):
+            for key in ("max", "rms", "mean", "p99"):
+                self.assertAlmostEqual(result[direction][key], 0.5, places=6)
+        self.assertTrue(5 <= result["diagonal"] <= (25 + 0.25) ** 0.5 + 1e-9)
+
+    def test_part_of_a_surface_is_near_one_way_only(self):
+        self.write("a.ply", ply([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
+        self.write("b.ply", ply([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 7), (1, 0, 7), (0, 1, 7)],
+                                [(0, 1, 2), (3, 4, 5)]))
+        result = self.results("compare", "a.ply", "b.ply")
+        self.assertAlmostEqual(result["forward"]["max"], 0)
+        self.assertAlmostEqual(result["backward"]["max"], 7)
+        self.assertAlmostEqual(result["backward"]["mean"], 3.5, delta=0.2)
+
+    def test_levels_are_within_their_error(self):
+        info = self.results("info", hierarchy())
+        for l, level in enumerate(info["levels"]):
+            result = self.results("compare", sphere(), f"{hierarchy()}:{l}")
+            bound = level["error_ratio"] * 2.0**-l * info["scale"] + 1e-6 * result["diagonal"]
+            self.assertLessEqual(max(result["forward"]["max"], result["backward"]["max"]), bound, l)
+
+    def test_corners_that_are_not_finite_are_left_out_and_counted(self):
+        points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (float("nan"), 0, 0)]
+        self.write("a.ply", ply(points, [(0, 1, 2), (0, 1, 3)]))
+        result = self.results("compare", "a.ply", "a.ply")
+        self.assertEqual(result["non_finite_triangles"], [1, 1])
+        self.assertEqual(result["forward"]["max"], 0)
+
+
+class Render(CommandCase):
+    def fly(self, *arguments, frames=12, backend="null", lode=None):
+        result = self.results("render", lode or hierarchy(), "--frames", frames, "--size", "160x120",
+                              "--backend", backend, *arguments)
+        self.assertEqual(len(result["frames"]), frames)
+        for frame in result["frames"]:
+            self.assertGreater(frame["milliseconds"]["total"], 0)
+            for key in ("cells", "triangles", "open_edges", "max_jump", "jump_over_bound"):
+                self.assertGreaterEqual(frame[key], 0)
+        self.assertEqual(result["cracks"]["open_edges_max"], max(f["open_edges"] for f in result["frames"]))
+        self.assertEqual(result["pops"]["jump_over_bound_max"], max(f["jump_over_bound"] for f in result["frames"]))
+        self.assertGreater(result["milliseconds_median"], 0)
+        return result
+
+    def assert_seamless(self, result):
+        self.assertTrue(result["admissible"])
+        self.assertEqual(result["cracks"], {"open_edges_max": 0, "gap_max": 0})
+        self.assertLessEqual(result["pops"]["jump_over_bound_max"], 1)
+
+    def rho(self, metric="euclidean"):
+        return self.results("info", hierarchy())["kappa0_admissible_above"][metric]
+
+    def test_no_crack_and_no_pop(self):
+        for camera in ("fly-in", "orbit"):
+            for metric in ("euclidean", "chebyshev"):
+                uniform = ("--radii", "uniform", "--kappa0", 1.1 * self.rho(metric))
+                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 1), uniform):
+                    result = self.fly("--camera", camera, "--metric", metric, *rule)
+                    self.assert_seamless(result)
+                    self.assertGreater(max(f["max_jump"] for f in result["frames"]), 0)
+
+    def test_blending_functions(self):
+        for blend in BLENDS:
+            self.assert_seamless(self.fly("--blend", blend, "--pixel-error", 2))
+        popping = self.fly("--blend", "step", "--pixel-error", 2, frames=40)
+        self.assertEqual(popping["cracks"]["open_edges_max"], 0)
+        self.assertGreater(popping["pops"]["jump_over_bound_max"], 1)
+
+    def test_cracks_below_the_admissible_radius(self):
+        adversarial = ("--camera", "adversarial", "--radii", "uniform", "--kappa0")
+        result = self.fly(*adversarial, 0.5 * self.rho(), "--allow-inadmissible")
+        self.assertFalse(result["admissible"])
+        self.assertGreater(result["cracks"]["open_edges_max"], 0)
+        self.assertGreater(result["cracks"]["gap_max"], 0)
+        self.assert_seamless_views(self.fly(*adversarial, 1.01 * self.rho()))
+
+    def assert_seamless_views(self, result):  # the camera leaps between adversarial views: jumps mean nothing
+        self.assertTrue(result["admissible"])
+        self.assertEqual(result["cracks"]["open_edges_max"], 0)
+
+    def pictures(self, backend):
+        self.assert_seamless(self.fly("-o", "new/frames", backend=backend, frames=3))
+        names = sorted(path.name for path in (self.folder / "new" / "frames").iterdir())
+        self.assertEqual(names, ["contact.png", "frame0000.png", "frame0001.png", "frame0002.png"])
+        for name in names[1:]:
+            self.assertEqual(png_size(self.folder / "new" / "frames" / name), (160, 120))
+
+    def test_soft_writes_pictures(self):
+        self.pictures("soft")
+
+    def test_gl_writes_pictures(self):
+        probe = command_case.call("render", hierarchy(), "--frames", 1, "--size", "16x16", "--backend", "gl")
+        if probe.returncode != 0 and (b"OpenGL" in probe.stderr or b"EGL" in probe.stderr):
+            self.skipTest(probe.stderr.decode().strip())
+        self.pictures("gl")
+
+    def test_null_writes_no_pictures(self):
+        self.assert_seamless(self.fly("-o", "frames", frames=2))
+        self.assertFalse((self.folder / "frames").exists())
+
+    def test_camera_path_of_a_file(self):
+        self.write("path.json", json.dumps({"frames": [
+            {"position": [4, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 45},
+            {"position": [0, 2, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 30}]}))
+        result = self.fly("--camera", "path.json", frames=5)
+        self.assert_seamless(result)
+        self.assertLess(result["frames"][0]["triangles"], result["frames"][-1]["triangles"])
+
+    def test_a_single_level_flies(self):
+        flat = model("flat.lode", "build", sphere(), "--levels", 0)
+        for rule in (("--pixel-error", 1), ("--radii", "uniform", "--kappa0", 3)):
+            result = self.fly(*rule, lode=flat, frames=3)
+            self.assert_seamless(result)
+            self.assertEqual({f["selected_triangles"] for f in result["frames"]}, {ply_counts(sphere())[1]})
+
+    def test_no_metrics_leaves_the_proof_out(self):
+        result = self.results("render", hierarchy(), "--frames", 2, "--backend", "null", "--no-metrics")
+        self.assertNotIn("cracks", result)
+        self.assertIn("milliseconds_median", result)
+
+
+class Terminal(CommandCase):
+    BIG = ("generate", "terrain", "--triangles", 12_000_000, "--threads", 1)
+
+    def test_quiet_says_nothing(self):
+        for arguments in (("generate", "box", "--triangles", 1000, "-o", "m.ply"), ("build", "m.ply", "-o", "m.lode"),
+                          ("info", "m.lode"), ("verify", "m.lode"), ("compare", "m.ply", "m.lode:0"),
+                          ("render", "m.lode", "--frames", 2, "--backend", "null"),
+                          ("export", "m.lode", "-o", "e.obj")):
+            self.assertEqual(self.lodestone(*arguments, "--quiet"), "")
+            self.assertNotEqual(self.lodestone(*arguments), "")
+
+    def on_terminal(self, *arguments):
+        """What standard error and output show on one terminal."""
+        master, slave = pty.openpty()
+        process = subprocess.Popen([command_case.PROGRAM, *map(str, arguments)], stdout=slave, stderr=slave,
+                                   stdin=slave, cwd=self.folder)
+        os.close(slave)
+        shown = b""
+        try:
+            while block := os.read(master, 65536):
+                shown += block
+        except OSError:  # Linux: the other side was closed
+            pass
+        os.close(master)
+        self.assertEqual(process.wait(timeout=60), 0)
+        return shown.decode()
+
+    def test_bar_on_a_terminal_only(self):
+        shown = self.on_terminal(*self.BIG, "-o", "m.ply")
+        self.assertRegex(shown, r"generating \[#+\.*\] +\d+ %")
+        # The bar has gone when the summary comes.
+        self.assertRegex(shown, r"\x1b\[Km\.ply: \d+ triangles")
+        self.assertNotRegex(re.sub(r"\r[^\r\n]*\x1b\[K", "", shown), "generating")
+        self.assertEqual(self.on_terminal(*self.BIG, "-o", "m.ply", "--quiet"), "")
+
+
+if __name__ == "__main__":
+    command_case.main(__doc__)

@@ -1,0 +1,327 @@
+"""The command refuses what it cannot do in one line, and leaves nothing behind. usage: test_command_refusals.py PROGRAM"""
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import command_case
+from command_case import CommandCase, binary_stl, hierarchy, model, ply, sphere
+
+CORNER = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+ONE = [(0, 1, 2)]
+
+
+class Usage(CommandCase):
+    def setUp(self):
+        super().setUp()
+        shutil.copy(sphere(), self.folder / "m.ply")
+        shutil.copy(hierarchy(), self.folder / "m.lode")
+
+    def test_unknown_words(self):
+        self.refused(names=["subcommand", "lodestone --help"])
+        self.refused("biuld", names=["subcommand 'biuld'"])
+        self.refused("--verbose", names=["option '--verbose'"])
+        for name in ("generate", "build", "info", "verify", "compare", "render", "export"):
+            self.refused(name, names=["required", f"lodestone {name} --help"])
+            self.refused(name, "--bogus", names=["option '--bogus'", f"lodestone {name} --help"])
+        self.refused("info", "m.lode", "rest", names=["argument 'rest'"])
+        self.refused("build", "m.ply", "-o", names=["--output"])
+
+    def test_values_of_every_subcommand(self):
+        for value in ("-1", "100000", "many", "1.5", ""):
+            self.refused("info", "m.lode", "--threads", value, names=["--threads"])
+
+    def test_values_of_generate(self):
+        self.refused("generate", "cube", "-o", "x.ply", names=["cube", "sphere, terrain, torus, box"])
+        for count in ("0", "1", "-5", "10000000000", "9" * 30, "abc"):
+            self.refused("generate", "sphere", "--triangles", count, "-o", "x.ply", names=["triangles"])
+        for seed in ("-1", "x"):
+            self.refused("generate", "sphere", "--seed", seed, "-o", "x.ply", names=["--seed"])
+        self.refused("generate", "sphere", "-o", "x.obj", names=["x.obj", ".ply"])
+
+    def test_values_of_build(self):
+        for sigma0 in ("0", "-1", "nan", "inf", "1e9", "x"):
+            self.refused("build", "m.ply", "-o", "x.lode", "--sigma0", sigma0, names=["sigma0"])
+        for cells in ("0", "-3", "x"):
+            self.refused("build", "m.ply", "-o", "x.lode", "--cell-triangles", cells, names=["--cell-triangles"])
+        for levels in ("-1", "99", "x"):
+            self.refused("build", "m.ply", "-o", "x.lode", "--levels", levels, names=["--levels"])
+        self.refused("build", "m.ply", "-o", "x.lode", "--simplifier", "best", names=["best", "quadric, cluster"])
+        self.refused("build", "m.ply", "-o", "x.lode", "--strategy", "best", names=["best", "serial, levels, graph"])
+        self.refused("build", "m.ply", "-o", "x.ply", names=["x.ply", ".lode"])
+
+    def test_values_of_export_and_compare(self):
+        self.refused("export", "m.lode", "--level", 4, "-o", "x.ply", names=["m.lode", "level 4"])
+        self.refused("export", "m.lode", "--level", -1, "-o", "x.ply", names=["--level"])
+        for name in ("x.png", "x"):
+            self.refused("export", "m.lode", "-o", name, names=[name, ".ply, .obj or .stl"])
+        for level in ("4", "", "x", "-1", "999999999999"):
+            self.refused("compare", "m.ply", f"m.lode:{level}", names=["m.lode", f"level '{level}'"])
+
+    def test_values_of_render(self):
+        render = ("render", "m.lode", "--backend", "null")
+        for frames in ("0", "-1", "x"):
+            self.refused(*render, "--frames", frames, names=["--frames"])
+        for size in ("0x0", "10", "10x", "x10", "-1x10", "10x10x10", "99999x1", "axb", ""):
+            self.refused(*render, "--size", size, names=["--size"])
+        self.refused("render", "m.lode", "--backend", "ray", names=["ray", "soft, gl, null"])
+        self.refused(*render, "--kappa0", 3, "--pixel-error", 1, names=["--kappa0", "--pixel-error"])
+        self.refused(*render, "--radii", "uniform", names=["kappa0"])
+        self.refused(*render, "--radii", "uniform", "--pixel-error", 2, names=["kappa0"])
+        self.refused(*render, "--radii", "some", names=["--radii some"])
+        self.refused(*render, "--blend", "none", names=["none", "smoothstep", "step"])
+        self.refused(*render, "--metric", "taxi", names=["--metric taxi"])
+        self.refused(*render, "--camera", "adversarial", names=["--camera", "--kappa0"])
+        for option, values in {"--pixel-error": ("0", "-1", "nan", "x"), "--kappa0": ("0", "-1", "nan", "x"),
+                               "--beta": ("0", "nan", "x"), "--delta": ("-1", "nan", "x")}.items():
+            for value in values:
+                self.refused(*render, option, value, names=[option[2:].replace("-", " ") if value != "x" else option])
+
+    def test_inadmissible_radius(self):
+        uniform = ("render", "m.lode", "--backend", "null", "--frames", 2, "--radii", "uniform", "--kappa0", "0.5")
+        self.refused(*uniform, names=["m.lode", "0.5", "--allow-inadmissible"])
+        self.lodestone(*uniform, "--allow-inadmissible")
+
+
+class Outputs(CommandCase):
+    def setUp(self):
+        super().setUp()
+        shutil.copy(sphere(), self.folder / "m.ply")
+        shutil.copy(hierarchy(), self.folder / "m.lode")
+        (self.folder / "folder.ply").mkdir()
+        (self.folder / "folder.lode").mkdir()
+
+    def writers(self):
+        """Calls that write, each up to the name of its output."""
+        yield ("generate", "box", "--triangles", 1000, "-o"), "ply"
+        yield ("build", "m.ply", "-o"), "lode"
+        yield ("export", "m.lode", "-o"), "ply"
+
+    def test_unwritable(self):
+        for call, suffix in self.writers():
+            self.refused(*call, f"nowhere/x.{suffix}", names=[f"nowhere/x.{suffix}", "No such file or directory"])
+            self.refused(*call, f"m.ply/x.{suffix}", names=[f"m.ply/x.{suffix}", "Not a directory"])
+            self.refused(*call, f"folder.{suffix}", names=[f"folder.{suffix}", "Is a directory"])
+            self.refused(*call, "", names=["--output"])
+
+    def test_unwritable_results_come_before_the_work(self):
+        for call, suffix in self.writers():
+            self.refused(*call, f"x.{suffix}", "--json", "nowhere/x.json", names=["nowhere/x.json"])
+        for call in (("info", "m.lode"), ("verify", "m.lode"), ("compare", "m.ply", "m.ply"),
+                     ("render", "m.lode", "--frames", 1, "-o", "frames")):
+            self.refused(*call, "--json", "nowhere/x.json", names=["nowhere/x.json"])
+            self.refused(*call, "--json", "folder.ply", names=["folder.ply"])
+
+    def test_no_file_destroys_another(self):
+        shutil.copy(self.folder / "m.ply", self.folder / "mesh.lode")
+        os.symlink("m.lode", self.folder / "link.ply")
+        self.refused("build", "mesh.lode", "-o", "mesh.lode", names=["mesh.lode", "IN", "--output"])
+        self.refused("build", "mesh.lode", "-o", "./folder.lode/../mesh.lode", names=["mesh.lode"])
+        self.refused("build", "m.ply", "-o", "x.lode", "--json", "m.ply", names=["m.ply", "--json"])
+        self.refused("build", "m.ply", "-o", "x.lode", "--json", "x.lode", names=["x.lode", "--output", "--json"])
+        self.refused("export", "m.lode", "-o", "link.ply", names=["m.lode"])
+        self.refused("verify", "m.lode", "--input", "m.ply", "--json", "m.ply", names=["m.ply"])
+        self.refused("compare", "m.ply", "m.lode:2", "--json", "m.lode", names=["m.lode"])
+        self.refused("render", "m.lode", "--json", "m.lode", names=["m.lode"])
+
+    def test_frames_need_a_folder(self):
+        render = ("render", "m.lode", "--frames", 2, "--size", "32x32", "-o")
+        self.refused(*render, "m.ply", names=["m.ply", "folder"])
+        self.refused(*render, "m.ply/frames", names=["m.ply/frames", "folder"])
+
+    def test_failed_flight_takes_its_frames_back(self):
+        (self.folder / "frames" / "frame0002.png").mkdir(parents=True)
+        self.refused("render", "m.lode", "--frames", 4, "--size", "32x32", "-o", "frames", names=["frame0002.png"])
+
+    def test_full_disk_of_standard_output(self):
+        with open("/dev/full", "wb") as full:
+            done = subprocess.run([command_case.PROGRAM, "info", hierarchy()], stdout=full, stderr=subprocess.PIPE,
+                                  check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertRegex(done.stderr.decode(), r"\Alodestone: [^\n]*No space left on device[^\n]*\n\Z")
+
+
+class Meshes(CommandCase):
+    def check(self, name, content, *places):
+        self.write(name, content)
+        self.refused("build", name, "-o", "x.lode", names=[name, *places])
+        self.write("ok.ply", ply(CORNER, ONE))
+        self.refused("compare", "ok.ply", name, names=[name, *places])
+        (self.folder / "ok.ply").unlink()
+        (self.folder / name).unlink()
+
+    def test_missing(self):
+        self.refused("build", "none.ply", "-o", "x.lode", names=["none.ply", "No such file"])
+        self.refused("build", "", "-o", "x.lode", names=["IN"])
+        self.refused("build", ".", "-o", "x.lode", names=["not a regular file"])
+        self.refused("build", "line\nend.ply", "-o", "x.lode", names=["end.ply"])
+        for call in (("info",), ("verify",), ("render",), ("export", "-o", "x.ply"), ("compare", "none.ply")):
+            self.refused(*call, "none.lode", names=["none."])
+        shutil.copy(hierarchy(), self.folder / "m.lode")
+        self.refused("verify", "m.lode", "--input", "none.ply", names=["none.ply"])
+
+    def test_empty(self):
+        for suffix in ("ply", "stl", "obj", "off", "drc", "data"):
+            self.check(f"m.{suffix}", b"", "empty")
+        self.check("m.ply", ply(CORNER, []), "no triangle")
+        self.check("m.stl", binary_stl([]), "no triangle")
+
+    def test_ply(self):
+        whole = sphere().read_bytes()
+        body = whole.index(b"end_header\n") + 11
+        for size in (3, body // 2, body, body + 1000, len(whole) - 1):
+            self.check("m.ply", whole[:size])
+        good = ply(CORNER, ONE)
+        self.check("m.ply", good.replace("end_header", "end"), "line")
+        self.check("m.ply", good.replace("ascii", "text"), "line 2")
+        self.check("m.ply", good.replace("property float x", "property real x"), "line 4")
+        self.check("m.ply", ply(CORNER, [(0, 1, 3)]), "line", "index 3 is out of range")
+        self.check("m.ply", ply(CORNER, [(0, 1, -1)]), "line", "index -1 is out of range")
+        self.check("m.ply", ply([*CORNER, ("x", 0, 0)], ONE), "line")
+        self.check("m.ply", ply(CORNER, ONE, vertex_count=10**12), "header")
+        self.check("m.ply", ply(CORNER, ONE, face_count=10**30), "line")
+        binary = good.replace("ascii", "binary_little_endian")
+        self.check("m.ply", binary.replace("vertex 3", f"vertex {10**15}"), "header")
+
+    def test_ply_binary_index(self):
+        whole = bytearray(sphere().read_bytes())
+        whole[-4:] = b"\xff\xff\xff\x7f"
+        self.check("m.ply", bytes(whole), "out of range")
+
+    def test_ply_without_a_finite_triangle(self):
+        self.write("m.ply", ply([(0, 0, 0), (1, 0, 0), (0, "nan", 0)], ONE))
+        self.refused("build", "m.ply", "-o", "x.lode", names=["m.ply", "not finite"])
+        self.refused("compare", "m.ply", "m.ply", names=["m.ply", "not finite"])
+        shutil.copy(hierarchy(), self.folder / "m.lode")
+        self.refused("verify", "m.lode", "--input", "m.ply", names=["m.ply", "not finite"])
+
+    def test_stl(self):
+        whole = binary_stl([CORNER] * 4)
+        for size in (50, 84, 100, len(whole) - 1):
+            self.check("m.stl", whole[:size])
+        self.check("m.stl", binary_stl([CORNER], declared=0xFFFFFFFF), "4294967295 facets")
+        self.check("m.stl", "solid m\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0", "line 5")
+        self.check("m.stl", "solid m\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero\n", "line 4")
+
+    def test_obj_and_off(self):
+        points = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNER)
+        for face in ("f 1 2 4", "f 1 2 0", "f -4 1 2", "f 1 2 x", "f 1 2 99999999999999999999"):
+            self.check("m.obj", points + face + "\n", "line 4")
+        self.check("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n")
+        self.check("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6")
+        self.check("m.off", f"OFF\n3 {10**18} 0\n0 0 0\n", "line")
+
+    def test_foreign(self):
+        for suffix in ("ply", "off", "drc", "data"):
+            self.check(f"m.{suffix}", random.Random(1).randbytes(5000))
+        shutil.copy(sphere(), self.folder / "m.drc")
+        self.refused("build", "m.drc", "-o", "x.lode", names=["m.drc"])
+
+
+class Hierarchies(CommandCase):
+    """Foreign and altered .lode files."""
+
+    def refused_by_all(self, content, *places):
+        self.write("m.lode", content)
+        self.write("m.ply", ply(CORNER, ONE))
+        for call in (("info",), ("verify",), ("render", "-o", "frames"), ("export", "-o", "x.ply"),
+                     ("compare", "m.ply")):
+            self.refused(*call, "m.lode", names=["m.lode", *places])
+
+    def test_foreign(self):
+        self.refused_by_all(sphere().read_bytes(), "not a .lode file")
+        self.refused_by_all(random.Random(1).randbytes(5000), "not a .lode file")
+        self.refused_by_all(b"")
+
+    def test_truncated(self):
+        whole = hierarchy().read_bytes()
+        for size in (1, 100, len(whole) // 2, len(whole) - 1):
+            self.refused_by_all(whole[:size])
+        self.refused_by_all(whole + b"\0")
+
+    def test_any_altered_byte(self):
+        whole = hierarchy().read_bytes()
+        places = random.Random(2)
+        offsets = [*range(0, 256, 8), *(places.randrange(len(whole)) for _ in range(64)), len(whole) - 1]
+        for offset in offsets:
+            altered = bytearray(whole)
+            altered[offset] ^= 1 << places.randrange(8)
+            self.write("m.lode", altered)
+            self.refused("info", "m.lode", names=["m.lode"])
+
+    def test_altered_byte_stops_every_subcommand(self):
+        whole = bytearray(hierarchy().read_bytes())
+        whole[len(whole) * 3 // 4] ^= 4
+        self.refused_by_all(bytes(whole))
+
+
+class Cameras(CommandCase):
+    def check(self, content, *places):
+        shutil.copy(hierarchy(), self.folder / "m.lode")
+        self.write("path.json", content)
+        self.refused("render", "m.lode", "--camera", "path.json", "-o", "frames", names=["path.json", *places])
+
+    def test_bad_paths(self):
+        good = '{"frames": [{"position": [2, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 45}]}'
+        for content in ("", "{", "[]", "{}", '{"frames": []}', '{"frames": 3}', '{"frames": [3]}',
+                        good.replace("[2, 0, 0]", "[2, 0]"), good.replace("[2, 0, 0]", '"here"'),
+                        good.replace("[2, 0, 0]", "[0, 0, 0]"), good.replace("[2, 0, 0]", "[1e999, 0, 0]"),
+                        good.replace("45", "0"), good.replace("45", "180"), good.replace("45", "null")):
+            self.check(content)
+        (self.folder / "path.json").unlink()
+        self.refused("render", "m.lode", "--camera", "path.json", names=["path.json"])
+
+
+class Interrupts(CommandCase):
+    """A signal in the middle of work: prompt, one line, nothing left."""
+
+    def interrupt(self, *arguments, after=None, signal_number=signal.SIGINT):
+        """The signal comes `after` seconds, or as soon as a file appears in the folder."""
+        before = self.listing().keys()
+        process = subprocess.Popen([command_case.PROGRAM, *map(str, arguments)], cwd=self.folder,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        if after is None:
+            while process.poll() is None and not any(self.folder.rglob("*")):
+                time.sleep(0.01)
+        else:
+            time.sleep(after)
+        if process.poll() is not None:
+            process.communicate()
+            self.fail(f"{arguments} was done before the signal: nothing to interrupt")
+        sent = time.monotonic()
+        process.send_signal(signal_number)
+        output, errors = process.communicate(timeout=60)
+        self.assertLess(time.monotonic() - sent, 5, arguments)  # under a second where cores are free
+        self.assertEqual(process.returncode, 128 + signal_number, errors)
+        self.assertRegex(errors.decode(), r"\Alodestone: interrupted[^\n]*\n\Z")
+        self.assertEqual(output, b"")
+        self.assertEqual(self.listing().keys(), before)
+
+    def big(self):
+        return model("big.ply", "generate", "terrain", "--triangles", 3_000_000)
+
+    def test_build(self):
+        for after in (0.05, 0.5, 1.0):
+            self.interrupt("build", self.big(), "-o", "m.lode", "--threads", 1, "--json", "m.json", after=after)
+        self.interrupt("build", self.big(), "-o", "m.lode", after=0.5, signal_number=signal.SIGTERM)
+
+    def test_generate(self):
+        self.interrupt("generate", "sphere", "--triangles", 50_000_000, "-o", "m.ply")
+
+    def test_export(self):
+        big = model("big.lode", "build", self.big(), "--simplifier", "cluster")
+        self.interrupt("export", big, "-o", "m.obj")
+
+    def test_render_takes_its_frames_back(self):
+        self.interrupt("render", hierarchy(), "--frames", 100000, "--size", "64x64", "-o", "frames")
+
+    def test_work_that_writes_nothing(self):
+        self.interrupt("compare", self.big(), sphere(), "--threads", 1, after=0.5)
+
+
+if __name__ == "__main__":
+    command_case.main(__doc__)
