@@ -14,12 +14,13 @@ if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
 endif()
 
 # Contraction is off everywhere: the crack-free guarantee compares distances and positions bit for bit, and a fused
-# multiply-add in one place but not in the other would break it (docs/architecture.md).
+# multiply-add in one place but not in the other would break it (docs/architecture.md). Users of the installed package
+# get the flag, too: they compile the inline distance functions.
 function(lodestone_properties target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
-  target_compile_options(${target} PUBLIC $<BUILD_INTERFACE:-ffp-contract=off>)
+  target_compile_options(${target} PUBLIC -ffp-contract=off)
   if(LODESTONE_SANITIZE)
     target_compile_options(${target} PUBLIC $<BUILD_INTERFACE:-fsanitize=${LODESTONE_SANITIZE}>
                                             $<BUILD_INTERFACE:-fno-omit-frame-pointer>

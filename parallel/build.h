@@ -14,6 +14,7 @@
 #include "core/hierarchy/hierarchy.h"
 #include "core/simplify/simplifier.h"
 #include "parallel/scheduler.h"
+#include "parallel/stage_time.h"
 
 namespace lodestone {
 
@@ -32,10 +33,6 @@ struct BuildConfig {
   const CancelFlag* cancel = nullptr;
   // Called now and then, from any thread but one at a time, with the share done in [0, 1].
   std::function<void(double)> progress;
-};
-
-struct StageTime {
-  double seconds = 0, cpu_seconds = 0;
 };
 
 struct BuildReport {

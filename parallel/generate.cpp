@@ -1,6 +1,8 @@
 #include "parallel/generate.h"
 
-#include <memory>
+#include <atomic>
+#include <bit>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,43 +13,47 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t grain = std::size_t{1} << 15;  // vertices or triangles per chunk
+static_assert(std::endian::native == std::endian::little, "records are copied as they stand in memory");
 
-// What a worker fills and writes, again and again.
-struct Buffers {
-  std::vector<Vec3f> positions;
-  std::vector<Triangle> triangles;
-  std::vector<std::byte> records;
-};
+constexpr std::size_t grain = 1 << 16;
+constexpr std::size_t vertex_bytes = 3 * sizeof(float);
 
 }  // namespace
 
-void generate_ply(const GenerateConfig& config, const std::filesystem::path& path, Scheduler& scheduler) {
-  const std::unique_ptr<const GeneratedSurface> surface = generate_surface(config);
-  AtomicFile file(path);
-  const std::string header = ply_header(surface->vertex_count(), surface->triangle_count(), ScalarType::float32);
-  file.write(std::as_bytes(std::span(header)));
-  file.flush();
-  std::vector<Buffers> buffers(static_cast<std::size_t>(scheduler.workers()));
-  const auto mine = [&]() -> Buffers& { return buffers[static_cast<std::size_t>(scheduler.worker_index())]; };
+GenerateResult generate_ply(const GenerateConfig& config, const std::filesystem::path& target, Scheduler& scheduler,
+                            const CancelFlag* cancel, const std::function<void(double)>& progress) {
+  const GeneratedSurface surface(config);
+  AtomicFile file(target);
+  const std::string head = ply_header(surface.vertex_count(), surface.triangle_count(), ScalarType::float32);
+  file.write_at(0, std::as_bytes(std::span(head)));
+  const std::uint64_t first_face = head.size() + surface.vertex_count() * vertex_bytes;
 
-  const std::uint64_t vertices_at = header.size();
-  scheduler.for_chunks(surface->vertex_count(), grain, [&](ChunkRange range) {
-    std::vector<Vec3f>& positions = mine().positions;
-    positions.resize(range.end - range.begin);
-    surface->positions(static_cast<std::uint32_t>(range.begin), positions);
-    file.write_at(vertices_at + range.begin * sizeof(Vec3f), std::as_bytes(std::span(positions)));
+  const std::uint64_t records = surface.vertex_count() + surface.triangle_count();
+  std::atomic<std::uint64_t> done{0};
+  std::mutex reporting;
+  const auto write_chunk = [&](std::uint64_t offset, std::span<const std::byte> bytes, std::size_t count) {
+    if (cancel && *cancel) throw Cancelled{};
+    file.write_at(offset, bytes);
+    const std::uint64_t now = done += count;
+    if (const std::unique_lock lock(reporting, std::try_to_lock); lock && progress)
+      progress(static_cast<double>(now) / static_cast<double>(records));
+  };
+  scheduler.for_chunks(surface.vertex_count(), grain, [&](ChunkRange range) {
+    std::vector<Vec3f> vertices;
+    vertices.reserve(range.end - range.begin);
+    for (std::size_t i = range.begin; i < range.end; ++i) vertices.push_back(surface.vertex(i));
+    write_chunk(head.size() + range.begin * vertex_bytes, std::as_bytes(std::span(vertices)), vertices.size());
   });
-  const std::uint64_t triangles_at = vertices_at + surface->vertex_count() * sizeof(Vec3f);
-  scheduler.for_chunks(surface->triangle_count(), grain, [&](ChunkRange range) {
-    Buffers& buffer = mine();
-    buffer.triangles.resize(range.end - range.begin);
-    buffer.records.resize(buffer.triangles.size() * ply_triangle_bytes);
-    surface->triangles(static_cast<std::uint32_t>(range.begin), buffer.triangles);
-    encode_ply_triangles(buffer.triangles, buffer.records);
-    file.write_at(triangles_at + range.begin * ply_triangle_bytes, buffer.records);
+  scheduler.for_chunks(surface.triangle_count(), grain, [&](ChunkRange range) {
+    std::vector<Triangle> triangles;
+    triangles.reserve(range.end - range.begin);
+    for (std::size_t i = range.begin; i < range.end; ++i) triangles.push_back(surface.triangle(i));
+    std::vector<std::byte> faces(triangles.size() * ply_triangle_bytes);
+    encode_ply_triangles(triangles, faces);
+    write_chunk(first_face + range.begin * ply_triangle_bytes, faces, range.end - range.begin);
   });
   file.commit();
+  return {surface.vertex_count(), surface.triangle_count(), first_face + surface.triangle_count() * ply_triangle_bytes};
 }
 
 }  // namespace lodestone

@@ -9,15 +9,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <utility>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lodestone {
 
 struct ChunkRange {
   std::size_t begin = 0, end = 0;
-  std::size_t index = 0;   // chunk number, counted from 0: reductions store one partial result per chunk, in this order
+  std::size_t index = 0;  // chunk number, counted from 0: reductions store one partial result per chunk, in this order
 };
 
 // Tasks 0..task_count-1 with dependencies; a task runs when all its predecessors have run. Acyclic.

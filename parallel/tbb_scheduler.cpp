@@ -30,9 +30,12 @@ class TbbScheduler final : public Scheduler {
 
   void for_chunks(std::size_t count, std::size_t grain, const std::function<void(ChunkRange)>& body) override {
     arena_.execute([&] {
-      oneapi::tbb::parallel_for(std::size_t{0}, chunk_count(count, grain), [&](std::size_t index) {
-        body({index * grain, std::min((index + 1) * grain, count), index});
-      }, oneapi::tbb::simple_partitioner{});
+      oneapi::tbb::parallel_for(
+          std::size_t{0}, chunk_count(count, grain),
+          [&](std::size_t index) {
+            body({index * grain, std::min((index + 1) * grain, count), index});
+          },
+          oneapi::tbb::simple_partitioner{});
     });
   }
 

@@ -11,8 +11,8 @@
 namespace lodestone {
 
 struct Camera {
-  Vec3d position;            // model space
-  Vec3d target;              // looked at; different from position
+  Vec3d position;  // model space
+  Vec3d target;    // looked at; different from position
   Vec3d up{0, 0, 1};
   double vertical_fov = 0.785398163397448;  // radians, in (0, pi)
   friend bool operator==(const Camera&, const Camera&) = default;

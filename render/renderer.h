@@ -11,30 +11,25 @@
 #include "core/hierarchy/hierarchy.h"
 #include "parallel/scheduler.h"
 #include "render/camera.h"
+#include "render/image.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
-
-struct Image {
-  ImageSize size;
-  std::vector<std::uint8_t> rgba;   // 4 bytes a pixel, rows from the top
-  std::vector<float> depth;         // window depth in [0, 1], 1 = nothing; rows from the top; may be empty
-};
 
 // Everything that a frame depends on. The selection has been made; a backend draws its visible cells.
 struct Frame {
   MorphContext morph;
   const Selection* selection = nullptr;
   ViewProjection view_projection;
-  Vec3f light{0, 0, 1};             // unit, towards the light, normalised model space (a head light by default)
+  Vec3f light{0, 0, 1};  // unit, towards the light, normalised model space (a head light by default)
   ImageSize size;
   bool tint_by_level = false;
 };
 
 struct FrameStats {
-  std::uint64_t cells = 0, triangles = 0;          // drawn
-  std::map<std::string, double> milliseconds;      // by stage, as the backend names them
+  std::uint64_t cells = 0, triangles = 0;      // drawn
+  std::map<std::string, double> milliseconds;  // by stage, as the backend names them
 };
 
 class Renderer {

@@ -38,7 +38,9 @@ constexpr Vec3d cross(Vec3d a, Vec3d b) {
 inline double length(Vec3d a) { return std::sqrt(dot(a, a)); }
 
 constexpr Vec3d to_double(Vec3f a) { return {a.x, a.y, a.z}; }
-constexpr Vec3f to_float(Vec3d a) { return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)}; }
+constexpr Vec3f to_float(Vec3d a) {
+  return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
+}
 inline bool is_finite(Vec3f a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 inline bool is_finite(Vec3d a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 

@@ -23,7 +23,7 @@ struct PackedNormal {
   std::int16_t u = 0, v = 0;
   friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
 };
-[[nodiscard]] PackedNormal pack_normal(Vec3f n);       // n need not be of unit length; zero gives +z
+[[nodiscard]] PackedNormal pack_normal(Vec3f n);         // n need not be of unit length; zero gives +z
 [[nodiscard]] Vec3f unpack_normal(PackedNormal packed);  // of unit length within rounding
 
 inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
@@ -33,20 +33,20 @@ inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
 //
 // `positions` is V_l(C): every vertex that a triangle of M_L below this cell arrives at, also those that only
 // degenerate triangles use. A vertex that several cells of the level use has a copy in each, the same bits, and one id
-// in `shared_ids`; such vertices come last, shared_ids[k] belonging to positions[positions.size() - shared_ids.size() + k].
-// The id names a vertex through all levels: P keeps it where a vertex survives.
+// in `shared_ids`; such vertices come last, shared_ids[k] belonging to positions[positions.size() - shared_ids.size() +
+// k]. The id names a vertex through all levels: P keeps it where a vertex survives.
 struct Cell {
   CellCode code;
-  std::uint32_t parent = no_cell;                    // index of the parent in Hierarchy::cells
-  std::uint32_t first_child = 0, child_count = 0;    // children are consecutive, in Morton order
-  Box3f bounds;                                      // B(C): box of positions and of the children's B
-  float max_displacement = 0;                        // max d(v, P(v)) over the vertices of this cell; 0 at the root
-  float error = 0;                                   // bound of the two-sided distance of M_l(C) from M_L below it
+  std::uint32_t parent = no_cell;                  // index of the parent in Hierarchy::cells
+  std::uint32_t first_child = 0, child_count = 0;  // children are consecutive, in Morton order
+  Box3f bounds;                                    // B(C): box of positions and of the children's B
+  float max_displacement = 0;                      // max d(v, P(v)) over the vertices of this cell; 0 at the root
+  float error = 0;                                   // distance from M_L as measured (docs/decisions/0004), monotone
   std::span<const Vec3f> positions;
-  std::span<const PackedNormal> normals;             // one per position
-  std::span<const std::uint32_t> parents;            // one per position; empty at level 0
+  std::span<const PackedNormal> normals;   // one per position
+  std::span<const std::uint32_t> parents;  // one per position; empty at level 0
   std::span<const std::uint32_t> shared_ids;
-  std::span<const Triangle> triangles;               // never degenerate
+  std::span<const Triangle> triangles;  // never degenerate
 
   [[nodiscard]] std::uint32_t first_shared() const {
     return static_cast<std::uint32_t>(positions.size() - shared_ids.size());
@@ -54,15 +54,15 @@ struct Cell {
 };
 
 struct Level {
-  std::uint32_t first_cell = 0, cell_count = 0;      // range in Hierarchy::cells, in Morton order
+  std::uint32_t first_cell = 0, cell_count = 0;  // range in Hierarchy::cells, in Morton order
   std::uint64_t triangles = 0;
-  std::uint64_t vertices = 0;                        // copies counted once per cell, as stored
+  std::uint64_t vertices = 0;  // copies counted once per cell, as stored
   // rho_l: largest distance from a vertex of a cell to the farthest corner of the cell's bounds, over h_l, rounded up.
   std::array<float, distance_metric_count> reach{};
-  float diameter = 0;                                // max diam(B(C)) / h_l, Euclidean, rounded up
-  float error = 0;                                   // e_l: max error of the level's cells over h_l, rounded up
-  float max_edge = 0;                                // longest edge over h_l, rounded up
-  std::uint64_t long_edges = 0;                      // half-edges longer than sigma0 h_l
+  float diameter = 0;            // max diam(B(C)) / h_l, Euclidean, rounded up
+  float error = 0;               // e_l: max error of the level's cells over h_l, rounded up
+  float max_edge = 0;            // longest edge over h_l, rounded up
+  std::uint64_t long_edges = 0;  // half-edges longer than sigma0 h_l
 };
 
 struct Provenance {
@@ -70,17 +70,17 @@ struct Provenance {
   Repairs repairs;
   // Sum modulo 2^64 of triangle_fingerprint over the cleaned input: the same for M_L, whatever the order.
   std::uint64_t fingerprint = 0;
-  std::uint32_t simplifier = 0;                      // SimplifierKind
-  std::uint32_t cell_triangles = 0;                  // the target that L followed from; 0 when L was given
+  std::uint32_t simplifier = 0;      // SimplifierKind
+  std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
 };
 
 struct Hierarchy {
   Transform transform;
   float sigma0 = 0;
   Provenance provenance;
-  std::vector<Level> levels;                         // [0] is the root
-  std::vector<Cell> cells;                           // by level, then Morton code
-  std::shared_ptr<const void> storage;               // keeps the payloads alive
+  std::vector<Level> levels;            // [0] is the root
+  std::vector<Cell> cells;              // by level, then Morton code
+  std::shared_ptr<const void> storage;  // keeps the payloads alive
 
   [[nodiscard]] int finest() const { return static_cast<int>(levels.size()) - 1; }
   [[nodiscard]] std::span<const Cell> cells_of(int level) const {

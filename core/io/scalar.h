@@ -21,14 +21,21 @@ enum class ScalarType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32
 }
 [[nodiscard]] constexpr bool is_integer(ScalarType type) { return type < ScalarType::float32; }
 
-// Reads a T at any alignment.
+// Reads a T at any alignment. The swap is a built-in on integers: swapping bytes in a loop keeps the compiler's
+// vectorizer busy for minutes.
 template <class T, std::endian order = std::endian::little>
 [[nodiscard]] T load(const char* bytes) {
-  std::array<char, sizeof(T)> copy;
-  std::memcpy(copy.data(), bytes, sizeof(T));
-  if constexpr (order == std::endian::big && sizeof(T) > 1)
-    for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(copy[i], copy[sizeof(T) - 1 - i]);
-  return std::bit_cast<T>(copy);
+  T value;
+  std::memcpy(&value, bytes, sizeof(T));
+  if constexpr (order == std::endian::little || sizeof(T) == 1) {
+    return value;
+  } else if constexpr (sizeof(T) == 2) {
+    return std::bit_cast<T>(__builtin_bswap16(std::bit_cast<std::uint16_t>(value)));
+  } else if constexpr (sizeof(T) == 4) {
+    return std::bit_cast<T>(__builtin_bswap32(std::bit_cast<std::uint32_t>(value)));
+  } else {
+    return std::bit_cast<T>(__builtin_bswap64(std::bit_cast<std::uint64_t>(value)));
+  }
 }
 
 // Calls visit with a value of the C++ type that `type` stands for, and returns what it returns.

@@ -1,253 +1,225 @@
+// Displacement is gradient noise (perlin2002) summed over octaves down to a few grid edges, so that a finer surface of
+// the same seed has the same large shape and more detail.
 #include "core/mesh/generate.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "core/base/error.h"
-#include "core/mesh/noise.h"
 
 namespace lodestone {
 namespace {
 
-constexpr std::uint64_t fewest_triangles = 12, most_triangles = 200'000'000;
+constexpr float pi = 3.14159265358979f;
 
-std::uint32_t nearest(double value, std::uint32_t least) {
-  return std::max(least, static_cast<std::uint32_t>(std::lround(value)));
+std::uint32_t hash(std::uint32_t x, std::uint32_t y, std::uint32_t z, std::uint32_t seed) {
+  std::uint32_t h = seed ^ (x * 0x8da6'b343u) ^ (y * 0xd816'3841u) ^ (z * 0xcb1a'b31fu);
+  h = (h ^ (h >> 15)) * 0x2c1b'3c6du;
+  h = (h ^ (h >> 12)) * 0x297a'2d39u;
+  return h ^ (h >> 15);
 }
 
-// Octaves down to a wavelength of four grid steps: finer ones the grid could not show.
-int octaves_for(double steps_per_unit, double frequency) {
-  return std::max(1, static_cast<int>(std::floor(std::log2(steps_per_unit / (4 * frequency)))) + 1);
+// Dot product of (x, y, z) with one of the twelve edge directions of a cube.
+float gradient(std::uint32_t h, float x, float y, float z) {
+  const std::uint32_t k = (h >> 8) % 12;
+  const float u = k < 8 ? x : y, v = k < 4 ? y : z;
+  return (h & 1 ? -u : u) + (h & 2 ? -v : v);
 }
 
-// Triangle number t of a grid whose quads are split along the diagonal from the first to the third corner.
-template <class Quad>
-void split_quads(std::uint32_t first, std::span<Triangle> out, const Quad& quad) {
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const std::uint32_t t = first + static_cast<std::uint32_t>(i);
-    const std::array<std::uint32_t, 4> q = quad(t / 2);
-    out[i] = t % 2 == 0 ? Triangle{{q[0], q[1], q[2]}} : Triangle{{q[0], q[2], q[3]}};
-  }
-}
+float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+float mix(float t, float a, float b) { return a + t * (b - a); }
 
-// The lattice points on the surface of the cube {0..n}^3 and the quads between them, layer by layer in z: the bottom
-// face row by row, then rings around the four sides, then the top face. 6 n^2 + 2 vertices, 6 n^2 quads.
-class CubeSurface : public GeneratedSurface {
- public:
-  explicit CubeSurface(std::uint64_t triangles) : n_(nearest(std::sqrt(static_cast<double>(triangles) / 12), 1)) {
-    vertex_count_ = 6 * n_ * n_ + 2;
-    triangle_count_ = 12 * n_ * n_;
-  }
-
-  void positions(std::uint32_t first, std::span<Vec3f> out) const final {
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = place(point(first + static_cast<std::uint32_t>(i)));
-  }
-
-  void triangles(std::uint32_t first, std::span<Triangle> out) const final {
-    split_quads(first, out, [this](std::uint32_t quad) { return corners(quad); });
-  }
-
- protected:
-  struct Point {
-    std::uint32_t x, y, z;
+float noise(Vec3f p, std::uint32_t seed) {
+  const float fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
+  const auto cell = [](float f) { return static_cast<std::uint32_t>(static_cast<std::int32_t>(f)); };
+  const std::uint32_t ix = cell(fx), iy = cell(fy), iz = cell(fz);
+  const float x = p.x - fx, y = p.y - fy, z = p.z - fz;
+  const float u = fade(x), v = fade(y), w = fade(z);
+  const auto corner = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+    return gradient(hash(ix + i, iy + j, iz + k, seed), x - static_cast<float>(i), y - static_cast<float>(j),
+                    z - static_cast<float>(k));
   };
-  // Where the lattice point of the surface goes.
-  [[nodiscard]] virtual Vec3f place(Point point) const = 0;
+  const auto plane = [&](std::uint32_t k) {
+    return mix(v, mix(u, corner(0, 0, k), corner(1, 0, k)), mix(u, corner(0, 1, k), corner(1, 1, k)));
+  };
+  return mix(w, plane(0), plane(1));
+}
 
-  std::uint32_t n_;  // quads along an edge
+std::uint32_t squares(std::uint64_t triangles, double per_square) {
+  return std::max(1u, static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(triangles) / per_square))));
+}
 
- private:
-  // Position in the ring around the sides, counter-clockwise seen from above, from x = y = 0.
-  [[nodiscard]] Point ring_point(std::uint32_t position, std::uint32_t z) const {
-    const std::uint32_t side = position / n_, along = position % n_;
-    switch (side) {
-      case 0:
-        return {along, 0, z};
-      case 1:
-        return {n_, along, z};
-      case 2:
-        return {n_ - along, n_, z};
-      default:
-        return {0, n_ - along, z};
-    }
-  }
-
-  [[nodiscard]] std::uint32_t face_vertices() const { return (n_ + 1) * (n_ + 1); }
-  [[nodiscard]] std::uint32_t first_of_top() const { return vertex_count_ - face_vertices(); }
-
-  [[nodiscard]] Point point(std::uint32_t id) const {
-    if (id < face_vertices()) return {id % (n_ + 1), id / (n_ + 1), 0};
-    if (id >= first_of_top()) return {(id - first_of_top()) % (n_ + 1), (id - first_of_top()) / (n_ + 1), n_};
-    const std::uint32_t in_rings = id - face_vertices();
-    return ring_point(in_rings % (4 * n_), 1 + in_rings / (4 * n_));
-  }
-
-  [[nodiscard]] std::uint32_t ring_id(std::uint32_t position, std::uint32_t z) const {
-    if (z != 0 && z != n_) return face_vertices() + (z - 1) * 4 * n_ + position;
-    const Point p = ring_point(position, z);
-    return (z == 0 ? 0 : first_of_top()) + p.y * (n_ + 1) + p.x;
-  }
-
-  // Counter-clockwise seen from outside.
-  [[nodiscard]] std::array<std::uint32_t, 4> corners(std::uint32_t quad) const {
-    const std::uint32_t face = n_ * n_;
-    if (quad < face) {
-      const std::uint32_t a = quad / n_ * (n_ + 1) + quad % n_;
-      return {a, a + n_ + 1, a + n_ + 2, a + 1};
-    }
-    if (quad >= 5 * face) {
-      const std::uint32_t in_top = quad - 5 * face;
-      const std::uint32_t a = first_of_top() + in_top / n_ * (n_ + 1) + in_top % n_;
-      return {a, a + 1, a + n_ + 2, a + n_ + 1};
-    }
-    const std::uint32_t ring = 4 * n_, position = (quad - face) % ring, z = (quad - face) / ring;
-    const std::uint32_t next = position + 1 == ring ? 0 : position + 1;
-    return {ring_id(position, z), ring_id(next, z), ring_id(next, z + 1), ring_id(position, z + 1)};
-  }
-};
-
-class Box final : public CubeSurface {
- public:
-  using CubeSurface::CubeSurface;
-
- private:
-  [[nodiscard]] Vec3f place(Point p) const override {
-    const double n = n_;
-    return to_float(Vec3d{p.x / n, p.y / n, p.z / n});
-  }
-};
-
-class FractalSphere final : public CubeSurface {
- public:
-  FractalSphere(std::uint64_t triangles, std::uint32_t seed)
-      : CubeSurface(triangles),
-        noise_{.seed = seed, .octaves = octaves_for(n_, frequency), .frequency = frequency, .gain = 0.45} {}
-
- private:
-  static constexpr double frequency = 1.7, amplitude = 0.12;
-
-  // From the cube [-1,1]^3 to the unit sphere, with sides of triangles within a factor of two of each other:
-  // x' = x sqrt(1 - y^2/2 - z^2/2 + y^2 z^2/3), and so on. No trigonometry: the same bits on every machine.
-  [[nodiscard]] Vec3f place(Point p) const override {
-    const double n = n_;
-    const double x = 2 * p.x / n - 1, y = 2 * p.y / n - 1, z = 2 * p.z / n - 1;
-    const double xx = x * x, yy = y * y, zz = z * z;
-    const Vec3d on_sphere{x * std::sqrt(1 - yy / 2 - zz / 2 + yy * zz / 3),
-                          y * std::sqrt(1 - zz / 2 - xx / 2 + zz * xx / 3),
-                          z * std::sqrt(1 - xx / 2 - yy / 2 + xx * yy / 3)};
-    return to_float((1 + amplitude * fractal_noise(noise_, on_sphere)) * on_sphere);
-  }
-
-  FractalNoise noise_;
-};
-
-// Rows of points, `columns` quads wide; open, or closed in both directions.
-class Terrain final : public GeneratedSurface {
- public:
-  Terrain(std::uint64_t triangles, std::uint32_t seed)
-      : columns_(nearest(std::sqrt(static_cast<double>(triangles) / 2), 1)),
-        rows_(nearest(static_cast<double>(triangles) / (2.0 * columns_), 1)),
-        noise_{.seed = seed, .octaves = octaves_for(columns_, frequency), .frequency = frequency, .gain = 0.45} {
-    vertex_count_ = (columns_ + 1) * (rows_ + 1);
-    triangle_count_ = 2 * columns_ * rows_;
-  }
-
-  void positions(std::uint32_t first, std::span<Vec3f> out) const override {
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      const std::uint32_t id = first + static_cast<std::uint32_t>(i);
-      const double x = id % (columns_ + 1) / static_cast<double>(columns_);
-      const double y = id / (columns_ + 1) / static_cast<double>(rows_);
-      out[i] = to_float(Vec3d{x, y, amplitude * fractal_noise(noise_, x, y)});
-    }
-  }
-
-  void triangles(std::uint32_t first, std::span<Triangle> out) const override {
-    split_quads(first, out, [this](std::uint32_t quad) {
-      const std::uint32_t a = quad / columns_ * (columns_ + 1) + quad % columns_;
-      return std::array{a, a + 1, a + columns_ + 2, a + columns_ + 1};
-    });
-  }
-
- private:
-  static constexpr double frequency = 3, amplitude = 0.1;
-  std::uint32_t columns_, rows_;
-  FractalNoise noise_;
-};
-
-class Torus final : public GeneratedSurface {
- public:
-  explicit Torus(std::uint64_t triangles)
-      : around_tube_(nearest(std::sqrt(static_cast<double>(triangles) / 5), 3)),
-        around_axis_(nearest(static_cast<double>(triangles) / (2.0 * around_tube_), 3)) {
-    vertex_count_ = around_tube_ * around_axis_;
-    triangle_count_ = 2 * vertex_count_;
-  }
-
-  void positions(std::uint32_t first, std::span<Vec3f> out) const override {
-    constexpr double turn = 2 * std::numbers::pi;
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      const std::uint32_t id = first + static_cast<std::uint32_t>(i);
-      const double tube = turn * (id % around_tube_) / around_tube_, axis = turn * (id / around_tube_) / around_axis_;
-      const double radius = 1 + tube_radius * std::cos(tube);
-      out[i] = to_float(Vec3d{radius * std::cos(axis), radius * std::sin(axis), tube_radius * std::sin(tube)});
-    }
-  }
-
-  void triangles(std::uint32_t first, std::span<Triangle> out) const override {
-    split_quads(first, out, [this](std::uint32_t quad) {
-      const std::uint32_t tube = quad % around_tube_, row = quad - tube;
-      const std::uint32_t next_tube = tube + 1 == around_tube_ ? 0 : tube + 1;
-      const std::uint32_t next_row = row + around_tube_ == vertex_count_ ? 0 : row + around_tube_;
-      return std::array{row + tube, next_row + tube, next_row + next_tube, row + next_tube};
-    });
-  }
-
- private:
-  static constexpr double tube_radius = 0.4;
-  std::uint32_t around_tube_, around_axis_;  // quads
-};
+// A coordinate of the cube [-1, 1] bent so that squares keep nearly equal areas on the sphere.
+float bend(float c) { return std::tan(c * (pi / 4)); }
 
 }  // namespace
 
 Shape shape(std::string_view name) {
-  if (name == "sphere") return Shape::sphere;
-  if (name == "terrain") return Shape::terrain;
-  if (name == "torus") return Shape::torus;
-  if (name == "box") return Shape::box;
-  throw InputError(
-      describe("", "", "unknown shape '" + std::string(name) + "'", "choose sphere, terrain, torus or box"));
+  constexpr std::array<std::string_view, 4> names{"sphere", "terrain", "torus", "box"};
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (name == names[i]) return static_cast<Shape>(i);
+  throw InputError("unknown shape '" + std::string(name) + "'; known are sphere, terrain, torus, box");
 }
 
-std::unique_ptr<const GeneratedSurface> generate_surface(const GenerateConfig& config) {
-  if (config.triangles < fewest_triangles || config.triangles > most_triangles)
-    throw InputError(
-        describe("", "", std::to_string(config.triangles) + " triangles cannot be generated",
-                 "choose from " + std::to_string(fewest_triangles) + " to " + std::to_string(most_triangles)));
-  switch (config.shape) {
+GeneratedSurface::GeneratedSurface(const GenerateConfig& config) : shape_(config.shape), seed_(config.seed) {
+  if (config.triangles < 12 || config.triangles > 2'000'000'000)
+    throw InputError("the number of triangles must lie between 12 and 2000000000");
+  switch (shape_) {
     case Shape::sphere:
-      return std::make_unique<FractalSphere>(config.triangles, config.seed);
-    case Shape::terrain:
-      return std::make_unique<Terrain>(config.triangles, config.seed);
-    case Shape::torus:
-      return std::make_unique<Torus>(config.triangles);
     case Shape::box:
+      n_ = m_ = squares(config.triangles, 12);
+      triangle_count_ = 12ull * n_ * n_;
+      vertex_count_ = 6ull * n_ * n_ + 2;
+      break;
+    case Shape::terrain:
+      n_ = m_ = squares(config.triangles, 2);
+      triangle_count_ = 2ull * n_ * n_;
+      vertex_count_ = (n_ + 1ull) * (n_ + 1ull);
+      break;
+    case Shape::torus:
+      m_ = std::max(3u, squares(config.triangles, 4));
+      n_ = std::max(3u, static_cast<std::uint32_t>((config.triangles / 2 + m_ / 2) / m_));
+      triangle_count_ = 2ull * n_ * m_;
+      vertex_count_ = std::uint64_t{n_} * m_;
       break;
   }
-  return std::make_unique<Box>(config.triangles);
+  // The last octave's waves are about eight edges long.
+  octaves_ = std::clamp(static_cast<int>(std::lround(std::log2(std::max(n_, m_)))) - 3, 1, 16);
+}
+
+float GeneratedSurface::displacement(Vec3f p, float base_frequency) const {
+  constexpr float gain = 0.45f;
+  float sum = 0, amplitude = 1, frequency = base_frequency;
+  for (int octave = 0; octave < octaves_; ++octave, amplitude *= gain, frequency *= 2)
+    sum +=
+        amplitude * noise(frequency * p, static_cast<std::uint32_t>(seed_ * 31 + static_cast<std::uint64_t>(octave)));
+  return sum;
+}
+
+// Surface points of the lattice [0,n]^3 by layers of z: a full square, rings of 4n points, a full square.
+Vec3f GeneratedSurface::lattice_point(std::uint64_t index) const {
+  const std::uint64_t side = n_ + 1ull, bottom = side * side, ring = 4ull * n_, rings = ring * (n_ - 1ull);
+  std::uint64_t x, y, z;
+  if (index < bottom || index >= bottom + rings) {
+    const std::uint64_t i = index < bottom ? index : index - bottom - rings;
+    x = i % side, y = i / side, z = index < bottom ? 0 : n_;
+  } else {
+    const std::uint64_t i = (index - bottom) % ring, k = i % n_;
+    z = 1 + (index - bottom) / ring;
+    switch (i / n_) {  // counter-clockwise from the origin
+      case 0:
+        x = k, y = 0;
+        break;
+      case 1:
+        x = n_, y = k;
+        break;
+      case 2:
+        x = n_ - k, y = n_;
+        break;
+      default:
+        x = 0, y = n_ - k;
+        break;
+    }
+  }
+  return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+}
+
+std::uint32_t GeneratedSurface::lattice_index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
+  const std::uint64_t side = n_ + 1ull, bottom = side * side, ring = 4ull * n_;
+  if (z == 0) return static_cast<std::uint32_t>(y * side + x);
+  if (z == n_) return static_cast<std::uint32_t>(bottom + ring * (n_ - 1ull) + y * side + x);
+  std::uint64_t i;
+  if (y == 0 && x < n_) {
+    i = x;
+  } else if (x == n_ && y < n_) {
+    i = std::uint64_t{n_} + y;
+  } else if (y == n_ && x > 0) {
+    i = 2ull * n_ + (n_ - x);
+  } else {
+    i = 3ull * n_ + (n_ - y);
+  }
+  return static_cast<std::uint32_t>(bottom + ring * (z - 1ull) + i);
+}
+
+// Two triangles a square; six faces, each with its own pair of axes so that normals point outward.
+Triangle GeneratedSurface::cube_triangle(std::uint64_t index) const {
+  const std::uint64_t square = index / 2, per_face = std::uint64_t{n_} * n_;
+  const auto face = static_cast<std::uint32_t>(square / per_face);
+  const auto i = static_cast<std::uint32_t>(square % per_face % n_),
+             j = static_cast<std::uint32_t>(square % per_face / n_);
+  const auto corner = [&](std::uint32_t u, std::uint32_t v) {
+    switch (face) {
+      case 0:
+        return lattice_index(v, u, 0);  // z = 0, seen from below
+      case 1:
+        return lattice_index(u, v, n_);  // z = n
+      case 2:
+        return lattice_index(u, 0, v);  // y = 0
+      case 3:
+        return lattice_index(v, n_, u);  // y = n
+      case 4:
+        return lattice_index(0, v, u);  // x = 0
+      default:
+        return lattice_index(n_, u, v);  // x = n
+    }
+  };
+  const std::uint32_t a = corner(i, j), b = corner(i + 1, j), c = corner(i, j + 1), d = corner(i + 1, j + 1);
+  return index % 2 == 0 ? Triangle{{a, b, d}} : Triangle{{a, d, c}};
+}
+
+Triangle GeneratedSurface::grid_triangle(std::uint64_t index) const {
+  const std::uint64_t square = index / 2;
+  const std::uint64_t i = square % n_, j = square / n_;
+  const bool wraps = shape_ == Shape::torus;
+  const std::uint64_t width = wraps ? n_ : n_ + 1ull;
+  const std::uint64_t i1 = wraps ? (i + 1) % n_ : i + 1, j1 = wraps ? (j + 1) % m_ : j + 1;
+  const auto at = [&](std::uint64_t u, std::uint64_t v) { return static_cast<std::uint32_t>(v * width + u); };
+  return index % 2 == 0 ? Triangle{{at(i, j), at(i1, j), at(i1, j1)}} : Triangle{{at(i, j), at(i1, j1), at(i, j1)}};
+}
+
+Vec3f GeneratedSurface::vertex(std::uint64_t index) const {
+  const auto n = static_cast<float>(n_), m = static_cast<float>(m_);
+  switch (shape_) {
+    case Shape::box: {
+      const Vec3f p = lattice_point(index);
+      return {p.x / n, p.y / n, p.z / n};
+    }
+    case Shape::sphere: {
+      const Vec3f p = lattice_point(index);
+      const Vec3f c{bend(2 * p.x / n - 1), bend(2 * p.y / n - 1), bend(2 * p.z / n - 1)};
+      const Vec3f s = (1 / length(c)) * c;
+      return (1 + 0.15f * displacement(s, 2)) * s;
+    }
+    case Shape::terrain: {
+      const std::uint64_t width = n_ + 1ull;
+      const Vec3f p{static_cast<float>(index % width) / n, static_cast<float>(index / width) / n, 0};
+      return {p.x, p.y, 0.12f * displacement(p, 4)};
+    }
+    case Shape::torus: {
+      const float u = 2 * pi * static_cast<float>(index % n_) / n, v = 2 * pi * static_cast<float>(index / n_) / m;
+      const auto around = [&](float r) {
+        const float ring = 1 + r * std::cos(v);
+        return Vec3f{ring * std::cos(u), ring * std::sin(u), r * std::sin(v)};
+      };
+      return around(0.4f + 0.06f * displacement(around(0.4f), 2));
+    }
+  }
+  return {};
+}
+
+Triangle GeneratedSurface::triangle(std::uint64_t index) const {
+  return shape_ == Shape::sphere || shape_ == Shape::box ? cube_triangle(index) : grid_triangle(index);
 }
 
 RawMesh generate_mesh(const GenerateConfig& config) {
-  const std::unique_ptr<const GeneratedSurface> surface = generate_surface(config);
-  std::vector<Vec3f> positions(surface->vertex_count());
-  surface->positions(0, positions);
+  const GeneratedSurface surface(config);
   RawMesh mesh;
-  mesh.positions.reserve(positions.size());
-  for (const Vec3f p : positions) mesh.positions.push_back(to_double(p));
-  mesh.triangles.resize(surface->triangle_count());
-  surface->triangles(0, mesh.triangles);
+  mesh.positions.reserve(surface.vertex_count());
+  mesh.triangles.reserve(surface.triangle_count());
+  for (std::uint64_t i = 0; i < surface.vertex_count(); ++i) mesh.positions.push_back(to_double(surface.vertex(i)));
+  for (std::uint64_t i = 0; i < surface.triangle_count(); ++i) mesh.triangles.push_back(surface.triangle(i));
   return mesh;
 }
 

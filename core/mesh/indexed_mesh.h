@@ -27,8 +27,8 @@ struct RawMesh {
   std::vector<Vec3d> positions;
   std::vector<Triangle> triangles;
   // What the reader had to do to make sense of the file.
-  std::uint64_t polygons_triangulated = 0;   // faces of more than three corners
-  std::uint64_t faces_dropped = 0;           // faces of fewer than three corners
+  std::uint64_t polygons_triangulated = 0;  // faces of more than three corners
+  std::uint64_t faces_dropped = 0;          // faces of fewer than three corners
 };
 
 // model = origin + scale * normalised; scale is the longest extent of the bounding box, so that the normalised mesh
@@ -42,19 +42,19 @@ struct Transform {
 };
 
 struct IndexedMesh {
-  std::vector<Vec3f> positions;      // normalised, finite, in [0,1]^3, pairwise different bits (welded)
-  std::vector<Triangle> triangles;   // into positions; three distinct ids, no exact duplicates
+  std::vector<Vec3f> positions;     // normalised, finite, in [0,1]^3, pairwise different bits (welded)
+  std::vector<Triangle> triangles;  // into positions; three distinct ids, no exact duplicates
   Transform transform;
 };
 
 // Counts of everything that cleaning changed; all zero for a mesh that was already sound.
 struct Repairs {
   std::uint64_t polygons_triangulated = 0;
-  std::uint64_t faces_dropped = 0;              // fewer than three corners
-  std::uint64_t non_finite_triangles = 0;       // triangles dropped because a corner is NaN or infinite
-  std::uint64_t welded_vertices = 0;            // vertices merged into another one at the same position
-  std::uint64_t degenerate_triangles = 0;       // two equal vertices after welding
-  std::uint64_t duplicate_triangles = 0;        // same three vertices in the same cyclic order
+  std::uint64_t faces_dropped = 0;         // fewer than three corners
+  std::uint64_t non_finite_triangles = 0;  // triangles dropped because a corner is NaN or infinite
+  std::uint64_t welded_vertices = 0;       // vertices merged into another one at the same position
+  std::uint64_t degenerate_triangles = 0;  // two equal vertices after welding
+  std::uint64_t duplicate_triangles = 0;   // same three vertices in the same cyclic order
   std::uint64_t unreferenced_vertices = 0;
   friend bool operator==(const Repairs&, const Repairs&) = default;
 };

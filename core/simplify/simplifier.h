@@ -21,17 +21,17 @@ enum class SimplifierKind : std::uint32_t { quadric = 0, cluster = 1 };
 [[nodiscard]] std::string_view name_of(SimplifierKind kind);
 
 struct SimplifyInput {
-  std::span<const Vec3f> positions;           // any number of vertices, also ones without triangles
-  std::span<const Triangle> triangles;        // into positions, none degenerate
-  std::span<const std::uint8_t> locked;       // one per position; non-zero: keeps itself and its position
-  float max_displacement = 0;                 // bound of (1), in units of the positions; > 0
-  std::size_t target_triangles = 0;           // stop at this count; more may remain where the constraints demand it
+  std::span<const Vec3f> positions;      // any number of vertices, also ones without triangles
+  std::span<const Triangle> triangles;   // into positions, none degenerate
+  std::span<const std::uint8_t> locked;  // one per position; non-zero: keeps itself and its position
+  float max_displacement = 0;            // bound of (1), in units of the positions; > 0
+  std::size_t target_triangles = 0;      // stop at this count; more may remain where the constraints demand it
 };
 
 struct SimplifyResult {
-  std::vector<std::uint32_t> parent;          // P, fully resolved: parent[parent[v]] == parent[v]
-  std::vector<Vec3f> positions;               // one per input vertex; valid where parent[v] == v
-  std::size_t triangles = 0;                  // images that are not degenerate
+  std::vector<std::uint32_t> parent;  // P, fully resolved: parent[parent[v]] == parent[v]
+  std::vector<Vec3f> positions;       // one per input vertex; valid where parent[v] == v
+  std::size_t triangles = 0;          // images that are not degenerate
 };
 
 // Guarantees, whatever the input:

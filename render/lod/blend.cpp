@@ -17,7 +17,12 @@ constexpr std::array<std::string_view, 7> names{"linear", "smoothstep", "smoothe
                                                 "early",  "late",       "step"};
 
 float smoothstep(float t) { return t * t * (3 - 2 * t); }
-float smootherstep(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
+
+// Symmetric about the middle; towards 1 the polynomial itself would lose its monotony to cancellation.
+float smootherstep(float t) {
+  const auto lower = [](float u) { return u * u * u * (u * (u * 6 - 15) + 10); };
+  return t <= 0.5f ? lower(t) : 1 - lower(1 - t);
+}
 
 }  // namespace
 
@@ -38,13 +43,20 @@ float blend_share(Blend blend, float t) {
   if (t >= 1) return 1;
   const auto share = [&] {
     switch (blend) {
-      case Blend::linear: return t;
-      case Blend::smoothstep: return smoothstep(t);
-      case Blend::smootherstep: return smootherstep(t);
-      case Blend::cosine: return (1 - std::cos(std::numbers::pi_v<float> * t)) / 2;
-      case Blend::early: return smoothstep(std::min(2 * t, 1.0f));
-      case Blend::late: return smoothstep(std::max(2 * t - 1, 0.0f));
-      case Blend::step: return t < 0.5f ? 0.0f : 1.0f;
+      case Blend::linear:
+        return t;
+      case Blend::smoothstep:
+        return smoothstep(t);
+      case Blend::smootherstep:
+        return smootherstep(t);
+      case Blend::cosine:
+        return (1 - std::cos(std::numbers::pi_v<float> * t)) / 2;
+      case Blend::early:
+        return smoothstep(std::min(2 * t, 1.0f));
+      case Blend::late:
+        return smoothstep(std::max(2 * t - 1, 0.0f));
+      case Blend::step:
+        return t < 0.5f ? 0.0f : 1.0f;
     }
     return t;
   }();
@@ -54,12 +66,17 @@ float blend_share(Blend blend, float t) {
 double blend_lipschitz(Blend blend) {
   switch (blend) {
     case Blend::linear:
-    case Blend::step: return 1;
-    case Blend::smoothstep: return 1.5;
-    case Blend::smootherstep: return 1.875;
-    case Blend::cosine: return std::numbers::pi / 2;
+    case Blend::step:
+      return 1;
+    case Blend::smoothstep:
+      return 1.5;
+    case Blend::smootherstep:
+      return 1.875;
+    case Blend::cosine:
+      return std::numbers::pi / 2;
     case Blend::early:
-    case Blend::late: return 3;
+    case Blend::late:
+      return 3;
   }
   return 1;
 }

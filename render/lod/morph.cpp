@@ -16,42 +16,85 @@ float morph_lambda(const MorphContext& context, int level, Vec3f w) {
   return 1 - blend_share(context.blend, (d - begin) / (end - begin));
 }
 
-Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position) {
-  const float lambda = morph_lambda(context, level, w);
+namespace {
+
+Vec3f blend_positions(float lambda, Vec3f w, Vec3f parent) {
   if (lambda >= 1) return w;
-  if (lambda <= 0) return parent_position;
-  return lambda * w + (1 - lambda) * parent_position;
+  if (lambda <= 0) return parent;
+  return lambda * w + (1 - lambda) * parent;
+}
+
+// The ends are the stored normals themselves, like those of the positions: an exchange of cells changes no pixel.
+Vec3f blend_normals(float lambda, PackedNormal own, PackedNormal parent) {
+  if (lambda >= 1) return unpack_normal(own);
+  const Vec3f coarser = unpack_normal(parent);
+  if (lambda <= 0) return coarser;
+  const Vec3f sum = lambda * unpack_normal(own) + (1 - lambda) * coarser;
+  const float norm2 = dot(sum, sum);
+  return norm2 > 1e-12f ? (1 / std::sqrt(norm2)) * sum : coarser;
+}
+
+// Calls body(i, lambda, vertex of the parent cell that P maps i to); at the root lambda is 1 and the last one i itself.
+template <class Body>
+void for_each_vertex(const MorphContext& context, std::uint32_t cell, const Body& body) {
+  const Cell& c = context.hierarchy->cells[cell];
+  const int level = context.hierarchy->level_of(cell);
+  for (std::uint32_t i = 0; i < c.positions.size(); ++i) {
+    if (level == 0) {
+      body(i, 1.0f, i);
+    } else {
+      body(i, morph_lambda(context, level, c.positions[i]), c.parents[i]);
+    }
+  }
+}
+
+const Cell& parent_of(const MorphContext& context, const Cell& cell) {
+  return cell.parent == no_cell ? cell : context.hierarchy->cells[cell.parent];
+}
+
+}  // namespace
+
+Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position) {
+  return blend_positions(morph_lambda(context, level, w), w, parent_position);
 }
 
 void morph_cell(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out) {
   const Cell& c = context.hierarchy->cells[cell];
   assert(out.size() == c.positions.size());
-  const int level = context.hierarchy->level_of(cell);
-  if (level == 0) {
-    std::copy(c.positions.begin(), c.positions.end(), out.begin());
-    return;
-  }
-  const std::span<const Vec3f> coarser = context.hierarchy->cells[c.parent].positions;
-  for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = morph_position(context, level, c.positions[i], coarser[c.parents[i]]);
+  const Cell& coarser = parent_of(context, c);
+  for_each_vertex(context, cell, [&](std::uint32_t i, float lambda, std::uint32_t parent) {
+    out[i] = blend_positions(lambda, c.positions[i], coarser.positions[parent]);
+  });
 }
 
 void morph_cell_normals(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out) {
   const Cell& c = context.hierarchy->cells[cell];
   assert(out.size() == c.normals.size());
+  const Cell& coarser = parent_of(context, c);
+  for_each_vertex(context, cell, [&](std::uint32_t i, float lambda, std::uint32_t parent) {
+    out[i] = blend_normals(lambda, c.normals[i], coarser.normals[parent]);
+  });
+}
+
+void morph_cell_vertices(const MorphContext& context, std::uint32_t cell, std::span<MorphedVertex> out) {
+  const Cell& c = context.hierarchy->cells[cell];
+  assert(out.size() == c.positions.size());
+  const Cell& coarser = parent_of(context, c);
+  for_each_vertex(context, cell, [&](std::uint32_t i, float lambda, std::uint32_t parent) {
+    out[i] = {blend_positions(lambda, c.positions[i], coarser.positions[parent]),
+              blend_normals(lambda, c.normals[i], coarser.normals[parent])};
+  });
+}
+
+MorphedVertex morph_vertex(const MorphContext& context, std::uint32_t cell, std::uint32_t vertex) {
+  const Cell& c = context.hierarchy->cells[cell];
   const int level = context.hierarchy->level_of(cell);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const Vec3f own = unpack_normal(c.normals[i]);
-    const float lambda = level == 0 ? 1 : morph_lambda(context, level, c.positions[i]);
-    if (lambda >= 1) {
-      out[i] = own;
-      continue;
-    }
-    const Vec3f coarser = unpack_normal(context.hierarchy->cells[c.parent].normals[c.parents[i]]);
-    const Vec3f sum = lambda <= 0 ? coarser : lambda * own + (1 - lambda) * coarser;
-    const float norm2 = dot(sum, sum);
-    out[i] = norm2 > 1e-12f ? (1 / std::sqrt(norm2)) * sum : coarser;
-  }
+  if (level == 0) return {c.positions[vertex], unpack_normal(c.normals[vertex])};
+  const Cell& coarser = parent_of(context, c);
+  const std::uint32_t parent = c.parents[vertex];
+  const float lambda = morph_lambda(context, level, c.positions[vertex]);
+  return {blend_positions(lambda, c.positions[vertex], coarser.positions[parent]),
+          blend_normals(lambda, c.normals[vertex], coarser.normals[parent])};
 }
 
 }  // namespace lodestone

@@ -16,7 +16,7 @@ struct MorphContext {
   const Hierarchy* hierarchy = nullptr;
   const Radii* radii = nullptr;
   Blend blend = Blend::smoothstep;
-  Vec3f viewpoint;   // normalised model space, one per frame
+  Vec3f viewpoint;  // normalised model space, one per frame
 };
 
 // lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.
@@ -28,7 +28,15 @@ struct MorphContext {
 // Drawn positions of all vertices of a cell, in the cell's order. out.size() == cell.positions.size().
 void morph_cell(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out);
 
-// The same for normals, morphed by the same lambda and normalised.
+// The same for normals, morphed by the same lambda and normalised; at lambda 0 and 1 exactly the stored ones.
 void morph_cell_normals(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out);
+
+struct MorphedVertex {
+  Vec3f position, normal;
+};
+
+// Both at once, for one lambda each: the same bits as the two functions above.
+void morph_cell_vertices(const MorphContext& context, std::uint32_t cell, std::span<MorphedVertex> out);
+[[nodiscard]] MorphedVertex morph_vertex(const MorphContext& context, std::uint32_t cell, std::uint32_t vertex);
 
 }  // namespace lodestone

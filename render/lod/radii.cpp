@@ -10,16 +10,17 @@ namespace lodestone {
 namespace {
 
 void check(const RadiiConfig& config) {
-  if (config.kappa0 && !(*config.kappa0 > 0 && std::isfinite(*config.kappa0)))
-    throw InputError("kappa0 must be a positive number");
+  const auto positive = [](float v) { return v > 0 && std::isfinite(v); };
+  if (config.kappa0 && !positive(*config.kappa0)) throw InputError("kappa0 must be a positive number");
   if (!config.kappa0 && config.rule == RadiiRule::uniform)
     throw InputError("the uniform rule needs a kappa0; give one, or use per-level radii with a pixel error");
-  if (!(config.pixel_error > 0)) throw InputError("the pixel error must be positive");
-  if (!(config.beta > 0)) throw InputError("beta, the least width of the morph band, must be positive");
-  if (!(config.delta >= 0)) throw InputError("delta, the guard of a stale selection, must not be negative");
+  if (!positive(config.pixel_error)) throw InputError("the pixel error must be a positive number");
+  if (!positive(config.beta)) throw InputError("beta, the least width of the morph band, must be a positive number");
+  if (config.delta != 0 && !positive(config.delta))
+    throw InputError("delta, the guard of a stale selection, must be zero or a positive number");
   if (!(config.vertical_fov > 0 && config.vertical_fov < 3.14159f))
     throw InputError("the vertical field of view must lie between 0 and 180 degrees");
-  if (config.image_height < 1 || !(config.aspect > 0)) throw InputError("the image must have a positive size");
+  if (config.image_height < 1 || !positive(config.aspect)) throw InputError("the image must have a positive size");
 }
 
 // Least r_l / h_l that keeps an error of e_l h_l below tau pixels anywhere in the image: one pixel of a pinhole camera
@@ -42,11 +43,10 @@ float reach(const Hierarchy& hierarchy, DistanceMetric metric) {
 Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
   check(config);
   const auto finest = static_cast<std::size_t>(hierarchy.finest());
-  const auto rho = [&](std::size_t l) {
-    return hierarchy.levels[l].reach[static_cast<std::size_t>(config.metric)];
-  };
+  const auto rho = [&](std::size_t l) { return hierarchy.levels[l].reach[static_cast<std::size_t>(config.metric)]; };
   const auto h = [](std::size_t l) { return cell_size(static_cast<int>(l)); };
-  // Distances from the viewpoint scale with the metric: a Chebyshev radius of r leaves Euclidean distances of at least r.
+  // Distances from the viewpoint scale with the metric: a Chebyshev radius of r leaves Euclidean distances of at least
+  // r.
   const auto wanted = [&](std::size_t l) {
     return h(l) * (config.kappa0 ? *config.kappa0 : radius_for_pixels(hierarchy.levels[l].error, config));
   };
@@ -72,8 +72,9 @@ Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
     radii.band_end[l] = end;
     // At the finest level any begin below the end is right: as wide as at the other levels, where that fits.
     radii.band_begin[l] =
-        last ? std::max(0.0f, std::min(end - config.beta * h(l), (coarser / 2 + (rho(l) + config.delta) * h(l)) * widen))
-             : begin;
+        last
+            ? std::max(0.0f, std::min(end - config.beta * h(l), (coarser / 2 + (rho(l) + config.delta) * h(l)) * widen))
+            : begin;
     if (!(radii.band_begin[l] < end)) {  // inadmissible: a step at r_{l-1}
       radii.admissible = false;
       radii.band_begin[l] = radii.band_end[l] = coarser;

@@ -37,8 +37,8 @@ class Traversal {
     const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
                        distance(radii_.metric, viewpoint_, cell.bounds) >= radii_.select[level];
     if (drawn) {
-      out_.cells.push_back({index, static_cast<std::uint8_t>(level), visible,
-                            !is_static(radii_, level, viewpoint_, cell.bounds)});
+      out_.cells.push_back(
+          {index, static_cast<std::uint8_t>(level), visible, !is_static(radii_, level, viewpoint_, cell.bounds)});
       return;
     }
     for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1, visible);

@@ -18,15 +18,15 @@ struct Plane {
 using Frustum = std::array<Plane, 6>;
 
 struct SelectedCell {
-  std::uint32_t cell = 0;   // index in Hierarchy::cells
+  std::uint32_t cell = 0;  // index in Hierarchy::cells
   std::uint8_t level = 0;
-  bool visible = true;      // false: selected, but culled by the frustum
-  bool morphing = true;     // false: lambda = 1 on the whole box, the static path may draw it
+  bool visible = true;   // false: selected, but culled by the frustum
+  bool morphing = true;  // false: lambda = 1 on the whole box, the static path may draw it
 };
 
 struct Selection {
-  std::vector<SelectedCell> cells;   // in traversal order (Morton within a parent): a partition of M_L
-  std::uint32_t visited = 0;         // cells that the traversal looked at
+  std::vector<SelectedCell> cells;  // in traversal order (Morton within a parent): a partition of M_L
+  std::uint32_t visited = 0;        // cells that the traversal looked at
 };
 
 // A cell of level l is drawn iff its ancestors are not, and l = L or d(v_p, B(C)) >= r_l. Culling happens after that:
@@ -34,7 +34,7 @@ struct Selection {
 // whole subtrees outside it are left out when `keep_culled` is false, and marked visible = false otherwise.
 struct SelectionConfig {
   const Frustum* frustum = nullptr;
-  bool keep_culled = true;   // list culled cells as the exact partition needs them (metrics); false: leave them out
+  bool keep_culled = true;  // list culled cells as the exact partition needs them (metrics); false: leave them out
 };
 
 // `out` is reused between frames. The viewpoint is in normalised model space.

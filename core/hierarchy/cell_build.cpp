@@ -1,0 +1,91 @@
+#include "core/hierarchy/cell_build.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lodestone {
+namespace {
+
+// Stored ratios are bounds: one step up covers the rounding of the few operations that made them.
+float round_up(float v) { return std::nextafter(v * (1 + 4e-7f), std::numeric_limits<float>::max()); }
+
+template <class T>
+std::span<T> carve(std::byte*& at, std::size_t count) {
+  const std::span<T> span(reinterpret_cast<T*>(at), count);
+  at += count * sizeof(T);
+  return span;
+}
+
+}  // namespace
+
+void UsageBox::extend(CellCoord c) {
+  lo = {std::min(lo.x, c.x), std::min(lo.y, c.y), std::min(lo.z, c.z)};
+  hi = {std::max(hi.x, c.x), std::max(hi.y, c.y), std::max(hi.z, c.z)};
+}
+
+void UsageBox::extend(const UsageBox& box) {
+  extend(box.lo);
+  extend(box.hi);
+}
+
+UsageBox UsageBox::parent() const {
+  const auto half = [](CellCoord c) {
+    return CellCoord{static_cast<std::uint16_t>(c.x >> 1), static_cast<std::uint16_t>(c.y >> 1),
+                     static_cast<std::uint16_t>(c.z >> 1)};
+  };
+  return {half(lo), half(hi)};
+}
+
+bool UsageBox::inside(const UsageBox& range) const {
+  return lo.x >= range.lo.x && lo.y >= range.lo.y && lo.z >= range.lo.z && hi.x <= range.hi.x && hi.y <= range.hi.y &&
+         hi.z <= range.hi.z;
+}
+
+void CellSlab::allocate(std::size_t vertices, std::size_t shared, std::size_t triangle_count) {
+  // All members are made of 4-byte words (normals of two 2-byte ones), so the arrays can follow each other.
+  const std::size_t bytes = vertices * (sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(std::uint32_t)) +
+                            shared * sizeof(std::uint32_t) + triangle_count * sizeof(Triangle);
+  memory_ = std::make_unique_for_overwrite<std::byte[]>(bytes);
+  std::byte* at = memory_.get();
+  positions = carve<Vec3f>(at, vertices);
+  normals = carve<PackedNormal>(at, vertices);
+  parents = carve<std::uint32_t>(at, vertices);
+  shared_ids = carve<std::uint32_t>(at, shared);
+  triangles = carve<Triangle>(at, triangle_count);
+}
+
+void CellBuild::release_transient() {
+  ids = {};
+  usage = {};
+}
+
+void measure_cell(CellBuild& cell, int level, float sigma0) {
+  const float per_h = static_cast<float>(1u << level);
+  // Both norms in one pass; the Euclidean one squared, since the square root keeps the order.
+  const Box3f& box = cell.bounds;
+  float far2 = 0, far_axis = 0;
+  for (const Vec3f p : cell.slab.positions) {
+    const float x = std::max(p.x - box.lo.x, box.hi.x - p.x), y = std::max(p.y - box.lo.y, box.hi.y - p.y),
+                z = std::max(p.z - box.lo.z, box.hi.z - p.z);
+    far2 = std::max(far2, (x * x + y * y) + z * z);
+    far_axis = std::max(far_axis, std::max(std::max(x, y), z));
+  }
+  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(far2) * per_h);
+  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(far_axis * per_h);
+  cell.diameter = round_up(length(cell.bounds.hi - cell.bounds.lo) * per_h);
+
+  const float limit = sigma0 / per_h;
+  float longest2 = 0;
+  std::uint64_t over = 0;
+  for (const Triangle& t : cell.triangles) {
+    const Vec3f a = cell.slab.positions[t.v[0]], b = cell.slab.positions[t.v[1]], c = cell.slab.positions[t.v[2]];
+    const float ab = dot(b - a, b - a), bc = dot(c - b, c - b), ca = dot(a - c, a - c);
+    longest2 = std::max(longest2, std::max(ab, std::max(bc, ca)));
+    over += (ab > limit * limit) + (bc > limit * limit) + (ca > limit * limit);
+  }
+  cell.max_edge = round_up(std::sqrt(longest2) * per_h);
+  cell.long_edges = over;
+}
+
+}  // namespace lodestone

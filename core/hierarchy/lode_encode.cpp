@@ -1,0 +1,144 @@
+// Hierarchy -> bytes of a .lode file.
+#define XXH_INLINE_ALL  // header only: nothing to link, nothing to find for those who install the library
+#include <xxhash.h>
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cstring>
+
+#include "core/hierarchy/lode_format.h"
+
+namespace lodestone {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, ".lode files are mapped in place: little-endian hosts only");
+
+constexpr std::uint64_t align_up(std::uint64_t n) { return (n + lode_alignment - 1) / lode_alignment * lode_alignment; }
+
+std::uint64_t payload_bytes(const Cell& cell) {
+  return align_up(cell.positions.size_bytes() + cell.normals.size_bytes() + cell.parents.size_bytes() +
+                  cell.shared_ids.size_bytes() + cell.triangles.size_bytes());
+}
+
+template <typename T>
+std::byte* put(std::byte* to, std::span<const T> items) {
+  if (!items.empty()) std::memcpy(to, items.data(), items.size_bytes());
+  return to + items.size_bytes();
+}
+
+LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
+  LodeHeader h;
+  h.magic = lode_magic;
+  h.version = lode_version;
+  h.byte_order = lode_byte_order;
+  h.header_bytes = sizeof(LodeHeader);
+  h.level_bytes = sizeof(LodeLevel);
+  h.cell_bytes = sizeof(LodeCell);
+  h.level_count = static_cast<std::uint32_t>(hierarchy.levels.size());
+  h.cell_count = hierarchy.cells.size();
+  h.payload_offset = layout.table_bytes;
+  h.payload_bytes = layout.file_bytes() - layout.table_bytes;
+  h.origin = {hierarchy.transform.origin.x, hierarchy.transform.origin.y, hierarchy.transform.origin.z};
+  h.scale = hierarchy.transform.scale;
+  h.sigma0 = hierarchy.sigma0;
+  const Provenance& p = hierarchy.provenance;
+  h.simplifier = p.simplifier;
+  h.cell_triangles = p.cell_triangles;
+  h.input_vertices = p.input_vertices;
+  h.input_triangles = p.input_triangles;
+  h.fingerprint = p.fingerprint;
+  h.repairs = {p.repairs.polygons_triangulated, p.repairs.faces_dropped,        p.repairs.non_finite_triangles,
+               p.repairs.welded_vertices,       p.repairs.degenerate_triangles, p.repairs.duplicate_triangles,
+               p.repairs.unreferenced_vertices};
+  return h;
+}
+
+LodeLevel record_of(const Level& level) {
+  return {level.first_cell, level.cell_count, level.triangles, level.vertices, level.long_edges,
+          level.reach,      level.diameter,   level.error,     level.max_edge, 0};
+}
+
+LodeCell record_of(const Cell& cell, std::uint64_t offset, std::uint64_t checksum) {
+  return {cell.code.morton,
+          offset,
+          checksum,
+          cell.parent,
+          cell.first_child,
+          cell.child_count,
+          static_cast<std::uint32_t>(cell.positions.size()),
+          static_cast<std::uint32_t>(cell.shared_ids.size()),
+          static_cast<std::uint32_t>(cell.triangles.size()),
+          {cell.bounds.lo.x, cell.bounds.lo.y, cell.bounds.lo.z},
+          {cell.bounds.hi.x, cell.bounds.hi.y, cell.bounds.hi.z},
+          cell.max_displacement,
+          cell.error};
+}
+
+}  // namespace
+
+LodeLayout plan_lode(const Hierarchy& hierarchy) {
+  LodeLayout layout;
+  layout.table_bytes = align_up(sizeof(LodeHeader) + hierarchy.levels.size() * sizeof(LodeLevel) +
+                                hierarchy.cells.size() * sizeof(LodeCell));
+  layout.cell_offset.reserve(hierarchy.cells.size() + 1);
+  std::uint64_t offset = layout.table_bytes;
+  for (const Cell& cell : hierarchy.cells) {
+    layout.cell_offset.push_back(offset);
+    offset += payload_bytes(cell);
+  }
+  layout.cell_offset.push_back(offset);
+  return layout;
+}
+
+std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes) {
+  std::vector<LodeChunk> chunks;
+  const auto cells = static_cast<std::uint32_t>(layout.cell_offset.size() - 1);
+  for (std::uint32_t first = 0, end = 0; first < cells; first = end) {
+    while (end < cells && (end == first || layout.cell_offset[end + 1] - layout.cell_offset[first] <= chunk_bytes))
+      ++end;
+    chunks.push_back({first, end});
+  }
+  return chunks;
+}
+
+void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, LodeChunk chunk,
+                       std::vector<std::byte>& bytes, std::span<std::uint64_t> checksums) {
+  const std::uint64_t start = layout.cell_offset[chunk.first_cell];
+  bytes.resize(layout.cell_offset[chunk.end_cell] - start);
+  for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c) {
+    const Cell& cell = hierarchy.cells[c];
+    assert(cell.normals.size() == cell.positions.size());
+    assert(cell.parents.size() == (cell.parent == no_cell ? 0 : cell.positions.size()));
+    std::byte* const begin = bytes.data() + (layout.cell_offset[c] - start);
+    std::byte* const end = bytes.data() + (layout.cell_offset[c + 1] - start);
+    std::byte* to = put(begin, cell.positions);
+    to = put(to, cell.normals);
+    to = put(to, cell.parents);
+    to = put(to, cell.shared_ids);
+    to = put(to, cell.triangles);
+    std::fill(to, end, std::byte{0});
+    checksums[c] = XXH3_64bits(begin, static_cast<std::size_t>(end - begin));
+  }
+}
+
+std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
+                                          std::span<const std::uint64_t> checksums) {
+  std::vector<std::byte> bytes(layout.table_bytes);
+  LodeHeader header = header_of(hierarchy, layout);
+  std::byte* to = bytes.data() + sizeof(LodeHeader);
+  for (const Level& level : hierarchy.levels) {
+    const LodeLevel record = record_of(level);
+    to = put(to, std::span(&record, 1));
+  }
+  for (std::size_t c = 0; c < hierarchy.cells.size(); ++c) {
+    const LodeCell record = record_of(hierarchy.cells[c], layout.cell_offset[c], checksums[c]);
+    to = put(to, std::span(&record, 1));
+  }
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  header.table_checksum = XXH3_64bits(bytes.data(), bytes.size());
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  return bytes;
+}
+
+}  // namespace lodestone

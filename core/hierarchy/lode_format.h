@@ -1,0 +1,103 @@
+// The bytes of a .lode file: records, offsets, and the kernels that turn cells into bytes and back.
+//
+// Layout, little-endian, everything 16-byte aligned:
+//
+//   LodeHeader | LodeLevel x levels | LodeCell x cells | padding | payload of cell 0 | payload of cell 1 | ...
+//
+// Cells go from coarse to fine, so that a reader (or a network) has a whole coarse model first. A payload holds
+// positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
+// mapped file is used in place. All offsets follow from the counts alone, so that cells are encoded and written in any
+// order and by any number of threads. Each payload has its XXH3-64 checksum in the cell table; one more covers header
+// and tables. Nothing in the file depends on time, paths or threads: equal hierarchies give equal bytes.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+
+namespace lodestone {
+
+// The first byte is not ASCII and the line ends differ, so that a transfer in text mode is noticed (as in PNG).
+inline constexpr std::array<char, 8> lode_magic{'\x93', 'L', 'O', 'D', 'E', '\r', '\n', '\x1a'};
+inline constexpr std::uint32_t lode_version = 1;
+inline constexpr std::uint32_t lode_byte_order = 0x0403'0201u;
+inline constexpr std::uint64_t lode_alignment = 16;
+
+struct LodeHeader {
+  std::array<char, 8> magic{};
+  std::uint32_t version = 0, byte_order = 0;
+  std::uint32_t header_bytes = 0, level_bytes = 0, cell_bytes = 0;  // sizes of the three records
+  std::uint32_t level_count = 0;
+  std::uint64_t cell_count = 0;
+  std::uint64_t payload_offset = 0, payload_bytes = 0;  // payload_offset + payload_bytes = file size
+  std::uint64_t table_checksum = 0;                     // of header and tables, with this field 0
+  std::array<double, 3> origin{};
+  double scale = 0;
+  float sigma0 = 0;
+  std::uint32_t simplifier = 0, cell_triangles = 0, reserved = 0;
+  std::uint64_t input_vertices = 0, input_triangles = 0, fingerprint = 0;
+  std::array<std::uint64_t, 7> repairs{};  // in the order of struct Repairs
+};
+static_assert(sizeof(LodeHeader) == 8 + 6 * 4 + 4 * 8 + 4 * 8 + 4 * 4 + 3 * 8 + 7 * 8);  // no padding
+
+struct LodeLevel {
+  std::uint32_t first_cell = 0, cell_count = 0;
+  std::uint64_t triangles = 0, vertices = 0, long_edges = 0;
+  std::array<float, distance_metric_count> reach{};
+  float diameter = 0, error = 0, max_edge = 0;
+  std::uint32_t reserved = 0;
+};
+static_assert(sizeof(LodeLevel) == 2 * 4 + 3 * 8 + 2 * 4 + 3 * 4 + 4);
+
+struct LodeCell {
+  std::uint64_t code = 0;
+  std::uint64_t offset = 0;    // of the payload, from the start of the file
+  std::uint64_t checksum = 0;  // of the payload with its padding
+  std::uint32_t parent = 0, first_child = 0, child_count = 0;
+  std::uint32_t vertices = 0, shared = 0, triangles = 0;
+  std::array<float, 3> lo{}, hi{};
+  float max_displacement = 0, error = 0;
+};
+static_assert(sizeof(LodeCell) == 3 * 8 + 6 * 4 + 6 * 4 + 2 * 4);
+
+// Where everything goes.
+struct LodeLayout {
+  std::uint64_t table_bytes = 0;           // header, levels, cells and padding: the offset of the first payload
+  std::vector<std::uint64_t> cell_offset;  // one per cell and one more: the size of the file
+  [[nodiscard]] std::uint64_t file_bytes() const { return cell_offset.back(); }
+};
+[[nodiscard]] LodeLayout plan_lode(const Hierarchy& hierarchy);
+
+// A run of consecutive cells that is encoded and written at once.
+struct LodeChunk {
+  std::uint32_t first_cell = 0, end_cell = 0;
+};
+// Cuts all cells into runs of about chunk_bytes, each at least one cell; a function of the layout alone.
+[[nodiscard]] std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes = 4u << 20);
+
+// The bytes of the chunk's payloads into `bytes` (resized); their checksums into checksums[first_cell..end_cell).
+void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, LodeChunk chunk,
+                       std::vector<std::byte>& bytes, std::span<std::uint64_t> checksums);
+
+// Header and tables: the first layout.table_bytes bytes of the file. checksums: one per cell.
+[[nodiscard]] std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
+                                                        std::span<const std::uint64_t> checksums);
+
+// A view of `bytes` as a hierarchy; header and tables are checked in full (sizes, checksum, ranges, order, finite
+// values), the payloads only for lying inside `bytes`. `bytes` starts 16-byte aligned and lives as long as `storage`.
+// Throws InputError for a foreign, truncated or altered file, UnsupportedError for a newer version; `file` names it.
+[[nodiscard]] Hierarchy parse_lode_tables(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
+                                          const std::string& file);
+
+// Checks the payloads of cells [first, end) of a hierarchy that parse_lode_tables made of the same bytes: checksum,
+// finite positions, every index in range, no degenerate triangle. Throws InputError.
+void check_lode_cells(const Hierarchy& hierarchy, std::span<const std::byte> bytes, std::uint32_t first,
+                      std::uint32_t end, const std::string& file);
+
+}  // namespace lodestone

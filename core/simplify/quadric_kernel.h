@@ -1,0 +1,125 @@
+// The quadric kernel: half-edge collapse on rings of 16-bit ids with a lazy queue (decision 0002).
+//
+// Based on quadric error metrics (garland1997), half-edge collapses under the link condition (dey1999) and a bucket
+// queue. Different from the usual: no triangle list, every test of a vertex in eight lanes at once, and costs that are
+// computed only when a vertex comes up. The template parameter is the kind of lanes; both kinds give the same bytes.
+#pragma once
+
+#include "core/simplify/quadric_block.h"
+
+namespace lodestone::quadric {
+
+// A collapse may leave a triangle this share of its height over the edge that stays, seen along its old normal.
+inline constexpr float least_height = 0;
+// Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
+// a minimum, and short edges go first where nothing else decides.
+inline constexpr float stiffness = 1e-4f;
+// Planes that hold the border of the surface, relative to its triangles.
+inline constexpr float border_weight = 8;
+// Of the displacement bound: single precision must not promise what double precision would refuse.
+inline constexpr float bound_margin = 1 - 1e-5f;
+
+template <class L>
+class BlockKernel {
+ public:
+  BlockKernel(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result)
+      : input_(input), a_(arrays), result_(result), count_(static_cast<unsigned>(input.positions.size())) {}
+
+  void run() {
+    place_points();
+    link_triangles();
+    start_vertices();
+    collapse_to_target();
+    relocate_survivors();
+    write_parents();
+  }
+
+ private:
+  using Float = typename L::Float;
+  using Points = typename L::Points;
+  using Ids = typename L::Ids;
+
+  // The ring of a vertex in lanes: G groups of eight, relative to the vertex.
+  template <int G>
+  struct Star {
+    Float x[G], y[G], z[G];
+    Float error_weight[G];
+  };
+  // The triangles of a star. Moving the vertex by t keeps the normal of triangle k within 90 degrees iff
+  // t . turn_k < size_k, since the normal is linear in t.
+  template <int G>
+  struct Faces {
+    Float nx[G], ny[G], nz[G];
+    Float size[G];  // squared length of the normal
+    Float turn_x[G], turn_y[G], turn_z[G];
+  };
+  struct Shift {
+    float x, y, z;
+  };
+
+  // quadric_star.h
+  [[nodiscard]] unsigned degree(Id v) const { return Ids::load(a_.ring[v].lane).find(none); }
+  template <int G>
+  [[nodiscard, gnu::always_inline]] Star<G> load_star(Id v) const;
+  template <int G>
+  [[nodiscard, gnu::always_inline]] Faces<G> faces_of(const Star<G>& star, unsigned n) const;
+  template <int G>
+  [[nodiscard, gnu::always_inline]] unsigned flipped(const Faces<G>& faces, Shift t) const;
+  template <int G>
+  [[gnu::always_inline]] static void next_in_ring(const Float (&a)[G], unsigned n, Float (&next)[G]);
+  [[gnu::always_inline]] static Float quadratic_form(const Body& q, const Float& x, const Float& y, const Float& z);
+  static void publish(const Body& body, Point& point);
+
+  // quadric_setup.h
+  void place_points();
+  void link_triangles();
+  void add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to);
+  void start_vertices();
+  [[nodiscard]] unsigned make_ring(Id v);
+  [[nodiscard, gnu::always_inline]] unsigned close_ring(Id v, unsigned n, Id* ring) const;
+  [[nodiscard]] unsigned open_ring(Id v, unsigned n, Id* ring) const;
+  [[nodiscard]] unsigned pile_ring(Id v, unsigned n, Id* ring) const;
+  template <int G>
+  void start_quadric(Id v, unsigned n);
+  void add_border_planes(Id v, unsigned n, Body& body) const;
+
+  // quadric_collapse.h
+  void collapse_to_target();
+  void push(Id v, unsigned bucket);
+  void prefetch_next(Id v) const;
+  static unsigned bucket_of(float cost);
+  template <int G>
+  void visit(Id v, unsigned n, unsigned bucket);
+  template <int G>
+  [[nodiscard, gnu::always_inline]] unsigned within_bound(Id v, const Star<G>& star) const;
+  template <int G>
+  [[gnu::always_inline]] static unsigned cheapest(const Float (&cost)[G], unsigned allowed);
+  [[nodiscard]] bool joinable(Id v, unsigned n, unsigned lane) const;
+  [[nodiscard]] bool makes_locked_chord(const Id* ring, unsigned n, unsigned lane) const;
+  void collapse(Id v, unsigned n, unsigned lane, Shift t, unsigned bucket);
+  void requeue(Id v, unsigned bucket);
+  void merge_bodies(Id v, Id u, Shift t);
+
+  // quadric_relocate.h
+  void relocate_survivors();
+  template <int G>
+  void relocate(Id v, unsigned n);
+  static Shift minimum_of(const Body& body);
+  [[nodiscard]] bool members_reach(Id v, const Vec3f& position) const;
+  void write_parents();
+
+  const SimplifyInput& input_;
+  Arrays& a_;
+  SimplifyResult& result_;
+  unsigned count_;
+  float scale_ = 1;          // from input coordinates to those of the block, a power of two
+  float squared_bound_ = 0;  // in block coordinates
+  std::size_t live_ = 0;     // triangles
+};
+
+}  // namespace lodestone::quadric
+
+#include "core/simplify/quadric_collapse.h"
+#include "core/simplify/quadric_relocate.h"
+#include "core/simplify/quadric_setup.h"
+#include "core/simplify/quadric_star.h"

@@ -1,0 +1,11 @@
+// The quadric kernel for any processor.
+#include "core/simplify/lanes_plain.h"
+#include "core/simplify/quadric_kernel.h"
+
+namespace lodestone::quadric {
+
+void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result) {
+  BlockKernel<plain::Lanes>(input, arrays, result).run();
+}
+
+}  // namespace lodestone::quadric

@@ -1,0 +1,158 @@
+// lodestone build: a mesh file in, a .lode file out.
+#include "parallel/build.h"
+
+#include <fmt/core.h>
+
+#include "core/base/error.h"
+#include "experiments/commands/command.h"
+#include "experiments/progress.h"
+#include "parallel/cpu_clock.h"
+#include "parallel/load.h"
+#include "parallel/prepare.h"
+#include "parallel/save.h"
+
+namespace lodestone {
+namespace {
+
+struct BuildOptions {
+  std::string input, output;
+  std::string simplifier = "quadric", strategy_name = "graph";
+  BuildConfig config;
+};
+
+nlohmann::json to_json(const Repairs& r) {
+  return {{"polygons_triangulated", r.polygons_triangulated}, {"faces_dropped", r.faces_dropped},
+          {"non_finite_triangles", r.non_finite_triangles},   {"welded_vertices", r.welded_vertices},
+          {"degenerate_triangles", r.degenerate_triangles},   {"duplicate_triangles", r.duplicate_triangles},
+          {"unreferenced_vertices", r.unreferenced_vertices}};
+}
+
+struct Totals {
+  std::uint64_t triangles = 0, vertices = 0, long_edges = 0;
+};
+
+Totals totals(const Hierarchy& h) {
+  Totals t;
+  for (const Level& level : h.levels) t.triangles += level.triangles, t.vertices += level.vertices;
+  t.long_edges = h.levels.back().long_edges;
+  return t;
+}
+
+nlohmann::json level_ratios(const Hierarchy& h) {
+  nlohmann::json euclidean, chebyshev, diameter, error, triangles;
+  for (const Level& level : h.levels) {
+    euclidean.push_back(level.reach[0]);
+    chebyshev.push_back(level.reach[1]);
+    diameter.push_back(level.diameter);
+    error.push_back(level.error);
+    triangles.push_back(level.triangles);
+  }
+  return {{"reach", {{"euclidean", euclidean}, {"chebyshev", chebyshev}}},
+          {"diameter", diameter},
+          {"error_ratio", error},
+          {"level_triangles", triangles}};
+}
+
+void run(const BuildOptions& options, const CommonOptions& common) {
+  const auto scheduler = make_scheduler(common);
+  BuildConfig config = options.config;
+  config.simplifier = simplifier_kind(options.simplifier);
+  config.strategy = strategy(options.strategy_name);
+  config.cancel = &interrupt_flag();
+  Progress progress("building", common.quiet);
+  config.progress = [&](double share) { progress.update(share); };
+
+  const CpuClock all;
+  nlohmann::json stages;
+  CpuClock clock;
+  const auto stage = [&](const char* name) {
+    stages[name] = to_json(clock.elapsed());
+    check_interrupt();
+    clock = CpuClock();
+  };
+  RawMesh raw = load_mesh(options.input, *scheduler);
+  stage("read");
+  Repairs repairs;
+  IndexedMesh mesh = [&] {
+    try {
+      return prepare_mesh(std::move(raw), repairs, *scheduler);
+    } catch (const InputError& e) {
+      throw InputError(describe(options.input, "", e.what()));
+    }
+  }();
+  stage("weld");
+  BuildReport report;
+  Hierarchy hierarchy = build_hierarchy(std::move(mesh), config, *scheduler, &report);
+  hierarchy.provenance.repairs = repairs;
+  stage("build");
+  save_lode(hierarchy, options.output, *scheduler);
+  stage("write");
+  const StageTime time = all.elapsed();
+  for (const auto& [name, t] : report.stages) stages[name] = to_json(t);
+
+  const Totals sum = totals(hierarchy);
+  const auto input = static_cast<double>(hierarchy.provenance.input_triangles);
+  const double rate = input * 1e-6 / std::max(report.total.cpu_seconds, 1e-9);
+  nlohmann::json result = level_ratios(hierarchy);
+  result.update({{"input", options.input},
+                 {"input_triangles", hierarchy.provenance.input_triangles},
+                 {"input_vertices", hierarchy.provenance.input_vertices},
+                 {"stored_triangles", sum.triangles},
+                 {"stored_vertices", sum.vertices},
+                 {"stored_triangle_ratio", static_cast<double>(sum.triangles) / input},
+                 {"levels", hierarchy.levels.size()},
+                 {"cells", hierarchy.cells.size()},
+                 {"sigma0", hierarchy.sigma0},
+                 {"long_edges", sum.long_edges},
+                 {"seconds", time.seconds},
+                 {"cpu_seconds", time.cpu_seconds},
+                 {"peak_bytes", peak_resident_bytes()},
+                 {"stages", stages},
+                 {"mtri_per_core_second", rate},
+                 {"threads", scheduler->workers()},
+                 {"strategy", options.strategy_name},
+                 {"simplifier", options.simplifier},
+                 {"repairs", to_json(repairs)}});
+  write_json(common, result);
+  if (common.quiet || common.json == "-") return;
+  fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
+             hierarchy.provenance.input_triangles, hierarchy.levels.size(), hierarchy.cells.size(), sum.triangles,
+             static_cast<double>(sum.triangles) / input);
+  fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", time.seconds,
+             time.cpu_seconds, static_cast<double>(peak_resident_bytes()) * 1e-6, rate);
+  const nlohmann::json counts = to_json(repairs);
+  for (const auto& [name, count] : counts.items())
+    if (count.get<std::uint64_t>() > 0) fmt::print("repaired: {} {}\n", name, count.get<std::uint64_t>());
+  if (sum.long_edges > 0)
+    fmt::print("note: {} edges of the input are longer than sigma0 h_L; they cost triangles, not correctness\n",
+               sum.long_edges);
+}
+
+}  // namespace
+
+void add_build(CLI::App& app) {
+  const auto common = std::make_shared<CommonOptions>();
+  const auto options = std::make_shared<BuildOptions>();
+  CLI::App& command = add_command(app, "build", "Build the hierarchical level of detail of a mesh",
+                                  "  lodestone build scan.ply -o scan.lode\n"
+                                  "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n",
+                                  common);
+  command.add_option("IN", options->input, "Mesh: .ply, .obj, .stl, .off or .drc")->required();
+  command.add_option("-o,--output", options->output, "Hierarchy to write (.lode)")->required();
+  command
+      .add_option("--sigma0", options->config.sigma0,
+                  "Displacement bound: a vertex of level l moves at most sigma0 h_l / 2 to its parent")
+      ->capture_default_str();
+  command
+      .add_option("--cell-triangles", options->config.cell_triangles,
+                  "Mean triangles per occupied finest cell that the number of levels follows from")
+      ->capture_default_str();
+  command.add_option("--levels", options->config.finest_level, "Finest level L instead (the root is level 0)")
+      ->check(CLI::Range(0, max_level));
+  command.add_option("--simplifier", options->simplifier, "quadric or cluster")->capture_default_str();
+  command.add_option("--strategy", options->strategy_name, "graph, levels or serial; all give the same bytes")
+      ->capture_default_str();
+  command.callback([options, common] { run(*options, *common); });
+}
+
+}  // namespace lodestone

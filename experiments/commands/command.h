@@ -1,0 +1,48 @@
+// What the subcommands have in common: shared options, progress, interruption, results as JSON.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "parallel/scheduler.h"
+#include "parallel/stage_time.h"
+
+namespace lodestone {
+
+struct CommonOptions {
+  std::string json;  // file for machine-readable results; empty: none; "-": standard output
+  int threads = 0;   // 0: all that the machine has
+  bool quiet = false;
+};
+
+// A subcommand of `app` that runs `body` when it is given on the command line. --json, --threads and --quiet are added.
+CLI::App& add_command(CLI::App& app, const std::string& name, const std::string& description,
+                      const std::string& examples, const std::shared_ptr<CommonOptions>& common);
+
+[[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const CommonOptions& common);
+
+// Set by the first Ctrl-C; a second one ends the process at once.
+[[nodiscard]] const CancelFlag& interrupt_flag();
+void install_interrupt_handler();
+// Throws Cancelled when the flag is set.
+void check_interrupt();
+
+// Written aside and renamed; "-" prints.
+void write_json(const CommonOptions& common, const nlohmann::json& result);
+
+[[nodiscard]] nlohmann::json to_json(const StageTime& time);
+
+// Largest resident set of this process so far, in bytes.
+[[nodiscard]] std::uint64_t peak_resident_bytes();
+
+void add_generate(CLI::App& app);
+void add_build(CLI::App& app);
+void add_info(CLI::App& app);
+void add_verify(CLI::App& app);
+void add_compare(CLI::App& app);
+void add_render(CLI::App& app);
+void add_export(CLI::App& app);
+
+}  // namespace lodestone

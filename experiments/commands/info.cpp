@@ -1,0 +1,69 @@
+// lodestone info: what a .lode file holds.
+#include <fmt/core.h>
+
+#include "core/hierarchy/lode_file.h"
+#include "core/simplify/simplifier.h"
+#include "experiments/commands/command.h"
+#include "render/lod/radii.h"
+
+namespace lodestone {
+namespace {
+
+nlohmann::json describe_level(const Hierarchy& h, std::size_t l) {
+  const Level& level = h.levels[l];
+  return {{"level", l},
+          {"cells", level.cell_count},
+          {"triangles", level.triangles},
+          {"vertices", level.vertices},
+          {"reach", {{"euclidean", level.reach[0]}, {"chebyshev", level.reach[1]}}},
+          {"diameter", level.diameter},
+          {"error_ratio", level.error},
+          {"max_edge_ratio", level.max_edge},
+          {"long_edges", level.long_edges}};
+}
+
+void run(const std::string& file, const CommonOptions& common) {
+  const Hierarchy h = open_lode(file);
+  nlohmann::json levels = nlohmann::json::array();
+  for (std::size_t l = 0; l < h.levels.size(); ++l) levels.push_back(describe_level(h, l));
+  const Vec3d o = h.transform.origin;
+  const nlohmann::json result{
+      {"file", file},
+      {"input_triangles", h.provenance.input_triangles},
+      {"input_vertices", h.provenance.input_vertices},
+      {"sigma0", h.sigma0},
+      {"simplifier", name_of(static_cast<SimplifierKind>(h.provenance.simplifier))},
+      {"cell_triangles", h.provenance.cell_triangles},
+      {"origin", {o.x, o.y, o.z}},
+      {"scale", h.transform.scale},
+      {"kappa0_admissible_above",
+       {{"euclidean", reach(h, DistanceMetric::euclidean)}, {"chebyshev", reach(h, DistanceMetric::chebyshev)}}},
+      {"levels", levels}};
+  write_json(common, result);
+  if (common.quiet || common.json == "-") return;
+  fmt::print("{}: {} triangles, {} vertices, sigma0 {}, simplifier {}\n", file, h.provenance.input_triangles,
+             h.provenance.input_vertices, h.sigma0, name_of(static_cast<SimplifierKind>(h.provenance.simplifier)));
+  fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, h.transform.scale);
+  fmt::print("uniform kappa0 is admissible above {:.4f} (euclidean), {:.4f} (chebyshev)\n\n",
+             reach(h, DistanceMetric::euclidean), reach(h, DistanceMetric::chebyshev));
+  fmt::print("{:>5} {:>9} {:>12} {:>12} {:>8} {:>8} {:>9} {:>9} {:>10}\n", "level", "cells", "triangles", "vertices",
+             "reach", "diam", "error/h", "edge/h", "long edges");
+  for (std::size_t l = 0; l < h.levels.size(); ++l) {
+    const Level& v = h.levels[l];
+    fmt::print("{:>5} {:>9} {:>12} {:>12} {:>8.4f} {:>8.4f} {:>9.5f} {:>9.5f} {:>10}\n", l, v.cell_count, v.triangles,
+               v.vertices, v.reach[0], v.diameter, v.error, v.max_edge, v.long_edges);
+  }
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  const auto common = std::make_shared<CommonOptions>();
+  const auto file = std::make_shared<std::string>();
+  CLI::App& command = add_command(app, "info", "Show the levels of a .lode file and the figures the guarantee rests on",
+                                  "  lodestone info scan.lode\n  lodestone info scan.lode --json -\n", common);
+  command.add_option("FILE", *file, "Hierarchy (.lode)")->required();
+  command.callback([file, common] { run(*file, *common); });
+}
+
+}  // namespace lodestone

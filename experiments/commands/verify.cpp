@@ -1,0 +1,59 @@
+// lodestone verify: proves the invariants of a .lode file, independently of the builder.
+#include "core/hierarchy/verify.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/hierarchy/lode_file.h"
+#include "experiments/commands/command.h"
+#include "parallel/load.h"
+#include "parallel/prepare.h"
+
+namespace lodestone {
+namespace {
+
+void run(const std::string& file, const std::string& input, const CommonOptions& common) {
+  const Hierarchy hierarchy = open_lode(file);
+  std::optional<IndexedMesh> mesh;
+  if (!input.empty()) {
+    const auto scheduler = make_scheduler(common);
+    Repairs repairs;
+    mesh = prepare_mesh(load_mesh(input, *scheduler), repairs, *scheduler);
+  }
+  const VerifyReport report = verify_hierarchy(hierarchy, mesh ? &*mesh : nullptr);
+  const bool valid =
+      std::all_of(report.checks.begin(), report.checks.end(), [](const VerifyCheck& c) { return c.passed; });
+  nlohmann::json checks = nlohmann::json::array();
+  for (const VerifyCheck& c : report.checks)
+    checks.push_back({{"name", c.name}, {"passed", c.passed}, {"detail", c.detail}});
+  write_json(common, {{"file", file}, {"valid", valid}, {"checks", checks}});
+  if (!common.quiet && common.json != "-") {
+    for (const VerifyCheck& c : report.checks)
+      fmt::print("{} {:<28} {}\n", c.passed ? "holds" : "FAILS", c.name, c.detail);
+    fmt::print("{}: {}\n", file, valid ? "valid" : "NOT VALID");
+  }
+  if (!valid)
+    throw InputError(
+        describe(file, "", "the hierarchy does not hold what it promises", "build it again from its input"));
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app) {
+  const auto common = std::make_shared<CommonOptions>();
+  const auto file = std::make_shared<std::string>();
+  const auto input = std::make_shared<std::string>();
+  CLI::App& command = add_command(app, "verify", "Check every invariant of a hierarchy, independently of the builder",
+                                  "  lodestone verify scan.lode\n"
+                                  "  lodestone verify scan.lode --input scan.ply --json verify.json\n",
+                                  common);
+  command.add_option("FILE", *file, "Hierarchy (.lode)")->required();
+  command.add_option("--input", *input,
+                     "Mesh it was built from: compare the finest level with it triangle by triangle");
+  command.callback([file, input, common] { run(*file, *input, *common); });
+}
+
+}  // namespace lodestone

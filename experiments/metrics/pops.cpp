@@ -1,0 +1,169 @@
+#include "experiments/metrics/pops.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::size_t pairs_per_chunk = 4;
+
+// A cell drawn in one frame and what draws the same triangles in the other one: itself, an ancestor or a descendant.
+struct DrawnPair {
+  SelectedCell before, after;
+  [[nodiscard]] const SelectedCell& finer() const { return before.level >= after.level ? before : after; }
+};
+
+// Cells of level L below a cell, by their index in Hierarchy::cells: consecutive, since children are.
+struct LeafInterval {
+  std::uint32_t begin = 0, end = 0;
+};
+
+LeafInterval leaves_below(const Hierarchy& hierarchy, const SelectedCell& selected) {
+  std::uint32_t first = selected.cell, last = selected.cell;
+  for (int level = selected.level; level < hierarchy.finest(); ++level) {
+    const Cell& cell = hierarchy.cells[last];
+    first = hierarchy.cells[first].first_child;
+    last = cell.first_child + cell.child_count - 1;
+  }
+  return {first, last + 1};
+}
+
+// Both selections tile the leaves in their order with intervals, which are nested or apart. One pass over both.
+std::vector<DrawnPair> pair_cells(const Hierarchy& hierarchy, const Selection& before, const Selection& after) {
+  std::vector<DrawnPair> pairs;
+  std::size_t i = 0, j = 0;
+  std::uint32_t begin_before = hierarchy.levels.back().first_cell, begin_after = begin_before;
+  bool tiled = true;
+  while (tiled && i < before.cells.size() && j < after.cells.size()) {
+    const LeafInterval a = leaves_below(hierarchy, before.cells[i]), b = leaves_below(hierarchy, after.cells[j]);
+    tiled = a.begin == begin_before && b.begin == begin_after;
+    pairs.push_back({before.cells[i], after.cells[j]});
+    if (a.end <= b.end) begin_before = a.end, ++i;
+    if (b.end <= a.end) begin_after = b.end, ++j;
+  }
+  if (!tiled || begin_before != hierarchy.cells.size() || begin_after != begin_before)
+    throw InputError("the selections of the two frames are not partitions of the surface; select with keep_culled");
+  return pairs;
+}
+
+// Largest bound over the levels that lie between the two, both included.
+double bound_between(std::span<const double> bounds, int level, int other) {
+  const auto [low, high] = std::minmax(level, other);
+  return *std::max_element(bounds.begin() + low, bounds.begin() + high + 1);
+}
+
+// The vertices of the finer cell of a pair, where the frame draws them in its own cell of the pair: index there.
+std::uint32_t drawn_vertex(const Hierarchy& hierarchy, const SelectedCell& finer, std::uint32_t vertex,
+                           const SelectedCell& drawn) {
+  for (std::uint32_t cell = finer.cell; cell != drawn.cell; cell = hierarchy.cells[cell].parent)
+    vertex = hierarchy.cells[cell].parents[vertex];
+  return vertex;
+}
+
+// Drawn positions of one cell, remembered while consecutive pairs share it.
+class MorphedCell {
+ public:
+  std::span<const Vec3f> positions(const MorphContext& context, std::uint32_t cell) {
+    if (cell != cell_) {
+      positions_.resize(context.hierarchy->cells[cell].positions.size());
+      morph_cell(context, cell, positions_);
+      cell_ = cell;
+    }
+    return positions_;
+  }
+
+ private:
+  std::uint32_t cell_ = no_cell;
+  std::vector<Vec3f> positions_;
+};
+
+// The earlier of two equal maxima stays, so that chunks combine in their order to the same result.
+void add_jump(const VertexJump& jump, PopReport& report) {
+  if (jump.ratio > 1) ++report.above_bound;
+  if (jump.jump > report.max_jump) {
+    report.max_jump = jump.jump;
+    report.largest = jump;
+  }
+  if (jump.ratio > report.jump_over_bound) {
+    report.jump_over_bound = jump.ratio;
+    report.worst = jump;
+  }
+}
+
+}  // namespace
+
+double jump_ratio(double jump, double bound) {
+  const double excess = jump - jump_rounding;
+  if (!(excess > 0)) return 0;
+  return bound > 0 ? excess / bound : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> jump_bounds(const MorphContext& context, double step) {
+  const Hierarchy& hierarchy = *context.hierarchy;
+  std::vector<double> bounds(hierarchy.levels.size(), 0);
+  for (std::size_t l = 1; l < bounds.size(); ++l) {
+    const double width = double{context.radii->band_end[l]} - context.radii->band_begin[l];
+    const double lipschitz =
+        width > 0 ? blend_lipschitz(context.blend) / width : std::numeric_limits<double>::infinity();
+    const double way = step + view_rounding * context.radii->band_end[l];
+    bounds[l] = displacement_bound(hierarchy.sigma0, static_cast<int>(l)) * lipschitz * way;
+  }
+  return bounds;
+}
+
+PopReport largest_jump(const MorphContext& before, const Selection& selected_before, const MorphContext& after,
+                       const Selection& selected_after, Scheduler& scheduler) {
+  assert(before.hierarchy == after.hierarchy && before.blend == after.blend);
+  const Hierarchy& hierarchy = *before.hierarchy;
+  const std::vector<DrawnPair> pairs = pair_cells(hierarchy, selected_before, selected_after);
+
+  PopReport report;
+  report.step = length(to_double(after.viewpoint) - to_double(before.viewpoint));
+  const std::vector<double> bounds = jump_bounds(before, report.step);
+  report.bounded =
+      std::all_of(bounds.begin(), bounds.end(), [](double b) { return b < std::numeric_limits<double>::infinity(); });
+
+  std::vector<PopReport> parts(chunk_count(pairs.size(), pairs_per_chunk));
+  scheduler.for_chunks(pairs.size(), pairs_per_chunk, [&](ChunkRange chunk) {
+    MorphedCell morphed_before, morphed_after;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const DrawnPair& pair = pairs[i];
+      const SelectedCell& finer = pair.finer();
+      const std::span<const Vec3f> from = morphed_before.positions(before, pair.before.cell);
+      const std::span<const Vec3f> to = morphed_after.positions(after, pair.after.cell);
+      VertexJump jump;
+      jump.bound = bound_between(bounds, pair.before.level, pair.after.level);
+      jump.cell = finer.cell;
+      jump.level_from = pair.before.level;
+      jump.level_to = pair.after.level;
+      const std::size_t vertices = hierarchy.cells[finer.cell].positions.size();
+      for (std::uint32_t v = 0; v < vertices; ++v) {
+        jump.vertex = v;
+        jump.from = from[drawn_vertex(hierarchy, finer, v, pair.before)];
+        jump.to = to[drawn_vertex(hierarchy, finer, v, pair.after)];
+        if (jump.from == jump.to) continue;
+        jump.jump = length(to_double(jump.to) - to_double(jump.from));
+        jump.ratio = jump_ratio(jump.jump, jump.bound);
+        add_jump(jump, parts[chunk.index]);
+      }
+    }
+  });
+  for (const PopReport& part : parts) {
+    report.above_bound += part.above_bound;
+    if (part.max_jump > report.max_jump) {
+      report.max_jump = part.max_jump;
+      report.largest = part.largest;
+    }
+    if (part.jump_over_bound > report.jump_over_bound) {
+      report.jump_over_bound = part.jump_over_bound;
+      report.worst = part.worst;
+    }
+  }
+  return report;
+}
+
+}  // namespace lodestone

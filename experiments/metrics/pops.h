@@ -1,0 +1,62 @@
+// Pops: how far the drawn vertices jump from one frame to the next, against what the morph promises.
+//
+// Within a level, a vertex moves by at most |w - P(w)| times the change of lambda:
+//   |change of n| <= (sigma0 h_l / 2) Lip(b_l) |change of v_p|,   Lip(b_l) = Lip(s) / (c_l - a_l).
+// Between two frames that draw the vertex at levels k <= m the largest of these over l = k..m bounds its jump, whatever
+// levels it was drawn at in between: on the straight way from one viewpoint to the other, hold its level within [k, m];
+// as the exchanges of levels are invisible (admissible radii), the path so defined is continuous, has the same ends,
+// and moves by formulas of the levels k..m alone. Level 0 never moves.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "parallel/scheduler.h"
+#include "render/lod/morph.h"
+#include "render/lod/selection.h"
+
+namespace lodestone {
+
+// One vertex between two frames.
+struct VertexJump {
+  double jump = 0;         // Euclidean, normalised units
+  double bound = 0;        // of the jump, rounding of the distances included
+  double ratio = 0;        // max(0, jump - jump_rounding) / bound; 0 / 0 = 0
+  Vec3f from, to;          // the drawn positions
+  std::uint32_t cell = 0;  // the finer of the two drawn cells, and the vertex's index in it
+  std::uint32_t vertex = 0;
+  std::uint8_t level_from = 0, level_to = 0;  // of the cells that draw it in the two frames
+};
+
+struct PopReport {
+  double max_jump = 0;            // largest jump, normalised units
+  double jump_over_bound = 0;     // largest ratio; above 1: a pop
+  VertexJump largest;             // the vertex of max_jump
+  VertexJump worst;               // the vertex of jump_over_bound
+  std::uint64_t above_bound = 0;  // vertices with a ratio above 1, those of several cells counted in each
+  double step = 0;                // Euclidean length of the step of the viewpoint
+  // Levels without a band (inadmissible radii) have no bound: their vertices count with ratio 0 into max_jump alone.
+  bool bounded = true;
+};
+
+// A drawn position is off by at most three half ulps of 1 per coordinate; two frames, three coordinates: below
+// 6.3e-7, doubled for positions and polynomials of s that exceed 1.
+inline constexpr double jump_rounding = 1.2e-6;
+// A distance is off by at most 3.5 half ulps of itself (sqrt of a sum of three squares of differences), which acts as
+// if the viewpoint were off by as much: 8 * 2^-24 of the end of the band for two frames.
+inline constexpr double view_rounding = 4.8e-7;
+
+// Bound of the speed of vertices drawn at each level per unit of the viewpoint's way (index: level), and of the jump
+// for a given step, rounding of distances included. Infinite where the level has no band.
+[[nodiscard]] std::vector<double> jump_bounds(const MorphContext& context, double step);
+
+// Largest jump of the drawn map of M_L between two frames of one hierarchy with the same radii and blend. Exact: each
+// vertex of the finer of the two drawn cells stands for all vertices of M_L that arrive at it. Selections are whole
+// partitions (keep_culled = true), in traversal order; throws InputError when they are not.
+[[nodiscard]] PopReport largest_jump(const MorphContext& before, const Selection& selected_before,
+                                     const MorphContext& after, const Selection& selected_after, Scheduler& scheduler);
+
+// The ratio of one jump, as above.
+[[nodiscard]] double jump_ratio(double jump, double bound);
+
+}  // namespace lodestone

@@ -1,0 +1,38 @@
+// The OpenGL 4.5 backend: the hierarchy stays in the device's memory, a frame is one indirect multi-draw.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "render/backends/gl/gl_context.h"
+#include "render/renderer.h"
+
+namespace lodestone {
+
+struct GlConfig {
+  // Bytes of the largest storage block; 0: what the driver allows. Smaller values cut the hierarchy into more groups,
+  // one multi-draw each.
+  std::size_t max_storage_block_bytes = 0;
+};
+
+// FrameStats::milliseconds: "upload" (CPU time of the frame's draw commands, made and sent), "gpu" (the device, clear
+// to last pixel), "total" (wall time of draw, which returns when the picture is done).
+class GlRenderer : public Renderer {
+ public:
+  // The morphed positions of the corners of all drawn triangles, three a triangle, in drawing order, as the vertex
+  // shader computed them: the same program as draw's. For verifiers; makes no picture.
+  [[nodiscard]] virtual std::vector<Vec3f> capture(const Frame& frame) = 0;
+
+  // How many sets of buffers the hierarchy takes: the multi-draws of a frame that shows all of it.
+  [[nodiscard]] virtual std::size_t group_count() const = 0;
+  // "llvmpipe (...), 4.5 (Core Profile) ..., EGL surfaceless"
+  [[nodiscard]] virtual std::string device() const = 0;
+};
+
+// Draws with the given context, or a headless one. Throws UnsupportedError naming what is missing and the remedy.
+[[nodiscard]] std::unique_ptr<GlRenderer> make_gl_renderer(std::unique_ptr<GlContext> context,
+                                                           const GlConfig& config = {});
+[[nodiscard]] std::unique_ptr<GlRenderer> make_gl_renderer(const GlConfig& config = {});
+
+}  // namespace lodestone

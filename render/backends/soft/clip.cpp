@@ -1,0 +1,52 @@
+#include "render/backends/soft/clip.h"
+
+namespace lodestone::soft {
+namespace {
+
+// Signed distance from a plane, in units of w; inside where it is not negative.
+using PlaneDistance = float (*)(const ClipVertex&, const Viewport&);
+
+constexpr std::array<PlaneDistance, 6> planes{
+    [](const ClipVertex& v, const Viewport&) { return v.z + v.w; },
+    [](const ClipVertex& v, const Viewport&) { return v.w - v.z; },
+    [](const ClipVertex& v, const Viewport& p) { return p.guard_x() * v.w + v.x; },
+    [](const ClipVertex& v, const Viewport& p) { return p.guard_x() * v.w - v.x; },
+    [](const ClipVertex& v, const Viewport& p) { return p.guard_y() * v.w + v.y; },
+    [](const ClipVertex& v, const Viewport& p) { return p.guard_y() * v.w - v.y; },
+};
+
+// Always from the inner end to the outer one, whichever way the polygon runs: neighbours agree on the point.
+ClipVertex crossing(const ClipVertex& in, const ClipVertex& out, float distance_in, float distance_out) {
+  const float t = distance_in / (distance_in - distance_out);
+  const auto mix = [t](float a, float b) { return a + t * (b - a); };
+  return {mix(in.x, out.x), mix(in.y, out.y), mix(in.z, out.z), mix(in.w, out.w),
+          in.normal + t * (out.normal - in.normal)};
+}
+
+ClippedPolygon clip_to(const ClippedPolygon& polygon, PlaneDistance distance, const Viewport& viewport) {
+  ClippedPolygon kept;
+  for (int i = 0; i < polygon.count; ++i) {
+    const ClipVertex& from = polygon.corners[static_cast<std::size_t>(i)];
+    const ClipVertex& to = polygon.corners[static_cast<std::size_t>((i + 1) % polygon.count)];
+    const float d_from = distance(from, viewport), d_to = distance(to, viewport);
+    const auto keep = [&](const ClipVertex& v) { kept.corners[static_cast<std::size_t>(kept.count++)] = v; };
+    if (d_from >= 0) keep(from);
+    if (d_from >= 0 && d_to < 0) keep(crossing(from, to, d_from, d_to));
+    if (d_from < 0 && d_to >= 0) keep(crossing(to, from, d_to, d_from));
+  }
+  return kept;
+}
+
+}  // namespace
+
+ClippedPolygon clip(const std::array<ClipVertex, 3>& triangle, const Viewport& viewport) {
+  ClippedPolygon polygon;
+  for (const ClipVertex& v : triangle) polygon.corners[static_cast<std::size_t>(polygon.count++)] = v;
+  for (const PlaneDistance plane : planes) {
+    polygon = clip_to(polygon, plane, viewport);
+    if (polygon.count < 3) return {};
+  }
+  return polygon;
+}
+
+}  // namespace lodestone::soft

@@ -1,0 +1,52 @@
+// The shading formula that all backends share, so that their pictures agree.
+//
+//     colour = albedo (ambient + (1 - ambient) |n . l|)
+//
+// with n the normal interpolated perspective-correctly over the triangle and normalised per pixel, l the unit vector
+// towards the light. The absolute value lights both sides: open surfaces have no wrong one. Colours go to bytes as
+// round(255 colour), without a transfer curve.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/vec3.h"
+
+namespace lodestone::shading {
+
+inline constexpr float ambient = 0.2f;
+inline constexpr Vec3f albedo{0.8f, 0.78f, 0.74f};
+
+// Squared length below which an interpolated normal counts as this long: opposite normals light like ambient only.
+inline constexpr float least_norm2 = 1e-12f;
+
+// What no triangle covers: opaque, as bytes.
+inline constexpr std::array<std::uint8_t, 4> background{24, 26, 30, 255};
+
+// Albedo by level with Frame::tint_by_level, from the root on, repeating after the last. Neighbours differ in hue.
+inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
+                                                   {0.95f, 0.70f, 0.25f},
+                                                   {0.85f, 0.85f, 0.35f},
+                                                   {0.45f, 0.80f, 0.40f},
+                                                   {0.35f, 0.80f, 0.80f},
+                                                   {0.35f, 0.55f, 0.95f},
+                                                   {0.65f, 0.45f, 0.90f},
+                                                   {0.90f, 0.50f, 0.75f}}};
+
+[[nodiscard]] constexpr Vec3f albedo_of(int level, bool tint_by_level) {
+  return tint_by_level ? level_tints[static_cast<std::size_t>(level) % level_tints.size()] : albedo;
+}
+
+// Share of the albedo that reaches the eye; `normal` of any length.
+[[nodiscard]] inline float brightness(Vec3f normal, Vec3f light) {
+  const float norm2 = dot(normal, normal);
+  const float cosine = std::abs(dot(normal, light)) / std::sqrt(norm2 > least_norm2 ? norm2 : least_norm2);
+  return ambient + (1 - ambient) * (cosine < 1 ? cosine : 1);
+}
+
+// value in [0, 1].
+[[nodiscard]] constexpr std::uint8_t to_byte(float value) { return static_cast<std::uint8_t>(value * 255 + 0.5f); }
+
+}  // namespace lodestone::shading

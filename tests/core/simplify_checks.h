@@ -1,0 +1,150 @@
+// An independent verifier of the simplifiers' contract: counts edges and fans in plain maps, shares no code with them.
+//
+// Asserted for every simplifier: sizes, P idempotent and in range, locked vertices unmoved, displacement in double,
+// triangle count, finite positions. For topology-keeping ones also: every vertex of a manifold input manifold, the same
+// Euler characteristic, components and border loops, no new non-manifold or misoriented edge, no new edge between two
+// locked vertices.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+#include <numeric>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/simplify/simplifier.h"
+
+namespace lodestone::simplify_test {
+
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+// What of a mesh must survive.
+struct Topology {
+  std::size_t vertices = 0, edges = 0, triangles = 0;
+  std::size_t components = 0, border_loops = 0;
+  std::size_t crowded_edges = 0;      // used by more than two triangles
+  std::size_t misoriented_edges = 0;  // used twice in the same direction
+  std::size_t pinched_vertices = 0;   // not one fan
+  std::set<Edge> edge_set;
+  [[nodiscard]] long euler() const {
+    return static_cast<long>(vertices) - static_cast<long>(edges) + static_cast<long>(triangles);
+  }
+  [[nodiscard]] bool manifold() const { return crowded_edges + misoriented_edges + pinched_vertices == 0; }
+};
+
+// Disjoint sets, for counting connected parts.
+class Parts {
+ public:
+  std::uint32_t root(std::uint32_t v) {
+    parent_.try_emplace(v, v);
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+  void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
+  [[nodiscard]] std::size_t count() const {
+    std::size_t n = 0;
+    for (const auto& [v, p] : parent_) n += v == p;
+    return n;
+  }
+
+ private:
+  std::map<std::uint32_t, std::uint32_t> parent_;
+};
+
+// Whether the triangles around one vertex, given as directed edges of its link, form one open or closed fan.
+inline bool one_fan(const std::vector<Edge>& link) {
+  std::map<std::uint32_t, int> degree;
+  Parts parts;
+  for (const auto& [a, b] : link) {
+    ++degree[a], ++degree[b];
+    parts.join(a, b);
+  }
+  int ends = 0;
+  for (const auto& [v, d] : degree) {
+    if (d > 2) return false;
+    ends += d == 1;
+  }
+  return parts.count() == 1 && (ends == 0 || ends == 2);
+}
+
+inline Topology topology_of(const std::vector<Triangle>& triangles) {
+  Topology t;
+  t.triangles = triangles.size();
+  std::map<Edge, std::array<int, 2>> uses;  // of an ascending edge: upwards, downwards
+  std::map<std::uint32_t, std::vector<Edge>> links;
+  Parts parts;
+  for (const auto& [v] : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = v[k], b = v[(k + 1) % 3];
+      ++uses[std::minmax(a, b)][a > b];
+      links[a].emplace_back(b, v[(k + 2) % 3]);
+      parts.join(a, b);
+    }
+  Parts borders;
+  for (const auto& [edge, n] : uses) {
+    t.edge_set.insert(edge);
+    t.crowded_edges += n[0] + n[1] > 2;
+    t.misoriented_edges += n[0] > 1 || n[1] > 1;
+    if (n[0] + n[1] == 1) borders.join(edge.first, edge.second);
+  }
+  t.vertices = links.size();
+  t.edges = uses.size();
+  t.components = parts.count();
+  t.border_loops = borders.count();
+  for (const auto& [v, link] : links) t.pinched_vertices += !one_fan(link);
+  return t;
+}
+
+inline std::vector<Triangle> image(const SimplifyInput& input, const SimplifyResult& result) {
+  std::vector<Triangle> left;
+  for (const auto& [v] : input.triangles) {
+    const Triangle t{{result.parent[v[0]], result.parent[v[1]], result.parent[v[2]]}};
+    if (!is_degenerate(t)) left.push_back(t);
+  }
+  return left;
+}
+
+// What every simplifier promises.
+inline void expect_contract(const SimplifyInput& input, const SimplifyResult& result) {
+  const std::size_t n = input.positions.size();
+  ASSERT_EQ(result.parent.size(), n);
+  ASSERT_EQ(result.positions.size(), n);
+  double farthest = 0;
+  for (std::size_t v = 0; v < n; ++v) {
+    const std::uint32_t p = result.parent[v];
+    ASSERT_LT(p, n);
+    ASSERT_EQ(result.parent[p], p) << "P is not idempotent at " << v;
+    ASSERT_TRUE(is_finite(result.positions[p]));
+    if (input.locked[v]) {
+      ASSERT_EQ(p, v) << "a locked vertex was collapsed";
+      ASSERT_EQ(result.positions[v], input.positions[v]) << "a locked vertex was moved";
+    }
+    farthest = std::max(farthest, length(to_double(result.positions[p]) - to_double(input.positions[v])));
+  }
+  EXPECT_LE(farthest, static_cast<double>(input.max_displacement));
+  EXPECT_EQ(image(input, result).size(), result.triangles);
+}
+
+// What the topology-keeping ones promise on top.
+inline void expect_topology(const SimplifyInput& input, const SimplifyResult& result) {
+  const Topology before = topology_of({input.triangles.begin(), input.triangles.end()});
+  const Topology after = topology_of(image(input, result));
+  EXPECT_LE(after.crowded_edges, before.crowded_edges);
+  EXPECT_LE(after.misoriented_edges, before.misoriented_edges);
+  EXPECT_LE(after.pinched_vertices, before.pinched_vertices);
+  EXPECT_EQ(after.euler(), before.euler());
+  EXPECT_EQ(after.components, before.components);
+  if (before.manifold()) {
+    EXPECT_EQ(after.border_loops, before.border_loops);
+  }
+  for (const Edge& e : after.edge_set) {
+    const bool chord = input.locked[e.first] && input.locked[e.second] && !before.edge_set.contains(e);
+    EXPECT_FALSE(chord) << "new edge between locked vertices " << e.first << ", " << e.second;
+  }
+}
+
+}  // namespace lodestone::simplify_test

@@ -1,0 +1,121 @@
+"""The documents tell the truth about the tree. usage: test_docs.py SOURCE_DIR [PROGRAM]"""
+
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import docs
+
+SOURCE_DIR = pathlib.Path(__file__).resolve().parents[2]
+PROGRAM = None
+
+
+class Documents(unittest.TestCase):
+    maxDiff = None
+
+    def markdown(self):
+        for path in docs.sources.files(SOURCE_DIR):
+            if path.suffix == ".md":
+                yield path, docs.sources.text(SOURCE_DIR, path)
+
+    def test_commands_exist(self):
+        help_of = docs.Help(PROGRAM) if PROGRAM else None
+        found = [line for path, text in self.markdown() for line in docs.commands(SOURCE_DIR, path, text, help_of)]
+        self.assertEqual(found, [])
+
+    def test_readme_gives_the_two_commands(self):
+        lines = list(docs.shell_lines((SOURCE_DIR / "README.md").read_text()))
+        self.assertIn("scripts/demo", lines)
+        self.assertIn("scripts/test", lines)
+
+    def test_links_resolve(self):
+        self.assertEqual([line for path, text in self.markdown() for line in docs.links(SOURCE_DIR, path, text)], [])
+
+    def test_changelog_has_unreleased(self):
+        self.assertRegex((SOURCE_DIR / "CHANGELOG.md").read_text(), r"(?m)^## Unreleased$")
+
+    def test_files_have_their_size(self):
+        for lines, path in docs.long_files(SOURCE_DIR):
+            print(f"long: {lines} lines in {path}")
+        self.assertEqual(list(docs.sizes(SOURCE_DIR)), [])
+
+    def test_no_path_of_one_machine(self):
+        self.assertEqual(list(docs.local_paths(SOURCE_DIR)), [])
+
+    def test_citations_are_in_the_bibliography(self):
+        self.assertEqual(list(docs.citations(SOURCE_DIR)), [])
+
+
+class Checks(unittest.TestCase):
+    """Each check finds what it is there for, on a small tree made for the purpose."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        self.write("CMakePresets.json", '{"configurePresets": [{"name": "release"}]}')
+        self.write("docs/bibliography.bib", "@article{noether1918,\n title = {x}\n}\n")
+
+    def write(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+        return pathlib.PurePosixPath(name)
+
+    def test_links(self):
+        self.write("docs/b.md", "# Some heading, here\n")
+        path = self.write("a.md", "[x](docs/b.md) [y](docs/b.md#some-heading-here) [z](https://example.org) `[q](r)`\n")
+        self.assertEqual(list(docs.links(self.root, path, (self.root / path).read_text())), [])
+        for bad in ["[x](docs/c.md)", "![x](image.png)", "[x](docs/b.md#other)", "[x](#nowhere)"]:
+            self.assertEqual(len(list(docs.links(self.root, path, bad))), 1, bad)
+
+    def test_commands(self):
+        answers = {(): "Subcommands:\n  build  Build it\n", ("fly",): "-o", ("build",): "-o FILE  --sigma0 FLOAT"}
+
+        def check(line):
+            markdown = f"```sh\n{line}\n```\n"
+            return list(docs.commands(self.root, "a.md", markdown, lambda *subcommand: answers.get(subcommand)))
+
+        script = self.root / self.write("scripts/demo", "")
+        self.write("scripts/data", "")
+        script.chmod(0o755)
+        good = ["scripts/demo", "cmake --preset release", "lodestone build in.ply -o x.lode --sigma0 0.2  # why --not",
+                "lodestone build in.ply \\\n  -o x.lode"]
+        bad = ["scripts/none", "scripts/data", "cmake --preset fast", "lodestone fly x", "lodestone build --sigma1 2"]
+        for line in good:
+            self.assertEqual(check(line), [], line)
+        for line in bad:
+            self.assertEqual(len(check(line)), 1, line)
+
+    def test_sizes(self):
+        self.write("core/a.cpp", "\n" * docs.MAX_LINES)
+        self.assertEqual(list(docs.sizes(self.root)), [])
+        self.write("core/b.cpp", "\n" * (docs.MAX_LINES + 1))
+        self.write("big.ply", "x" * (docs.MAX_BYTES + 1))
+        found = list(docs.sizes(self.root))
+        self.assertEqual([line.split(":")[0] for line in found], ["big.ply", "core/b.cpp"])
+        self.assertEqual([path for _, path in docs.long_files(self.root)], ["core/b.cpp", "core/a.cpp"])
+
+    def test_local_paths(self):
+        top = "/" + "work"
+        self.write("a.md", "core/work, the /roots, build/root/x, https://example.org/home/x\n")
+        self.assertEqual(list(docs.local_paths(self.root)), [])
+        for bad in [f"see {top}/x", f'"{top}"', f"({top}/main)", "cd /" + "root"]:
+            self.write("a.md", bad)
+            self.assertEqual(len(list(docs.local_paths(self.root))), 1, bad)
+
+    def test_citations(self):
+        self.write("a.md", "Noether 1918, Noether (1918), noether1918, in May 2020 and C++ 2020\n")
+        self.assertEqual(list(docs.citations(self.root)), [])
+        for bad in ["Gauss 1918", "Gauss et al. 1918", "Gauss & Weber 1918", "Noether 1919", "(gauss1918)"]:
+            self.write("a.md", bad)
+            self.assertEqual(len(list(docs.citations(self.root))), 1, bad)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        SOURCE_DIR = pathlib.Path(sys.argv.pop(1)).resolve()
+    if len(sys.argv) > 1 and not sys.argv[1].startswith("-"):
+        PROGRAM = sys.argv.pop(1)
+    unittest.main()

@@ -1,0 +1,127 @@
+// The build: same bytes for any number of threads and any strategy; errors; cancellation; progress.
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+
+#include "core/base/error.h"
+#include "parallel/build.h"
+#include "tests/test_meshes.h"
+
+namespace lodestone {
+namespace {
+
+template <class T>
+void append(std::string& out, std::span<const T> values) {
+  out.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
+}
+
+// Everything a hierarchy holds, in order.
+std::string bytes(const Hierarchy& h) {
+  std::string out;
+  append(out, std::span<const Level>(h.levels));
+  for (const Cell& c : h.cells) {
+    append(out, std::span<const std::uint64_t>(&c.code.morton, 1));
+    append(out, std::span<const std::uint32_t>(&c.parent, 3));
+    append(out, std::span<const Box3f>(&c.bounds, 1));
+    append(out, std::span<const float>(&c.max_displacement, 2));
+    append(out, c.positions);
+    append(out, c.normals);
+    append(out, c.parents);
+    append(out, c.shared_ids);
+    append(out, c.triangles);
+  }
+  return out;
+}
+
+BuildConfig small_cells(SimplifierKind kind, Strategy strategy) {
+  BuildConfig config;
+  config.cell_triangles = 60;
+  config.sigma0 = 1;  // edges of such small cells are long beside them
+  config.simplifier = kind;
+  config.strategy = strategy;
+  return config;
+}
+
+class BuildStrategies : public testing::TestWithParam<SimplifierKind> {};
+
+TEST_P(BuildStrategies, SameBytesForAnyThreadsAndStrategy) {
+  const auto serial = make_serial_scheduler();
+  const std::string expected =
+      bytes(build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), Strategy::serial), *serial));
+  for (const int threads : {1, 2, 3, 7}) {
+    const auto scheduler = make_tbb_scheduler(threads);
+    for (const Strategy strategy : {Strategy::serial, Strategy::levels, Strategy::graph})
+      EXPECT_TRUE(expected ==
+                  bytes(build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), strategy), *scheduler)))
+          << threads << " threads, " << name_of(strategy);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Simplifiers, BuildStrategies,
+                         testing::Values(SimplifierKind::quadric, SimplifierKind::cluster));
+
+TEST(Build, ShrinksFourfoldPerLevel) {
+  const auto scheduler = make_tbb_scheduler();
+  BuildConfig config;
+  config.cell_triangles = 1000;
+  const Hierarchy h = build_hierarchy(test::sphere_mesh(7), config, *scheduler);
+  ASSERT_GE(h.finest(), 2);
+  std::uint64_t stored = 0;
+  for (const Level& level : h.levels) stored += level.triangles;
+  EXPECT_EQ(h.levels.back().triangles, h.provenance.input_triangles);
+  EXPECT_LT(static_cast<double>(stored), 1.45 * static_cast<double>(h.provenance.input_triangles));
+}
+
+TEST(Build, LevelZeroAloneIsAHierarchy) {
+  const auto scheduler = make_tbb_scheduler();
+  BuildConfig config;
+  config.finest_level = 0;
+  const Hierarchy h = build_hierarchy(test::torus_mesh(20, 10), config, *scheduler);
+  EXPECT_EQ(h.finest(), 0);
+  EXPECT_EQ(h.cells.size(), 1u);
+  EXPECT_EQ(h.cells[0].triangles.size(), 400u);
+  EXPECT_TRUE(h.cells[0].parents.empty());
+}
+
+TEST(Build, RefusesConfigurationsOutOfRange) {
+  const auto scheduler = make_serial_scheduler();
+  const auto build_with = [&](auto change) {
+    BuildConfig config;
+    change(config);
+    return build_hierarchy(test::torus_mesh(8, 8), config, *scheduler);
+  };
+  EXPECT_THROW((void)build_with([](BuildConfig& c) { c.sigma0 = 0; }), InputError);
+  EXPECT_THROW((void)build_with([](BuildConfig& c) { c.sigma0 = 3; }), InputError);
+  EXPECT_THROW((void)build_with([](BuildConfig& c) { c.cell_triangles = 0; }), InputError);
+  EXPECT_THROW((void)build_with([](BuildConfig& c) { c.finest_level = max_level + 1; }), InputError);
+  EXPECT_THROW((void)build_hierarchy(IndexedMesh{}, {}, *scheduler), InputError);
+  EXPECT_THROW((void)strategy("fastest"), InputError);
+}
+
+TEST(Build, StopsWhenCancelled) {
+  CancelFlag cancel{true};
+  for (const Strategy strategy : {Strategy::serial, Strategy::levels, Strategy::graph}) {
+    BuildConfig config = small_cells(SimplifierKind::cluster, strategy);
+    config.cancel = &cancel;
+    const auto scheduler = make_tbb_scheduler(2);
+    EXPECT_THROW((void)build_hierarchy(test::sphere_mesh(5), config, *scheduler), Cancelled);
+  }
+}
+
+TEST(Build, ReportsProgressAndTimes) {
+  BuildConfig config = small_cells(SimplifierKind::cluster, Strategy::graph);
+  std::vector<double> shares;
+  config.progress = [&](double share) { shares.push_back(share); };
+  BuildReport report;
+  const auto scheduler = make_tbb_scheduler(2);
+  (void)build_hierarchy(test::sphere_mesh(6), config, *scheduler, &report);
+  ASSERT_FALSE(shares.empty());
+  for (const double share : shares) EXPECT_TRUE(share > 0 && share <= 1);
+  EXPECT_GT(shares.back(), 0.5);
+  EXPECT_GE(report.total.seconds, report.stages.at("partition").seconds);
+  EXPECT_TRUE(report.stages.contains("hierarchy"));
+}
+
+}  // namespace
+}  // namespace lodestone

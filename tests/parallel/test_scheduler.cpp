@@ -1,0 +1,119 @@
+// The scheduler contract, on both schedulers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+
+#include "parallel/scheduler.h"
+
+namespace lodestone {
+namespace {
+
+using Maker = std::unique_ptr<Scheduler> (*)();
+
+class SchedulerContract : public testing::TestWithParam<Maker> {
+ protected:
+  std::unique_ptr<Scheduler> scheduler_ = GetParam()();
+};
+
+TEST_P(SchedulerContract, ChunksCoverTheRangeOnceWithFixedBorders) {
+  for (const std::size_t count : {0u, 1u, 7u, 64u, 1000u}) {
+    std::vector<std::atomic<int>> hits(count);
+    std::vector<ChunkRange> chunks(chunk_count(count, 7));
+    scheduler_->for_chunks(count, 7, [&](ChunkRange range) {
+      chunks[range.index] = range;
+      for (std::size_t i = range.begin; i < range.end; ++i) ++hits[i];
+    });
+    for (const auto& hit : hits) EXPECT_EQ(hit, 1);
+    for (std::size_t k = 0; k < chunks.size(); ++k) {
+      EXPECT_EQ(chunks[k].begin, k * 7);
+      EXPECT_EQ(chunks[k].end, std::min<std::size_t>(k * 7 + 7, count));
+    }
+  }
+}
+
+TEST_P(SchedulerContract, WorkerIndicesStayInRange) {
+  std::atomic<bool> in_range{true};
+  scheduler_->for_chunks(1000, 1, [&](ChunkRange) {
+    const int index = scheduler_->worker_index();
+    if (index < 0 || index >= scheduler_->workers()) in_range = false;
+  });
+  EXPECT_TRUE(in_range);
+}
+
+TEST_P(SchedulerContract, ChunkExceptionsComeOut) {
+  EXPECT_THROW(scheduler_->for_chunks(100, 1,
+                                      [](ChunkRange r) {
+                                        if (r.begin == 50) throw std::runtime_error("stop");
+                                      }),
+               std::runtime_error);
+}
+
+TaskGraph random_graph(std::uint32_t tasks, unsigned seed) {
+  std::mt19937 random(seed);
+  TaskGraph graph{tasks, {}, {}};
+  for (std::uint32_t after = 1; after < tasks; ++after)
+    for (std::uint32_t k = 0; k < random() % 4; ++k) graph.edges.emplace_back(random() % after, after);
+  std::sort(graph.edges.begin(), graph.edges.end());
+  graph.edges.erase(std::unique(graph.edges.begin(), graph.edges.end()), graph.edges.end());
+  return graph;
+}
+
+TEST_P(SchedulerContract, GraphRunsEveryTaskOnceAfterItsPredecessors) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    TaskGraph graph = random_graph(200, seed);
+    if (seed % 2) {
+      graph.priority.resize(graph.task_count);
+      std::iota(graph.priority.begin(), graph.priority.end(), 1);
+    }
+    std::vector<std::atomic<int>> order(graph.task_count);
+    std::atomic<int> next{1};
+    scheduler_->run_graph(graph, [&](std::uint32_t task) { order[task] = next++; });
+    for (const auto& o : order) EXPECT_GT(o, 0);
+    EXPECT_EQ(next, 201);
+    for (const auto& [before, after] : graph.edges) EXPECT_LT(order[before], order[after]);
+  }
+}
+
+TEST_P(SchedulerContract, GraphExceptionsComeOutAndStopSuccessors) {
+  TaskGraph graph{3, {{0, 1}, {1, 2}}, {}};
+  std::atomic<bool> last_ran{false};
+  EXPECT_THROW(scheduler_->run_graph(graph,
+                                     [&](std::uint32_t task) {
+                                       if (task == 1) throw std::runtime_error("stop");
+                                       if (task == 2) last_ran = true;
+                                     }),
+               std::runtime_error);
+  EXPECT_FALSE(last_ran);
+}
+
+TEST_P(SchedulerContract, CancellationThrowsCancelled) {
+  CancelFlag cancel{false};
+  std::atomic<int> ran{0};
+  EXPECT_THROW(scheduler_->run_graph(
+                   {50, {{0, 1}, {1, 2}, {2, 3}}, {}},
+                   [&](std::uint32_t task) {
+                     ++ran;
+                     if (task == 0) cancel = true;
+                   },
+                   &cancel),
+               Cancelled);
+  EXPECT_LT(ran, 50);
+}
+
+TEST_P(SchedulerContract, NestedLoopsFinish) {
+  std::atomic<int> sum{0};
+  scheduler_->for_chunks(10, 1, [&](ChunkRange) { scheduler_->for_chunks(10, 1, [&](ChunkRange) { ++sum; }); });
+  EXPECT_EQ(sum, 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SchedulerContract,
+                         testing::Values([] { return make_serial_scheduler(); }, [] { return make_tbb_scheduler(1); },
+                                         [] { return make_tbb_scheduler(2); }, [] { return make_tbb_scheduler(7); }));
+
+}  // namespace
+}  // namespace lodestone
