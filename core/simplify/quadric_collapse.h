@@ -149,16 +149,19 @@ bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
   } else if (n == 2 && (target.has(pile) || m < 3)) {
     return false;  // an ear whose last edge carries nothing else
   }
-  return !target.has(locked) || !makes_locked_chord(ring.lane, n, lane);
+  return !target.has(locked) || !makes_locked_chord(ring, n, lane);
 }
 
 // A new edge, or triangle, of locked vertices only: the block on the other side could make it too.
 template <class L>
-bool BlockKernel<L>::makes_locked_chord(const Id* ring, unsigned n, unsigned lane) const {
-  const unsigned before = lane == 0 ? n - 1 : lane - 1, after = lane + 1 == n ? 0 : lane + 1;
+bool BlockKernel<L>::makes_locked_chord(const Ring& ring, unsigned n, unsigned lane) const {
+  // The neighbours that v and the target have in common; on the border there is one.
+  const bool is_open = ring.has(open);
+  const unsigned before = lane > 0 ? lane - 1 : is_open ? n : n - 1;
+  const unsigned after = lane + 1 < n ? lane + 1 : is_open ? n : 0;
   unsigned count = 0;
   for (unsigned k = 0; k < n; ++k) {
-    if (k == lane || !a_.ring[ring[k]].has(locked)) continue;
+    if (k == lane || !a_.ring[ring.lane[k]].has(locked)) continue;
     ++count;
     if (k != before && k != after) return true;
   }
