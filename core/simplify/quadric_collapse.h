@@ -154,15 +154,14 @@ bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
 
 // A new edge, or triangle, of locked vertices only: the block on the other side could make it too.
 template <class L>
-bool BlockKernel<L>::makes_locked_chord(const Ring& v, unsigned n, unsigned lane) const {
-  // The common neighbours stand beside the target; the ends of an open ring do not stand beside each other.
-  const bool is_open = v.has(open);
-  const unsigned before = lane > 0 ? lane - 1 : is_open ? lane : n - 1;
-  const unsigned after = lane + 1 < n ? lane + 1 : is_open ? lane : 0;
-  const Id* ring = v.lane;
+bool BlockKernel<L>::makes_locked_chord(const Ring& ring, unsigned n, unsigned lane) const {
+  // The neighbours that v and the target have in common; on the border there is one.
+  const bool is_open = ring.has(open);
+  const unsigned before = lane > 0 ? lane - 1 : is_open ? n : n - 1;
+  const unsigned after = lane + 1 < n ? lane + 1 : is_open ? n : 0;
   unsigned count = 0;
   for (unsigned k = 0; k < n; ++k) {
-    if (k == lane || !a_.ring[ring[k]].has(locked)) continue;
+    if (k == lane || !a_.ring[ring.lane[k]].has(locked)) continue;
     ++count;
     if (k != before && k != after) return true;
   }

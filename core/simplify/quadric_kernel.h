@@ -95,7 +95,7 @@ class BlockKernel {
   template <int G>
   [[gnu::always_inline]] static unsigned cheapest(const Float (&cost)[G], unsigned allowed);
   [[nodiscard]] bool joinable(Id v, unsigned n, unsigned lane) const;
-  [[nodiscard]] bool makes_locked_chord(const Ring& v, unsigned n, unsigned lane) const;
+  [[nodiscard]] bool makes_locked_chord(const Ring& ring, unsigned n, unsigned lane) const;
   void collapse(Id v, unsigned n, unsigned lane, Shift t, unsigned bucket);
   void requeue(Id v, unsigned bucket);
   void merge_bodies(Id v, Id u, Shift t);

@@ -1,4 +1,6 @@
 // The contract of simplifier.h, for every simplifier, on the shapes that break simplifiers.
+#include <gtest/gtest.h>
+
 #include <functional>
 #include <string>
 
@@ -34,8 +36,10 @@ class EverySimplifier : public ::testing::TestWithParam<Maker> {
   const SimplifyResult& run(TestMesh& mesh, float bound, std::size_t target) {
     input_ = mesh.input(bound, target);
     const SimplifyResult& result = simplifier_->simplify(input_);
-    expect_contract(input_, result);
-    if (GetParam().keeps_topology) expect_topology(input_, result);
+    EXPECT_EQ(broken_contract(input_, result), "");
+    if (GetParam().keeps_topology) {
+      EXPECT_EQ(broken_topology(input_, result), "");
+    }
     return result;
   }
   [[nodiscard]] bool reaches(const SimplifyResult& result) const {

@@ -63,14 +63,14 @@ RC_GTEST_PROP(EverySimplifierOn, RandomMeshes, ()) {
   const auto fast = make_quadric_simplifier(), plain = make_quadric_simplifier(InstructionSet::plain);
   const auto reference = make_quadric_reference(), cluster = make_simplifier(SimplifierKind::cluster);
   for (Simplifier* simplifier : {fast.get(), plain.get(), reference.get()}) {
-    expect_contract(input, simplifier->simplify(input));
-    expect_topology(input, simplifier->simplify(input));
+    const SimplifyResult& result = simplifier->simplify(input);
+    RC_ASSERT(broken_contract(input, result) == "");
+    RC_ASSERT(broken_topology(input, result) == "");
   }
-  expect_contract(input, cluster->simplify(input));
+  RC_ASSERT(broken_contract(input, cluster->simplify(input)) == "");
   const SimplifyResult &a = fast->simplify(input), &b = plain->simplify(input);
   RC_ASSERT(a.parent == b.parent);
   RC_ASSERT(a.positions == b.positions);
-  RC_ASSERT(!::testing::Test::HasFailure());
 }
 
 }  // namespace
