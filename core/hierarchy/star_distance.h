@@ -2,7 +2,8 @@
 //
 // A vertex mostly slides along the surface to its parent; the bound of (1) counts all of that way as error. Measured is
 // the distance to the triangles around the parent, and from there on to neighbouring ones as long as they are nearer:
-// always an upper bound of the distance to the surface, and nearly always that distance.
+// never less than the distance of the vertex from the surface, and nearly always that distance. Points between the
+// vertices may be farther.
 #pragma once
 
 #include <cstdint>
