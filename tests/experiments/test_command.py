@@ -30,7 +30,7 @@ class Help(CommandCase):
             self.assertEqual(text, self.lodestone(name, "-h"))
             for option in ("--json", "--threads", "--quiet"):
                 self.assertIn(option, text)
-            examples = text.split("Examples:\n")[1].splitlines()
+            examples = text.split("Examples:\n")[1].strip("\n").splitlines()
             self.assertTrue(examples and all(line.startswith(f"  lodestone {name} ") for line in examples), text)
 
 
@@ -183,7 +183,8 @@ class Compare(CommandCase):
     def test_identical_surfaces_are_at_no_distance(self):
         result = self.results("compare", sphere(), sphere())
         for direction in ("forward", "backward"):
-            self.assertEqual({result[direction][key] for key in ("max", "rms", "mean", "p99")}, {0})
+            for key in ("max", "rms", "mean", "p99"):  # samples inside triangles are rounded
+                self.assertLessEqual(result[direction][key], 1e-14 * result["diagonal"])
 
     def test_parallel_squares(self):
         square = [(0, 0), (3, 0), (3, 4), (0, 4)]
@@ -223,7 +224,10 @@ class Render(CommandCase):
     def fly(self, *arguments, frames=12, backend="null", lode=None):
         result = self.results("render", lode or hierarchy(), "--frames", frames, "--size", "160x120",
                               "--backend", backend, *arguments)
-        self.assertEqual(len(result["frames"]), frames)
+        if "adversarial" in arguments:  # as many as there are shared vertices to look at
+            self.assertTrue(0 < len(result["frames"]) <= frames)
+        else:
+            self.assertEqual(len(result["frames"]), frames)
         for frame in result["frames"]:
             self.assertGreater(frame["milliseconds"]["total"], 0)
             for key in ("cells", "triangles", "open_edges", "max_jump", "jump_over_bound"):
@@ -291,11 +295,13 @@ class Render(CommandCase):
 
     def test_camera_path_of_a_file(self):
         self.write("path.json", json.dumps({"frames": [
-            {"position": [4, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 45},
-            {"position": [0, 2, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 30}]}))
+            {"position": [60, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 45},
+            {"position": [0, 3, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 30}]}))
         result = self.fly("--camera", "path.json", frames=5)
         self.assert_seamless(result)
-        self.assertLess(result["frames"][0]["triangles"], result["frames"][-1]["triangles"])
+        selected = [frame["selected_triangles"] for frame in result["frames"]]
+        self.assertEqual(selected, sorted(selected))
+        self.assertLess(selected[0], selected[-1])
 
     def test_a_single_level_flies(self):
         flat = model("flat.lode", "build", sphere(), "--levels", 0)
