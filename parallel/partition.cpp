@@ -243,7 +243,7 @@ Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler) {
 }
 
 int choose_finest_level(const IndexedMesh& mesh, std::uint32_t cell_triangles) {
-  constexpr std::size_t sample_size = 1 << 18;
+  constexpr std::size_t sample_size = 1 << 16;
   const std::size_t stride = std::max<std::size_t>(1, mesh.triangles.size() / sample_size);
   std::vector<Vec3f> sample;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += stride) {

@@ -152,9 +152,9 @@ Image contact_sheet(std::span<const Image> frames, const ContactSheetConfig& con
   }
   const ImageSize full = frames.front().size;
   const auto count = static_cast<int>(frames.size());
-  // Nearest to square: columns * width is about rows * height.
+  // Just wider than square: columns * width is at least rows * height.
   const double square = std::sqrt(static_cast<double>(count) * full.height / full.width);
-  const int wanted = config.columns > 0 ? config.columns : static_cast<int>(std::lround(square));
+  const int wanted = config.columns > 0 ? config.columns : static_cast<int>(std::ceil(square));
   const int columns = std::clamp(wanted, 1, count), rows = (count + columns - 1) / columns;
   const int gap = std::max(config.gap, 0);
   const int width = std::min((config.width - gap * (columns + 1)) / columns, full.width);

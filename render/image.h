@@ -28,7 +28,7 @@ void write_png(const std::string& file, const Image& image);
 [[nodiscard]] Image downscale(const Image& image, ImageSize size);
 
 struct ContactSheetConfig {
-  int columns = 0;   // frames in a row; 0: the number that makes the sheet nearest to square; at most the frames
+  int columns = 0;   // frames in a row; 0: the number that makes the sheet just wider than square; at most the frames
   int width = 1600;  // of the sheet, pixels; frames are only ever scaled down, so that the sheet may be narrower
   int gap = 4;       // pixels between frames and around them
 };

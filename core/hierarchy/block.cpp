@@ -17,6 +17,13 @@ namespace {
 constexpr std::uint32_t none = 0xffff'ffffu;
 constexpr std::size_t kept_share = 4;  // one triangle of this many is kept per level
 
+// Rounded towards larger values, except that zero stays zero.
+float root_up(double squared) {
+  return squared > 0 ? std::nextafter(static_cast<float>(std::sqrt(squared)), std::numeric_limits<float>::infinity())
+                     : 0.0f;
+}
+float sum_up(float a, float b) { return b > 0 ? std::nextafter(a + b, std::numeric_limits<float>::infinity()) : a; }
+
 class BlockBuilder {
  public:
   BlockBuilder(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
@@ -37,6 +44,12 @@ class BlockBuilder {
   }
 
   void split(const SimplifyResult& result, float sigma0) {
+    s_.images.resize(s_.triangles.size());
+    for (std::size_t t = 0; t < s_.triangles.size(); ++t) {
+      const auto& v = s_.triangles[t].v;
+      s_.images[t] = {{result.parent[v[0]], result.parent[v[1]], result.parent[v[2]]}};
+    }
+    s_.surface.reset(s_.images, result.positions);
     count_uses(result);
     std::size_t first_vertex = 0, first_triangle = 0;
     for (std::size_t i = 0; i < block_.parents.size(); ++i)
@@ -164,7 +177,7 @@ class BlockBuilder {
     }
     const std::size_t shared = gather_members(result, stamp, first_vertex, end_vertex);
     CellBuild& parent = parents_[rank];
-    allocate_parent(result, parent, shared, first_triangle, end_triangle);
+    allocate_parent(parent, shared, first_triangle, end_triangle);
     fill_vertices(result, parent);
     for (CellRank c = parent_level_.first_child[rank]; c < parent_level_.first_child[rank + 1]; ++c) {
       link_child(result, cells_[c], parent, first_vertex);
@@ -174,19 +187,14 @@ class BlockBuilder {
     first_triangle = end_triangle;
   }
 
-  [[nodiscard]] Triangle image(const SimplifyResult& result, const Triangle& t) const {
-    return {{result.parent[t.v[0]], result.parent[t.v[1]], result.parent[t.v[2]]}};
-  }
-
-  void allocate_parent(const SimplifyResult& result, CellBuild& parent, std::size_t shared, std::size_t first,
-                       std::size_t end) {
+  void allocate_parent(CellBuild& parent, std::size_t shared, std::size_t first, std::size_t end) {
     std::size_t kept = 0;
-    for (std::size_t t = first; t < end; ++t) kept += !is_degenerate(image(result, s_.triangles[t]));
+    for (std::size_t t = first; t < end; ++t) kept += !is_degenerate(s_.images[t]);
     parent.slab.allocate(s_.members.size(), shared, kept);
     parent.triangles = parent.slab.triangles;
     std::size_t to = 0;
     for (std::size_t t = first; t < end; ++t) {
-      const Triangle coarse = image(result, s_.triangles[t]);
+      const Triangle& coarse = s_.images[t];
       if (!is_degenerate(coarse))
         parent.triangles[to++] = {{s_.local[coarse.v[0]], s_.local[coarse.v[1]], s_.local[coarse.v[2]]}};
     }
@@ -211,18 +219,20 @@ class BlockBuilder {
   }
 
   void link_child(const SimplifyResult& result, CellBuild& child, CellBuild& parent, std::size_t first_vertex) {
-    double farthest2 = 0;
+    // Half of what the block has seen is the least distance that is told apart: most vertices are done after a glance.
+    double farthest2 = 0, off_surface2 = off_surface2_ / 4;
     for (std::size_t i = 0; i < child.vertex_count(); ++i) {
       const std::uint32_t p = result.parent[s_.block_id[first_vertex + i]];
       child.slab.parents[i] = s_.local[p];
       const Vec3d moved = to_double(result.positions[p]) - to_double(child.slab.positions[i]);
-      farthest2 = std::max(farthest2, dot(moved, moved));
+      const double moved2 = dot(moved, moved);
+      farthest2 = std::max(farthest2, moved2);
+      if (moved2 > off_surface2) off_surface2 = s_.surface.farther(off_surface2, child.slab.positions[i], p);
     }
-    constexpr float infinity = std::numeric_limits<float>::infinity();
-    child.max_displacement = farthest2 > 0 ? std::nextafter(static_cast<float>(std::sqrt(farthest2)), infinity) : 0.0f;
+    off_surface2_ = std::max(off_surface2_, off_surface2);
+    child.max_displacement = root_up(farthest2);
     parent.bounds.extend(child.bounds);
-    const float through_child = child.error + child.max_displacement;
-    parent.error = std::max(parent.error, through_child > 0 ? std::nextafter(through_child, infinity) : 0.0f);
+    parent.error = std::max(parent.error, sum_up(child.error, root_up(std::min(off_surface2, farthest2))));
     child.release_transient();
   }
 
@@ -230,6 +240,7 @@ class BlockBuilder {
   const LevelCells& parent_level_;
   std::span<CellBuild> cells_, parents_;
   BlockScratch& s_;
+  double off_surface2_ = 0;  // largest squared distance of a vertex so far from the coarse surface
 };
 
 }  // namespace

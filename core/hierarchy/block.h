@@ -7,6 +7,7 @@
 
 #include "core/hierarchy/cell_build.h"
 #include "core/hierarchy/cell_table.h"
+#include "core/hierarchy/star_distance.h"
 #include "core/simplify/simplifier.h"
 
 namespace lodestone {
@@ -25,6 +26,8 @@ struct BlockScratch {
   // Splitting into the parents.
   std::vector<std::uint32_t> local, stamp, uses;
   std::vector<UsageBox> parent_usage;
+  std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
+  StarDistance surface;          // of the images
   std::vector<std::uint32_t> members;
 };
 

@@ -62,12 +62,17 @@ void CellBuild::release_transient() {
 
 void measure_cell(CellBuild& cell, int level, float sigma0) {
   const float per_h = static_cast<float>(1u << level);
-  for (int m = 0; m < distance_metric_count; ++m) {
-    float far = 0;
-    for (const Vec3f p : cell.slab.positions)
-      far = std::max(far, farthest_corner_distance(static_cast<DistanceMetric>(m), p, cell.bounds));
-    cell.reach[static_cast<std::size_t>(m)] = round_up(far * per_h);
+  // Both norms in one pass; the Euclidean one squared, since the square root keeps the order.
+  const Box3f& box = cell.bounds;
+  float far2 = 0, far_axis = 0;
+  for (const Vec3f p : cell.slab.positions) {
+    const float x = std::max(p.x - box.lo.x, box.hi.x - p.x), y = std::max(p.y - box.lo.y, box.hi.y - p.y),
+                z = std::max(p.z - box.lo.z, box.hi.z - p.z);
+    far2 = std::max(far2, (x * x + y * y) + z * z);
+    far_axis = std::max(far_axis, std::max(std::max(x, y), z));
   }
+  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(far2) * per_h);
+  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(far_axis * per_h);
   cell.diameter = round_up(length(cell.bounds.hi - cell.bounds.lo) * per_h);
 
   const float limit = sigma0 / per_h;

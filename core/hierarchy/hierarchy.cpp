@@ -22,9 +22,11 @@ constexpr std::uint64_t mix(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
+// Multiplicative: three rounds a triangle end in one full mix, and this runs once for every input triangle.
 std::uint64_t hash_position(Vec3f p) {
   const auto bits = [](float v) { return std::uint64_t{std::bit_cast<std::uint32_t>(v + 0.0f)}; };
-  return mix(mix(bits(p.x) | (bits(p.y) << 32)) + bits(p.z));
+  const std::uint64_t xy = (bits(p.x) | (bits(p.y) << 32)) * 0x9e37'79b9'7f4a'7c15ull;
+  return (xy ^ (xy >> 32)) + bits(p.z) * 0xd6e8'feb8'6659'fd93ull;
 }
 
 }  // namespace
@@ -61,7 +63,10 @@ int Hierarchy::level_of(std::uint32_t cell) const {
 std::uint64_t triangle_fingerprint(Vec3f a, Vec3f b, Vec3f c) {
   const std::uint64_t ha = hash_position(a), hb = hash_position(b), hc = hash_position(c);
   // Symmetric under rotation, not under reflection: each directed edge is hashed on its own.
-  const auto edge = [](std::uint64_t from, std::uint64_t to) { return mix(from + 0x9e37'79b9'7f4a'7c15ull * to); };
+  const auto edge = [](std::uint64_t from, std::uint64_t to) {
+    const std::uint64_t h = (from ^ std::rotl(to, 23)) * 0xa076'1d64'78bd'642full;
+    return h ^ (h >> 32);
+  };
   return mix(edge(ha, hb) + edge(hb, hc) + edge(hc, ha));
 }
 

@@ -41,7 +41,7 @@ struct Cell {
   std::uint32_t first_child = 0, child_count = 0;  // children are consecutive, in Morton order
   Box3f bounds;                                    // B(C): box of positions and of the children's B
   float max_displacement = 0;                      // max d(v, P(v)) over the vertices of this cell; 0 at the root
-  float error = 0;                                 // bound of the two-sided distance of M_l(C) from M_L below it
+  float error = 0;                                   // distance from M_L as measured (docs/decisions/0004), monotone
   std::span<const Vec3f> positions;
   std::span<const PackedNormal> normals;   // one per position
   std::span<const std::uint32_t> parents;  // one per position; empty at level 0

@@ -41,7 +41,9 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   edges          stored longest edges and numbers of long half-edges; no long edge where M_L has none
 //   boxes          B(C) is the box of V_l(C) and of the children's B
 //   reach          rho_l of both metrics and the largest diameter
-//   errors         0 on M_L; each parent's at least (and about) the worst child's error + displacement; e_l
+//   errors         0 on M_L; a cell's is at least a child's error + the measured distance of the child's vertices from
+//                  the surface of the coarser level (of a regular sample of them on large levels), at most the worst
+//                  child's error + displacement; e_l
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L
 //   input          only with `input`: the triangles of M_L are those of the input, position by position
 // When `structure` fails the others are reported as failed without being run, since no index could be trusted.

@@ -71,6 +71,9 @@ void check_displacements(const Hierarchy& hierarchy, Finding& displacement);
 void check_edges(const Hierarchy& hierarchy, Finding& edges);
 void check_boxes(const Hierarchy& hierarchy, Finding& boxes);
 void check_reach(const Hierarchy& hierarchy, Finding& reach);
+void check_bound(Finding& finding, const char* what, int level, float stored, double exact);
+
+// verify_errors.cpp: the distances of the levels from M_L.
 void check_errors(const Hierarchy& hierarchy, Finding& errors);
 
 // verify_input.cpp: M_L against the input.

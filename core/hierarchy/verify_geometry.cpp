@@ -35,14 +35,14 @@ Vec3d to_farthest_corner(Vec3f p, const Box3f& box) {
   return {far(box.lo.x, box.hi.x, p.x), far(box.lo.y, box.hi.y, p.y), far(box.lo.z, box.hi.z, p.z)};
 }
 
+}  // namespace
+
 void check_bound(Finding& finding, const char* what, int level, float stored, double exact) {
   finding.require(is_tight_bound(stored, exact), [&] {
     return "level " + std::to_string(level) + ": " + what + " " + std::to_string(stored) + " stored, " +
            std::to_string(exact) + " recomputed";
   });
 }
-
-}  // namespace
 
 void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
   displacement.require(hierarchy.cells[0].max_displacement == 0, [] { return "the root cell has a displacement"; });
@@ -119,26 +119,6 @@ void check_reach(const Hierarchy& hierarchy, Finding& reach) {
     check_bound(reach, "Euclidean reach", l, level.reach[static_cast<int>(DistanceMetric::euclidean)], euclidean / h);
     check_bound(reach, "Chebyshev reach", l, level.reach[static_cast<int>(DistanceMetric::chebyshev)], chebyshev / h);
     check_bound(reach, "diameter", l, level.diameter, diameter / h);
-  }
-}
-
-// A point of M_{l+1} stays within child.error of M_L, and its image under P within child.max_displacement of itself.
-void check_errors(const Hierarchy& hierarchy, Finding& errors) {
-  for (int l = 0; l <= hierarchy.finest(); ++l) {
-    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    double largest = 0;
-    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
-      const Cell& cell = hierarchy.cells[c];
-      double expected = 0;
-      for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k)
-        expected = std::max(expected, double{hierarchy.cells[k].error} + hierarchy.cells[k].max_displacement);
-      errors.require(is_tight_bound(cell.error, expected), [&] {
-        return place(l, c) + ": error " + std::to_string(cell.error) + " stored, " + std::to_string(expected) +
-               " from its children";
-      });
-      largest = std::max(largest, double{cell.error});
-    }
-    check_bound(errors, "error", l, level.error, largest / cell_size(l));
   }
 }
 

@@ -36,10 +36,11 @@ std::uint32_t read_corner(const TextScanner& scan, std::string_view token, std::
   if (!index) scan.fail("expected a vertex index, found " + quote(token));
   if (*index == 0) scan.fail("vertex index 0", "OBJ counts vertices from 1");
   if (*index < 0) {
-    if (static_cast<std::uint64_t>(-*index) > vertex_count)
+    const std::uint64_t back = 0 - static_cast<std::uint64_t>(*index);  // unsigned: -2^63 has no positive twin
+    if (back > vertex_count)
       scan.fail("vertex index " + std::to_string(*index) + " goes back beyond the first of " +
                 std::to_string(vertex_count) + " vertices");
-    return static_cast<std::uint32_t>(vertex_count - static_cast<std::uint64_t>(-*index));
+    return static_cast<std::uint32_t>(vertex_count - back);
   }
   const std::uint64_t id = static_cast<std::uint64_t>(*index) - 1;
   if (id >= vertex_count && id >= furthest.index) furthest = {id, scan.line()};

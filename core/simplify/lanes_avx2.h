@@ -54,7 +54,7 @@ inline float lowest(Float8 a) {
 inline unsigned equal(Float8 a, float value) {
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.lanes, _mm256_set1_ps(value), _CMP_EQ_OQ)));
 }
-inline void sums(const Float8 (&in)[8], float (&out)[8]) {
+inline void sums(const Float8 (&in)[8], float* out) {
   for (int i = 0; i < 8; i += 4) {
     const __m256 ab = _mm256_hadd_ps(in[i].lanes, in[i + 1].lanes);
     const __m256 cd = _mm256_hadd_ps(in[i + 2].lanes, in[i + 3].lanes);
@@ -90,7 +90,9 @@ struct Id16 {
   __m256i lanes;
 
   static Id16 load(const Id* ids) { return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(ids))}; }
+  static Id16 all_none() { return {_mm256_set1_epi16(-1)}; }
   void store(Id* ids) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids), lanes); }
+  static __m256i all(unsigned value) { return _mm256_set1_epi16(static_cast<short>(value)); }
   [[nodiscard]] __m256i equal(Id id) const {
     return _mm256_cmpeq_epi16(lanes, _mm256_set1_epi16(static_cast<short>(id)));
   }
@@ -108,9 +110,46 @@ struct Id16 {
     // The last two lanes, a `none` and the flags, stay.
     return {_mm256_blend_epi32(_mm256_blendv_epi8(before, moved_up, behind), before, 0x80)};
   }
-  [[nodiscard]] unsigned count_common(const Id* ids, unsigned n) const {
+  // Lane index[k] in lane k, and 0 where that is -1.
+  [[nodiscard]] __m256i permuted(__m256i index) const {
+    const __m256i invalid = _mm256_cmpgt_epi16(_mm256_setzero_si256(), index);
+    const __m256i pairs =
+        _mm256_add_epi16(_mm256_mullo_epi16(index, _mm256_set1_epi16(0x0202)), _mm256_set1_epi16(0x0100));
+    const __m256i bytes = _mm256_or_si256(pairs, invalid);
+    const __m256i low = _mm256_permute2x128_si256(lanes, lanes, 0x00),
+                  high = _mm256_permute2x128_si256(lanes, lanes, 0x11);
+    // A control byte with the top bit set gives 0: from 16 on for the low half, below 16 for the high one.
+    return _mm256_or_si256(_mm256_shuffle_epi8(low, _mm256_adds_epu8(bytes, _mm256_set1_epi8(0x70))),
+                           _mm256_shuffle_epi8(high, _mm256_sub_epi8(bytes, _mm256_set1_epi8(0x10))));
+  }
+  [[nodiscard]] Id16 rotated(unsigned start, unsigned n) const {
+    const __m256i lane = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const __m256i index = _mm256_add_epi16(lane, all(start));
+    const __m256i wraps = _mm256_cmpgt_epi16(index, all(n - 1));
+    return {permuted(_mm256_sub_epi16(index, _mm256_and_si256(wraps, all(n))))};
+  }
+  [[nodiscard]] Id16 spliced(unsigned at, Id16 other, unsigned first, unsigned length) const {
+    const __m256i lane = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const __m256i from_at = _mm256_cmpgt_epi16(lane, all(at - 1)),
+                  behind = _mm256_cmpgt_epi16(lane, all(at + length - 1));
+    const __m256i own = permuted(_mm256_sub_epi16(lane, _mm256_and_si256(behind, all(length - 1))));
+    const __m256i in = other.permuted(_mm256_add_epi16(lane, all(first - at)));
+    const __m256i inserted = _mm256_andnot_si256(behind, from_at);
+    const __m256i ring = _mm256_blendv_epi8(own, in, inserted);
+    const __m256i end = _mm256_insert_epi16(lanes, -1, 14);  // a `none` and the flags
+    return {_mm256_blend_epi32(ring, end, 0x80)};
+  }
+  [[nodiscard]] unsigned count_common(unsigned n, Id16 other, unsigned m) const {
+    constexpr int any_equal = _SIDD_UWORD_OPS | _SIDD_CMP_EQUAL_ANY | _SIDD_BIT_MASK;
+    if (n <= 8 && m <= 8) {
+      const __m128i found = _mm_cmpestrm(_mm256_castsi256_si128(lanes), static_cast<int>(n),
+                                         _mm256_castsi256_si128(other.lanes), static_cast<int>(m), any_equal);
+      return static_cast<unsigned>(__builtin_popcount(static_cast<unsigned>(_mm_cvtsi128_si32(found))));
+    }
+    alignas(32) Id ids[16];
+    store(ids);
     __m256i any = _mm256_setzero_si256();
-    for (unsigned k = 0; k < n; ++k) any = _mm256_or_si256(any, equal(ids[k]));
+    for (unsigned k = 0; k < n; ++k) any = _mm256_or_si256(any, other.equal(ids[k]));
     return static_cast<unsigned>(__builtin_popcount(static_cast<unsigned>(_mm256_movemask_epi8(any)))) / 2;
   }
 };

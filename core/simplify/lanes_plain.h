@@ -77,8 +77,8 @@ inline unsigned equal(const Float8& a, float value) {
   for (int k = 0; k < 8; ++k) bits |= static_cast<unsigned>(a.lane[k] == value) << k;
   return bits;
 }
-// sums[i] = the lanes of in[i], added pairwise.
-inline void sums(const Float8 (&in)[8], float (&out)[8]) {
+// out[i] = the lanes of in[i], added pairwise.
+inline void sums(const Float8 (&in)[8], float* out) {
   for (int i = 0; i < 8; ++i) {
     const float* l = in[i].lane;
     out[i] = ((l[0] + l[1]) + (l[2] + l[3])) + ((l[4] + l[5]) + (l[6] + l[7]));
@@ -115,6 +115,11 @@ struct Id16 {
     for (int k = 0; k < 16; ++k) r.lane[k] = ids[k];
     return r;
   }
+  static Id16 all_none() {
+    Id16 r;
+    for (Id& id : r.lane) id = none;
+    return r;
+  }
   void store(Id* ids) const {
     for (int k = 0; k < 16; ++k) ids[k] = lane[k];
   }
@@ -135,10 +140,25 @@ struct Id16 {
     for (unsigned k = at; k < ring_capacity; ++k) r.lane[k] = ring.lane[k + 1];
     return r;
   }
-  // How many of the first `n` ids, all different, are lanes of this one.
-  [[nodiscard]] unsigned count_common(const Id* ids, unsigned n) const {
+  // Lanes from `start` on, cyclically among the first n; those behind are undefined.
+  [[nodiscard]] Id16 rotated(unsigned start, unsigned n) const {
+    Id16 r;
+    for (unsigned k = 0; k < 16; ++k) r.lane[k] = k < n ? lane[start + k < n ? start + k : start + k - n] : none;
+    return r;
+  }
+  // This ring with lane `at` replaced by lanes [first, first + length) of the other; the flags stay.
+  [[nodiscard]] Id16 spliced(unsigned at, const Id16& other, unsigned first, unsigned length) const {
+    Id16 r;
+    for (unsigned k = 0; k < ring_capacity; ++k)
+      r.lane[k] = k < at ? lane[k] : k < at + length ? other.lane[first + k - at] : lane[k + 1 - length];
+    r.lane[flags_lane - 1] = none;
+    r.lane[flags_lane] = lane[flags_lane];
+    return r;
+  }
+  // How many of the first n lanes are among the first m of the other; no lane occurs twice.
+  [[nodiscard]] unsigned count_common(unsigned n, const Id16& other, unsigned m) const {
     unsigned common = 0;
-    for (unsigned k = 0; k < n; ++k) common += find(ids[k]) < 16;
+    for (unsigned k = 0; k < n; ++k) common += other.find(lane[k]) < m;
     return common;
   }
 };

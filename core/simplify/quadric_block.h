@@ -48,13 +48,17 @@ struct alignas(16) Point {
 };
 
 // Quadric relative to the vertex itself: with the origin there, sums lose nothing to cancellation and a fresh quadric
-// has neither a linear term nor an error. Members are the input vertices that have arrived, as a linked list that
-// starts with the vertex itself.
+// has neither a linear term nor an error.
 struct alignas(16) Body {
   float xx, xy, xz, yy, yz, zz;
-  float bx, by, bz;
-  float error;   // value at the vertex
   float weight;  // sum of areas
+  float error;   // value at the vertex
+  float bx, by, bz;
+  float unused;
+};
+
+// Where the list of the members goes on, and, for a vertex that survives, where it ends.
+struct Member {
   Id next, tail;
 };
 static_assert(sizeof(Ring) == 32 && sizeof(Point) == 16 && sizeof(Body) == 48);
@@ -64,14 +68,15 @@ struct alignas(64) Link {
   Id from[16], to[16];
 };
 
-// Float exponent and two bits of the mantissa: a quarter more than the bucket below.
-inline constexpr int bucket_shift = 21;
-inline constexpr std::size_t bucket_count = 1024;
+// Float exponent and four bits of the mantissa: a sixteenth more than the bucket below.
+inline constexpr int bucket_shift = 19;
+inline constexpr std::size_t bucket_count = 1u << (31 - bucket_shift);
 
 struct Arrays {
   Ring ring[id_space];
   Point point[id_space];
   Body body[id_space];
+  Member member[id_space];
   Link link[id_space];
   std::uint8_t triangles[id_space];  // of each vertex; saturates
   Id next_in_bucket[id_space];

@@ -28,6 +28,7 @@ void BlockKernel<L>::collapse_to_target() {
       if (live_ <= input_.target_triangles) return;
       const Id v = a_.bucket[b];
       a_.bucket[b] = a_.next_in_bucket[v];
+      prefetch_next(a_.next_in_bucket[v]);
       const unsigned n = degree(v);
       if (n <= 8) {
         visit<1>(v, n, b);
@@ -38,14 +39,28 @@ void BlockKernel<L>::collapse_to_target() {
   }
 }
 
+// Most of a collapse is waiting for the second-level cache; the chain of the bucket says early what comes next.
+template <class L>
+void BlockKernel<L>::prefetch_next(Id v) const {
+  const Ring& ring = a_.ring[v];
+  for (int k = 0; k < 6; ++k) {
+    __builtin_prefetch(&a_.point[ring.lane[k]]);
+    __builtin_prefetch(&a_.ring[ring.lane[k]]);
+  }
+  const Id after = a_.next_in_bucket[v];
+  __builtin_prefetch(&a_.body[after]);
+  __builtin_prefetch(&a_.ring[after]);
+  __builtin_prefetch(&a_.point[after]);
+}
+
 // Lanes that every member of v reaches.
 template <class L>
 template <int G>
-unsigned BlockKernel<L>::within_bound(Id v, const Star<G>& star) const {
+inline unsigned BlockKernel<L>::within_bound(Id v, const Star<G>& star) const {
   Float farthest[G];
   for (int g = 0; g < G; ++g) farthest[g] = star.x[g] * star.x[g] + star.y[g] * star.y[g] + star.z[g] * star.z[g];
   const Point& p = a_.point[v];
-  for (Id m = a_.body[v].next; m != none; m = a_.body[m].next) {
+  for (Id m = a_.member[v].next; m != none; m = a_.member[m].next) {
     const Point& q = a_.point[m];
     const Float x = Float::all(q.x - p.x), y = Float::all(q.y - p.y), z = Float::all(q.z - p.z);
     for (int g = 0; g < G; ++g) {
@@ -61,7 +76,7 @@ unsigned BlockKernel<L>::within_bound(Id v, const Star<G>& star) const {
 // Lane of the least cost among the allowed; 32 where none is left.
 template <class L>
 template <int G>
-unsigned BlockKernel<L>::cheapest(const Float (&cost)[G], unsigned allowed) {
+inline unsigned BlockKernel<L>::cheapest(const Float (&cost)[G], unsigned allowed) {
   const Float infinite = Float::all(std::numeric_limits<float>::infinity());
   float best = lowest(select(allowed, cost[0], infinite));
   if constexpr (G == 2) {
@@ -91,6 +106,7 @@ void BlockKernel<L>::visit(Id v, unsigned n, unsigned bucket) {
   }
   unsigned lane = cheapest<G>(cost, allowed);
   if (lane < 32) {
+    __builtin_prefetch(&a_.body[ring.lane[lane]]);
     const auto cost_of = [&](unsigned k) { return G == 1 || k < 8 ? pick(cost[0], k) : pick(cost[G - 1], k - 8); };
     const auto shift_to = [&](unsigned k) {
       const int g = G == 1 || k < 8 ? 0 : G - 1;
@@ -127,22 +143,25 @@ bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
   const bool is_open = ring.has(open);
   const unsigned joined = m + n - (is_open ? 3 : 4);
   if (joined > ring_capacity) return false;
-  if (target_ids.count_common(ring.lane, n) != (is_open ? 1u : 2u)) return false;
+  if (target_ids.count_common(m, Ids::load(ring.lane), n) != (is_open ? 1u : 2u)) return false;
   if (!is_open) {
     if (target.has(pile) ? n == 3 : !target.has(open) && joined < 3) return false;  // a triangle would be doubled
   } else if (n == 2 && (target.has(pile) || m < 3)) {
     return false;  // an ear whose last edge carries nothing else
   }
-  return !target.has(locked) || !makes_locked_chord(ring.lane, n, lane);
+  return !target.has(locked) || !makes_locked_chord(ring, n, lane);
 }
 
 // A new edge, or triangle, of locked vertices only: the block on the other side could make it too.
 template <class L>
-bool BlockKernel<L>::makes_locked_chord(const Id* ring, unsigned n, unsigned lane) const {
-  const unsigned before = lane == 0 ? n - 1 : lane - 1, after = lane + 1 == n ? 0 : lane + 1;
+bool BlockKernel<L>::makes_locked_chord(const Ring& ring, unsigned n, unsigned lane) const {
+  // The neighbours that v and the target have in common; on the border there is one.
+  const bool is_open = ring.has(open);
+  const unsigned before = lane > 0 ? lane - 1 : is_open ? n : n - 1;
+  const unsigned after = lane + 1 < n ? lane + 1 : is_open ? n : 0;
   unsigned count = 0;
   for (unsigned k = 0; k < n; ++k) {
-    if (k == lane || !a_.ring[ring[k]].has(locked)) continue;
+    if (k == lane || !a_.ring[ring.lane[k]].has(locked)) continue;
     ++count;
     if (k != before && k != after) return true;
   }
@@ -172,42 +191,40 @@ void BlockKernel<L>::merge_bodies(Id v, Id u, Shift t) {
   sum.bx += q.bx + ax, sum.by += q.by + ay, sum.bz += q.bz + az;
   sum.error += error > 0 ? error : 0;
   sum.weight += q.weight;
-  a_.body[sum.tail].next = v;
-  sum.tail = q.tail;
+  a_.member[a_.member[u].tail].next = v;
+  a_.member[u].tail = a_.member[v].tail;
   publish(sum, a_.point[u]);
 }
 
 template <class L>
 void BlockKernel<L>::collapse(Id v, unsigned n, unsigned lane, Shift t, unsigned bucket) {
-  // The ring of v, starting behind the target.
-  Id behind[32];
   const Ring& ring = a_.ring[v];
   const Id u = ring.lane[lane];
   const bool is_open = ring.has(open);
-  for (unsigned k = 1; k < n; ++k) behind[k - 1] = ring.lane[lane + k < n ? lane + k : lane + k - n];
-  // Of what is behind, the first and the last are neighbours of u already; on the border only one of them is.
+  // The neighbours behind the target, in order. The first and the last of them are neighbours of u already; on the
+  // border only one of them is.
+  const Ids behind = Ids::load(ring.lane).rotated(lane + 1 < n ? lane + 1 : 0, n);
   const unsigned first = is_open && lane != 0 ? 0 : 1, last = is_open && lane == 0 ? n - 1 : n - 2;
+  alignas(32) Id others[16];
+  behind.store(others);
 
   Ring& target = a_.ring[u];
-  Id merged[32];
-  const unsigned at = Ids::load(target.lane).find(v);
-  for (unsigned k = 0; k < at; ++k) merged[k] = target.lane[k];
-  for (unsigned k = first; k < last; ++k) merged[at + k - first] = behind[k];
-  for (unsigned k = at + 1; k <= ring_capacity; ++k) merged[k - 1 + last - first] = target.lane[k];
-  for (unsigned k = 0; k < ring_capacity; ++k) target.lane[k] = merged[k];
-
-  for (unsigned k = 0; k < n - 1; ++k) {
-    const Id x = behind[k];
-    Ring& other = a_.ring[x];
-    const Ids ids = Ids::load(other.lane);
-    if (k >= first && k < last) {
-      ids.replace(v, u).store(other.lane);
-    } else if (const unsigned place = ids.find(v); place < 16) {
-      Ids::without(other, place).store(other.lane);
-    }
-    requeue(x, bucket);
-  }
+  const Ids target_ids = Ids::load(target.lane);
+  target_ids.spliced(target_ids.find(v), behind, first, last - first).store(target.lane);
   requeue(u, bucket);
+
+  const auto drop = [&](Id x) {
+    Ring& other = a_.ring[x];
+    if (const unsigned place = Ids::load(other.lane).find(v); place < 16) Ids::without(other, place).store(other.lane);
+    requeue(x, bucket);
+  };
+  if (first == 1) drop(others[0]);
+  for (unsigned k = first; k < last; ++k) {
+    Ring& other = a_.ring[others[k]];
+    Ids::load(other.lane).replace(v, u).store(other.lane);
+    requeue(others[k], bucket);
+  }
+  if (last == n - 2) drop(others[n - 2]);
   a_.ring[v].lane[flags_lane] = flags_base | gone;
   merge_bodies(v, u, t);
   live_ -= is_open ? 1 : 2;

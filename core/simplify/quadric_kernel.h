@@ -10,7 +10,7 @@
 namespace lodestone::quadric {
 
 // A collapse may leave a triangle this share of its height over the edge that stays, seen along its old normal.
-inline constexpr float least_height = 0.0f;
+inline constexpr float least_height = 0;
 // Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
 // a minimum, and short edges go first where nothing else decides.
 inline constexpr float stiffness = 1e-4f;
@@ -60,14 +60,14 @@ class BlockKernel {
   // quadric_star.h
   [[nodiscard]] unsigned degree(Id v) const { return Ids::load(a_.ring[v].lane).find(none); }
   template <int G>
-  [[nodiscard]] Star<G> load_star(Id v) const;
+  [[nodiscard, gnu::always_inline]] Star<G> load_star(Id v) const;
   template <int G>
-  [[nodiscard]] Faces<G> faces_of(const Star<G>& star, unsigned n) const;
+  [[nodiscard, gnu::always_inline]] Faces<G> faces_of(const Star<G>& star, unsigned n) const;
   template <int G>
-  [[nodiscard]] unsigned flipped(const Faces<G>& faces, Shift t) const;
+  [[nodiscard, gnu::always_inline]] unsigned flipped(const Faces<G>& faces, Shift t) const;
   template <int G>
-  static void next_in_ring(const Float (&a)[G], unsigned n, Float (&next)[G]);
-  static Float quadratic_form(const Body& q, const Float& x, const Float& y, const Float& z);
+  [[gnu::always_inline]] static void next_in_ring(const Float (&a)[G], unsigned n, Float (&next)[G]);
+  [[gnu::always_inline]] static Float quadratic_form(const Body& q, const Float& x, const Float& y, const Float& z);
   static void publish(const Body& body, Point& point);
 
   // quadric_setup.h
@@ -76,7 +76,7 @@ class BlockKernel {
   void add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to);
   void start_vertices();
   [[nodiscard]] unsigned make_ring(Id v);
-  [[nodiscard]] unsigned close_ring(Id v, unsigned n, Id* ring) const;
+  [[nodiscard, gnu::always_inline]] unsigned close_ring(Id v, unsigned n, Id* ring) const;
   [[nodiscard]] unsigned open_ring(Id v, unsigned n, Id* ring) const;
   [[nodiscard]] unsigned pile_ring(Id v, unsigned n, Id* ring) const;
   template <int G>
@@ -86,15 +86,16 @@ class BlockKernel {
   // quadric_collapse.h
   void collapse_to_target();
   void push(Id v, unsigned bucket);
+  void prefetch_next(Id v) const;
   static unsigned bucket_of(float cost);
   template <int G>
   void visit(Id v, unsigned n, unsigned bucket);
   template <int G>
-  [[nodiscard]] unsigned within_bound(Id v, const Star<G>& star) const;
+  [[nodiscard, gnu::always_inline]] unsigned within_bound(Id v, const Star<G>& star) const;
   template <int G>
-  static unsigned cheapest(const Float (&cost)[G], unsigned allowed);
+  [[gnu::always_inline]] static unsigned cheapest(const Float (&cost)[G], unsigned allowed);
   [[nodiscard]] bool joinable(Id v, unsigned n, unsigned lane) const;
-  [[nodiscard]] bool makes_locked_chord(const Id* ring, unsigned n, unsigned lane) const;
+  [[nodiscard]] bool makes_locked_chord(const Ring& ring, unsigned n, unsigned lane) const;
   void collapse(Id v, unsigned n, unsigned lane, Shift t, unsigned bucket);
   void requeue(Id v, unsigned bucket);
   void merge_bodies(Id v, Id u, Shift t);

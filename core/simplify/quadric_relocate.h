@@ -63,7 +63,7 @@ void BlockKernel<L>::relocate(Id v, unsigned n) {
 template <class L>
 bool BlockKernel<L>::members_reach(Id v, const Vec3f& position) const {
   const double bound = input_.max_displacement;
-  for (Id m = v; m != none; m = a_.body[m].next) {
+  for (Id m = v; m != none; m = a_.member[m].next) {
     const Vec3f& from = input_.positions[m];
     const double x = double{position.x} - double{from.x}, y = double{position.y} - double{from.y},
                  z = double{position.z} - double{from.z};
@@ -77,7 +77,7 @@ void BlockKernel<L>::write_parents() {
   for (unsigned i = 0; i < count_; ++i) {
     const Id v = static_cast<Id>(i);
     if (a_.ring[v].has(gone)) continue;
-    for (Id m = v; m != none; m = a_.body[m].next) result_.parent[m] = v;
+    for (Id m = v; m != none; m = a_.member[m].next) result_.parent[m] = v;
   }
   result_.triangles = live_;
 }

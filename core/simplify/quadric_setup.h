@@ -36,6 +36,7 @@ void BlockKernel<L>::place_points() {
     const Vec3f& p = input_.positions[v];
     a_.point[v] = {p.x * scale_, p.y * scale_, p.z * scale_, 0};
     a_.triangles[v] = 0;
+    a_.member[v] = {none, static_cast<Id>(v)};
     result_.positions[v] = p;
   }
 }
@@ -60,23 +61,28 @@ void BlockKernel<L>::link_triangles() {
   }
 }
 
-// Follows the link of a closed fan of n triangles; 0 where it is none. Every link edge is met once: a path that met one
-// twice could not come back to its start.
+// Follows the link of a closed fan of n triangles; 0 where it is none. All successors are looked up first, four bits
+// each, so that only shifts wait for one another. Every link edge is met once: a path that met one twice could not come
+// back to its start.
 template <class L>
-unsigned BlockKernel<L>::close_ring(Id v, unsigned n, Id* ring) const {
+inline unsigned BlockKernel<L>::close_ring(Id v, unsigned n, Id* ring) const {
   const Link& link = a_.link[v];
   const Ids from = Ids::load(link.from);
-  const Id first = link.from[0];
-  Id at = link.to[0];
-  ring[0] = first;
-  unsigned k = 1;
-  for (; k < n && at != first; ++k) {
-    const unsigned next = from.find(at);
-    if (next >= n) return 0;
-    ring[k] = at;
-    at = link.to[next];
+  std::uint64_t successors = 0;
+  unsigned missing = 0;
+  for (unsigned k = 0; k < n; ++k) {
+    const unsigned next = from.find(link.to[k]);
+    missing |= next >= n;
+    successors |= static_cast<std::uint64_t>(next & 15) << (4 * k);
   }
-  return at == first && k == n ? n : 0;
+  if (missing != 0) return 0;
+  unsigned at = 0;
+  for (unsigned k = 0; k < n; ++k) {
+    if (at == 0 && k != 0) return 0;
+    ring[k] = link.from[at];
+    at = successors >> (4 * at) & 15;
+  }
+  return at == 0 ? n : 0;
 }
 
 // The same for an open fan, which has one neighbour more than triangles.
@@ -117,28 +123,28 @@ unsigned BlockKernel<L>::pile_ring(Id v, unsigned n, Id* ring) const {
 // Returns the degree.
 template <class L>
 unsigned BlockKernel<L>::make_ring(Id v) {
-  Ring ring;
-  for (Id& lane : ring.lane) lane = none;
+  Ring& ring = a_.ring[v];
+  const Ids empty = Ids::all_none();
+  empty.store(ring.lane);
   const unsigned n = a_.triangles[v];
   const bool is_locked = input_.locked[v] != 0;
   unsigned flags = flags_base | (is_locked ? locked : movable | queued);
   unsigned size = n >= 3 && n <= ring_capacity ? close_ring(v, n, ring.lane) : 0;
   if (size == 0 && n > 0) {
-    for (Id& lane : ring.lane) lane = none;
+    empty.store(ring.lane);
     flags |= open;
     size = n < ring_capacity ? open_ring(v, n, ring.lane) : 0;
   }
   if (size == 0) {
-    for (Id& lane : ring.lane) lane = none;
+    empty.store(ring.lane);
     flags = flags_base | (is_locked ? locked : 0) | pile;
     size = n > 0 && n <= 16 ? pile_ring(v, n, ring.lane) : 0;
     if (size == 0) {
-      for (Id& lane : ring.lane) lane = none;
+      empty.store(ring.lane);
       flags |= bare;
     }
   }
   ring.lane[flags_lane] = static_cast<Id>(flags);
-  a_.ring[v] = ring;
   return size;
 }
 
@@ -149,7 +155,7 @@ void BlockKernel<L>::start_vertices() {
     const Id v = static_cast<Id>(i);
     const unsigned n = make_ring(v);
     if (!a_.ring[v].has(movable)) {
-      a_.body[v] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, none, v};
+      a_.body[v] = {};
     } else if (n <= 8) {
       start_quadric<1>(v, n);
     } else {
@@ -198,13 +204,12 @@ void BlockKernel<L>::start_quadric(Id v, unsigned n) {
         term(f.ny[g], f.nz[g]), term(f.nz[g], f.nz[g]), select(real, length, zero), zero};
     for (int k = 0; k < 8; ++k) terms[k] = g == 0 ? now[k] : terms[k] + now[k];
   }
-  float sum[8];
-  sums(terms, sum);
-  Body body{sum[0], sum[1], sum[2], sum[3], sum[4], sum[5], 0, 0, 0, 0, sum[6], none, v};
+  Body& body = a_.body[v];
+  sums(terms, &body.xx);  // xx to weight, and no error yet
+  body.bx = body.by = body.bz = 0;
   if (is_open) add_border_planes(v, n, body);
   const float isotropic = stiffness * body.weight;
   body.xx += isotropic, body.yy += isotropic, body.zz += isotropic;
-  a_.body[v] = body;
   publish(body, a_.point[v]);
 
   const unsigned allowed = is_open ? 1u | 1u << (n - 1) : (1u << n) - 1;

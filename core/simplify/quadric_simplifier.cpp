@@ -1,11 +1,12 @@
 #include "core/simplify/quadric_simplifier.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <new>
 
 #include "core/base/error.h"
 #include "core/simplify/quadric_block.h"
-#include "core/simplify/quadric_parts.h"
+#include "core/simplify/quadric_split.h"
 
 namespace lodestone {
 
@@ -37,19 +38,37 @@ class QuadricSimplifier final : public Simplifier {
     if (input.positions.size() <= quadric::id_limit) {
       kernel_(input, *arrays_, result_);
     } else {
-      quadric::simplify_in_parts(
-          input, quadric::id_limit,
-          [this](const SimplifyInput& part, SimplifyResult& result) { kernel_(part, *arrays_, result); }, parts_,
-          result_);
+      simplify_parts(input);
     }
     return result_;
   }
 
  private:
+  // Vertices on the seams between parts stay for this call; the next level cuts elsewhere.
+  void simplify_parts(const SimplifyInput& input) {
+    for (std::uint32_t v = 0; v < input.positions.size(); ++v) result_.parent[v] = v;
+    std::copy(input.positions.begin(), input.positions.end(), result_.positions.begin());
+    result_.triangles = 0;
+    const std::size_t parts = splitter_.split(input, quadric::id_limit);
+    for (std::size_t p = 0; p < parts; ++p) {
+      const quadric::Part& part = splitter_.part(input, p);
+      const double share = static_cast<double>(part.triangles.size()) / static_cast<double>(input.triangles.size());
+      const auto target = static_cast<std::size_t>(share * static_cast<double>(input.target_triangles));
+      of_part_.parent.resize(part.vertices.size());
+      of_part_.positions.resize(part.vertices.size());
+      kernel_(part.input(input.max_displacement, target), *arrays_, of_part_);
+      for (std::size_t v = 0; v < part.vertices.size(); ++v) {
+        result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];
+        result_.positions[part.vertices[v]] = of_part_.positions[v];
+      }
+      result_.triangles += of_part_.triangles;
+    }
+  }
+
   void (*kernel_)(const SimplifyInput&, quadric::Arrays&, SimplifyResult&);
   std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
-  quadric::PartsScratch parts_;
-  SimplifyResult result_;
+  quadric::Splitter splitter_;
+  SimplifyResult result_, of_part_;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace lodestone::quadric {
 
 template <class L>
 template <int G>
-auto BlockKernel<L>::load_star(Id v) const -> Star<G> {
+inline auto BlockKernel<L>::load_star(Id v) const -> Star<G> {
   Star<G> star;
   const Point& p = a_.point[v];
   const Float x = Float::all(p.x), y = Float::all(p.y), z = Float::all(p.z);
@@ -24,7 +24,7 @@ auto BlockKernel<L>::load_star(Id v) const -> Star<G> {
 // The lanes behind the ring are undefined.
 template <class L>
 template <int G>
-void BlockKernel<L>::next_in_ring(const Float (&a)[G], unsigned n, Float (&next)[G]) {
+inline void BlockKernel<L>::next_in_ring(const Float (&a)[G], unsigned n, Float (&next)[G]) {
   if constexpr (G == 1) {
     next[0] = rotate(a[0], n);
   } else {
@@ -36,7 +36,7 @@ void BlockKernel<L>::next_in_ring(const Float (&a)[G], unsigned n, Float (&next)
 // Triangle k lies between neighbours k and k+1; of an open fan the last one does not exist.
 template <class L>
 template <int G>
-auto BlockKernel<L>::faces_of(const Star<G>& star, unsigned n) const -> Faces<G> {
+inline auto BlockKernel<L>::faces_of(const Star<G>& star, unsigned n) const -> Faces<G> {
   Faces<G> f;
   Float nx[G], ny[G], nz[G];
   next_in_ring<G>(star.x, n, nx);
@@ -58,7 +58,7 @@ auto BlockKernel<L>::faces_of(const Star<G>& star, unsigned n) const -> Faces<G>
 // lanes without a triangle: the caller masks both.
 template <class L>
 template <int G>
-unsigned BlockKernel<L>::flipped(const Faces<G>& f, Shift t) const {
+inline unsigned BlockKernel<L>::flipped(const Faces<G>& f, Shift t) const {
   const Float x = Float::all(t.x), y = Float::all(t.y), z = Float::all(t.z);
   const Float share = Float::all(1 - least_height), zero = Float::all(0);
   unsigned bits = 0;
@@ -71,7 +71,7 @@ unsigned BlockKernel<L>::flipped(const Faces<G>& f, Shift t) const {
 }
 
 template <class L>
-auto BlockKernel<L>::quadratic_form(const Body& q, const Float& x, const Float& y, const Float& z) -> Float {
+inline auto BlockKernel<L>::quadratic_form(const Body& q, const Float& x, const Float& y, const Float& z) -> Float {
   const Float two = Float::all(2);
   const Float xy = Float::all(q.xy), xz = Float::all(q.xz), yz = Float::all(q.yz);
   return x * (Float::all(q.xx) * x + two * (xy * y + xz * z + Float::all(q.bx))) +

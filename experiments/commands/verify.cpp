@@ -17,7 +17,9 @@ namespace lodestone {
 namespace {
 
 void run(const std::string& file, const std::string& input, const CommonOptions& common) {
-  check_files(common, {{"FILE", file}});
+  std::vector<FileArgument> inputs{{"FILE", file}};
+  if (!input.empty()) inputs.push_back({"--input", input});
+  check_files(common, inputs);
   Progress progress("reading", common.quiet);
   progress.phase("reading");
   const Hierarchy hierarchy = open_lode(file);

@@ -145,6 +145,40 @@ TEST(Cracks, AppearBelowTheReach) {
   }
 }
 
+// A frame that morphs for one viewpoint what was selected for another one, delta h_L away: the guard covers it.
+TEST(Cracks, AStaleSelectionNeedsTheGuard) {
+  constexpr float delta = 0.5f;
+  for (const NamedMesh& named : manifold_meshes()) {
+    SCOPED_TRACE(named.name);
+    Subject subject(named.mesh);
+    for (const DistanceMetric metric : both_metrics)
+      for (const bool guarded : {false, true}) {
+        RadiiConfig config;
+        config.rule = RadiiRule::uniform;
+        config.metric = metric;
+        config.delta = guarded ? delta : 0;
+        config.kappa0 = 1.0001f * (reach(subject.hierarchy(), metric) + 3 * config.delta);
+        const Radii radii = make_radii(subject.hierarchy(), config);
+        ASSERT_TRUE(radii.admissible);
+        std::uint64_t open = 0;
+        for (const AdversarialView& view : adversarial_views(subject.hierarchy(), radii, {.per_level = 8})) {
+          Frame frame = make_frame(subject.hierarchy(), radii, Blend::linear, view.viewpoint);
+          const Vec3f away = view.viewpoint - subject.hierarchy().cells[view.cell].positions[view.vertex];
+          for (const float side : {-0.999f, 0.999f}) {
+            const float step = side * delta * cell_size(finest) / length(away);
+            frame.context.viewpoint = view.viewpoint + step * away;
+            open += subject.cracks(frame).open_edges;
+          }
+        }
+        if (guarded) {
+          EXPECT_EQ(open, 0u);
+        } else {
+          EXPECT_GT(open, 0u);
+        }
+      }
+  }
+}
+
 // ---- hierarchies broken by hand ----
 
 struct SharedCopy {

@@ -122,6 +122,18 @@ def local_paths(root):
                 yield f"{path}:{number}: names a folder of one machine: {line.strip()}"
 
 
+def names(root, path, text):
+    """Functions, types, fields and files that a Markdown file names in backticks and the sources do not have."""
+    tree = [p for p in sources.files(root) if p.suffix in {".h", ".cpp", ".txt", ".json", ".py"}]
+    words = set(re.findall(r"\w+", "\n".join(sources.text(root, p) for p in tree)))
+    for name in re.findall(r"`([A-Za-z][\w:./]*)`", text):
+        if "/" in name and not name.startswith("build/"):
+            if not (root / name).exists() and not list(root.glob(name + ".*")):
+                yield f"{path}: names `{name}`, which is no file of the tree"
+        elif re.search(r"[a-z]_[a-z]|[a-z][A-Z]|::", name) and not set(re.split("::|[.]", name)) - {""} <= words:
+            yield f"{path}: names `{name}`, which the sources do not have"
+
+
 CITATION = re.compile(r"\b([A-Z][a-z]+)(?: (?:et al\.|(?:&|and) [A-Z][a-z]+),?)? \(?((?:19|20)\d\d)\b")
 KEY = re.compile(r"\b[a-z]{3,}(?:19|20)\d\d\b")
 MONTHS = {"January", "February", "March", "April", "May", "June", "July", "August", "September", "October", "November",

@@ -36,7 +36,8 @@ CONFINED = [
              r"#\s*include\s*<(thread|future|execution|omp\.h|pthread\.h)>", r"(parallel|tests|bench)/"),
     Confined("locks", r"#\s*include\s*<(mutex|shared_mutex|condition_variable|semaphore)>",
              r"(parallel|render|experiments|tests|bench)/"),
-    Confined("OpenGL, EGL or epoxy", r"#\s*include\s*<(GL|GLES\d?|EGL|KHR|epoxy)/", r"render/(backends/gl|viewer)[/_.]"),
+    Confined("OpenGL, EGL or epoxy", r"#\s*include\s*<(GL|GLES\d?|EGL|KHR|epoxy)/",
+             r"(render/(backends/gl|viewer)|tests/render/test_gl)[/_.]"),
     Confined("GLFW", r"#\s*include\s*<GLFW/", r"render/(backends/gl|viewer)[/_.]"),
     Confined("Dear ImGui", r"#\s*include\s*[<\"]imgui", r"render/viewer[/_.]"),
     Confined("GLM", r"#\s*include\s*<glm/", r"(render|experiments|tests|bench)/"),
@@ -50,7 +51,7 @@ CONFINED = [
 # The same for link lines: a library that CMake links where no source may include it.
 CONFINED_LINKS = [
     Confined("oneTBB", r"\bTBB::", r"(parallel/|cmake/)"),
-    Confined("OpenGL or GLFW", r"\b(OpenGL::|glfw\b|PkgConfig::(EPOXY|epoxy))", r"(render/|cmake/)"),
+    Confined("OpenGL or GLFW", r"\b(OpenGL::|glfw\b|PkgConfig::(EPOXY|epoxy))", r"(tests/)?(render/|cmake/)"),
     Confined("OpenMesh", r"\bOpenMesh(Core|Tools)", r"(core/|tests/|bench/|cmake/)"),
 ]
 

@@ -32,6 +32,10 @@ class Documents(unittest.TestCase):
     def test_links_resolve(self):
         self.assertEqual([line for path, text in self.markdown() for line in docs.links(SOURCE_DIR, path, text)], [])
 
+    def test_architecture_names_what_there_is(self):
+        path = "docs/architecture.md"
+        self.assertEqual(list(docs.names(SOURCE_DIR, path, (SOURCE_DIR / path).read_text())), [])
+
     def test_changelog_has_unreleased(self):
         self.assertRegex((SOURCE_DIR / "CHANGELOG.md").read_text(), r"(?m)^## Unreleased$")
 
@@ -69,6 +73,13 @@ class Checks(unittest.TestCase):
         self.assertEqual(list(docs.links(self.root, path, (self.root / path).read_text())), [])
         for bad in ["[x](docs/c.md)", "![x](image.png)", "[x](docs/b.md#other)", "[x](#nowhere)"]:
             self.assertEqual(len(list(docs.links(self.root, path, bad))), 1, bad)
+
+    def test_names(self):
+        self.write("core/a.h", "struct Cell { int first_child; };\nvoid build_block(const Cell&);\n")
+        good = "`build_block`, `Cell::first_child`, `core/a.h`, `core/a`, `word`, `build/PRESET`"
+        self.assertEqual(list(docs.names(self.root, "a.md", good)), [])
+        for bad in ["`build_blocks`", "`Cell::last_child`", "`core/b.h`", "`StarDistance`"]:
+            self.assertEqual(len(list(docs.names(self.root, "a.md", bad))), 1, bad)
 
     def test_commands(self):
         answers = {(): "Subcommands:\n  build  Build it\n", ("fly",): "-o", ("build",): "-o FILE  --sigma0 FLOAT"}

@@ -9,6 +9,9 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/mesh/generate.h"
+#include "parallel/build.h"
+#include "parallel/prepare.h"
 #include "parallel/scheduler.h"
 #include "render/lod/radii.h"
 #include "render/renderer.h"
@@ -42,6 +45,17 @@ inline std::shared_ptr<const Hierarchy> shared(IndexedMesh mesh, int finest, flo
   return {small, &small->hierarchy};
 }
 
+// By the real builder.
+inline std::shared_ptr<const Hierarchy> built(Shape shape, std::uint64_t triangles) {
+  const auto scheduler = make_serial_scheduler();
+  Repairs repairs;
+  BuildConfig config;
+  config.cell_triangles = 400;
+  config.strategy = Strategy::serial;
+  return std::make_shared<Hierarchy>(
+      build_hierarchy(prepare_mesh(generate_mesh({shape, triangles, 1}), repairs, *scheduler), config, *scheduler));
+}
+
 inline RadiiConfig kappa0(float value, RadiiRule rule = RadiiRule::per_level) {
   RadiiConfig config;
   config.rule = rule;
@@ -63,6 +77,7 @@ inline std::vector<ConformanceScene> conformance_scenes() {
   static const auto terrain = detail::shared(terrain_mesh(64), 3);
   static const auto sphere = detail::shared(sphere_mesh(4), 2);
   static const auto one_cell = detail::shared(sphere_mesh(1), 0);
+  static const auto scan = detail::built(Shape::sphere, 20'000);
   const auto outside = [](const auto& h) { return camera(*h, {0.4, -0.55, 0.6}, {0.5, 0.5, 0.1}); };
   const Camera above_torus = camera(*torus, {0.2, 0.1, 0.45}, {0.6, 0.5, 0.1});
   const Camera low_over_hills = camera(*terrain, {0.1, 0.1, 0.22}, {0.8, 0.7, 0.05}, 1.2);
@@ -80,6 +95,9 @@ inline std::vector<ConformanceScene> conformance_scenes() {
   scenes.push_back({"looking_away", sphere, away, kappa0(2)});
   scenes.push_back({"root_only", one_cell, outside(one_cell), kappa0(2)});
   scenes.push_back({"straight_down", terrain, above_hills, kappa0(3)});
+  const Camera scan_view = camera(*scan, {0.3, -0.6, 0.9}, {0.5, 0.5, 0.5});
+  scenes.push_back({"built", scan, scan_view, {}});  // at one pixel
+  scenes.push_back({"built_tinted", scan, scan_view, kappa0(0.9f), Blend::late, {320, 240}, true});
   scenes.push_back({"one_pixel", sphere, outside(sphere), kappa0(2), Blend::smoothstep, {1, 1}});
   return scenes;
 }

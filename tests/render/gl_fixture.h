@@ -12,8 +12,9 @@
 #include "core/base/error.h"
 #include "render/backends/gl/gl_renderer.h"
 #include "tests/render/small_hierarchy.h"
+#include "tests/test_meshes.h"
 
-namespace lodestone::testing {
+namespace lodestone::test {
 
 // Skips, saying what is missing, where OpenGL 4.5 cannot be had.
 class GlTest : public ::testing::Test {
@@ -28,15 +29,18 @@ class GlTest : public ::testing::Test {
   std::unique_ptr<GlRenderer> renderer_;
 };
 
-// A frame and what it refers to. Every cell is selected whether the camera sees it or not.
+// A frame and what it refers to. Every cell is selected whether the camera sees it or not. Position and target of the
+// camera are given in normalised space.
 struct WholeFrame {
   Radii radii;
   Selection selection;
   Frame frame;
 
-  WholeFrame(const Hierarchy& hierarchy, const RadiiConfig& config, const Camera& camera,
-             Blend blend = Blend::smoothstep, ImageSize size = {160, 120})
+  WholeFrame(const Hierarchy& hierarchy, const RadiiConfig& config, Camera camera, Blend blend = Blend::smoothstep,
+             ImageSize size = {160, 120})
       : radii(make_radii(hierarchy, config)) {
+    camera.position = hierarchy.transform.origin + hierarchy.transform.scale * camera.position;
+    camera.target = hierarchy.transform.origin + hierarchy.transform.scale * camera.target;
     frame.morph = {&hierarchy, &radii, blend, viewpoint(camera, hierarchy.transform)};
     select_cells(hierarchy, radii, frame.morph.viewpoint, {}, selection);
     frame.selection = &selection;
@@ -57,11 +61,15 @@ inline RadiiConfig with_kappa0(float kappa0, DistanceMetric metric = DistanceMet
 }
 
 // n x n squares in the plane z = 1/2 over [0,1] x [y0, y0 + 1/2].
-inline IndexedMesh plate(int n, float y0 = 0) {
-  IndexedMesh mesh = hills(n);
+inline IndexedMesh plate(std::uint32_t n, float y0 = 0) {
+  IndexedMesh mesh = terrain_mesh(n);
+  mesh.transform = {};
   for (Vec3f& p : mesh.positions) p = {p.x, y0 + p.y / 2, 0.5f};
   return mesh;
 }
+
+// Looks down on the plane z = 1/2 from above (1/2, 0): up in the picture is +y.
+inline constexpr Camera from_above{{0.5, 0, 1.5}, {0.5, 0, 0.5}, {0, 1, 0}, 1.2};
 
 // Position bits as a sortable key; -0 = +0.
 using PositionKey = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
@@ -70,4 +78,4 @@ inline PositionKey key_of(Vec3f p) {
   return {bits(p.x), bits(p.y), bits(p.z)};
 }
 
-}  // namespace lodestone::testing
+}  // namespace lodestone::test

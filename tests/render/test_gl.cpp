@@ -1,11 +1,5 @@
-// Pictures, sizes, counts, life cycle and errors of the gl backend.
-#include <unistd.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
+// Pictures, sizes and counts of the gl backend, and the models it is given.
 #include <string>
-#include <thread>
 
 #include "render/shading.h"
 #include "tests/render/gl_fixture.h"
@@ -13,10 +7,7 @@
 namespace lodestone {
 namespace {
 
-using namespace lodestone::testing;
-
-// Looks down on the plane z = 1/2 from above (1/2, 0): up in the picture is +y.
-constexpr Camera from_above{{0.5, 0, 1.5}, {0.5, 0, 0.5}, {0, 1, 0}, 1.2};
+using namespace lodestone::test;
 
 std::array<std::uint8_t, 4> pixel(const Image& image, int x, int y) {
   const std::size_t at =
@@ -198,37 +189,6 @@ TEST_F(GlTest, ANewUploadReplacesTheModel) {
   EXPECT_EQ(renderer_->read_back().rgba, reference.rgba);
 }
 
-TEST_F(GlTest, ThreadsMayTakeTurns) {
-  const SmallHierarchy low = small_hierarchy(plate(8), 1);
-  WholeFrame whole(low.hierarchy, with_kappa0(2), from_above);
-  renderer_->upload(low.hierarchy);
-  (void)renderer_->draw(whole.frame);
-  const Image here = renderer_->read_back();
-  Image there;
-  std::thread([&] {
-    (void)renderer_->draw(whole.frame);
-    there = renderer_->read_back();
-  }).join();
-  EXPECT_EQ(here.rgba, there.rgba);
-}
-
-// A context that is bound from outside, as a window's is, stays bound.
-TEST_F(GlTest, AContextThatWasCurrentStaysCurrent) {
-  auto context = make_headless_context();
-  GlContext& watched = *context;
-  EXPECT_FALSE(watched.is_current());
-  EXPECT_FALSE(watched.origin().empty());
-  auto renderer = make_gl_renderer(std::move(context));
-  EXPECT_FALSE(watched.is_current());
-  const SmallHierarchy low = small_hierarchy(plate(2), 0);
-  watched.make_current();
-  renderer->upload(low.hierarchy);
-  EXPECT_TRUE(watched.is_current());
-  std::thread([&] { EXPECT_THROW(renderer->upload(low.hierarchy), ResourceError); }).join();
-  watched.release();
-  std::thread([&] { EXPECT_NO_THROW(renderer->upload(low.hierarchy)); }).join();
-}
-
 TEST_F(GlTest, CellsBeyondAStorageBlockAreRefused) {
   const SmallHierarchy low = small_hierarchy(plate(8), 1);
   const auto renderer = make_gl_renderer({.max_storage_block_bytes = 64});
@@ -238,60 +198,6 @@ TEST_F(GlTest, CellsBeyondAStorageBlockAreRefused) {
   } catch (const ResourceError& error) {
     EXPECT_NE(std::string(error.what()).find("smaller cells"), std::string::npos) << error.what();
   }
-}
-
-// ---- what is missing, and what to do about it: each in a process of its own, where OpenGL was not opened before ----
-
-class GlMissingTest : public ::testing::Test {
- protected:
-  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
-
-  // Runs `make_gl_renderer` in a new process with a changed environment; its message must match.
-  static void expect_refusal(const char* variable, const std::string& value, const std::string& message) {
-    setenv(variable, value.c_str(), 1);
-    EXPECT_EXIT(report(), ::testing::ExitedWithCode(7), message);
-    unsetenv(variable);
-  }
-
-  static bool is_mesa() {
-    try {
-      return make_gl_renderer()->device().find("Mesa") != std::string::npos;
-    } catch (const UnsupportedError&) {
-      return false;
-    }
-  }
-
- private:
-  [[noreturn]] static void report() {
-    try {
-      (void)make_gl_renderer();
-    } catch (const UnsupportedError& error) {
-      std::fprintf(stderr, "%s\n", error.what());
-      _exit(7);
-    }
-    _exit(0);
-  }
-};
-
-TEST_F(GlMissingTest, LibrariesAreNamed) {
-  // The dynamic linker looks there first, and what it finds is no library.
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "lodestone_no_egl";
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "libEGL.so.1") << "none";
-  expect_refusal("LD_LIBRARY_PATH", folder.string(), "libEGL.so.1 is missing; install libegl1.*--backend soft");
-  std::filesystem::remove_all(folder);
-}
-
-TEST_F(GlMissingTest, DriversAreNamed) {
-  expect_refusal("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json",
-                 "OpenGL without a window: .*EGL default display: .*; install libegl1 and libgl1-mesa-dri, or use "
-                 "--backend soft");
-}
-
-TEST_F(GlMissingTest, VersionIsNamed) {
-  // The new process runs this test from the start, with the variable set.
-  if (!std::getenv("MESA_GL_VERSION_OVERRIDE") && !is_mesa()) GTEST_SKIP() << "needs OpenGL 4.5 by Mesa";
-  expect_refusal("MESA_GL_VERSION_OVERRIDE", "3.3", "OpenGL 4.5.*missing.*--backend soft");
 }
 
 }  // namespace

@@ -7,14 +7,15 @@
 #include "core/base/error.h"
 #include "render/backends/gl/gl_groups.h"
 #include "tests/render/small_hierarchy.h"
+#include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
-using namespace lodestone::testing;
+using namespace lodestone::test;
 
 const Hierarchy& surface() {
-  static const SmallHierarchy made = small_hierarchy(torus(96, 48), 4);
+  static const SmallHierarchy made = small_hierarchy(torus_mesh(96, 48), 4);
   return made.hierarchy;
 }
 

@@ -10,7 +10,7 @@
 namespace lodestone {
 namespace {
 
-using namespace lodestone::testing;
+using namespace lodestone::test;
 
 // One drawn corner: where it stands and what it is a copy of.
 struct Corner {
@@ -48,12 +48,12 @@ std::size_t open_edges(const std::vector<Corner>& corners) {
 std::vector<Camera> cameras() {
   std::vector<Camera> all;
   for (const double d : {1.6, 1.1, 0.8, 0.62, 0.5, 0.41, 0.33})
-    all.push_back({{0.5 + 0.7 * d, 0.5 - 0.5 * d, 0.5 + 0.45 * d}, {0.5, 0.5, 0.5}});
+    all.push_back({{0.5 + 0.7 * d, 0.5 - 0.5 * d, 0.15 + 0.45 * d}, {0.5, 0.5, 0.15}});
   return all;
 }
 
 const SmallHierarchy& closed_surface() {
-  static const SmallHierarchy surface = small_hierarchy(torus(128, 64), 4);
+  static const SmallHierarchy surface = small_hierarchy(torus_mesh(128, 64), 4);
   return surface;
 }
 
@@ -142,7 +142,7 @@ TEST_F(GlTest, CracksAreSeenWhereTheRadiiAreInadmissible) {
 
 // Copies of a vertex in cells of one level stand at the same place, on open surfaces too.
 TEST_F(GlTest, CopiesOfAVertexStandTogether) {
-  const SmallHierarchy terrain = small_hierarchy(hills(96), 3);
+  const SmallHierarchy terrain = small_hierarchy(terrain_mesh(96), 3);
   renderer_->upload(terrain.hierarchy);
   for (const Camera& camera : cameras()) {
     WholeFrame whole(terrain.hierarchy, with_kappa0(2), camera);

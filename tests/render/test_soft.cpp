@@ -284,7 +284,8 @@ TEST(Clip, ResultIsInsideAndOutsideIsNothing) {
   for (int i = 0; i < 3000; ++i) {
     std::array<soft::ClipVertex, 3> t;
     for (soft::ClipVertex& v : t) v = at(along(random), along(random), along(random) / 20, w(random));
-    for (const soft::ClipVertex& v : soft::clip(t, viewport).view()) {
+    const soft::ClippedPolygon polygon = soft::clip(t, viewport);
+    for (const soft::ClipVertex& v : polygon.view()) {
       ++kept;
       EXPECT_GE(v.w, -1e-4f);
       EXPECT_LE(std::abs(v.z), v.w + 1e-4f);

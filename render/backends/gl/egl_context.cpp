@@ -22,23 +22,20 @@ constexpr EGLint debug_context = EGL_FALSE;
 constexpr EGLint debug_context = EGL_TRUE;
 #endif
 
-// An initialised display. EGL hands out the same one for the same platform and ends it for everybody at once, so all
-// contexts of a process share it, and the last one ends it.
+// An initialised display. EGL hands out the same one for the same platform and ends it for everybody at once: the
+// contexts of a process count themselves, and the last one ends it.
 class EglDisplay {
  public:
-  static std::shared_ptr<EglDisplay> open(EGLDisplay handle) {
-    static std::mutex mutex;
-    static std::map<EGLDisplay, std::weak_ptr<EglDisplay>> displays;
-    const std::lock_guard lock(mutex);
-    std::shared_ptr<EglDisplay> display = displays[handle].lock();
-    if (!display) {
-      if (!eglInitialize(handle, nullptr, nullptr)) throw UnsupportedError("no driver can open it");
-      display.reset(new EglDisplay(handle));
-      displays[handle] = display;
-    }
-    return display;
+  explicit EglDisplay(EGLDisplay handle) : handle_(handle) {
+    const std::lock_guard lock(users().mutex);
+    int& count = users().of[handle];
+    if (count == 0 && !eglInitialize(handle, nullptr, nullptr)) throw UnsupportedError("no driver can open it");
+    ++count;
   }
-  ~EglDisplay() { eglTerminate(handle_); }
+  ~EglDisplay() {
+    const std::lock_guard lock(users().mutex);
+    if (--users().of[handle_] == 0) eglTerminate(handle_);
+  }
   EglDisplay(const EglDisplay&) = delete;
   EglDisplay& operator=(const EglDisplay&) = delete;
 
@@ -46,7 +43,14 @@ class EglDisplay {
   [[nodiscard]] bool has(const char* extension) const { return epoxy_has_egl_extension(handle_, extension); }
 
  private:
-  explicit EglDisplay(EGLDisplay handle) : handle_(handle) {}
+  struct Users {
+    std::mutex mutex;
+    std::map<EGLDisplay, int> of;
+  };
+  static Users& users() {
+    static Users all;
+    return all;
+  }
   EGLDisplay handle_;
 };
 
@@ -62,9 +66,8 @@ EGLConfig choose_config(const EglDisplay& display) {
 
 class EglContext final : public GlContext {
  public:
-  EglContext(std::shared_ptr<EglDisplay> display, std::string origin)
-      : display_(std::move(display)), origin_(std::move(origin)) {
-    if (!display_->has("EGL_KHR_surfaceless_context")) throw UnsupportedError("EGL_KHR_surfaceless_context is missing");
+  EglContext(EGLDisplay display, std::string origin) : display_(display), origin_(std::move(origin)) {
+    if (!display_.has("EGL_KHR_surfaceless_context")) throw UnsupportedError("EGL_KHR_surfaceless_context is missing");
     eglBindAPI(EGL_OPENGL_API);
     const std::array<EGLint, 9> wanted{EGL_CONTEXT_MAJOR_VERSION,
                                        4,
@@ -75,26 +78,26 @@ class EglContext final : public GlContext {
                                        EGL_CONTEXT_OPENGL_DEBUG,
                                        debug_context,
                                        EGL_NONE};
-    context_ = eglCreateContext(display_->handle(), choose_config(*display_), EGL_NO_CONTEXT, wanted.data());
+    context_ = eglCreateContext(display_.handle(), choose_config(display_), EGL_NO_CONTEXT, wanted.data());
     if (context_ == EGL_NO_CONTEXT) throw UnsupportedError("OpenGL 4.5 core is missing");
   }
   ~EglContext() override {
     if (is_current()) release();
-    eglDestroyContext(display_->handle(), context_);
+    eglDestroyContext(display_.handle(), context_);
   }
 
   void make_current() override {
     eglBindAPI(EGL_OPENGL_API);  // of the calling thread
-    if (!eglMakeCurrent(display_->handle(), EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
+    if (!eglMakeCurrent(display_.handle(), EGL_NO_SURFACE, EGL_NO_SURFACE, context_))
       throw ResourceError(
           describe("", "OpenGL", "the context cannot be made current", "use a renderer on one thread at a time"));
   }
-  void release() override { eglMakeCurrent(display_->handle(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT); }
+  void release() override { eglMakeCurrent(display_.handle(), EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT); }
   [[nodiscard]] bool is_current() const override { return eglGetCurrentContext() == context_; }
   [[nodiscard]] std::string_view origin() const override { return origin_; }
 
  private:
-  std::shared_ptr<EglDisplay> display_;
+  EglDisplay display_;
   std::string origin_;
   EGLContext context_ = EGL_NO_CONTEXT;
 };
@@ -140,7 +143,7 @@ std::vector<Candidate> all_candidates() {
 std::unique_ptr<GlContext> open(const Candidate& candidate) {
   const EGLDisplay display = candidate.display();
   if (display == EGL_NO_DISPLAY) throw UnsupportedError("no such display");
-  auto context = std::make_unique<EglContext>(EglDisplay::open(display), candidate.name);
+  auto context = std::make_unique<EglContext>(display, candidate.name);
   const CurrentContext current(*context);
   (void)query_device();  // throws when it is too little
   return context;

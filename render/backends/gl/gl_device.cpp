@@ -27,7 +27,9 @@ std::string text(GLenum name) {
 
 #ifndef NDEBUG
 void APIENTRY on_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei, const GLchar* message, const void*) {
-  if (severity == GL_DEBUG_SEVERITY_NOTIFICATION) return;
+  const bool chatter =
+      severity == GL_DEBUG_SEVERITY_NOTIFICATION || type == GL_DEBUG_TYPE_PERFORMANCE || type == GL_DEBUG_TYPE_OTHER;
+  if (chatter) return;
   std::fprintf(stderr, "OpenGL: %s\n", message);
   assert(type != GL_DEBUG_TYPE_ERROR && "an OpenGL call was wrong");
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "core/base/error.h"
 #include "render/backends/gl/gl_commands.h"
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_scene.h"
@@ -47,6 +48,19 @@ GlFrameUniforms frame_uniforms(const Frame& frame) {
   return u;
 }
 
+// All that a picture depends on and that whoever shares the context may have changed.
+void set_state() {
+  for (const GLenum off : {GL_BLEND, GL_CULL_FACE, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_RASTERIZER_DISCARD,
+                           GL_SCISSOR_TEST, GL_STENCIL_TEST})
+    glDisable(off);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LESS);
+  glDepthMask(GL_TRUE);
+  glDepthRangef(0, 1);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
 // Everything that has a name in the context.
 struct Resources {
   std::map<GlVariant, GlProgram> programs;
@@ -69,8 +83,13 @@ class MultiDrawRenderer final : public GlRenderer {
   }
 
   ~MultiDrawRenderer() override {
-    const CurrentContext current(*context_);
-    resources_.reset();
+    try {
+      const CurrentContext current(*context_);
+      resources_.reset();
+    } catch (const ResourceError&) {
+      // Another thread holds the context. What has a name in it ends with it; the owners must not call OpenGL here.
+      (void)resources_.release();
+    }
   }
 
   [[nodiscard]] std::string_view name() const override { return "gl"; }
@@ -91,9 +110,9 @@ class MultiDrawRenderer final : public GlRenderer {
 
     const Stopwatch drawing;
     glBeginQuery(GL_TIME_ELAPSED, resources_->timer.name());
+    set_state();
     resources_->target->bind();
     resources_->target->clear();
-    glEnable(GL_DEPTH_TEST);
     resources_->commands.draw(*resources_->scene);
     glEndQuery(GL_TIME_ELAPSED);
     GLuint64 nanoseconds = 0;

@@ -62,6 +62,8 @@ Image GlTarget::read() const {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  for (const GLenum skipped : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_PACK_SWAP_BYTES})
+    glPixelStorei(skipped, 0);
   glReadPixels(0, 0, size_.width, size_.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
   glReadPixels(0, 0, size_.width, size_.height, GL_DEPTH_COMPONENT, GL_FLOAT, image.depth.data());
   flip_rows(image.rgba, width * 4, height);

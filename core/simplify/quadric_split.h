@@ -1,0 +1,52 @@
+// Cuts a mesh with too many vertices for 16-bit ids into parts that have few enough.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/simplify/simplifier.h"
+
+namespace lodestone::quadric {
+
+// One part as a mesh of its own. Its vertices are numbered by first use; `vertices` are their ids in the whole.
+struct Part {
+  std::vector<std::uint32_t> vertices;
+  std::vector<Vec3f> positions;
+  std::vector<Triangle> triangles;
+  std::vector<std::uint8_t> locked;  // by the caller, or because another part uses the vertex too
+  [[nodiscard]] SimplifyInput input(float max_displacement, std::size_t target) const {
+    return {positions, triangles, locked, max_displacement, target};
+  }
+};
+
+// Halves the triangles at the median of their barycentres along the longest axis until a half uses at most
+// `most_vertices` vertices. Depends on the input alone. Keeps its memory between calls.
+class Splitter {
+ public:
+  // The number of parts; at least 1 for a mesh with triangles.
+  std::size_t split(const SimplifyInput& input, std::size_t most_vertices);
+  // Valid until the next call.
+  const Part& part(const SimplifyInput& input, std::size_t index);
+
+ private:
+  void halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices);
+  [[nodiscard]] std::size_t count_vertices(const SimplifyInput& input, std::size_t begin, std::size_t end);
+  void find_shared(const SimplifyInput& input);
+
+  struct Keyed {
+    std::int32_t key;
+    std::uint32_t triangle;
+    auto operator<=>(const Keyed&) const = default;
+  };
+  std::vector<Keyed> order_;          // triangles, part after part
+  std::vector<std::size_t> ends_;     // of the parts in order_, from 0 on
+  std::vector<std::uint32_t> seen_;   // per vertex: the last count or part that met it
+  std::vector<std::uint32_t> local_;  // per vertex: its id in the part being made
+  std::vector<std::uint8_t> shared_;  // per vertex: used by several parts
+  std::uint32_t stamp_ = 0;
+  Part part_;
+};
+
+}  // namespace lodestone::quadric
