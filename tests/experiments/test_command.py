@@ -5,6 +5,7 @@ import os
 import pty
 import re
 import shutil
+import signal
 import subprocess
 import unittest
 
@@ -316,8 +317,6 @@ class Render(CommandCase):
 
 
 class Terminal(CommandCase):
-    BIG = ("generate", "terrain", "--triangles", 12_000_000, "--threads", 1)
-
     def test_quiet_says_nothing(self):
         for arguments in (("generate", "box", "--triangles", 1000, "-o", "m.ply"), ("build", "m.ply", "-o", "m.lode"),
                           ("info", "m.lode"), ("verify", "m.lode"), ("compare", "m.ply", "m.lode:0"),
@@ -326,9 +325,12 @@ class Terminal(CommandCase):
             self.assertEqual(self.lodestone(*arguments, "--quiet"), "")
             self.assertNotEqual(self.lodestone(*arguments), "")
 
-    def on_terminal(self, *arguments):
-        """What standard error and output show on one terminal."""
-        master, slave = pty.openpty()
+    def on_terminal(self, *arguments, interrupt_at=None, status=0):
+        """What standard error and output show on one terminal. Ctrl-C comes when `interrupt_at` has been shown."""
+        try:
+            master, slave = pty.openpty()
+        except OSError as error:
+            self.skipTest(f"no terminal to be had here: {error}")
         process = subprocess.Popen([command_case.PROGRAM, *map(str, arguments)], stdout=slave, stderr=slave,
                                    stdin=slave, cwd=self.folder)
         os.close(slave)
@@ -336,19 +338,44 @@ class Terminal(CommandCase):
         try:
             while block := os.read(master, 65536):
                 shown += block
+                if interrupt_at and re.search(interrupt_at, shown):
+                    process.send_signal(signal.SIGINT)
+                    interrupt_at = None
         except OSError:  # Linux: the other side was closed
             pass
         os.close(master)
-        self.assertEqual(process.wait(timeout=60), 0)
+        self.assertEqual(process.wait(timeout=60), status)
         return shown.decode()
 
-    def test_bar_on_a_terminal_only(self):
-        shown = self.on_terminal(*self.BIG, "-o", "m.ply")
-        self.assertRegex(shown, r"generating \[#+\.*\] +\d+ %")
-        # The bar has gone when the summary comes.
-        self.assertRegex(shown, r"\x1b\[Km\.ply: \d+ triangles")
-        self.assertNotRegex(re.sub(r"\r[^\r\n]*\x1b\[K", "", shown), "generating")
-        self.assertEqual(self.on_terminal(*self.BIG, "-o", "m.ply", "--quiet"), "")
+    def left_on_screen(self, shown):
+        """What a terminal shows in the end: a return goes to the start of the line, ESC [K clears the rest of it."""
+        lines = []
+        for written in shown.replace("\r\n", "\n").split("\n"):
+            line = ""
+            for part in written.split("\r"):
+                text, clear, rest = part.partition("\x1b[K")
+                line = text + (rest if clear else line[len(text):])
+            lines.append(line)
+        return "\n".join(lines)
+
+    def test_bar_of_long_work(self):
+        shown = self.on_terminal("generate", "sphere", "--triangles", 200_000_000, "--threads", 1, "-o", "m.ply",
+                                 interrupt_at=rb"\[#*\.*\] +\d+ %", status=130)
+        self.assertRegex(shown, r"\rgenerating \[#*\.*\] +\d+ %  \d+ s left")
+        self.assertRegex(self.left_on_screen(shown), r"\Alodestone: interrupted[^\n]*\n\Z")
+        self.assertEqual(self.listing(), {})
+
+    def test_phases_go_before_the_summary(self):
+        for arguments, phases in ((("build", sphere(), "-o", "m.lode"), ("reading", "building", "writing")),
+                                  (("verify", hierarchy()), ("reading", "verifying")),
+                                  (("compare", sphere(), hierarchy()), ("reading", "comparing"))):
+            shown = self.on_terminal(*arguments)
+            for phase in phases:
+                self.assertIn(f"\r{phase} ...", shown)
+            plain = self.left_on_screen(shown)
+            self.assertNotIn("...", plain)
+            self.assertEqual(re.sub(r"[\d.]+", "", plain), re.sub(r"[\d.]+", "", self.lodestone(*arguments)))
+            self.assertEqual(self.on_terminal(*arguments, "--quiet"), "")
 
 
 if __name__ == "__main__":

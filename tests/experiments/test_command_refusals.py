@@ -137,6 +137,7 @@ class Outputs(CommandCase):
         (self.folder / "frames" / "frame0002.png").mkdir(parents=True)
         self.refused("render", "m.lode", "--frames", 4, "--size", "32x32", "-o", "frames", names=["frame0002.png"])
 
+    @unittest.skipUnless(os.path.exists("/dev/full"), "there is no /dev/full here")
     def test_full_disk_of_standard_output(self):
         with open("/dev/full", "wb") as full:
             done = subprocess.run([command_case.PROGRAM, "info", hierarchy()], stdout=full, stderr=subprocess.PIPE,
