@@ -82,10 +82,15 @@ AtomicFile::AtomicFile(std::filesystem::path target)
     seekable_ = descriptor_ >= 0 && lseek(descriptor_, 0, SEEK_CUR) >= 0;
   } else {
     temporary_ = temporary_beside(final_);
+    remember(temporary_.c_str());  // first: a signal between the two would leave the file
     descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   }
-  if (descriptor_ < 0) fail("cannot create");
-  if (!temporary_.empty()) remember(temporary_.c_str());
+  if (descriptor_ < 0) {
+    const int error = errno;
+    if (!temporary_.empty()) forget(temporary_.c_str());
+    errno = error;
+    fail("cannot create");
+  }
 }
 
 AtomicFile::~AtomicFile() { discard(); }
