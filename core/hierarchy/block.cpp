@@ -6,6 +6,7 @@
 #include "core/hierarchy/block.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -32,10 +33,13 @@ class BlockBuilder {
 
   void merge() {
     clear();
-    for_each_cell([&](CellBuild& cell) { append_cell(cell); });
-    s_.locked.resize(s_.positions.size());
-    for (std::size_t v = 0; v < s_.positions.size(); ++v)
-      s_.locked[v] = s_.shared[v] && !s_.usage[v].inside(block_.range);
+    for_each_cell([&](const CellBuild& cell) { append_cell(cell); });
+    s_.locked.assign(s_.positions.size(), 0);
+    s_.usage_of.resize(s_.positions.size());
+    for (std::uint32_t k = 0; k < s_.shared.size(); ++k) {
+      s_.locked[s_.shared[k]] = !s_.usage[k].inside(block_.range);
+      s_.usage_of[s_.shared[k]] = k;
+    }
   }
 
   const SimplifyResult& simplify(Simplifier& simplifier, float sigma0) {
@@ -44,24 +48,25 @@ class BlockBuilder {
   }
 
   void split(const SimplifyResult& result, float sigma0) {
-    s_.images.resize(s_.triangles.size());
-    for (std::size_t t = 0; t < s_.triangles.size(); ++t) {
-      const auto& v = s_.triangles[t].v;
-      s_.images[t] = {{result.parent[v[0]], result.parent[v[1]], result.parent[v[2]]}};
+    if (result.distance.empty()) index_images(result);
+    gather_members(result);
+    std::size_t vertex = 0, member = 0;
+    for (std::size_t i = 0; i < block_.parents.size(); ++i) {
+      const std::size_t end = member_end_[i];
+      make_parent(result, block_.parents[i], std::span(s_.members).subspan(member, end - member), vertex, sigma0);
+      member = end;
     }
-    s_.surface.reset(s_.images, result.positions);
-    count_uses(result);
-    std::size_t first_vertex = 0, first_triangle = 0;
-    for (std::size_t i = 0; i < block_.parents.size(); ++i)
-      make_parent(result, block_.parents[i], static_cast<std::uint32_t>(i), sigma0, first_vertex, first_triangle);
   }
 
  private:
   template <class Visit>
+  void for_each_child(CellRank parent, const Visit& visit) {
+    for (CellRank c = parent_level_.first_child[parent]; c < parent_level_.first_child[parent + 1]; ++c)
+      visit(cells_[c]);
+  }
+  template <class Visit>
   void for_each_cell(const Visit& visit) {
-    for (const CellRank parent : block_.parents)
-      for (CellRank c = parent_level_.first_child[parent]; c < parent_level_.first_child[parent + 1]; ++c)
-        visit(cells_[c]);
+    for (const CellRank parent : block_.parents) for_each_child(parent, visit);
   }
 
   void clear() {
@@ -71,45 +76,56 @@ class BlockBuilder {
       shared += cell.slab.shared_ids.size();
       triangles += cell.triangles.size();
     });
-    s_.positions.clear();
-    s_.normals.clear();
-    s_.ids.clear();
-    s_.usage.clear();
-    s_.shared.clear();
-    s_.triangles.clear();
-    s_.block_id.clear();
+    for_each_in_scratch([](auto& array) { array.clear(); });
     s_.positions.reserve(vertices);
+    s_.normals.reserve(vertices);
+    s_.ids.reserve(vertices);
     s_.triangles.reserve(triangles);
+    s_.block_id.reserve(vertices);
     const std::size_t slots = std::bit_ceil(2 * shared + 16);
     s_.table_keys.assign(slots, none);
     s_.table_values.resize(slots);
   }
 
-  std::uint32_t append_vertex(const CellBuild& cell, std::size_t i) {
-    s_.positions.push_back(cell.slab.positions[i]);
-    s_.normals.push_back(cell.slab.normals[i]);
-    s_.ids.push_back(cell.ids[i]);
-    return static_cast<std::uint32_t>(s_.positions.size() - 1);
+  template <class Visit>
+  void for_each_in_scratch(const Visit& visit) {
+    visit(s_.positions), visit(s_.normals), visit(s_.ids), visit(s_.triangles), visit(s_.block_id);
+    visit(s_.shared), visit(s_.usage);
   }
 
+  // A cell's own vertices as they are, the shared ones unless an earlier cell brought them.
   void append_cell(const CellBuild& cell) {
     const std::size_t first = s_.block_id.size(), own = cell.first_shared();
+    const auto base = static_cast<std::uint32_t>(s_.positions.size());
+    const auto append = [own](auto& to, const auto& from) {
+      to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(own));
+    };
+    append(s_.positions, cell.slab.positions);
+    append(s_.normals, cell.slab.normals);
+    append(s_.ids, cell.ids);
     s_.block_id.resize(first + cell.vertex_count());
-    for (std::size_t i = 0; i < own; ++i) s_.block_id[first + i] = append_vertex(cell, i);
-    s_.usage.resize(s_.positions.size());
-    s_.shared.resize(s_.positions.size(), 0);
-    for (std::size_t k = 0; k < cell.slab.shared_ids.size(); ++k) {
-      std::uint32_t& known = find_shared(cell.slab.shared_ids[k]);
-      if (known == none) {
-        known = append_vertex(cell, own + k);
-        s_.usage.emplace_back();
-        s_.shared.push_back(1);
-      }
-      s_.usage[known].extend(cell.usage[k]);
-      s_.block_id[first + own + k] = known;
-    }
+    std::uint32_t* const block_id = s_.block_id.data() + first;
+    for (std::uint32_t i = 0; i < own; ++i) block_id[i] = base + i;
+    for (std::size_t k = 0; k < cell.slab.shared_ids.size(); ++k) block_id[own + k] = append_shared(cell, k);
     for (const Triangle& t : cell.triangles)
-      s_.triangles.push_back({{s_.block_id[first + t.v[0]], s_.block_id[first + t.v[1]], s_.block_id[first + t.v[2]]}});
+      s_.triangles.push_back({{block_id[t.v[0]], block_id[t.v[1]], block_id[t.v[2]]}});
+  }
+
+  // Block id of a cell's k-th shared vertex.
+  std::uint32_t append_shared(const CellBuild& cell, std::size_t k) {
+    std::uint32_t& index = find_shared(cell.slab.shared_ids[k]);
+    if (index == none) {
+      const std::size_t i = cell.first_shared() + k;
+      index = static_cast<std::uint32_t>(s_.shared.size());
+      s_.shared.push_back(static_cast<std::uint32_t>(s_.positions.size()));
+      s_.usage.push_back(cell.usage[k]);
+      s_.positions.push_back(cell.slab.positions[i]);
+      s_.normals.push_back(cell.slab.normals[i]);
+      s_.ids.push_back(cell.ids[i]);
+    } else {
+      s_.usage[index].extend(cell.usage[k]);
+    }
+    return s_.shared[index];
   }
 
   // The value slot of a shared id; `none` when it is new.
@@ -124,124 +140,141 @@ class BlockBuilder {
     return s_.table_values[slot];
   }
 
-  // How many parent cells of this block use each survivor, and which box they span. Every copy gets the whole box: the
-  // copies go to different blocks of the next level, and each must know that the vertex is used beyond its own.
-  void count_uses(const SimplifyResult& result) {
-    s_.uses.assign(s_.positions.size(), 0);
-    s_.parent_usage.assign(s_.positions.size(), UsageBox{});
-    s_.stamp.assign(s_.positions.size(), none);
-    std::size_t vertex = 0;
-    for (std::uint32_t i = 0; i < block_.parents.size(); ++i) {
-      for (CellRank c = parent_level_.first_child[block_.parents[i]];
-           c < parent_level_.first_child[block_.parents[i] + 1]; ++c) {
-        for (std::size_t end = vertex + cells_[c].vertex_count(); vertex < end; ++vertex) {
-          const std::uint32_t p = result.parent[s_.block_id[vertex]];
-          if (s_.stamp[p] == i) continue;
-          s_.stamp[p] = i;
-          ++s_.uses[p];
-          s_.parent_usage[p].extend(parent_level_.codes[block_.parents[i]].coord());
-        }
-      }
+  void index_images(const SimplifyResult& result) {
+    s_.images.resize(s_.triangles.size());
+    for (std::size_t t = 0; t < s_.triangles.size(); ++t) {
+      const auto& v = s_.triangles[t].v;
+      s_.images[t] = {{result.parent[v[0]], result.parent[v[1]], result.parent[v[2]]}};
     }
-    s_.stamp.assign(s_.positions.size(), none);
+    s_.surface.reset(s_.images, result.positions);
+  }
+
+  // The survivors that each parent cell uses, in order of appearance, and by which of the at most eight parents.
+  void gather_members(const SimplifyResult& result) {
+    s_.used_by.assign(s_.positions.size(), 0);
+    s_.members.clear();
     s_.local.resize(s_.positions.size());
+    const std::uint32_t* block_id = s_.block_id.data();
+    for (std::size_t i = 0; i < block_.parents.size(); ++i) {
+      for_each_child(block_.parents[i], [&](const CellBuild& child) {
+        for (const std::uint32_t* end = block_id + child.vertex_count(); block_id != end; ++block_id) {
+          const std::uint32_t p = result.parent[*block_id];
+          if (s_.used_by[p] >> i & 1) continue;
+          s_.used_by[p] = static_cast<std::uint8_t>(s_.used_by[p] | 1u << i);
+          s_.members.push_back(p);
+        }
+      });
+      member_end_[i] = s_.members.size();
+    }
   }
 
   // Used by another cell of the parents' level: by one of this block, or by one of a block that it is locked against.
   [[nodiscard]] bool becomes_shared(std::uint32_t survivor) const {
-    return s_.locked[survivor] || s_.uses[survivor] > 1;
+    return s_.locked[survivor] || (s_.used_by[survivor] & (s_.used_by[survivor] - 1)) != 0;
   }
 
-  // The vertices P arrives at from the children, in order of appearance, shared ones last; `local` numbers them.
-  std::size_t gather_members(const SimplifyResult& result, std::uint32_t stamp, std::size_t first, std::size_t end) {
-    s_.members.clear();
+  // Every copy gets the box of all cells that are known to use the survivor: the copies go to different blocks of the
+  // next level, and each must know that the vertex is used beyond its own.
+  [[nodiscard]] UsageBox parent_usage(std::uint32_t survivor) const {
+    UsageBox box;
+    for (unsigned bits = s_.used_by[survivor]; bits != 0; bits &= bits - 1)
+      box.extend(parent_level_.codes[block_.parents[static_cast<std::size_t>(std::countr_zero(bits))]].coord());
+    if (s_.locked[survivor]) box.extend(s_.usage[s_.usage_of[survivor]].parent());
+    return box;
+  }
+
+  void make_parent(const SimplifyResult& result, CellRank rank, std::span<const std::uint32_t> members,
+                   std::size_t& vertex, float sigma0) {
+    CellBuild& parent = parents_[rank];
+    const std::size_t shared = number_members(members);
+    s_.kept.clear();
+    for_each_child(rank, [&](CellBuild& child) {
+      link_child(result, child, parent, vertex);
+      keep_triangles(child);
+      vertex += child.vertex_count();
+    });
+    parent.slab.allocate(members.size(), shared, s_.kept.size());
+    std::copy(s_.kept.begin(), s_.kept.end(), parent.slab.triangles.begin());
+    parent.triangles = parent.slab.triangles;
+    fill_vertices(result, members, parent);
+    for_each_child(rank, [&](CellBuild& child) {
+      parent.bounds.extend(child.bounds);
+      child.release_transient();
+    });
+    measure_cell(parent, block_.level - 1, sigma0);
+  }
+
+  // Local ids of the members: in their order, shared ones last. Returns the number of those.
+  std::size_t number_members(std::span<const std::uint32_t> members) {
     std::size_t shared = 0;
-    for (std::size_t i = first; i < end; ++i) {
-      const std::uint32_t p = result.parent[s_.block_id[i]];
-      if (s_.stamp[p] == stamp) continue;
-      s_.stamp[p] = stamp;
-      s_.members.push_back(p);
-      shared += becomes_shared(p);
-    }
-    std::stable_partition(s_.members.begin(), s_.members.end(), [&](std::uint32_t p) { return !becomes_shared(p); });
-    for (std::size_t i = 0; i < s_.members.size(); ++i) s_.local[s_.members[i]] = static_cast<std::uint32_t>(i);
+    for (const std::uint32_t p : members) shared += becomes_shared(p);
+    std::uint32_t next_own = 0, next_shared = static_cast<std::uint32_t>(members.size() - shared);
+    for (const std::uint32_t p : members) s_.local[p] = becomes_shared(p) ? next_shared++ : next_own++;
     return shared;
   }
 
-  void make_parent(const SimplifyResult& result, CellRank rank, std::uint32_t stamp, float sigma0,
-                   std::size_t& first_vertex, std::size_t& first_triangle) {
-    std::size_t end_vertex = first_vertex, end_triangle = first_triangle;
-    for (CellRank c = parent_level_.first_child[rank]; c < parent_level_.first_child[rank + 1]; ++c) {
-      end_vertex += cells_[c].vertex_count();
-      end_triangle += cells_[c].triangles.size();
+  // P of the child's vertices, and how far it moves them.
+  void link_child(const SimplifyResult& result, CellBuild& child, CellBuild& parent, std::size_t first_vertex) {
+    double farthest2 = 0;
+    float distance = 0;
+    for (std::size_t i = 0; i < child.vertex_count(); ++i) {
+      const std::uint32_t v = s_.block_id[first_vertex + i], p = result.parent[v];
+      child.slab.parents[i] = s_.local[p];
+      const Vec3d moved = to_double(result.positions[p]) - to_double(child.slab.positions[i]);
+      farthest2 = std::max(farthest2, dot(moved, moved));
+      if (!result.distance.empty()) distance = std::max(distance, result.distance[v]);
     }
-    const std::size_t shared = gather_members(result, stamp, first_vertex, end_vertex);
-    CellBuild& parent = parents_[rank];
-    allocate_parent(parent, shared, first_triangle, end_triangle);
-    fill_vertices(result, parent);
-    for (CellRank c = parent_level_.first_child[rank]; c < parent_level_.first_child[rank + 1]; ++c) {
-      link_child(result, cells_[c], parent, first_vertex);
-      first_vertex += cells_[c].vertex_count();
-    }
-    measure_cell(parent, block_.level - 1, sigma0);
-    first_triangle = end_triangle;
+    child.max_displacement = root_up(farthest2);
+    if (result.distance.empty()) distance = search_distance(result, child, first_vertex);
+    parent.error = std::max(parent.error, sum_up(child.error, std::min(distance, child.max_displacement)));
   }
 
-  void allocate_parent(CellBuild& parent, std::size_t shared, std::size_t first, std::size_t end) {
-    std::size_t kept = 0;
-    for (std::size_t t = first; t < end; ++t) kept += !is_degenerate(s_.images[t]);
-    parent.slab.allocate(s_.members.size(), shared, kept);
-    parent.triangles = parent.slab.triangles;
-    std::size_t to = 0;
-    for (std::size_t t = first; t < end; ++t) {
-      const Triangle& coarse = s_.images[t];
-      if (!is_degenerate(coarse))
-        parent.triangles[to++] = {{s_.local[coarse.v[0]], s_.local[coarse.v[1]], s_.local[coarse.v[2]]}};
+  // Distances below three quarters of the block's largest so far are not told apart: most vertices are done after a
+  // glance, and the figure that matters, the largest, stays exact.
+  float search_distance(const SimplifyResult& result, const CellBuild& child, std::size_t first_vertex) {
+    double squared = 0.5625 * off_surface2_;
+    for (std::size_t i = 0; i < child.vertex_count(); ++i) {
+      const std::uint32_t p = result.parent[s_.block_id[first_vertex + i]];
+      const Vec3f from = child.slab.positions[i];
+      const Vec3d moved = to_double(result.positions[p]) - to_double(from);
+      if (dot(moved, moved) > squared)
+        squared = s_.surface.farther(squared, from, p);
+    }
+    off_surface2_ = std::max(off_surface2_, squared);
+    return root_up(squared);
+  }
+
+  // The child's triangles under P, by the parent's local ids; what has degenerated goes.
+  void keep_triangles(const CellBuild& child) {
+    const std::span<const std::uint32_t> parents = child.slab.parents;
+    for (const Triangle& t : child.triangles) {
+      const Triangle image{{parents[t.v[0]], parents[t.v[1]], parents[t.v[2]]}};
+      if (!is_degenerate(image)) s_.kept.push_back(image);
     }
   }
 
-  void fill_vertices(const SimplifyResult& result, CellBuild& parent) {
-    parent.ids.resize(s_.members.size());
+  void fill_vertices(const SimplifyResult& result, std::span<const std::uint32_t> members, CellBuild& parent) {
+    parent.ids.resize(members.size());
     parent.usage.resize(parent.slab.shared_ids.size());
     const std::size_t first_shared = parent.first_shared();
-    for (std::size_t i = 0; i < s_.members.size(); ++i) {
-      const std::uint32_t p = s_.members[i];
+    for (const std::uint32_t p : members) {
+      const std::uint32_t i = s_.local[p];
       parent.slab.positions[i] = result.positions[p];
       parent.slab.normals[i] = s_.normals[p];
       parent.ids[i] = s_.ids[p];
       parent.bounds.extend(result.positions[p]);
       if (i < first_shared) continue;
-      UsageBox& box = parent.usage[i - first_shared];
-      box = s_.parent_usage[p];
-      if (s_.locked[p]) box.extend(s_.usage[p].parent());
+      parent.usage[i - first_shared] = parent_usage(p);
       parent.slab.shared_ids[i - first_shared] = s_.ids[p];
     }
-  }
-
-  void link_child(const SimplifyResult& result, CellBuild& child, CellBuild& parent, std::size_t first_vertex) {
-    // Distances below three quarters of the block's largest so far are not told apart: most vertices are done after a
-    // glance, and the figure that matters, the largest, stays exact.
-    double farthest2 = 0, off_surface2 = 0.5625 * off_surface2_;
-    for (std::size_t i = 0; i < child.vertex_count(); ++i) {
-      const std::uint32_t p = result.parent[s_.block_id[first_vertex + i]];
-      child.slab.parents[i] = s_.local[p];
-      const Vec3d moved = to_double(result.positions[p]) - to_double(child.slab.positions[i]);
-      const double moved2 = dot(moved, moved);
-      farthest2 = std::max(farthest2, moved2);
-      if (moved2 > off_surface2) off_surface2 = s_.surface.farther(off_surface2, child.slab.positions[i], p);
-    }
-    off_surface2_ = std::max(off_surface2_, off_surface2);
-    child.max_displacement = root_up(farthest2);
-    parent.bounds.extend(child.bounds);
-    parent.error = std::max(parent.error, sum_up(child.error, root_up(std::min(off_surface2, farthest2))));
-    child.release_transient();
   }
 
   const Block& block_;
   const LevelCells& parent_level_;
   std::span<CellBuild> cells_, parents_;
   BlockScratch& s_;
-  double off_surface2_ = 0;  // largest squared distance of a vertex so far from the coarse surface
+  std::array<std::size_t, 8> member_end_{};  // of each parent's members
+  double off_surface2_ = 0;                  // largest squared distance of a vertex so far from the coarse surface
 };
 
 }  // namespace

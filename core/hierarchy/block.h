@@ -18,17 +18,22 @@ struct BlockScratch {
   std::vector<Vec3f> positions;
   std::vector<PackedNormal> normals;
   std::vector<std::uint32_t> ids;
-  std::vector<UsageBox> usage;  // valid where shared
-  std::vector<std::uint8_t> shared, locked;
+  std::vector<std::uint8_t> locked;
   std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> block_id;                  // of every vertex of every cell, cell after cell
-  std::vector<std::uint32_t> table_keys, table_values;  // shared id -> block id
+  std::vector<std::uint32_t> block_id;  // of every vertex of every cell, cell after cell
+  // Vertices that cells share: their block ids, the union of their copies' usage, and how to find them.
+  std::vector<std::uint32_t> shared;
+  std::vector<UsageBox> usage;
+  std::vector<std::uint32_t> table_keys, table_values;  // shared id -> index in `shared`
   // Splitting into the parents.
-  std::vector<std::uint32_t> local, stamp, uses;
-  std::vector<UsageBox> parent_usage;
+  std::vector<std::uint8_t> used_by;    // bit i: the i-th parent uses this survivor
+  std::vector<std::uint32_t> members;   // survivors, parent after parent
+  std::vector<std::uint32_t> local;     // of a survivor in the parent being made
+  std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
+  std::vector<Triangle> kept;           // of the parent being made
+  // For simplifiers that do not measure distances.
   std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
   StarDistance surface;          // of the images
-  std::vector<std::uint32_t> members;
 };
 
 // `cells` and `parents` are the builds of levels block.level and block.level - 1, by rank. Fills the parents of the

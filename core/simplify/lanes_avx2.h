@@ -21,6 +21,7 @@ struct Float8 {
 
 inline Float8 sqrt(Float8 a) { return {_mm256_sqrt_ps(a.lanes)}; }
 inline Float8 max(Float8 a, Float8 b) { return {_mm256_max_ps(a.lanes, b.lanes)}; }
+inline Float8 min(Float8 a, Float8 b) { return {_mm256_min_ps(a.lanes, b.lanes)}; }
 
 inline unsigned less(Float8 a, Float8 b) {
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.lanes, b.lanes, _CMP_LT_OQ)));

@@ -42,6 +42,9 @@ inline Float8 sqrt(const Float8& a) {
 inline Float8 max(const Float8& a, const Float8& b) {
   return Float8::each([&](int k) { return a.lane[k] > b.lane[k] ? a.lane[k] : b.lane[k]; });
 }
+inline Float8 min(const Float8& a, const Float8& b) {
+  return Float8::each([&](int k) { return lower(a.lane[k], b.lane[k]); });
+}
 
 // Bit k of a mask is lane k; comparisons with something that is no number are false.
 inline unsigned less(const Float8& a, const Float8& b) {

@@ -31,7 +31,8 @@ class BlockKernel {
     start_vertices();
     collapse_to_target();
     relocate_survivors();
-    write_parents();
+    measure_distances();
+    result_.triangles = live_;
   }
 
  private:
@@ -106,7 +107,45 @@ class BlockKernel {
   void relocate(Id v, unsigned n);
   static Shift minimum_of(const Body& body);
   [[nodiscard]] bool members_reach(Id v, const Vec3f& position) const;
-  void write_parents();
+
+  // quadric_error.h
+  struct Lane3 {
+    Float x, y, z;
+  };
+  // A star for distances: side_k . o is the barycentric coordinate of the next neighbour, times the squared normal.
+  template <int G>
+  struct Sides {
+    Star<G> star;
+    Faces<G> faces;
+    Float side_x[G], side_y[G], side_z[G];
+    unsigned spokes, real;  // lanes with a neighbour, lanes with a triangle
+  };
+  // The nearest point of a star: in triangle `lane` of the vertex, or on its border.
+  struct Foot {
+    float squared;
+    Id vertex;
+    unsigned lane;
+  };
+  void measure_distances();
+  template <int G>
+  void measure_members(Id v, unsigned n, float& known);
+  void measure_members_apart(Id v, float& known);
+  [[nodiscard]] bool is_unmoved(Id v) const;
+  [[nodiscard]] Shift start_of(Id v) const;
+  void settle(Id v, Id parent, float squared);
+  template <int G>
+  [[nodiscard, gnu::always_inline]] Sides<G> sides_of(Id v, unsigned n) const;
+  template <int G>
+  [[nodiscard, gnu::always_inline]] static unsigned feet(const Sides<G>& s, int g, const Float& x, const Float& y,
+                                                         const Float& z);
+  template <int G>
+  [[nodiscard, gnu::always_inline]] static float above(const Sides<G>& s, Shift o);
+  [[nodiscard, gnu::always_inline]] static Float from_segment(const Lane3& o, const Lane3& a, const Lane3& e);
+  template <int G>
+  [[nodiscard]] Foot around(Id v, const Sides<G>& s, Shift o) const;
+  [[nodiscard]] Foot around(Id v, Shift q) const;
+  [[nodiscard]] static Foot nearer(const Foot& a, const Foot& b) { return b.squared < a.squared ? b : a; }
+  [[nodiscard]] float walk(Foot nearest, Shift q, float known) const;
 
   const SimplifyInput& input_;
   Arrays& a_;
@@ -120,6 +159,7 @@ class BlockKernel {
 }  // namespace lodestone::quadric
 
 #include "core/simplify/quadric_collapse.h"
+#include "core/simplify/quadric_error.h"
 #include "core/simplify/quadric_relocate.h"
 #include "core/simplify/quadric_setup.h"
 #include "core/simplify/quadric_star.h"

@@ -1,4 +1,4 @@
-// The survivors' last step, and the answer.
+// The survivors' last step.
 #pragma once
 
 #include "core/simplify/quadric_kernel.h"
@@ -70,16 +70,6 @@ bool BlockKernel<L>::members_reach(Id v, const Vec3f& position) const {
     if (!(x * x + y * y + z * z <= bound * bound * (1 - 1e-12))) return false;
   }
   return true;
-}
-
-template <class L>
-void BlockKernel<L>::write_parents() {
-  for (unsigned i = 0; i < count_; ++i) {
-    const Id v = static_cast<Id>(i);
-    if (a_.ring[v].has(gone)) continue;
-    for (Id m = v; m != none; m = a_.member[m].next) result_.parent[m] = v;
-  }
-  result_.triangles = live_;
 }
 
 }  // namespace lodestone::quadric

@@ -35,6 +35,7 @@ class QuadricSimplifier final : public Simplifier {
   const SimplifyResult& simplify(const SimplifyInput& input) override {
     result_.parent.resize(input.positions.size());
     result_.positions.resize(input.positions.size());
+    result_.distance.resize(input.positions.size());
     if (input.positions.size() <= quadric::id_limit) {
       kernel_(input, *arrays_, result_);
     } else {
@@ -48,6 +49,7 @@ class QuadricSimplifier final : public Simplifier {
   void simplify_parts(const SimplifyInput& input) {
     for (std::uint32_t v = 0; v < input.positions.size(); ++v) result_.parent[v] = v;
     std::copy(input.positions.begin(), input.positions.end(), result_.positions.begin());
+    std::fill(result_.distance.begin(), result_.distance.end(), 0.0f);
     result_.triangles = 0;
     const std::size_t parts = splitter_.split(input, quadric::id_limit);
     for (std::size_t p = 0; p < parts; ++p) {
@@ -56,10 +58,12 @@ class QuadricSimplifier final : public Simplifier {
       const auto target = static_cast<std::size_t>(share * static_cast<double>(input.target_triangles));
       of_part_.parent.resize(part.vertices.size());
       of_part_.positions.resize(part.vertices.size());
+      of_part_.distance.resize(part.vertices.size());
       kernel_(part.input(input.max_displacement, target), *arrays_, of_part_);
       for (std::size_t v = 0; v < part.vertices.size(); ++v) {
         result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];
         result_.positions[part.vertices[v]] = of_part_.positions[v];
+        result_.distance[part.vertices[v]] = of_part_.distance[v];
       }
       result_.triangles += of_part_.triangles;
     }

@@ -31,7 +31,11 @@ struct SimplifyInput {
 struct SimplifyResult {
   std::vector<std::uint32_t> parent;  // P, fully resolved: parent[parent[v]] == parent[v]
   std::vector<Vec3f> positions;       // one per input vertex; valid where parent[v] == v
-  std::size_t triangles = 0;          // images that are not degenerate
+  // Of every input vertex from the images, as far as the simplifier knows: never less than the distance from the
+  // nearest image near parent[v] (from parent[v] itself where there is none) but for rounding, and close to it where it
+  // counts, at the block's largest distances. Empty when the simplifier does not measure.
+  std::vector<float> distance;
+  std::size_t triangles = 0;  // images that are not degenerate
 };
 
 // Guarantees, whatever the input:

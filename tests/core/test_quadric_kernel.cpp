@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/distance/point_triangle.h"
+#include "core/hierarchy/star_distance.h"
 #include "core/simplify/quadric_reference.h"
 #include "core/simplify/quadric_simplifier.h"
 #include "tests/core/simplify_checks.h"
@@ -44,8 +46,38 @@ TEST(QuadricKernel, GivesTheSameBytesOnEveryInstructionSet) {
     const SimplifyResult &a = plain->simplify(input), &b = avx2->simplify(input);
     EXPECT_EQ(a.parent, b.parent);
     EXPECT_EQ(a.positions, b.positions);
+    EXPECT_EQ(a.distance, b.distance);
     EXPECT_EQ(a.triangles, b.triangles);
     EXPECT_LT(a.triangles, input.triangles.size());
+  }
+}
+
+double squared_distance(const SimplifyResult& result, const std::vector<Triangle>& images, Vec3f p) {
+  double nearest = std::numeric_limits<double>::infinity();
+  const auto at = [&](std::uint32_t v) { return to_double(result.positions[v]); };
+  for (const auto& [v] : images)
+    nearest = std::min(nearest, nearest_on_triangle(to_double(p), at(v[0]), at(v[1]), at(v[2])).squared_distance);
+  return nearest;
+}
+
+TEST(QuadricKernel, MeasuresHowFarTheVerticesAreFromTheImages) {
+  for (Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const SimplifyInput input = c.mesh.input(c.bound, c.target);
+    const auto simplifier = make_quadric_simplifier();
+    const SimplifyResult& result = simplifier->simplify(input);
+    const std::vector<Triangle> images = image(input, result);
+    StarDistance twin;
+    twin.reset(images, result.positions);
+    double largest = 0, largest_twin = 0;
+    for (std::uint32_t v = 0; v < input.positions.size(); ++v) {
+      const double measured = result.distance[v];
+      const double exact = std::sqrt(squared_distance(result, images, input.positions[v]));
+      EXPECT_GE(measured * (1 + 1e-4) + 1e-6, exact) << v;
+      largest = std::max(largest, measured);
+      largest_twin = std::max(largest_twin, twin.farther(0, input.positions[v], result.parent[v]));
+    }
+    EXPECT_LE(largest, 1.01 * std::sqrt(largest_twin) + 1e-6);
   }
 }
 
