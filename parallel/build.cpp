@@ -69,6 +69,7 @@ class HierarchyBuilder {
 
   void run_levels() {
     for (int l = finest_; l > 0; --l) {
+      scheduler_.name_work(level_name(l));
       const auto level = static_cast<std::size_t>(l);
       scheduler_.for_chunks(build_.plan.block_count[level], 1, [&](ChunkRange range) {
         run_block(build_.plan.first_block[level] + static_cast<std::uint32_t>(range.begin), worker());
@@ -78,12 +79,15 @@ class HierarchyBuilder {
 
   // A coarse block is worth more than a fine one: it releases what its cells carry for it.
   void run_graph() {
-    TaskGraph graph{build_.plan.blocks.size(), build_.plan.dependencies, {}};
+    TaskGraph graph{build_.plan.blocks.size(), build_.plan.dependencies, {}, [&](std::uint32_t b) { return label(b); }};
     graph.priority.reserve(graph.task_count);
     for (const Block& block : build_.plan.blocks) graph.priority.push_back(finest_ + 1 - block.level);
     scheduler_.run_graph(
         graph, [&](std::uint32_t b) { run_block(b, worker()); }, config_.cancel);
   }
+
+  [[nodiscard]] static std::string level_name(int level) { return "level " + std::to_string(level); }
+  [[nodiscard]] std::string label(std::uint32_t b) const { return level_name(build_.plan.blocks[b].level); }
 
   Worker& worker() { return workers_[static_cast<std::size_t>(scheduler_.worker_index())]; }
 
@@ -192,6 +196,7 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   out.provenance.simplifier = static_cast<std::uint32_t>(config.simplifier);
 
   const CpuClock partition_clock;
+  scheduler.name_work("partition");
   const bool choose = config.finest_level < 0;
   const int finest = choose ? choose_finest_level(mesh, config.cell_triangles) : config.finest_level;
   out.provenance.cell_triangles = choose ? config.cell_triangles : 0;

@@ -10,6 +10,8 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,6 +27,7 @@ struct TaskGraph {
   std::size_t task_count = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;  // (before, after)
   std::vector<int> priority;                                   // one per task, higher first; empty: all equal
+  std::function<std::string(std::uint32_t)> label{};           // of a task, for traces; may be empty
 };
 
 // Set from a signal handler or another thread; polled between tasks and chunks.
@@ -39,6 +42,8 @@ class Scheduler {
   [[nodiscard]] virtual int workers() const = 0;
   // Index of the calling worker, in [0, workers()): for per-worker scratch memory inside a body.
   [[nodiscard]] virtual int worker_index() const = 0;
+  // What the calls from here on are for. Only traces (parallel/trace.h) listen; not from inside a body.
+  virtual void name_work(std::string_view /*name*/) {}
 
   // Calls body for the chunks [k*grain, min((k+1)*grain, count)). The first exception of a body is rethrown after all
   // running bodies have ended. Nested calls are allowed.

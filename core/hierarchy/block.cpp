@@ -237,8 +237,7 @@ class BlockBuilder {
       const std::uint32_t p = result.parent[s_.block_id[first_vertex + i]];
       const Vec3f from = child.slab.positions[i];
       const Vec3d moved = to_double(result.positions[p]) - to_double(from);
-      if (dot(moved, moved) > squared)
-        squared = s_.surface.farther(squared, from, p);
+      if (dot(moved, moved) > squared) squared = s_.surface.farther(squared, from, p);
     }
     off_surface2_ = std::max(off_surface2_, squared);
     return root_up(squared);

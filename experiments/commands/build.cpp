@@ -5,6 +5,7 @@
 
 #include "experiments/commands/command.h"
 #include "experiments/progress.h"
+#include "experiments/trace_file.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
@@ -14,7 +15,7 @@ namespace lodestone {
 namespace {
 
 struct BuildOptions {
-  std::string input, output;
+  std::string input, output, trace;
   std::string simplifier = "quadric", strategy_name = "graph";
   BuildConfig config;
 };
@@ -53,8 +54,12 @@ nlohmann::json level_ratios(const Hierarchy& h) {
 }
 
 void run(const BuildOptions& options, const CommonOptions& common) {
-  check_files(common, {{"IN", options.input}}, {{"--output", options.output, ".lode"}});
-  const auto scheduler = make_scheduler(common);
+  std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
+  if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
+  check_files(common, {{"IN", options.input}}, outputs);
+  auto scheduler = make_scheduler(common);
+  const auto trace = std::make_shared<Trace>(scheduler->workers());
+  if (!options.trace.empty()) scheduler = make_tracing_scheduler(std::move(scheduler), trace);
   BuildConfig config = options.config;
   config.simplifier = simplifier_kind(options.simplifier);
   config.strategy = strategy(options.strategy_name);
@@ -71,16 +76,21 @@ void run(const BuildOptions& options, const CommonOptions& common) {
     clock = CpuClock();
   };
   progress.phase("reading");
+  scheduler->name_work("read");
   RawMesh raw = load_mesh(options.input, *scheduler);
   stage("read");
   Repairs repairs;
+  scheduler->name_work("weld");
   IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, *scheduler, options.input);
   stage("weld");
   progress.phase("building");
+  const double build_begin = trace->now();
   BuildReport report;
   Hierarchy hierarchy = build_hierarchy(std::move(mesh), config, *scheduler, &report);
   hierarchy.provenance.repairs = repairs;
   stage("build");
+  const TraceSummary use = summarize(*trace, build_begin);
+  scheduler->name_work("write");
   progress.phase("writing");
   save_lode(hierarchy, options.output, *scheduler);
   stage("write");
@@ -111,6 +121,10 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"strategy", options.strategy_name},
                  {"simplifier", options.simplifier},
                  {"repairs", to_json(repairs)}});
+  if (!options.trace.empty()) {
+    write_trace(*trace, options.trace);
+    result["trace"] = {{"file", options.trace}, {"build_busy", use.busy}, {"build_idle_tail", use.idle_tail}};
+  }
   write_json(common, result);
   if (common.quiet || common.json == "-") return;
   fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
@@ -151,6 +165,8 @@ void add_build(CLI::App& app) {
   command.add_option("--simplifier", options->simplifier, "quadric or cluster")->capture_default_str();
   command.add_option("--strategy", options->strategy_name, "graph, levels or serial; all give the same bytes")
       ->capture_default_str();
+  command.add_option("--trace", options->trace,
+                     "File for what each worker did when: JSON for chrome://tracing or ui.perfetto.dev (.json)");
   command.callback([options, common] { run(*options, *common); });
 }
 

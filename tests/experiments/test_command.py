@@ -115,6 +115,18 @@ class Build(CommandCase):
             self.assertEqual(len(files), 1, simplifier)
             self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
 
+    def test_trace_holds_every_block(self):
+        result = self.results("build", sphere(), "-o", "m.lode", "--levels", 3, "--threads", 2, "--trace", "trace.json")
+        trace = json.loads((self.folder / "trace.json").read_text())
+        events = [e for e in trace["traceEvents"] if e["ph"] == "X"]
+        self.assertLessEqual({"read", "weld", "partition", "level 3", "level 2", "level 1", "write"},
+                             {e["name"] for e in events})
+        self.assertLessEqual({e["tid"] for e in events}, {0, 1})
+        self.assertTrue(all(e["ts"] >= 0 and e["dur"] >= 0 for e in events))
+        self.assertEqual(len([e for e in events if e["name"] == "level 1"]), 1, "the root comes from one block")
+        self.assertTrue(0 < result["trace"]["build_busy"] <= 1)
+        self.assertLess(result["trace"]["build_idle_tail"], result["seconds"])
+
     def test_name_and_place_do_not_change_a_byte(self):
         here = self.build()
         (self.folder / "else").mkdir()
