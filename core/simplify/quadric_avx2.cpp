@@ -7,8 +7,8 @@
 
 namespace lodestone::quadric {
 
-void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result) {
-  BlockKernel<avx2::Lanes>(input, arrays, result).run();
+void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result) {
+  BlockKernel<avx2::Lanes>(input, arrays, seams, result).run();
 }
 
 }  // namespace lodestone::quadric
@@ -19,8 +19,8 @@ void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, SimplifyRes
 
 namespace lodestone::quadric {
 
-void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result) {
-  simplify_block_plain(input, arrays, result);
+void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result) {
+  simplify_block_plain(input, arrays, seams, result);
 }
 
 }  // namespace lodestone::quadric

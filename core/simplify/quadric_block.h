@@ -26,13 +26,15 @@ inline constexpr unsigned flags_lane = 15;
 // Bits of the last lane of a ring.
 enum Flags : Id {
   flags_base = id_limit,
-  movable = 1,  // one fan, not locked: may collapse and be relocated
-  open = 2,     // one open fan: the first and the last of the ring are its neighbours on the border of the surface
-  locked = 4,   // locked by the caller
-  pile = 8,     // several fans or not manifold: the ring is an unordered set of the neighbours
-  bare = 16,    // more neighbours than a ring holds: the ring is empty, and nothing collapses into it
-  queued = 32,  // waits in a bucket
-  gone = 64     // collapsed; its ring means nothing any more
+  movable = 1,   // one fan, not locked: may collapse and be relocated
+  open = 2,      // one open fan: the first and the last of the ring are its neighbours on the border of the surface
+  locked = 4,    // locked by the caller
+  pile = 8,      // several fans or not manifold: the ring is an unordered set of the neighbours
+  bare = 16,     // more neighbours than a ring holds: the ring is empty, and nothing collapses into it
+  queued = 32,   // waits in a bucket
+  gone = 64,     // collapsed; its ring means nothing any more
+  seamed = 128,  // at the end of a seam between wedges
+  sealed = 256   // of several wedges and not in order: nothing collapses into it
 };
 
 struct alignas(32) Ring {
@@ -90,8 +92,11 @@ struct FreeArrays {
 // Zeroed; pages are touched only as far as blocks reach.
 [[nodiscard]] std::unique_ptr<Arrays, FreeArrays> allocate_arrays();
 
-// The two builds of the same kernel: equal bytes. At most id_limit vertices; `result` has its final sizes.
-void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result);
-void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result);
+class Seams;
+
+// The two builds of the same kernel: equal bytes. At most id_limit vertices; `result` has its final sizes. seams:
+// working memory for wedges; null where the input has none.
+void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result);
+void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result);
 
 }  // namespace lodestone::quadric

@@ -96,6 +96,7 @@ void BlockKernel<L>::visit(Id v, unsigned n, unsigned bucket) {
   const Star<G> star = load_star<G>(v);
   const bool is_open = ring.has(open);
   unsigned allowed = is_open ? 1u | 1u << (n - 1) : (1u << n) - 1;
+  if (ring.has(seamed)) allowed &= seams_->lanes(v, ring, n);
   allowed &= within_bound<G>(v, star);
   Float cost[G];
   for (int g = 0; g < G; ++g) {
@@ -137,7 +138,8 @@ template <class L>
 bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
   const Ring& ring = a_.ring[v];
   const Ring& target = a_.ring[ring.lane[lane]];
-  if (target.has(bare)) return false;
+  if (target.has(bare) || target.has(sealed)) return false;
+  if (ring.has(seamed) && !seams_->lets(v, ring.lane[lane])) return false;
   const Ids target_ids = Ids::load(target.lane);
   const unsigned m = target_ids.find(none);
   const bool is_open = ring.has(open);
@@ -201,6 +203,7 @@ void BlockKernel<L>::collapse(Id v, unsigned n, unsigned lane, Shift t, unsigned
   const Ring& ring = a_.ring[v];
   const Id u = ring.lane[lane];
   const bool is_open = ring.has(open);
+  if (seams_ != nullptr) seams_->collapse(v, u, a_);
   // The neighbours behind the target, in order. The first and the last of them are neighbours of u already; on the
   // border only one of them is.
   const Ids behind = Ids::load(ring.lane).rotated(lane + 1 < n ? lane + 1 : 0, n);

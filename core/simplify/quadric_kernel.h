@@ -6,6 +6,7 @@
 #pragma once
 
 #include "core/simplify/quadric_block.h"
+#include "core/simplify/quadric_seams.h"
 
 namespace lodestone::quadric {
 
@@ -14,7 +15,7 @@ inline constexpr float least_height = 0;
 // Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
 // a minimum, and short edges go first where nothing else decides.
 inline constexpr float stiffness = 1e-4f;
-// Planes that hold the border of the surface, relative to its triangles.
+// Planes that hold borders of the surface and seams, relative to its triangles.
 inline constexpr float border_weight = 8;
 // Of the displacement bound: single precision must not promise what double precision would refuse.
 inline constexpr float bound_margin = 1 - 1e-5f;
@@ -22,8 +23,13 @@ inline constexpr float bound_margin = 1 - 1e-5f;
 template <class L>
 class BlockKernel {
  public:
-  BlockKernel(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result)
-      : input_(input), a_(arrays), result_(result), count_(static_cast<unsigned>(input.positions.size())) {}
+  // seams: null for a mesh without wedges.
+  BlockKernel(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result)
+      : input_(input),
+        a_(arrays),
+        seams_(seams),
+        result_(result),
+        count_(static_cast<unsigned>(input.positions.size())) {}
 
   void run() {
     place_points();
@@ -33,6 +39,7 @@ class BlockKernel {
     relocate_survivors();
     measure_distances();
     result_.triangles = live_;
+    if (seams_ != nullptr) seams_->resolve(input_, result_.parent, result_.wedge_parent);
   }
 
  private:
@@ -82,7 +89,9 @@ class BlockKernel {
   [[nodiscard]] unsigned pile_ring(Id v, unsigned n, Id* ring) const;
   template <int G>
   void start_quadric(Id v, unsigned n);
-  void add_border_planes(Id v, unsigned n, Body& body) const;
+  void start_vertex(Id v, unsigned n);
+  void add_edge_plane(Id v, unsigned lane, unsigned beside, Body& body) const;
+  void add_seam_planes(Id v, unsigned n, Body& body) const;
 
   // quadric_collapse.h
   void collapse_to_target();
@@ -149,6 +158,7 @@ class BlockKernel {
 
   const SimplifyInput& input_;
   Arrays& a_;
+  Seams* seams_;
   SimplifyResult& result_;
   unsigned count_;
   float scale_ = 1;          // from input coordinates to those of the block, a power of two

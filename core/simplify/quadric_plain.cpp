@@ -4,8 +4,8 @@
 
 namespace lodestone::quadric {
 
-void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, SimplifyResult& result) {
-  BlockKernel<plain::Lanes>(input, arrays, result).run();
+void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result) {
+  BlockKernel<plain::Lanes>(input, arrays, seams, result).run();
 }
 
 }  // namespace lodestone::quadric

@@ -12,8 +12,9 @@ void BlockKernel<L>::relocate_survivors() {
   for (unsigned i = 0; i < count_; ++i) {
     const Id v = static_cast<Id>(i);
     const Ring& ring = a_.ring[v];
-    // Collapsed vertices have lost their movable flag; those on the border stay on it by staying where they are.
-    if (!ring.has(movable) || ring.has(open)) continue;
+    // Collapsed vertices have lost their movable flag; those on borders and seams stay on them by staying where they
+    // are.
+    if (!ring.has(movable) || ring.has(open) || ring.has(seamed)) continue;
     const unsigned n = degree(v);
     if (n <= 8) {
       relocate<1>(v, n);

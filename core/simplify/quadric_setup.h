@@ -154,34 +154,48 @@ void BlockKernel<L>::start_vertices() {
   for (unsigned i = 0; i < count_; ++i) {
     const Id v = static_cast<Id>(i);
     const unsigned n = make_ring(v);
-    if (!a_.ring[v].has(movable)) {
-      a_.body[v] = {};
-    } else if (n <= 8) {
-      start_quadric<1>(v, n);
-    } else {
-      start_quadric<2>(v, n);
-    }
+    if (seams_ == nullptr) start_vertex(v, n);
+  }
+  if (seams_ == nullptr) return;
+  seams_->reset(input_, a_);
+  for (unsigned i = 0; i < count_; ++i) start_vertex(static_cast<Id>(i), degree(static_cast<Id>(i)));
+}
+
+template <class L>
+inline void BlockKernel<L>::start_vertex(Id v, unsigned n) {
+  if (!a_.ring[v].has(movable)) {
+    a_.body[v] = {};
+  } else if (n <= 8) {
+    start_quadric<1>(v, n);
+  } else {
+    start_quadric<2>(v, n);
   }
 }
 
-// Each neighbour on the border gives a plane through that edge, perpendicular to its triangle.
+// A plane through the edge to a neighbour on a border or seam, perpendicular to the triangle between it and `beside`.
 template <class L>
-void BlockKernel<L>::add_border_planes(Id v, unsigned n, Body& body) const {
+void BlockKernel<L>::add_edge_plane(Id v, unsigned lane, unsigned beside, Body& body) const {
   const Id* ring = a_.ring[v].lane;
   const Point& p = a_.point[v];
-  for (const unsigned lane : {0u, n - 1}) {
-    const Point &a = a_.point[ring[lane]], &b = a_.point[ring[lane == 0 ? 1 : n - 2]];
-    const float ex = a.x - p.x, ey = a.y - p.y, ez = a.z - p.z;
-    const float fx = b.x - p.x, fy = b.y - p.y, fz = b.z - p.z;
-    const float nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
-    const float wx = ey * nz - ez * ny, wy = ez * nx - ex * nz, wz = ex * ny - ey * nx;
-    const float squared = wx * wx + wy * wy + wz * wz;
-    if (!(squared > 0)) continue;
-    const float weight = border_weight * (ex * ex + ey * ey + ez * ez);
-    const float s = weight / squared;
-    body.xx += s * wx * wx, body.xy += s * wx * wy, body.xz += s * wx * wz;
-    body.yy += s * wy * wy, body.yz += s * wy * wz, body.zz += s * wz * wz;
-    body.weight += weight;
+  const Point &a = a_.point[ring[lane]], &b = a_.point[ring[beside]];
+  const float ex = a.x - p.x, ey = a.y - p.y, ez = a.z - p.z;
+  const float fx = b.x - p.x, fy = b.y - p.y, fz = b.z - p.z;
+  const float nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
+  const float wx = ey * nz - ez * ny, wy = ez * nx - ex * nz, wz = ex * ny - ey * nx;
+  const float squared = wx * wx + wy * wy + wz * wz;
+  if (!(squared > 0)) return;
+  const float weight = border_weight * (ex * ex + ey * ey + ez * ez);
+  const float s = weight / squared;
+  body.xx += s * wx * wx, body.xy += s * wx * wy, body.xz += s * wx * wz;
+  body.yy += s * wy * wy, body.yz += s * wy * wz, body.zz += s * wz * wz;
+  body.weight += weight;
+}
+
+template <class L>
+void BlockKernel<L>::add_seam_planes(Id v, unsigned n, Body& body) const {
+  for (unsigned lanes = seams_->lanes(v, a_.ring[v], n); lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<unsigned>(std::countr_zero(lanes));
+    add_edge_plane(v, lane, lane + 1 < n ? lane + 1 : 0, body);
   }
 }
 
@@ -207,7 +221,12 @@ void BlockKernel<L>::start_quadric(Id v, unsigned n) {
   Body& body = a_.body[v];
   sums(terms, &body.xx);  // xx to weight, and no error yet
   body.bx = body.by = body.bz = 0;
-  if (is_open) add_border_planes(v, n, body);
+  if (is_open) {
+    add_edge_plane(v, 0, 1, body);
+    add_edge_plane(v, n - 1, n - 2, body);
+  } else if (a_.ring[v].has(seamed)) {
+    add_seam_planes(v, n, body);
+  }
   const float isotropic = stiffness * body.weight;
   body.xx += isotropic, body.yy += isotropic, body.zz += isotropic;
   publish(body, a_.point[v]);

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <new>
+#include <numeric>
 
 #include "core/base/error.h"
 #include "core/simplify/quadric_block.h"
+#include "core/simplify/quadric_seams.h"
 #include "core/simplify/quadric_split.h"
 
 namespace lodestone {
@@ -36,20 +38,26 @@ class QuadricSimplifier final : public Simplifier {
     result_.parent.resize(input.positions.size());
     result_.positions.resize(input.positions.size());
     result_.distance.resize(input.positions.size());
+    result_.wedge_parent.clear();
     if (input.positions.size() <= quadric::id_limit) {
-      kernel_(input, *arrays_, result_);
+      kernel_(input, *arrays_, seams_of(input), result_);
     } else {
       simplify_parts(input);
     }
     return result_;
   }
+  [[nodiscard]] bool knows_wedges() const override { return true; }
 
  private:
+  quadric::Seams* seams_of(const SimplifyInput& input) { return input.corners.empty() ? nullptr : &seams_; }
+
   // Vertices on the seams between parts stay for this call; the next level cuts elsewhere.
   void simplify_parts(const SimplifyInput& input) {
     for (std::uint32_t v = 0; v < input.positions.size(); ++v) result_.parent[v] = v;
     std::copy(input.positions.begin(), input.positions.end(), result_.positions.begin());
     std::fill(result_.distance.begin(), result_.distance.end(), 0.0f);
+    result_.wedge_parent.resize(input.wedge_vertex.size());
+    std::iota(result_.wedge_parent.begin(), result_.wedge_parent.end(), 0u);
     result_.triangles = 0;
     const std::size_t parts = splitter_.split(input, quadric::id_limit);
     for (std::size_t p = 0; p < parts; ++p) {
@@ -59,18 +67,22 @@ class QuadricSimplifier final : public Simplifier {
       of_part_.parent.resize(part.vertices.size());
       of_part_.positions.resize(part.vertices.size());
       of_part_.distance.resize(part.vertices.size());
-      kernel_(part.input(input.max_displacement, target), *arrays_, of_part_);
+      const SimplifyInput part_input = part.input(input.max_displacement, target);
+      kernel_(part_input, *arrays_, seams_of(part_input), of_part_);
       for (std::size_t v = 0; v < part.vertices.size(); ++v) {
         result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];
         result_.positions[part.vertices[v]] = of_part_.positions[v];
         result_.distance[part.vertices[v]] = of_part_.distance[v];
       }
+      for (std::size_t w = 0; w < part.wedges.size(); ++w)
+        result_.wedge_parent[part.wedges[w]] = part.wedges[of_part_.wedge_parent[w]];
       result_.triangles += of_part_.triangles;
     }
   }
 
-  void (*kernel_)(const SimplifyInput&, quadric::Arrays&, SimplifyResult&);
+  void (*kernel_)(const SimplifyInput&, quadric::Arrays&, quadric::Seams*, SimplifyResult&);
   std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
+  quadric::Seams seams_;
   quadric::Splitter splitter_;
   SimplifyResult result_, of_part_;
 };

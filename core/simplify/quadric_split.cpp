@@ -79,8 +79,25 @@ std::size_t Splitter::split(const SimplifyInput& input, std::size_t most_vertice
   find_shared(input);
   local_.resize(input.positions.size());
   seen_.assign(input.positions.size(), 0);
+  seen_wedge_.assign(input.wedge_vertex.size(), 0);
+  local_wedge_.resize(input.wedge_vertex.size());
   stamp_ = 0;
   return ends_.size() - 1;
+}
+
+void Splitter::append_corners(const Triangle& corners, const Triangle& local) {
+  Triangle c = corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::uint32_t& w = c.v[k];
+    if (seen_wedge_[w] != stamp_) {
+      seen_wedge_[w] = stamp_;
+      local_wedge_[w] = static_cast<std::uint32_t>(part_.wedges.size());
+      part_.wedges.push_back(w);
+      part_.wedge_vertex.push_back(local.v[k]);
+    }
+    w = local_wedge_[w];
+  }
+  part_.corners.push_back(c);
 }
 
 const Part& Splitter::part(const SimplifyInput& input, std::size_t index) {
@@ -89,6 +106,9 @@ const Part& Splitter::part(const SimplifyInput& input, std::size_t index) {
   part_.positions.clear();
   part_.triangles.clear();
   part_.locked.clear();
+  part_.wedges.clear();
+  part_.wedge_vertex.clear();
+  part_.corners.clear();
   for (std::size_t i = ends_[index]; i < ends_[index + 1]; ++i) {
     Triangle t = input.triangles[order_[i].triangle];
     for (std::uint32_t& v : t.v) {
@@ -102,6 +122,7 @@ const Part& Splitter::part(const SimplifyInput& input, std::size_t index) {
       v = local_[v];
     }
     part_.triangles.push_back(t);
+    if (!input.corners.empty()) append_corners(input.corners[order_[i].triangle], t);
   }
   return part_;
 }

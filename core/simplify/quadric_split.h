@@ -15,9 +15,12 @@ struct Part {
   std::vector<std::uint32_t> vertices;
   std::vector<Vec3f> positions;
   std::vector<Triangle> triangles;
-  std::vector<std::uint8_t> locked;  // by the caller, or because another part uses the vertex too
+  std::vector<std::uint8_t> locked;   // by the caller, or because another part uses the vertex too
+  std::vector<std::uint32_t> wedges;  // their ids in the whole; empty without wedges, as are the next two
+  std::vector<Triangle> corners;
+  std::vector<std::uint32_t> wedge_vertex;
   [[nodiscard]] SimplifyInput input(float max_displacement, std::size_t target) const {
-    return {positions, triangles, locked, max_displacement, target};
+    return {positions, triangles, locked, max_displacement, target, corners, wedge_vertex};
   }
 };
 
@@ -34,17 +37,19 @@ class Splitter {
   void halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices);
   [[nodiscard]] std::size_t count_vertices(const SimplifyInput& input, std::size_t begin, std::size_t end);
   void find_shared(const SimplifyInput& input);
+  void append_corners(const Triangle& corners, const Triangle& local);
 
   struct Keyed {
     std::int32_t key;
     std::uint32_t triangle;
     auto operator<=>(const Keyed&) const = default;
   };
-  std::vector<Keyed> order_;          // triangles, part after part
-  std::vector<std::size_t> ends_;     // of the parts in order_, from 0 on
-  std::vector<std::uint32_t> seen_;   // per vertex: the last count or part that met it
-  std::vector<std::uint32_t> local_;  // per vertex: its id in the part being made
-  std::vector<std::uint8_t> shared_;  // per vertex: used by several parts
+  std::vector<Keyed> order_;                             // triangles, part after part
+  std::vector<std::size_t> ends_;                        // of the parts in order_, from 0 on
+  std::vector<std::uint32_t> seen_;                      // per vertex: the last count or part that met it
+  std::vector<std::uint32_t> local_;                     // per vertex: its id in the part being made
+  std::vector<std::uint32_t> seen_wedge_, local_wedge_;  // the same per wedge
+  std::vector<std::uint8_t> shared_;                     // per vertex: used by several parts
   std::uint32_t stamp_ = 0;
   Part part_;
 };

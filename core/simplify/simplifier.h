@@ -26,6 +26,10 @@ struct SimplifyInput {
   std::span<const std::uint8_t> locked;  // one per position; non-zero: keeps itself and its position
   float max_displacement = 0;            // bound of (1), in units of the positions; > 0
   std::size_t target_triangles = 0;      // stop at this count; more may remain where the constraints demand it
+  // Wedges, where vertices have attributes: of each corner of each triangle, and the vertex of each wedge. Both empty:
+  // the vertices have none, or one value each.
+  std::span<const Triangle> corners{};
+  std::span<const std::uint32_t> wedge_vertex{};
 };
 
 struct SimplifyResult {
@@ -35,6 +39,8 @@ struct SimplifyResult {
   // nearest image near parent[v] (from parent[v] itself where there is none) but for rounding, and close to it where it
   // counts, at the block's largest distances. Empty when the simplifier does not measure.
   std::vector<float> distance;
+  // P of each wedge of the input, a wedge of P of its vertex; empty without wedges.
+  std::vector<std::uint32_t> wedge_parent;
   std::size_t triangles = 0;  // images that are not degenerate
 };
 
@@ -51,6 +57,8 @@ class Simplifier {
   virtual ~Simplifier() = default;
   // The result stays valid until the next call on the same instance.
   [[nodiscard]] virtual const SimplifyResult& simplify(const SimplifyInput& input) = 0;
+  // Whether it takes corners and wedge_vertex, and answers with wedge_parent.
+  [[nodiscard]] virtual bool knows_wedges() const { return false; }
 };
 
 [[nodiscard]] std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind);
