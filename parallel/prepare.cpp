@@ -13,6 +13,7 @@
 #include "core/mesh/clean_kernels.h"
 #include "parallel/first_touch.h"
 #include "parallel/hash_partition.h"
+#include "parallel/prepare_wedges.h"
 
 namespace lodestone {
 namespace {
@@ -73,7 +74,11 @@ Box3d box_of(std::span<const Vec3d> positions, std::span<const VertexState> stat
 class Preparation {
  public:
   Preparation(RawMesh&& raw, Repairs& repairs, Scheduler& scheduler)
-      : raw_(std::move(raw)), repairs_(&repairs), scheduler_(&scheduler), states_(raw_.positions.size()) {
+      : raw_(std::move(raw)),
+        repairs_(&repairs),
+        scheduler_(&scheduler),
+        wedges_(raw_, scheduler),
+        states_(raw_.positions.size()) {
     mesh_.triangles = std::move(raw_.triangles);
   }
 
@@ -138,10 +143,13 @@ class Preparation {
     const std::size_t before = mesh_.positions.size();
     squeeze(mesh_.positions, *scheduler_,
             [&](ChunkRange range) { return squeeze_vertices(part(states_, range), part(mesh_.positions, range)); });
+    wedges_.squeeze(mesh_.triangles);
     squeeze(mesh_.triangles, *scheduler_,
             [&](ChunkRange range) { return squeeze_triangles(ids_, part(mesh_.triangles, range)); });
     repairs_->unreferenced_vertices = before - mesh_.positions.size() - repairs_->welded_vertices;
   }
+
+  void attach_wedges() { wedges_.attach(mesh_); }
 
   [[nodiscard]] IndexedMesh&& result() && { return std::move(mesh_); }
   [[nodiscard]] const IndexedMesh& mesh() const { return mesh_; }
@@ -169,6 +177,7 @@ class Preparation {
   RawMesh raw_;
   Repairs* repairs_;
   Scheduler* scheduler_;
+  WedgePreparation wedges_;
   IndexedMesh mesh_;
   std::vector<VertexState> states_;
   std::vector<std::uint32_t> ids_;  // of each vertex: its representative, then its number in the result
@@ -196,6 +205,7 @@ IndexedMesh prepare_mesh(RawMesh&& raw, Repairs& repairs, Scheduler& scheduler, 
   require_any_left(repairs.non_finite_triangles + repairs.degenerate_triangles, triangles, repairs, name);
   preparation.drop_duplicate_triangles();
   preparation.squeeze_out();
+  preparation.attach_wedges();
   return std::move(preparation).result();
 }
 

@@ -4,24 +4,17 @@
 // the program works on: float32 inside the unit cube, welded and clean, with the transform back to the file's space.
 #pragma once
 
-#include <array>
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "core/base/vec3.h"
+#include "core/mesh/attributes.h"
+#include "core/mesh/triangle.h"
 
 namespace lodestone {
-
-// Three vertex ids, counter-clockwise seen from outside. What they index is said where a Triangle is used.
-struct Triangle {
-  std::array<std::uint32_t, 3> v{};
-  friend constexpr bool operator==(const Triangle&, const Triangle&) = default;
-};
-
-[[nodiscard]] constexpr bool is_degenerate(const Triangle& t) {
-  return t.v[0] == t.v[1] || t.v[1] == t.v[2] || t.v[2] == t.v[0];
-}
 
 struct RawMesh {
   std::vector<Vec3d> positions;
@@ -29,7 +22,18 @@ struct RawMesh {
   // What the reader had to do to make sense of the file.
   std::uint64_t polygons_triangulated = 0;  // faces of more than three corners
   std::uint64_t faces_dropped = 0;          // faces of fewer than three corners
+  // What the surface has besides its shape; all empty when it has nothing, or when it was not asked for.
+  RawWedges wedges;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  // What was left out, each a line that names file and place: a texture that is missing, a part that is no surface.
+  std::vector<std::string> warnings;
 };
+
+// Zero when the mesh has no attributes.
+[[nodiscard]] inline std::size_t wedge_count(const RawMesh& mesh) {
+  return std::max({mesh.wedges.uv.size(), mesh.wedges.normal.size(), mesh.wedges.colour.size()});
+}
 
 // model = origin + scale * normalised; scale is the longest extent of the bounding box, so that the normalised mesh
 // lies in [0,1]^3 and touches both ends of at least one axis.
@@ -41,10 +45,25 @@ struct Transform {
   friend bool operator==(const Transform&, const Transform&) = default;
 };
 
+// What the wedges of an IndexedMesh have; all empty without attributes.
+struct WedgeAttributes {
+  // The first wedge at the same position, of each wedge: equal for wedges of one vertex.
+  std::vector<std::uint32_t> vertex;
+  std::vector<Vec2f> uv;                // finite; one per wedge, or empty
+  std::vector<Rgba8> colour;            // likewise
+  std::vector<Vec3f> normal;            // likewise; zero: unknown
+  std::vector<std::uint32_t> material;  // one per triangle, or empty: an index into materials, or no_material
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+};
+
 struct IndexedMesh {
-  std::vector<Vec3f> positions;     // normalised, finite, in [0,1]^3, pairwise different bits (welded)
-  std::vector<Triangle> triangles;  // into positions; three distinct ids, no exact duplicates
+  // Normalised, finite, in [0,1]^3. Without attributes one per vertex, pairwise different bits (welded). With
+  // attributes one per wedge: wedges of one vertex have the same position, those of different vertices different ones.
+  std::vector<Vec3f> positions;
+  std::vector<Triangle> triangles;  // into positions; three distinct vertices, no exact duplicates
   Transform transform;
+  WedgeAttributes wedges{};
 };
 
 // Counts of everything that cleaning changed; all zero for a mesh that was already sound.
