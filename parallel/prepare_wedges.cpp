@@ -1,8 +1,10 @@
 #include "parallel/prepare_wedges.h"
 
+#include <algorithm>
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "parallel/hash_partition.h"
@@ -73,6 +75,7 @@ void WedgePreparation::squeeze(const std::vector<Triangle>& triangles) {
 
 void WedgePreparation::attach(IndexedMesh& mesh) {
   if (count_ == 0) return;
+  give_materials();
   place_wedges(mesh);
   weld();
   number();
@@ -80,7 +83,7 @@ void WedgePreparation::attach(IndexedMesh& mesh) {
   out.uv = gathered(wedges_.uv, kept_, scheduler_);
   out.colour = gathered(wedges_.colour, kept_, scheduler_);
   out.normal = gathered(wedges_.normal, kept_, scheduler_);
-  out.material = std::move(wedges_.material);
+  out.material = gathered(material_, kept_, scheduler_);
   out.materials = std::move(materials_);
   out.textures = std::move(textures_);
 
@@ -95,6 +98,29 @@ void WedgePreparation::attach(IndexedMesh& mesh) {
   });
 }
 
+// From the triangles to their wedges. A wedge that triangles of several materials use is copied for each of them.
+void WedgePreparation::give_materials() {
+  const std::vector<std::uint32_t>& of_triangle = wedges_.material;
+  if (std::all_of(of_triangle.begin(), of_triangle.end(), [](std::uint32_t m) { return m == 0; })) return;
+  constexpr std::uint32_t unknown = no_material - 1;
+  material_.assign(count_, unknown);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> copies;
+  for (std::size_t t = 0; t < of_triangle.size(); ++t)
+    for (std::uint32_t& w : wedges_.corners[t].v) {
+      if (material_[w] == unknown) material_[w] = of_triangle[t];
+      if (material_[w] == of_triangle[t]) continue;
+      const auto [at, is_new] = copies.try_emplace({w, of_triangle[t]}, static_cast<std::uint32_t>(count_));
+      if (is_new) {
+        if (!wedges_.uv.empty()) wedges_.uv.push_back(wedges_.uv[w]);
+        if (!wedges_.colour.empty()) wedges_.colour.push_back(wedges_.colour[w]);
+        if (!wedges_.normal.empty()) wedges_.normal.push_back(wedges_.normal[w]);
+        material_.push_back(of_triangle[t]);
+        ++count_;
+      }
+      w = at->second;
+    }
+}
+
 // Every wedge belongs to one vertex, so whoever writes it writes the same.
 void WedgePreparation::place_wedges(const IndexedMesh& mesh) {
   vertex_.assign(count_, none);
@@ -107,6 +133,7 @@ void WedgePreparation::place_wedges(const IndexedMesh& mesh) {
 
 std::uint64_t WedgePreparation::hash_of(std::size_t w) const {
   std::uint64_t h = mixed(0, vertex_[w]);
+  if (!material_.empty()) h = mixed(h, material_[w]);
   if (!wedges_.uv.empty()) h = mixed(h, bits(wedges_.uv[w].x, wedges_.uv[w].y));
   if (!wedges_.colour.empty()) h = mixed(h, std::bit_cast<std::uint32_t>(wedges_.colour[w]));
   if (!wedges_.normal.empty()) {
@@ -117,7 +144,8 @@ std::uint64_t WedgePreparation::hash_of(std::size_t w) const {
 }
 
 bool WedgePreparation::equal(std::uint32_t a, std::uint32_t b) const {
-  return vertex_[a] == vertex_[b] && (wedges_.uv.empty() || wedges_.uv[a] == wedges_.uv[b]) &&
+  return vertex_[a] == vertex_[b] && (material_.empty() || material_[a] == material_[b]) &&
+         (wedges_.uv.empty() || wedges_.uv[a] == wedges_.uv[b]) &&
          (wedges_.colour.empty() || wedges_.colour[a] == wedges_.colour[b]) &&
          (wedges_.normal.empty() || wedges_.normal[a] == wedges_.normal[b]);
 }

@@ -24,6 +24,7 @@ class WedgePreparation {
 
  private:
   void make_finite();
+  void give_materials();
   void place_wedges(const IndexedMesh& mesh);
   void weld();
   [[nodiscard]] std::uint64_t hash_of(std::size_t wedge) const;
@@ -34,10 +35,11 @@ class WedgePreparation {
   RawWedges wedges_;
   std::vector<Material> materials_;
   std::vector<Texture> textures_;
-  std::size_t count_ = 0;               // of the wedges in the file; 0 without attributes
-  std::vector<std::uint32_t> vertex_;   // of each of them in the clean mesh; none: no triangle uses it
-  std::vector<std::uint32_t> numbers_;  // of each: its representative, then its number in the result
-  std::vector<std::uint32_t> kept_;     // representatives, ascending
+  std::size_t count_ = 0;                // of the wedges in the file; 0 without attributes
+  std::vector<std::uint32_t> vertex_;    // of each of them in the clean mesh; none: no triangle uses it
+  std::vector<std::uint32_t> material_;  // of each; empty where all have the first
+  std::vector<std::uint32_t> numbers_;   // of each: its representative, then its number in the result
+  std::vector<std::uint32_t> kept_;      // representatives, ascending
 };
 
 }  // namespace lodestone

@@ -52,7 +52,9 @@ struct WedgeAttributes {
   std::vector<Vec2f> uv;                // finite; one per wedge, or empty
   std::vector<Rgba8> colour;            // likewise
   std::vector<Vec3f> normal;            // likewise; zero: unknown
-  std::vector<std::uint32_t> material;  // one per triangle, or empty: an index into materials, or no_material
+  // Likewise: an index into materials, or no_material; the same for the three corners of a triangle, so that materials
+  // meet along seams. Empty: all have the first material.
+  std::vector<std::uint32_t> material;
   std::vector<Material> materials;
   std::vector<Texture> textures;
 };

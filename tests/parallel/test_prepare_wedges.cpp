@@ -46,13 +46,13 @@ TEST(PrepareWedges, FollowTheirCorners) {
   }
   const IndexedMesh mesh = prepared(raw, 3);
   ASSERT_EQ(mesh.wedges.colour.size(), mesh.positions.size());
-  ASSERT_EQ(mesh.wedges.material.size(), mesh.triangles.size());
+  ASSERT_EQ(mesh.wedges.material.size(), mesh.positions.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t w = mesh.triangles[t].v[k];
       const Rgba8 from = mesh.wedges.colour[w];
       const std::uint32_t triangle = from.r + 256u * from.g;
-      EXPECT_EQ(triangle, mesh.wedges.material[t]);
+      EXPECT_EQ(triangle, mesh.wedges.material[w]);
       EXPECT_EQ(from.b, k);
       EXPECT_EQ(mesh.positions[w], normalise(mesh.transform, raw.positions[raw.triangles[triangle].v[k]]));
     }
@@ -113,15 +113,29 @@ TEST(PrepareWedges, WhatIsNoNumberIsNotGiven) {
   EXPECT_EQ(mesh.wedges.normal[1], (Vec3f{0, 0, 0}));
 }
 
-TEST(PrepareWedges, MaterialsAloneNeedNone) {
+TEST(PrepareWedges, MaterialsMeetAlongSeams) {
   RawMesh raw;
   raw.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   raw.triangles = {{{0, 1, 2}}, {{1, 1, 2}}, {{2, 1, 3}}};
   raw.wedges.material = {0, 1, 2};
   const IndexedMesh mesh = prepared(raw, 1);
-  EXPECT_EQ(mesh.wedges.material, (std::vector<std::uint32_t>{0, 2}));
-  EXPECT_EQ(mesh.positions.size(), 4u);
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.positions.size(), 6u);
+  for (const std::uint32_t w : mesh.triangles[0].v) EXPECT_EQ(mesh.wedges.material[w], 0u);
+  for (const std::uint32_t w : mesh.triangles[1].v) EXPECT_EQ(mesh.wedges.material[w], 2u);
   EXPECT_TRUE(mesh.wedges.uv.empty());
+}
+
+TEST(PrepareWedges, OneMaterialNeedsNoWedges) {
+  RawMesh raw;
+  raw.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  raw.triangles = {{{0, 1, 2}}, {{2, 1, 3}}};
+  raw.wedges.material = {0, 0};
+  raw.materials.resize(1);
+  const IndexedMesh mesh = prepared(raw, 1);
+  EXPECT_EQ(mesh.positions.size(), 4u);
+  EXPECT_TRUE(mesh.wedges.material.empty());
+  EXPECT_EQ(mesh.wedges.materials.size(), 1u);
 }
 
 }  // namespace
