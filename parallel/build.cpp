@@ -22,6 +22,7 @@ struct Build {
   Partition partition;
   BlockPlan plan;
   std::vector<std::vector<CellBuild>> cells;  // by level, by rank
+  AttributeSet attributes;
 };
 
 // One worker's simplifier and scratch memory.
@@ -39,6 +40,11 @@ void check(const IndexedMesh& mesh, const BuildConfig& config) {
   if (mesh.triangles.empty()) throw InputError("the mesh has no triangles");
   if (mesh.positions.size() >= FinestVertices::shared_flag)
     throw ResourceError("the mesh has more than 2^31 vertices; vertex ids have 32 bits");
+}
+
+AttributeSet attributes_of(const IndexedMesh& mesh) {
+  const WedgeAttributes& w = mesh.wedges;
+  return {!w.vertex.empty(), !w.uv.empty(), !w.colour.empty(), !w.material.empty()};
 }
 
 class HierarchyBuilder {
@@ -99,8 +105,8 @@ class HierarchyBuilder {
     if (block.level == finest_)
       for (const CellRank p : block.parents)
         for (CellRank c = parents.first_child[p]; c < parents.first_child[p + 1]; ++c) make_finest(c, worker);
-    build_block(block, parents, build_.cells[level], build_.cells[level - 1], config_.sigma0, *worker.simplifier,
-                worker.block);
+    build_block(block, parents, build_.cells[level], build_.cells[level - 1], config_.sigma0, build_.attributes,
+                *worker.simplifier, worker.block);
     report_progress(worker.block.triangles.size());
   }
 
@@ -155,6 +161,7 @@ void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
     cell.error = from.error;
     cell.positions = from.slab.positions;
     cell.normals = from.slab.normals;
+    cell.attributes = {from.slab.uv, from.slab.colours, from.slab.materials};
     if (l > 0) cell.parents = from.slab.parents;
     cell.shared_ids = from.slab.shared_ids;
     cell.triangles = from.triangles;
@@ -194,6 +201,9 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   out.provenance.input_vertices = mesh.positions.size();
   out.provenance.input_triangles = mesh.triangles.size();
   out.provenance.simplifier = static_cast<std::uint32_t>(config.simplifier);
+  out.attributes = build->attributes = attributes_of(mesh);
+  out.materials = std::move(mesh.wedges.materials);
+  out.textures = std::move(mesh.wedges.textures);
 
   const CpuClock partition_clock;
   scheduler.name_work("partition");

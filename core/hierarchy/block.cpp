@@ -28,8 +28,13 @@ float sum_up(float a, float b) { return b > 0 ? std::nextafter(a + b, std::numer
 class BlockBuilder {
  public:
   BlockBuilder(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
-               std::span<CellBuild> parents, BlockScratch& scratch)
-      : block_(block), parent_level_(parent_level), cells_(cells), parents_(parents), s_(scratch) {}
+               std::span<CellBuild> parents, const AttributeSet& attributes, BlockScratch& scratch)
+      : block_(block),
+        parent_level_(parent_level),
+        cells_(cells),
+        parents_(parents),
+        attributes_(attributes),
+        s_(scratch) {}
 
   void merge() {
     clear();
@@ -40,16 +45,22 @@ class BlockBuilder {
       s_.locked[s_.shared[k]] = !s_.usage[k].inside(block_.range);
       s_.usage_of[s_.shared[k]] = k;
     }
+    if (attributes_.wedges) weld_wedges();
   }
 
   const SimplifyResult& simplify(Simplifier& simplifier, float sigma0) {
-    return simplifier.simplify({s_.positions, s_.triangles, s_.locked, displacement_bound(sigma0, block_.level),
-                                s_.triangles.size() / kept_share});
+    const float bound = displacement_bound(sigma0, block_.level);
+    const std::size_t target = s_.triangles.size() / kept_share;
+    if (!attributes_.wedges) return simplifier.simplify({s_.positions, s_.triangles, s_.locked, bound, target});
+    const SimplifyResult& result = s_.wedges.simplify(simplifier, bound, target);
+    interpolate_attributes();
+    return result;
   }
 
   void split(const SimplifyResult& result, float sigma0) {
     if (result.distance.empty()) index_images(result);
     gather_members(result);
+    if (attributes_.wedges) join_uses();
     std::size_t vertex = 0, member = 0;
     for (std::size_t i = 0; i < block_.parents.size(); ++i) {
       const std::size_t end = member_end_[i];
@@ -90,6 +101,7 @@ class BlockBuilder {
   template <class Visit>
   void for_each_in_scratch(const Visit& visit) {
     visit(s_.positions), visit(s_.normals), visit(s_.ids), visit(s_.triangles), visit(s_.block_id);
+    visit(s_.uv), visit(s_.colours), visit(s_.materials), visit(s_.vertex_ids);
     visit(s_.shared), visit(s_.usage);
   }
 
@@ -103,6 +115,10 @@ class BlockBuilder {
     append(s_.positions, cell.slab.positions);
     append(s_.normals, cell.slab.normals);
     append(s_.ids, cell.ids);
+    if (attributes_.wedges) append(s_.vertex_ids, cell.vertex_ids);
+    if (attributes_.uv) append(s_.uv, cell.slab.uv);
+    if (attributes_.colours) append(s_.colours, cell.slab.colours);
+    if (attributes_.materials) append(s_.materials, cell.slab.materials);
     s_.block_id.resize(first + cell.vertex_count());
     std::uint32_t* const block_id = s_.block_id.data() + first;
     for (std::uint32_t i = 0; i < own; ++i) block_id[i] = base + i;
@@ -122,6 +138,10 @@ class BlockBuilder {
       s_.positions.push_back(cell.slab.positions[i]);
       s_.normals.push_back(cell.slab.normals[i]);
       s_.ids.push_back(cell.ids[i]);
+      if (attributes_.wedges) s_.vertex_ids.push_back(cell.vertex_ids[i]);
+      if (attributes_.uv) s_.uv.push_back(cell.slab.uv[i]);
+      if (attributes_.colours) s_.colours.push_back(cell.slab.colours[i]);
+      if (attributes_.materials) s_.materials.push_back(cell.slab.materials[i]);
     } else {
       s_.usage[index].extend(cell.usage[k]);
     }
@@ -138,6 +158,48 @@ class BlockBuilder {
       s_.table_values[slot] = none;
     }
     return s_.table_values[slot];
+  }
+
+  // Wedges of one vertex are used where any of them is.
+  void weld_wedges() {
+    s_.wedges.weld(s_.vertex_ids, s_.positions, s_.triangles, s_.locked);
+    const std::span<const std::uint32_t> vertex = s_.wedges.vertex();
+    s_.vertex_usage.assign(s_.wedges.vertices(), UsageBox{});
+    for (std::size_t k = 0; k < s_.shared.size(); ++k) s_.vertex_usage[vertex[s_.shared[k]]].extend(s_.usage[k]);
+    for (std::size_t k = 0; k < s_.shared.size(); ++k) s_.usage[k] = s_.vertex_usage[vertex[s_.shared[k]]];
+  }
+  void join_uses() {
+    const std::span<const std::uint32_t> vertex = s_.wedges.vertex();
+    s_.vertex_used_by.assign(s_.wedges.vertices(), 0);
+    for (const std::uint32_t p : s_.members) s_.vertex_used_by[vertex[p]] |= s_.used_by[p];
+    for (const std::uint32_t p : s_.members) s_.used_by[p] = s_.vertex_used_by[vertex[p]];
+  }
+
+  // Survivors that have moved take the attributes of the place that they have moved to.
+  void interpolate_attributes() {
+    const std::span<const BlockWedges::Moved> moved = s_.wedges.moved();
+    s_.moved_uv.clear();
+    s_.moved_colours.clear();
+    for (const BlockWedges::Moved& m : moved) {
+      const auto& corner = s_.triangles[m.triangle].v;
+      const auto mean = [&](const auto& value) {
+        return m.weight[0] * value(corner[0]) + m.weight[1] * value(corner[1]) + m.weight[2] * value(corner[2]);
+      };
+      if (attributes_.uv)
+        s_.moved_uv.push_back(
+            {mean([&](std::uint32_t w) { return s_.uv[w].x; }), mean([&](std::uint32_t w) { return s_.uv[w].y; })});
+      if (attributes_.colours) {
+        const auto channel = [&](std::uint8_t Rgba8::*c) {
+          return static_cast<std::uint8_t>(mean([&](std::uint32_t w) { return static_cast<float>(s_.colours[w].*c); }) +
+                                           0.5f);
+        };
+        s_.moved_colours.push_back({channel(&Rgba8::r), channel(&Rgba8::g), channel(&Rgba8::b), channel(&Rgba8::a)});
+      }
+    }
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      if (attributes_.uv) s_.uv[moved[i].wedge] = s_.moved_uv[i];
+      if (attributes_.colours) s_.colours[moved[i].wedge] = s_.moved_colours[i];
+    }
   }
 
   void index_images(const SimplifyResult& result) {
@@ -193,10 +255,11 @@ class BlockBuilder {
       keep_triangles(child);
       vertex += child.vertex_count();
     });
-    parent.slab.allocate(members.size(), shared, s_.kept.size());
+    parent.slab.allocate(members.size(), shared, s_.kept.size(), attributes_);
     std::copy(s_.kept.begin(), s_.kept.end(), parent.slab.triangles.begin());
     parent.triangles = parent.slab.triangles;
     fill_vertices(result, members, parent);
+    if (attributes_.wedges) fill_attributes(members, parent);
     for_each_child(rank, [&](CellBuild& child) {
       parent.bounds.extend(child.bounds);
       child.release_transient();
@@ -210,6 +273,10 @@ class BlockBuilder {
     for (const std::uint32_t p : members) shared += becomes_shared(p);
     std::uint32_t next_own = 0, next_shared = static_cast<std::uint32_t>(members.size() - shared);
     for (const std::uint32_t p : members) s_.local[p] = becomes_shared(p) ? next_shared++ : next_own++;
+    if (attributes_.wedges) {
+      s_.local_vertex.resize(members.size());
+      for (const std::uint32_t p : members) s_.local_vertex[s_.local[p]] = s_.wedges.vertex()[p];
+    }
     return shared;
   }
 
@@ -248,8 +315,11 @@ class BlockBuilder {
     const std::span<const std::uint32_t> parents = child.slab.parents;
     for (const Triangle& t : child.triangles) {
       const Triangle image{{parents[t.v[0]], parents[t.v[1]], parents[t.v[2]]}};
-      if (!is_degenerate(image)) s_.kept.push_back(image);
+      if (!is_degenerate(attributes_.wedges ? by_vertex(image) : image)) s_.kept.push_back(image);
     }
+  }
+  [[nodiscard]] Triangle by_vertex(const Triangle& t) const {
+    return {{s_.local_vertex[t.v[0]], s_.local_vertex[t.v[1]], s_.local_vertex[t.v[2]]}};
   }
 
   void fill_vertices(const SimplifyResult& result, std::span<const std::uint32_t> members, CellBuild& parent) {
@@ -268,9 +338,23 @@ class BlockBuilder {
     }
   }
 
+  // Triangles of one material stand together, as who draws them wants them.
+  void fill_attributes(std::span<const std::uint32_t> members, CellBuild& parent) {
+    parent.vertex_ids.resize(members.size());
+    for (const std::uint32_t p : members) {
+      const std::uint32_t i = s_.local[p];
+      parent.vertex_ids[i] = s_.vertex_ids[p];
+      if (attributes_.uv) parent.slab.uv[i] = s_.uv[p];
+      if (attributes_.colours) parent.slab.colours[i] = s_.colours[p];
+      if (attributes_.materials) parent.slab.materials[i] = s_.materials[p];
+    }
+    sort_by_material(parent);
+  }
+
   const Block& block_;
   const LevelCells& parent_level_;
   std::span<CellBuild> cells_, parents_;
+  const AttributeSet& attributes_;
   BlockScratch& s_;
   std::array<std::size_t, 8> member_end_{};  // of each parent's members
   double off_surface2_ = 0;                  // largest squared distance of a vertex so far from the coarse surface
@@ -279,8 +363,9 @@ class BlockBuilder {
 }  // namespace
 
 void build_block(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
-                 std::span<CellBuild> parents, float sigma0, Simplifier& simplifier, BlockScratch& scratch) {
-  BlockBuilder builder(block, parent_level, cells, parents, scratch);
+                 std::span<CellBuild> parents, float sigma0, const AttributeSet& attributes, Simplifier& simplifier,
+                 BlockScratch& scratch) {
+  BlockBuilder builder(block, parent_level, cells, parents, attributes, scratch);
   builder.merge();
   const SimplifyResult& result = builder.simplify(simplifier, sigma0);
   builder.split(result, sigma0);

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/hierarchy/block_wedges.h"
 #include "core/hierarchy/cell_build.h"
 #include "core/hierarchy/cell_table.h"
 #include "core/hierarchy/star_distance.h"
@@ -21,6 +22,17 @@ struct BlockScratch {
   std::vector<std::uint8_t> locked;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> block_id;  // of every vertex of every cell, cell after cell
+  std::vector<Vec2f> uv;                // these three as the attributes say
+  std::vector<Rgba8> colours;
+  std::vector<std::uint32_t> materials;
+  // With wedges: the vertices that they stand at.
+  std::vector<std::uint32_t> vertex_ids;
+  BlockWedges wedges;
+  std::vector<UsageBox> vertex_usage;
+  std::vector<std::uint8_t> vertex_used_by;
+  std::vector<std::uint32_t> local_vertex;  // of each vertex of the parent being made
+  std::vector<Vec2f> moved_uv;
+  std::vector<Rgba8> moved_colours;
   // Vertices that cells share: their block ids, the union of their copies' usage, and how to find them.
   std::vector<std::uint32_t> shared;
   std::vector<UsageBox> usage;
@@ -39,6 +51,7 @@ struct BlockScratch {
 // `cells` and `parents` are the builds of levels block.level and block.level - 1, by rank. Fills the parents of the
 // block and the `parents` arrays and displacement statistics of its cells, whose transient memory it releases.
 void build_block(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
-                 std::span<CellBuild> parents, float sigma0, Simplifier& simplifier, BlockScratch& scratch);
+                 std::span<CellBuild> parents, float sigma0, const AttributeSet& attributes, Simplifier& simplifier,
+                 BlockScratch& scratch);
 
 }  // namespace lodestone

@@ -42,22 +42,38 @@ bool UsageBox::inside(const UsageBox& range) const {
          hi.z <= range.hi.z;
 }
 
-void CellSlab::allocate(std::size_t vertices, std::size_t shared, std::size_t triangle_count) {
+void CellSlab::allocate(std::size_t vertices, std::size_t shared, std::size_t triangle_count,
+                        const AttributeSet& attributes) {
   // All members are made of 4-byte words (normals of two 2-byte ones), so the arrays can follow each other.
+  const std::size_t with_uv = attributes.uv ? vertices : 0, with_colour = attributes.colours ? vertices : 0,
+                    with_material = attributes.materials ? vertices : 0;
   const std::size_t bytes = vertices * (sizeof(Vec3f) + sizeof(PackedNormal) + sizeof(std::uint32_t)) +
-                            shared * sizeof(std::uint32_t) + triangle_count * sizeof(Triangle);
+                            with_uv * sizeof(Vec2f) + with_colour * sizeof(Rgba8) +
+                            with_material * sizeof(std::uint32_t) + shared * sizeof(std::uint32_t) +
+                            triangle_count * sizeof(Triangle);
   memory_ = std::make_unique_for_overwrite<std::byte[]>(bytes);
   std::byte* at = memory_.get();
   positions = carve<Vec3f>(at, vertices);
   normals = carve<PackedNormal>(at, vertices);
   parents = carve<std::uint32_t>(at, vertices);
   shared_ids = carve<std::uint32_t>(at, shared);
+  uv = carve<Vec2f>(at, with_uv);
+  colours = carve<Rgba8>(at, with_colour);
+  materials = carve<std::uint32_t>(at, with_material);
   triangles = carve<Triangle>(at, triangle_count);
 }
 
 void CellBuild::release_transient() {
   ids = {};
+  vertex_ids = {};
   usage = {};
+}
+
+void sort_by_material(CellBuild& cell) {
+  if (cell.slab.materials.empty()) return;
+  std::stable_sort(cell.triangles.begin(), cell.triangles.end(), [&](const Triangle& a, const Triangle& b) {
+    return cell.slab.materials[a.v[0]] < cell.slab.materials[b.v[0]];
+  });
 }
 
 void measure_cell(CellBuild& cell, int level, float sigma0) {

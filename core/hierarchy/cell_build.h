@@ -27,12 +27,15 @@ struct UsageBox {
 // One allocation that holds a cell's arrays.
 class CellSlab {
  public:
-  void allocate(std::size_t vertices, std::size_t shared, std::size_t triangles);
+  void allocate(std::size_t vertices, std::size_t shared, std::size_t triangles, const AttributeSet& attributes = {});
 
   std::span<Vec3f> positions;
   std::span<PackedNormal> normals;
   std::span<std::uint32_t> parents;
   std::span<std::uint32_t> shared_ids;
+  std::span<Vec2f> uv;  // these three as the attributes say
+  std::span<Rgba8> colours;
+  std::span<std::uint32_t> materials;
   std::span<Triangle> triangles;  // empty at the finest level: those live in the partition's array
 
  private:
@@ -43,7 +46,9 @@ struct CellBuild {
   CellSlab slab;
   std::span<Triangle> triangles;   // local ids; in the slab, or in the partition's array
   std::vector<std::uint32_t> ids;  // input vertex that each vertex survives from; released with usage
-  std::vector<UsageBox> usage;     // of the shared vertices, in the order of shared_ids
+  // With wedges, the input vertex that each stands at: the first wedge there. Empty otherwise: the same as ids.
+  std::vector<std::uint32_t> vertex_ids;
+  std::vector<UsageBox> usage;  // of the shared vertices, in the order of shared_ids
   Box3f bounds;
   float max_displacement = 0, error = 0;
   // Contributions to the level's statistics, as ratios to h_l.
@@ -55,6 +60,9 @@ struct CellBuild {
   [[nodiscard]] std::size_t first_shared() const { return slab.positions.size() - slab.shared_ids.size(); }
   void release_transient();
 };
+
+// Brings the triangles of each material together, in the order of the materials and else in the order they have.
+void sort_by_material(CellBuild& cell);
 
 // Fills reach, diameter, max_edge and long_edges from the payload and the bounds.
 void measure_cell(CellBuild& cell, int level, float sigma0);

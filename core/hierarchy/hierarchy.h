@@ -28,6 +28,19 @@ struct PackedNormal {
 
 inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
 
+// Which attributes vertices have, beside a normal. `wedges`: several vertices may share a position.
+struct AttributeSet {
+  bool wedges = false, uv = false, colours = false, materials = false;
+  friend bool operator==(const AttributeSet&, const AttributeSet&) = default;
+};
+
+// Attributes of the vertices of a cell, one each or none at all.
+struct CellAttributes {
+  std::span<const Vec2f> uv;
+  std::span<const Rgba8> colours;
+  std::span<const std::uint32_t> materials;  // as in WedgeAttributes: the same for the corners of a triangle
+};
+
 // One cell. Vertex ids in `triangles` and positions in `parents` are local to a cell's payload: triangles index this
 // cell's positions, parents[i] is the index of P(vertex i) in the positions of the *parent* cell.
 //
@@ -35,15 +48,20 @@ inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
 // degenerate triangles use. A vertex that several cells of the level use has a copy in each, the same bits, and one id
 // in `shared_ids`; such vertices come last, shared_ids[k] belonging to positions[positions.size() - shared_ids.size() +
 // k]. The id names a vertex through all levels: P keeps it where a vertex survives.
+//
+// In a hierarchy with attributes every vertex here is a *wedge* (core/mesh/attributes.h): several of them may share a
+// position, they have parents that share one, and P keeps each in its chart. A shared id names a wedge, and one that
+// only a single cell uses counts as shared when another cell uses another wedge of its position.
 struct Cell {
   CellCode code;
   std::uint32_t parent = no_cell;                  // index of the parent in Hierarchy::cells
   std::uint32_t first_child = 0, child_count = 0;  // children are consecutive, in Morton order
   Box3f bounds;                                    // B(C): box of positions and of the children's B
   float max_displacement = 0;                      // max d(v, P(v)) over the vertices of this cell; 0 at the root
-  float error = 0;                                   // distance from M_L as measured (docs/decisions/0004), monotone
+  float error = 0;                                 // distance from M_L as measured (docs/decisions/0004), monotone
   std::span<const Vec3f> positions;
-  std::span<const PackedNormal> normals;   // one per position
+  std::span<const PackedNormal> normals;  // one per position
+  CellAttributes attributes;
   std::span<const std::uint32_t> parents;  // one per position; empty at level 0
   std::span<const std::uint32_t> shared_ids;
   std::span<const Triangle> triangles;  // never degenerate
@@ -78,9 +96,14 @@ struct Hierarchy {
   Transform transform;
   float sigma0 = 0;
   Provenance provenance;
-  std::vector<Level> levels;            // [0] is the root
-  std::vector<Cell> cells;              // by level, then Morton code
+  std::vector<Level> levels;  // [0] is the root
+  std::vector<Cell> cells;    // by level, then Morton code
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
   std::shared_ptr<const void> storage;  // keeps the payloads alive
+
+  // Which attributes the vertices of all cells have.
+  AttributeSet attributes;
 
   [[nodiscard]] int finest() const { return static_cast<int>(levels.size()) - 1; }
   [[nodiscard]] std::span<const Cell> cells_of(int level) const {

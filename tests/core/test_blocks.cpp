@@ -114,7 +114,7 @@ TEST_P(Blocks, LocksExactlyTheVerticesUsedOutside) {
       std::set<CellRank> inside;
       for (const CellRank p : block.parents)
         for (CellRank c = parents.first_child[p]; c < parents.first_child[p + 1]; ++c) inside.insert(c);
-      build_block(block, parents, build.cells[level], build.cells[level - 1], 1, simplifier, scratch);
+      build_block(block, parents, build.cells[level], build.cells[level - 1], 1, {}, simplifier, scratch);
       for (std::size_t v = 0; v < scratch.ids.size(); ++v) {
         bool used_outside = false;
         for (const CellRank c : used_by.at(scratch.ids[v])) used_outside |= !inside.contains(c);
