@@ -17,21 +17,21 @@ namespace lodestone {
 struct FlightConfig {
   std::vector<Camera> cameras;
   ImageSize size;
-  RadiiConfig radii;             // image height, field of view and aspect are taken from size and each camera
+  RadiiConfig radii;  // image height, field of view and aspect are taken from size and each camera
   Blend blend = Blend::smoothstep;
   bool tint_by_level = false;
-  bool measure = false;          // cracks and pops of every frame, over the whole partition, before culling
+  bool measure = false;  // cracks and pops of every frame, over the whole partition, before culling
   const CancelFlag* cancel = nullptr;
 };
 
 struct FrameRow {
-  std::uint64_t cells = 0, triangles = 0;          // drawn, after culling
-  std::uint64_t selected_triangles = 0;            // of the whole partition; only when measured
-  std::map<std::string, double> milliseconds;      // "select" and the backend's stages, "total" over all of them
-  std::uint64_t open_edges = 0;                    // residual edges of the exact definition; must be 0
-  double gap_max = 0;                              // normalised units
-  double max_jump = 0;                             // against the frame before, normalised units
-  double jump_over_bound = 0;                      // largest jump over its analytic bound
+  std::uint64_t cells = 0, triangles = 0;      // drawn, after culling
+  std::uint64_t selected_triangles = 0;        // of the whole partition; only when measured
+  std::map<std::string, double> milliseconds;  // "select" and the backend's stages, "total" over all of them
+  std::uint64_t open_edges = 0;                // residual edges of the exact definition; must be 0
+  double gap_max = 0;                          // normalised units
+  double max_jump = 0;                         // against the frame before, normalised units
+  double jump_over_bound = 0;                  // largest jump over its analytic bound
 };
 
 struct FlightResult {
