@@ -1,4 +1,4 @@
-"""What documents promise, compared with the tree: commands, options, links, sizes, citations."""
+"""What documents promise, compared with the tree: commands, options, links, names, sizes, citations."""
 
 import json
 import pathlib
@@ -113,6 +113,13 @@ def long_files(root):
     """(lines, path) of the code files that are worth a second look."""
     counted = [(line_count(root, path), str(path)) for path in sources.files(root)]
     return sorted((entry for entry in counted if entry[0] > LISTED_LINES), reverse=True)
+
+
+def test_names(root):
+    """Tests that are not called test_SUBJECT: one form, so that a subject's test is found by its name."""
+    for path in sources.files(root):
+        if path.parts[0] == "tests" and path.stem.endswith("_test") and path.suffix in {".cpp", ".py"}:
+            yield f"{path}: call it test_{path.stem.removesuffix('_test')}{path.suffix}"
 
 
 def local_paths(root):

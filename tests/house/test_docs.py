@@ -44,6 +44,9 @@ class Documents(unittest.TestCase):
             print(f"long: {lines} lines in {path}")
         self.assertEqual(list(docs.sizes(SOURCE_DIR)), [])
 
+    def test_tests_are_named_alike(self):
+        self.assertEqual(list(docs.test_names(SOURCE_DIR)), [])
+
     def test_no_path_of_one_machine(self):
         self.assertEqual(list(docs.local_paths(SOURCE_DIR)), [])
 
@@ -107,6 +110,14 @@ class Checks(unittest.TestCase):
         found = list(docs.sizes(self.root))
         self.assertEqual([line.split(":")[0] for line in found], ["big.ply", "core/b.cpp"])
         self.assertEqual([path for _, path in docs.long_files(self.root)], ["core/b.cpp", "core/a.cpp"])
+
+    def test_test_names(self):
+        self.write("tests/core/test_a.cpp", "")
+        self.write("tests/core/a_test.h", "")
+        self.write("core/a_test.cpp", "")
+        self.assertEqual(list(docs.test_names(self.root)), [])
+        self.write("tests/core/b_test.cpp", "")
+        self.assertEqual(list(docs.test_names(self.root)), ["tests/core/b_test.cpp: call it test_b.cpp"])
 
     def test_local_paths(self):
         top = "/" + "work"
