@@ -1,5 +1,3 @@
-#include "core/io/atomic_file.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/io/atomic_file.h"
 
 namespace lodestone {
 namespace {

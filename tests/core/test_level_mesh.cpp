@@ -1,6 +1,4 @@
 // A level as one mesh: the finest is the input, the others are its images, and shared vertices are one again.
-#include "core/hierarchy/level_mesh.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/distance/mesh_distance.h"
+#include "core/hierarchy/level_mesh.h"
 #include "tests/core/tiny_hierarchy.h"
 
 namespace lodestone {

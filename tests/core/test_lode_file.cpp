@@ -1,6 +1,4 @@
 // .lode files: what is written comes back, equal input gives equal bytes, and nothing altered is let in.
-#include "core/hierarchy/lode_file.h"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -9,6 +7,7 @@
 #include <functional>
 
 #include "core/base/error.h"
+#include "core/hierarchy/lode_file.h"
 #include "core/hierarchy/lode_format.h"
 #include "parallel/save.h"
 #include "tests/core/tiny_hierarchy.h"

@@ -1,6 +1,4 @@
 // Distances between meshes against closed forms, brute force, and themselves under every scheduler.
-#include "core/distance/mesh_distance.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/distance/mesh_distance.h"
 #include "parallel/compare.h"
 #include "tests/core/tiny_hierarchy.h"
 

@@ -1,10 +1,9 @@
 // OBJ, OFF, STL, Draco, and the choice among them.
-#include "core/io/mesh_readers.h"
-
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "core/io/mesh_readers.h"
 #include "core/io/text_scanner.h"
 #include "tests/core/io_test_util.h"
 #include "tests/test_data.h"

@@ -1,5 +1,3 @@
-#include "core/io/mesh_writer.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/io/mesh_file.h"
+#include "core/io/mesh_writer.h"
 
 namespace lodestone {
 namespace {

@@ -1,6 +1,4 @@
 // The verifier passes what is right and names what is wrong: every check is seen failing.
-#include "core/hierarchy/verify.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <functional>
 #include <utility>
 
+#include "core/hierarchy/verify.h"
 #include "tests/core/tiny_hierarchy.h"
 
 namespace lodestone {

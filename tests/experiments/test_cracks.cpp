@@ -1,45 +1,15 @@
+// Where cracks appear and where not: frames of sound hierarchies, fast forms beside their slow twins.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <limits>
-#include <memory>
-#include <set>
-#include <utility>
 #include <vector>
 
 #include "experiments/metrics/adversary.h"
-#include "experiments/metrics/cracks.h"
-#include "tests/experiments/lod_frames.h"
-#include "tests/experiments/naive_hierarchy.h"
-#include "tests/experiments/naive_metrics.h"
-#include "tests/experiments/small_meshes.h"
+#include "tests/experiments/crack_subject.h"
 
 namespace lodestone {
 namespace {
 
 using namespace testing;
-
-constexpr int finest = 4;
-constexpr float sigma0 = 0.6f;
-
-// A hierarchy with all that measuring its frames takes.
-struct Subject {
-  explicit Subject(const IndexedMesh& mesh, int levels = finest) : built(naive_hierarchy(mesh, levels, sigma0)) {
-    rebuild_basis();
-  }
-  void rebuild_basis() { basis = make_crack_basis(built.hierarchy, *scheduler); }
-  [[nodiscard]] const Hierarchy& hierarchy() const { return built.hierarchy; }
-
-  CrackReport cracks(const Frame& frame) {
-    return residual_edges(frame.context, frame.selection, basis, *scheduler, scratch);
-  }
-  GapReport gaps(const Frame& frame) { return vertex_gaps(frame.context, frame.selection, basis, *scheduler, scratch); }
-
-  NaiveHierarchy built;
-  std::unique_ptr<Scheduler> scheduler = make_serial_scheduler();
-  CrackBasis basis;
-  CrackScratch scratch;
-};
 
 std::vector<Vec3f> views_of(const Hierarchy& hierarchy, const Radii& radii, int random, std::size_t per_level) {
   std::vector<Vec3f> views = random_viewpoints(hierarchy, random, 1);
@@ -48,17 +18,6 @@ std::vector<Vec3f> views_of(const Hierarchy& hierarchy, const Radii& radii, int 
     views.push_back(view.across);
   }
   return views;
-}
-
-void expect_twins_agree(Subject& subject, const Frame& frame) {
-  const CrackReport cracks = subject.cracks(frame);
-  const GapReport gaps = subject.gaps(frame);
-  const GapReport slow_gaps = naive_vertex_gaps(frame.context, frame.selection);
-  EXPECT_EQ(cracks.open_edges, naive_residual_edges(frame.context, frame.selection));
-  EXPECT_EQ(gaps.gaps, slow_gaps.gaps);
-  EXPECT_EQ(gaps.gap_max, slow_gaps.gap_max);
-  EXPECT_NEAR(gaps.gap_mean, slow_gaps.gap_mean, 1e-12);
-  EXPECT_EQ(cracks.open_edges == 0, cracks.samples.empty());
 }
 
 // Where no point joins two parts of the surface, the two forms agree on whether there is a crack; elsewhere too a frame
@@ -176,183 +135,6 @@ TEST(Cracks, AStaleSelectionNeedsTheGuard) {
           EXPECT_GT(open, 0u);
         }
       }
-  }
-}
-
-// ---- hierarchies broken by hand ----
-
-struct SharedCopy {
-  std::uint32_t cell = 0, vertex = 0;
-};
-
-// A copy of a shared vertex in a cell of the level whose triangles use it.
-SharedCopy find_shared_copy(const Hierarchy& hierarchy, int level) {
-  std::uint32_t cell = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
-  for (const Cell& c : hierarchy.cells_of(level)) {
-    for (const Triangle& t : c.triangles)
-      for (const std::uint32_t v : t.v)
-        if (v >= c.first_shared()) return {cell, v};
-    ++cell;
-  }
-  ADD_FAILURE() << "no shared vertex";
-  return {};
-}
-
-// A frame that draws exactly the cells of one level, where lambda = `lambda_one` ? 1 : 0.
-struct LevelFrame {
-  Radii radii;
-  Frame frame;
-};
-
-LevelFrame draw_level(const Hierarchy& hierarchy, int level, bool lambda_one) {
-  LevelFrame drawn;
-  const std::size_t count = hierarchy.levels.size();
-  drawn.radii.select.assign(count, 0);
-  drawn.radii.band_begin.assign(count, lambda_one ? 1e9f : 0.0f);
-  drawn.radii.band_end.assign(count, lambda_one ? 2e9f : 1e-9f);
-  drawn.radii.band_begin[0] = drawn.radii.band_end[0] = std::numeric_limits<float>::infinity();
-  drawn.frame.context = {&hierarchy, nullptr, Blend::linear, {9, 9, 9}};
-  const Level& l = hierarchy.levels[static_cast<std::size_t>(level)];
-  for (std::uint32_t i = 0; i < l.cell_count; ++i)
-    drawn.frame.selection.cells.push_back({l.first_cell + i, static_cast<std::uint8_t>(level)});
-  return drawn;
-}
-
-std::uint64_t open_edges_of_level(Subject& subject, int level, bool lambda_one) {
-  LevelFrame drawn = draw_level(subject.hierarchy(), level, lambda_one);
-  drawn.frame.context.radii = &drawn.radii;
-  expect_twins_agree(subject, drawn.frame);
-  return subject.cracks(drawn.frame).open_edges;
-}
-
-TEST(Cracks, WholeLevelsHaveNone) {
-  for (const NamedMesh& named : all_meshes()) {
-    SCOPED_TRACE(named.name);
-    Subject subject(named.mesh);
-    for (int level = 0; level <= finest; ++level) {
-      EXPECT_EQ(open_edges_of_level(subject, level, true), 0u) << level;
-      EXPECT_EQ(open_edges_of_level(subject, level, false), 0u) << level;
-    }
-  }
-}
-
-TEST(Cracks, SeesACopyMovedByAnUlp) {
-  for (int level = 1; level <= finest; ++level) {
-    Subject subject(sphere_mesh(16));
-    const SharedCopy copy = find_shared_copy(subject.hierarchy(), level);
-    float& x = (*subject.built.payloads)[copy.cell].positions[copy.vertex].x;
-    x = std::nextafter(x, 2.0f);
-    EXPECT_GT(open_edges_of_level(subject, level, true), 0u) << level;
-    LevelFrame drawn = draw_level(subject.hierarchy(), level, true);
-    drawn.frame.context.radii = &drawn.radii;
-    const GapReport gaps = subject.gaps(drawn.frame);
-    EXPECT_GT(gaps.gaps, 0u);
-    EXPECT_LT(gaps.gap_max, 2e-7);
-  }
-}
-
-TEST(Cracks, SeesAnAlteredParent) {
-  Subject subject(torus_mesh(28));
-  for (int level = 1; level <= finest; ++level) {
-    const std::uint32_t cell = find_shared_copy(subject.hierarchy(), level).cell;
-    const std::uint32_t parent = subject.hierarchy().cells[cell].parent;
-    const auto others = static_cast<std::uint32_t>(subject.hierarchy().cells[parent].positions.size());
-    std::vector<std::uint32_t>& pointers = (*subject.built.payloads)[cell].parents;
-    std::size_t altered = 0, seen = 0;
-    for (std::size_t v = subject.hierarchy().cells[cell].first_shared(); v < pointers.size(); ++v, ++altered) {
-      const std::uint32_t right = std::exchange(pointers[v], (pointers[v] + 1) % others);
-      seen += open_edges_of_level(subject, level, false) > 0;
-      EXPECT_EQ(open_edges_of_level(subject, level, true), 0u) << level;
-      LevelFrame drawn = draw_level(subject.hierarchy(), level, false);
-      drawn.frame.context.radii = &drawn.radii;
-      EXPECT_GT(subject.gaps(drawn.frame).gaps, 0u) << level;
-      pointers[v] = right;
-    }
-    // A vertex whose triangles have all collapsed onto one edge draws nothing to be torn: only the map form sees it.
-    EXPECT_GT(altered, 0u);
-    EXPECT_GT(seen, altered / 3) << level;
-  }
-}
-
-TEST(Cracks, SeesAMissingTriangle) {
-  for (int level = 0; level <= finest; ++level) {
-    Subject subject(box_mesh(16));
-    const std::uint32_t cell = subject.hierarchy().levels[static_cast<std::size_t>(level)].first_cell;
-    (*subject.built.payloads)[cell].triangles.pop_back();
-    subject.built.attach();
-    subject.rebuild_basis();
-    // A triangle missing at level L is a hole of the surface itself, expected there and at no other level.
-    const int drawn = level == finest ? finest - 1 : level;
-    EXPECT_EQ(open_edges_of_level(subject, drawn, true), 3u) << level;
-    EXPECT_EQ(open_edges_of_level(subject, finest, true), 0u) << level;
-  }
-}
-
-TEST(Cracks, SeesAReversedTriangle) {
-  Subject subject(terrain_mesh(24));
-  const std::uint32_t cell = subject.hierarchy().levels[2].first_cell;
-  std::swap((*subject.built.payloads)[cell].triangles[0].v[0], (*subject.built.payloads)[cell].triangles[0].v[1]);
-  subject.rebuild_basis();
-  EXPECT_GT(open_edges_of_level(subject, 2, true), 0u);
-}
-
-TEST(Cracks, SeesCellsThatAreNotDrawn) {
-  Subject subject(sphere_mesh(12));
-  LevelFrame drawn = draw_level(subject.hierarchy(), 2, true);
-  drawn.frame.context.radii = &drawn.radii;
-  const LeafRange left_out = subject.basis.leaves[drawn.frame.selection.cells.back().cell];
-  drawn.frame.selection.cells.pop_back();
-  EXPECT_EQ(subject.cracks(drawn.frame).uncovered_leaves, left_out.size());
-  EXPECT_GT(subject.cracks(drawn.frame).open_edges, 0u);
-  EXPECT_EQ(subject.gaps(drawn.frame).uncovered_leaves, left_out.size());
-  EXPECT_EQ(subject.gaps(drawn.frame).gaps, 0u);
-
-  drawn.frame.selection.cells.push_back(drawn.frame.selection.cells.front());
-  EXPECT_EQ(subject.cracks(drawn.frame).uncovered_leaves,
-            left_out.size() + subject.basis.leaves[drawn.frame.selection.cells.front().cell].size());
-}
-
-// ---- the basis ----
-
-std::uint64_t unpaired_count(const IndexedMesh& mesh) { return Subject(mesh).basis.unpaired.size(); }
-
-TEST(CrackBasis, FindsTheBordersOfTheSurface) {
-  EXPECT_EQ(unpaired_count(sphere_mesh(12)), 0u);
-  EXPECT_EQ(unpaired_count(torus_mesh(16)), 0u);
-  EXPECT_EQ(unpaired_count(terrain_mesh(20)), 80u);
-
-  IndexedMesh one;
-  one.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  one.triangles = {{{0, 1, 2}}};
-  EXPECT_EQ(unpaired_count(one), 3u);
-  one.triangles.push_back({{1, 0, 2}});  // the same triangle from behind: all pair off
-  EXPECT_EQ(unpaired_count(one), 0u);
-}
-
-TEST(CrackBasis, KeepsTheMultiplicityOfNonManifoldEdges) {
-  // Four triangles around the edge 0-1, all in the same direction: four unpaired copies of it, in several cells.
-  IndexedMesh fan;
-  fan.positions = {{0.5f, 0.5f, 0}, {0.5f, 0.5f, 1}, {0, 0, 0.5f}, {1, 0, 0.5f}, {1, 1, 0.5f}, {0, 1, 0.5f}};
-  for (std::uint32_t tip = 2; tip < 6; ++tip) fan.triangles.push_back({{0, 1, tip}});
-  Subject subject(fan, 1);
-  EXPECT_EQ(subject.hierarchy().levels[1].cell_count, 4u);
-  EXPECT_EQ(subject.basis.unpaired.size(), 12u);
-  for (const bool lambda_one : {false, true}) EXPECT_EQ(open_edges_of_level(subject, 1, lambda_one), 0u);
-
-  fan.triangles[0] = {{1, 0, 2}};  // one the other way round pairs off with one of the three
-  EXPECT_EQ(unpaired_count(fan), 10u);
-}
-
-TEST(CrackBasis, EqualsThatOfTheDefinition) {
-  for (const NamedMesh& named : all_meshes()) {
-    SCOPED_TRACE(named.name);
-    const Subject subject(named.mesh);
-    const Hierarchy& h = subject.hierarchy();
-    std::multiset<std::array<std::uint32_t, 3>> fast, slow;
-    for (std::uint32_t leaf = 0; leaf < h.levels.back().cell_count; ++leaf)
-      for (const LocalEdge& e : subject.basis.unpaired_of(leaf)) fast.insert({first_leaf(h) + leaf, e.from, e.to});
-    for (const NaiveHalfEdge& e : naive_unpaired(h)) slow.insert({e.cell, e.from, e.to});
-    EXPECT_EQ(fast, slow);
   }
 }
 

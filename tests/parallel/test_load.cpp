@@ -1,5 +1,3 @@
-#include "parallel/load.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -12,6 +10,7 @@
 #include "core/io/mesh_writer.h"
 #include "core/mesh/generate.h"
 #include "parallel/generate.h"
+#include "parallel/load.h"
 #include "tests/test_data.h"
 
 namespace lodestone {

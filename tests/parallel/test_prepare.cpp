@@ -1,5 +1,3 @@
-#include "parallel/prepare.h"
-
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -11,6 +9,7 @@
 #include "core/io/mesh_file.h"
 #include "core/mesh/clean.h"
 #include "parallel/load.h"
+#include "parallel/prepare.h"
 #include "tests/test_data.h"
 
 namespace lodestone {
