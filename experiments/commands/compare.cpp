@@ -8,11 +8,11 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/level_mesh.h"
-#include "core/hierarchy/lode_file.h"
 #include "core/io/mesh_file.h"
 #include "experiments/commands/command.h"
 #include "experiments/progress.h"
 #include "parallel/load.h"
+#include "parallel/save.h"
 
 namespace lodestone {
 namespace {
@@ -54,7 +54,7 @@ struct Surface {
 
 Surface read_surface(const SurfaceName& name, Scheduler& scheduler) {
   if (name.hierarchy) {
-    const Hierarchy hierarchy = open_lode(name.file);
+    const Hierarchy hierarchy = load_lode(name.file, scheduler);
     return {level_mesh(hierarchy, level_number(name, hierarchy)), 0};
   }
   Surface surface{load_mesh(name.file, scheduler), 0};

@@ -3,9 +3,9 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/level_mesh.h"
-#include "core/hierarchy/lode_file.h"
 #include "core/io/mesh_writer.h"
 #include "experiments/commands/command.h"
+#include "parallel/save.h"
 
 namespace lodestone {
 namespace {
@@ -17,7 +17,8 @@ struct ExportOptions {
 
 void run(const ExportOptions& options, const CommonOptions& common) {
   check_files(common, {{"FILE", options.file}}, {{"--output", options.output}});
-  const Hierarchy hierarchy = open_lode(options.file);
+  const auto scheduler = make_scheduler(common);
+  const Hierarchy hierarchy = load_lode(options.file, *scheduler);
   const int level = options.level < 0 ? hierarchy.finest() : options.level;
   if (level > hierarchy.finest())
     throw InputError(describe(options.file, "", fmt::format("there is no level {}", level),

@@ -1,9 +1,9 @@
 // lodestone info: what a .lode file holds.
 #include <fmt/core.h>
 
-#include "core/hierarchy/lode_file.h"
 #include "core/simplify/simplifier.h"
 #include "experiments/commands/command.h"
+#include "parallel/save.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
@@ -24,7 +24,8 @@ nlohmann::json describe_level(const Hierarchy& h, std::size_t l) {
 
 void run(const std::string& file, const CommonOptions& common) {
   check_files(common, {{"FILE", file}});
-  const Hierarchy h = open_lode(file);
+  const auto scheduler = make_scheduler(common);
+  const Hierarchy h = load_lode(file, *scheduler);
   nlohmann::json levels = nlohmann::json::array();
   for (std::size_t l = 0; l < h.levels.size(); ++l) levels.push_back(describe_level(h, l));
   const Vec3d o = h.transform.origin;

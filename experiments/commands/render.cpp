@@ -7,11 +7,11 @@
 #include <system_error>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode_file.h"
 #include "experiments/commands/command.h"
 #include "experiments/flight.h"
 #include "experiments/metrics/adversary.h"
 #include "experiments/progress.h"
+#include "parallel/save.h"
 #include "render/image.h"
 
 namespace lodestone {
@@ -176,10 +176,10 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   config.cancel = &interrupt_flag();
   check_files(common, input_files(options));
 
-  const Hierarchy hierarchy = open_lode(options.file);
+  const auto scheduler = make_scheduler(common);
+  const Hierarchy hierarchy = load_lode(options.file, *scheduler);
   refuse_inadmissible(options, hierarchy, config.radii);
   config.cameras = cameras(options, hierarchy, config.radii);
-  const auto scheduler = make_scheduler(common);
   const auto renderer = make_renderer(options.backend, *scheduler);
   std::optional<PictureWriter> pictures;
   const bool draws = options.backend != "null";

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode_file.h"
 #include "experiments/commands/command.h"
 #include "experiments/progress.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
+#include "parallel/save.h"
 
 namespace lodestone {
 namespace {
@@ -22,10 +22,10 @@ void run(const std::string& file, const std::string& input, const CommonOptions&
   check_files(common, inputs);
   Progress progress("reading", common.quiet);
   progress.phase("reading");
-  const Hierarchy hierarchy = open_lode(file);
+  const auto scheduler = make_scheduler(common);
+  const Hierarchy hierarchy = load_lode(file, *scheduler);
   std::optional<IndexedMesh> mesh;
   if (!input.empty()) {
-    const auto scheduler = make_scheduler(common);
     Repairs repairs;
     mesh = prepare_mesh(load_mesh(input, *scheduler), repairs, *scheduler, input);
   }
