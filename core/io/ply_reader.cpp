@@ -1,5 +1,6 @@
 // PLY (Turk 1994), general reader: ASCII and binary bodies through one template, element by element in file order.
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -19,6 +20,9 @@ struct Place {
   [[nodiscard]] std::string text() const { return "element " + quote(element->name) + " " + std::to_string(index); }
 };
 
+constexpr const char* counts_may_be_wrong =
+    "the element counts or properties of the header may be wrong, or the file is damaged";
+
 // A body of text: values are words, wherever the line breaks are.
 class AsciiSource {
  public:
@@ -26,8 +30,21 @@ class AsciiSource {
 
   Place place;
 
-  double number(ScalarType) { return scan_.number(next(), "a number"); }
-  std::int64_t integer(ScalarType) { return scan_.integer(next(), "an integer"); }
+  double number(const PlyProperty& property) {
+    const std::string_view token = next();
+    if (const std::optional<double> value = parse_number(token)) return *value;
+    fail_expected("a number for " + quote(property.name), token);
+  }
+  std::int64_t integer(const PlyProperty& list) {
+    const std::string_view token = next();
+    if (const std::optional<std::int64_t> value = parse_integer(token)) return *value;
+    fail_expected("an integer in the list " + quote(list.name), token);
+  }
+  std::int64_t length(const PlyProperty& list) {
+    const std::string_view token = next();
+    if (const std::optional<std::int64_t> value = parse_integer(token)) return *value;
+    fail_expected("the length of the list " + quote(list.name), token);
+  }
   void skip(ScalarType, std::uint64_t count) {
     for (std::uint64_t i = 0; i < count; ++i) (void)next();
   }
@@ -36,6 +53,11 @@ class AsciiSource {
   }
 
  private:
+  // A word that does not fit is rarely a typing error: mostly the header announces more or other values than follow,
+  // so that the reader is at another place of the file than it believes.
+  [[noreturn]] void fail_expected(const std::string& what, std::string_view found) const {
+    fail("expected " + what + ", found " + quote(found), counts_may_be_wrong);
+  }
   std::string_view next() {
     const std::string_view token = scan_.token_across_lines();
     if (token.empty())
@@ -53,8 +75,9 @@ class BinarySource {
 
   Place place;
 
-  double number(ScalarType type) { return value<double>(type); }
-  std::int64_t integer(ScalarType type) { return value<std::int64_t>(type); }
+  double number(const PlyProperty& property) { return value<double>(property.type); }
+  std::int64_t integer(const PlyProperty& list) { return value<std::int64_t>(list.type); }
+  std::int64_t length(const PlyProperty& list) { return value<std::int64_t>(*list.count_type); }
   void skip(ScalarType type, std::uint64_t count) {
     if (count > input_->remaining() / size_of(type)) fail_truncated();
     input_->skip(count * size_of(type));
@@ -85,8 +108,8 @@ class BinarySource {
 // The number of items of the list that comes next.
 template <class Source>
 std::uint64_t list_length(Source& source, const PlyProperty& list) {
-  const std::int64_t length = source.integer(*list.count_type);
-  if (length < 0) source.fail("a list of negative length", "the file is damaged");
+  const std::int64_t length = source.length(list);
+  if (length < 0) source.fail("a list of negative length", counts_may_be_wrong);
   return static_cast<std::uint64_t>(length);
 }
 
@@ -137,7 +160,7 @@ void read_vertices(Source& source, const PlyHeader& header, const PlyElement& el
     for (const PlyProperty& property : element.properties) {
       const auto axis = std::find(axes, axes + 3, &property) - axes;
       if (axis < 3) {
-        *values[axis] = source.number(property.type);
+        *values[axis] = source.number(property);
       } else {
         skip_property(source, property);
       }
@@ -150,7 +173,7 @@ std::uint32_t checked_index(Source& source, std::int64_t index, std::uint64_t ve
   if (index < 0 || static_cast<std::uint64_t>(index) >= vertex_count)
     source.fail("vertex index " + std::to_string(index) + " is out of range, the file has " +
                     std::to_string(vertex_count) + " vertices",
-                "the file is damaged");
+                counts_may_be_wrong);
   return static_cast<std::uint32_t>(index);
 }
 
@@ -158,7 +181,7 @@ template <class Source>
 void read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertex_count, RawMesh& mesh) {
   PolygonFan fan(mesh);
   const std::uint64_t corners = list_length(source, list);
-  for (std::uint64_t i = 0; i < corners; ++i) fan.add(checked_index(source, source.integer(list.type), vertex_count));
+  for (std::uint64_t i = 0; i < corners; ++i) fan.add(checked_index(source, source.integer(list), vertex_count));
   fan.close();
 }
 
@@ -170,7 +193,7 @@ void read_strip(Source& source, const PlyProperty& list, std::uint64_t vertex_co
   std::uint64_t corners = 0;
   std::uint32_t before = 0, latest = 0;
   for (std::uint64_t i = 0; i < length; ++i) {
-    const std::int64_t index = source.integer(list.type);
+    const std::int64_t index = source.integer(list);
     if (index == -1) {
       corners = 0;
       continue;

@@ -2,6 +2,7 @@
 #include <string>
 
 #include "tests/core/io_test_util.h"
+#include "tests/test_data.h"
 
 namespace lodestone {
 namespace {
@@ -245,6 +246,38 @@ TEST(Ply, IndicesOutOfRangeNameTheFace) {
   expect_error<InputError>(ascii + "3 0 1 4\n", ply, {"line 17", "element 'face' 1", "index 4"});
   expect_error<InputError>(ascii + "3 0 1 -1\n", ply, {"line 17", "index -1"});
   expect_error<InputError>(ascii + "3 0 1 x\n", ply, {"line 17", "'x'"});
+}
+
+// A header that announces other values than follow: the message says what was expected where, and points at the header.
+TEST(Ply, ValuesThatDoNotFitTheHeaderSayWhatWasExpectedWhere) {
+  constexpr std::string_view hint = "; the element counts or properties of the header may be wrong";
+  std::string fewer(plain_elements), more(plain_elements);
+  fewer.replace(fewer.find("vertex 4"), 8, "vertex 3");
+  more.replace(more.find("vertex 4"), 8, "vertex 6");
+  const std::string body = "0 0 0\n1 0 0\n0 1 0\n0.5 0.5 1\n3 0 2 1\n3 0 1 3\n";
+  expect_error<InputError>(header("ascii", fewer) + body, ply,
+                           {"file: line 15: element 'face' 0: expected the length of the list 'vertex_indices', found "
+                            "'0.5'",
+                            hint});
+  expect_error<InputError>(header("ascii", more) + body, ply,
+                           {"element 'face' 1: the file ends before element 1 of 2"});
+  const std::string bad_x = header("ascii", plain_elements) + "0 0 0\n1 0 0\nx 1 0\n0.5 0.5 1\n3 0 2 1\n3 0 1 3\n";
+  expect_error<InputError>(bad_x, ply, {"line 14: element 'vertex' 2: expected a number for 'x', found 'x'", hint});
+  const std::string bad_index = header("ascii", plain_elements) + body + "3 0 1.5 3\n";
+  expect_error<InputError>(std::string(bad_index).replace(bad_index.find("3 0 2"), 5, "3 0 ?"), ply,
+                           {"element 'face' 0: expected an integer in the list 'vertex_indices', found '?'", hint});
+}
+
+TEST(Ply, ARealHeaderWithoutItsFacesIsBlamed) {
+  LODESTONE_MODEL_OR_SKIP(path, "hard/issue623.ply");
+  try {
+    (void)read_mesh(path);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    const std::string line = error.what();
+    for (const char* part : {"line 15", "element 'vertex' 0", "'vertex_indices'", "'7.941797'", "header may be wrong"})
+      EXPECT_NE(line.find(part), std::string::npos) << line;
+  }
 }
 
 TEST(Ply, ListsOfNegativeLengthAreRefused) {
