@@ -36,10 +36,15 @@ std::optional<MeshFormat> format_of_content(ByteReader& input) {
   return std::nullopt;
 }
 
+bool is_hierarchy(ByteReader& input) { return input.window(8).starts_with("\x93LODE"); }
+
 }  // namespace
 
 MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input) {
   if (const auto format = format_of_extension(path)) return *format;
+  if (is_hierarchy(input))  // its first bytes may look like a binary STL
+    throw UnsupportedError(
+        describe(input.name(), "", "is a hierarchy (.lode), not a mesh", "give the mesh that it was built from"));
   if (const auto format = format_of_content(input)) return *format;
   throw UnsupportedError(
       describe(input.name(), "", "is of no known mesh format", "give a .ply, .obj, .stl, .off or .drc file"));

@@ -13,7 +13,7 @@ namespace lodestone {
 enum class MeshFormat : std::uint8_t { ply, obj, stl, off, draco };
 
 // By the extension (.ply, .obj, .stl, .off, .drc, in any case) or, when that is another or none, by the first bytes.
-// Throws UnsupportedError listing the known formats.
+// Throws UnsupportedError listing the known formats, or saying that the file is a hierarchy.
 [[nodiscard]] MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input);
 
 // Reads a whole mesh; every index it returns is in range. Throws what the readers throw (core/io/mesh_readers.h), also

@@ -16,6 +16,16 @@
 namespace lodestone {
 namespace {
 
+// Both arguments may be .lode files by mistake, or even the same one: the message says which of them was meant.
+IndexedMesh read_input(const std::string& input, Scheduler& scheduler) {
+  try {
+    Repairs repairs;
+    return prepare_mesh(load_mesh(input, scheduler), repairs, scheduler, input);
+  } catch (const UnsupportedError& error) {
+    throw UnsupportedError(std::string("--input ") + error.what());
+  }
+}
+
 void run(const std::string& file, const std::string& input, const CommonOptions& common) {
   std::vector<FileArgument> inputs{{"FILE", file}};
   if (!input.empty()) inputs.push_back({"--input", input});
@@ -25,10 +35,7 @@ void run(const std::string& file, const std::string& input, const CommonOptions&
   const auto scheduler = make_scheduler(common);
   const Hierarchy hierarchy = load_lode(file, *scheduler);
   std::optional<IndexedMesh> mesh;
-  if (!input.empty()) {
-    Repairs repairs;
-    mesh = prepare_mesh(load_mesh(input, *scheduler), repairs, *scheduler, input);
-  }
+  if (!input.empty()) mesh = read_input(input, *scheduler);
   progress.phase("verifying");
   const VerifyReport report = verify_hierarchy(hierarchy, mesh ? &*mesh : nullptr);
   progress.clear();

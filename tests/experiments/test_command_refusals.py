@@ -238,6 +238,12 @@ class Hierarchies(CommandCase):
         self.refused_by_all(random.Random(1).randbytes(5000), "not a .lode file")
         self.refused_by_all(b"")
 
+    def test_instead_of_a_mesh(self):
+        for name in ("m.lode", "m.data"):
+            shutil.copy(hierarchy(), self.folder / name)
+            self.refused("verify", "m.lode", "--input", name, names=[f"--input {name}", "not a mesh"])
+            self.refused("build", name, "-o", "x.lode", names=[name, "is a hierarchy (.lode), not a mesh"])
+
     def test_truncated(self):
         whole = hierarchy().read_bytes()
         for size in (1, 100, len(whole) // 2, len(whole) - 1):
