@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <limits>
 
 #include "core/base/error.h"
@@ -81,6 +82,18 @@ class MorphedCell {
   std::vector<Vec3f> positions_;
 };
 
+struct Band {
+  double begin = 0, end = 0;
+};
+
+Band band_of(const MorphContext& context, std::size_t level) {
+  return {context.radii->band_begin[level], context.radii->band_end[level]};
+}
+
+double step_length(const MorphContext& before, const MorphContext& after) {
+  return length(to_double(after.viewpoint) - to_double(before.viewpoint));
+}
+
 // The earlier of two equal maxima stays, so that chunks combine in their order to the same result.
 void add_jump(const VertexJump& jump, PopReport& report) {
   if (jump.ratio > 1) ++report.above_bound;
@@ -102,14 +115,17 @@ double jump_ratio(double jump, double bound) {
   return bound > 0 ? excess / bound : std::numeric_limits<double>::infinity();
 }
 
-std::vector<double> jump_bounds(const MorphContext& context, double step) {
-  const Hierarchy& hierarchy = *context.hierarchy;
+std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& after) {
+  const Hierarchy& hierarchy = *before.hierarchy;
+  const double step = step_length(before, after);
   std::vector<double> bounds(hierarchy.levels.size(), 0);
   for (std::size_t l = 1; l < bounds.size(); ++l) {
-    const double width = double{context.radii->band_end[l]} - context.radii->band_begin[l];
+    const Band from = band_of(before, l), to = band_of(after, l);
+    const double width = std::min(from.end - from.begin, to.end - to.begin);
     const double lipschitz =
-        width > 0 ? blend_lipschitz(context.blend) / width : std::numeric_limits<double>::infinity();
-    const double way = step + view_rounding * context.radii->band_end[l];
+        width > 0 ? blend_lipschitz(before.blend) / width : std::numeric_limits<double>::infinity();
+    const double shift = std::max(std::abs(to.begin - from.begin), std::abs(to.end - from.end));
+    const double way = step + shift + view_rounding * std::max(from.end, to.end);
     bounds[l] = displacement_bound(hierarchy.sigma0, static_cast<int>(l)) * lipschitz * way;
   }
   return bounds;
@@ -118,12 +134,13 @@ std::vector<double> jump_bounds(const MorphContext& context, double step) {
 PopReport largest_jump(const MorphContext& before, const Selection& selected_before, const MorphContext& after,
                        const Selection& selected_after, Scheduler& scheduler) {
   assert(before.hierarchy == after.hierarchy && before.blend == after.blend);
+  assert(before.radii->metric == after.radii->metric);
   const Hierarchy& hierarchy = *before.hierarchy;
   const std::vector<DrawnPair> pairs = pair_cells(hierarchy, selected_before, selected_after);
 
   PopReport report;
-  report.step = length(to_double(after.viewpoint) - to_double(before.viewpoint));
-  const std::vector<double> bounds = jump_bounds(before, report.step);
+  report.step = step_length(before, after);
+  const std::vector<double> bounds = jump_bounds(before, after);
   report.bounded =
       std::all_of(bounds.begin(), bounds.end(), [](double b) { return b < std::numeric_limits<double>::infinity(); });
 

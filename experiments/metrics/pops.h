@@ -6,6 +6,11 @@
 // levels it was drawn at in between: on the straight way from one viewpoint to the other, hold its level within [k, m];
 // as the exchanges of levels are invisible (admissible radii), the path so defined is continuous, has the same ends,
 // and moves by formulas of the levels k..m alone. Level 0 never moves.
+//
+// The radii may differ between the frames, too (a field of view that changes asks for others). Interpolate them
+// linearly on the way: what makes radii admissible is linear in them, so they stay so. The share t = (d - a_l) / (c_l -
+// a_l) of the band then changes by at most (|change of v_p| + max(|change of a_l|, |change of c_l|)) / least width: the
+// shift of the band counts as way of the viewpoint, and the smaller of the two widths is the one that divides.
 #pragma once
 
 #include <cstdint>
@@ -46,11 +51,11 @@ inline constexpr double jump_rounding = 1.2e-6;
 // if the viewpoint were off by as much: 8 * 2^-24 of the end of the band for two frames.
 inline constexpr double view_rounding = 4.8e-7;
 
-// Bound of the speed of vertices drawn at each level per unit of the viewpoint's way (index: level), and of the jump
-// for a given step, rounding of distances included. Infinite where the level has no band.
-[[nodiscard]] std::vector<double> jump_bounds(const MorphContext& context, double step);
+// Bound of the jump of the vertices drawn at each level (its index) between two frames, rounding of distances included.
+// Infinite where the level has no band.
+[[nodiscard]] std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& after);
 
-// Largest jump of the drawn map of M_L between two frames of one hierarchy with the same radii and blend. Exact: each
+// Largest jump of the drawn map of M_L between two frames of one hierarchy with the same blend and metric. Exact: each
 // vertex of the finer of the two drawn cells stands for all vertices of M_L that arrive at it. Selections are whole
 // partitions (keep_culled = true), in traversal order; throws InputError when they are not.
 [[nodiscard]] PopReport largest_jump(const MorphContext& before, const Selection& selected_before,

@@ -155,8 +155,7 @@ inline NaivePops naive_largest_jump(const MorphContext& before, const Selection&
                                     const MorphContext& after, const Selection& selected_after) {
   const Hierarchy& h = *before.hierarchy;
   const std::set<std::uint32_t> drawn_before = drawn_cells(selected_before), drawn_after = drawn_cells(selected_after);
-  const std::vector<double> bounds =
-      jump_bounds(before, length(to_double(after.viewpoint) - to_double(before.viewpoint)));
+  const std::vector<double> bounds = jump_bounds(before, after);
   NaivePops pops;
   for (std::uint32_t c = first_leaf(h); c < h.cells.size(); ++c)
     for (std::uint32_t v = 0; v < h.cells[c].positions.size(); ++v) {

@@ -315,6 +315,14 @@ class Render(CommandCase):
         self.assert_seamless(result)
         self.assertLess(result["frames"][0]["triangles"], result["frames"][-1]["triangles"])
 
+    def test_zooming_does_not_pop(self):
+        key = {"position": [5, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1]}
+        self.write("zoom.json", json.dumps({"frames": [{**key, "fov_degrees": 60}, {**key, "fov_degrees": 8}]}))
+        result = self.fly("--camera", "zoom.json", frames=20)  # the camera stands still, its radii grow
+        self.assert_seamless(result)
+        self.assertGreater(max(f["max_jump"] for f in result["frames"]), 0)
+        self.assertLess(result["frames"][0]["selected_triangles"], result["frames"][-1]["selected_triangles"])
+
     def test_a_single_level_flies(self):
         flat = model("flat.lode", "build", sphere(), "--levels", 0)
         for rule in (("--pixel-error", 1), ("--radii", "uniform", "--kappa0", 3)):

@@ -141,6 +141,43 @@ TEST(Pops, ExchangesOfLevelsAreInvisible) {
   }
 }
 
+// As a camera does whose field of view changes: per-level and uniform radii of other sizes in every frame, with the
+// viewpoint at rest and on its way.
+TEST(Pops, StayWithinTheBoundWhileTheRadiiChange) {
+  for (const NamedMesh& named : all_meshes()) {
+    SCOPED_TRACE(named.name);
+    const NaiveHierarchy built = naive_hierarchy(named.mesh, finest, sigma0);
+    const auto scheduler = make_serial_scheduler();
+    const std::vector<Vec3f> path = fly_in(built.hierarchy, 20);
+    for (const DistanceMetric metric : both_metrics)
+      for (const bool uniform : {false, true}) {
+        const auto radii_of_size = [&](float size) {
+          return uniform ? uniform_radii(built.hierarchy, metric, size * 1.05f * reach(built.hierarchy, metric))
+                         : per_level_radii(built.hierarchy, metric, size * 0.5f);
+        };
+        double largest_at_rest = 0;
+        for (std::size_t i = 1; i < path.size(); ++i) {
+          const Radii from = radii_of_size(1 + 0.2f * static_cast<float>(i % 7));
+          const Radii to = radii_of_size(1 + 0.11f * static_cast<float>(i % 11));
+          const Blend blend = i % 2 == 0 ? Blend::linear : Blend::smoothstep;
+          const Frame before = make_frame(built.hierarchy, from, blend, path[i - 1]);
+          for (const bool at_rest : {true, false}) {
+            const Frame after = make_frame(built.hierarchy, to, blend, at_rest ? path[i - 1] : path[i]);
+            const PopReport report =
+                largest_jump(before.context, before.selection, after.context, after.selection, *scheduler);
+            const NaivePops slow = naive_largest_jump(before.context, before.selection, after.context, after.selection);
+            EXPECT_TRUE(report.bounded);
+            EXPECT_LE(report.jump_over_bound, 1);
+            EXPECT_EQ(report.jump_over_bound, slow.jump_over_bound);
+            EXPECT_EQ(report.max_jump, slow.max_jump);
+            if (at_rest) largest_at_rest = std::max(largest_at_rest, report.jump_over_bound);
+          }
+        }
+        EXPECT_GT(largest_at_rest, 0.05);  // the bound is not so loose that nothing could break it
+      }
+  }
+}
+
 TEST(Pops, StepPopsButNeverCracksInItsBand) {
   for (const NamedMesh& named : manifold_meshes()) {
     SCOPED_TRACE(named.name);
