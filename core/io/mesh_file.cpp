@@ -40,6 +40,8 @@ bool is_hierarchy(ByteReader& input) { return input.window(8).starts_with("\x93L
 
 }  // namespace
 
+bool has_mesh_extension(const std::filesystem::path& path) { return format_of_extension(path).has_value(); }
+
 MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input) {
   if (const auto format = format_of_extension(path)) return *format;
   if (is_hierarchy(input))  // its first bytes may look like a binary STL

@@ -12,6 +12,9 @@ namespace lodestone {
 
 enum class MeshFormat : std::uint8_t { ply, obj, stl, off, draco };
 
+// Whether the extension is that of a mesh format, in any case.
+[[nodiscard]] bool has_mesh_extension(const std::filesystem::path& path);
+
 // By the extension (.ply, .obj, .stl, .off, .drc, in any case) or, when that is another or none, by the first bytes.
 // Throws UnsupportedError listing the known formats, or saying that the file is a hierarchy.
 [[nodiscard]] MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input);

@@ -14,18 +14,14 @@
 namespace lodestone {
 namespace {
 
+// Stored triangles over those of the input: 4/3 for a surface that simplifies everywhere. Worth a word from here on.
+constexpr double much_stored = 1.6;
+
 struct BuildOptions {
   std::string input, output, trace;
   std::string simplifier = "quadric", strategy_name = "graph";
   BuildConfig config;
 };
-
-nlohmann::json to_json(const Repairs& r) {
-  return {{"polygons_triangulated", r.polygons_triangulated}, {"faces_dropped", r.faces_dropped},
-          {"non_finite_triangles", r.non_finite_triangles},   {"welded_vertices", r.welded_vertices},
-          {"degenerate_triangles", r.degenerate_triangles},   {"duplicate_triangles", r.duplicate_triangles},
-          {"unreferenced_vertices", r.unreferenced_vertices}};
-}
 
 struct Totals {
   std::uint64_t triangles = 0, vertices = 0, long_edges = 0;
@@ -132,12 +128,15 @@ void run(const BuildOptions& options, const CommonOptions& common) {
              static_cast<double>(sum.triangles) / input);
   fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", time.seconds,
              time.cpu_seconds, static_cast<double>(peak_resident_bytes()) * 1e-6, rate);
-  const nlohmann::json counts = to_json(repairs);
-  for (const auto& [name, count] : counts.items())
-    if (count.get<std::uint64_t>() > 0) fmt::print("repaired: {} {}\n", name, count.get<std::uint64_t>());
+  print_repairs(repairs);
   if (sum.long_edges > 0)
     fmt::print("note: {} edges of the input are longer than sigma0 h_L; they cost triangles, not correctness\n",
                sum.long_edges);
+  // A number of levels asked for may be too large for the model; one chosen here is not.
+  if (config.finest_level < 0 && static_cast<double>(sum.triangles) > much_stored * input)
+    fmt::print(
+        "note: little of this surface simplifies; `lodestone info {}` counts the edges that are kept as they are\n",
+        options.input);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "experiments/commands/command.h"
 
+#include <fmt/core.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -82,6 +83,19 @@ void write_json(const CommonOptions& common, const nlohmann::json& result) {
 }
 
 nlohmann::json to_json(const StageTime& time) { return {{"seconds", time.seconds}, {"cpu_seconds", time.cpu_seconds}}; }
+
+nlohmann::json to_json(const Repairs& r) {
+  return {{"polygons_triangulated", r.polygons_triangulated}, {"faces_dropped", r.faces_dropped},
+          {"non_finite_triangles", r.non_finite_triangles},   {"welded_vertices", r.welded_vertices},
+          {"degenerate_triangles", r.degenerate_triangles},   {"duplicate_triangles", r.duplicate_triangles},
+          {"unreferenced_vertices", r.unreferenced_vertices}};
+}
+
+void print_repairs(const Repairs& repairs) {
+  const nlohmann::json counts = to_json(repairs);
+  for (const auto& [name, count] : counts.items())
+    if (count.get<std::uint64_t>() > 0) fmt::print("repaired: {} {}\n", name, count.get<std::uint64_t>());
+}
 
 std::uint64_t peak_resident_bytes() {
   rusage usage{};

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "core/mesh/indexed_mesh.h"
 #include "experiments/commands/files.h"
 #include "parallel/scheduler.h"
 #include "parallel/stage_time.h"
@@ -42,6 +43,8 @@ void check_interrupt();
 void write_json(const CommonOptions& common, const nlohmann::json& result);
 
 [[nodiscard]] nlohmann::json to_json(const StageTime& time);
+[[nodiscard]] nlohmann::json to_json(const Repairs& repairs);
+void print_repairs(const Repairs& repairs);  // a line for each kind that there was
 
 // Largest resident set of this process so far, in bytes.
 [[nodiscard]] std::uint64_t peak_resident_bytes();

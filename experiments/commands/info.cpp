@@ -1,8 +1,12 @@
-// lodestone info: what a .lode file holds.
+// lodestone info: what a .lode file or a mesh file holds.
 #include <fmt/core.h>
 
+#include "core/io/mesh_file.h"
+#include "core/mesh/edge_census.h"
 #include "core/simplify/simplifier.h"
 #include "experiments/commands/command.h"
+#include "parallel/load.h"
+#include "parallel/prepare.h"
 #include "parallel/save.h"
 #include "render/lod/radii.h"
 
@@ -22,10 +26,41 @@ nlohmann::json describe_level(const Hierarchy& h, std::size_t l) {
           {"long_edges", level.long_edges}};
 }
 
-void run(const std::string& file, const CommonOptions& common) {
-  check_files(common, {{"FILE", file}});
-  const auto scheduler = make_scheduler(common);
-  const Hierarchy h = load_lode(file, *scheduler);
+void print_edges(const EdgeCensus& edges) {
+  fmt::print("{} edges\n", edges.edges);
+  if (edges.border > 0) fmt::print("note: {} edges of one triangle: the surface is open there\n", edges.border);
+  if (edges.non_manifold > 0)
+    fmt::print("note: {} edges of more than two triangles: simplification keeps them as they are\n",
+               edges.non_manifold);
+  if (edges.inconsistent > 0)
+    fmt::print("note: {} edges whose two triangles face against each other: simplification keeps them as they are\n",
+               edges.inconsistent);
+}
+
+void describe_mesh(const std::string& file, Scheduler& scheduler, const CommonOptions& common) {
+  Repairs repairs;
+  const IndexedMesh mesh = prepare_mesh(load_mesh(file, scheduler), repairs, scheduler, file);
+  const EdgeCensus edges = count_edges(mesh.triangles, mesh.positions.size());
+  const Vec3d o = mesh.transform.origin;
+  write_json(common, {{"file", file},
+                      {"triangles", mesh.triangles.size()},
+                      {"vertices", mesh.positions.size()},
+                      {"origin", {o.x, o.y, o.z}},
+                      {"scale", mesh.transform.scale},
+                      {"repairs", to_json(repairs)},
+                      {"edges", edges.edges},
+                      {"border_edges", edges.border},
+                      {"non_manifold_edges", edges.non_manifold},
+                      {"inconsistent_edges", edges.inconsistent}});
+  if (common.quiet || common.json == "-") return;
+  fmt::print("{}: {} triangles, {} vertices\n", file, mesh.triangles.size(), mesh.positions.size());
+  fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, mesh.transform.scale);
+  print_repairs(repairs);
+  print_edges(edges);
+}
+
+void describe_hierarchy(const std::string& file, Scheduler& scheduler, const CommonOptions& common) {
+  const Hierarchy h = load_lode(file, scheduler);
   nlohmann::json levels = nlohmann::json::array();
   for (std::size_t l = 0; l < h.levels.size(); ++l) levels.push_back(describe_level(h, l));
   const Vec3d o = h.transform.origin;
@@ -57,14 +92,24 @@ void run(const std::string& file, const CommonOptions& common) {
   }
 }
 
+void run(const std::string& file, const CommonOptions& common) {
+  check_files(common, {{"FILE", file}});
+  const auto scheduler = make_scheduler(common);
+  has_mesh_extension(file) ? describe_mesh(file, *scheduler, common) : describe_hierarchy(file, *scheduler, common);
+}
+
 }  // namespace
 
 void add_info(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
   const auto file = std::make_shared<std::string>();
-  CLI::App& command = add_command(app, "info", "Show the levels of a .lode file and the figures the guarantee rests on",
-                                  "  lodestone info scan.lode\n  lodestone info scan.lode --json -\n", common);
-  command.add_option("FILE", *file, "Hierarchy (.lode)")->required();
+  CLI::App& command = add_command(
+      app, "info", "Show the levels of a .lode file and the figures the guarantee rests on, or the edges of a mesh",
+      "  lodestone info scan.lode\n"
+      "  lodestone info scan.lode --json -\n"
+      "  lodestone info scan.ply\n",
+      common);
+  command.add_option("FILE", *file, "Hierarchy (.lode), or mesh: .ply, .obj, .stl, .off or .drc")->required();
   command.callback([file, common] { run(*file, *common); });
 }
 

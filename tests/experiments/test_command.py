@@ -162,6 +162,39 @@ class InfoVerifyExport(CommandCase):
         self.assertIn(f"{result['kappa0_admissible_above']['euclidean']:.4f}", text)
         self.assertEqual(json.loads(self.lodestone("info", hierarchy(), "--json", "-")), result)
 
+    def test_info_counts_the_edges_of_a_mesh(self):
+        result = self.results("info", sphere())
+        vertices, triangles = ply_counts(sphere())
+        self.assertEqual((result["vertices"], result["triangles"]), (vertices, triangles))
+        self.assertEqual(result["edges"], triangles * 3 // 2)
+        for key in ("border_edges", "non_manifold_edges", "inconsistent_edges"):
+            self.assertEqual(result[key], 0)
+        # Around the edge 0-1 three triangles; the rest is border but for 0-2.
+        self.write("m.ply", ply([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -1, 0), (-1, 1, 1)],
+                                [(0, 1, 2), (1, 0, 3), (0, 1, 4), (0, 2, 5), (0, 1, 2)]))
+        result = self.results("info", "m.ply")
+        self.assertEqual((result["edges"], result["border_edges"], result["non_manifold_edges"],
+                          result["inconsistent_edges"]), (9, 7, 1, 0))
+        self.assertEqual(result["repairs"]["duplicate_triangles"], 1)
+        self.write("m.ply", ply([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2), (1, 2, 3)]))
+        self.assertEqual(self.results("info", "m.ply")["inconsistent_edges"], 1)
+        text = self.lodestone("info", "m.ply")
+        for words in ("2 triangles, 4 vertices", "5 edges", "4 edges of one triangle", "face against each other"):
+            self.assertIn(words, text)
+
+    def test_build_points_to_what_keeps_a_surface_large(self):
+        n = 40  # a sheet given from both sides: every edge within it belongs to four triangles
+        points = [(x, y, 0) for y in range(n + 1) for x in range(n + 1)]
+        quads = [[y * (n + 1) + x, y * (n + 1) + x + 1, (y + 1) * (n + 1) + x + 1, (y + 1) * (n + 1) + x]
+                 for y in range(n) for x in range(n)]
+        front = [corners for a, b, c, d in quads for corners in ((a, b, c), (a, c, d))]
+        self.write("m.ply", ply(points, front + [corners[::-1] for corners in front]))
+        result = self.results("info", "m.ply")
+        self.assertEqual((result["border_edges"], result["non_manifold_edges"]), (0, n * n + 2 * n * (n - 1)))
+        build = ("-o", "m.lode", "--cell-triangles", 500)
+        self.assertIn("lodestone info m.ply", self.lodestone("build", "m.ply", *build))
+        self.assertNotIn("lodestone info", self.lodestone("build", sphere(), *build))
+
     def test_verify_lists_its_checks(self):
         for arguments in ((), ("--input", sphere())):
             result = self.results("verify", hierarchy(), *arguments)
