@@ -1,12 +1,14 @@
 #include "core/io/atomic_file.h"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cassert>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -46,25 +48,51 @@ std::filesystem::path temporary_beside(const std::filesystem::path& target) {
   return name;
 }
 
-// Names of the temporaries that exist, for remove_temporaries(). Each is owned by its AtomicFile.
-std::array<std::atomic<const char*>, 64> temporaries{};
-static_assert(std::atomic<const char*>::is_always_lock_free, "a signal handler reads them");
+// The temporaries that exist, for remove_temporaries(). A thread holds the lock while it makes, renames or removes one,
+// with all signals blocked: so a handler never interrupts the holder, may wait for it, and finds the list in step with
+// the folder. A handler that ends the process never gives the lock back, and nothing changes behind it.
+std::atomic_flag list_locked;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler takes the lock");
 
-void remember(const char* name) {
-  for (auto& slot : temporaries) {
-    const char* empty = nullptr;
-    if (slot.compare_exchange_strong(empty, name)) return;
-  }
+void lock_list() {
+  while (list_locked.test_and_set(std::memory_order_acquire)) poll(nullptr, 0, 1);
 }
 
-void forget(const char* name) {
-  for (auto& slot : temporaries) {
-    const char* found = name;
-    if (slot.compare_exchange_strong(found, nullptr)) return;
+class ListLock {
+ public:
+  ListLock() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before_);
+    lock_list();
   }
-}
+  ~ListLock() {
+    const int error = errno;  // that of the call the lock was held for
+    list_locked.clear(std::memory_order_release);
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+    errno = error;
+  }
+  ListLock(const ListLock&) = delete;
+  ListLock& operator=(const ListLock&) = delete;
+
+ private:
+  sigset_t before_;
+};
 
 }  // namespace
+
+// The files that have a temporary, linked through previous_ and next_.
+AtomicFile* AtomicFile::first_ = nullptr;
+
+void AtomicFile::enter_list() {
+  next_ = std::exchange(first_, this);
+  if (next_) next_->previous_ = this;
+}
+
+void AtomicFile::leave_list() {
+  (previous_ ? previous_->next_ : first_) = next_;
+  if (next_) next_->previous_ = previous_;
+}
 
 AtomicFile::AtomicFile(std::filesystem::path target)
     : target_(std::move(target)), buffer_(std::make_unique_for_overwrite<std::byte[]>(buffer_bytes)) {
@@ -82,15 +110,11 @@ AtomicFile::AtomicFile(std::filesystem::path target)
     seekable_ = descriptor_ >= 0 && lseek(descriptor_, 0, SEEK_CUR) >= 0;
   } else {
     temporary_ = temporary_beside(final_);
-    remember(temporary_.c_str());  // first: a signal between the two would leave the file
+    const ListLock lock;
     descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ >= 0) enter_list();
   }
-  if (descriptor_ < 0) {
-    const int error = errno;
-    if (!temporary_.empty()) forget(temporary_.c_str());
-    errno = error;
-    fail("cannot create");
-  }
+  if (descriptor_ < 0) fail("cannot create");
 }
 
 AtomicFile::~AtomicFile() { discard(); }
@@ -136,9 +160,15 @@ void AtomicFile::commit() {
   // Some file systems (NFS, quotas) report a full disk only when the file is closed.
   if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot finish writing");
   if (temporary_.empty()) return;
-  if (std::rename(temporary_.c_str(), final_.c_str()) != 0) fail("cannot rename the finished file");
-  forget(temporary_.c_str());
+  if (!rename_temporary()) fail("cannot rename the finished file");
   temporary_.clear();
+}
+
+bool AtomicFile::rename_temporary() {
+  const ListLock lock;
+  if (std::rename(temporary_.c_str(), final_.c_str()) != 0) return false;
+  leave_list();
+  return true;
 }
 
 void AtomicFile::fail(const char* what) const {
@@ -149,13 +179,17 @@ void AtomicFile::fail(const char* what) const {
 void AtomicFile::discard() noexcept {
   if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
   if (temporary_.empty()) return;
+  const ListLock lock;
   unlink(temporary_.c_str());
-  forget(temporary_.c_str());
+  leave_list();
 }
 
 void remove_temporaries() noexcept {
-  for (const auto& slot : temporaries)
-    if (const char* name = slot) unlink(name);
+  sigset_t all;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, nullptr);  // a second handler on this thread would wait for the first one
+  lock_list();
+  for (const AtomicFile* file = AtomicFile::first_; file; file = file->next_) unlink(file->temporary_.c_str());
 }
 
 }  // namespace lodestone

@@ -40,6 +40,13 @@ class AtomicFile {
   void write_through(std::uint64_t offset, std::span<const std::byte> bytes);
   [[noreturn]] void fail(const char* what) const;  // from errno
   void discard() noexcept;
+  [[nodiscard]] bool rename_temporary();
+  void enter_list();
+  void leave_list();
+  friend void remove_temporaries() noexcept;
+
+  static AtomicFile* first_;
+  AtomicFile *previous_ = nullptr, *next_ = nullptr;  // in the list of all that have a temporary
 
   std::filesystem::path target_;     // as given, for messages
   std::filesystem::path final_;      // with symbolic links resolved
@@ -51,8 +58,9 @@ class AtomicFile {
   std::unique_ptr<std::byte[]> buffer_;
 };
 
-// Removes the temporaries of all AtomicFiles under way; for the handler of a signal that ends the process, and safe to
-// call there. Of more than 64 at once the rest stay.
+// Removes the temporaries of all AtomicFiles under way, for the handler of a signal that ends the process: safe to call
+// there on any thread, while others are creating, finishing or giving up files. The process has to end then: signals
+// are blocked on this thread, and every other one stops where it next makes, finishes or gives up a file.
 void remove_temporaries() noexcept;
 
 }  // namespace lodestone

@@ -26,7 +26,7 @@ void on_interrupt(int signal) {
   received = signal;
   if (!interrupted.exchange(true) && polled) return;
   remove_temporaries();
-  constexpr std::string_view line = "lodestone: interrupted; no output file was left\n";
+  constexpr std::string_view line = "lodestone: interrupted; no unfinished file was left\n";
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
   std::_Exit(128 + signal);
 }

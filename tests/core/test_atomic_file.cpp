@@ -1,7 +1,14 @@
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -57,20 +64,6 @@ TEST_F(AtomicFileTest, LeavesNothingWhenAbandoned) {
   }
   EXPECT_EQ(content(target), "old");
   EXPECT_EQ(files(), 1u);
-}
-
-// What the handler of a signal does before it ends the process. Finished files stay.
-TEST_F(AtomicFileTest, TemporariesGoWhenTheProcessIsAboutToEnd) {
-  AtomicFile finished(folder_ / "finished");
-  finished.commit();
-  AtomicFile a(folder_ / "a"), b(folder_ / "b");
-  a.write(bytes("half of it"));
-  a.flush();
-  { AtomicFile abandoned(folder_ / "c"); }
-  EXPECT_EQ(files(), 3u);
-  remove_temporaries();
-  EXPECT_EQ(files(), 1u);
-  EXPECT_TRUE(fs::exists(folder_ / "finished"));
 }
 
 TEST_F(AtomicFileTest, SmallAndLargePiecesKeepTheirOrder) {
@@ -134,6 +127,78 @@ TEST_F(AtomicFileTest, UnwritableTargetsNameTheFile) {
     }
   }
   EXPECT_EQ(files(), 0u);
+}
+
+// ---- a process that a signal ends ----
+
+void end_process(int signal) {
+  remove_temporaries();
+  std::_Exit(signal);
+}
+
+// Finished files stay, however many others there are.
+TEST_F(AtomicFileTest, TemporariesGoWhenTheProcessIsAboutToEnd) {
+  EXPECT_EXIT(
+      {
+        AtomicFile finished(folder_ / "finished");
+        finished.commit();
+        std::vector<std::unique_ptr<AtomicFile>> open;
+        for (int i = 0; i < 100; ++i) open.push_back(std::make_unique<AtomicFile>(folder_ / std::to_string(i)));
+        open[7]->write(bytes("half of it"));
+        open[7]->flush();
+        { AtomicFile abandoned(folder_ / "abandoned"); }
+        open.erase(open.begin() + 50);
+        if (files() == 100) end_process(3);
+      },
+      testing::ExitedWithCode(3), "");
+  EXPECT_EQ(files(), 1u);
+  EXPECT_TRUE(fs::exists(folder_ / "finished"));
+}
+
+constexpr std::size_t piece_bytes = 100'000;
+
+// Files made, written, finished or given up, one after the other; never returns.
+[[noreturn]] void write_for_ever(const fs::path& folder, int thread) {
+  for (unsigned i = 0;; ++i) {
+    AtomicFile file(folder / (std::to_string(thread) + "." + std::to_string(i % 3)));
+    file.write(bytes(std::string(piece_bytes, 'x')));
+    file.flush();
+    if (i % 4 != 3) file.commit();
+  }
+}
+
+// The child of a fork: three threads write. With `elsewhere` the signal is not taken by the thread that began, which
+// waits, but by one that is in the middle of writing while others are, too.
+[[noreturn]] void run_child(const fs::path& folder, bool elsewhere) {
+  for (const int number : {SIGINT, SIGTERM}) signal(number, end_process);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t) threads.emplace_back(write_for_ever, folder, t);
+  sigset_t all;
+  sigfillset(&all);
+  if (elsewhere) pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  for (;;) pause();
+}
+
+// At random moments, and always at once with others: the handler runs beside creating, renaming and removing.
+TEST_F(AtomicFileTest, SignalsAtAnyMomentLeaveNoTemporary) {
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 300; ++trial) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) run_child(folder_, trial % 2 == 1);
+    while (files() == 0) std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 5000));
+    const int signal = trial % 3 == 0 ? SIGTERM : SIGINT;
+    kill(child, signal);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == signal) << status;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      EXPECT_EQ(entry.path().filename().string().find(".tmp."), std::string::npos) << entry << " in trial " << trial;
+      EXPECT_EQ(fs::file_size(entry), piece_bytes) << entry;
+      fs::remove(entry);
+    }
+  }
 }
 
 }  // namespace

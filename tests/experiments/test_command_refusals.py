@@ -319,6 +319,27 @@ class Interrupts(CommandCase):
     def test_generate(self):
         self.interrupt("generate", "sphere", "--triangles", 50_000_000, "-o", "m.ply")
 
+    def test_any_moment_of_writing(self):
+        """The file is complete or not there, and no other is, whenever the signal comes; at its end it may come late."""
+        generate = ("generate", "terrain", "--triangles", 1_000_000, "-o", "m.ply")
+        started = time.monotonic()
+        self.lodestone(*generate)
+        whole, seconds = (self.folder / "m.ply").read_bytes(), time.monotonic() - started
+        moments, interrupted = random.Random(1), 0
+        for trial in range(40):
+            (self.folder / "m.ply").unlink(missing_ok=True)
+            number = (signal.SIGINT, signal.SIGTERM)[trial % 2]
+            process = subprocess.Popen([command_case.PROGRAM, *map(str, generate), "--quiet"], cwd=self.folder,
+                                       stderr=subprocess.PIPE)
+            time.sleep(moments.uniform(0.1, 1.1) * seconds)
+            process.send_signal(number)
+            errors = process.communicate(timeout=60)[1]
+            interrupted += process.returncode != 0
+            # Minus the number: before the program had begun to listen.
+            self.assertIn(process.returncode, (0, 128 + number, -number), errors)
+            self.assertIn(list(self.listing().values()), ([whole], []) if process.returncode else ([whole],), trial)
+        self.assertGreater(interrupted, 10)
+
     def test_export(self):
         big = model("big.lode", "build", self.big(), "--simplifier", "cluster")
         self.interrupt("export", big, "-o", "m.obj")
