@@ -59,7 +59,8 @@ class Scheduler {
 }
 
 [[nodiscard]] std::unique_ptr<Scheduler> make_serial_scheduler();
-// threads = 0: all that the machine has.
+// threads = 0: all that the machine has. More than it has are possible. Any number of schedulers may live and work at
+// the same time, each with its own number of workers.
 [[nodiscard]] std::unique_ptr<Scheduler> make_tbb_scheduler(int threads = 0);
 
 }  // namespace lodestone

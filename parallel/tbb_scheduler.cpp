@@ -7,6 +7,10 @@
 
 #include <algorithm>
 #include <deque>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <utility>
 
 #include "parallel/scheduler.h"
 
@@ -15,11 +19,50 @@ namespace {
 
 namespace flow = oneapi::tbb::flow;
 
+// oneTBB makes no more threads than the machine has unless a global_control allows it, and of several controls the
+// smallest holds. An arena limits its own width anyway, so there is one control for the whole process, there to raise
+// only: as wide as the widest scheduler alive. Each scheduler thus gets the workers it was made for, whatever others
+// are.
+class AllowedThreads {
+ public:
+  explicit AllowedThreads(int threads) {
+    const std::lock_guard lock(shared().mutex);
+    mine_ = shared().wanted.insert(threads);
+    renew();
+  }
+  ~AllowedThreads() {
+    const std::lock_guard lock(shared().mutex);
+    shared().wanted.erase(mine_);
+    renew();
+  }
+  AllowedThreads(const AllowedThreads&) = delete;
+  AllowedThreads& operator=(const AllowedThreads&) = delete;
+
+ private:
+  using Control = oneapi::tbb::global_control;
+  struct Shared {
+    std::mutex mutex;
+    std::multiset<int> wanted;  // by the schedulers alive
+    std::unique_ptr<Control> control;
+  };
+  static Shared& shared() {
+    static Shared instance;
+    return instance;
+  }
+  static void renew() {
+    Shared& s = shared();
+    const int widest = s.wanted.empty() ? 0 : *s.wanted.rbegin();
+    std::unique_ptr<Control> next;
+    if (widest > oneapi::tbb::info::default_concurrency())
+      next = std::make_unique<Control>(Control::max_allowed_parallelism, static_cast<std::size_t>(widest));
+    s.control = std::move(next);
+  }
+  std::multiset<int>::iterator mine_;
+};
+
 class TbbScheduler final : public Scheduler {
  public:
-  explicit TbbScheduler(int threads)
-      : limit_(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
-        arena_(threads) {}
+  explicit TbbScheduler(int threads) : allowed_(threads), arena_(threads) {}
 
   [[nodiscard]] int workers() const override { return arena_.max_concurrency(); }
 
@@ -68,7 +111,7 @@ class TbbScheduler final : public Scheduler {
   }
 
  private:
-  oneapi::tbb::global_control limit_;
+  AllowedThreads allowed_;
   mutable oneapi::tbb::task_arena arena_;
 };
 

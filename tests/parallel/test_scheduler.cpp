@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <numeric>
 #include <random>
 #include <stdexcept>
+#include <thread>
 
 #include "parallel/scheduler.h"
 
@@ -109,6 +111,57 @@ TEST_P(SchedulerContract, NestedLoopsFinish) {
   std::atomic<int> sum{0};
   scheduler_->for_chunks(10, 1, [&](ChunkRange) { scheduler_->for_chunks(10, 1, [&](ChunkRange) { ++sum; }); });
   EXPECT_EQ(sum, 100);
+}
+
+// Whether all workers of a scheduler come to work at the same time: a body for each of them waits for all.
+bool all_come(Scheduler& scheduler) {
+  const int workers = scheduler.workers();
+  std::atomic<int> here{0};
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  scheduler.for_chunks(static_cast<std::size_t>(workers), 1, [&](ChunkRange) {
+    ++here;
+    while (here < workers && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  return std::chrono::steady_clock::now() < deadline;
+}
+
+// How many bodies of a scheduler run at once, at most.
+int most_at_once(Scheduler& scheduler) {
+  std::atomic<int> here{0}, most{0};
+  scheduler.for_chunks(200, 1, [&](ChunkRange) {
+    const int now = ++here;
+    for (int seen = most; seen < now && !most.compare_exchange_weak(seen, now);) {
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+    --here;
+  });
+  return most;
+}
+
+TEST(TbbScheduler, KeepsItsWidthBesideOthers) {
+  const auto wide = make_tbb_scheduler(7);
+  EXPECT_TRUE(all_come(*wide));
+  const auto narrow = make_tbb_scheduler(1);
+  EXPECT_TRUE(all_come(*wide));
+  {
+    const auto wider = make_tbb_scheduler(9);
+    EXPECT_TRUE(all_come(*wider));
+    EXPECT_TRUE(all_come(*wide));
+  }
+  EXPECT_TRUE(all_come(*wide));
+  EXPECT_EQ(most_at_once(*narrow), 1);
+}
+
+TEST(TbbScheduler, WorksAtTheSameTimeAsOthers) {
+  const auto three = make_tbb_scheduler(3), five = make_tbb_scheduler(5);
+  std::atomic<int> most_of_three{0};
+  std::thread beside([&] { most_of_three = most_at_once(*three); });
+  EXPECT_LE(most_at_once(*five), five->workers());
+  beside.join();
+  EXPECT_LE(most_of_three, three->workers());
+  EXPECT_TRUE(all_come(*three));
+  EXPECT_TRUE(all_come(*five));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SchedulerContract,
