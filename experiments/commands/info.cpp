@@ -68,6 +68,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"file", file},
       {"input_triangles", h.provenance.input_triangles},
       {"input_vertices", h.provenance.input_vertices},
+      {"repairs", to_json(h.provenance.repairs)},
       {"sigma0", h.sigma0},
       {"simplifier", name_of(static_cast<SimplifierKind>(h.provenance.simplifier))},
       {"cell_triangles", h.provenance.cell_triangles},

@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import random
 import struct
 import subprocess
 import sys
@@ -108,6 +109,46 @@ def ply(vertices, faces, vertex_count=None, face_count=None):
     lines += [" ".join(map(str, v)) for v in vertices]
     lines += [" ".join(map(str, (len(f), *f))) for f in faces]
     return "\n".join(lines) + "\n"
+
+
+def obj(vertices, faces):
+    """Text of an OBJ."""
+    lines = [" ".join(map(str, ("v", *v))) for v in vertices]
+    lines += [" ".join(map(str, ("f", *(corner + 1 for corner in f)))) for f in faces]
+    return "\n".join(lines) + "\n"
+
+
+def dirty_mesh(seed):
+    """(points, faces, repairs): a hilly sheet with every fault that is repaired, and how many there are of each."""
+    chance, n = random.Random(seed), 30
+    points = [(x, y, chance.random()) for y in range(n) for x in range(n)]
+    squares = [(y * n + x, y * n + x + 1, (y + 1) * n + x + 1, (y + 1) * n + x)
+               for y in range(n - 1) for x in range(n - 1)]
+    chance.shuffle(squares)
+    polygons, halved = squares[:40], squares[40:]
+    sound = [triangle for a, b, c, d in halved for triangle in ((a, b, c), (a, c, d))]
+
+    def add(point):
+        points.append(point)
+        return len(points) - 1
+
+    copied = list(sound)
+    for i in chance.sample(range(len(sound)), 50):  # a corner of its own, where others have one, too
+        a, b, c = copied[i]
+        copied[i] = (add(points[a]), b, c)
+    degenerate = [(a, a, b) for a, b, _ in chance.sample(sound, 11)]
+    degenerate += [(a, b, add(points[a])) for a, b, _ in chance.sample(sound, 12)]
+    duplicate = [(b, c, a) for a, b, c in chance.sample(sound, 17)]
+    non_finite = [(a, b, add((0, chance.choice(["nan", "inf", "-inf"]), 0))) for a, b, _ in chance.sample(sound, 19)]
+    stubs = [(a, b) for a, b, _ in chance.sample(sound, 5)]
+    faces = copied + polygons + degenerate + non_finite + stubs
+    chance.shuffle(faces)
+    for _ in range(23):
+        add((chance.random(), 2 * n, 0))
+    return points, faces + duplicate, {
+        "polygons_triangulated": len(polygons), "faces_dropped": len(stubs), "non_finite_triangles": len(non_finite),
+        "welded_vertices": 50 + 12, "degenerate_triangles": len(degenerate), "duplicate_triangles": len(duplicate),
+        "unreferenced_vertices": len(non_finite) + 23}
 
 
 def binary_stl(facets, declared=None):

@@ -10,7 +10,7 @@ import subprocess
 import unittest
 
 import command_case
-from command_case import CommandCase, hierarchy, model, ply, ply_counts, png_size, sphere
+from command_case import CommandCase, dirty_mesh, hierarchy, model, obj, ply, ply_counts, png_size, sphere
 
 SUBCOMMANDS = ["generate", "build", "info", "verify", "compare", "render", "export"]
 SHAPES = ["sphere", "terrain", "torus", "box"]
@@ -93,19 +93,26 @@ class Build(CommandCase):
         self.assertTrue(all(count == 0 for count in result["repairs"].values()), result["repairs"])
 
     def test_repairs_are_counted(self):
-        nan, square = float("nan"), [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
-        self.write("m.ply", ply([*square, (0, 0, 0), (nan, 0, 0), (5, 5, 5)],
-                                [(0, 1, 2), (4, 2, 3), (2, 3, 0), (0, 4, 1), (0, 1, 5), (0, 1, 2, 3)]))
-        result = self.results("build", "m.ply", "-o", "m.lode")
-        repairs = result["repairs"]
-        self.assertEqual(repairs["non_finite_triangles"], 1)
-        self.assertEqual(repairs["degenerate_triangles"], 1)
-        self.assertEqual(repairs["welded_vertices"], 1)
-        self.assertEqual(repairs["polygons_triangulated"], 1)
-        self.assertGreaterEqual(repairs["duplicate_triangles"], 1)
-        self.assertGreaterEqual(repairs["unreferenced_vertices"], 1)
-        self.assertEqual(result["stored_triangles"], result["input_triangles"])
-        self.assertTrue(self.results("verify", "m.lode", "--input", "m.ply")["valid"])
+        """Each kind in its own number, through PLY and OBJ, and again by info and in the file."""
+        points, faces, repairs = dirty_mesh(seed=1)
+        counts = (len(faces) - repairs["faces_dropped"] + repairs["polygons_triangulated"]
+                  - repairs["non_finite_triangles"] - repairs["degenerate_triangles"] - repairs["duplicate_triangles"],
+                  len(points) - repairs["welded_vertices"] - repairs["unreferenced_vertices"])
+        self.write("m.ply", ply(points, faces))
+        self.write("m.obj", obj(points, faces))
+        for name in ("m.ply", "m.obj"):
+            result = self.results("build", name, "-o", "m.lode", "--cell-triangles", 200)
+            self.assertEqual(result["repairs"], repairs, name)
+            self.assertEqual((result["input_triangles"], result["input_vertices"]), counts, name)
+            self.assertGreater(result["levels"], 1)
+            self.assertTrue(self.results("verify", "m.lode", "--input", name)["valid"])
+            self.assertEqual(self.results("info", "m.lode")["repairs"], repairs)
+            described = self.results("info", name)
+            self.assertEqual((described["triangles"], described["vertices"]), counts)
+            self.assertEqual(described["repairs"], repairs)
+            text = self.lodestone("build", name, "-o", "m.lode")
+            for kind, count in repairs.items():
+                self.assertIn(f"repaired: {kind} {count}\n", text)
 
     def test_threads_and_strategies_do_not_change_a_byte(self):
         for simplifier in ("quadric", "cluster"):
