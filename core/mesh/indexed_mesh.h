@@ -49,9 +49,9 @@ struct Transform {
 struct WedgeAttributes {
   // The first wedge at the same position, of each wedge: equal for wedges of one vertex.
   std::vector<std::uint32_t> vertex;
-  std::vector<Vec2f> uv;                // finite; one per wedge, or empty
-  std::vector<Rgba8> colour;            // likewise
-  std::vector<Vec3f> normal;            // likewise; zero: unknown
+  std::vector<Vec2f> uv;      // finite; one per wedge, or empty
+  std::vector<Rgba8> colour;  // likewise
+  std::vector<Vec3f> normal;  // likewise; zero: unknown
   // Likewise: an index into materials, or no_material; the same for the three corners of a triangle, so that materials
   // meet along seams. Empty: all have the first material.
   std::vector<std::uint32_t> material;
