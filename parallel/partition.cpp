@@ -236,7 +236,7 @@ Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler) {
     out.sharing.assign(mesh.positions.size(), unowned);
     scatter(chunks, mesh.triangles, number, out, scheduler);
   }
-  mesh.triangles = {};
+  std::vector<Triangle>().swap(mesh.triangles);  // an assigned `{}` would keep the capacity
   out.positions = std::move(mesh.positions);
   describe_shared(out, number_shared(out, scheduler), scheduler);
   return out;

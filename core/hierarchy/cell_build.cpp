@@ -64,9 +64,10 @@ void CellSlab::allocate(std::size_t vertices, std::size_t shared, std::size_t tr
 }
 
 void CellBuild::release_transient() {
-  ids = {};
-  vertex_ids = {};
-  usage = {};
+  // An assigned `{}` would keep the capacity.
+  std::vector<std::uint32_t>().swap(ids);
+  std::vector<std::uint32_t>().swap(vertex_ids);
+  std::vector<UsageBox>().swap(usage);
 }
 
 void sort_by_material(CellBuild& cell) {
