@@ -11,6 +11,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/hierarchy/fingerprint.h"
+
 namespace lodestone {
 namespace {
 

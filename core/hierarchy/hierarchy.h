@@ -117,7 +117,4 @@ struct Hierarchy {
 // Bound of (1) for vertices of level l: sigma0 h_l / 2.
 [[nodiscard]] constexpr float displacement_bound(float sigma0, int level) { return sigma0 * cell_size(level) * 0.5f; }
 
-// Order-independent identity of a triangle by the bits of its corners, the same for its three rotations (-0 = +0).
-[[nodiscard]] std::uint64_t triangle_fingerprint(Vec3f a, Vec3f b, Vec3f c);
-
 }  // namespace lodestone
