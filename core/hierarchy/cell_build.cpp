@@ -77,8 +77,8 @@ void sort_by_material(CellBuild& cell) {
   });
 }
 
-void measure_cell(CellBuild& cell, int level, float sigma0) {
-  const float per_h = static_cast<float>(1u << level);
+void set_box_statistics(CellBuild& cell, int level) {
+  const float per_h = 1 / cell_size(level);
   // Both norms in one pass; the Euclidean one squared, since the square root keeps the order.
   const Box3f& box = cell.bounds;
   float far2 = 0, far_axis = 0;
@@ -91,18 +91,22 @@ void measure_cell(CellBuild& cell, int level, float sigma0) {
   cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(far2) * per_h);
   cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(far_axis * per_h);
   cell.diameter = round_up(length(cell.bounds.hi - cell.bounds.lo) * per_h);
+}
 
-  const float limit = sigma0 / per_h;
-  float longest2 = 0;
-  std::uint64_t over = 0;
+void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths) {
+  cell.max_edge = round_up(std::sqrt(lengths.longest2()) / cell_size(level));
+  cell.long_edges = lengths.over();
+}
+
+void measure_cell(CellBuild& cell, int level, float sigma0) {
+  EdgeLengths lengths(sigma0 * cell_size(level));
   for (const Triangle& t : cell.triangles) {
-    const Vec3f a = cell.slab.positions[t.v[0]], b = cell.slab.positions[t.v[1]], c = cell.slab.positions[t.v[2]];
-    const float ab = dot(b - a, b - a), bc = dot(c - b, c - b), ca = dot(a - c, a - c);
-    longest2 = std::max(longest2, std::max(ab, std::max(bc, ca)));
-    over += (ab > limit * limit) + (bc > limit * limit) + (ca > limit * limit);
+    const Float4 a = to_float4(cell.slab.positions[t.v[0]]), b = to_float4(cell.slab.positions[t.v[1]]),
+                 c = to_float4(cell.slab.positions[t.v[2]]);
+    lengths.add(b - a, c - b, a - c);
   }
-  cell.max_edge = round_up(std::sqrt(longest2) * per_h);
-  cell.long_edges = over;
+  set_edge_statistics(cell, level, lengths);
+  set_box_statistics(cell, level);
 }
 
 }  // namespace lodestone

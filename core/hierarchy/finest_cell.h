@@ -2,34 +2,39 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "core/base/float4.h"
 #include "core/hierarchy/cell_build.h"
 
 namespace lodestone {
 
 // What the partition knows about the vertices of the whole level.
 struct FinestVertices {
-  std::span<const Vec3f> positions;  // by input vertex
-  // By input vertex: shared_flag | index into the two tables below, or anything without the flag for a vertex of one
-  // cell.
-  std::span<const std::uint32_t> sharing;
-  std::span<const UsageBox> shared_usage;  // by shared index
-  std::span<const Vec3f> shared_normals;   // by shared index; area-weighted sums, not normalised
+  std::vector<Vec3f> positions;  // by input vertex
+  // By input vertex: shared_flag | number among the shared ones, for a vertex that several cells use; anything without
+  // the flag for a vertex of one cell.
+  std::vector<std::uint32_t> sharing;
+  std::size_t shared = 0;  // how many have the flag
   static constexpr std::uint32_t shared_flag = 0x8000'0000u;
 };
 
 // Working memory of make_finest_cell, reused between calls.
 struct FinestCellScratch {
-  std::vector<std::uint32_t> table_keys, table_values;  // open addressing: input vertex -> order of appearance
-  std::vector<std::uint32_t> vertices, renumbered;
-  std::vector<Vec3f> normals;
+  std::vector<std::uint32_t> renumbered;  // by order of appearance
+  std::vector<std::uint32_t> shared;      // the shared ones, in order of appearance
+  std::vector<std::uint32_t> ids;
+  std::vector<Float4> positions, normals;
 };
 
-// Turns the triangles' input vertex ids into local ids *in place* and fills ids, usage, bounds, positions and normals.
-// Vertices stand in order of appearance, those of one cell before the shared ones. Parents are left for the block.
-void make_finest_cell(const FinestVertices& all, std::span<Triangle> triangles, CellBuild& cell,
-                      FinestCellScratch& scratch);
+// Takes a cell with `triangles`, whose local ids are in order of appearance, and `ids`, the input vertices that these
+// stand for. Brings the vertices of one cell before the shared ones, and fills positions, shared ids, bounds, normals
+// of the cell's own vertices and measure_cell's statistics. Usage and normals of the shared vertices are left for
+// whoever sees the other cells, parents for the block.
+//
+// Returns what this cell's triangles add to the normals of the shared vertices, in the order of shared_ids: sums of
+// cross products, so weighted by area. Valid until the next call.
+[[nodiscard]] std::span<const Float4> make_finest_cell(const FinestVertices& all, int level, float sigma0,
+                                                       CellBuild& cell, FinestCellScratch& scratch);
 
 }  // namespace lodestone

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/box3.h"
+#include "core/base/float4.h"
 #include "core/hierarchy/cell_code.h"
 #include "core/hierarchy/distance_metric.h"
 #include "core/mesh/indexed_mesh.h"
@@ -23,8 +24,9 @@ struct PackedNormal {
   std::int16_t u = 0, v = 0;
   friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
 };
-[[nodiscard]] PackedNormal pack_normal(Vec3f n);         // n need not be of unit length; zero gives +z
-[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);  // of unit length within rounding
+[[nodiscard]] PackedNormal pack_normal(Vec3f n);  // n need not be of unit length; zero gives +z
+void pack_normals(std::span<const Float4> n, std::span<PackedNormal> packed);  // the same bits; packed is no shorter
+[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);                        // of unit length within rounding
 
 inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
 
