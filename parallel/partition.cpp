@@ -15,6 +15,7 @@
 #include <span>
 #include <utility>
 
+#include "core/base/float4.h"
 #include "core/base/prefetch.h"
 #include "core/hierarchy/fingerprint.h"
 #include "core/hierarchy/vertex_numbers.h"
@@ -62,17 +63,20 @@ std::uint64_t number_cells(const IndexedMesh& mesh, ChunkRange range, int level,
   s.number.resize(range.end - range.begin);
   std::uint64_t fingerprint = 0;
   std::uint32_t number = 0;
-  CellCoord last{0xffff, 0xffff, 0xffff};  // of no level
+  // Mostly the cell is that of the triangle before: equal whole parts of the barycentre in units of cells. Same
+  // operations as in `barycentre` and `cell_of`, since scaling by a power of two rounds nothing.
+  const Float4 per_cell = all4(1.0f / 3.0f * static_cast<float>(1u << level));
+  Int4 last{-1, -1, -1, -1};
   const std::size_t last_ahead = mesh.triangles.size() - 1;
   for (std::size_t t = range.begin; t < range.end; ++t) {
     for (const std::uint32_t v : mesh.triangles[std::min(t + prefetch_distance, last_ahead)].v)
       prefetch(&mesh.positions[v]);
     const auto& v = mesh.triangles[t].v;
-    const Vec3f a = mesh.positions[v[0]], b = mesh.positions[v[1]], c = mesh.positions[v[2]];
-    const CellCoord coord = cell_of(barycentre(a, b, c), level);
-    if (coord != last) {
-      last = coord;
-      number = s.cells.number(CellCode::from(coord));
+    const Vec3f &a = mesh.positions[v[0]], &b = mesh.positions[v[1]], &c = mesh.positions[v[2]];
+    const Int4 whole = __builtin_convertvector(((to_float4(a) + to_float4(b)) + to_float4(c)) * per_cell, Int4);
+    if (!equal(whole, last)) {
+      last = whole;
+      number = s.cells.number(CellCode::from(cell_of(barycentre(a, b, c), level)));
       if (number == s.next.size()) s.next.push_back(0);
     }
     s.number[t - range.begin] = static_cast<std::uint16_t>(number);
@@ -227,7 +231,11 @@ int choose_finest_level(const IndexedMesh& mesh, std::uint32_t cell_triangles) {
   CellNumbers occupied;
   for (int level = 0; level <= max_level; ++level) {
     occupied.clear();
-    for (const CellCode code : sample) (void)occupied.number({code.morton >> (3 * (max_level - level))});
+    CellCode last{~0ull};
+    for (const CellCode finest : sample) {
+      const CellCode code{finest.morton >> (3 * (max_level - level))};
+      if (code != last) (void)occupied.number(last = code);
+    }
     const double mean = static_cast<double>(mesh.triangles.size()) / static_cast<double>(occupied.codes.size());
     const double misfit = std::abs(std::log(mean / cell_triangles));
     if (misfit < best_misfit) best = level, best_misfit = misfit;

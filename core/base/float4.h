@@ -2,7 +2,9 @@
 // the same bits, on any processor that they compile for.
 #pragma once
 
+#include <bit>
 #include <cstdint>
+#include <cstring>
 
 #include "core/base/vec3.h"
 
@@ -11,9 +13,21 @@ namespace lodestone {
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));  // of comparisons: all bits of a lane, or none
 
-inline Float4 to_float4(Vec3f p) { return Float4{p.x, p.y, p.z, 0}; }
+// By two loads; the compilers make three of Float4{p.x, p.y, p.z, 0} and put them together again.
+inline Float4 to_float4(const Vec3f& p) {
+  static_assert(std::endian::native == std::endian::little && sizeof(Vec3f) == 12);
+  using Long2 = std::int64_t __attribute__((vector_size(16)));
+  std::int64_t xy;
+  std::memcpy(&xy, &p.x, sizeof xy);
+  return reinterpret_cast<Float4>(Long2{xy, std::bit_cast<std::uint32_t>(p.z)});
+}
 inline Vec3f to_vec3f(Float4 p) { return {p[0], p[1], p[2]}; }
 inline Float4 all4(float v) { return Float4{v, v, v, v}; }
+inline bool equal(Int4 a, Int4 b) {
+  using Long2 = std::int64_t __attribute__((vector_size(16)));
+  const auto difference = reinterpret_cast<Long2>(a ^ b);
+  return (difference[0] | difference[1]) == 0;
+}
 inline Float4 min(Float4 a, Float4 b) { return a < b ? a : b; }
 inline Float4 max(Float4 a, Float4 b) { return a > b ? a : b; }
 inline Float4 abs(Float4 a) { return reinterpret_cast<Float4>(reinterpret_cast<Int4>(a) & 0x7fff'ffff); }

@@ -8,6 +8,15 @@ namespace {
 
 constexpr std::uint32_t no_id = 0xffff'ffffu;
 
+// The slot of this id, or the empty one where it belongs. Whether the first one is either of these is easy to foretell;
+// which of them is not, hence one branch for both.
+template <class Slot>
+inline Slot& find(Slot* slots, std::uint32_t mask, int shift, std::uint32_t id) {
+  std::uint32_t i = (id * 0x9e37'79b9u) >> shift;  // Fibonacci hashing
+  while ((slots[i].id != id) & (slots[i].id != no_id)) i = (i + 1) & mask;
+  return slots[i];
+}
+
 }  // namespace
 
 void VertexNumbers::clear(std::size_t triangles) {
@@ -26,14 +35,7 @@ void VertexNumbers::resize(std::size_t slots) {
 
 void VertexNumbers::grow() {
   resize(2 * (std::size_t{mask_} + 1));
-  for (std::uint32_t n = 0; n < count_; ++n) find(slots_.data(), vertices_[n]) = {vertices_[n], n};
-}
-
-// The slot of this id, or the empty one where it belongs.
-VertexNumbers::Slot& VertexNumbers::find(Slot* slots, std::uint32_t id) const {
-  std::uint32_t i = (id * 0x9e37'79b9u) >> shift_;  // Fibonacci hashing
-  while (slots[i].id != id && slots[i].id != no_id) i = (i + 1) & mask_;
-  return slots[i];
+  for (std::uint32_t n = 0; n < count_; ++n) find(slots_.data(), mask_, shift_, vertices_[n]) = {vertices_[n], n};
 }
 
 void VertexNumbers::number(std::span<const Triangle> from, Triangle* to) {
@@ -52,13 +54,15 @@ std::size_t VertexNumbers::room() const { return ((std::size_t{mask_} + 1) / 2 -
 void VertexNumbers::number_with_room(std::span<const Triangle> from, Triangle* to) {
   Slot* const slots = slots_.data();
   std::uint32_t* const vertices = vertices_.data();
+  const std::uint32_t mask = mask_;
+  const int shift = shift_;
   std::uint32_t count = count_;
   for (const Triangle& triangle : from) {
     Triangle numbered;
     for (std::size_t k = 0; k < 3; ++k) {
       // Every sixth vertex is a new one, unpredictably: written without a branch.
       const std::uint32_t id = triangle.v[k];
-      Slot& slot = find(slots, id);
+      Slot& slot = find(slots, mask, shift, id);
       const bool is_new = slot.id != id;
       const std::uint32_t n = is_new ? count : slot.number;
       slot = {id, n};

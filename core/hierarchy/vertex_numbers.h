@@ -28,7 +28,6 @@ class VertexNumbers {
   };
   void resize(std::size_t slots);
   void grow();
-  [[nodiscard]] Slot& find(Slot* slots, std::uint32_t id) const;
   [[nodiscard]] std::size_t room() const;
   void number_with_room(std::span<const Triangle> from, Triangle* to);
 
