@@ -221,7 +221,12 @@ int choose_finest_level(const IndexedMesh& mesh, std::uint32_t cell_triangles) {
   constexpr std::size_t sample_size = 1 << 16;
   const std::size_t stride = std::max<std::size_t>(1, mesh.triangles.size() / sample_size);
   std::vector<CellCode> sample;  // on the finest level of all; those of other levels are the first bits
+  const auto ahead = [&](std::size_t t, std::size_t strides) -> const Triangle& {
+    return mesh.triangles[std::min(t + strides * stride, mesh.triangles.size() - 1)];
+  };
   for (std::size_t t = 0; t < mesh.triangles.size(); t += stride) {
+    prefetch(&ahead(t, 2 * prefetch_distance));
+    for (const std::uint32_t v : ahead(t, prefetch_distance).v) prefetch(&mesh.positions[v]);
     const auto& v = mesh.triangles[t].v;
     const Vec3f centre = barycentre(mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);
     sample.push_back(CellCode::from(cell_of(centre, max_level)));
