@@ -19,7 +19,7 @@
 
 namespace lodestone {
 
-// A unit normal as two 16-bit signed octahedral coordinates (Meyer et al. 2010): 4 bytes, error below 0.003 degrees.
+// A unit normal as two 16-bit signed octahedral coordinates (Meyer et al. 2010): 4 bytes, error below 0.004 degrees.
 struct PackedNormal {
   std::int16_t u = 0, v = 0;
   friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
