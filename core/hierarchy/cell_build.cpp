@@ -79,17 +79,22 @@ void sort_by_material(CellBuild& cell) {
 
 void set_box_statistics(CellBuild& cell, int level) {
   const float per_h = 1 / cell_size(level);
-  // Both norms in one pass; the Euclidean one squared, since the square root keeps the order.
+  // Both norms in one pass, four vertices at a time; the Euclidean one squared, since the square root keeps the order.
+  const std::span<const Vec3f> p = cell.slab.positions;
   const Box3f& box = cell.bounds;
-  float far2 = 0, far_axis = 0;
-  for (const Vec3f p : cell.slab.positions) {
-    const float x = std::max(p.x - box.lo.x, box.hi.x - p.x), y = std::max(p.y - box.lo.y, box.hi.y - p.y),
-                z = std::max(p.z - box.lo.z, box.hi.z - p.z);
-    far2 = std::max(far2, (x * x + y * y) + z * z);
-    far_axis = std::max(far_axis, std::max(std::max(x, y), z));
+  const auto farther = [](Float4 v, float lo, float hi) { return max(v - lo, hi - v); };
+  Float4 far2{}, far_axis{};
+  for (std::size_t i = 0; i < p.size(); i += 4) {
+    const auto at = [&](std::size_t k) { return to_float4(p[std::min(i + k, p.size() - 1)]); };
+    const Float4x3 v = transposed(at(0), at(1), at(2), at(3));
+    const Float4 x = farther(v.x, box.lo.x, box.hi.x), y = farther(v.y, box.lo.y, box.hi.y),
+                 z = farther(v.z, box.lo.z, box.hi.z);
+    far2 = max((x * x + y * y) + z * z, far2);
+    far_axis = max(max(max(x, y), z), far_axis);
   }
-  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(far2) * per_h);
-  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(far_axis * per_h);
+  const auto highest = [](Float4 v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); };
+  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(highest(far2)) * per_h);
+  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(highest(far_axis) * per_h);
   cell.diameter = round_up(length(cell.bounds.hi - cell.bounds.lo) * per_h);
 }
 

@@ -148,6 +148,17 @@ TEST_P(Partitions, PacksEveryCellAsTheSlowTwinWould) {
     EXPECT_EQ(cell.long_edges, over);
     EXPECT_NEAR(cell.max_edge, std::sqrt(longest2) / cell_size(level), 1e-6f * cell.max_edge);
     EXPECT_GE(cell.max_edge, std::sqrt(longest2) / cell_size(level));
+    float farthest = 0, farthest_axis = 0;
+    for (const Vec3f p : cell.slab.positions) {
+      const Vec3f d{std::max(p.x - box.lo.x, box.hi.x - p.x), std::max(p.y - box.lo.y, box.hi.y - p.y),
+                    std::max(p.z - box.lo.z, box.hi.z - p.z)};
+      farthest = std::max(farthest, length(d));
+      farthest_axis = std::max({farthest_axis, d.x, d.y, d.z});
+    }
+    EXPECT_NEAR(cell.reach[0], farthest / cell_size(level), 1e-6f * cell.reach[0]);
+    EXPECT_GE(cell.reach[0], farthest / cell_size(level));
+    EXPECT_NEAR(cell.reach[1], farthest_axis / cell_size(level), 1e-6f * cell.reach[1]);
+    EXPECT_GE(cell.reach[1], farthest_axis / cell_size(level));
     CellBuild measured;
     measured.bounds = box;
     measured.triangles = cell.triangles;
