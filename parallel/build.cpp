@@ -12,6 +12,7 @@
 #include "core/hierarchy/block.h"
 #include "core/hierarchy/cell_table.h"
 #include "parallel/cpu_clock.h"
+#include "parallel/finest_level.h"
 #include "parallel/partition.h"
 
 namespace lodestone {
@@ -19,7 +20,7 @@ namespace {
 
 // Everything that the blocks work on; becomes the storage of the finished hierarchy.
 struct Build {
-  Partition partition;
+  std::vector<Triangle> triangles;  // of the finest level
   BlockPlan plan;
   std::vector<std::vector<CellBuild>> cells;  // by level, by rank
   AttributeSet attributes;
@@ -29,7 +30,6 @@ struct Build {
 struct Worker {
   std::unique_ptr<Simplifier> simplifier;
   BlockScratch block;
-  FinestCellScratch finest;
 };
 
 void check(const IndexedMesh& mesh, const BuildConfig& config) {
@@ -42,22 +42,15 @@ void check(const IndexedMesh& mesh, const BuildConfig& config) {
     throw ResourceError("the mesh has more than 2^31 vertices; vertex ids have 32 bits");
 }
 
-AttributeSet attributes_of(const IndexedMesh& mesh) {
-  const WedgeAttributes& w = mesh.wedges;
-  return {!w.vertex.empty(), !w.uv.empty(), !w.colour.empty(), !w.material.empty()};
-}
-
 class HierarchyBuilder {
  public:
   HierarchyBuilder(Build& build, const BuildConfig& config, Scheduler& scheduler)
       : build_(build), config_(config), scheduler_(scheduler), finest_(static_cast<int>(build.plan.levels.size()) - 1) {
-    for (const LevelCells& level : build.plan.levels) build_.cells.emplace_back(level.codes.size());
     workers_.resize(static_cast<std::size_t>(scheduler.workers()));
     for (Worker& worker : workers_) worker.simplifier = make_simplifier(config.simplifier);
   }
 
   void run() {
-    if (finest_ == 0) make_finest(0, workers_.front());
     switch (config_.strategy) {
       case Strategy::serial:
         return run_serial();
@@ -102,22 +95,9 @@ class HierarchyBuilder {
     const Block& block = build_.plan.blocks[index];
     const auto level = static_cast<std::size_t>(block.level);
     const LevelCells& parents = build_.plan.levels[level - 1];
-    if (block.level == finest_)
-      for (const CellRank p : block.parents)
-        for (CellRank c = parents.first_child[p]; c < parents.first_child[p + 1]; ++c) make_finest(c, worker);
     build_block(block, parents, build_.cells[level], build_.cells[level - 1], config_.sigma0, build_.attributes,
                 *worker.simplifier, worker.block);
     report_progress(worker.block.triangles.size());
-  }
-
-  void make_finest(CellRank rank, Worker& worker) {
-    const Partition& partition = build_.partition;
-    CellBuild& cell = build_.cells.back()[rank];
-    const std::uint64_t first = partition.first_triangle[rank];
-    make_finest_cell(partition.vertices(),
-                     std::span(build_.partition.triangles).subspan(first, partition.first_triangle[rank + 1] - first),
-                     cell, worker.finest);
-    measure_cell(cell, finest_, config_.sigma0);
   }
 
   // Work is proportional to the triangles that blocks consume; all levels together consume about 4/3 of the input.
@@ -126,7 +106,7 @@ class HierarchyBuilder {
     const std::uint64_t done = consumed_ += triangles;
     const std::unique_lock lock(progress_, std::try_to_lock);
     if (!lock) return;
-    const double expected = static_cast<double>(build_.partition.triangles.size()) * 4 / 3;
+    const double expected = static_cast<double>(build_.triangles.size()) * 4 / 3;
     config_.progress(std::min(1.0, static_cast<double>(done) / expected));
   }
 
@@ -178,6 +158,17 @@ void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
   out.levels.push_back(level);
 }
 
+// The finest level, and empty cells on the others. What the partition alone needs is released here.
+void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& out, Scheduler& scheduler) {
+  Partition partition = partition_mesh(std::move(mesh), finest, scheduler);
+  out.provenance.fingerprint = partition.fingerprint;
+  build.plan = plan_blocks(partition.codes, finest);
+  for (int l = 0; l < finest; ++l)
+    build.cells.emplace_back(build.plan.levels[static_cast<std::size_t>(l)].codes.size());
+  build.triangles = std::move(partition.triangles);
+  build.cells.push_back(make_finest_cells(std::move(partition), finest, out.sigma0, scheduler));
+}
+
 }  // namespace
 
 Strategy strategy(std::string_view name) {
@@ -210,17 +201,11 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   const bool choose = config.finest_level < 0;
   const int finest = choose ? choose_finest_level(mesh, config.cell_triangles) : config.finest_level;
   out.provenance.cell_triangles = choose ? config.cell_triangles : 0;
-  build->partition = partition_mesh(std::move(mesh), finest, scheduler);
-  out.provenance.fingerprint = build->partition.fingerprint;
-  build->plan = plan_blocks(build->partition.codes, finest);
+  partition_finest(std::move(mesh), finest, *build, out, scheduler);
   const StageTime partition_time = partition_clock.elapsed();
 
   const CpuClock hierarchy_clock;
   HierarchyBuilder(*build, config, scheduler).run();
-  // Only the triangles are still looked at, as the payload of the finest cells.
-  std::vector<Triangle> triangles = std::move(build->partition.triangles);
-  build->partition = {};
-  build->partition.triangles = std::move(triangles);
   for (std::size_t l = 0; l < build->plan.levels.size(); ++l) assemble_level(*build, l, out);
   out.storage = build;
 

@@ -1,158 +1,147 @@
-// Three passes over the triangles: which cell (with a count per chunk), scatter to cell order, what the cells share.
+// A counting sort in two steps, since a scatter of all triangles to all cells misses caches and the TLB when the input
+// comes in random order: triangles of a chunk to *runs* of one cell each, while the chunk is in the second-level cache;
+// then the runs of a cell, in the order of chunks, to the cell. The second step gives the vertices their local ids.
 //
-// A counting sort per chunk keeps the input order within a cell for any number of workers. What several workers add
-// to one place is added with operations that commute exactly: minima, maxima, and sums in fixed point.
+// This keeps the input order within a cell for any number of workers. What several workers add to one place is added
+// with operations that commute exactly.
 #include "parallel/partition.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "core/base/float4.h"
+#include "core/base/prefetch.h"
+#include "core/hierarchy/fingerprint.h"
+#include "core/hierarchy/vertex_numbers.h"
+#include "parallel/cell_numbers.h"
 
 namespace lodestone {
 namespace {
 
-constexpr std::size_t triangle_grain = 1 << 18;
+constexpr std::size_t triangle_grain = 1 << 16;  // so that the number of a cell within its chunk has 16 bits
 constexpr std::size_t vertex_grain = 1 << 18;
+constexpr std::size_t cell_grain = 16;
 constexpr std::uint32_t unowned = 0x7fff'ffffu;
 
-// Open-addressing map from cell code to a small number; one per chunk, so it stays in cache.
-class CodeTable {
- public:
-  // Number of a code, in order of first appearance.
-  std::uint32_t number(CellCode code) {
-    if (code == last_code_) return last_number_;
-    if (2 * codes.size() >= slots_.size()) grow();
-    std::uint32_t& slot = find(code);
-    if (slot == none_) {
-      slot = static_cast<std::uint32_t>(codes.size());
-      codes.push_back(code);
-    }
-    last_code_ = code;
-    return last_number_ = slot;
-  }
-  std::vector<CellCode> codes;
-
- private:
-  static constexpr std::uint32_t none_ = 0xffff'ffffu;
-
-  std::uint32_t& find(CellCode code) {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t i = (code.morton * 0x9e37'79b9'7f4a'7c15ull) >> (64 - std::countr_zero(slots_.size()));
-    while (slots_[i] != none_ && codes[slots_[i]] != code) i = (i + 1) & mask;
-    return slots_[i];
-  }
-  void grow() {
-    slots_.assign(std::max<std::size_t>(64, slots_.size() * 2), none_);
-    for (std::uint32_t i = 0; i < codes.size(); ++i) find(codes[i]) = i;
-  }
-
-  std::vector<std::uint32_t> slots_;
-  CellCode last_code_{~0ull};
-  std::uint32_t last_number_ = 0;
+// Consecutive triangles of one cell.
+struct Run {
+  std::uint64_t first = 0;
+  std::uint32_t count = 0;
+  std::uint32_t cell = 0;  // number within the chunk, then among all cells
 };
 
 struct Chunk {
-  CodeTable cells;
-  std::vector<std::uint64_t> count;  // by number; after `place_chunks` the position of the next triangle
-  std::vector<std::uint32_t> rank;   // by number
+  std::vector<CellCode> codes;  // by number
+  std::vector<Run> runs;        // by number
   std::uint64_t fingerprint = 0;
 };
 
-// Sums of vectors whose result does not depend on the order: 64-bit fixed point. Twice a triangle's area is at most 2,
-// and 2^54 leaves room for hundreds of such triangles while resolving areas of 1e-16.
-class NormalSums {
- public:
-  explicit NormalSums(std::size_t count) : sums_(count) {}
-  void add(std::size_t i, Vec3f n) {
-    const std::array<float, 3> v{n.x, n.y, n.z};
-    for (std::size_t k = 0; k < 3; ++k)
-      std::atomic_ref(sums_[i][k]).fetch_add(static_cast<std::int64_t>(v[k] * scale_), std::memory_order_relaxed);
-  }
-  [[nodiscard]] Vec3f sum(std::size_t i) const {
-    const auto v = [&](std::size_t k) { return static_cast<float>(static_cast<double>(sums_[i][k])); };
-    return {v(0), v(1), v(2)};  // the scale does not matter for a direction
-  }
-
- private:
-  static constexpr float scale_ = 0x1p54f;
-  std::vector<std::array<std::int64_t, 3>> sums_;
+// One worker's memory for the chunk at hand.
+struct ChunkScratch {
+  CellNumbers cells;
+  std::vector<std::uint16_t> number;  // by triangle
+  std::vector<std::uint32_t> next;    // by cell: first how many triangles, then where the next one goes
 };
 
-// UsageBox extended by several workers: lo and hi of an axis in one word each.
-class UsageBoxes {
- public:
-  explicit UsageBoxes(std::size_t count) : axes_(count, {empty_, empty_, empty_}) {}
-  void extend(std::size_t i, CellCoord c) {
-    extend_axis(axes_[i][0], c.x);
-    extend_axis(axes_[i][1], c.y);
-    extend_axis(axes_[i][2], c.z);
-  }
-  [[nodiscard]] UsageBox box(std::size_t i) const {
-    const auto lo = [&](std::size_t k) { return static_cast<std::uint16_t>(axes_[i][k] & 0xffff); };
-    const auto hi = [&](std::size_t k) { return static_cast<std::uint16_t>(axes_[i][k] >> 16); };
-    return {{lo(0), lo(1), lo(2)}, {hi(0), hi(1), hi(2)}};
-  }
+// Where the runs of every cell are.
+struct RunTable {
+  std::vector<std::uint64_t> first_run;       // by cell, one more than cells
+  std::vector<Run> runs;                      // by cell, in the order of chunks
+  std::vector<std::uint64_t> first_triangle;  // by cell, one more than cells
+};
 
- private:
-  static void extend_axis(std::uint32_t& word, std::uint32_t v) {
-    const std::atomic_ref axis(word);
-    std::uint32_t old = axis.load(std::memory_order_relaxed);
-    for (;;) {
-      const std::uint32_t extended = std::min(old & 0xffff, v) | (std::max(old >> 16, v) << 16);
-      if (extended == old || axis.compare_exchange_weak(old, extended, std::memory_order_relaxed)) return;
+// The cell of every triangle of the chunk, as a number within the chunk, counted. Returns the sum of the fingerprints.
+std::uint64_t number_cells(const IndexedMesh& mesh, ChunkRange range, int level, ChunkScratch& s) {
+  s.cells.clear();
+  s.next.clear();
+  s.number.resize(range.end - range.begin);
+  std::uint64_t fingerprint = 0;
+  std::uint32_t number = 0;
+  // Mostly the cell is that of the triangle before: equal whole parts of the barycentre in units of cells. Same
+  // operations as in `barycentre` and `cell_of`, since scaling by a power of two rounds nothing.
+  const Float4 per_cell = all4(1.0f / 3.0f * static_cast<float>(1u << level));
+  Int4 last{-1, -1, -1, -1};
+  const std::size_t last_ahead = mesh.triangles.size() - 1;
+  for (std::size_t t = range.begin; t < range.end; ++t) {
+    for (const std::uint32_t v : mesh.triangles[std::min(t + prefetch_distance, last_ahead)].v)
+      prefetch(&mesh.positions[v]);
+    const auto& v = mesh.triangles[t].v;
+    const Vec3f &a = mesh.positions[v[0]], &b = mesh.positions[v[1]], &c = mesh.positions[v[2]];
+    const Int4 whole = __builtin_convertvector(((to_float4(a) + to_float4(b)) + to_float4(c)) * per_cell, Int4);
+    if (!equal(whole, last)) {
+      last = whole;
+      number = s.cells.number(CellCode::from(cell_of(barycentre(a, b, c), level)));
+      if (number == s.next.size()) s.next.push_back(0);
     }
+    s.number[t - range.begin] = static_cast<std::uint16_t>(number);
+    ++s.next[number];
+    fingerprint += triangle_fingerprint(a, b, c);
   }
-  static constexpr std::uint32_t empty_ = 0x0000'ffffu;
-  std::vector<std::array<std::uint32_t, 3>> axes_;
-};
+  return fingerprint;
+}
 
-// Pass 1: the cell of every triangle as a number within its chunk, counted.
-std::vector<Chunk> count_cells(const IndexedMesh& mesh, int level, std::vector<std::uint32_t>& number,
-                               Scheduler& scheduler) {
+// Copies the triangles of the chunk to runs, in the same range of `sorted`.
+void sort_chunk(std::span<const Triangle> triangles, ChunkRange range, ChunkScratch& s, Chunk& chunk,
+                std::span<Triangle> sorted) {
+  chunk.codes.assign(s.cells.codes.begin(), s.cells.codes.end());
+  chunk.runs.resize(chunk.codes.size());
+  std::uint32_t first = 0;
+  for (std::uint32_t i = 0; i < chunk.runs.size(); ++i) {
+    chunk.runs[i] = {range.begin + first, s.next[i], i};
+    first += std::exchange(s.next[i], first);
+  }
+  Triangle* const to = sorted.data() + range.begin;
+  for (std::size_t t = range.begin; t < range.end; ++t) to[s.next[s.number[t - range.begin]]++] = triangles[t];
+}
+
+std::vector<Chunk> sort_chunks(const IndexedMesh& mesh, int level, std::span<Triangle> sorted, Scheduler& scheduler) {
   std::vector<Chunk> chunks(chunk_count(mesh.triangles.size(), triangle_grain));
+  std::vector<ChunkScratch> scratch(static_cast<std::size_t>(scheduler.workers()));
   scheduler.for_chunks(mesh.triangles.size(), triangle_grain, [&](ChunkRange range) {
+    ChunkScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
     Chunk& chunk = chunks[range.index];
-    for (std::size_t t = range.begin; t < range.end; ++t) {
-      const auto& v = mesh.triangles[t].v;
-      const Vec3f a = mesh.positions[v[0]], b = mesh.positions[v[1]], c = mesh.positions[v[2]];
-      number[t] = chunk.cells.number(CellCode::from(cell_of(barycentre(a, b, c), level)));
-      if (number[t] == chunk.count.size()) chunk.count.push_back(0);
-      ++chunk.count[number[t]];
-      chunk.fingerprint += triangle_fingerprint(a, b, c);
-    }
+    chunk.fingerprint = number_cells(mesh, range, level, s);
+    sort_chunk(mesh.triangles, range, s, chunk, sorted);
   });
   return chunks;
 }
 
-// The sorted union of the chunks' cells, and where each chunk's share of each cell begins.
-void place_chunks(std::vector<Chunk>& chunks, Partition& out) {
-  for (const Chunk& chunk : chunks) {
-    out.codes.insert(out.codes.end(), chunk.cells.codes.begin(), chunk.cells.codes.end());
-    out.fingerprint += chunk.fingerprint;
-  }
-  std::sort(out.codes.begin(), out.codes.end());
-  out.codes.erase(std::unique(out.codes.begin(), out.codes.end()), out.codes.end());
-
-  out.first_triangle.assign(out.codes.size() + 1, 0);
-  for (Chunk& chunk : chunks) {
-    chunk.rank.resize(chunk.count.size());
-    for (std::size_t i = 0; i < chunk.count.size(); ++i) {
-      const auto at = std::lower_bound(out.codes.begin(), out.codes.end(), chunk.cells.codes[i]);
-      chunk.rank[i] = static_cast<std::uint32_t>(at - out.codes.begin());
-      out.first_triangle[chunk.rank[i] + 1] += chunk.count[i];
-    }
-  }
-  for (std::size_t c = 0; c < out.codes.size(); ++c) out.first_triangle[c + 1] += out.first_triangle[c];
-  std::vector<std::uint64_t> next(out.first_triangle.begin(), out.first_triangle.end() - 1);
+// The cells of all chunks in Morton order; runs learn the rank of theirs.
+std::vector<CellCode> rank_cells(std::vector<Chunk>& chunks) {
+  CellNumbers all;
   for (Chunk& chunk : chunks)
-    for (std::size_t i = 0; i < chunk.count.size(); ++i) {
-      const std::uint64_t share = chunk.count[i];
-      chunk.count[i] = next[chunk.rank[i]];
-      next[chunk.rank[i]] += share;
+    for (Run& run : chunk.runs) run.cell = all.number(chunk.codes[run.cell]);
+  std::vector<CellCode> codes = all.codes;
+  std::sort(codes.begin(), codes.end());
+  std::vector<std::uint32_t> rank(codes.size());
+  for (std::uint32_t c = 0; c < codes.size(); ++c) rank[all.number(codes[c])] = c;
+  for (Chunk& chunk : chunks)
+    for (Run& run : chunk.runs) run.cell = rank[run.cell];
+  return codes;
+}
+
+RunTable gather_runs(const std::vector<Chunk>& chunks, std::size_t cells) {
+  RunTable table;
+  table.first_run.assign(cells + 1, 0);
+  table.first_triangle.assign(cells + 1, 0);
+  for (const Chunk& chunk : chunks)
+    for (const Run& run : chunk.runs) {
+      ++table.first_run[run.cell + 1];
+      table.first_triangle[run.cell + 1] += run.count;
     }
+  std::partial_sum(table.first_run.begin(), table.first_run.end(), table.first_run.begin());
+  std::partial_sum(table.first_triangle.begin(), table.first_triangle.end(), table.first_triangle.begin());
+  table.runs.resize(table.first_run.back());
+  std::vector<std::uint64_t> next(table.first_run.begin(), table.first_run.end() - 1);
+  for (const Chunk& chunk : chunks)
+    for (const Run& run : chunk.runs) table.runs[next[run.cell]++] = run;
+  return table;
 }
 
 // Remembers the first cell that claims a vertex, flags the vertex when another one does. The flag does not depend on
@@ -166,95 +155,111 @@ void claim_vertex(std::uint32_t& owner, std::uint32_t rank) {
   }
 }
 
-// Pass 2: triangles to cell order; vertices claimed.
-void scatter(std::vector<Chunk>& chunks, const std::vector<Triangle>& triangles,
-             const std::vector<std::uint32_t>& number, Partition& out, Scheduler& scheduler) {
-  scheduler.for_chunks(triangles.size(), triangle_grain, [&](ChunkRange range) {
-    Chunk& chunk = chunks[range.index];
-    for (std::size_t t = range.begin; t < range.end; ++t) {
-      out.triangles[chunk.count[number[t]]++] = triangles[t];
-      for (const std::uint32_t v : triangles[t].v) claim_vertex(out.sharing[v], chunk.rank[number[t]]);
+// Moves the runs of the cells together, with local ids, and claims the vertices.
+void fill_cells(const RunTable& table, std::span<const Triangle> sorted, Partition& out, Scheduler& scheduler) {
+  const bool wedges = out.vertices.attributes.wedges;
+  std::vector<VertexNumbers> scratch(static_cast<std::size_t>(scheduler.workers()));
+  scheduler.for_chunks(out.cells.size(), cell_grain, [&](ChunkRange range) {
+    VertexNumbers& numbers = scratch[static_cast<std::size_t>(scheduler.worker_index())];
+    for (std::size_t c = range.begin; c < range.end; ++c) {
+      const std::uint64_t first = table.first_triangle[c], count = table.first_triangle[c + 1] - first;
+      CellBuild& cell = out.cells[c];
+      cell.triangles = std::span(out.triangles).subspan(first, count);
+      Triangle* to = cell.triangles.data();
+      numbers.clear(count);
+      for (std::uint64_t r = table.first_run[c]; r < table.first_run[c + 1]; ++r) {
+        numbers.number(sorted.subspan(table.runs[r].first, table.runs[r].count), to);
+        to += table.runs[r].count;
+      }
+      cell.ids.assign(numbers.vertices().begin(), numbers.vertices().end());
+      for (std::size_t i = 0; i < cell.ids.size(); ++i) {
+        prefetch(&out.vertices.sharing[cell.ids[std::min(i + prefetch_distance, cell.ids.size() - 1)]]);
+        const std::uint32_t vertex = wedges ? out.vertices.wedges.vertex[cell.ids[i]] : cell.ids[i];
+        claim_vertex(out.vertices.sharing[vertex], static_cast<std::uint32_t>(c));
+      }
     }
   });
 }
 
 // Replaces the owners of shared vertices by consecutive indices in vertex order; returns their number.
-std::size_t number_shared(Partition& out, Scheduler& scheduler) {
-  std::vector<std::size_t> first(chunk_count(out.sharing.size(), vertex_grain) + 1, 0);
-  scheduler.for_chunks(out.sharing.size(), vertex_grain, [&](ChunkRange range) {
-    for (std::size_t v = range.begin; v < range.end; ++v) first[range.index + 1] += out.sharing[v] >> 31;
+std::size_t number_shared(std::span<std::uint32_t> sharing, Scheduler& scheduler) {
+  std::vector<std::size_t> first(chunk_count(sharing.size(), vertex_grain) + 1, 0);
+  scheduler.for_chunks(sharing.size(), vertex_grain, [&](ChunkRange range) {
+    for (std::size_t v = range.begin; v < range.end; ++v) first[range.index + 1] += sharing[v] >> 31;
   });
-  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
-  scheduler.for_chunks(out.sharing.size(), vertex_grain, [&](ChunkRange range) {
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  scheduler.for_chunks(sharing.size(), vertex_grain, [&](ChunkRange range) {
     auto next = static_cast<std::uint32_t>(first[range.index]);
     for (std::size_t v = range.begin; v < range.end; ++v)
-      if (out.sharing[v] & FinestVertices::shared_flag) out.sharing[v] = FinestVertices::shared_flag | next++;
+      if (sharing[v] & FinestVertices::shared_flag) sharing[v] = FinestVertices::shared_flag | next++;
   });
   return first.back();
 }
 
-// Pass 3: boxes and normals of the shared vertices.
-void describe_shared(Partition& out, std::size_t shared, Scheduler& scheduler) {
-  UsageBoxes boxes(shared);
-  NormalSums normals(shared);
-  scheduler.for_chunks(out.codes.size(), 16, [&](ChunkRange range) {
-    for (std::size_t c = range.begin; c < range.end; ++c) {
-      const CellCoord coord = out.codes[c].coord();
-      for (std::uint64_t t = out.first_triangle[c]; t < out.first_triangle[c + 1]; ++t) {
-        const auto& v = out.triangles[t].v;
-        const std::array<std::uint32_t, 3> s{out.sharing[v[0]], out.sharing[v[1]], out.sharing[v[2]]};
-        if (!((s[0] | s[1] | s[2]) & FinestVertices::shared_flag)) continue;
-        const Vec3f a = out.positions[v[0]];
-        const Vec3f n = cross(out.positions[v[1]] - a, out.positions[v[2]] - a);
-        for (const std::uint32_t word : s) {
-          if (!(word & FinestVertices::shared_flag)) continue;
-          boxes.extend(word & ~FinestVertices::shared_flag, coord);
-          normals.add(word & ~FinestVertices::shared_flag, n);
-        }
-      }
-    }
-  });
-  out.shared_usage.resize(shared);
-  out.shared_normals.resize(shared);
-  scheduler.for_chunks(shared, vertex_grain, [&](ChunkRange range) {
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      out.shared_usage[i] = boxes.box(i);
-      out.shared_normals[i] = normals.sum(i);
-    }
+// From the vertices to all their wedges.
+void spread_numbers(FinestVertices& vertices, Scheduler& scheduler) {
+  const std::vector<std::uint32_t>& vertex = vertices.wedges.vertex;
+  scheduler.for_chunks(vertex.size(), vertex_grain, [&](ChunkRange range) {
+    for (std::size_t w = range.begin; w < range.end; ++w)
+      if (vertex[w] != w) vertices.sharing[w] = vertices.sharing[vertex[w]];
   });
 }
 
 }  // namespace
 
+AttributeSet attributes_of(const IndexedMesh& mesh) {
+  const WedgeAttributes& w = mesh.wedges;
+  return {!w.vertex.empty(), !w.uv.empty(), !w.colour.empty(), !w.material.empty()};
+}
+
 Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler) {
   Partition out;
+  // As bytes: a Triangle would be set to zero first.
+  const auto memory = std::make_unique_for_overwrite<std::byte[]>(mesh.triangles.size() * sizeof(Triangle));
+  const std::span sorted(reinterpret_cast<Triangle*>(memory.get()), mesh.triangles.size());
+  RunTable table;
   {
-    std::vector<std::uint32_t> number(mesh.triangles.size());
-    std::vector<Chunk> chunks = count_cells(mesh, level, number, scheduler);
-    place_chunks(chunks, out);
-    out.triangles.resize(mesh.triangles.size());
-    out.sharing.assign(mesh.positions.size(), unowned);
-    scatter(chunks, mesh.triangles, number, out, scheduler);
+    std::vector<Chunk> chunks = sort_chunks(mesh, level, sorted, scheduler);
+    for (const Chunk& chunk : chunks) out.fingerprint += chunk.fingerprint;
+    out.codes = rank_cells(chunks);
+    table = gather_runs(chunks, out.codes.size());
   }
-  mesh.triangles = {};
-  out.positions = std::move(mesh.positions);
-  describe_shared(out, number_shared(out, scheduler), scheduler);
+  out.triangles = std::move(mesh.triangles);  // to be overwritten
+  out.vertices.positions = std::move(mesh.positions);
+  out.vertices.attributes = attributes_of(mesh);
+  out.vertices.wedges = std::move(mesh.wedges);
+  out.vertices.sharing.assign(out.vertices.positions.size(), unowned);
+  out.cells.resize(out.codes.size());
+  fill_cells(table, sorted, out, scheduler);
+  out.vertices.shared = number_shared(out.vertices.sharing, scheduler);
+  if (out.vertices.attributes.wedges) spread_numbers(out.vertices, scheduler);
   return out;
 }
 
 int choose_finest_level(const IndexedMesh& mesh, std::uint32_t cell_triangles) {
   constexpr std::size_t sample_size = 1 << 16;
   const std::size_t stride = std::max<std::size_t>(1, mesh.triangles.size() / sample_size);
-  std::vector<Vec3f> sample;
+  std::vector<CellCode> sample;  // on the finest level of all; those of other levels are the first bits
+  const auto ahead = [&](std::size_t t, std::size_t strides) -> const Triangle& {
+    return mesh.triangles[std::min(t + strides * stride, mesh.triangles.size() - 1)];
+  };
   for (std::size_t t = 0; t < mesh.triangles.size(); t += stride) {
+    prefetch(&ahead(t, 2 * prefetch_distance));
+    for (const std::uint32_t v : ahead(t, prefetch_distance).v) prefetch(&mesh.positions[v]);
     const auto& v = mesh.triangles[t].v;
-    sample.push_back(barycentre(mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]));
+    const Vec3f centre = barycentre(mesh.positions[v[0]], mesh.positions[v[1]], mesh.positions[v[2]]);
+    sample.push_back(CellCode::from(cell_of(centre, max_level)));
   }
   int best = 0;
   double best_misfit = std::numeric_limits<double>::infinity();
+  CellNumbers occupied;
   for (int level = 0; level <= max_level; ++level) {
-    CodeTable occupied;
-    for (const Vec3f p : sample) (void)occupied.number(CellCode::from(cell_of(p, level)));
+    occupied.clear();
+    CellCode last{~0ull};
+    for (const CellCode finest : sample) {
+      const CellCode code{finest.morton >> (3 * (max_level - level))};
+      if (code != last) (void)occupied.number(last = code);
+    }
     const double mean = static_cast<double>(mesh.triangles.size()) / static_cast<double>(occupied.codes.size());
     const double misfit = std::abs(std::log(mean / cell_triangles));
     if (misfit < best_misfit) best = level, best_misfit = misfit;

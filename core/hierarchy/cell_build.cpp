@@ -64,9 +64,10 @@ void CellSlab::allocate(std::size_t vertices, std::size_t shared, std::size_t tr
 }
 
 void CellBuild::release_transient() {
-  ids = {};
-  vertex_ids = {};
-  usage = {};
+  // An assigned `{}` would keep the capacity.
+  std::vector<std::uint32_t>().swap(ids);
+  std::vector<std::uint32_t>().swap(vertex_ids);
+  std::vector<UsageBox>().swap(usage);
 }
 
 void sort_by_material(CellBuild& cell) {
@@ -76,32 +77,41 @@ void sort_by_material(CellBuild& cell) {
   });
 }
 
-void measure_cell(CellBuild& cell, int level, float sigma0) {
-  const float per_h = static_cast<float>(1u << level);
-  // Both norms in one pass; the Euclidean one squared, since the square root keeps the order.
+void set_box_statistics(CellBuild& cell, int level) {
+  const float per_h = 1 / cell_size(level);
+  // Both norms in one pass, four vertices at a time; the Euclidean one squared, since the square root keeps the order.
+  const std::span<const Vec3f> p = cell.slab.positions;
   const Box3f& box = cell.bounds;
-  float far2 = 0, far_axis = 0;
-  for (const Vec3f p : cell.slab.positions) {
-    const float x = std::max(p.x - box.lo.x, box.hi.x - p.x), y = std::max(p.y - box.lo.y, box.hi.y - p.y),
-                z = std::max(p.z - box.lo.z, box.hi.z - p.z);
-    far2 = std::max(far2, (x * x + y * y) + z * z);
-    far_axis = std::max(far_axis, std::max(std::max(x, y), z));
+  const auto farther = [](Float4 v, float lo, float hi) { return max(v - lo, hi - v); };
+  Float4 far2{}, far_axis{};
+  for (std::size_t i = 0; i < p.size(); i += 4) {
+    const auto at = [&](std::size_t k) { return to_float4(p[std::min(i + k, p.size() - 1)]); };
+    const Float4x3 v = transposed(at(0), at(1), at(2), at(3));
+    const Float4 x = farther(v.x, box.lo.x, box.hi.x), y = farther(v.y, box.lo.y, box.hi.y),
+                 z = farther(v.z, box.lo.z, box.hi.z);
+    far2 = max((x * x + y * y) + z * z, far2);
+    far_axis = max(max(max(x, y), z), far_axis);
   }
-  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(far2) * per_h);
-  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(far_axis * per_h);
+  const auto highest = [](Float4 v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); };
+  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(highest(far2)) * per_h);
+  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(highest(far_axis) * per_h);
   cell.diameter = round_up(length(cell.bounds.hi - cell.bounds.lo) * per_h);
+}
 
-  const float limit = sigma0 / per_h;
-  float longest2 = 0;
-  std::uint64_t over = 0;
+void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths) {
+  cell.max_edge = round_up(std::sqrt(lengths.longest2()) / cell_size(level));
+  cell.long_edges = lengths.over();
+}
+
+void measure_cell(CellBuild& cell, int level, float sigma0) {
+  EdgeLengths lengths(sigma0 * cell_size(level));
   for (const Triangle& t : cell.triangles) {
-    const Vec3f a = cell.slab.positions[t.v[0]], b = cell.slab.positions[t.v[1]], c = cell.slab.positions[t.v[2]];
-    const float ab = dot(b - a, b - a), bc = dot(c - b, c - b), ca = dot(a - c, a - c);
-    longest2 = std::max(longest2, std::max(ab, std::max(bc, ca)));
-    over += (ab > limit * limit) + (bc > limit * limit) + (ca > limit * limit);
+    const Float4 a = to_float4(cell.slab.positions[t.v[0]]), b = to_float4(cell.slab.positions[t.v[1]]),
+                 c = to_float4(cell.slab.positions[t.v[2]]);
+    lengths.add(b - a, c - b, a - c);
   }
-  cell.max_edge = round_up(std::sqrt(longest2) * per_h);
-  cell.long_edges = over;
+  set_edge_statistics(cell, level, lengths);
+  set_box_statistics(cell, level);
 }
 
 }  // namespace lodestone

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/hierarchy/edge_lengths.h"
 #include "core/hierarchy/hierarchy.h"
 
 namespace lodestone {
@@ -64,7 +65,11 @@ struct CellBuild {
 // Brings the triangles of each material together, in the order of the materials and else in the order they have.
 void sort_by_material(CellBuild& cell);
 
-// Fills reach, diameter, max_edge and long_edges from the payload and the bounds.
+// Fills reach and diameter from the positions and the bounds.
+void set_box_statistics(CellBuild& cell, int level);
+// Fills max_edge and long_edges; `lengths` with the limit sigma0 h_l.
+void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths);
+// Both, from the payload and the bounds.
 void measure_cell(CellBuild& cell, int level, float sigma0);
 
 }  // namespace lodestone

@@ -1,80 +1,116 @@
 #include "core/hierarchy/finest_cell.h"
 
-#include <bit>
+#include <algorithm>
+
+#include "core/base/prefetch.h"
+#include "core/hierarchy/edge_lengths.h"
 
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t empty_slot = 0xffff'ffffu;
-
-// Numbers the input vertices of the triangles in order of appearance, writing the numbers over the ids. A small hash
-// table stays in the first-level cache, where a stamp array over all input vertices would not.
-void number_vertices(std::span<Triangle> triangles, FinestCellScratch& s) {
-  const std::size_t slots = std::bit_ceil(triangles.size() * 3 + 16);  // at most a third full on closed surfaces
-  const std::uint32_t mask = static_cast<std::uint32_t>(slots - 1);
-  const int shift = 32 - std::countr_zero(slots);
-  s.table_keys.assign(slots, empty_slot);
-  s.table_values.resize(slots);
-  s.vertices.clear();
-  for (Triangle& t : triangles) {
-    for (std::uint32_t& v : t.v) {
-      std::uint32_t slot = (v * 0x9e37'79b9u) >> shift;  // Fibonacci hashing
-      while (s.table_keys[slot] != v && s.table_keys[slot] != empty_slot) slot = (slot + 1) & mask;
-      if (s.table_keys[slot] == empty_slot) {
-        s.table_keys[slot] = v;
-        s.table_values[slot] = static_cast<std::uint32_t>(s.vertices.size());
-        s.vertices.push_back(v);
-      }
-      v = s.table_values[slot];
-    }
+// Stable partition of the vertices: those of this cell alone first, shared ones last. Returns the number of the first.
+std::size_t move_shared_last(const FinestVertices& all, CellBuild& cell, FinestCellScratch& s) {
+  const std::size_t count = cell.ids.size();
+  s.renumbered.resize(count);
+  s.ids.resize(count);
+  s.shared.resize(count);
+  std::uint32_t own = 0, shared = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t ahead = cell.ids[std::min(i + prefetch_distance, count - 1)];
+    prefetch(&all.sharing[ahead]);
+    prefetch(&all.positions[ahead]);
+    const std::uint32_t is_shared = all.sharing[cell.ids[i]] >> 31;
+    s.renumbered[i] = own;
+    s.ids[own] = cell.ids[i];
+    s.shared[shared] = i;
+    own += 1 - is_shared;
+    shared += is_shared;
   }
+  for (std::uint32_t k = 0; k < shared; ++k) {
+    s.renumbered[s.shared[k]] = own + k;
+    s.ids[own + k] = cell.ids[s.shared[k]];
+  }
+  std::copy(s.ids.begin(), s.ids.end(), cell.ids.begin());
+  return own;
 }
 
-// Stable partition: vertices of this cell alone first, shared ones last. Returns the number of shared ones.
-std::size_t move_shared_last(const FinestVertices& all, FinestCellScratch& s) {
-  std::size_t shared = 0;
-  for (const std::uint32_t v : s.vertices) shared += all.sharing[v] >> 31;
-  std::uint32_t next_own = 0, next_shared = static_cast<std::uint32_t>(s.vertices.size() - shared);
-  s.renumbered.resize(s.vertices.size());
-  for (std::size_t i = 0; i < s.vertices.size(); ++i)
-    s.renumbered[i] = all.sharing[s.vertices[i]] & FinestVertices::shared_flag ? next_shared++ : next_own++;
-  return shared;
+void place_vertices(const FinestVertices& all, std::size_t first_shared, CellBuild& cell, FinestCellScratch& s) {
+  const std::size_t count = cell.ids.size();
+  cell.slab.allocate(count, count - first_shared, 0, all.attributes);
+  s.positions.resize(count);
+  Float4 lo = to_float4(cell.bounds.lo), hi = to_float4(cell.bounds.hi);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f p = all.positions[cell.ids[i]];
+    cell.slab.positions[i] = p;
+    s.positions[i] = to_float4(p);
+    lo = min(s.positions[i], lo);
+    hi = max(s.positions[i], hi);
+  }
+  cell.bounds = {to_vec3f(lo), to_vec3f(hi)};
+  std::copy(cell.ids.begin() + static_cast<std::ptrdiff_t>(first_shared), cell.ids.end(), cell.slab.shared_ids.begin());
+}
+
+// One pass over the triangles: their final ids, and what their edges tell.
+EdgeLengths visit_triangles(float limit, CellBuild& cell, FinestCellScratch& s) {
+  s.normals.assign(s.positions.size(), Float4{});
+  const std::uint32_t* const renumbered = s.renumbered.data();
+  const Float4* const positions = s.positions.data();
+  Float4* const normals = s.normals.data();
+  EdgeLengths lengths(limit);
+  for (Triangle& t : cell.triangles) {
+    const std::uint32_t a = renumbered[t.v[0]], b = renumbered[t.v[1]], c = renumbered[t.v[2]];
+    t = {{a, b, c}};
+    const Float4 ab = positions[b] - positions[a], ac = positions[c] - positions[a];
+    const Float4 normal = cross_zxy(ab, ac);
+    normals[a] += normal;
+    normals[b] += normal;
+    normals[c] += normal;
+    lengths.add(ab, positions[c] - positions[b], ac);
+  }
+  for (Float4& n : s.normals) n = yzx(n);
+  return lengths;
+}
+
+// The normal of a vertex is the sum over all its wedges.
+void join_normals(const FinestVertices& all, std::size_t first_shared, CellBuild& cell, FinestCellScratch& s) {
+  cell.vertex_ids.resize(cell.ids.size());
+  for (std::size_t i = 0; i < cell.ids.size(); ++i) cell.vertex_ids[i] = all.wedges.vertex[cell.ids[i]];
+  s.by_vertex.clear();
+  for (std::uint32_t i = 0; i < first_shared; ++i) s.by_vertex.emplace_back(cell.vertex_ids[i], i);
+  std::sort(s.by_vertex.begin(), s.by_vertex.end());
+  for (auto first = s.by_vertex.begin(); first != s.by_vertex.end();) {
+    const auto last = std::find_if(first, s.by_vertex.end(), [&](const auto& w) { return w.first != first->first; });
+    Float4 sum{};
+    for (auto w = first; w != last; ++w) sum += s.normals[w->second];
+    for (auto w = first; w != last; ++w) s.normals[w->second] = sum;
+    first = last;
+  }
 }
 
 }  // namespace
 
-void make_finest_cell(const FinestVertices& all, std::span<Triangle> triangles, CellBuild& cell, FinestCellScratch& s) {
-  number_vertices(triangles, s);
-  const std::size_t shared = move_shared_last(all, s);
-  const std::size_t count = s.vertices.size(), first_shared = count - shared;
-  cell.triangles = triangles;
-  cell.slab.allocate(count, shared, 0);
-  cell.ids.resize(count);
-  cell.usage.resize(shared);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t v = s.vertices[i], to = s.renumbered[i];
-    cell.ids[to] = v;
-    cell.slab.positions[to] = all.positions[v];
-    cell.bounds.extend(all.positions[v]);
+std::span<const Float4> make_finest_cell(const FinestVertices& all, int level, float sigma0, CellBuild& cell,
+                                         FinestCellScratch& s) {
+  const std::size_t first_shared = move_shared_last(all, cell, s);
+  place_vertices(all, first_shared, cell, s);
+  const EdgeLengths lengths = visit_triangles(sigma0 * cell_size(level), cell, s);
+  if (all.attributes.wedges) join_normals(all, first_shared, cell, s);
+  pack_normals(std::span(s.normals).first(first_shared), cell.slab.normals);
+  set_edge_statistics(cell, level, lengths);
+  set_box_statistics(cell, level);
+  return std::span(s.normals).subspan(first_shared);
+}
+
+void give_attributes(const FinestVertices& all, CellBuild& cell) {
+  const WedgeAttributes& wedges = all.wedges;
+  for (std::size_t i = 0; i < cell.ids.size(); ++i) {
+    const std::uint32_t w = cell.ids[i];
+    if (all.attributes.uv) cell.slab.uv[i] = wedges.uv[w];
+    if (all.attributes.colours) cell.slab.colours[i] = wedges.colour[w];
+    if (all.attributes.materials) cell.slab.materials[i] = wedges.material[w];
+    if (!wedges.normal.empty() && wedges.normal[w] != Vec3f{}) cell.slab.normals[i] = pack_normal(wedges.normal[w]);
   }
-  s.normals.assign(count, Vec3f{});
-  for (std::size_t k = 0; k < shared; ++k) {
-    const std::uint32_t v = cell.ids[first_shared + k];
-    cell.slab.shared_ids[k] = v;
-    cell.usage[k] = all.shared_usage[all.sharing[v] & ~FinestVertices::shared_flag];
-  }
-  for (Triangle& t : triangles) {
-    for (std::uint32_t& v : t.v) v = s.renumbered[v];
-    const Vec3f a = cell.slab.positions[t.v[0]];
-    const Vec3f n = cross(cell.slab.positions[t.v[1]] - a, cell.slab.positions[t.v[2]] - a);
-    for (const std::uint32_t v : t.v) s.normals[v] = s.normals[v] + n;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    // The sum over this cell is the whole sum for a vertex of this cell alone; for the others the partition has it.
-    const bool own = i < first_shared;
-    cell.slab.normals[i] =
-        pack_normal(own ? s.normals[i] : all.shared_normals[all.sharing[cell.ids[i]] & ~FinestVertices::shared_flag]);
-  }
+  sort_by_material(cell);
 }
 
 }  // namespace lodestone

@@ -1,33 +1,20 @@
 #include "core/hierarchy/hierarchy.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <limits>
 
 namespace lodestone {
 namespace {
 
-std::int16_t to_snorm16(float v) {
-  return static_cast<std::int16_t>(std::lround(std::clamp(v, -1.0f, 1.0f) * 32767.0f));
-}
+// Halves away from zero; |v| <= 1.
+std::int16_t to_snorm16(float v) { return static_cast<std::int16_t>(v * 32767.0f + std::copysign(0.5f, v)); }
+
+Int4 to_snorm16(Float4 v) { return __builtin_convertvector(v * 32767.0f + copysign(all4(0.5f), v), Int4); }
 
 float from_snorm16(std::int16_t v) { return std::max(static_cast<float>(v) / 32767.0f, -1.0f); }
 
 float sign_not_zero(float v) { return v < 0 ? -1.0f : 1.0f; }
-
-// splitmix64's finalizer (Steele et al. 2014): every input bit reaches every output bit.
-constexpr std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58'476d'1ce4'e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d0'49bb'1331'11ebull;
-  return z ^ (z >> 31);
-}
-
-// Multiplicative: three rounds a triangle end in one full mix, and this runs once for every input triangle.
-std::uint64_t hash_position(Vec3f p) {
-  const auto bits = [](float v) { return std::uint64_t{std::bit_cast<std::uint32_t>(v + 0.0f)}; };
-  const std::uint64_t xy = (bits(p.x) | (bits(p.y) << 32)) * 0x9e37'79b9'7f4a'7c15ull;
-  return (xy ^ (xy >> 32)) + bits(p.z) * 0xd6e8'feb8'6659'fd93ull;
-}
 
 }  // namespace
 
@@ -36,11 +23,27 @@ PackedNormal pack_normal(Vec3f n) {
   if (!(sum > 0) || !std::isfinite(sum)) return {0, 0};
   float u = n.x / sum, v = n.y / sum;
   if (n.z < 0) {
-    const float folded = (1 - std::abs(v)) * sign_not_zero(u);
-    v = (1 - std::abs(u)) * sign_not_zero(v);
+    const float folded = std::copysign(1 - std::abs(v), u);
+    v = std::copysign(1 - std::abs(u), v);
     u = folded;
   }
   return {to_snorm16(u), to_snorm16(v)};
+}
+
+// Lane by lane what pack_normal does, on four normals at a time.
+void pack_normals(std::span<const Float4> n, std::span<PackedNormal> packed) {
+  for (std::size_t i = 0; i < n.size(); i += 4) {
+    const std::size_t last = n.size() - 1;
+    const auto [x, y, z] =
+        transposed(n[i], n[std::min(i + 1, last)], n[std::min(i + 2, last)], n[std::min(i + 3, last)]);
+    const Float4 sum = abs(x) + abs(y) + abs(z);
+    const Int4 valid = (sum > 0.0f) & (sum <= std::numeric_limits<float>::max()), below = z < 0.0f;
+    const Float4 u = x / sum, v = y / sum;
+    const Float4 folded_u = below ? copysign(1.0f - abs(v), u) : u, folded_v = below ? copysign(1.0f - abs(u), v) : v;
+    const Int4 u16 = to_snorm16(valid ? folded_u : Float4{}), v16 = to_snorm16(valid ? folded_v : Float4{});
+    for (std::size_t k = 0; k < std::min<std::size_t>(4, n.size() - i); ++k)
+      packed[i + k] = {static_cast<std::int16_t>(u16[k]), static_cast<std::int16_t>(v16[k])};
+  }
 }
 
 Vec3f unpack_normal(PackedNormal packed) {
@@ -58,16 +61,6 @@ int Hierarchy::level_of(std::uint32_t cell) const {
   const auto after = std::upper_bound(levels.begin(), levels.end(), cell,
                                       [](std::uint32_t c, const Level& l) { return c < l.first_cell; });
   return static_cast<int>(after - levels.begin()) - 1;
-}
-
-std::uint64_t triangle_fingerprint(Vec3f a, Vec3f b, Vec3f c) {
-  const std::uint64_t ha = hash_position(a), hb = hash_position(b), hc = hash_position(c);
-  // Symmetric under rotation, not under reflection: each directed edge is hashed on its own.
-  const auto edge = [](std::uint64_t from, std::uint64_t to) {
-    const std::uint64_t h = (from ^ std::rotl(to, 23)) * 0xa076'1d64'78bd'642full;
-    return h ^ (h >> 32);
-  };
-  return mix(edge(ha, hb) + edge(hb, hc) + edge(hc, ha));
 }
 
 }  // namespace lodestone

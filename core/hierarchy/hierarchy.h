@@ -12,19 +12,21 @@
 #include <vector>
 
 #include "core/base/box3.h"
+#include "core/base/float4.h"
 #include "core/hierarchy/cell_code.h"
 #include "core/hierarchy/distance_metric.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
 
-// A unit normal as two 16-bit signed octahedral coordinates (Meyer et al. 2010): 4 bytes, error below 0.003 degrees.
+// A unit normal as two 16-bit signed octahedral coordinates (Meyer et al. 2010): 4 bytes, error below 0.004 degrees.
 struct PackedNormal {
   std::int16_t u = 0, v = 0;
   friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
 };
-[[nodiscard]] PackedNormal pack_normal(Vec3f n);         // n need not be of unit length; zero gives +z
-[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);  // of unit length within rounding
+[[nodiscard]] PackedNormal pack_normal(Vec3f n);  // n need not be of unit length; zero gives +z
+void pack_normals(std::span<const Float4> n, std::span<PackedNormal> packed);  // the same bits; packed is no shorter
+[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);                        // of unit length within rounding
 
 inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
 
@@ -116,8 +118,5 @@ struct Hierarchy {
 
 // Bound of (1) for vertices of level l: sigma0 h_l / 2.
 [[nodiscard]] constexpr float displacement_bound(float sigma0, int level) { return sigma0 * cell_size(level) * 0.5f; }
-
-// Order-independent identity of a triangle by the bits of its corners, the same for its three rotations (-0 = +0).
-[[nodiscard]] std::uint64_t triangle_fingerprint(Vec3f a, Vec3f b, Vec3f c);
 
 }  // namespace lodestone

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/hierarchy/fingerprint.h"
 #include "core/hierarchy/verify_checks.h"
 
 namespace lodestone::verify {

@@ -2,12 +2,14 @@
 // parents hold. The simplifier here is a hostile one: random collapses without regard for shape or topology.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <random>
 #include <set>
 
 #include "core/hierarchy/block.h"
 #include "core/hierarchy/finest_cell.h"
+#include "core/hierarchy/vertex_numbers.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -69,25 +71,27 @@ SmallBuild start(const IndexedMesh& mesh, int finest) {
   build.plan = plan_blocks(codes, finest);
   for (const LevelCells& level : build.plan.levels) build.cells.emplace_back(level.codes.size());
 
-  std::vector<std::uint32_t> sharing(mesh.positions.size(), 0);
-  std::vector<UsageBox> usage;
-  std::vector<Vec3f> normals;
-  for (const auto& [v, cells] : cells_of) {
-    if (cells.size() < 2) continue;
-    sharing[v] = FinestVertices::shared_flag | static_cast<std::uint32_t>(usage.size());
-    UsageBox box;
-    for (const CellCode c : cells) box.extend(c.coord());
-    usage.push_back(box);
-    normals.push_back({0, 0, 1});
-  }
+  FinestVertices vertices{mesh.positions, std::vector<std::uint32_t>(mesh.positions.size(), 0), 0};
+  for (const auto& [v, cells] : cells_of)
+    if (cells.size() > 1) vertices.sharing[v] = FinestVertices::shared_flag;
   FinestCellScratch scratch;
+  VertexNumbers numbers;
   std::size_t first = 0;
   for (std::size_t c = 0; c < codes.size(); ++c) {
-    const std::size_t count = by_cell[codes[c]].size();
-    make_finest_cell({mesh.positions, sharing, usage, normals}, std::span(build.triangles).subspan(first, count),
-                     build.cells.back()[c], scratch);
-    measure_cell(build.cells.back()[c], finest, 1);
-    first += count;
+    CellBuild& cell = build.cells.back()[c];
+    cell.triangles = std::span(build.triangles).subspan(first, by_cell[codes[c]].size());
+    numbers.clear(cell.triangles.size());
+    numbers.number(cell.triangles, cell.triangles.data());
+    cell.ids.assign(numbers.vertices().begin(), numbers.vertices().end());
+    (void)make_finest_cell(vertices, finest, 1, cell, scratch);
+    for (const std::uint32_t v : cell.slab.shared_ids) {
+      UsageBox box;
+      for (const CellCode user : cells_of.at(v)) box.extend(user.coord());
+      cell.usage.push_back(box);
+    }
+    std::fill(cell.slab.normals.begin() + static_cast<std::ptrdiff_t>(cell.first_shared()), cell.slab.normals.end(),
+              pack_normal({0, 0, 1}));
+    first += cell.triangles.size();
   }
   return build;
 }

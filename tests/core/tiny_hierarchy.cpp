@@ -7,6 +7,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/hierarchy/fingerprint.h"
+
 namespace lodestone::test {
 namespace {
 

@@ -12,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/hierarchy/fingerprint.h"
 #include "core/hierarchy/hierarchy.h"
 
 namespace lodestone::testing {
