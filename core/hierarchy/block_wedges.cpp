@@ -68,11 +68,13 @@ void BlockWedges::weld(std::span<const std::uint32_t> vertex_ids, std::span<cons
 const SimplifyResult& BlockWedges::simplify(Simplifier& simplifier, float max_displacement,
                                             std::size_t target_triangles) {
   const bool knows_wedges = simplifier.knows_wedges();
-  if (!knows_wedges) lock_several();
+  if (!knows_wedges) label_charts();
   SimplifyInput input{positions_, triangles_, locked_, max_displacement, target_triangles};
   if (knows_wedges) {
     input.corners = corners_;
     input.wedge_vertex = vertex_;
+  } else {
+    input.labels = labels_;
   }
   const SimplifyResult& by_vertex = simplifier.simplify(input);
   if (knows_wedges) {
@@ -83,10 +85,6 @@ const SimplifyResult& BlockWedges::simplify(Simplifier& simplifier, float max_di
   expand(by_vertex);
   find_moved(by_vertex);
   return by_wedge_;
-}
-
-void BlockWedges::lock_several() {
-  for (std::size_t v = 0; v < locked_.size(); ++v) locked_[v] |= next_wedge_[first_wedge_[v]] != none;
 }
 
 std::uint32_t BlockWedges::chart(std::uint32_t wedge) {
@@ -104,14 +102,37 @@ void BlockWedges::find_charts() {
     }
 }
 
-// With the vertices of several wedges locked, a collapsed vertex has one. It becomes the wedge of its chart at the
-// parent; where the parent has none of that chart, its first.
-void BlockWedges::resolve_by_chart(const SimplifyResult& by_vertex) {
+// Vertices of one wedge have its chart as their label, others the set of their charts. Where a chart meets itself, P
+// would not know its side: such vertices keep to themselves.
+void BlockWedges::label_charts() {
   find_charts();
+  labels_.resize(positions_.size());
+  label_of_.clear();
+  std::vector<std::uint32_t> charts;
+  std::uint32_t next = static_cast<std::uint32_t>(vertex_.size());  // behind the charts, which are wedges
+  for (std::size_t v = 0; v < positions_.size(); ++v) {
+    charts.clear();
+    for (std::uint32_t w = first_wedge_[v]; w != none; w = next_wedge_[w]) charts.push_back(chart(w));
+    std::sort(charts.begin(), charts.end());
+    if (charts.size() == 1) {
+      labels_[v] = charts.front();
+    } else if (std::adjacent_find(charts.begin(), charts.end()) != charts.end()) {
+      labels_[v] = next++;
+      locked_[v] = 1;
+    } else {
+      const auto [at, is_new] = label_of_.try_emplace(charts, next);
+      next += is_new;
+      labels_[v] = at->second;
+    }
+  }
+}
+
+// Each wedge becomes the one of its chart at the parent.
+void BlockWedges::resolve_by_chart(const SimplifyResult& by_vertex) {
   by_wedge_.parent.resize(vertex_.size());
   for (std::uint32_t w = 0; w < vertex_.size(); ++w) {
     const std::uint32_t v = vertex_[w], u = by_vertex.parent[v];
-    by_wedge_.parent[w] = u == v ? w : first_wedge_[u];
+    by_wedge_.parent[w] = w;
     if (u == v) continue;
     for (std::uint32_t x = first_wedge_[u]; x != none; x = next_wedge_[x])
       if (chart(x) == chart(w)) by_wedge_.parent[w] = x;

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,7 @@ class BlockWedges {
   void weld(std::span<const std::uint32_t> vertex_ids, std::span<const Vec3f> positions,
             std::span<const Triangle> corners, std::span<std::uint8_t> locked);
 
-  // The block by vertices. Simplifiers that do not know wedges get the vertices with several of them locked.
+  // The block by vertices. Simplifiers that do not know wedges get the charts around each vertex as its label.
   [[nodiscard]] const SimplifyResult& simplify(Simplifier& simplifier, float max_displacement,
                                                std::size_t target_triangles);
 
@@ -40,7 +41,7 @@ class BlockWedges {
   [[nodiscard]] std::span<const Moved> moved() const { return moved_; }
 
  private:
-  void lock_several();
+  void label_charts();
   void resolve_by_chart(const SimplifyResult& by_vertex);
   void find_charts();
   [[nodiscard]] std::uint32_t chart(std::uint32_t wedge);
@@ -54,8 +55,9 @@ class BlockWedges {
   std::vector<Vec3f> positions_;            // of each vertex
   std::vector<std::uint8_t> locked_;
   std::vector<Triangle> triangles_;  // by vertex
-  std::vector<std::uint32_t> chart_;
-  std::vector<std::uint32_t> next_wedge_;  // of the same vertex; itself at the end
+  std::vector<std::uint32_t> chart_, labels_;
+  std::map<std::vector<std::uint32_t>, std::uint32_t> label_of_;  // of charts that meet at a vertex
+  std::vector<std::uint32_t> next_wedge_;                         // of the same vertex; itself at the end
   std::vector<Moved> moved_;
   std::vector<double> nearest_;  // of each vertex, while find_moved looks
   SimplifyResult by_wedge_;

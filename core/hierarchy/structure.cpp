@@ -94,6 +94,12 @@ const char* payload_fault(const Hierarchy& h, std::uint32_t c) {
   const bool root = cell.parent == no_cell;
   if (cell.normals.size() != cell.positions.size()) return "not one normal per vertex";
   if (cell.parents.size() != (root ? 0 : cell.positions.size())) return "not one parent per vertex";
+  const auto fits = [&](const auto& values, bool there) {
+    return values.size() == (there ? cell.positions.size() : 0);
+  };
+  if (!fits(cell.attributes.uv, h.attributes.uv) || !fits(cell.attributes.colours, h.attributes.colours) ||
+      !fits(cell.attributes.materials, h.attributes.materials))
+    return "not one value of each attribute per vertex";
   if (cell.shared_ids.size() > cell.positions.size()) return "more shared vertices than vertices";
   for (const Vec3f p : cell.positions)
     if (!is_finite(p)) return "a position is not finite";

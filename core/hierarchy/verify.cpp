@@ -61,21 +61,27 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
   using namespace verify;
   Finding structure("structure"), cells("cells"), partition("partition"), identity("identity"), parents("parents"),
       vertices("vertices"), triangles("triangles"), displacement("displacement"), edges("edges"), boxes("boxes"),
-      reach("reach"), errors("errors"), fingerprint("fingerprint"), same("input");
+      reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"), same("input");
+  const bool has_wedges = hierarchy.attributes.wedges;
 
   if (check_structure(hierarchy, structure)) {
     check_cells(hierarchy, cells);
     check_partition(hierarchy, partition);
     LevelIdentity fine = identify(hierarchy, hierarchy.finest());
     check_copies(hierarchy, hierarchy.finest(), fine, identity);
-    check_positions_distinct(hierarchy, fine, identity);
+    if (has_wedges) {
+      group_by_position(hierarchy, fine);
+    } else {
+      check_positions_distinct(hierarchy, fine, identity);
+    }
     check_fingerprint(hierarchy, fine, fingerprint);
     for (int level = hierarchy.finest(); level > 0; --level) {
       LevelIdentity coarse = identify(hierarchy, level - 1);
       check_copies(hierarchy, level - 1, coarse, identity);
       check_ids_kept(hierarchy, fine, coarse, identity);
       check_parent_function(hierarchy, level, fine, coarse, parents);
-      check_images(hierarchy, level - 1, vertices, triangles);
+      if (has_wedges) group_by_parents(hierarchy, level, fine, coarse, wedges);
+      check_images(hierarchy, level - 1, coarse, vertices, triangles);
       fine = std::move(coarse);
     }
     check_displacements(hierarchy, displacement);
@@ -83,10 +89,11 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
     check_boxes(hierarchy, boxes);
     check_reach(hierarchy, reach);
     check_errors(hierarchy, errors);
+    if (has_wedges) check_wedges(hierarchy, wedges);
     if (input) check_input(hierarchy, *input, same);
   } else {
     for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &edges,
-                             &boxes, &reach, &errors, &fingerprint, &same})
+                             &boxes, &reach, &errors, &fingerprint, &wedges, &same})
       finding->fail([] { return std::string("not examined, since the structure is broken"); });
   }
 
@@ -94,6 +101,7 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
   for (const Finding* finding : {&structure, &cells, &partition, &identity, &parents, &vertices, &triangles,
                                  &displacement, &edges, &boxes, &reach, &errors, &fingerprint})
     report.checks.push_back(finding->check());
+  if (has_wedges) report.checks.push_back(wedges.check());
   if (input) report.checks.push_back(same.check());
   return report;
 }

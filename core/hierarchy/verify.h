@@ -33,7 +33,7 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   cells          a cell exists iff M_L has triangles below it
 //   partition      each triangle of M_L lies in the half-open cell of its barycentre; V_L(C) = vertices of M_L(C)
 //   identity       a shared id occurs in two cells or more, once in each; its copies have the same bits; on M_L equal
-//                  positions <=> one identity; an id that two levels have is kept by P
+//                  positions <=> one identity (with wedges: one vertex); an id that two levels have is kept by P
 //   parents        P is a function on the vertices of the level: copies of a vertex have one parent
 //   vertices       V_{l-1}(C) = P(union of V_l over the children of C), as sets
 //   triangles      M_{l-1}(C) = image under P of M_l of the children without degenerate ones, as oriented multisets
@@ -45,6 +45,8 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //                  the surface of the coarser level (of a regular sample of them on large levels), at most the worst
 //                  child's error + displacement; e_l
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L
+//   wedges         only with attributes: wedges of one vertex of M_L have parents at one position, level by level; the
+//                  corners of a triangle have one material, and P keeps it; finite texture coordinates
 //   input          only with `input`: the triangles of M_L are those of the input, position by position
 // When `structure` fails the others are reported as failed without being run, since no index could be trusted.
 //

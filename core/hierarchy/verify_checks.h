@@ -49,10 +49,16 @@ struct LevelIdentity {
   struct Shared {
     std::uint32_t id = 0, cell = 0, local = 0, number = 0;  // number: of the stored vertex
   };
+  // With wedges, the first wedge of the same vertex; otherwise empty: every identity is a vertex of its own.
+  std::vector<std::uint32_t> vertex;
   std::vector<Shared> shared;  // all copies of vertices with a shared id, by id, then by cell
 
   [[nodiscard]] std::uint32_t of(std::uint32_t cell, std::uint32_t local) const {
     return identity[first_vertex[cell - first_cell] + local];
+  }
+  [[nodiscard]] std::uint32_t vertex_of(std::uint32_t cell, std::uint32_t local) const {
+    const std::uint32_t number = first_vertex[cell - first_cell] + local;
+    return vertex.empty() ? identity[number] : vertex[number];
   }
 };
 [[nodiscard]] LevelIdentity identify(const Hierarchy& hierarchy, int level);
@@ -64,7 +70,15 @@ void check_ids_kept(const Hierarchy& hierarchy, const LevelIdentity& fine, const
                     Finding& identity);
 void check_parent_function(const Hierarchy& hierarchy, int level, const LevelIdentity& fine,
                            const LevelIdentity& coarse, Finding& parents);
-void check_images(const Hierarchy& hierarchy, int coarse_level, Finding& vertices, Finding& triangles);
+void check_images(const Hierarchy& hierarchy, int coarse_level, const LevelIdentity& coarse, Finding& vertices,
+                  Finding& triangles);
+
+// verify_wedges.cpp: attributes, and which wedges belong to one vertex. The groups go to `vertex` of the identities.
+void group_by_position(const Hierarchy& hierarchy, LevelIdentity& finest);
+// Also requires that wedges of one vertex have parents at one position.
+void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity& fine, LevelIdentity& coarse,
+                      Finding& wedges);
+void check_wedges(const Hierarchy& hierarchy, Finding& wedges);
 
 // verify_geometry.cpp: lengths, boxes, stored bounds.
 void check_displacements(const Hierarchy& hierarchy, Finding& displacement);

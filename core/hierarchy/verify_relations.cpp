@@ -63,7 +63,9 @@ LevelIdentity identify(const Hierarchy& hierarchy, int level) {
 void check_copies(const Hierarchy& hierarchy, int level, const LevelIdentity& fine, Finding& identity) {
   for_runs(fine.shared, [&](auto first, auto last) {
     const auto where = [&] { return place(level, first->cell, first->local) + ", id " + std::to_string(first->id); };
-    identity.require(last - first >= 2, [&] { return where() + ": shared, but in one cell only"; });
+    // A wedge may be shared because another wedge of its vertex is.
+    identity.require(last - first >= 2 || hierarchy.attributes.wedges,
+                     [&] { return where() + ": shared, but in one cell only"; });
     const Cell& one = hierarchy.cells[first->cell];
     for (auto copy = first + 1; copy < last; ++copy) {
       const Cell& other = hierarchy.cells[copy->cell];
@@ -133,7 +135,8 @@ void check_parent_function(const Hierarchy& hierarchy, int level, const LevelIde
 }
 
 // Ids local to a cell name its vertices one to one (check_copies), so sets and multisets are compared on local ids.
-void check_images(const Hierarchy& hierarchy, int coarse_level, Finding& vertices, Finding& triangles) {
+void check_images(const Hierarchy& hierarchy, int coarse_level, const LevelIdentity& coarse, Finding& vertices,
+                  Finding& triangles) {
   std::vector<char> reached;
   std::vector<Triangle> images, stored;
   const Level& level = hierarchy.levels[static_cast<std::size_t>(coarse_level)];
@@ -146,7 +149,8 @@ void check_images(const Hierarchy& hierarchy, int coarse_level, Finding& vertice
       for (const std::uint32_t parent : child.parents) reached[parent] = 1;
       for (const Triangle& t : child.triangles) {
         const Triangle image{{child.parents[t.v[0]], child.parents[t.v[1]], child.parents[t.v[2]]}};
-        if (!is_degenerate(image)) images.push_back(rotated(image));
+        const auto vertex = [&](std::size_t i) { return coarse.vertex_of(c, image.v[i]); };
+        if (!is_degenerate({{vertex(0), vertex(1), vertex(2)}})) images.push_back(rotated(image));
       }
     }
     const auto missed = std::find(reached.begin(), reached.end(), 0);

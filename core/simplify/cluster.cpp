@@ -21,14 +21,15 @@ constexpr int search_steps = 6;
 class CellTable {
  public:
   void reset(std::size_t capacity) {
-    slots_.assign(std::bit_ceil(2 * capacity + 2), {0, none});
+    slots_.assign(std::bit_ceil(2 * capacity + 2), {0, 0, none});
     count_ = 0;
   }
-  Id number(std::uint64_t key) {
+  // label: of the vertex; vertices of different labels never share a cell.
+  Id number(std::uint64_t key, Id label) {
     const std::size_t mask = slots_.size() - 1;
-    std::size_t at = (key * 0x9e37'79b9'7f4a'7c15u >> 20) & mask;
-    while (slots_[at].number != none && slots_[at].key != key) at = (at + 1) & mask;
-    if (slots_[at].number == none) slots_[at] = {key, count_++};
+    std::size_t at = ((key + label) * 0x9e37'79b9'7f4a'7c15u >> 20) & mask;
+    while (slots_[at].number != none && (slots_[at].key != key || slots_[at].label != label)) at = (at + 1) & mask;
+    if (slots_[at].number == none) slots_[at] = {key, label, count_++};
     return slots_[at].number;
   }
   [[nodiscard]] Id size() const { return count_; }
@@ -36,7 +37,7 @@ class CellTable {
  private:
   struct Slot {
     std::uint64_t key;
-    Id number;
+    Id label, number;
   };
   std::vector<Slot> slots_;
   Id count_ = 0;
@@ -55,6 +56,8 @@ struct Grid {
     return axis(p.x, box.lo.x) | axis(p.y, box.lo.y) << axis_bits | axis(p.z, box.lo.z) << 2 * axis_bits;
   }
 };
+
+Id label_of(const SimplifyInput& input, Id v) { return input.labels.empty() ? 0 : input.labels[v]; }
 
 class ClusterSimplifier final : public Simplifier {
  public:
@@ -105,9 +108,9 @@ std::size_t ClusterSimplifier::triangles_on(const SimplifyInput& input, const Gr
   constexpr std::uint64_t locked_bit = 1ull << 63;
   key_.resize(input.positions.size());
   for (Id v = 0; v < key_.size(); ++v) key_[v] = input.locked[v] ? locked_bit | v : grid.key(input.positions[v]);
+  const auto apart = [&](Id a, Id b) { return key_[a] != key_[b] || label_of(input, a) != label_of(input, b); };
   std::size_t left = 0;
-  for (const auto& [v] : input.triangles)
-    left += key_[v[0]] != key_[v[1]] && key_[v[1]] != key_[v[2]] && key_[v[2]] != key_[v[0]];
+  for (const auto& [v] : input.triangles) left += apart(v[0], v[1]) && apart(v[1], v[2]) && apart(v[2], v[0]);
   return left;
 }
 
@@ -139,7 +142,7 @@ void ClusterSimplifier::assign_cells(const SimplifyInput& input, const Grid& gri
   cell_.assign(input.positions.size(), none);
   for (Id v = 0; v < cell_.size(); ++v) {
     if (!used_[v]) continue;
-    cell_[v] = table_.number(grid.key(input.positions[v]));
+    cell_[v] = table_.number(grid.key(input.positions[v]), label_of(input, v));
     if (cell_[v] == anchor_.size()) anchor_.push_back(to_double(input.positions[v]));
   }
 }

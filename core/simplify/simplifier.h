@@ -30,6 +30,8 @@ struct SimplifyInput {
   // the vertices have none, or one value each.
   std::span<const Triangle> corners{};
   std::span<const std::uint32_t> wedge_vertex{};
+  // For simplifiers that do not know wedges: P keeps the label of a vertex. Empty: all are the same.
+  std::span<const std::uint32_t> labels{};
 };
 
 struct SimplifyResult {
@@ -45,6 +47,7 @@ struct SimplifyResult {
 };
 
 // Guarantees, whatever the input:
+//   - P keeps labels;
 //   - locked vertices are their own parents and do not move;
 //   - |positions[parent[v]] - v| <= max_displacement, evaluated in double;
 //   - no surviving triangle with a normal is turned by more than 90 degrees by a single step (quadric);
@@ -57,7 +60,7 @@ class Simplifier {
   virtual ~Simplifier() = default;
   // The result stays valid until the next call on the same instance.
   [[nodiscard]] virtual const SimplifyResult& simplify(const SimplifyInput& input) = 0;
-  // Whether it takes corners and wedge_vertex, and answers with wedge_parent.
+  // Whether it takes corners and wedge_vertex, and answers with wedge_parent; otherwise it gets labels.
   [[nodiscard]] virtual bool knows_wedges() const { return false; }
 };
 

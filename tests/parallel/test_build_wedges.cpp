@@ -1,0 +1,145 @@
+// Hierarchies of meshes with attributes, from corners to the root.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/hierarchy/verify.h"
+#include "core/mesh/generate.h"
+#include "parallel/build.h"
+#include "parallel/prepare.h"
+
+namespace lodestone {
+namespace {
+
+// Charts by octants around a shifted centre, one material each; in a chart the texture coordinate is the position on
+// the xy plane, ten units apart from that of the next chart.
+RawMesh charted(Shape shape, std::uint64_t triangles) {
+  RawMesh raw = generate_mesh({shape, triangles, 3});
+  const double shift = shape == Shape::terrain ? 0.4 : 0.1;
+  std::uint32_t wedge = 0;
+  for (const auto& [v] : raw.triangles) {
+    const Vec3d p = (1.0 / 3) * (raw.positions[v[0]] + raw.positions[v[1]] + raw.positions[v[2]]);
+    const std::uint32_t chart = (p.x > shift ? 1 : 0) + (p.y > shift ? 2 : 0) + (p.z > shift ? 4 : 0);
+    raw.wedges.corners.push_back({{wedge, wedge + 1, wedge + 2}});
+    wedge += 3;
+    raw.wedges.material.push_back(chart);
+    for (const std::uint32_t corner : v) {
+      const Vec3f at = to_float(raw.positions[corner]);
+      raw.wedges.uv.push_back({at.x + 10 * static_cast<float>(chart), at.y});
+      const auto channel = [](float x) { return static_cast<std::uint8_t>(std::clamp(128 + 100 * x, 0.0f, 255.0f)); };
+      raw.wedges.colour.push_back({channel(at.x), channel(at.y), channel(at.z), 255});
+    }
+  }
+  for (int i = 0; i < 8; ++i) raw.materials.push_back({"chart " + std::to_string(i), {}, no_texture, no_texture});
+  return raw;
+}
+
+struct Case {
+  Shape shape;
+  SimplifierKind simplifier;
+};
+
+class BuildWedges : public testing::TestWithParam<Case> {
+ protected:
+  static Hierarchy build(int threads, Strategy strategy) {
+    const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
+    Repairs repairs;
+    BuildConfig config;
+    config.cell_triangles = 150;
+    config.sigma0 = 0.8f;
+    config.strategy = strategy;
+    config.simplifier = GetParam().simplifier;
+    return build_hierarchy(prepare_mesh(charted(GetParam().shape, 20'000), repairs, *scheduler), config, *scheduler);
+  }
+};
+
+TEST_P(BuildWedges, IsValidAndKeepsCharts) {
+  const Hierarchy h = build(2, Strategy::graph);
+  ASSERT_GE(h.finest(), 3);
+  const VerifyReport report = verify_hierarchy(h);
+  for (const VerifyCheck& check : report.checks) EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+  ASSERT_NE(report.find("wedges"), nullptr);
+  EXPECT_LT(h.levels.front().triangles, h.levels.back().triangles / 20) << "seams do not stop it";
+  for (const Cell& cell : h.cells) {
+    for (std::size_t v = 0; v < cell.positions.size(); ++v) {
+      const Vec3f p = to_float(h.transform.to_model(cell.positions[v]));
+      const Vec2f uv = cell.attributes.uv[v];
+      const float chart = 10 * static_cast<float>(cell.attributes.materials[v]);
+      // As far as the surface has moved, and no farther.
+      const float tolerance = 0.05f * static_cast<float>(h.transform.scale) + 1e-4f;
+      EXPECT_NEAR(uv.x, p.x + chart, tolerance);
+      EXPECT_NEAR(uv.y, p.y, tolerance);
+    }
+    for (std::size_t t = 1; t < cell.triangles.size(); ++t)
+      EXPECT_LE(cell.attributes.materials[cell.triangles[t - 1].v[0]],
+                cell.attributes.materials[cell.triangles[t].v[0]]);
+  }
+}
+
+TEST_P(BuildWedges, DoesNotDependOnWorkersAndStrategy) {
+  const Hierarchy one = build(0, Strategy::serial);
+  for (const auto& [threads, strategy] : {std::pair{3, Strategy::graph}, std::pair{2, Strategy::levels}}) {
+    const Hierarchy other = build(threads, strategy);
+    ASSERT_EQ(one.cells.size(), other.cells.size());
+    for (std::size_t c = 0; c < one.cells.size(); ++c) {
+      const Cell &a = one.cells[c], &b = other.cells[c];
+      EXPECT_TRUE(std::ranges::equal(a.positions, b.positions));
+      EXPECT_TRUE(std::ranges::equal(a.triangles, b.triangles));
+      EXPECT_TRUE(std::ranges::equal(a.parents, b.parents));
+      EXPECT_TRUE(std::ranges::equal(a.attributes.uv, b.attributes.uv));
+      EXPECT_TRUE(std::ranges::equal(a.attributes.colours, b.attributes.colours));
+      EXPECT_TRUE(std::ranges::equal(a.attributes.materials, b.attributes.materials));
+    }
+  }
+}
+
+// Normals are those of the vertex, whatever wedges it has.
+TEST_P(BuildWedges, LeavesNormalsAndShapeOfTheFinestLevelAlone) {
+  const auto scheduler = make_serial_scheduler();
+  Repairs repairs;
+  RawMesh bare = charted(GetParam().shape, 20'000);
+  bare.wedges = {};
+  bare.materials = {};
+  BuildConfig config;
+  config.cell_triangles = 150;
+  const Hierarchy with = build(1, Strategy::graph),
+                  without = build_hierarchy(prepare_mesh(std::move(bare), repairs, *scheduler), config, *scheduler);
+  const auto corners = [](const Hierarchy& h) {
+    std::vector<std::array<float, 8>> all;
+    for (const Cell& cell : h.cells_of(h.finest()))
+      for (const Triangle& t : cell.triangles)
+        for (const std::uint32_t v : t.v) {
+          const Vec3f p = cell.positions[v], n = unpack_normal(cell.normals[v]);
+          all.push_back({p.x, p.y, p.z, n.x, n.y, n.z});
+        }
+    std::sort(all.begin(), all.end());
+    return all;
+  };
+  const auto a = corners(with), b = corners(without);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(a[i][k], b[i][k], 1e-3f);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, BuildWedges,
+                         testing::Values(Case{Shape::sphere, SimplifierKind::quadric},
+                                         Case{Shape::terrain, SimplifierKind::quadric},
+                                         Case{Shape::box, SimplifierKind::quadric},
+                                         Case{Shape::sphere, SimplifierKind::cluster}),
+                         [](const auto& param) { return std::to_string(param.index); });
+
+TEST(BuildNormals, OfTheInputAreKept) {
+  RawMesh raw = generate_mesh({Shape::sphere, 2000, 1});
+  for (std::size_t v = 0; v < raw.positions.size(); ++v)
+    raw.wedges.normal.push_back(v % 2 == 0 ? Vec3f{0, 0, 1} : Vec3f{});
+  const auto scheduler = make_serial_scheduler();
+  Repairs repairs;
+  const Hierarchy h = build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler), {}, *scheduler);
+  std::size_t kept = 0, all = 0;
+  for (const Cell& cell : h.cells_of(h.finest()))
+    for (const PackedNormal n : cell.normals) kept += n == pack_normal({0, 0, 1}), ++all;
+  EXPECT_NEAR(static_cast<double>(kept), 0.5 * static_cast<double>(all), 0.05 * static_cast<double>(all));
+}
+
+}  // namespace
+}  // namespace lodestone
