@@ -81,15 +81,20 @@ class BlockKernel {
   // quadric_setup.h
   void place_points();
   void link_triangles();
-  void add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to);
+  [[gnu::always_inline]] void add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to);
+  [[gnu::always_inline]] void add_planes(const Id (&corner)[3][8]);
   void start_vertices();
-  [[nodiscard]] unsigned make_ring(Id v);
-  [[nodiscard, gnu::always_inline]] unsigned close_ring(Id v, unsigned n, Id* ring) const;
+  [[gnu::always_inline]] void make_ring(Id v);
+  [[gnu::noinline]] void make_other_ring(Id v, unsigned n);
+  [[nodiscard]] static Ids starts_of(const Link& link);
+  [[nodiscard]] static Ids ends_of(const Link& link);
+  [[nodiscard]] unsigned close_ring(Id v, unsigned n, Id* ring) const;
   [[nodiscard]] unsigned open_ring(Id v, unsigned n, Id* ring) const;
   [[nodiscard]] unsigned pile_ring(Id v, unsigned n, Id* ring) const;
+  [[gnu::always_inline]] void start_quadric(Id v);
+  void push_eight(unsigned first);
   template <int G>
-  void start_quadric(Id v, unsigned n);
-  void start_vertex(Id v, unsigned n);
+  [[nodiscard, gnu::always_inline]] Float first_errors(Id v, unsigned n) const;
   void add_edge_plane(Id v, unsigned lane, unsigned beside, Body& body) const;
   void add_seam_planes(Id v, unsigned n, Body& body) const;
 
