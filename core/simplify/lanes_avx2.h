@@ -112,6 +112,10 @@ struct Id16 {
   [[nodiscard]] unsigned find(Id id) const {
     return _tzcnt_u32(static_cast<unsigned>(_mm256_movemask_epi8(equal(id)))) / 2;
   }
+  [[nodiscard]] bool same(Id16 other) const {
+    const __m256i differ = _mm256_xor_si256(lanes, other.lanes);
+    return _mm256_testz_si256(differ, differ) != 0;
+  }
   [[nodiscard]] Id16 replace(Id from, Id to) const {
     return {_mm256_blendv_epi8(lanes, _mm256_set1_epi16(static_cast<short>(to)), equal(from))};
   }
@@ -121,42 +125,19 @@ struct Id16 {
                                                         -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1};
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(steps + 16 - first));
   }
-  static Id16 without(const Ring& ring, unsigned at) {
-    const __m256i index = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m256i before = load(ring.lane).lanes;
-    const __m256i moved_up = load(ring.lane + 1).lanes;
-    const __m256i behind = _mm256_cmpgt_epi16(index, _mm256_set1_epi16(static_cast<short>(static_cast<int>(at) - 1)));
+  [[nodiscard]] Id16 without(unsigned at) const {
+    // In registers: a load one lane on would reach into the next ring and wait for a store there.
+    const __m256i moved_up = _mm256_alignr_epi8(_mm256_permute2x128_si256(lanes, lanes, 0x81), lanes, 2);
     // The last two lanes, a `none` and the flags, stay.
-    return {_mm256_blend_epi32(_mm256_blendv_epi8(before, moved_up, behind), before, 0x80)};
+    return {_mm256_blend_epi32(_mm256_blendv_epi8(lanes, moved_up, lanes_from(at)), lanes, 0x80)};
   }
-  // Lane index[k] in lane k, and 0 where that is -1.
-  [[nodiscard]] __m256i permuted(__m256i index) const {
-    const __m256i invalid = _mm256_cmpgt_epi16(_mm256_setzero_si256(), index);
-    const __m256i pairs =
-        _mm256_add_epi16(_mm256_mullo_epi16(index, _mm256_set1_epi16(0x0202)), _mm256_set1_epi16(0x0100));
-    const __m256i bytes = _mm256_or_si256(pairs, invalid);
-    const __m256i low = _mm256_permute2x128_si256(lanes, lanes, 0x00),
-                  high = _mm256_permute2x128_si256(lanes, lanes, 0x11);
-    // A control byte with the top bit set gives 0: from 16 on for the low half, below 16 for the high one.
-    return _mm256_or_si256(_mm256_shuffle_epi8(low, _mm256_adds_epu8(bytes, _mm256_set1_epi8(0x70))),
-                           _mm256_shuffle_epi8(high, _mm256_sub_epi8(bytes, _mm256_set1_epi8(0x10))));
-  }
-  [[nodiscard]] Id16 rotated(unsigned start, unsigned n) const {
-    const __m256i lane = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m256i index = _mm256_add_epi16(lane, all(start));
-    const __m256i wraps = _mm256_cmpgt_epi16(index, all(n - 1));
-    return {permuted(_mm256_sub_epi16(index, _mm256_and_si256(wraps, all(n))))};
-  }
-  [[nodiscard]] Id16 spliced(unsigned at, Id16 other, unsigned first, unsigned length) const {
-    const __m256i lane = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const __m256i from_at = _mm256_cmpgt_epi16(lane, all(at - 1)),
-                  behind = _mm256_cmpgt_epi16(lane, all(at + length - 1));
-    const __m256i own = permuted(_mm256_sub_epi16(lane, _mm256_and_si256(behind, all(length - 1))));
-    const __m256i in = other.permuted(_mm256_add_epi16(lane, all(first - at)));
-    const __m256i inserted = _mm256_andnot_si256(behind, from_at);
-    const __m256i ring = _mm256_blendv_epi8(own, in, inserted);
-    const __m256i end = _mm256_insert_epi16(lanes, -1, 14);  // a `none` and the flags
-    return {_mm256_blend_epi32(ring, end, 0x80)};
+  static Id16 spliced(const Ring& ring, unsigned at, const Id* others, unsigned length) {
+    const __m256i before = load(ring.lane).lanes, between = load(others - at).lanes;
+    const __m256i behind = load(ring.lane + 1 - static_cast<int>(length)).lanes;
+    const __m256i lanes =
+        _mm256_blendv_epi8(_mm256_blendv_epi8(before, between, lanes_from(at)), behind, lanes_from(at + length));
+    // The last two lanes are a `none` and the flags.
+    return {_mm256_blend_epi32(lanes, _mm256_or_si256(before, _mm256_setr_epi32(0, 0, 0, 0, 0, 0, 0, 0xffff)), 0x80)};
   }
   static bool closed_fan(const Link& link, unsigned n, Id* ring) {
     const __m128i behind = _mm256_castsi256_si128(lanes_from(n));

@@ -137,30 +137,29 @@ struct Id16 {
     while (k < 16 && lane[k] != id) ++k;
     return k;
   }
+  [[nodiscard]] bool same(const Id16& other) const {
+    unsigned k = 0;
+    while (k < 16 && lane[k] == other.lane[k]) ++k;
+    return k == 16;
+  }
   [[nodiscard]] Id16 replace(Id from, Id to) const {
     Id16 r;
     for (int k = 0; k < 16; ++k) r.lane[k] = lane[k] == from ? to : lane[k];
     return r;
   }
   // The ring without lane `at`; the neighbours behind it move up, the flags stay.
-  static Id16 without(const Ring& ring, unsigned at) {
-    Id16 r = load(ring.lane);
-    for (unsigned k = at; k < ring_capacity; ++k) r.lane[k] = ring.lane[k + 1];
+  [[nodiscard]] Id16 without(unsigned at) const {
+    Id16 r = *this;
+    for (unsigned k = at; k < ring_capacity; ++k) r.lane[k] = lane[k + 1];
     return r;
   }
-  // Lanes from `start` on, cyclically among the first n; those behind are undefined.
-  [[nodiscard]] Id16 rotated(unsigned start, unsigned n) const {
-    Id16 r;
-    for (unsigned k = 0; k < 16; ++k) r.lane[k] = k < n ? lane[start + k < n ? start + k : start + k - n] : none;
-    return r;
-  }
-  // This ring with lane `at` replaced by lanes [first, first + length) of the other; the flags stay.
-  [[nodiscard]] Id16 spliced(unsigned at, const Id16& other, unsigned first, unsigned length) const {
+  // The ring with lane `at` replaced by `length` others; the flags stay.
+  static Id16 spliced(const Ring& ring, unsigned at, const Id* others, unsigned length) {
     Id16 r;
     for (unsigned k = 0; k < ring_capacity; ++k)
-      r.lane[k] = k < at ? lane[k] : k < at + length ? other.lane[first + k - at] : lane[k + 1 - length];
+      r.lane[k] = k < at ? ring.lane[k] : k < at + length ? others[k - at] : ring.lane[k + 1 - length];
     r.lane[flags_lane - 1] = none;
-    r.lane[flags_lane] = lane[flags_lane];
+    r.lane[flags_lane] = ring.lane[flags_lane];
     return r;
   }
   // Follows the link of a closed fan of 3 to 8 triangles. False where it is none; what is written means nothing then.

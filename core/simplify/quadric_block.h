@@ -56,7 +56,7 @@ struct alignas(64) Body {
   float weight;  // sum of areas
   float error;   // value at the vertex
   float bx, by, bz;
-  float unused;
+  float reach;  // no member is farther from the vertex; never too small
 };
 
 // Where the list of the members goes on, and, for a vertex that survives, where it ends.
@@ -78,6 +78,7 @@ inline constexpr std::size_t bucket_count = 1u << (31 - bucket_shift);
 inline constexpr unsigned nowhere = bucket_count;  // a bucket that nobody empties
 
 struct Arrays {
+  Ring in_front;  // a load of shifted lanes may begin before the first ring
   Ring ring[id_space];
   Point point[id_space];
   Body body[id_space];

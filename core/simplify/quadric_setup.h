@@ -30,8 +30,8 @@ void BlockKernel<L>::place_points() {
   if (size > 0 && size <= std::numeric_limits<float>::max()) (void)std::frexp(size, &exponent);
   exponent = exponent < -100 ? -100 : exponent > 100 ? 100 : exponent;
   scale_ = std::ldexp(1.0f, -exponent);
-  const float bound = input_.max_displacement * scale_ * bound_margin;
-  squared_bound_ = bound * bound;
+  bound_ = input_.max_displacement * scale_ * bound_margin;
+  squared_bound_ = bound_ * bound_;
 
   for (unsigned v = 0; v < count_; ++v) {
     const Vec3f& p = input_.positions[v];
