@@ -1,11 +1,12 @@
 // Eight floats and one ring in plain C++: the twin of lanes_avx2.h, operation by operation.
 //
-// Both give the same bits: every operation is one IEEE rounding per lane, sums have one fixed tree, and minima follow
-// the rule of the instruction set (the second operand where either is not a number).
+// Both give the same bits: every operation is one IEEE rounding per lane, and minima follow the rule of the instruction
+// set (the second operand where either is not a number).
 #pragma once
 
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include "core/simplify/quadric_block.h"
 
@@ -15,6 +16,12 @@ struct Float8 {
   float lane[8];
 
   static Float8 all(float s) { return {{s, s, s, s, s, s, s, s}}; }
+  static Float8 load(const float* from) {
+    return each([&](int k) { return from[k]; });
+  }
+  void store(float* to) const {
+    for (int k = 0; k < 8; ++k) to[k] = lane[k];
+  }
   template <class F>
   static Float8 each(F f) {
     Float8 r;
@@ -80,12 +87,10 @@ inline unsigned equal(const Float8& a, float value) {
   for (int k = 0; k < 8; ++k) bits |= static_cast<unsigned>(a.lane[k] == value) << k;
   return bits;
 }
-// out[i] = the lanes of in[i], added pairwise.
-inline void sums(const Float8 (&in)[8], float* out) {
-  for (int i = 0; i < 8; ++i) {
-    const float* l = in[i].lane;
-    out[i] = ((l[0] + l[1]) + (l[2] + l[3])) + ((l[4] + l[5]) + (l[6] + l[7]));
-  }
+// Lane i of rows[k] and lane k of rows[i] change places.
+inline void transpose(Float8 (&rows)[8]) {
+  for (int i = 0; i < 8; ++i)
+    for (int k = 0; k < i; ++k) std::swap(rows[i].lane[k], rows[k].lane[i]);
 }
 
 // Eight points, one lane each.
@@ -132,31 +137,44 @@ struct Id16 {
     while (k < 16 && lane[k] != id) ++k;
     return k;
   }
+  [[nodiscard]] bool same(const Id16& other) const {
+    unsigned k = 0;
+    while (k < 16 && lane[k] == other.lane[k]) ++k;
+    return k == 16;
+  }
   [[nodiscard]] Id16 replace(Id from, Id to) const {
     Id16 r;
     for (int k = 0; k < 16; ++k) r.lane[k] = lane[k] == from ? to : lane[k];
     return r;
   }
   // The ring without lane `at`; the neighbours behind it move up, the flags stay.
-  static Id16 without(const Ring& ring, unsigned at) {
-    Id16 r = load(ring.lane);
-    for (unsigned k = at; k < ring_capacity; ++k) r.lane[k] = ring.lane[k + 1];
+  [[nodiscard]] Id16 without(unsigned at) const {
+    Id16 r = *this;
+    for (unsigned k = at; k < ring_capacity; ++k) r.lane[k] = lane[k + 1];
     return r;
   }
-  // Lanes from `start` on, cyclically among the first n; those behind are undefined.
-  [[nodiscard]] Id16 rotated(unsigned start, unsigned n) const {
-    Id16 r;
-    for (unsigned k = 0; k < 16; ++k) r.lane[k] = k < n ? lane[start + k < n ? start + k : start + k - n] : none;
-    return r;
-  }
-  // This ring with lane `at` replaced by lanes [first, first + length) of the other; the flags stay.
-  [[nodiscard]] Id16 spliced(unsigned at, const Id16& other, unsigned first, unsigned length) const {
+  // The ring with lane `at` replaced by `length` others; the flags stay.
+  static Id16 spliced(const Ring& ring, unsigned at, const Id* others, unsigned length) {
     Id16 r;
     for (unsigned k = 0; k < ring_capacity; ++k)
-      r.lane[k] = k < at ? lane[k] : k < at + length ? other.lane[first + k - at] : lane[k + 1 - length];
+      r.lane[k] = k < at ? ring.lane[k] : k < at + length ? others[k - at] : ring.lane[k + 1 - length];
     r.lane[flags_lane - 1] = none;
-    r.lane[flags_lane] = lane[flags_lane];
+    r.lane[flags_lane] = ring.lane[flags_lane];
     return r;
+  }
+  // Follows the link of a closed fan of 3 to 8 triangles. False where it is none; what is written means nothing then.
+  static bool closed_fan(const Link& link, unsigned n, Id* ring) {
+    for (unsigned k = 0; k < 16; ++k) ring[k] = none;
+    unsigned at = 0;
+    for (unsigned k = 0; k < n; ++k) {
+      if (at == 0 && k != 0) return false;
+      ring[k] = link.edge[at].from;
+      unsigned next = 0;
+      while (next < n && link.edge[next].from != link.edge[at].to) ++next;
+      if (next == n) return false;
+      at = next;
+    }
+    return at == 0;
   }
   // How many of the first n lanes are among the first m of the other; no lane occurs twice.
   [[nodiscard]] unsigned count_common(unsigned n, const Id16& other, unsigned m) const {

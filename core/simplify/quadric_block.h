@@ -1,4 +1,4 @@
-// The working memory of the quadric kernel: one block of at most 61,440 vertices, 16-bit ids, about 170 bytes a vertex.
+// The working memory of the quadric kernel: one block of at most 61,440 vertices, 16-bit ids, about 190 bytes a vertex.
 //
 // There is no triangle list and no half-edge structure: each vertex keeps the ordered ring of its neighbours, and the
 // rings are the mesh. A ring is 32 bytes, so that one 256-bit load brings the whole star.
@@ -51,38 +51,42 @@ struct alignas(16) Point {
 
 // Quadric relative to the vertex itself: with the origin there, sums lose nothing to cancellation and a fresh quadric
 // has neither a linear term nor an error.
-struct alignas(16) Body {
+struct alignas(64) Body {
   float xx, xy, xz, yy, yz, zz;
   float weight;  // sum of areas
   float error;   // value at the vertex
   float bx, by, bz;
-  float unused;
+  float reach;  // no member is farther from the vertex; never too small
 };
 
 // Where the list of the members goes on, and, for a vertex that survives, where it ends.
 struct Member {
   Id next, tail;
 };
-static_assert(sizeof(Ring) == 32 && sizeof(Point) == 16 && sizeof(Body) == 48);
+static_assert(sizeof(Ring) == 32 && sizeof(Point) == 16 && sizeof(Body) == 64);
 
 // The edges of a vertex's link, one per triangle, until the ring is known.
 struct alignas(64) Link {
-  Id from[16], to[16];
+  struct Edge {
+    Id from, to;
+  } edge[16];
 };
 
 // Float exponent and four bits of the mantissa: a sixteenth more than the bucket below.
 inline constexpr int bucket_shift = 19;
 inline constexpr std::size_t bucket_count = 1u << (31 - bucket_shift);
+inline constexpr unsigned nowhere = bucket_count;  // a bucket that nobody empties
 
 struct Arrays {
+  Ring in_front;  // a load of shifted lanes may begin before the first ring
   Ring ring[id_space];
   Point point[id_space];
   Body body[id_space];
   Member member[id_space];
   Link link[id_space];
-  std::uint8_t triangles[id_space];  // of each vertex; saturates
+  std::uint32_t triangles[id_space];  // of each vertex
   Id next_in_bucket[id_space];
-  Id bucket[bucket_count];
+  Id bucket[bucket_count + 1];
 };
 
 struct FreeArrays {

@@ -1,7 +1,9 @@
 // The queue and the collapses.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include "core/simplify/quadric_kernel.h"
@@ -20,37 +22,55 @@ void BlockKernel<L>::push(Id v, unsigned bucket) {
 }
 
 // A vertex is evaluated when it comes up, not when its surroundings change: costs mostly rise, and one that has risen
-// by more than a bucket goes back.
+// by more than a bucket goes back. Several come up together and are evaluated side by side, step by step, since each
+// step of one waits for the step before; a collapse among them may leave another to be evaluated again.
 template <class L>
 void BlockKernel<L>::collapse_to_target() {
+  Id next[batch_size];
+  Candidate<1> batch[batch_size];
   for (unsigned b = 0; b < bucket_count; ++b) {
-    while (a_.bucket[b] != none) {
-      if (live_ <= input_.target_triangles) return;
-      const Id v = a_.bucket[b];
-      a_.bucket[b] = a_.next_in_bucket[v];
-      prefetch_next(a_.next_in_bucket[v]);
-      const unsigned n = degree(v);
-      if (n <= 8) {
-        visit<1>(v, n, b);
-      } else {
-        visit<2>(v, n, b);
+    for (unsigned count = take(b, next); count > 0;) {
+      const unsigned now = count;
+      // Of a crowded vertex this is half the truth, which nobody asks for.
+      for (unsigned i = 0; i < now; ++i) survey(next[i], std::min(degree(next[i]), 8u), batch[i]);
+      for (unsigned i = 0; i < now; ++i) rate(batch[i]);
+      for (unsigned i = 0; i < now; ++i) choose(batch[i]);
+      count = take(b, next);  // already, so that memory has time
+      for (unsigned i = 0; i < now; ++i) {
+        if (live_ <= input_.target_triangles) return;
+        Candidate<1>& c = batch[i];
+        const unsigned n = degree(c.v);
+        if (n > 8) {
+          visit_crowded(c.v, n, b);
+          continue;
+        }
+        if (!Ids::load(a_.ring[c.v].lane).same(c.ring)) survey(c.v, n, c), rate(c), choose(c);
+        decide(n, c, b);
       }
     }
   }
 }
 
-// Most of a collapse is waiting for the second-level cache; the chain of the bucket says early what comes next.
 template <class L>
-void BlockKernel<L>::prefetch_next(Id v) const {
-  const Ring& ring = a_.ring[v];
-  for (int k = 0; k < 6; ++k) {
-    __builtin_prefetch(&a_.point[ring.lane[k]]);
-    __builtin_prefetch(&a_.ring[ring.lane[k]]);
+void BlockKernel<L>::visit_crowded(Id v, unsigned n, unsigned bucket) {
+  Candidate<2> c;
+  survey(v, n, c), rate(c), choose(c);
+  decide(n, c, bucket);
+}
+
+// The next vertices of a bucket.
+template <class L>
+unsigned BlockKernel<L>::take(unsigned bucket, Id (&batch)[batch_size]) {
+  unsigned count = 0;
+  Id v = a_.bucket[bucket];
+  for (; v != none && count < batch_size; v = a_.next_in_bucket[v]) {
+    batch[count++] = v;
+    __builtin_prefetch(&a_.ring[v]);
+    __builtin_prefetch(&a_.body[v]);
+    __builtin_prefetch(&a_.point[v]);
   }
-  const Id after = a_.next_in_bucket[v];
-  __builtin_prefetch(&a_.body[after]);
-  __builtin_prefetch(&a_.ring[after]);
-  __builtin_prefetch(&a_.point[after]);
+  a_.bucket[bucket] = v;
+  return count;
 }
 
 // Lanes that every member of v reaches.
@@ -73,61 +93,85 @@ inline unsigned BlockKernel<L>::within_bound(Id v, const Star<G>& star) const {
   return bits;
 }
 
-// Lane of the least cost among the allowed; 32 where none is left.
+// What the candidate needs of the ring. Lane by lane: the compiler copies an aggregate in halves, and the loads that
+// follow would wait for them.
 template <class L>
 template <int G>
-inline unsigned BlockKernel<L>::cheapest(const Float (&cost)[G], unsigned allowed) {
+inline void BlockKernel<L>::survey(Id v, unsigned n, Candidate<G>& c) const {
+  const Ring& ring = a_.ring[v];
+  const Star<G> star = load_star<G>(v);
+  for (int g = 0; g < G; ++g) {
+    c.star.x[g] = star.x[g], c.star.y[g] = star.y[g], c.star.z[g] = star.z[g];
+    c.star.error_weight[g] = star.error_weight[g];
+  }
+  c.v = v;
+  c.ring = Ids::load(ring.lane);
+  c.ring.store(c.around + turn_front);
+  c.ring.store(c.around + turn_front + n);
+  c.allowed = ring.has(open) ? 1u | 1u << (n - 1) : (1u << n) - 1;
+  if (ring.has(seamed)) c.allowed &= seams_->lanes(v, ring, n);
+}
+
+// The costs of its targets. Most targets are near enough for every member by the triangle inequality alone; the others
+// are looked at only if they are wanted.
+template <class L>
+template <int G>
+inline void BlockKernel<L>::rate(Candidate<G>& c) const {
+  const Body& body = a_.body[c.v];
+  const float room = std::max(bound_ - body.reach, 0.0f);
+  c.near = 0;
+  for (int g = 0; g < G; ++g) {
+    const Float &x = c.star.x[g], &y = c.star.y[g], &z = c.star.z[g];
+    const Float error = quadratic_form(body, x, y, z) + Float::all(body.error) + upper_half(c.star.error_weight[g]);
+    const Float weight = Float::all(body.weight) + lower_half(c.star.error_weight[g]);
+    c.cost[g] = max(error, Float::all(0)) / weight;
+    c.near |= not_above(x * x + y * y + z * z, Float::all(room * room)) << (8 * g);
+  }
+}
+
+// The cheapest of the allowed lanes.
+template <class L>
+template <int G>
+inline void BlockKernel<L>::choose(Candidate<G>& c) {
   const Float infinite = Float::all(std::numeric_limits<float>::infinity());
-  float best = lowest(select(allowed, cost[0], infinite));
+  float best = lowest(select(c.allowed, c.cost[0], infinite));
   if constexpr (G == 2) {
-    const float second = lowest(select(allowed >> 8, cost[1], infinite));
+    const float second = lowest(select(c.allowed >> 8, c.cost[1], infinite));
     best = second < best ? second : best;
   }
   unsigned lanes = 0;
-  for (int g = 0; g < G; ++g) lanes |= equal(cost[g], best) << (8 * g);
-  return static_cast<unsigned>(std::countr_zero(lanes & allowed));
+  for (int g = 0; g < G; ++g) lanes |= equal(c.cost[g], best) << (8 * g);
+  c.lane = static_cast<unsigned>(std::countr_zero(lanes & c.allowed));
+  c.bucket = bucket_of(best);
 }
 
+// Collapses the candidate into the cheapest target that can be had for the price of the bucket; where there is none it
+// goes back, or leaves the queue.
 template <class L>
 template <int G>
-void BlockKernel<L>::visit(Id v, unsigned n, unsigned bucket) {
-  Ring& ring = a_.ring[v];
-  const Body& body = a_.body[v];
-  const Star<G> star = load_star<G>(v);
-  const bool is_open = ring.has(open);
-  unsigned allowed = is_open ? 1u | 1u << (n - 1) : (1u << n) - 1;
-  if (ring.has(seamed)) allowed &= seams_->lanes(v, ring, n);
-  allowed &= within_bound<G>(v, star);
-  Float cost[G];
-  for (int g = 0; g < G; ++g) {
-    const Float error = quadratic_form(body, star.x[g], star.y[g], star.z[g]) + Float::all(body.error) +
-                        upper_half(star.error_weight[g]);
-    const Float weight = Float::all(body.weight) + lower_half(star.error_weight[g]);
-    cost[g] = max(error, Float::all(0)) / weight;
-  }
-  unsigned lane = cheapest<G>(cost, allowed);
-  if (lane < 32) {
-    __builtin_prefetch(&a_.body[ring.lane[lane]]);
-    const auto cost_of = [&](unsigned k) { return G == 1 || k < 8 ? pick(cost[0], k) : pick(cost[G - 1], k - 8); };
-    const auto shift_to = [&](unsigned k) {
-      const int g = G == 1 || k < 8 ? 0 : G - 1;
-      const unsigned at = k - 8 * static_cast<unsigned>(g);
-      return Shift{pick(star.x[g], at), pick(star.y[g], at), pick(star.z[g], at)};
-    };
-    unsigned now = bucket_of(cost_of(lane));
-    if (now > bucket + 1) return push(v, now);
-    const Faces<G> faces = faces_of<G>(star, n);
-    const unsigned real = (1u << (is_open ? n - 1 : n)) - 1;
+inline void BlockKernel<L>::decide(unsigned n, Candidate<G>& c, unsigned bucket) {
+  Ring& ring = a_.ring[c.v];
+  if (c.lane < 32) {
+    if (c.bucket > bucket + 1) return push(c.v, c.bucket);
+    __builtin_prefetch(&a_.body[ring.lane[c.lane]]);
+    const Faces<G> faces = faces_of<G>(c.star, n);
+    const unsigned real = (1u << (ring.has(open) ? n - 1 : n)) - 1;
     do {
-      const Shift t = shift_to(lane);
-      // The triangles on both sides of the edge vanish.
-      const unsigned vanish = 1u << lane | 1u << (lane == 0 ? n - 1 : lane - 1);
-      if ((flipped<G>(faces, t) & real & ~vanish) == 0 && joinable(v, n, lane)) return collapse(v, n, lane, t, bucket);
-      allowed &= ~(1u << lane);
-      lane = cheapest<G>(cost, allowed);
-      if (lane >= 32) break;
-      now = bucket_of(cost_of(lane));
-      if (now > bucket + 1) return push(v, now);
+      const unsigned lane = c.lane;
+      if ((c.near >> lane & 1) == 0) c.allowed &= c.near = within_bound<G>(c.v, c.star);
+      if ((c.allowed >> lane & 1) != 0) {
+        const int g = G == 1 || lane < 8 ? 0 : G - 1;
+        const unsigned k = lane - 8 * static_cast<unsigned>(g);
+        const Shift t{pick(c.star.x[g], k), pick(c.star.y[g], k), pick(c.star.z[g], k)};
+        // The triangles on both sides of the edge vanish.
+        const unsigned vanish = 1u << lane | 1u << (lane == 0 ? n - 1 : lane - 1);
+        if ((flipped<G>(faces, t) & real & ~vanish) == 0 && joinable(c.v, n, lane))
+          return collapse(c.v, n, lane, c.around + turn_front + (lane + 1 < n ? lane + 1 : 0), t, bucket);
+        c.allowed &= ~(1u << lane);
+      }
+      choose(c);
+      if (c.lane >= 32) break;
+      if (c.bucket > bucket + 1) return push(c.v, c.bucket);
     } while (true);
   }
   ring.lane[flags_lane] = static_cast<Id>(ring.lane[flags_lane] & ~queued);
@@ -135,7 +179,7 @@ void BlockKernel<L>::visit(Id v, unsigned n, unsigned bucket) {
 
 // The link condition: v and its target have no other neighbours in common than the triangles at their edge say.
 template <class L>
-bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
+inline bool BlockKernel<L>::joinable(Id v, unsigned n, unsigned lane) const {
   const Ring& ring = a_.ring[v];
   const Ring& target = a_.ring[ring.lane[lane]];
   if (target.has(bare) || target.has(sealed)) return false;
@@ -170,7 +214,8 @@ bool BlockKernel<L>::makes_locked_chord(const Ring& ring, unsigned n, unsigned l
   return n == 3 && count == 2;
 }
 
-// A vertex without a valid target left the queue; now that its ring is another one it gets a new chance.
+// A vertex without a valid target left the queue; now that its ring is to be another one it gets a new chance. Comes
+// before the ring is stored, so that the flags need not wait for that.
 template <class L>
 void BlockKernel<L>::requeue(Id v, unsigned bucket) {
   Id& flags = a_.ring[v].lane[flags_lane];
@@ -179,55 +224,51 @@ void BlockKernel<L>::requeue(Id v, unsigned bucket) {
   push(v, bucket);
 }
 
+// The quadric of v moved to u = v + t and added to that of u; the members of v follow those of u.
 template <class L>
-void BlockKernel<L>::merge_bodies(Id v, Id u, Shift t) {
+inline void BlockKernel<L>::merge_bodies(Id v, Id u, Shift t) {
   const Body& q = a_.body[v];
   Body& sum = a_.body[u];
-  // q moved from v to u = v + t.
   const float ax = q.xx * t.x + q.xy * t.y + q.xz * t.z;
   const float ay = q.xy * t.x + q.yy * t.y + q.yz * t.z;
   const float az = q.xz * t.x + q.yz * t.y + q.zz * t.z;
   const float error = q.error + (t.x * (ax + 2 * q.bx) + t.y * (ay + 2 * q.by) + t.z * (az + 2 * q.bz));
-  sum.xx += q.xx, sum.xy += q.xy, sum.xz += q.xz;
-  sum.yy += q.yy, sum.yz += q.yz, sum.zz += q.zz;
+  const Float moved = select(1u << 7, Float::all(error > 0 ? error : 0), Float::load(&q.xx));
+  (Float::load(&sum.xx) + moved).store(&sum.xx);
   sum.bx += q.bx + ax, sum.by += q.by + ay, sum.bz += q.bz + az;
-  sum.error += error > 0 ? error : 0;
-  sum.weight += q.weight;
+  sum.reach = std::max(sum.reach, (std::sqrt(t.x * t.x + t.y * t.y + t.z * t.z) + q.reach) * rounded_up);
+  publish(sum, a_.point[u]);
   a_.member[a_.member[u].tail].next = v;
   a_.member[u].tail = a_.member[v].tail;
-  publish(sum, a_.point[u]);
 }
 
+// `behind` are the neighbours behind the target, in order. The first and the last of them are neighbours of the target
+// already; on the border only one of them is.
 template <class L>
-void BlockKernel<L>::collapse(Id v, unsigned n, unsigned lane, Shift t, unsigned bucket) {
+inline void BlockKernel<L>::collapse(Id v, unsigned n, unsigned lane, const Id* behind, Shift t, unsigned bucket) {
   const Ring& ring = a_.ring[v];
   const Id u = ring.lane[lane];
   const bool is_open = ring.has(open);
   if (seams_ != nullptr) seams_->collapse(v, u, a_);
-  // The neighbours behind the target, in order. The first and the last of them are neighbours of u already; on the
-  // border only one of them is.
-  const Ids behind = Ids::load(ring.lane).rotated(lane + 1 < n ? lane + 1 : 0, n);
   const unsigned first = is_open && lane != 0 ? 0 : 1, last = is_open && lane == 0 ? n - 1 : n - 2;
-  alignas(32) Id others[16];
-  behind.store(others);
 
-  Ring& target = a_.ring[u];
-  const Ids target_ids = Ids::load(target.lane);
-  target_ids.spliced(target_ids.find(v), behind, first, last - first).store(target.lane);
   requeue(u, bucket);
+  Ring& target = a_.ring[u];
+  Ids::spliced(target, Ids::load(target.lane).find(v), behind + first, last - first).store(target.lane);
 
   const auto drop = [&](Id x) {
-    Ring& other = a_.ring[x];
-    if (const unsigned place = Ids::load(other.lane).find(v); place < 16) Ids::without(other, place).store(other.lane);
     requeue(x, bucket);
+    Ring& other = a_.ring[x];
+    const Ids ids = Ids::load(other.lane);
+    if (const unsigned place = ids.find(v); place < 16) ids.without(place).store(other.lane);
   };
-  if (first == 1) drop(others[0]);
+  if (first == 1) drop(behind[0]);
   for (unsigned k = first; k < last; ++k) {
-    Ring& other = a_.ring[others[k]];
+    requeue(behind[k], bucket);
+    Ring& other = a_.ring[behind[k]];
     Ids::load(other.lane).replace(v, u).store(other.lane);
-    requeue(others[k], bucket);
   }
-  if (last == n - 2) drop(others[n - 2]);
+  if (last == n - 2) drop(behind[n - 2]);
   a_.ring[v].lane[flags_lane] = flags_base | gone;
   merge_bodies(v, u, t);
   live_ -= is_open ? 1 : 2;

@@ -87,10 +87,8 @@ void BlockKernel<L>::settle(Id v, Id parent, float squared) {
 template <class L>
 template <int G>
 inline auto BlockKernel<L>::sides_of(Id v, unsigned n) const -> Sides<G> {
-  Sides<G> s;
-  s.star = load_star<G>(v);
-  s.faces = faces_of<G>(s.star, n);
-  s.spokes = (1u << n) - 1;
+  // Made in place: an assignment would copy in halves, and the loads that follow would wait for them.
+  Sides<G> s{load_star<G>(v), faces_of<G>(s.star, n), {}, {}, {}, (1u << n) - 1, 0};
   s.real = a_.ring[v].has(open) ? s.spokes >> 1 : s.spokes;
   for (int g = 0; g < G; ++g) {
     const Float &x = s.star.x[g], &y = s.star.y[g], &z = s.star.z[g];

@@ -20,6 +20,12 @@ inline constexpr float border_weight = 8;
 // Of the displacement bound: single precision must not promise what double precision would refuse.
 inline constexpr float bound_margin = 1 - 1e-5f;
 
+// More than a few roundings take off.
+inline constexpr float rounded_up = 1 + 1e-6f;
+// Vertices that are evaluated side by side. More overlap better but spoil one another's rings: of four 2 % have to be
+// evaluated again.
+inline constexpr unsigned batch_size = 4;
+
 template <class L>
 class BlockKernel {
  public:
@@ -47,6 +53,8 @@ class BlockKernel {
   using Points = typename L::Points;
   using Ids = typename L::Ids;
 
+  static constexpr unsigned turn_front = 16;  // lanes in front, for loads that begin early
+
   // The ring of a vertex in lanes: G groups of eight, relative to the vertex.
   template <int G>
   struct Star {
@@ -60,6 +68,19 @@ class BlockKernel {
     Float nx[G], ny[G], nz[G];
     Float size[G];  // squared length of the normal
     Float turn_x[G], turn_y[G], turn_z[G];
+  };
+  // A vertex that has come up, and where it would like to go.
+  template <int G>
+  struct Candidate {
+    Star<G> star;
+    Float cost[G];
+    Ids ring;                    // as it was when the costs were computed
+    Id around[turn_front + 32];  // the ring twice from turn_front on: it can be read from any neighbour on
+    Id v;
+    unsigned allowed;  // lanes that are left
+    unsigned near;     // lanes known to be within the bound of every member
+    unsigned lane;     // the cheapest of the allowed; 32 or more where none is left
+    unsigned bucket;   // of its cost
   };
   struct Shift {
     float x, y, z;
@@ -81,34 +102,44 @@ class BlockKernel {
   // quadric_setup.h
   void place_points();
   void link_triangles();
-  void add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to);
+  [[gnu::always_inline]] void add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to);
+  [[gnu::always_inline]] void add_planes(const Id (&corner)[3][8]);
   void start_vertices();
-  [[nodiscard]] unsigned make_ring(Id v);
-  [[nodiscard, gnu::always_inline]] unsigned close_ring(Id v, unsigned n, Id* ring) const;
+  [[gnu::always_inline]] void make_ring(Id v);
+  [[gnu::noinline]] void make_other_ring(Id v, unsigned n);
+  [[nodiscard]] static Ids starts_of(const Link& link);
+  [[nodiscard]] static Ids ends_of(const Link& link);
+  [[nodiscard]] unsigned close_ring(Id v, unsigned n, Id* ring) const;
   [[nodiscard]] unsigned open_ring(Id v, unsigned n, Id* ring) const;
   [[nodiscard]] unsigned pile_ring(Id v, unsigned n, Id* ring) const;
+  [[gnu::always_inline]] void start_quadric(Id v);
+  void push_eight(unsigned first);
   template <int G>
-  void start_quadric(Id v, unsigned n);
-  void start_vertex(Id v, unsigned n);
+  [[nodiscard, gnu::always_inline]] Float first_errors(Id v, unsigned n) const;
   void add_edge_plane(Id v, unsigned lane, unsigned beside, Body& body) const;
   void add_seam_planes(Id v, unsigned n, Body& body) const;
 
   // quadric_collapse.h
   void collapse_to_target();
   void push(Id v, unsigned bucket);
-  void prefetch_next(Id v) const;
+  [[nodiscard]] unsigned take(unsigned bucket, Id (&batch)[batch_size]);
+  [[gnu::noinline]] void visit_crowded(Id v, unsigned n, unsigned bucket);
   static unsigned bucket_of(float cost);
   template <int G>
-  void visit(Id v, unsigned n, unsigned bucket);
+  [[gnu::always_inline]] void survey(Id v, unsigned n, Candidate<G>& c) const;
+  template <int G>
+  [[gnu::always_inline]] void rate(Candidate<G>& c) const;
+  template <int G>
+  [[gnu::always_inline]] static void choose(Candidate<G>& c);
+  template <int G>
+  [[gnu::always_inline]] void decide(unsigned n, Candidate<G>& c, unsigned bucket);
   template <int G>
   [[nodiscard, gnu::always_inline]] unsigned within_bound(Id v, const Star<G>& star) const;
-  template <int G>
-  [[gnu::always_inline]] static unsigned cheapest(const Float (&cost)[G], unsigned allowed);
-  [[nodiscard]] bool joinable(Id v, unsigned n, unsigned lane) const;
+  [[nodiscard, gnu::always_inline]] bool joinable(Id v, unsigned n, unsigned lane) const;
   [[nodiscard]] bool makes_locked_chord(const Ring& ring, unsigned n, unsigned lane) const;
-  void collapse(Id v, unsigned n, unsigned lane, Shift t, unsigned bucket);
+  [[gnu::always_inline]] void collapse(Id v, unsigned n, unsigned lane, const Id* behind, Shift t, unsigned bucket);
   void requeue(Id v, unsigned bucket);
-  void merge_bodies(Id v, Id u, Shift t);
+  [[gnu::always_inline]] void merge_bodies(Id v, Id u, Shift t);
 
   // quadric_relocate.h
   void relocate_survivors();
@@ -161,9 +192,9 @@ class BlockKernel {
   Seams* seams_;
   SimplifyResult& result_;
   unsigned count_;
-  float scale_ = 1;          // from input coordinates to those of the block, a power of two
-  float squared_bound_ = 0;  // in block coordinates
-  std::size_t live_ = 0;     // triangles
+  float scale_ = 1;                      // from input coordinates to those of the block, a power of two
+  float bound_ = 0, squared_bound_ = 0;  // in block coordinates
+  std::size_t live_ = 0;                 // triangles
 };
 
 }  // namespace lodestone::quadric

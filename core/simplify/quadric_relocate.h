@@ -9,12 +9,17 @@ namespace lodestone::quadric {
 // takes a sixth off the error; inside the loop it would gain no more and cost three times as much.
 template <class L>
 void BlockKernel<L>::relocate_survivors() {
-  for (unsigned i = 0; i < count_; ++i) {
-    const Id v = static_cast<Id>(i);
-    const Ring& ring = a_.ring[v];
-    // Collapsed vertices have lost their movable flag; those on borders and seams stay on them by staying where they
-    // are.
-    if (!ring.has(movable) || ring.has(open) || ring.has(seamed)) continue;
+  // Listed first: whether a vertex has survived is nothing a processor could guess. The queue is done with its links.
+  Id* const survivors = a_.next_in_bucket;
+  unsigned count = 0;
+  for (unsigned v = 0; v < count_; ++v) {
+    survivors[count] = static_cast<Id>(v);
+    // Collapsed vertices have lost their movable flag; those on borders and seams stay on them by staying where
+    // they are.
+    count += (a_.ring[v].lane[flags_lane] & (movable | open | seamed)) == movable;
+  }
+  for (unsigned i = 0; i < count; ++i) {
+    const Id v = survivors[i];
     const unsigned n = degree(v);
     if (n <= 8) {
       relocate<1>(v, n);
@@ -55,7 +60,10 @@ void BlockKernel<L>::relocate(Id v, unsigned n) {
   Point& p = a_.point[v];
   const Point moved{p.x + t.x, p.y + t.y, p.z + t.z, p.error_weight};
   const Vec3f answer{moved.x / scale_, moved.y / scale_, moved.z / scale_};
-  if (!members_reach(v, answer)) return;
+  const float x = moved.x - p.x, y = moved.y - p.y, z = moved.z - p.z;
+  const float room = bound_ - a_.body[v].reach;
+  const bool near = room > 0 && x * x + y * y + z * z <= room * room;
+  if (!near && !members_reach(v, answer)) return;
   p = moved;
   result_.positions[v] = answer;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -29,12 +30,13 @@ void BlockKernel<L>::place_points() {
   if (size > 0 && size <= std::numeric_limits<float>::max()) (void)std::frexp(size, &exponent);
   exponent = exponent < -100 ? -100 : exponent > 100 ? 100 : exponent;
   scale_ = std::ldexp(1.0f, -exponent);
-  const float bound = input_.max_displacement * scale_ * bound_margin;
-  squared_bound_ = bound * bound;
+  bound_ = input_.max_displacement * scale_ * bound_margin;
+  squared_bound_ = bound_ * bound_;
 
   for (unsigned v = 0; v < count_; ++v) {
     const Vec3f& p = input_.positions[v];
     a_.point[v] = {p.x * scale_, p.y * scale_, p.z * scale_, 0};
+    a_.body[v] = {};
     a_.triangles[v] = 0;
     a_.member[v] = {none, static_cast<Id>(v)};
     result_.positions[v] = p;
@@ -42,45 +44,79 @@ void BlockKernel<L>::place_points() {
 }
 
 template <class L>
-void BlockKernel<L>::add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to) {
-  const unsigned k = a_.triangles[v];
-  if (k < 16) {
-    a_.link[v].from[k] = static_cast<Id>(from);
-    a_.link[v].to[k] = static_cast<Id>(to);
-  }
-  a_.triangles[v] = static_cast<std::uint8_t>(k < 17 ? k + 1 : 17);
+inline void BlockKernel<L>::add_link(std::uint32_t v, std::uint32_t from, std::uint32_t to) {
+  const std::uint32_t k = a_.triangles[v]++;
+  if (k < 16) a_.link[v].edge[k] = {static_cast<Id>(from), static_cast<Id>(to)};
 }
 
+// Eight triangles at a time; those that fill up the last eight have no corners and no area.
 template <class L>
 void BlockKernel<L>::link_triangles() {
   live_ = input_.triangles.size();
-  for (const Triangle& t : input_.triangles) {
-    add_link(t.v[0], t.v[1], t.v[2]);
-    add_link(t.v[1], t.v[2], t.v[0]);
-    add_link(t.v[2], t.v[0], t.v[1]);
+  for (std::size_t first = 0; first < live_; first += 8) {
+    const std::size_t count = std::min<std::size_t>(8, live_ - first);
+    Id corner[3][8];
+    std::fill(corner[0], corner[0] + 24, none);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Triangle& t = input_.triangles[first + k];
+      for (int i = 0; i < 3; ++i) {
+        corner[i][k] = static_cast<Id>(t.v[i]);
+        add_link(t.v[i], t.v[(i + 1) % 3], t.v[(i + 2) % 3]);
+      }
+    }
+    add_planes(corner);
   }
 }
 
-// Follows the link of a closed fan of n triangles; 0 where it is none. All successors are looked up first, four bits
-// each, so that only shifts wait for one another. Every link edge is met once: a path that met one twice could not come
-// back to its start.
+// The plane of a triangle is the same quadric at each of its corners: there it has neither a linear term nor an error.
 template <class L>
-inline unsigned BlockKernel<L>::close_ring(Id v, unsigned n, Id* ring) const {
+inline void BlockKernel<L>::add_planes(const Id (&corner)[3][8]) {
+  const Points a = Points::gather(a_.point, corner[0]), b = Points::gather(a_.point, corner[1]),
+               c = Points::gather(a_.point, corner[2]);
+  const Float ex = b.x - a.x, ey = b.y - a.y, ez = b.z - a.z, fx = c.x - a.x, fy = c.y - a.y, fz = c.z - a.z;
+  const Float nx = ey * fz - ez * fy, ny = ez * fx - ex * fz, nz = ex * fy - ey * fx;
+  const Float size = nx * nx + ny * ny + nz * nz, zero = Float::all(0);
+  const unsigned real = less(zero, size);
+  const auto masked = [&](const Float& x) { return select(real, x, zero); };
+  const Float length = masked(sqrt(size)), inverse = masked(Float::all(1) / length);
+  const Float x = masked(nx), y = masked(ny), z = masked(nz);
+  const Float ux = x * inverse, uy = y * inverse, uz = z * inverse;
+  Float plane[8]{ux * x, ux * y, ux * z, uy * y, uy * z, uz * z, length, zero};  // xx to weight, and no error
+  transpose(plane);
+  for (int k = 0; k < 8; ++k)
+    for (int i = 0; i < 3; ++i) {
+      float* sum = &a_.body[corner[i][k]].xx;
+      (Float::load(sum) + plane[k]).store(sum);
+    }
+}
+
+// The ends of the edges of a link, for searching.
+template <class L>
+auto BlockKernel<L>::starts_of(const Link& link) -> Ids {
+  Id ids[16];
+  for (int k = 0; k < 16; ++k) ids[k] = link.edge[k].from;
+  return Ids::load(ids);
+}
+
+template <class L>
+auto BlockKernel<L>::ends_of(const Link& link) -> Ids {
+  Id ids[16];
+  for (int k = 0; k < 16; ++k) ids[k] = link.edge[k].to;
+  return Ids::load(ids);
+}
+
+// Follows the link of a closed fan of n triangles; 0 where it is none. Every link edge is met once: a path that met one
+// twice could not come back to its start.
+template <class L>
+unsigned BlockKernel<L>::close_ring(Id v, unsigned n, Id* ring) const {
   const Link& link = a_.link[v];
-  const Ids from = Ids::load(link.from);
-  std::uint64_t successors = 0;
-  unsigned missing = 0;
-  for (unsigned k = 0; k < n; ++k) {
-    const unsigned next = from.find(link.to[k]);
-    missing |= next >= n;
-    successors |= static_cast<std::uint64_t>(next & 15) << (4 * k);
-  }
-  if (missing != 0) return 0;
+  const Ids from = starts_of(link);
   unsigned at = 0;
   for (unsigned k = 0; k < n; ++k) {
     if (at == 0 && k != 0) return 0;
-    ring[k] = link.from[at];
-    at = successors >> (4 * at) & 15;
+    ring[k] = link.edge[at].from;
+    at = from.find(link.edge[at].to);
+    if (at >= n) return 0;
   }
   return at == 0 ? n : 0;
 }
@@ -89,18 +125,18 @@ inline unsigned BlockKernel<L>::close_ring(Id v, unsigned n, Id* ring) const {
 template <class L>
 unsigned BlockKernel<L>::open_ring(Id v, unsigned n, Id* ring) const {
   const Link& link = a_.link[v];
-  const Ids from = Ids::load(link.from), to = Ids::load(link.to);
-  Id start = link.from[0];
+  const Ids from = starts_of(link), to = ends_of(link);
+  Id start = link.edge[0].from;
   for (unsigned k = 0; k <= n; ++k) {
     const unsigned last = to.find(start);
     if (last >= n) break;
-    start = link.from[last];
+    start = link.edge[last].from;
   }
   ring[0] = start;
   for (unsigned k = 1; k <= n; ++k) {
     const unsigned next = from.find(ring[k - 1]);
     if (next >= n) return 0;
-    ring[k] = link.to[next];
+    ring[k] = link.edge[next].to;
   }
   return from.find(ring[n]) >= n ? n + 1 : 0;
 }
@@ -110,7 +146,7 @@ template <class L>
 unsigned BlockKernel<L>::pile_ring(Id v, unsigned n, Id* ring) const {
   unsigned size = 0;
   for (unsigned k = 0; k < 2 * n; ++k) {
-    const Id x = k < n ? a_.link[v].from[k] : a_.link[v].to[k - n];
+    const Id x = k < n ? a_.link[v].edge[k].from : a_.link[v].edge[k - n].to;
     bool known = false;
     for (unsigned i = 0; i < size; ++i) known |= ring[i] == x;
     if (known) continue;
@@ -120,16 +156,26 @@ unsigned BlockKernel<L>::pile_ring(Id v, unsigned n, Id* ring) const {
   return size;
 }
 
-// Returns the degree.
 template <class L>
-unsigned BlockKernel<L>::make_ring(Id v) {
+inline void BlockKernel<L>::make_ring(Id v) {
+  Ring& ring = a_.ring[v];
+  const unsigned n = a_.triangles[v];
+  if (n >= 3 && n <= 8 && Ids::closed_fan(a_.link[v], n, ring.lane)) {
+    ring.lane[flags_lane] = input_.locked[v] != 0 ? flags_base | locked : flags_base | movable | queued;
+  } else {
+    make_other_ring(v, n);
+  }
+}
+
+// Crowded, open, not manifold or without triangles.
+template <class L>
+void BlockKernel<L>::make_other_ring(Id v, unsigned n) {
   Ring& ring = a_.ring[v];
   const Ids empty = Ids::all_none();
-  empty.store(ring.lane);
-  const unsigned n = a_.triangles[v];
   const bool is_locked = input_.locked[v] != 0;
   unsigned flags = flags_base | (is_locked ? locked : movable | queued);
-  unsigned size = n >= 3 && n <= ring_capacity ? close_ring(v, n, ring.lane) : 0;
+  empty.store(ring.lane);
+  unsigned size = n > 8 && n <= ring_capacity ? close_ring(v, n, ring.lane) : 0;
   if (size == 0 && n > 0) {
     empty.store(ring.lane);
     flags |= open;
@@ -145,31 +191,17 @@ unsigned BlockKernel<L>::make_ring(Id v) {
     }
   }
   ring.lane[flags_lane] = static_cast<Id>(flags);
-  return size;
 }
 
+// Rings, quadrics and first costs are long chains of operations, one after another: a loop each keeps more vertices
+// under way at once, and no point is read right after its error has been written.
 template <class L>
 void BlockKernel<L>::start_vertices() {
-  for (std::size_t b = 0; b < bucket_count; ++b) a_.bucket[b] = none;
-  for (unsigned i = 0; i < count_; ++i) {
-    const Id v = static_cast<Id>(i);
-    const unsigned n = make_ring(v);
-    if (seams_ == nullptr) start_vertex(v, n);
-  }
-  if (seams_ == nullptr) return;
-  seams_->reset(input_, a_);
-  for (unsigned i = 0; i < count_; ++i) start_vertex(static_cast<Id>(i), degree(static_cast<Id>(i)));
-}
-
-template <class L>
-inline void BlockKernel<L>::start_vertex(Id v, unsigned n) {
-  if (!a_.ring[v].has(movable)) {
-    a_.body[v] = {};
-  } else if (n <= 8) {
-    start_quadric<1>(v, n);
-  } else {
-    start_quadric<2>(v, n);
-  }
+  for (unsigned v = 0; v < count_; ++v) make_ring(static_cast<Id>(v));
+  if (seams_ != nullptr) seams_->reset(input_, a_);
+  for (unsigned v = 0; v < count_; ++v) start_quadric(static_cast<Id>(v));
+  std::fill(a_.bucket, a_.bucket + bucket_count, none);
+  for (unsigned v = 0; v < count_; v += 8) push_eight(v);
 }
 
 // A plane through the edge to a neighbour on a border or seam, perpendicular to the triangle between it and `beside`.
@@ -200,28 +232,13 @@ void BlockKernel<L>::add_seam_planes(Id v, unsigned n, Body& body) const {
 }
 
 template <class L>
-template <int G>
-void BlockKernel<L>::start_quadric(Id v, unsigned n) {
-  const Star<G> star = load_star<G>(v);
-  const Faces<G> f = faces_of<G>(star, n);
-  const bool is_open = a_.ring[v].has(open);
-  const unsigned faces = (1u << (is_open ? n - 1 : n)) - 1;
-  const Float zero = Float::all(0), one = Float::all(1);
-  Float terms[8];
-  for (int g = 0; g < G; ++g) {
-    const unsigned real = (faces >> (8 * g)) & less(zero, f.size[g]);
-    const Float length = sqrt(f.size[g]);
-    const Float inverse = one / length;
-    const auto term = [&](const Float& a, const Float& b) { return select(real, a * b * inverse, zero); };
-    const Float now[8]{
-        term(f.nx[g], f.nx[g]), term(f.nx[g], f.ny[g]), term(f.nx[g], f.nz[g]),     term(f.ny[g], f.ny[g]),
-        term(f.ny[g], f.nz[g]), term(f.nz[g], f.nz[g]), select(real, length, zero), zero};
-    for (int k = 0; k < 8; ++k) terms[k] = g == 0 ? now[k] : terms[k] + now[k];
-  }
+inline void BlockKernel<L>::start_quadric(Id v) {
   Body& body = a_.body[v];
-  sums(terms, &body.xx);  // xx to weight, and no error yet
-  body.bx = body.by = body.bz = 0;
-  if (is_open) {
+  if (!a_.ring[v].has(movable)) {
+    body = {};
+    return;
+  }
+  if (const unsigned n = degree(v); a_.ring[v].has(open)) {
     add_edge_plane(v, 0, 1, body);
     add_edge_plane(v, n - 1, n - 2, body);
   } else if (a_.ring[v].has(seamed)) {
@@ -230,16 +247,39 @@ void BlockKernel<L>::start_quadric(Id v, unsigned n) {
   const float isotropic = stiffness * body.weight;
   body.xx += isotropic, body.yy += isotropic, body.zz += isotropic;
   publish(body, a_.point[v]);
+}
 
-  const unsigned allowed = is_open ? 1u | 1u << (n - 1) : (1u << n) - 1;
-  Float cost[G];
-  for (int g = 0; g < G; ++g) cost[g] = quadratic_form(body, star.x[g], star.y[g], star.z[g]);
-  float best = std::numeric_limits<float>::infinity();
-  for (int g = 0; g < G; ++g) {
-    const float low = lowest(select(allowed >> (8 * g), cost[g], Float::all(best)));
-    best = low < best ? low : best;
+// Queues eight vertices, from `first` on: one lane each once the costs of their neighbours are transposed.
+template <class L>
+void BlockKernel<L>::push_eight(unsigned first) {
+  const unsigned count = std::min(8u, count_ - first);
+  Float least[8];
+  float cost[8];
+  for (unsigned k = 0; k < 8; ++k) {
+    const Id v = static_cast<Id>(first + (k < count ? k : 0));
+    const unsigned n = degree(v);
+    least[k] = n <= 8 ? first_errors<1>(v, n) : first_errors<2>(v, n);
+    cost[k] = a_.body[v].weight;
   }
-  push(v, bucket_of(body.weight > 0 ? best / body.weight : 0));
+  transpose(least);
+  for (int k = 1; k < 8; ++k) least[0] = min(least[0], least[k]);
+  (least[0] / Float::load(cost)).store(cost);
+  for (unsigned k = 0; k < count; ++k) {
+    const Id v = static_cast<Id>(first + k);
+    push(v, a_.ring[v].has(movable) ? bucket_of(cost[k]) : nowhere);
+  }
+}
+
+// Errors at the neighbours that v may go to, infinite in the other lanes.
+template <class L>
+template <int G>
+inline auto BlockKernel<L>::first_errors(Id v, unsigned n) const -> Float {
+  const Star<G> star = load_star<G>(v);
+  const unsigned allowed = a_.ring[v].has(open) ? 1u | 1u << (n - 1) : (1u << n) - 1;
+  Float least = Float::all(std::numeric_limits<float>::infinity());
+  for (int g = 0; g < G; ++g)
+    least = select(allowed >> (8 * g), min(quadratic_form(a_.body[v], star.x[g], star.y[g], star.z[g]), least), least);
+  return least;
 }
 
 }  // namespace lodestone::quadric
