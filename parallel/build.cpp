@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/block.h"
+#include "core/hierarchy/cell_order.h"
 #include "core/hierarchy/cell_table.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/partition.h"
@@ -21,6 +22,7 @@ namespace {
 struct Build {
   Partition partition;
   BlockPlan plan;
+  Lattice lattice;                            // that the vertices stand on, if any
   std::vector<std::vector<CellBuild>> cells;  // by level, by rank
   AttributeSet attributes;
 };
@@ -106,7 +108,7 @@ class HierarchyBuilder {
       for (const CellRank p : block.parents)
         for (CellRank c = parents.first_child[p]; c < parents.first_child[p + 1]; ++c) make_finest(c, worker);
     build_block(block, parents, build_.cells[level], build_.cells[level - 1], config_.sigma0, build_.attributes,
-                *worker.simplifier, worker.block);
+                *worker.simplifier, worker.block, build_.lattice);
     report_progress(worker.block.triangles.size());
   }
 
@@ -117,6 +119,7 @@ class HierarchyBuilder {
     make_finest_cell(partition.vertices(),
                      std::span(build_.partition.triangles).subspan(first, partition.first_triangle[rank + 1] - first),
                      cell, worker.finest);
+    cell.error = build_.lattice.error();  // the lattice has moved the input
     measure_cell(cell, finest_, config_.sigma0);
   }
 
@@ -138,6 +141,37 @@ class HierarchyBuilder {
   std::atomic<std::uint64_t> consumed_{0};
   std::mutex progress_;
 };
+
+// Each cell for itself, then the parents, which name places in another cell. Nothing that a cell's figures rest on
+// changes.
+void order_cells(Build& build, Scheduler& scheduler) {
+  struct Place {
+    std::size_t level;
+    CellRank rank;
+  };
+  std::vector<Place> all;
+  std::vector<std::vector<std::vector<std::uint32_t>>> moved(build.cells.size());  // by level, by rank: see order_cell
+  for (std::size_t l = 0; l < build.cells.size(); ++l) {
+    moved[l].resize(build.cells[l].size());
+    for (CellRank rank = 0; rank < build.cells[l].size(); ++rank) all.push_back({l, rank});
+  }
+  std::vector<CellOrderScratch> scratch(static_cast<std::size_t>(scheduler.workers()));
+  constexpr std::size_t grain = 16;
+  scheduler.for_chunks(all.size(), grain, [&](ChunkRange range) {
+    CellOrderScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
+    for (std::size_t i = range.begin; i < range.end; ++i)
+      moved[all[i].level][all[i].rank] = order_cell(build.cells[all[i].level][all[i].rank], s);
+  });
+  scheduler.for_chunks(all.size(), grain, [&](ChunkRange range) {
+    CellOrderScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      const auto [level, rank] = all[i];
+      if (level == 0) continue;
+      order_parents(build.cells[level][rank], moved[level][rank],
+                    moved[level - 1][build.plan.levels[level].parent[rank]], s);
+    }
+  });
+}
 
 // The finished tables: views of the payloads, levels' statistics from their cells' in cell order.
 void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
@@ -197,6 +231,7 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   const auto build = std::make_shared<Build>();
   Hierarchy out;
   out.transform = mesh.transform;
+  build->lattice = mesh.transform.lattice;
   out.sigma0 = config.sigma0;
   out.provenance.input_vertices = mesh.positions.size();
   out.provenance.input_triangles = mesh.triangles.size();
@@ -221,12 +256,17 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   std::vector<Triangle> triangles = std::move(build->partition.triangles);
   build->partition = {};
   build->partition.triangles = std::move(triangles);
+  const StageTime hierarchy_time = hierarchy_clock.elapsed();
+  const CpuClock order_clock;
+  if (config.order_cells) order_cells(*build, scheduler);
+  const StageTime order_time = order_clock.elapsed();
   for (std::size_t l = 0; l < build->plan.levels.size(); ++l) assemble_level(*build, l, out);
   out.storage = build;
 
   if (report) {
     report->stages["partition"] = partition_time;
-    report->stages["hierarchy"] = hierarchy_clock.elapsed();
+    report->stages["hierarchy"] = hierarchy_time;
+    if (config.order_cells) report->stages["order"] = order_time;
     report->total = total.elapsed();
   }
   return out;
