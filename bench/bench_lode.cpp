@@ -99,7 +99,8 @@ void unpack(benchmark::State& state, Shape shape) {
   for (auto _ : state)
     for (std::size_t c = 0; c < packed.size(); ++c) {
       const PayloadCounts n = counts_of(hierarchy.cells[c]);
-      if (decompress_payload(packed[c], n, lattice, std::span(out).first(plain_bytes(n)))) state.SkipWithError("broken");
+      if (decompress_payload(packed[c], n, lattice, std::span(out).first(plain_bytes(n))))
+        state.SkipWithError("broken");
     }
   count(state, hierarchy, packed_bytes);
 }

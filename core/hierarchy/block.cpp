@@ -51,7 +51,7 @@ class BlockBuilder {
   const SimplifyResult& simplify(Simplifier& simplifier, float sigma0, Lattice lattice) {
     const float bound = displacement_bound(sigma0, block_.level);
     const std::size_t target = s_.triangles.size() / kept_share;
-    if (!attributes_.wedges) 
+    if (!attributes_.wedges)
       return simplifier.simplify({s_.positions, s_.triangles, s_.locked, bound, target, {}, {}, lattice});
     const SimplifyResult& result = s_.wedges.simplify(simplifier, bound, target, lattice);
     interpolate_attributes();

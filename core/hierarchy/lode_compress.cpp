@@ -28,8 +28,8 @@ void choose_formats() {
 void encode_words(const void* items, std::size_t count, std::size_t bytes, std::vector<std::byte>& out) {
   const std::size_t before = out.size(), bound = meshopt_encodeVertexBufferBound(count, bytes);
   out.resize(before + bound);
-  const std::size_t written = meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data() + before), bound,
-                                                         items, count, bytes);
+  const std::size_t written =
+      meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data() + before), bound, items, count, bytes);
   assert(written > 0);
   out.resize(before + written);
 }

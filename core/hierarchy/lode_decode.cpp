@@ -193,7 +193,8 @@ void LodeReader::check(std::uint32_t first, std::uint32_t end) {
     if (form_ == LodeForm::compressed) {
       const auto at = reinterpret_cast<const std::byte*>(cell.positions.data()) - unpacked_;
       const PayloadCounts n = counts_of(cell);
-      if (const char* fault = decompress_payload(packed, n, hierarchy_.transform.lattice, {unpacked_ + at, plain_bytes(n)}))
+      if (const char* fault =
+              decompress_payload(packed, n, hierarchy_.transform.lattice, {unpacked_ + at, plain_bytes(n)}))
         refuse(file_, place(), fault);
     }
     if (const char* fault = payload_fault(hierarchy_, c)) refuse(file_, place(), fault);

@@ -16,7 +16,8 @@ enum class LodeForm : std::uint8_t { plain, compressed };
 // Writes the hierarchy to a temporary name beside `path`, then renames: there is a whole file or none. Equal
 // hierarchies give equal bytes. Throws FileError when the target cannot be written, InputError when a hierarchy without
 // a lattice is to be compressed. A compressed file is put together in memory. Returns the size of the file.
-std::uint64_t write_lode(const Hierarchy& hierarchy, const std::filesystem::path& path, LodeForm form = LodeForm::plain);
+std::uint64_t write_lode(const Hierarchy& hierarchy, const std::filesystem::path& path,
+                         LodeForm form = LodeForm::plain);
 
 // Maps the file and checks all of it: sizes, checksums, order of the tables, every index of every payload. Plain
 // payloads stay in the map, which `storage` keeps alive; the file must not be shortened while it is in use. Compressed

@@ -37,9 +37,7 @@ inline constexpr std::size_t payload_arrays = 5;
 [[nodiscard]] inline std::uint64_t plain_bytes(const PayloadCounts& n) {
   std::uint64_t bytes = 0;
   const Cell types;
-  visit_arrays(types, n, [&](const auto& array, std::uint64_t length) {
-    bytes += length * sizeof(*array.data());
-  });
+  visit_arrays(types, n, [&](const auto& array, std::uint64_t length) { bytes += length * sizeof(*array.data()); });
   return bytes;
 }
 

@@ -86,8 +86,8 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
     check_errors(hierarchy, errors);
     if (input) check_input(hierarchy, *input, same);
   } else {
-    for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &lattice, &edges,
-                             &boxes, &reach, &errors, &fingerprint, &same})
+    for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &lattice,
+                             &edges, &boxes, &reach, &errors, &fingerprint, &same})
       finding->fail([] { return std::string("not examined, since the structure is broken"); });
   }
 

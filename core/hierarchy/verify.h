@@ -42,7 +42,8 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   edges          stored longest edges and numbers of long half-edges; no long edge where M_L has none
 //   boxes          B(C) is the box of V_l(C) and of the children's B
 //   reach          rho_l of both metrics and the largest diameter
-//   errors         on M_L what the lattice may have moved the input by, 0 without one; a coarser cell's is at least a child's error + the measured distance of the child's vertices from
+//   errors         on M_L what the lattice may have moved the input by, 0 without one; a coarser cell's is at least a
+//   child's error + the measured distance of the child's vertices from
 //                  the surface of the coarser level (of a regular sample of them on large levels), at most the worst
 //                  child's error + displacement; e_l
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L

@@ -45,8 +45,9 @@ auto BlockKernel<L>::to_lattice(Id v, Shift t) const -> Shift {
   if (!input_.lattice) return t;
   const Point& p = a_.point[v];
   const double inverse = 1 / double{scale_};
-  const Vec3f at = input_.lattice.nearest(
-      Vec3d{(double{p.x} + double{t.x}) * inverse, (double{p.y} + double{t.y}) * inverse, (double{p.z} + double{t.z}) * inverse});
+  const Vec3f at =
+      input_.lattice.nearest(Vec3d{(double{p.x} + double{t.x}) * inverse, (double{p.y} + double{t.y}) * inverse,
+                                   (double{p.z} + double{t.z}) * inverse});
   return {at.x * scale_ - p.x, at.y * scale_ - p.y, at.z * scale_ - p.z};
 }
 

@@ -16,7 +16,8 @@
 namespace lodestone {
 namespace {
 
-// On the lattice of the file. Both arguments may be .lode files by mistake, or even the same one: the message says which of them was meant.
+// On the lattice of the file. Both arguments may be .lode files by mistake, or even the same one: the message says
+// which of them was meant.
 IndexedMesh read_input(const std::string& input, Scheduler& scheduler, Lattice lattice) {
   try {
     Repairs repairs;

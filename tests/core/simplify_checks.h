@@ -1,9 +1,9 @@
 // An independent verifier of the simplifiers' contract: counts edges and fans in plain maps, shares no code with them.
 //
-// Asserted for every simplifier: survivors on the lattice, sizes, P idempotent and in range, locked vertices unmoved, displacement in double,
-// triangle count, finite positions. For topology-keeping ones also: every vertex of a manifold input manifold, the same
-// Euler characteristic, components and border loops, no new non-manifold or misoriented edge, no new edge between two
-// locked vertices.
+// Asserted for every simplifier: survivors on the lattice, sizes, P idempotent and in range, locked vertices unmoved,
+// displacement in double, triangle count, finite positions. For topology-keeping ones also: every vertex of a manifold
+// input manifold, the same Euler characteristic, components and border loops, no new non-manifold or misoriented edge,
+// no new edge between two locked vertices.
 #pragma once
 
 #include <algorithm>

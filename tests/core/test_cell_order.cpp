@@ -1,11 +1,10 @@
 // Reordering a cell changes nothing but the order.
-#include "core/hierarchy/cell_order.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
+#include "core/hierarchy/cell_order.h"
 #include "core/mesh/clean.h"
 #include "tests/core/tiny_hierarchy.h"
 
@@ -109,8 +108,8 @@ TEST(CellOrder, MovesAttributesAndKeepsMaterialsTogether) {
     EXPECT_EQ(build.slab.colours[moved[v]].r, static_cast<std::uint8_t>(v));
     EXPECT_EQ(build.slab.materials[moved[v]], material_of(v));
   }
-  EXPECT_TRUE(std::ranges::is_sorted(build.triangles, {},
-                                     [&](const Triangle& t) { return build.slab.materials[t.v[0]]; }));
+  EXPECT_TRUE(
+      std::ranges::is_sorted(build.triangles, {}, [&](const Triangle& t) { return build.slab.materials[t.v[0]]; }));
   EXPECT_EQ(sorted(build.triangles), sorted(triangles, &moved));
 }
 

@@ -1,9 +1,9 @@
 // The global lattice: nearest points, bounds, the ends of the cube.
-#include "core/mesh/lattice.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "core/mesh/lattice.h"
 
 namespace lodestone {
 namespace {

@@ -1,6 +1,4 @@
 // Compressed payloads: what goes in comes out, and whatever the bytes are, nothing outside of them is touched.
-#include "core/hierarchy/lode_compress.h"
-
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -10,6 +8,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/hierarchy/lode_compress.h"
 #include "core/mesh/clean.h"
 #include "tests/core/lattice_meshes.h"
 
@@ -68,8 +67,7 @@ void expect_round_trip(const Cell& cell) {
   const char* const fault = decompress_payload(in.bytes(), n, lattice, out.bytes());
   EXPECT_EQ(fault, nullptr) << fault;
   const auto got = out.bytes();
-  EXPECT_TRUE(with_canonical_triangles(plain(cell), n) ==
-              with_canonical_triangles({got.begin(), got.end()}, n));
+  EXPECT_TRUE(with_canonical_triangles(plain(cell), n) == with_canonical_triangles({got.begin(), got.end()}, n));
 }
 
 TEST(LodeCompress, GivesBackEveryCell) {

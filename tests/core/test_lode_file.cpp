@@ -308,7 +308,8 @@ TEST_F(LodeFile, RefusesCompressedCellsOfAbsurdSize) {
   }
 }
 
-// Payloads that were altered on purpose, with checksums that fit: refused, or a hierarchy whose indices may be followed.
+// Payloads that were altered on purpose, with checksums that fit: refused, or a hierarchy whose indices may be
+// followed.
 TEST_F(LodeFile, SurvivesHostilePayloadsWithGoodChecksums) {
   write_lode(lattice_model(), path(), LodeForm::compressed);
   const Bytes whole = read_bytes(path());

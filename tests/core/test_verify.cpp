@@ -238,7 +238,8 @@ TEST(Verify, SeesEveryBreakageInTheCheckMeantForIt) {
 TEST(Verify, ChecksTheLatticeAndWhatItAddsToTheErrors) {
   const IndexedMesh mesh = test::on_lattice(test::bumpy_sphere(4), {14});
   const TinyHierarchy whole = test::tiny_hierarchy(mesh, finest, sigma0);
-  EXPECT_TRUE(verify_hierarchy(whole.hierarchy(), &mesh).valid()) << failures_of(verify_hierarchy(whole.hierarchy(), &mesh));
+  EXPECT_TRUE(verify_hierarchy(whole.hierarchy(), &mesh).valid())
+      << failures_of(verify_hierarchy(whole.hierarchy(), &mesh));
   const Breakage lattice_breakages[] = {
       {"structure", "out of range", [](auto& t) { t.tables.transform.lattice.bits = 25; }},
       {"lattice", "off the lattice on the finest level",

@@ -1,7 +1,8 @@
 // libFuzzer: any bytes are either refused with an Error or give a hierarchy whose every index may be followed.
 //
 // Plain and compressed files alike. Checksums would keep a fuzzer out, so they are made to fit first: `repair` copies
-// what the checks expect into place. Start from a corpus of small files: `lodestone build`, with and without --compress.
+// what the checks expect into place. Start from a corpus of small files: `lodestone build`, with and without
+// --compress.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
