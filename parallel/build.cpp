@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/hierarchy/block.h"
+#include "core/hierarchy/cell_order.h"
 #include "core/hierarchy/cell_table.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/finest_level.h"
@@ -22,6 +23,7 @@ namespace {
 struct Build {
   std::vector<Triangle> triangles;  // of the finest level
   BlockPlan plan;
+  Lattice lattice;                            // that the vertices stand on, if any
   std::vector<std::vector<CellBuild>> cells;  // by level, by rank
   AttributeSet attributes;
 };
@@ -96,7 +98,7 @@ class HierarchyBuilder {
     const auto level = static_cast<std::size_t>(block.level);
     const LevelCells& parents = build_.plan.levels[level - 1];
     build_block(block, parents, build_.cells[level], build_.cells[level - 1], config_.sigma0, build_.attributes,
-                *worker.simplifier, worker.block);
+                *worker.simplifier, worker.block, build_.lattice);
     report_progress(worker.block.triangles.size());
   }
 
@@ -118,6 +120,37 @@ class HierarchyBuilder {
   std::atomic<std::uint64_t> consumed_{0};
   std::mutex progress_;
 };
+
+// Each cell for itself, then the parents, which name places in another cell. Nothing that a cell's figures rest on
+// changes.
+void order_cells(Build& build, Scheduler& scheduler) {
+  struct Place {
+    std::size_t level;
+    CellRank rank;
+  };
+  std::vector<Place> all;
+  std::vector<std::vector<std::vector<std::uint32_t>>> moved(build.cells.size());  // by level, by rank: see order_cell
+  for (std::size_t l = 0; l < build.cells.size(); ++l) {
+    moved[l].resize(build.cells[l].size());
+    for (CellRank rank = 0; rank < build.cells[l].size(); ++rank) all.push_back({l, rank});
+  }
+  std::vector<CellOrderScratch> scratch(static_cast<std::size_t>(scheduler.workers()));
+  constexpr std::size_t grain = 16;
+  scheduler.for_chunks(all.size(), grain, [&](ChunkRange range) {
+    CellOrderScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
+    for (std::size_t i = range.begin; i < range.end; ++i)
+      moved[all[i].level][all[i].rank] = order_cell(build.cells[all[i].level][all[i].rank], s);
+  });
+  scheduler.for_chunks(all.size(), grain, [&](ChunkRange range) {
+    CellOrderScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      const auto [level, rank] = all[i];
+      if (level == 0) continue;
+      order_parents(build.cells[level][rank], moved[level][rank],
+                    moved[level - 1][build.plan.levels[level].parent[rank]], s);
+    }
+  });
+}
 
 // The finished tables: views of the payloads, levels' statistics from their cells' in cell order.
 void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
@@ -167,6 +200,7 @@ void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& o
     build.cells.emplace_back(build.plan.levels[static_cast<std::size_t>(l)].codes.size());
   build.triangles = std::move(partition.triangles);
   build.cells.push_back(make_finest_cells(std::move(partition), finest, out.sigma0, scheduler));
+  for (CellBuild& cell : build.cells.back()) cell.error = build.lattice.error();  // the lattice has moved the input
 }
 
 }  // namespace
@@ -188,6 +222,7 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   const auto build = std::make_shared<Build>();
   Hierarchy out;
   out.transform = mesh.transform;
+  build->lattice = mesh.transform.lattice;
   out.sigma0 = config.sigma0;
   out.provenance.input_vertices = mesh.positions.size();
   out.provenance.input_triangles = mesh.triangles.size();
@@ -206,12 +241,17 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
 
   const CpuClock hierarchy_clock;
   HierarchyBuilder(*build, config, scheduler).run();
+  const StageTime hierarchy_time = hierarchy_clock.elapsed();
+  const CpuClock order_clock;
+  if (config.order_cells) order_cells(*build, scheduler);
+  const StageTime order_time = order_clock.elapsed();
   for (std::size_t l = 0; l < build->plan.levels.size(); ++l) assemble_level(*build, l, out);
   out.storage = build;
 
   if (report) {
     report->stages["partition"] = partition_time;
-    report->stages["hierarchy"] = hierarchy_clock.elapsed();
+    report->stages["hierarchy"] = hierarchy_time;
+    if (config.order_cells) report->stages["order"] = order_time;
     report->total = total.elapsed();
   }
   return out;

@@ -30,13 +30,15 @@ struct BuildConfig {
   int finest_level = -1;                // L; -1: from cell_triangles; at most max_level
   SimplifierKind simplifier = SimplifierKind::quadric;
   Strategy strategy = Strategy::graph;
+  // Puts the vertices and triangles of every cell in an order that compresses well and that caches like.
+  bool order_cells = false;
   const CancelFlag* cancel = nullptr;
   // Called now and then, from any thread but one at a time, with the share done in [0, 1].
   std::function<void(double)> progress;
 };
 
 struct BuildReport {
-  std::map<std::string, StageTime> stages;  // partition, hierarchy
+  std::map<std::string, StageTime> stages;  // partition, hierarchy, and order if asked for
   StageTime total;                          // from the mesh to packed levels
 };
 

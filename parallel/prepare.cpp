@@ -91,8 +91,9 @@ class Preparation {
     });
   }
 
-  void normalise(const std::string& name) {
+  void normalise(const std::string& name, Lattice lattice) {
     mesh_.transform = normalising_transform(box_of(raw_.positions, states_, *scheduler_), name);
+    mesh_.transform.lattice = resolve_lattice(lattice, raw_.positions, mesh_.triangles, mesh_.transform.scale);
     resize_in_parallel(mesh_.positions, raw_.positions.size(), *scheduler_);
     scheduler_->for_chunks(raw_.positions.size(), grain, [&](ChunkRange range) {
       normalise_vertices(mesh_.transform, part(raw_.positions, range), part(states_, range),
@@ -189,7 +190,8 @@ void require_any_left(std::uint64_t dropped, std::size_t triangles, const Repair
 
 }  // namespace
 
-IndexedMesh prepare_mesh(RawMesh&& raw, Repairs& repairs, Scheduler& scheduler, const std::string& name) {
+IndexedMesh prepare_mesh(RawMesh&& raw, Repairs& repairs, Scheduler& scheduler, const std::string& name,
+                         Lattice lattice) {
   const std::size_t triangles = raw.triangles.size();
   if (triangles >= std::numeric_limits<std::uint32_t>::max())
     throw ResourceError(describe(name, "", "more triangles than 32-bit numbers reach", "split the model"));
@@ -199,7 +201,7 @@ IndexedMesh prepare_mesh(RawMesh&& raw, Repairs& repairs, Scheduler& scheduler, 
   Preparation preparation(std::move(raw), repairs, scheduler);
   preparation.drop_non_finite_triangles();
   require_any_left(repairs.non_finite_triangles, triangles, repairs, name);
-  preparation.normalise(name);
+  preparation.normalise(name, lattice);
   preparation.weld_vertices();
   preparation.drop_degenerate_triangles();
   require_any_left(repairs.non_finite_triangles + repairs.degenerate_triangles, triangles, repairs, name);

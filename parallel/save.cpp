@@ -8,30 +8,57 @@
 
 namespace lodestone {
 
-void save_lode(const Hierarchy& hierarchy, const std::filesystem::path& path, Scheduler& scheduler) {
+namespace {
+
+std::uint64_t save_plain(const Hierarchy& hierarchy, AtomicFile& file, Scheduler& scheduler) {
   const LodeLayout layout = plan_lode(hierarchy);
   const std::vector<LodeChunk> chunks = lode_chunks(layout);
   std::vector<std::uint64_t> checksums(hierarchy.cells.size());
   std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler.workers()));
-  AtomicFile file(path);
   scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
     std::vector<std::byte>& buffer = buffers[static_cast<std::size_t>(scheduler.worker_index())];
     encode_lode_chunk(hierarchy, layout, chunks[range.begin], buffer, checksums);
     file.write_at(layout.cell_offset[chunks[range.begin].first_cell], buffer);
   });
   file.write_at(0, encode_lode_tables(hierarchy, layout, checksums));
+  return layout.file_bytes();
+}
+
+std::uint64_t save_compressed(const Hierarchy& hierarchy, AtomicFile& file, Scheduler& scheduler) {
+  const std::vector<LodeChunk> chunks = lode_chunks(plan_lode(hierarchy), 1u << 20);
+  std::vector<std::uint64_t> sizes(hierarchy.cells.size()), checksums(hierarchy.cells.size());
+  std::vector<std::vector<std::byte>> payloads(chunks.size());
+  scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
+    compress_lode_chunk(hierarchy, chunks[range.begin], payloads[range.begin], sizes, checksums);
+  });
+  const LodeLayout layout = plan_compressed_lode(hierarchy, sizes);
+  scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
+    file.write_at(layout.cell_offset[chunks[range.begin].first_cell], payloads[range.begin]);
+    payloads[range.begin] = {};
+  });
+  file.write_at(0, encode_lode_tables(hierarchy, layout, checksums));
+  return layout.file_bytes();
+}
+
+}  // namespace
+
+std::uint64_t save_lode(const Hierarchy& hierarchy, const std::filesystem::path& path, Scheduler& scheduler,
+                        LodeForm form) {
+  AtomicFile file(path);
+  const std::uint64_t bytes = form == LodeForm::compressed ? save_compressed(hierarchy, file, scheduler)
+                                                           : save_plain(hierarchy, file, scheduler);
   file.commit();
+  return bytes;
 }
 
 Hierarchy load_lode(const std::filesystem::path& path, Scheduler& scheduler) {
   constexpr std::size_t cells_per_task = 32;
   const auto map = std::make_shared<const MappedFile>(path);
-  Hierarchy hierarchy = parse_lode_tables(map->bytes(), map, path.string());
-  scheduler.for_chunks(hierarchy.cells.size(), cells_per_task, [&](ChunkRange range) {
-    check_lode_cells(hierarchy, map->bytes(), static_cast<std::uint32_t>(range.begin),
-                     static_cast<std::uint32_t>(range.end), path.string());
+  LodeReader reader(map->bytes(), map, path.string());
+  scheduler.for_chunks(reader.cell_count(), cells_per_task, [&](ChunkRange range) {
+    reader.check(static_cast<std::uint32_t>(range.begin), static_cast<std::uint32_t>(range.end));
   });
-  return hierarchy;
+  return std::move(reader).take();
 }
 
 }  // namespace lodestone

@@ -53,9 +53,9 @@ std::uint64_t spread21(std::uint64_t v) {
 }
 
 // Morton codes of the triangles' centres (twice the centre of the box) on a lattice over all of them.
-class Lattice {
+class CentreLattice {
  public:
-  explicit Lattice(std::span<const Vec3d> positions) {
+  explicit CentreLattice(std::span<const Vec3d> positions) {
     lo_ = hi_ = positions.front();
     for (const Vec3d p : positions) {
       lo_ = {std::min(lo_.x, p.x), std::min(lo_.y, p.y), std::min(lo_.z, p.z)};
@@ -82,7 +82,7 @@ class Lattice {
 
 TriangleBvh::TriangleBvh(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   assert(!triangles.empty() && triangles.size() <= (1u << 29));
-  const Lattice lattice(positions);
+  const CentreLattice lattice(positions);
   std::vector<Key> keys(triangles.size());
   for (std::uint32_t i = 0; i < keys.size(); ++i) {
     const auto& v = triangles[i].v;

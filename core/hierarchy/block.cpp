@@ -48,11 +48,12 @@ class BlockBuilder {
     if (attributes_.wedges) weld_wedges();
   }
 
-  const SimplifyResult& simplify(Simplifier& simplifier, float sigma0) {
+  const SimplifyResult& simplify(Simplifier& simplifier, float sigma0, Lattice lattice) {
     const float bound = displacement_bound(sigma0, block_.level);
     const std::size_t target = s_.triangles.size() / kept_share;
-    if (!attributes_.wedges) return simplifier.simplify({s_.positions, s_.triangles, s_.locked, bound, target});
-    const SimplifyResult& result = s_.wedges.simplify(simplifier, bound, target);
+    if (!attributes_.wedges)
+      return simplifier.simplify({s_.positions, s_.triangles, s_.locked, bound, target, {}, {}, lattice});
+    const SimplifyResult& result = s_.wedges.simplify(simplifier, bound, target, lattice);
     interpolate_attributes();
     return result;
   }
@@ -364,10 +365,10 @@ class BlockBuilder {
 
 void build_block(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
                  std::span<CellBuild> parents, float sigma0, const AttributeSet& attributes, Simplifier& simplifier,
-                 BlockScratch& scratch) {
+                 BlockScratch& scratch, Lattice lattice) {
   BlockBuilder builder(block, parent_level, cells, parents, attributes, scratch);
   builder.merge();
-  const SimplifyResult& result = builder.simplify(simplifier, sigma0);
+  const SimplifyResult& result = builder.simplify(simplifier, sigma0, lattice);
   builder.split(result, sigma0);
 }
 

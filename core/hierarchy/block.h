@@ -49,9 +49,10 @@ struct BlockScratch {
 };
 
 // `cells` and `parents` are the builds of levels block.level and block.level - 1, by rank. Fills the parents of the
-// block and the `parents` arrays and displacement statistics of its cells, whose transient memory it releases.
+// block and the `parents` arrays and displacement statistics of its cells, whose transient memory it releases. Vertices
+// stay on `lattice`, if there is one.
 void build_block(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
                  std::span<CellBuild> parents, float sigma0, const AttributeSet& attributes, Simplifier& simplifier,
-                 BlockScratch& scratch);
+                 BlockScratch& scratch, Lattice lattice = {});
 
 }  // namespace lodestone

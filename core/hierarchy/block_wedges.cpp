@@ -66,10 +66,11 @@ void BlockWedges::weld(std::span<const std::uint32_t> vertex_ids, std::span<cons
 }
 
 const SimplifyResult& BlockWedges::simplify(Simplifier& simplifier, float max_displacement,
-                                            std::size_t target_triangles) {
+                                            std::size_t target_triangles, Lattice lattice) {
   const bool knows_wedges = simplifier.knows_wedges();
   if (!knows_wedges) label_charts();
   SimplifyInput input{positions_, triangles_, locked_, max_displacement, target_triangles};
+  input.lattice = lattice;
   if (knows_wedges) {
     input.corners = corners_;
     input.wedge_vertex = vertex_;

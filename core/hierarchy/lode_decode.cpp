@@ -4,9 +4,12 @@
 
 #include <bit>
 #include <cstring>
+#include <new>
 
 #include "core/base/error.h"
+#include "core/hierarchy/lode_compress.h"
 #include "core/hierarchy/lode_format.h"
+#include "core/hierarchy/lode_payload.h"
 #include "core/hierarchy/structure.h"
 
 namespace lodestone {
@@ -45,6 +48,11 @@ LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file
   say(h.byte_order == lode_byte_order && h.header_bytes == sizeof(LodeHeader) && h.level_bytes == sizeof(LodeLevel) &&
           h.cell_bytes == sizeof(LodeCell),
       "record sizes do not fit the version");
+  if ((h.features & ~lode_known_features) != 0)
+    throw UnsupportedError(describe(file, "header", "features that this program does not know", "use a newer one"));
+  say(h.version >= 2 || (h.features == 0 && h.lattice_bits == 0), "features that the version does not have");
+  say(h.reserved == 0 && h.lattice_bits <= Lattice::most_bits, "lattice out of range");
+  say(!(h.features & lode_compressed) || h.lattice_bits != 0, "compressed, but on no lattice");
   say(h.level_count >= 1 && h.level_count <= max_level + 1, "number of levels out of range");
   say(h.cell_count >= 1 && h.cell_count < no_cell, "number of cells out of range");
   const std::uint64_t tables = sizeof(LodeHeader) + h.level_count * sizeof(LodeLevel) + h.cell_count * sizeof(LodeCell);
@@ -65,7 +73,7 @@ void check_table_checksum(std::span<const std::byte> bytes, const LodeHeader& he
 }
 
 void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
-  hierarchy.transform = {{h.origin[0], h.origin[1], h.origin[2]}, h.scale};
+  hierarchy.transform = {{h.origin[0], h.origin[1], h.origin[2]}, h.scale, {h.lattice_bits}};
   hierarchy.sigma0 = h.sigma0;
   Provenance& p = hierarchy.provenance;
   p.input_vertices = h.input_vertices;
@@ -88,29 +96,8 @@ void take_levels(Hierarchy& hierarchy, std::span<const std::byte> bytes, const L
   require(cells == header.cell_count, file, "level table", "the levels do not cover the cells");
 }
 
-// Spans of the cell's payload; the caller has made sure that it lies inside `bytes`.
-class PayloadReader {
- public:
-  explicit PayloadReader(const std::byte* at) : at_(at) {}
-  template <typename T>
-  [[nodiscard]] std::span<const T> take(std::size_t count) {
-    const std::span<const T> items(reinterpret_cast<const T*>(at_), count);
-    at_ += items.size_bytes();
-    return items;
-  }
-
- private:
-  const std::byte* at_;
-};
-
-std::uint64_t payload_bytes(const LodeCell& r, bool root_level) {
-  const std::uint64_t bytes =
-      std::uint64_t{r.vertices} * (sizeof(Vec3f) + sizeof(PackedNormal) + (root_level ? 0 : sizeof(std::uint32_t))) +
-      std::uint64_t{r.shared} * sizeof(std::uint32_t) + std::uint64_t{r.triangles} * sizeof(Triangle);
-  return (bytes + lode_alignment - 1) / lode_alignment * lode_alignment;
-}
-
-Cell cell_of_record(const LodeCell& r, const std::byte* payload, bool root_level) {
+// Spans of a cell's arrays, one after the other from `at`.
+Cell cell_of_record(const LodeCell& r, const PayloadCounts& counts, const std::byte* at) {
   Cell cell;
   cell.code = {r.code};
   cell.parent = r.parent;
@@ -119,59 +106,98 @@ Cell cell_of_record(const LodeCell& r, const std::byte* payload, bool root_level
   cell.bounds = {{r.lo[0], r.lo[1], r.lo[2]}, {r.hi[0], r.hi[1], r.hi[2]}};
   cell.max_displacement = r.max_displacement;
   cell.error = r.error;
-  PayloadReader reader(payload);
-  cell.positions = reader.take<Vec3f>(r.vertices);
-  cell.normals = reader.take<PackedNormal>(r.vertices);
-  cell.parents = reader.take<std::uint32_t>(root_level ? 0 : r.vertices);
-  cell.shared_ids = reader.take<std::uint32_t>(r.shared);
-  cell.triangles = reader.take<Triangle>(r.triangles);
+  visit_arrays(cell, counts, [&]<class T>(std::span<const T>& items, std::size_t count) {
+    items = {reinterpret_cast<const T*>(at), count};
+    at += items.size_bytes();
+  });
   return cell;
 }
 
-void take_cells(Hierarchy& hierarchy, std::span<const std::byte> bytes, const LodeHeader& header,
-                const std::string& file) {
-  const auto say = [&](bool holds, const char* what) { require(holds, file, "cell table", what); };
-  std::uint64_t offset = header.payload_offset;
-  std::uint64_t table = sizeof(LodeHeader) + header.level_count * sizeof(LodeLevel);
-  hierarchy.cells.reserve(header.cell_count);
-  for (std::size_t l = 0; l < hierarchy.levels.size(); ++l) {
-    for (std::uint32_t i = 0; i < hierarchy.levels[l].cell_count; ++i, table += sizeof(LodeCell)) {
-      const auto r = record_at<LodeCell>(bytes, table);
-      const std::uint64_t size = payload_bytes(r, l == 0);
-      say(r.offset == offset && size <= bytes.size() - offset, "a payload is not where it belongs");
-      say(r.shared <= r.vertices, "more shared vertices than vertices");
-      hierarchy.cells.push_back(cell_of_record(r, bytes.data() + offset, l == 0));
-      offset += size;
-    }
+constexpr std::uint64_t align_up(std::uint64_t n) { return (n + lode_alignment - 1) / lode_alignment * lode_alignment; }
+
+// Memory for the plain payloads, not touched yet.
+std::shared_ptr<std::byte[]> allocate_payloads(std::uint64_t bytes, const std::string& file) {
+  try {
+    return std::shared_ptr<std::byte[]>(new std::byte[bytes]);
+  } catch (const std::bad_alloc&) {
+    throw ResourceError(describe(file, "", "no memory for " + std::to_string(bytes) + " bytes of payload"));
   }
-  say(offset == bytes.size(), "the payloads do not fill the file");
 }
 
 }  // namespace
 
-Hierarchy parse_lode_tables(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
-                            const std::string& file) {
-  const LodeHeader header = read_header(bytes, file);
-  check_table_checksum(bytes, header, file);
-  Hierarchy hierarchy;
-  hierarchy.storage = std::move(storage);
-  take_header(hierarchy, header);
-  take_levels(hierarchy, bytes, header, file);
-  take_cells(hierarchy, bytes, header, file);
-  if (const std::string fault = table_fault(hierarchy); !fault.empty()) refuse(file, "tables", fault);
-  return hierarchy;
+LodeReader::LodeReader(std::span<const std::byte> bytes, std::shared_ptr<const void> storage, std::string file)
+    : bytes_(bytes), file_(std::move(file)) {
+  const LodeHeader header = read_header(bytes, file_);
+  check_table_checksum(bytes, header, file_);
+  form_ = header.features & lode_compressed ? LodeForm::compressed : LodeForm::plain;
+  take_header(hierarchy_, header);
+  take_levels(hierarchy_, bytes, header, file_);
+  take_cells(header, std::move(storage));
+  if (const std::string fault = table_fault(hierarchy_); !fault.empty()) refuse(file_, "tables", fault);
 }
 
-void check_lode_cells(const Hierarchy& hierarchy, std::span<const std::byte> bytes, std::uint32_t first,
-                      std::uint32_t end, const std::string& file) {
-  const std::uint64_t table = sizeof(LodeHeader) + hierarchy.levels.size() * sizeof(LodeLevel);
+LodeCell LodeReader::record(std::uint32_t cell) const {
+  const std::uint64_t table = sizeof(LodeHeader) + hierarchy_.levels.size() * sizeof(LodeLevel);
+  return record_at<LodeCell>(bytes_, table + std::uint64_t{cell} * sizeof(LodeCell));
+}
+
+// Payloads follow each other to the end of the file; take_cells has seen to it.
+std::span<const std::byte> LodeReader::payload(std::uint32_t cell) const {
+  const std::uint64_t begin = record(cell).offset;
+  const std::uint64_t end = cell + 1 < cell_count() ? record(cell + 1).offset : bytes_.size();
+  return bytes_.subspan(begin, end - begin);
+}
+
+void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void> storage) {
+  const auto say = [&](bool holds, const char* what) { require(holds, file_, "cell table", what); };
+  const auto counts = [&](const LodeCell& r, std::uint32_t c) {
+    return PayloadCounts{r.vertices, r.shared, r.triangles, c >= hierarchy_.levels.front().cell_count};
+  };
+  const auto count = static_cast<std::uint32_t>(header.cell_count);
+  std::uint64_t unpacked = 0;
+  for (std::uint32_t c = 0; c < count; ++c) {
+    const LodeCell r = record(c);
+    const std::uint64_t end = c + 1 < count ? record(c + 1).offset : bytes_.size(), plain = plain_bytes(counts(r, c));
+    say(r.offset >= header.payload_offset && r.offset <= end && end <= bytes_.size() &&
+            r.offset % lode_alignment == 0 && (c > 0 || r.offset == header.payload_offset),
+        "a payload is not where it belongs");
+    say(form_ == LodeForm::plain ? end - r.offset == align_up(plain) : plain <= most_decompressed(end - r.offset),
+        "a payload has not the size of what it holds");
+    say(r.shared <= r.vertices, "more shared vertices than vertices");
+    unpacked += plain;
+  }
+  hierarchy_.storage = std::move(storage);
+  if (form_ == LodeForm::compressed) {
+    const std::shared_ptr<std::byte[]> memory = allocate_payloads(unpacked, file_);
+    unpacked_ = memory.get();
+    hierarchy_.storage = memory;
+  }
+  hierarchy_.cells.reserve(count);
+  const std::byte* at = unpacked_;
+  for (std::uint32_t c = 0; c < count; ++c) {
+    const LodeCell r = record(c);
+    const PayloadCounts n = counts(r, c);
+    hierarchy_.cells.push_back(cell_of_record(r, n, form_ == LodeForm::plain ? bytes_.data() + r.offset : at));
+    at += form_ == LodeForm::plain ? 0 : plain_bytes(n);
+  }
+}
+
+void LodeReader::check(std::uint32_t first, std::uint32_t end) {
   for (std::uint32_t c = first; c < end; ++c) {
-    const Cell& cell = hierarchy.cells[c];
-    const auto record = record_at<LodeCell>(bytes, table + std::uint64_t{c} * sizeof(LodeCell));
+    const Cell& cell = hierarchy_.cells[c];
     const auto place = [&] { return "cell " + std::to_string(c); };
-    if (XXH3_64bits(bytes.data() + record.offset, payload_bytes(record, cell.parent == no_cell)) != record.checksum)
-      refuse(file, place(), "the checksum does not fit: the file was altered");
-    if (const char* fault = payload_fault(hierarchy, c)) refuse(file, place(), fault);
+    const std::span<const std::byte> packed = payload(c);
+    if (XXH3_64bits(packed.data(), packed.size()) != record(c).checksum)
+      refuse(file_, place(), "the checksum does not fit: the file was altered");
+    if (form_ == LodeForm::compressed) {
+      const auto at = reinterpret_cast<const std::byte*>(cell.positions.data()) - unpacked_;
+      const PayloadCounts n = counts_of(cell);
+      if (const char* fault =
+              decompress_payload(packed, n, hierarchy_.transform.lattice, {unpacked_ + at, plain_bytes(n)}))
+        refuse(file_, place(), fault);
+    }
+    if (const char* fault = payload_fault(hierarchy_, c)) refuse(file_, place(), fault);
   }
 }
 

@@ -7,7 +7,10 @@
 #include <cassert>
 #include <cstring>
 
+#include "core/base/error.h"
+#include "core/hierarchy/lode_compress.h"
 #include "core/hierarchy/lode_format.h"
+#include "core/hierarchy/lode_payload.h"
 
 namespace lodestone {
 namespace {
@@ -15,11 +18,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, ".lode files are mapped in place: little-endian hosts only");
 
 constexpr std::uint64_t align_up(std::uint64_t n) { return (n + lode_alignment - 1) / lode_alignment * lode_alignment; }
-
-std::uint64_t payload_bytes(const Cell& cell) {
-  return align_up(cell.positions.size_bytes() + cell.normals.size_bytes() + cell.parents.size_bytes() +
-                  cell.shared_ids.size_bytes() + cell.triangles.size_bytes());
-}
 
 template <typename T>
 std::byte* put(std::byte* to, std::span<const T> items) {
@@ -30,7 +28,9 @@ std::byte* put(std::byte* to, std::span<const T> items) {
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   LodeHeader h;
   h.magic = lode_magic;
-  h.version = lode_version;
+  h.features = layout.form == LodeForm::compressed ? lode_compressed : 0;
+  h.lattice_bits = static_cast<std::uint8_t>(hierarchy.transform.lattice.bits);
+  h.version = h.features == 0 && h.lattice_bits == 0 ? 1 : 2;
   h.byte_order = lode_byte_order;
   h.header_bytes = sizeof(LodeHeader);
   h.level_bytes = sizeof(LodeLevel);
@@ -75,20 +75,31 @@ LodeCell record_of(const Cell& cell, std::uint64_t offset, std::uint64_t checksu
           cell.error};
 }
 
-}  // namespace
-
-LodeLayout plan_lode(const Hierarchy& hierarchy) {
+template <class SizeOf>
+LodeLayout plan(const Hierarchy& hierarchy, LodeForm form, const SizeOf& payload_size) {
   LodeLayout layout;
+  layout.form = form;
   layout.table_bytes = align_up(sizeof(LodeHeader) + hierarchy.levels.size() * sizeof(LodeLevel) +
                                 hierarchy.cells.size() * sizeof(LodeCell));
   layout.cell_offset.reserve(hierarchy.cells.size() + 1);
   std::uint64_t offset = layout.table_bytes;
-  for (const Cell& cell : hierarchy.cells) {
+  for (std::size_t c = 0; c < hierarchy.cells.size(); ++c) {
     layout.cell_offset.push_back(offset);
-    offset += payload_bytes(cell);
+    offset += payload_size(c);
   }
   layout.cell_offset.push_back(offset);
   return layout;
+}
+
+}  // namespace
+
+LodeLayout plan_lode(const Hierarchy& hierarchy) {
+  return plan(hierarchy, LodeForm::plain,
+              [&](std::size_t c) { return align_up(plain_bytes(counts_of(hierarchy.cells[c]))); });
+}
+
+LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes) {
+  return plan(hierarchy, LodeForm::compressed, [&](std::size_t c) { return payload_sizes[c]; });
 }
 
 std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes) {
@@ -112,13 +123,25 @@ void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, Lod
     assert(cell.parents.size() == (cell.parent == no_cell ? 0 : cell.positions.size()));
     std::byte* const begin = bytes.data() + (layout.cell_offset[c] - start);
     std::byte* const end = bytes.data() + (layout.cell_offset[c + 1] - start);
-    std::byte* to = put(begin, cell.positions);
-    to = put(to, cell.normals);
-    to = put(to, cell.parents);
-    to = put(to, cell.shared_ids);
-    to = put(to, cell.triangles);
+    std::byte* to = begin;
+    visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) { to = put(to, items); });
     std::fill(to, end, std::byte{0});
     checksums[c] = XXH3_64bits(begin, static_cast<std::size_t>(end - begin));
+  }
+}
+
+void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vector<std::byte>& bytes,
+                         std::span<std::uint64_t> payload_sizes, std::span<std::uint64_t> checksums) {
+  const Lattice lattice = hierarchy.transform.lattice;
+  if (!lattice)
+    throw InputError(describe("", "", "only a hierarchy on a lattice can be compressed", "build it with --lattice"));
+  bytes.clear();
+  for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c) {
+    const std::size_t begin = bytes.size();
+    compress_payload(hierarchy.cells[c], lattice, bytes);
+    bytes.resize(begin + align_up(bytes.size() - begin));
+    payload_sizes[c] = bytes.size() - begin;
+    checksums[c] = XXH3_64bits(bytes.data() + begin, payload_sizes[c]);
   }
 }
 

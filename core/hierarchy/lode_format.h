@@ -4,11 +4,14 @@
 //
 //   LodeHeader | LodeLevel x levels | LodeCell x cells | padding | payload of cell 0 | payload of cell 1 | ...
 //
-// Cells go from coarse to fine, so that a reader (or a network) has a whole coarse model first. A payload holds
+// Cells go from coarse to fine, so that a reader (or a network) has a whole coarse model first. A plain payload holds
 // positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
-// mapped file is used in place. All offsets follow from the counts alone, so that cells are encoded and written in any
-// order and by any number of threads. Each payload has its XXH3-64 checksum in the cell table; one more covers header
-// and tables. Nothing in the file depends on time, paths or threads: equal hierarchies give equal bytes.
+// mapped file is used in place, and all offsets follow from the counts alone. A compressed payload holds the same
+// arrays as streams (core/hierarchy/lode_compress.h), then zeros up to 16 bytes. Payloads follow each other, so that
+// each ends where the next begins. Each has its XXH3-64 checksum in the cell table; one more covers header and tables.
+// Nothing in the file depends on time, paths or threads: equal hierarchies give equal bytes.
+//
+// Version 1 knows neither lattice nor features: those fields are zero, and files that need neither are written so.
 #pragma once
 
 #include <array>
@@ -17,17 +20,25 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/lode_file.h"
 
 namespace lodestone {
 
 // The first byte is not ASCII and the line ends differ, so that a transfer in text mode is noticed (as in PNG).
 inline constexpr std::array<char, 8> lode_magic{'\x93', 'L', 'O', 'D', 'E', '\r', '\n', '\x1a'};
-inline constexpr std::uint32_t lode_version = 1;
+inline constexpr std::uint32_t lode_version = 2;
 inline constexpr std::uint32_t lode_byte_order = 0x0403'0201u;
 inline constexpr std::uint64_t lode_alignment = 16;
+
+// Bits of LodeHeader::features. A reader refuses a file with a bit that it does not know.
+enum LodeFeatures : std::uint16_t {
+  lode_compressed = 1,
+  lode_known_features = lode_compressed,
+};
 
 struct LodeHeader {
   std::array<char, 8> magic{};
@@ -40,7 +51,9 @@ struct LodeHeader {
   std::array<double, 3> origin{};
   double scale = 0;
   float sigma0 = 0;
-  std::uint32_t simplifier = 0, cell_triangles = 0, reserved = 0;
+  std::uint32_t simplifier = 0, cell_triangles = 0;
+  std::uint16_t features = 0;  // LodeFeatures
+  std::uint8_t lattice_bits = 0, reserved = 0;
   std::uint64_t input_vertices = 0, input_triangles = 0, fingerprint = 0;
   std::array<std::uint64_t, 7> repairs{};  // in the order of struct Repairs
 };
@@ -58,7 +71,7 @@ static_assert(sizeof(LodeLevel) == 2 * 4 + 3 * 8 + 2 * 4 + 3 * 4 + 4);
 struct LodeCell {
   std::uint64_t code = 0;
   std::uint64_t offset = 0;    // of the payload, from the start of the file
-  std::uint64_t checksum = 0;  // of the payload with its padding
+  std::uint64_t checksum = 0;  // of the payload with its padding, as it lies in the file
   std::uint32_t parent = 0, first_child = 0, child_count = 0;
   std::uint32_t vertices = 0, shared = 0, triangles = 0;
   std::array<float, 3> lo{}, hi{};
@@ -68,11 +81,14 @@ static_assert(sizeof(LodeCell) == 3 * 8 + 6 * 4 + 6 * 4 + 2 * 4);
 
 // Where everything goes.
 struct LodeLayout {
+  LodeForm form = LodeForm::plain;
   std::uint64_t table_bytes = 0;           // header, levels, cells and padding: the offset of the first payload
   std::vector<std::uint64_t> cell_offset;  // one per cell and one more: the size of the file
   [[nodiscard]] std::uint64_t file_bytes() const { return cell_offset.back(); }
 };
 [[nodiscard]] LodeLayout plan_lode(const Hierarchy& hierarchy);
+// The same for compressed payloads, whose sizes are known when they are there: one per cell, multiples of 16.
+[[nodiscard]] LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes);
 
 // A run of consecutive cells that is encoded and written at once.
 struct LodeChunk {
@@ -81,23 +97,46 @@ struct LodeChunk {
 // Cuts all cells into runs of about chunk_bytes, each at least one cell; a function of the layout alone.
 [[nodiscard]] std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes = 4u << 20);
 
-// The bytes of the chunk's payloads into `bytes` (resized); their checksums into checksums[first_cell..end_cell).
+// The bytes of the chunk's plain payloads into `bytes` (resized); their checksums into checksums[first_cell..end_cell).
 void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, LodeChunk chunk,
                        std::vector<std::byte>& bytes, std::span<std::uint64_t> checksums);
+
+// The same for compressed payloads, one after the other; their sizes into payload_sizes[first_cell..end_cell). Throws
+// InputError when the vertices stand on no lattice.
+void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vector<std::byte>& bytes,
+                         std::span<std::uint64_t> payload_sizes, std::span<std::uint64_t> checksums);
 
 // Header and tables: the first layout.table_bytes bytes of the file. checksums: one per cell.
 [[nodiscard]] std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
                                                         std::span<const std::uint64_t> checksums);
 
-// A view of `bytes` as a hierarchy; header and tables are checked in full (sizes, checksum, ranges, order, finite
-// values), the payloads only for lying inside `bytes`. `bytes` starts 16-byte aligned and lives as long as `storage`.
-// Throws InputError for a foreign, truncated or altered file, UnsupportedError for a newer version; `file` names it.
-[[nodiscard]] Hierarchy parse_lode_tables(std::span<const std::byte> bytes, std::shared_ptr<const void> storage,
-                                          const std::string& file);
+// A file that is being opened: its tables as a hierarchy. Payloads are views of `bytes`, or of memory that check()
+// decompresses into, as large as the plain payloads. `bytes` starts 16-byte aligned and lives as long as `storage`.
+class LodeReader {
+ public:
+  // Checks header and tables in full (sizes, checksum, ranges, order, finite values), the payloads only for lying
+  // inside `bytes`. Throws InputError for a foreign, truncated or altered file, UnsupportedError for a newer version or
+  // an unknown feature, ResourceError when there is no memory to decompress into; `file` names it.
+  LodeReader(std::span<const std::byte> bytes, std::shared_ptr<const void> storage, std::string file);
 
-// Checks the payloads of cells [first, end) of a hierarchy that parse_lode_tables made of the same bytes: checksum,
-// finite positions, every index in range, no degenerate triangle. Throws InputError.
-void check_lode_cells(const Hierarchy& hierarchy, std::span<const std::byte> bytes, std::uint32_t first,
-                      std::uint32_t end, const std::string& file);
+  // Checks the payloads of cells [first, end), having decompressed them: checksum, finite positions, every index in
+  // range, no degenerate triangle. Throws InputError. May be called at once for disjoint ranges.
+  void check(std::uint32_t first, std::uint32_t end);
+
+  [[nodiscard]] std::uint32_t cell_count() const { return static_cast<std::uint32_t>(hierarchy_.cells.size()); }
+  // What the cells of the file are, once all of them are checked.
+  [[nodiscard]] Hierarchy take() && { return std::move(hierarchy_); }
+
+ private:
+  void take_cells(const LodeHeader& header, std::shared_ptr<const void> storage);
+  [[nodiscard]] LodeCell record(std::uint32_t cell) const;
+  [[nodiscard]] std::span<const std::byte> payload(std::uint32_t cell) const;
+
+  std::span<const std::byte> bytes_;
+  std::string file_;
+  Hierarchy hierarchy_;
+  LodeForm form_ = LodeForm::plain;
+  std::byte* unpacked_ = nullptr;  // compressed form: the plain payloads, one after the other
+};
 
 }  // namespace lodestone

@@ -50,7 +50,7 @@ bool StarDistance::is_near(float known, Vec3f p, std::uint32_t vertex) const {
     const Vec3f a = positions_[v[k == 2 ? 0 : k + 1]] - centre, b = positions_[v[k == 0 ? 2 : k - 1]] - centre;
     const Vec3f n = cross(a, b);
     const float nn = dot(n, n), h = dot(n, o);
-    if (!(h * h <= known * nn)) continue;
+    if (!(nn > 0 && h * h <= known * nn)) continue;
     const float wa = dot(cross(o, b), n), wb = dot(cross(a, o), n);
     if (wa >= 0 && wb >= 0 && wa + wb <= nn) return true;
   }

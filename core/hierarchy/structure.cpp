@@ -10,6 +10,8 @@ bool is_bound(float v) { return std::isfinite(v) && v >= 0; }
 const char* header_fault(const Hierarchy& h) {
   if (!is_finite(h.transform.origin) || !std::isfinite(h.transform.scale) || !(h.transform.scale > 0))
     return "origin or scale is not finite";
+  if (h.transform.lattice.bits < 0 || h.transform.lattice.bits > Lattice::most_bits)
+    return "the lattice is out of range";
   if (!std::isfinite(h.sigma0) || !(h.sigma0 > 0)) return "sigma0 is not a positive number";
   if (h.levels.empty() || h.levels.size() > max_level + 1) return "the number of levels is out of range";
   return nullptr;

@@ -60,8 +60,8 @@ const VerifyCheck* VerifyReport::find(const std::string& name) const {
 VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* input) {
   using namespace verify;
   Finding structure("structure"), cells("cells"), partition("partition"), identity("identity"), parents("parents"),
-      vertices("vertices"), triangles("triangles"), displacement("displacement"), edges("edges"), boxes("boxes"),
-      reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"), same("input");
+      vertices("vertices"), triangles("triangles"), displacement("displacement"), lattice("lattice"), edges("edges"),
+      boxes("boxes"), reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"), same("input");
   const bool has_wedges = hierarchy.attributes.wedges;
 
   if (check_structure(hierarchy, structure)) {
@@ -85,6 +85,7 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
       fine = std::move(coarse);
     }
     check_displacements(hierarchy, displacement);
+    check_lattice(hierarchy, lattice);
     check_edges(hierarchy, edges);
     check_boxes(hierarchy, boxes);
     check_reach(hierarchy, reach);
@@ -92,14 +93,14 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
     if (has_wedges) check_wedges(hierarchy, wedges);
     if (input) check_input(hierarchy, *input, same);
   } else {
-    for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &edges,
-                             &boxes, &reach, &errors, &fingerprint, &wedges, &same})
+    for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &lattice,
+                             &edges, &boxes, &reach, &errors, &fingerprint, &wedges, &same})
       finding->fail([] { return std::string("not examined, since the structure is broken"); });
   }
 
   VerifyReport report;
   for (const Finding* finding : {&structure, &cells, &partition, &identity, &parents, &vertices, &triangles,
-                                 &displacement, &edges, &boxes, &reach, &errors, &fingerprint})
+                                 &displacement, &lattice, &edges, &boxes, &reach, &errors, &fingerprint})
     report.checks.push_back(finding->check());
   if (has_wedges) report.checks.push_back(wedges.check());
   if (input) report.checks.push_back(same.check());

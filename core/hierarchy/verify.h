@@ -38,16 +38,19 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   vertices       V_{l-1}(C) = P(union of V_l over the children of C), as sets
 //   triangles      M_{l-1}(C) = image under P of M_l of the children without degenerate ones, as oriented multisets
 //   displacement   (1): d(v, P(v)) <= sigma0 h_l / 2, and the stored maximum of each cell
+//   lattice        if the model has a lattice, every vertex of every level stands on it
 //   edges          stored longest edges and numbers of long half-edges; no long edge where M_L has none
 //   boxes          B(C) is the box of V_l(C) and of the children's B
 //   reach          rho_l of both metrics and the largest diameter
-//   errors         0 on M_L; a cell's is at least a child's error + the measured distance of the child's vertices from
+//   errors         on M_L what the lattice may have moved the input by, 0 without one; a coarser cell's is at least a
+//   child's error + the measured distance of the child's vertices from
 //                  the surface of the coarser level (of a regular sample of them on large levels), at most the worst
 //                  child's error + displacement; e_l
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L
 //   wedges         only with attributes: wedges of one vertex of M_L have parents at one position, level by level; the
 //                  corners of a triangle have one material, and P keeps it; finite texture coordinates
-//   input          only with `input`: the triangles of M_L are those of the input, position by position
+//   input          only with `input`: the triangles of M_L are those of the input, position by position; the input is
+//                  on the same lattice
 // When `structure` fails the others are reported as failed without being run, since no index could be trusted.
 //
 // Time: about one second per million triangles of M_L at most; memory: a few words per vertex of two levels, and 24

@@ -82,6 +82,7 @@ void check_wedges(const Hierarchy& hierarchy, Finding& wedges);
 
 // verify_geometry.cpp: lengths, boxes, stored bounds.
 void check_displacements(const Hierarchy& hierarchy, Finding& displacement);
+void check_lattice(const Hierarchy& hierarchy, Finding& lattice);
 void check_edges(const Hierarchy& hierarchy, Finding& edges);
 void check_boxes(const Hierarchy& hierarchy, Finding& boxes);
 void check_reach(const Hierarchy& hierarchy, Finding& reach);

@@ -65,7 +65,10 @@ void check_errors(const Hierarchy& hierarchy, Finding& errors) {
     double largest = 0;
     for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
       const Cell& cell = hierarchy.cells[c];
-      double least = 0, most = 0;
+      // A corner of the input is at most half a diagonal of the lattice from its vertex, and so is every point between.
+      const int bits = hierarchy.transform.lattice.bits;
+      const double moved = l == hierarchy.finest() && bits > 0 ? std::sqrt(0.75) * std::ldexp(1.0, -bits) : 0;
+      double least = moved, most = moved;
       for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
         const Cell& child = hierarchy.cells[k];
         least = std::max(least, double{child.error});

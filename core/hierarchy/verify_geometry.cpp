@@ -69,6 +69,14 @@ void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
   }
 }
 
+void check_lattice(const Hierarchy& hierarchy, Finding& lattice) {
+  if (!hierarchy.transform.lattice) return;
+  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c)
+    for (std::size_t v = 0; v < hierarchy.cells[c].positions.size(); ++v)
+      lattice.require(hierarchy.transform.lattice.holds(hierarchy.cells[c].positions[v]),
+                      [&] { return place(hierarchy.level_of(c), c, v) + ": not on the lattice"; });
+}
+
 // By (1) the image of an edge of at most sigma0 h_l has at most 2 sigma0 h_l = sigma0 h_{l-1}: long edges of a coarse
 // level come from long edges of the finer one.
 void check_edges(const Hierarchy& hierarchy, Finding& edges) {

@@ -57,6 +57,15 @@ Transform normalising_transform(const Box3d& box, const std::string& name) {
   return transform;
 }
 
+Lattice resolve_lattice(Lattice asked, std::span<const Vec3d> positions, std::span<const Triangle> triangles,
+                        double scale) {
+  if (asked.bits == Lattice::automatic) return choose_lattice(positions, triangles, scale);
+  if (asked.bits < 0 || asked.bits > Lattice::most_bits)
+    throw InputError(describe("", "", "a lattice of " + std::to_string(asked.bits) + " bits",
+                              "0 is none, and 1 to " + std::to_string(Lattice::most_bits) + " are possible"));
+  return asked;
+}
+
 void require_survivors(const IndexedMesh& mesh, const Repairs& repairs, const std::string& name) {
   if (!mesh.triangles.empty()) return;
   std::string what = "no triangle is left after cleaning: ";
@@ -66,7 +75,7 @@ void require_survivors(const IndexedMesh& mesh, const Repairs& repairs, const st
   throw InputError(describe(name, "", what, "give a mesh with a surface"));
 }
 
-IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& name) {
+IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& name, Lattice lattice) {
   repairs = {};
   repairs.polygons_triangulated = raw.polygons_triangulated;
   repairs.faces_dropped = raw.faces_dropped;
@@ -74,6 +83,7 @@ IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& 
   std::vector<Triangle> triangles = finite_triangles(raw, repairs);
   require_survivors({{}, triangles, {}}, repairs, name);
   mesh.transform = normalising_transform(box_of(raw, triangles), name);
+  mesh.transform.lattice = resolve_lattice(lattice, raw.positions, raw.triangles, mesh.transform.scale);
 
   // Weld the vertices in use, each into the first at its position.
   std::vector<bool> used(raw.positions.size(), false);

@@ -1,7 +1,8 @@
 // What makes a RawMesh an IndexedMesh: the definition, and its slow, obvious form.
 //
 // In this order: triangles with a corner that is not finite go; the others are normalised into the unit cube by the
-// bounding box of the vertices they use; vertices of equal float32 position *after* normalisation become one (so that
+// bounding box of the vertices they use, onto a lattice if one is asked for; vertices of equal float32 position *after*
+// normalisation become one (so that
 // the model has no two vertices that the rest of the program could not tell apart), the one that is first in the file;
 // then triangles with two equal vertices go, then all but the first of triangles with the same vertices in the same
 // cyclic order, then vertices that no remaining triangle uses. Survivors keep their order. Triangles of zero area with
@@ -10,6 +11,7 @@
 // prepare_mesh (parallel/prepare.h) does the same in parallel.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "core/mesh/indexed_mesh.h"
@@ -24,8 +26,9 @@ struct Box3d {
 // double precision (extent beyond 1e308, or positive and below 1e-308). A box without extent gives scale 1.
 [[nodiscard]] Transform normalising_transform(const Box3d& box, const std::string& name = {});
 
-// In [0, 1] without -0; rounding never leads out of the cube.
+// In [0, 1] without -0; rounding never leads out of the cube. Rounded once, to the lattice or to float32.
 [[nodiscard]] inline Vec3f normalise(const Transform& transform, Vec3d position) {
+  if (transform.lattice) return transform.lattice.nearest((1 / transform.scale) * (position - transform.origin));
   const Vec3f p = transform.to_normalised(position);
   return {(p.x < 1.0f ? p.x : 1.0f) + 0.0f, (p.y < 1.0f ? p.y : 1.0f) + 0.0f, (p.z < 1.0f ? p.z : 1.0f) + 0.0f};
 }
@@ -36,11 +39,17 @@ struct Box3d {
   return t.v[1] < t.v[2] ? Triangle{{t.v[1], t.v[2], t.v[0]}} : Triangle{{t.v[2], t.v[0], t.v[1]}};
 }
 
+// `asked` unless that is Lattice::automatic: then what choose_lattice finds. Throws InputError when it is out of range.
+[[nodiscard]] Lattice resolve_lattice(Lattice asked, std::span<const Vec3d> positions,
+                                      std::span<const Triangle> triangles, double scale);
+
 // Throws InputError with the reasons when no triangle is left; `name` stands for the mesh in messages.
 void require_survivors(const IndexedMesh& mesh, const Repairs& repairs, const std::string& name);
 
 // Cleans on one thread with ordered maps. `repairs` is overwritten. Vertices merged count as welded, all others that go
 // as unreferenced: input vertices = output vertices + welded + unreferenced. Every index of raw is in range.
-[[nodiscard]] IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& name = {});
+// `lattice`: none, one, or Lattice::automatic.
+[[nodiscard]] IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& name = {},
+                                     Lattice lattice = {});
 
 }  // namespace lodestone

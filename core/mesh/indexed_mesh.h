@@ -12,6 +12,7 @@
 
 #include "core/base/vec3.h"
 #include "core/mesh/attributes.h"
+#include "core/mesh/lattice.h"
 #include "core/mesh/triangle.h"
 
 namespace lodestone {
@@ -40,6 +41,7 @@ struct RawMesh {
 struct Transform {
   Vec3d origin;
   double scale = 1;
+  Lattice lattice = {};  // that every normalised vertex stands on, if any
   [[nodiscard]] Vec3d to_model(Vec3f p) const { return origin + scale * to_double(p); }
   [[nodiscard]] Vec3f to_normalised(Vec3d p) const { return to_float((1 / scale) * (p - origin)); }
   friend bool operator==(const Transform&, const Transform&) = default;

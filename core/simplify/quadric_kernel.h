@@ -146,6 +146,7 @@ class BlockKernel {
   template <int G>
   void relocate(Id v, unsigned n);
   static Shift minimum_of(const Body& body);
+  [[nodiscard]] Shift to_lattice(Id v, Shift t) const;
   [[nodiscard]] bool members_reach(Id v, const Vec3f& position) const;
 
   // quadric_error.h

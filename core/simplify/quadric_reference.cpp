@@ -284,7 +284,9 @@ void HalfEdgeCollapse::relocate_survivors() {
     for (const Id w : neighbours(v)) longest = std::max(longest, length(position_[w] - position_[v]));
     const Vec3d step = quadric_[v].minimum_near(position_[v], relocation_stiffness) - position_[v];
     if (!(length(step) <= longest)) continue;
-    const Vec3d to = to_double(to_float(position_[v] + step));  // what the caller will see
+    const Vec3d goal = position_[v] + step;
+    // What the caller will see.
+    const Vec3d to = to_double(input_.lattice ? input_.lattice.nearest(goal) : to_float(goal));
     if (!within_bound(v, to) || flips(v, to, no_vertex)) continue;
     position_[v] = to;
   }

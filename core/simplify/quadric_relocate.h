@@ -43,10 +43,23 @@ auto BlockKernel<L>::minimum_of(const Body& q) -> Shift {
           static_cast<float>(s * (c02 * bx + c12 * by + c22 * bz))};
 }
 
+// The shift to the lattice point nearest to where t leads, before any test of it. Exact: both ends are multiples of the
+// step, which a float holds.
+template <class L>
+auto BlockKernel<L>::to_lattice(Id v, Shift t) const -> Shift {
+  if (!input_.lattice) return t;
+  const Point& p = a_.point[v];
+  const double inverse = 1 / double{scale_};
+  const Vec3f at =
+      input_.lattice.nearest(Vec3d{(double{p.x} + double{t.x}) * inverse, (double{p.y} + double{t.y}) * inverse,
+                                   (double{p.z} + double{t.z}) * inverse});
+  return {at.x * scale_ - p.x, at.y * scale_ - p.y, at.z * scale_ - p.z};
+}
+
 template <class L>
 template <int G>
 void BlockKernel<L>::relocate(Id v, unsigned n) {
-  const Shift t = minimum_of(a_.body[v]);
+  const Shift t = to_lattice(v, minimum_of(a_.body[v]));
   const Star<G> star = load_star<G>(v);
   const unsigned lanes = (1u << n) - 1;
   // At most as far as the longest edge: beyond that the minimum says nothing about this star.

@@ -67,7 +67,7 @@ class QuadricSimplifier final : public Simplifier {
       of_part_.parent.resize(part.vertices.size());
       of_part_.positions.resize(part.vertices.size());
       of_part_.distance.resize(part.vertices.size());
-      const SimplifyInput part_input = part.input(input.max_displacement, target);
+      const SimplifyInput part_input = part.input(input, target);
       kernel_(part_input, *arrays_, seams_of(part_input), of_part_);
       for (std::size_t v = 0; v < part.vertices.size(); ++v) {
         result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];

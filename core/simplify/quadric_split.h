@@ -19,8 +19,8 @@ struct Part {
   std::vector<std::uint32_t> wedges;  // their ids in the whole; empty without wedges, as are the next two
   std::vector<Triangle> corners;
   std::vector<std::uint32_t> wedge_vertex;
-  [[nodiscard]] SimplifyInput input(float max_displacement, std::size_t target) const {
-    return {positions, triangles, locked, max_displacement, target, corners, wedge_vertex};
+  [[nodiscard]] SimplifyInput input(const SimplifyInput& whole, std::size_t target) const {
+    return {positions, triangles, locked, whole.max_displacement, target, corners, wedge_vertex, whole.lattice};
   }
 };
 

@@ -30,6 +30,7 @@ struct SimplifyInput {
   // the vertices have none, or one value each.
   std::span<const Triangle> corners{};
   std::span<const std::uint32_t> wedge_vertex{};
+  Lattice lattice = {};  // that the positions stand on, if any
   // For simplifiers that do not know wedges: P keeps the label of a vertex. Empty: all are the same.
   std::span<const std::uint32_t> labels{};
 };
@@ -49,6 +50,7 @@ struct SimplifyResult {
 // Guarantees, whatever the input:
 //   - P keeps labels;
 //   - locked vertices are their own parents and do not move;
+//   - survivors stand on the lattice, if there is one;
 //   - |positions[parent[v]] - v| <= max_displacement, evaluated in double;
 //   - no surviving triangle with a normal is turned by more than 90 degrees by a single step (quadric);
 //   - a manifold neighbourhood stays manifold, borders of the surface stay borders, no chord between two locked

@@ -20,6 +20,8 @@ constexpr double much_stored = 1.6;
 struct BuildOptions {
   std::string input, output, trace;
   std::string simplifier = "quadric", strategy_name = "graph";
+  bool compress = false;
+  int lattice_bits = 0;  // 0: none, or automatic when the file is compressed
   BuildConfig config;
 };
 
@@ -49,6 +51,11 @@ nlohmann::json level_ratios(const Hierarchy& h) {
           {"level_triangles", triangles}};
 }
 
+Lattice lattice_of(const BuildOptions& options) {
+  if (options.compress && options.lattice_bits == 0) return {Lattice::automatic};
+  return {options.lattice_bits};
+}
+
 void run(const BuildOptions& options, const CommonOptions& common) {
   std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
   if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
@@ -59,6 +66,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   BuildConfig config = options.config;
   config.simplifier = simplifier_kind(options.simplifier);
   config.strategy = strategy(options.strategy_name);
+  config.order_cells = options.compress;
   config.cancel = &interrupt_flag();
   Progress progress("building", common.quiet);
   config.progress = [&](double share) { progress.update(share); };
@@ -77,7 +85,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   stage("read");
   Repairs repairs;
   scheduler->name_work("weld");
-  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, *scheduler, options.input);
+  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, *scheduler, options.input, lattice_of(options));
   stage("weld");
   progress.phase("building");
   const double build_begin = trace->now();
@@ -88,7 +96,8 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   const TraceSummary use = summarize(*trace, build_begin);
   scheduler->name_work("write");
   progress.phase("writing");
-  save_lode(hierarchy, options.output, *scheduler);
+  const std::uint64_t file_bytes =
+      save_lode(hierarchy, options.output, *scheduler, options.compress ? LodeForm::compressed : LodeForm::plain);
   stage("write");
   progress.clear();
   const StageTime time = all.elapsed();
@@ -96,6 +105,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
 
   const Totals sum = totals(hierarchy);
   const auto input = static_cast<double>(hierarchy.provenance.input_triangles);
+  const Lattice lattice = hierarchy.transform.lattice;
   const double rate = input * 1e-6 / std::max(report.total.cpu_seconds, 1e-9);
   nlohmann::json result = level_ratios(hierarchy);
   result.update({{"input", options.input},
@@ -104,6 +114,13 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"stored_triangles", sum.triangles},
                  {"stored_vertices", sum.vertices},
                  {"stored_triangle_ratio", static_cast<double>(sum.triangles) / input},
+                 {"stored_vertex_ratio",
+                  static_cast<double>(sum.vertices) / static_cast<double>(hierarchy.provenance.input_vertices)},
+                 {"file_bytes", file_bytes},
+                 {"bytes_per_stored_triangle", static_cast<double>(file_bytes) / static_cast<double>(sum.triangles)},
+                 {"compressed", options.compress},
+                 {"lattice_bits", lattice.bits},
+                 {"lattice_error", lattice.error() * hierarchy.transform.scale},
                  {"levels", hierarchy.levels.size()},
                  {"cells", hierarchy.cells.size()},
                  {"sigma0", hierarchy.sigma0},
@@ -126,6 +143,11 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
              hierarchy.provenance.input_triangles, hierarchy.levels.size(), hierarchy.cells.size(), sum.triangles,
              static_cast<double>(sum.triangles) / input);
+  fmt::print("{:.1f} MB, {:.2f} bytes per stored triangle\n", static_cast<double>(file_bytes) * 1e-6,
+             static_cast<double>(file_bytes) / static_cast<double>(sum.triangles));
+  if (lattice)
+    fmt::print("on a lattice of {} bits: vertices of the input move by at most {:.3g}\n", lattice.bits,
+               lattice.error() * hierarchy.transform.scale);
   fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", time.seconds,
              time.cpu_seconds, static_cast<double>(peak_resident_bytes()) * 1e-6, rate);
   print_repairs(repairs);
@@ -161,6 +183,14 @@ void add_build(CLI::App& app) {
       ->capture_default_str();
   command.add_option("--levels", options->config.finest_level, "Finest level L instead (the root is level 0)")
       ->check(CLI::Range(0, max_level));
+  command.add_flag("--compress", options->compress,
+                   "Compress the file; vertices are put on one lattice, as by --lattice, and cells are reordered");
+  command
+      .add_option("--lattice", options->lattice_bits,
+                  "Put the vertices of all levels on multiples of 2^-BITS of the longest extent; with --compress the "
+                  "default is chosen from the lengths of the edges")
+      ->check(CLI::Range(1, Lattice::most_bits))
+      ->type_name("BITS");
   command.add_option("--simplifier", options->simplifier, "quadric or cluster")->capture_default_str();
   command.add_option("--strategy", options->strategy_name, "graph, levels or serial; all give the same bytes")
       ->capture_default_str();

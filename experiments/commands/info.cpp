@@ -1,6 +1,9 @@
 // lodestone info: what a .lode file or a mesh file holds.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include "core/io/mesh_file.h"
 #include "core/mesh/edge_census.h"
 #include "core/simplify/simplifier.h"
@@ -24,6 +27,19 @@ nlohmann::json describe_level(const Hierarchy& h, std::size_t l) {
           {"error_ratio", level.error},
           {"max_edge_ratio", level.max_edge},
           {"long_edges", level.long_edges}};
+}
+
+struct Stored {
+  std::uint64_t triangles = 0, vertices = 0, bytes = 0;
+  [[nodiscard]] double bytes_per_triangle() const {
+    return static_cast<double>(bytes) / static_cast<double>(std::max<std::uint64_t>(triangles, 1));
+  }
+};
+
+Stored stored_in(const Hierarchy& h, const std::string& file) {
+  Stored stored{0, 0, std::filesystem::file_size(file)};
+  for (const Level& level : h.levels) stored.triangles += level.triangles, stored.vertices += level.vertices;
+  return stored;
 }
 
 void print_edges(const EdgeCensus& edges) {
@@ -64,6 +80,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
   nlohmann::json levels = nlohmann::json::array();
   for (std::size_t l = 0; l < h.levels.size(); ++l) levels.push_back(describe_level(h, l));
   const Vec3d o = h.transform.origin;
+  const Stored stored = stored_in(h, file);
   const nlohmann::json result{
       {"file", file},
       {"input_triangles", h.provenance.input_triangles},
@@ -76,11 +93,19 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"scale", h.transform.scale},
       {"kappa0_admissible_above",
        {{"euclidean", reach(h, DistanceMetric::euclidean)}, {"chebyshev", reach(h, DistanceMetric::chebyshev)}}},
+      {"lattice_bits", h.transform.lattice.bits},
+      {"stored_triangles", stored.triangles},
+      {"stored_vertices", stored.vertices},
+      {"file_bytes", stored.bytes},
+      {"bytes_per_stored_triangle", stored.bytes_per_triangle()},
       {"levels", levels}};
   write_json(common, result);
   if (common.quiet || common.json == "-") return;
   fmt::print("{}: {} triangles, {} vertices, sigma0 {}, simplifier {}\n", file, h.provenance.input_triangles,
              h.provenance.input_vertices, h.sigma0, name_of(static_cast<SimplifierKind>(h.provenance.simplifier)));
+  fmt::print("{} triangles and {} vertices stored in {} bytes, {:.2f} per triangle{}\n", stored.triangles,
+             stored.vertices, stored.bytes, stored.bytes_per_triangle(),
+             h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, h.transform.scale);
   fmt::print("uniform kappa0 is admissible above {:.4f} (euclidean), {:.4f} (chebyshev)\n\n",
              reach(h, DistanceMetric::euclidean), reach(h, DistanceMetric::chebyshev));

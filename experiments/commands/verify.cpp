@@ -16,11 +16,12 @@
 namespace lodestone {
 namespace {
 
-// Both arguments may be .lode files by mistake, or even the same one: the message says which of them was meant.
-IndexedMesh read_input(const std::string& input, Scheduler& scheduler) {
+// On the lattice of the file. Both arguments may be .lode files by mistake, or even the same one: the message says
+// which of them was meant.
+IndexedMesh read_input(const std::string& input, Scheduler& scheduler, Lattice lattice) {
   try {
     Repairs repairs;
-    return prepare_mesh(load_mesh(input, scheduler), repairs, scheduler, input);
+    return prepare_mesh(load_mesh(input, scheduler), repairs, scheduler, input, lattice);
   } catch (const UnsupportedError& error) {
     throw UnsupportedError(std::string("--input ") + error.what());
   }
@@ -35,7 +36,7 @@ void run(const std::string& file, const std::string& input, const CommonOptions&
   const auto scheduler = make_scheduler(common);
   const Hierarchy hierarchy = load_lode(file, *scheduler);
   std::optional<IndexedMesh> mesh;
-  if (!input.empty()) mesh = read_input(input, *scheduler);
+  if (!input.empty()) mesh = read_input(input, *scheduler, hierarchy.transform.lattice);
   progress.phase("verifying");
   const VerifyReport report = verify_hierarchy(hierarchy, mesh ? &*mesh : nullptr);
   progress.clear();

@@ -1,9 +1,9 @@
 // An independent verifier of the simplifiers' contract: counts edges and fans in plain maps, shares no code with them.
 //
-// Asserted for every simplifier: sizes, P idempotent and in range, locked vertices unmoved, displacement in double,
-// triangle count, finite positions. For topology-keeping ones also: every vertex of a manifold input manifold, the same
-// Euler characteristic, components and border loops, no new non-manifold or misoriented edge, no new edge between two
-// locked vertices.
+// Asserted for every simplifier: survivors on the lattice, sizes, P idempotent and in range, locked vertices unmoved,
+// displacement in double, triangle count, finite positions. For topology-keeping ones also: every vertex of a manifold
+// input manifold, the same Euler characteristic, components and border loops, no new non-manifold or misoriented edge,
+// no new edge between two locked vertices.
 #pragma once
 
 #include <algorithm>
@@ -118,6 +118,7 @@ inline std::string broken_contract(const SimplifyInput& input, const SimplifyRes
     if (p >= n) return "parent out of range" + at;
     if (result.parent[p] != p) return "P is not idempotent" + at;
     if (!is_finite(result.positions[p])) return "position is no number" + at;
+    if (!input.lattice.holds(result.positions[p])) return "not on the lattice" + at;
     if (input.locked[v] && p != v) return "locked vertex collapsed" + at;
     if (input.locked[v] && result.positions[v] != input.positions[v]) return "locked vertex moved" + at;
     farthest = std::max(farthest, length(to_double(result.positions[p]) - to_double(input.positions[v])));

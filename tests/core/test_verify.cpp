@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/hierarchy/verify.h"
+#include "tests/core/lattice_meshes.h"
 #include "tests/core/tiny_hierarchy.h"
 
 namespace lodestone {
@@ -32,7 +33,7 @@ TEST(Verify, PassesHierarchiesMadeByTheDefinitions) {
         const IndexedMesh mesh = test::bumpy_sphere(4, open);
         const VerifyReport report = verify_hierarchy(test::tiny_hierarchy(mesh, levels, s).hierarchy(), &mesh);
         EXPECT_TRUE(report.valid()) << "L " << levels << " sigma0 " << s << "\n" << failures_of(report);
-        EXPECT_EQ(report.checks.size(), 14u);
+        EXPECT_EQ(report.checks.size(), 15u);
       }
 }
 
@@ -231,6 +232,30 @@ TEST(Verify, SeesEveryBreakageInTheCheckMeantForIt) {
     EXPECT_FALSE(check->passed) << breakage.check << ", " << breakage.what << "\n" << failures_of(report);
     EXPECT_FALSE(check->detail.empty());
     EXPECT_FALSE(report.valid());
+  }
+}
+
+TEST(Verify, ChecksTheLatticeAndWhatItAddsToTheErrors) {
+  const IndexedMesh mesh = test::on_lattice(test::bumpy_sphere(4), {14});
+  const TinyHierarchy whole = test::tiny_hierarchy(mesh, finest, sigma0);
+  EXPECT_TRUE(verify_hierarchy(whole.hierarchy(), &mesh).valid())
+      << failures_of(verify_hierarchy(whole.hierarchy(), &mesh));
+  const Breakage lattice_breakages[] = {
+      {"structure", "out of range", [](auto& t) { t.tables.transform.lattice.bits = 25; }},
+      {"lattice", "off the lattice on the finest level",
+       [](auto& t) { finest_cell(t).positions[0].x += 0.25f * t.tables.transform.lattice.step(); }},
+      {"lattice", "off the lattice on a coarse level",
+       [](auto& t) { middle_cell(t).positions[0].z += 0.25f * t.tables.transform.lattice.step(); }},
+      {"lattice", "another lattice", [](auto& t) { t.tables.transform.lattice.bits = 13; }},
+      {"errors", "without the lattice's share", [](auto& t) { t.tables.cells.back().error = 0; }},
+      {"errors", "a lattice that is said to be finer", [](auto& t) { t.tables.transform.lattice.bits = 15; }},
+      {"input", "on another lattice", [](auto& t) { t.tables.transform.lattice.bits = 15; }},
+  };
+  for (const Breakage& breakage : lattice_breakages) {
+    TinyHierarchy broken = whole;
+    breakage.apply(broken);
+    const VerifyReport report = verify_hierarchy(broken.hierarchy(), &mesh);
+    EXPECT_FALSE(report.find(breakage.check)->passed) << breakage.what;
   }
 }
 

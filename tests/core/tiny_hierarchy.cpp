@@ -86,6 +86,7 @@ void fill_bounds_and_errors(TinyHierarchy& tiny) {
   for (std::size_t i = h.cells.size(); i-- > 0;) {  // children come after their parents
     Cell& cell = h.cells[i];
     for (const Vec3f p : tiny.payloads[i].positions) cell.bounds.extend(p);
+    if (cell.child_count == 0) cell.error = h.transform.lattice.error();
     for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
       cell.bounds.extend(h.cells[k].bounds);
       cell.error = std::max(cell.error, round_up(double{h.cells[k].error} + h.cells[k].max_displacement));

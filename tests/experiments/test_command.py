@@ -159,6 +159,53 @@ class Build(CommandCase):
         self.assertIn("scan", self.results("build", name, "-o", "m.lode")["input"])
 
 
+class Compressed(CommandCase):
+    def test_compressed_files_are_small_and_verify(self):
+        plain = self.results("build", sphere(), "-o", "plain.lode", "--levels", 3)
+        packed = self.results("build", sphere(), "-o", "m.lode", "--levels", 3, "--compress")
+        self.assertEqual(packed["file_bytes"], (self.folder / "m.lode").stat().st_size)
+        self.assertEqual(plain["file_bytes"], (self.folder / "plain.lode").stat().st_size)
+        self.assertLess(packed["bytes_per_stored_triangle"], 12)
+        self.assertAlmostEqual(packed["bytes_per_stored_triangle"], packed["file_bytes"] / packed["stored_triangles"])
+        self.assertTrue(packed["compressed"] and not plain["compressed"])
+        self.assertEqual((plain["lattice_bits"], plain["lattice_error"]), (0, 0))
+        self.assertGreaterEqual(packed["lattice_bits"], 16)
+        self.assertTrue(all(e > 0 for e in packed["error_ratio"]))
+        self.assertIn("order", packed["stages"])
+        self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
+        info = self.results("info", "m.lode")
+        for key in ("lattice_bits", "file_bytes", "bytes_per_stored_triangle", "stored_triangles", "stored_vertices"):
+            self.assertEqual(info[key], packed[key], key)
+        text = self.lodestone("info", "m.lode")
+        self.assertIn(f"{info['bytes_per_stored_triangle']:.2f} per triangle", text)
+        self.assertIn(f"lattice of {info['lattice_bits']} bits", text)
+
+    def test_vertices_move_no_farther_than_the_lattice_says(self):
+        for bits in (8, 12, 20):
+            for form in ((), ("--compress",)):
+                built = self.results("build", sphere(), "-o", "m.lode", "--lattice", bits, *form)
+                self.assertEqual(built["lattice_bits"], bits)
+                self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
+                self.lodestone("export", "m.lode", "-o", "m.ply")
+                distance = self.results("compare", sphere(), "m.ply")
+                for way in ("forward", "backward"):
+                    self.assertLessEqual(distance[way]["max"], built["lattice_error"] * 1.001)
+            self.assertGreater(distance["forward"]["max"], 0.1 * built["lattice_error"])
+
+    def test_threads_and_strategies_do_not_change_a_byte(self):
+        files = set()
+        for arguments in (*(("--threads", n) for n in WORKERS), *(("--strategy", s) for s in ("serial", "levels"))):
+            self.lodestone("build", sphere(), "-o", "m.lode", "--levels", 3, "--compress", "--quiet", *arguments)
+            files.add((self.folder / "m.lode").read_bytes())
+        self.assertEqual(len(files), 1)
+
+    def test_no_crack_and_no_pop(self):
+        self.lodestone("build", sphere(), "-o", "m.lode", "--levels", 3, "--compress", "--quiet")
+        result = self.results("render", "m.lode", "--backend", "null", "--frames", 6, "--kappa0", 0.01)
+        self.assertEqual(result["cracks"], {"open_edges_max": 0, "gap_max": 0})
+        self.assertLessEqual(result["pops"]["jump_over_bound_max"], 1)
+
+
 class InfoVerifyExport(CommandCase):
     def test_info_tells_the_levels(self):
         result = self.results("info", hierarchy())

@@ -50,6 +50,8 @@ class Usage(CommandCase):
             self.refused("build", "m.ply", "-o", "x.lode", "--cell-triangles", cells, names=["--cell-triangles"])
         for levels in ("-1", "99", "x"):
             self.refused("build", "m.ply", "-o", "x.lode", "--levels", levels, names=["--levels"])
+        for bits in ("0", "-1", "25", "x"):
+            self.refused("build", "m.ply", "-o", "x.lode", "--compress", "--lattice", bits, names=["--lattice"])
         self.refused("build", "m.ply", "-o", "x.lode", "--simplifier", "best", names=["best", "quadric, cluster"])
         self.refused("build", "m.ply", "-o", "x.lode", "--strategy", "best", names=["best", "serial, levels, graph"])
         self.refused("build", "m.ply", "-o", "x.ply", names=["x.ply", ".lode"])
@@ -259,6 +261,17 @@ class Hierarchies(CommandCase):
             altered[offset] ^= 1 << places.randrange(8)
             self.write("m.lode", altered)
             self.refused("info", "m.lode", names=["m.lode"])
+
+    def test_altered_bytes_of_compressed_files(self):
+        self.write("m.ply", ply(CORNER, ONE))
+        packed = model("packed.lode", "build", sphere(), "--levels", 3, "--compress").read_bytes()
+        places = random.Random(3)
+        for offset in (20, 130, 133, *(places.randrange(len(packed)) for _ in range(32))):
+            altered = bytearray(packed)
+            altered[offset] ^= 1 << places.randrange(8)
+            self.write("m.lode", altered)
+            self.refused("info", "m.lode", names=["m.lode"])
+        self.refused_by_all(packed[: len(packed) // 2])
 
     def test_altered_byte_stops_every_subcommand(self):
         whole = bytearray(hierarchy().read_bytes())

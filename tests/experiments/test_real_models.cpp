@@ -11,10 +11,12 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode_file.h"
 #include "core/hierarchy/verify.h"
+#include "experiments/metrics/cracks.h"
 #include "parallel/build.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
 #include "parallel/save.h"
+#include "tests/experiments/lod_frames.h"
 #include "tests/test_data.h"
 
 namespace lodestone {
@@ -27,9 +29,9 @@ std::string content(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-IndexedMesh clean_mesh(const fs::path& path, Scheduler& scheduler) {
+IndexedMesh clean_mesh(const fs::path& path, Scheduler& scheduler, Lattice lattice = {}) {
   Repairs repairs;
-  return prepare_mesh(load_mesh(path, scheduler), repairs, scheduler);
+  return prepare_mesh(load_mesh(path, scheduler), repairs, scheduler, {}, lattice);
 }
 
 std::string failures(const VerifyReport& report) {
@@ -51,7 +53,7 @@ class Scratch {
   fs::path folder_;
 };
 
-class RealScan : public testing::TestWithParam<const char*> {};
+class RealScan : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealScan, SameFileForAnyThreadsAndStrategyAndItVerifies) {
   LODESTONE_MODEL_OR_SKIP(path, GetParam());
@@ -75,8 +77,46 @@ TEST_P(RealScan, SameFileForAnyThreadsAndStrategyAndItVerifies) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, RealScan,
-                         testing::Values("scans/armadillo.obj", "scans/dragon_vrip_res2.ply",
+                         ::testing::Values("scans/armadillo.obj", "scans/dragon_vrip_res2.ply",
                                          "scans/rangemap_lato315.ply"),
+                         [](const auto& param) { return std::to_string(param.index); });
+
+class CompressedScan : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(CompressedScan, VerifiesAndIsSmallAndDoesNotCrack) {
+  LODESTONE_MODEL_OR_SKIP(path, GetParam());
+  const Scratch scratch;
+  const auto scheduler = make_tbb_scheduler(2);
+  const IndexedMesh input = clean_mesh(path, *scheduler, {Lattice::automatic});
+  BuildConfig config;
+  config.order_cells = true;
+  const Hierarchy built = build_hierarchy(IndexedMesh(input), config, *scheduler);
+  const std::uint64_t bytes = save_lode(built, scratch / "model.lode", *scheduler, LodeForm::compressed);
+  const Hierarchy h = load_lode(scratch / "model.lode", *scheduler);
+  EXPECT_EQ(failures(verify_hierarchy(h, &input)), "");
+  std::uint64_t triangles = 0;
+  for (const Level& level : h.levels) triangles += level.triangles;
+  EXPECT_LT(static_cast<double>(bytes), 12.0 * static_cast<double>(triangles));
+
+  const auto serial = make_serial_scheduler();
+  save_lode(build_hierarchy(clean_mesh(path, *serial, {Lattice::automatic}), config, *serial), scratch / "other.lode",
+            *serial, LodeForm::compressed);
+  EXPECT_TRUE(content(scratch / "other.lode") == content(scratch / "model.lode"));
+
+  const CrackBasis basis = make_crack_basis(h, *scheduler);
+  CrackScratch memory;
+  const Radii radii = testing::per_level_radii(h, DistanceMetric::euclidean, 0.01f);
+  ASSERT_TRUE(radii.admissible);
+  for (const Vec3f view : testing::random_viewpoints(h, 10, 3)) {
+    const testing::Frame f = testing::make_frame(h, radii, Blend::smoothstep, view);
+    EXPECT_EQ(residual_edges(f.context, f.selection, basis, *scheduler, memory).open_edges, 0u);
+    EXPECT_EQ(vertex_gaps(f.context, f.selection, basis, *scheduler, memory).gap_max, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Scans, CompressedScan,
+                         ::testing::Values("scans/armadillo.obj", "scans/igea.ply", "scans/dragon_vrip_res2.ply",
+                                         "cad/tower_holes.obj", "scans/rangemap_lato315.ply"),
                          [](const auto& param) { return std::to_string(param.index); });
 
 // Everything in the folder of hard files either builds and verifies, with both simplifiers, or is refused with a line
@@ -99,6 +139,14 @@ TEST(HardModels, BuildAndVerifyOrAreRefusedClearly) {
         const Hierarchy h = build_hierarchy(IndexedMesh(input), config, *scheduler);
         EXPECT_EQ(failures(verify_hierarchy(h, &input)), "") << name_of(kind);
       }
+      BuildConfig config;
+      config.order_cells = true;
+      config.cell_triangles = 200;
+      const IndexedMesh on_lattice = clean_mesh(entry.path(), *scheduler, {Lattice::automatic});
+      const Scratch scratch;
+      save_lode(build_hierarchy(IndexedMesh(on_lattice), config, *scheduler), scratch / "hard.lode", *scheduler,
+                LodeForm::compressed);
+      EXPECT_EQ(failures(verify_hierarchy(open_lode(scratch / "hard.lode"), &on_lattice)), "");
       ++built;
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()), "");

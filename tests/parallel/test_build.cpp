@@ -1,10 +1,14 @@
 // The build: same bytes for any number of threads and any strategy; errors; cancellation; progress.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string>
+#include <tuple>
 
 #include "core/base/error.h"
+#include "core/hierarchy/verify.h"
+#include "core/mesh/clean.h"
 #include "parallel/build.h"
 #include "tests/test_meshes.h"
 
@@ -58,6 +62,52 @@ TEST_P(BuildStrategies, SameBytesForAnyThreadsAndStrategy) {
   }
 }
 
+IndexedMesh on_lattice(const IndexedMesh& mesh, int bits) {
+  RawMesh raw;
+  for (const Vec3f p : mesh.positions) raw.positions.push_back(to_double(p));
+  raw.triangles = mesh.triangles;
+  Repairs repairs;
+  return clean_mesh(raw, repairs, {}, {bits});
+}
+
+std::string failures(const VerifyReport& report) {
+  std::string list;
+  for (const VerifyCheck& check : report.checks)
+    if (!check.passed) list += check.name + ": " + check.detail + "\n";
+  return list;
+}
+
+TEST_P(BuildStrategies, SameBytesInTheOrderForCompression) {
+  const auto serial = make_serial_scheduler();
+  const IndexedMesh mesh = on_lattice(test::sphere_mesh(6), 16);
+  BuildConfig config = small_cells(GetParam(), Strategy::serial);
+  config.order_cells = true;
+  const std::string expected = bytes(build_hierarchy(IndexedMesh(mesh), config, *serial));
+  for (const int threads : {1, 2, 7}) {
+    const auto scheduler = make_tbb_scheduler(threads);
+    config.strategy = Strategy::graph;
+    EXPECT_TRUE(expected == bytes(build_hierarchy(IndexedMesh(mesh), config, *scheduler))) << threads << " threads";
+  }
+}
+
+// From lattices that leave the surface as it is to one so coarse that it is mostly made of steps.
+TEST_P(BuildStrategies, EveryLevelStandsOnTheLatticeAndVerifies) {
+  const auto scheduler = make_tbb_scheduler(2);
+  for (const auto& mesh : {test::sphere_mesh(5), test::terrain_mesh(60), test::torus_mesh(80, 40)})
+    for (const int bits : {24, 16, 10, 7, 4})
+      for (const bool ordered : {false, true}) {
+        const IndexedMesh input = on_lattice(mesh, bits);
+        BuildConfig config = small_cells(GetParam(), Strategy::graph);
+        config.order_cells = ordered;
+        const Hierarchy h = build_hierarchy(IndexedMesh(input), config, *scheduler);
+        EXPECT_EQ(failures(verify_hierarchy(h, &input)), "") << bits << " bits";
+        for (const Cell& cell : h.cells) {
+          EXPECT_GE(cell.error, Lattice{bits}.error());
+          for (const Vec3f p : cell.positions) ASSERT_TRUE(Lattice{bits}.holds(p));
+        }
+      }
+}
+
 INSTANTIATE_TEST_SUITE_P(Simplifiers, BuildStrategies,
                          testing::Values(SimplifierKind::quadric, SimplifierKind::cluster));
 
@@ -71,6 +121,21 @@ TEST(Build, ShrinksFourfoldPerLevel) {
   for (const Level& level : h.levels) stored += level.triangles;
   EXPECT_EQ(h.levels.back().triangles, h.provenance.input_triangles);
   EXPECT_LT(static_cast<double>(stored), 1.45 * static_cast<double>(h.provenance.input_triangles));
+}
+
+TEST(Build, StillRelocatesVerticesOnALattice) {
+  const auto scheduler = make_tbb_scheduler(2);
+  const IndexedMesh input = on_lattice(test::sphere_mesh(6), 18);
+  const Hierarchy h =
+      build_hierarchy(IndexedMesh(input), small_cells(SimplifierKind::quadric, Strategy::graph), *scheduler);
+  const auto less = [](Vec3f a, Vec3f b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); };
+  std::vector<Vec3f> given = input.positions;
+  std::sort(given.begin(), given.end(), less);
+  std::size_t moved = 0, all = 0;
+  for (const Cell& cell : h.cells_of(h.finest() - 1))
+    for (const Vec3f p : cell.positions.first(cell.first_shared()))  // the others may have been locked
+      ++all, moved += !std::binary_search(given.begin(), given.end(), p, less);
+  EXPECT_GT(moved, all / 2);
 }
 
 TEST(Build, LevelZeroAloneIsAHierarchy) {

@@ -26,17 +26,18 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 void expect_same(const IndexedMesh& a, const IndexedMesh& b) {
   EXPECT_TRUE(same_bytes(a.positions, b.positions));
   EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
-  EXPECT_EQ(std::memcmp(&a.transform, &b.transform, sizeof(Transform)), 0);
+  EXPECT_EQ(a.transform, b.transform);
+  EXPECT_EQ(std::memcmp(&a.transform.origin, &b.transform.origin, sizeof(Vec3d)), 0);  // also the sign of zero
 }
 
 // Prepares with any number of workers, compares each with the serial twin, and returns the mesh.
-IndexedMesh prepared(const RawMesh& raw, Repairs& repairs) {
-  const IndexedMesh expected = clean_mesh(raw, repairs);
+IndexedMesh prepared(const RawMesh& raw, Repairs& repairs, Lattice lattice = {}) {
+  const IndexedMesh expected = clean_mesh(raw, repairs, {}, lattice);
   for (const int threads : {0, 1, 2, 3, 7}) {
     const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
     Repairs counted;
     RawMesh copy = raw;
-    expect_same(expected, prepare_mesh(std::move(copy), counted, *scheduler));
+    expect_same(expected, prepare_mesh(std::move(copy), counted, *scheduler, {}, lattice));
     EXPECT_EQ(repairs, counted) << threads << " threads";
   }
   return expected;
@@ -113,6 +114,77 @@ TEST(Prepare, DropsDegenerateAndDuplicateButNotTurnedOrFlatTriangles) {
   expected.push_back({{0, 4, 1}});
   EXPECT_EQ(mesh.triangles, expected);
   EXPECT_EQ(repairs, (Repairs{.welded_vertices = 1, .degenerate_triangles = 2, .duplicate_triangles = 2}));
+}
+
+TEST(Prepare, PutsEveryVertexOnTheNearestPointOfTheLattice) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-3, 40);
+  RawMesh raw;
+  for (std::uint32_t i = 0; i < 3000; ++i) {
+    raw.positions.push_back({unit(random), unit(random), unit(random)});
+    if (i % 3 == 2) raw.triangles.push_back({{i - 2, i - 1, i}});
+  }
+  for (const int bits : {4, 11, 24}) {
+    Repairs repairs;
+    const IndexedMesh mesh = prepared(raw, repairs, {bits});
+    EXPECT_EQ(mesh.transform.lattice, Lattice{bits});
+    for (const Vec3f p : mesh.positions) EXPECT_TRUE(mesh.transform.lattice.holds(p));
+    if (bits < 24) continue;
+    ASSERT_EQ(mesh.positions.size(), raw.positions.size());
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      const Vec3d exact = (1 / mesh.transform.scale) * (raw.positions[i] - mesh.transform.origin);
+      EXPECT_LE(length(exact - to_double(mesh.positions[i])), double{mesh.transform.lattice.error()});
+    }
+  }
+}
+
+TEST(Prepare, WeldsWhatMeetsOnTheLattice) {
+  RawMesh raw = tetrahedron();
+  raw.positions.push_back({0.1, 0, 0});  // 4: a sixteenth of the extent is 0.125
+  raw.triangles.push_back({{0, 1, 4}});
+  raw.triangles.push_back({{4, 1, 3}});  // the second one again, once welded
+  Repairs repairs;
+  EXPECT_EQ(prepared(raw, repairs, {4}).positions.size(), 5u);  // 0.1 is nearer to 0.125
+  EXPECT_EQ(repairs, Repairs{});
+  EXPECT_EQ(prepared(raw, repairs, {3}).triangles, tetrahedron().triangles);
+  EXPECT_EQ(repairs, (Repairs{.welded_vertices = 1, .degenerate_triangles = 1, .duplicate_triangles = 1}));
+}
+
+TEST(Prepare, ChoosesALatticeFarFinerThanTheEdges) {
+  for (const int n : {2, 40, 200}) {
+    RawMesh raw;  // a flat sheet of n x n squares
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) raw.positions.push_back({10.0 * i / n, 10.0 * j / n, 0});
+    const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(j * (n + 1) + i); };
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i) raw.triangles.push_back({{at(i, j), at(i + 1, j), at(i, j + 1)}});
+    raw.positions.push_back({nan, 0, 0});
+    raw.triangles.push_back({{0, 1, static_cast<std::uint32_t>(raw.positions.size() - 1)}});
+    raw.triangles.push_back({{0, 0, 1}});
+    Repairs repairs;
+    const Lattice lattice = prepared(raw, repairs, {Lattice::automatic}).transform.lattice;
+    EXPECT_EQ(lattice.bits, 16) << n;
+    EXPECT_LE(lattice.step(), 1.0 / n / 256);
+    raw.triangles.assign(20, raw.triangles[0]);  // and then one edge in twenty very short
+    raw.positions.push_back(raw.positions[0] + Vec3d{1e-5, 0, 0});
+    raw.triangles.push_back({{0, 1, static_cast<std::uint32_t>(raw.positions.size() - 1)}});
+    raw.triangles.push_back(raw.triangles.back());
+    raw.triangles.push_back(raw.triangles.back());
+    raw.triangles.push_back(raw.triangles.back());
+    EXPECT_GT(prepared(raw, repairs, {Lattice::automatic}).transform.lattice.bits, lattice.bits);
+  }
+  RawMesh point;
+  point.positions.assign(3, {1, 1, 1});
+  EXPECT_EQ(choose_lattice(point.positions, std::vector<Triangle>{{{0, 1, 2}}}, 1).bits, Lattice::most_bits);
+}
+
+TEST(Prepare, RefusesALatticeOutOfRange) {
+  const auto scheduler = make_serial_scheduler();
+  Repairs repairs;
+  for (const int bits : {-2, 25, 1000}) {
+    EXPECT_THROW((void)clean_mesh(tetrahedron(), repairs, {}, {bits}), InputError);
+    EXPECT_THROW((void)prepare_mesh(tetrahedron(), repairs, *scheduler, {}, {bits}), InputError);
+  }
 }
 
 TEST(Prepare, HandsOnWhatTheReaderCounted) {
