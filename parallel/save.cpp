@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/hierarchy/lode_assets.h"
 #include "core/hierarchy/lode_format.h"
 #include "core/io/atomic_file.h"
 #include "core/io/mapped_file.h"
@@ -9,6 +10,15 @@
 namespace lodestone {
 
 namespace {
+
+// Tables in front of the payloads and assets behind them; returns the size of the file.
+std::uint64_t save_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
+                          std::span<const std::uint64_t> checksums, AtomicFile& file) {
+  const std::vector<std::byte> assets = encode_assets(hierarchy);
+  if (!assets.empty()) file.write_at(layout.payload_end(), assets);
+  file.write_at(0, encode_lode_tables(hierarchy, layout, checksums, assets));
+  return layout.payload_end() + assets.size();
+}
 
 std::uint64_t save_plain(const Hierarchy& hierarchy, AtomicFile& file, Scheduler& scheduler) {
   const LodeLayout layout = plan_lode(hierarchy);
@@ -20,8 +30,7 @@ std::uint64_t save_plain(const Hierarchy& hierarchy, AtomicFile& file, Scheduler
     encode_lode_chunk(hierarchy, layout, chunks[range.begin], buffer, checksums);
     file.write_at(layout.cell_offset[chunks[range.begin].first_cell], buffer);
   });
-  file.write_at(0, encode_lode_tables(hierarchy, layout, checksums));
-  return layout.file_bytes();
+  return save_tables(hierarchy, layout, checksums, file);
 }
 
 std::uint64_t save_compressed(const Hierarchy& hierarchy, AtomicFile& file, Scheduler& scheduler) {
@@ -36,8 +45,7 @@ std::uint64_t save_compressed(const Hierarchy& hierarchy, AtomicFile& file, Sche
     file.write_at(layout.cell_offset[chunks[range.begin].first_cell], payloads[range.begin]);
     payloads[range.begin] = {};
   });
-  file.write_at(0, encode_lode_tables(hierarchy, layout, checksums));
-  return layout.file_bytes();
+  return save_tables(hierarchy, layout, checksums, file);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <new>
 
 #include "core/base/error.h"
+#include "core/hierarchy/lode_assets.h"
 #include "core/hierarchy/lode_compress.h"
 #include "core/hierarchy/lode_format.h"
 #include "core/hierarchy/lode_payload.h"
@@ -50,7 +51,6 @@ LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file
       "record sizes do not fit the version");
   if ((h.features & ~lode_known_features) != 0)
     throw UnsupportedError(describe(file, "header", "features that this program does not know", "use a newer one"));
-  say(h.version >= 2 || (h.features == 0 && h.lattice_bits == 0), "features that the version does not have");
   say(h.reserved == 0 && h.lattice_bits <= Lattice::most_bits, "lattice out of range");
   say(!(h.features & lode_compressed) || h.lattice_bits != 0, "compressed, but on no lattice");
   say(h.level_count >= 1 && h.level_count <= max_level + 1, "number of levels out of range");
@@ -58,8 +58,9 @@ LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file
   const std::uint64_t tables = sizeof(LodeHeader) + h.level_count * sizeof(LodeLevel) + h.cell_count * sizeof(LodeCell);
   say(h.payload_offset == (tables + lode_alignment - 1) / lode_alignment * lode_alignment, "wrong size of the tables");
   say(bytes.size() >= h.payload_offset, "the file ends inside the tables");
-  say(bytes.size() - h.payload_offset >= h.payload_bytes, "the file is truncated");
-  say(bytes.size() - h.payload_offset == h.payload_bytes, "the file goes on beyond its end");
+  const std::uint64_t rest = bytes.size() - h.payload_offset;
+  say(rest >= h.payload_bytes && rest - h.payload_bytes >= h.asset_bytes, "the file is truncated");
+  say(rest - h.payload_bytes == h.asset_bytes, "the file goes on beyond its end");
   return h;
 }
 
@@ -75,6 +76,8 @@ void check_table_checksum(std::span<const std::byte> bytes, const LodeHeader& he
 void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   hierarchy.transform = {{h.origin[0], h.origin[1], h.origin[2]}, h.scale, {h.lattice_bits}};
   hierarchy.sigma0 = h.sigma0;
+  const auto has = [&](LodeFeatures feature) { return (h.features & feature) != 0; };
+  hierarchy.attributes = {has(lode_wedges), has(lode_uv), has(lode_colours), has(lode_materials)};
   Provenance& p = hierarchy.provenance;
   p.input_vertices = h.input_vertices;
   p.input_triangles = h.input_triangles;
@@ -134,6 +137,7 @@ LodeReader::LodeReader(std::span<const std::byte> bytes, std::shared_ptr<const v
   take_header(hierarchy_, header);
   take_levels(hierarchy_, bytes, header, file_);
   take_cells(header, std::move(storage));
+  take_assets(header);
   if (const std::string fault = table_fault(hierarchy_); !fault.empty()) refuse(file_, "tables", fault);
 }
 
@@ -145,22 +149,24 @@ LodeCell LodeReader::record(std::uint32_t cell) const {
 // Payloads follow each other to the end of the file; take_cells has seen to it.
 std::span<const std::byte> LodeReader::payload(std::uint32_t cell) const {
   const std::uint64_t begin = record(cell).offset;
-  const std::uint64_t end = cell + 1 < cell_count() ? record(cell + 1).offset : bytes_.size();
+  const std::uint64_t end = cell + 1 < cell_count() ? record(cell + 1).offset : payload_end_;
   return bytes_.subspan(begin, end - begin);
 }
 
 void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void> storage) {
   const auto say = [&](bool holds, const char* what) { require(holds, file_, "cell table", what); };
   const auto counts = [&](const LodeCell& r, std::uint32_t c) {
-    return PayloadCounts{r.vertices, r.shared, r.triangles, c >= hierarchy_.levels.front().cell_count};
+    return PayloadCounts{r.vertices, r.shared, r.triangles, c >= hierarchy_.levels.front().cell_count,
+                         hierarchy_.attributes};
   };
+  payload_end_ = header.payload_offset + header.payload_bytes;
   const auto count = static_cast<std::uint32_t>(header.cell_count);
   std::uint64_t unpacked = 0;
   for (std::uint32_t c = 0; c < count; ++c) {
     const LodeCell r = record(c);
-    const std::uint64_t end = c + 1 < count ? record(c + 1).offset : bytes_.size(), plain = plain_bytes(counts(r, c));
-    say(r.offset >= header.payload_offset && r.offset <= end && end <= bytes_.size() &&
-            r.offset % lode_alignment == 0 && (c > 0 || r.offset == header.payload_offset),
+    const std::uint64_t end = c + 1 < count ? record(c + 1).offset : payload_end_, plain = plain_bytes(counts(r, c));
+    say(r.offset >= header.payload_offset && r.offset <= end && end <= payload_end_ && r.offset % lode_alignment == 0 &&
+            (c > 0 || r.offset == header.payload_offset),
         "a payload is not where it belongs");
     say(form_ == LodeForm::plain ? end - r.offset == align_up(plain) : plain <= most_decompressed(end - r.offset),
         "a payload has not the size of what it holds");
@@ -181,6 +187,13 @@ void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void
     hierarchy_.cells.push_back(cell_of_record(r, n, form_ == LodeForm::plain ? bytes_.data() + r.offset : at));
     at += form_ == LodeForm::plain ? 0 : plain_bytes(n);
   }
+}
+
+void LodeReader::take_assets(const LodeHeader& header) {
+  const std::span<const std::byte> assets = bytes_.subspan(payload_end_);
+  if (XXH3_64bits(assets.data(), assets.size()) != header.asset_checksum)
+    refuse(file_, "materials and textures", "the checksum does not fit: the file was altered");
+  if (const char* fault = decode_assets(assets, hierarchy_)) refuse(file_, "materials and textures", fault);
 }
 
 void LodeReader::check(std::uint32_t first, std::uint32_t end) {

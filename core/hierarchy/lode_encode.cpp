@@ -25,12 +25,18 @@ std::byte* put(std::byte* to, std::span<const T> items) {
   return to + items.size_bytes();
 }
 
+std::uint16_t features_of(const AttributeSet& a, LodeForm form) {
+  return static_cast<std::uint16_t>((form == LodeForm::compressed ? lode_compressed : 0) |
+                                    (a.wedges ? lode_wedges : 0) | (a.uv ? lode_uv : 0) |
+                                    (a.colours ? lode_colours : 0) | (a.materials ? lode_materials : 0));
+}
+
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   LodeHeader h;
   h.magic = lode_magic;
-  h.features = layout.form == LodeForm::compressed ? lode_compressed : 0;
+  h.features = features_of(hierarchy.attributes, layout.form);
   h.lattice_bits = static_cast<std::uint8_t>(hierarchy.transform.lattice.bits);
-  h.version = h.features == 0 && h.lattice_bits == 0 ? 1 : 2;
+  h.version = lode_version;
   h.byte_order = lode_byte_order;
   h.header_bytes = sizeof(LodeHeader);
   h.level_bytes = sizeof(LodeLevel);
@@ -38,7 +44,7 @@ LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   h.level_count = static_cast<std::uint32_t>(hierarchy.levels.size());
   h.cell_count = hierarchy.cells.size();
   h.payload_offset = layout.table_bytes;
-  h.payload_bytes = layout.file_bytes() - layout.table_bytes;
+  h.payload_bytes = layout.payload_end() - layout.table_bytes;
   h.origin = {hierarchy.transform.origin.x, hierarchy.transform.origin.y, hierarchy.transform.origin.z};
   h.scale = hierarchy.transform.scale;
   h.sigma0 = hierarchy.sigma0;
@@ -146,9 +152,11 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 }
 
 std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
-                                          std::span<const std::uint64_t> checksums) {
+                                          std::span<const std::uint64_t> checksums, std::span<const std::byte> assets) {
   std::vector<std::byte> bytes(layout.table_bytes);
   LodeHeader header = header_of(hierarchy, layout);
+  header.asset_bytes = assets.size();
+  header.asset_checksum = XXH3_64bits(assets.data(), assets.size());
   std::byte* to = bytes.data() + sizeof(LodeHeader);
   for (const Level& level : hierarchy.levels) {
     const LodeLevel record = record_of(level);

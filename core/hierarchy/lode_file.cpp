@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/hierarchy/lode_assets.h"
 #include "core/hierarchy/lode_format.h"
 #include "core/io/atomic_file.h"
 #include "core/io/mapped_file.h"
@@ -18,12 +19,14 @@ std::uint64_t write_plain(const Hierarchy& hierarchy, AtomicFile& file) {
   std::vector<std::uint64_t> checksums(hierarchy.cells.size());
   std::vector<std::byte> buffer;
   for (const LodeChunk chunk : chunks) encode_lode_chunk(hierarchy, layout, chunk, buffer, checksums);
-  file.write(encode_lode_tables(hierarchy, layout, checksums));
+  const std::vector<std::byte> assets = encode_assets(hierarchy);
+  file.write(encode_lode_tables(hierarchy, layout, checksums, assets));
   for (const LodeChunk chunk : chunks) {
     encode_lode_chunk(hierarchy, layout, chunk, buffer, checksums);
     file.write(buffer);
   }
-  return layout.file_bytes();
+  file.write(assets);
+  return file.position();
 }
 
 std::uint64_t write_compressed(const Hierarchy& hierarchy, AtomicFile& file) {
@@ -31,9 +34,11 @@ std::uint64_t write_compressed(const Hierarchy& hierarchy, AtomicFile& file) {
   std::vector<std::byte> payloads;
   compress_lode_chunk(hierarchy, {0, static_cast<std::uint32_t>(sizes.size())}, payloads, sizes, checksums);
   const LodeLayout layout = plan_compressed_lode(hierarchy, sizes);
-  file.write(encode_lode_tables(hierarchy, layout, checksums));
+  const std::vector<std::byte> assets = encode_assets(hierarchy);
+  file.write(encode_lode_tables(hierarchy, layout, checksums, assets));
   file.write(payloads);
-  return layout.file_bytes();
+  file.write(assets);
+  return file.position();
 }
 
 }  // namespace

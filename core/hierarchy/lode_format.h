@@ -2,16 +2,16 @@
 //
 // Layout, little-endian, everything 16-byte aligned:
 //
-//   LodeHeader | LodeLevel x levels | LodeCell x cells | padding | payload of cell 0 | payload of cell 1 | ...
+//   LodeHeader | LodeLevel x levels | LodeCell x cells | padding | payload of cell 0 | payload of cell 1 | ... | assets
 //
 // Cells go from coarse to fine, so that a reader (or a network) has a whole coarse model first. A plain payload holds
 // positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
 // mapped file is used in place, and all offsets follow from the counts alone. A compressed payload holds the same
 // arrays as streams (core/hierarchy/lode_compress.h), then zeros up to 16 bytes. Payloads follow each other, so that
-// each ends where the next begins. Each has its XXH3-64 checksum in the cell table; one more covers header and tables.
-// Nothing in the file depends on time, paths or threads: equal hierarchies give equal bytes.
+// each ends where the next begins. Assets are materials and textures (core/hierarchy/lode_assets.h). Each payload has
+// its XXH3-64 checksum in the cell table; one more covers header and tables, and one the assets. Nothing in the file
+// depends on time, paths or threads: equal hierarchies give equal bytes.
 //
-// Version 1 knows neither lattice nor features: those fields are zero, and files that need neither are written so.
 #pragma once
 
 #include <array>
@@ -30,14 +30,18 @@ namespace lodestone {
 
 // The first byte is not ASCII and the line ends differ, so that a transfer in text mode is noticed (as in PNG).
 inline constexpr std::array<char, 8> lode_magic{'\x93', 'L', 'O', 'D', 'E', '\r', '\n', '\x1a'};
-inline constexpr std::uint32_t lode_version = 2;
+inline constexpr std::uint32_t lode_version = 1;
 inline constexpr std::uint32_t lode_byte_order = 0x0403'0201u;
 inline constexpr std::uint64_t lode_alignment = 16;
 
 // Bits of LodeHeader::features. A reader refuses a file with a bit that it does not know.
 enum LodeFeatures : std::uint16_t {
   lode_compressed = 1,
-  lode_known_features = lode_compressed,
+  lode_wedges = 2,  // AttributeSet::wedges, and so on
+  lode_uv = 4,
+  lode_colours = 8,
+  lode_materials = 16,
+  lode_known_features = 31,
 };
 
 struct LodeHeader {
@@ -46,8 +50,9 @@ struct LodeHeader {
   std::uint32_t header_bytes = 0, level_bytes = 0, cell_bytes = 0;  // sizes of the three records
   std::uint32_t level_count = 0;
   std::uint64_t cell_count = 0;
-  std::uint64_t payload_offset = 0, payload_bytes = 0;  // payload_offset + payload_bytes = file size
-  std::uint64_t table_checksum = 0;                     // of header and tables, with this field 0
+  std::uint64_t payload_offset = 0, payload_bytes = 0, asset_bytes = 0;  // their sum is the file size
+  std::uint64_t table_checksum = 0;                                      // of header and tables, with this field 0
+  std::uint64_t asset_checksum = 0;
   std::array<double, 3> origin{};
   double scale = 0;
   float sigma0 = 0;
@@ -57,7 +62,7 @@ struct LodeHeader {
   std::uint64_t input_vertices = 0, input_triangles = 0, fingerprint = 0;
   std::array<std::uint64_t, 7> repairs{};  // in the order of struct Repairs
 };
-static_assert(sizeof(LodeHeader) == 8 + 6 * 4 + 4 * 8 + 4 * 8 + 4 * 4 + 3 * 8 + 7 * 8);  // no padding
+static_assert(sizeof(LodeHeader) == 8 + 6 * 4 + 6 * 8 + 4 * 8 + 4 * 4 + 3 * 8 + 7 * 8);  // no padding
 
 struct LodeLevel {
   std::uint32_t first_cell = 0, cell_count = 0;
@@ -83,8 +88,8 @@ static_assert(sizeof(LodeCell) == 3 * 8 + 6 * 4 + 6 * 4 + 2 * 4);
 struct LodeLayout {
   LodeForm form = LodeForm::plain;
   std::uint64_t table_bytes = 0;           // header, levels, cells and padding: the offset of the first payload
-  std::vector<std::uint64_t> cell_offset;  // one per cell and one more: the size of the file
-  [[nodiscard]] std::uint64_t file_bytes() const { return cell_offset.back(); }
+  std::vector<std::uint64_t> cell_offset;  // one per cell and one more: where the assets begin
+  [[nodiscard]] std::uint64_t payload_end() const { return cell_offset.back(); }
 };
 [[nodiscard]] LodeLayout plan_lode(const Hierarchy& hierarchy);
 // The same for compressed payloads, whose sizes are known when they are there: one per cell, multiples of 16.
@@ -107,8 +112,10 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
                          std::span<std::uint64_t> payload_sizes, std::span<std::uint64_t> checksums);
 
 // Header and tables: the first layout.table_bytes bytes of the file. checksums: one per cell.
+// assets: those that follow the last payload (encode_assets).
 [[nodiscard]] std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
-                                                        std::span<const std::uint64_t> checksums);
+                                                        std::span<const std::uint64_t> checksums,
+                                                        std::span<const std::byte> assets = {});
 
 // A file that is being opened: its tables as a hierarchy. Payloads are views of `bytes`, or of memory that check()
 // decompresses into, as large as the plain payloads. `bytes` starts 16-byte aligned and lives as long as `storage`.
@@ -129,12 +136,14 @@ class LodeReader {
 
  private:
   void take_cells(const LodeHeader& header, std::shared_ptr<const void> storage);
+  void take_assets(const LodeHeader& header);
   [[nodiscard]] LodeCell record(std::uint32_t cell) const;
   [[nodiscard]] std::span<const std::byte> payload(std::uint32_t cell) const;
 
   std::span<const std::byte> bytes_;
   std::string file_;
   Hierarchy hierarchy_;
+  std::uint64_t payload_end_ = 0;
   LodeForm form_ = LodeForm::plain;
   std::byte* unpacked_ = nullptr;  // compressed form: the plain payloads, one after the other
 };

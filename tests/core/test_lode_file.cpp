@@ -131,20 +131,6 @@ TEST_F(LodeFile, CompressesNothingThatIsOnNoLattice) {
   EXPECT_EQ(files(), 0u);
 }
 
-TEST_F(LodeFile, IsOfTheFirstVersionWhereThatIsEnough) {
-  const auto version = [&] {
-    std::uint32_t v = 0;
-    std::memcpy(&v, read_bytes(path()).data() + offsetof(LodeHeader, version), sizeof(v));
-    return v;
-  };
-  write_lode(small_model(), path());
-  EXPECT_EQ(version(), 1u);
-  write_lode(lattice_model(), path());
-  EXPECT_EQ(version(), 2u);
-  write_lode(lattice_model(), path(), LodeForm::compressed);
-  EXPECT_EQ(version(), 2u);
-}
-
 TEST_F(LodeFile, IsUsedInPlaceAndOutlivesTheHierarchyItCameFrom) {
   write_lode(small_model(), path());
   Hierarchy copy;
@@ -162,7 +148,7 @@ TEST_F(LodeFile, HasTheSameBytesFromEveryWriterAndAnyNumberOfThreads) {
   ASSERT_GT(lode_chunks(plan_lode(model)).size(), 1u);
   write_lode(model, path());
   const Bytes expected = read_bytes(path());
-  EXPECT_EQ(expected.size(), plan_lode(model).file_bytes());
+  EXPECT_EQ(expected.size(), plan_lode(model).payload_end());
   for (const int threads : {1, 2, 3, 7}) {
     const auto scheduler = make_tbb_scheduler(threads);
     save_lode(model, path("parallel.lode"), *scheduler);
@@ -267,7 +253,7 @@ Bytes with_header(Bytes bytes, const Change& change) {
   return bytes;
 }
 
-TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatTheVersionDoesNotHave) {
+TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {
   write_lode(lattice_model(), path(), LodeForm::compressed);
   const Bytes whole = read_bytes(path());
   const auto open_with = [&](const auto& change) {
@@ -276,9 +262,9 @@ TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatTheVersionDoesNotHave) {
   };
   EXPECT_NO_THROW(open_with([](LodeHeader&) {}));
   EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= 0x8000; }), UnsupportedError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= 2; }), UnsupportedError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.version = 1; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.version = 1, h.features = 0; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_uv; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.asset_bytes = 16; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.asset_checksum ^= 1; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.features = 0; }), InputError);  // plain payloads are larger
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 0; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 25; }), InputError);

@@ -1,12 +1,19 @@
 // Hierarchies of meshes with attributes, from corners to the root.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 
+#include "core/base/error.h"
+#include "core/hierarchy/lode_file.h"
 #include "core/hierarchy/verify.h"
 #include "core/mesh/generate.h"
 #include "parallel/build.h"
+#include "parallel/load.h"
 #include "parallel/prepare.h"
+#include "parallel/save.h"
 
 namespace lodestone {
 namespace {
@@ -119,6 +126,51 @@ TEST_P(BuildWedges, LeavesNormalsAndShapeOfTheFinestLevelAlone) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i)
     for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(a[i][k], b[i][k], 1e-3f);
+}
+
+// Plain and compressed, materials and textures included.
+TEST_P(BuildWedges, SurvivesTheFile) {
+  const auto scheduler = make_tbb_scheduler(2);
+  Repairs repairs;
+  BuildConfig config;
+  config.cell_triangles = 150;
+  config.simplifier = GetParam().simplifier;
+  config.order_cells = true;
+  RawMesh raw = charted(GetParam().shape, 5'000);
+  raw.textures.push_back({"stone.png", "image/png", TextureWrap::clamp, TextureWrap::mirror, {'a', 'b', '\0', 'c'}});
+  raw.materials[2].texture = 0;
+  const Hierarchy h =
+      build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler, {}, Lattice{18}), config, *scheduler);
+  const std::filesystem::path path =
+      std::filesystem::path(testing::TempDir()) /
+      ("wedges" + std::to_string(static_cast<int>(GetParam().shape)) +
+       std::to_string(static_cast<int>(GetParam().simplifier)) + std::to_string(::getpid()) + ".lode");
+  for (const LodeForm form : {LodeForm::plain, LodeForm::compressed}) {
+    (void)save_lode(h, path, *scheduler, form);
+    const Hierarchy read = load_lode(path, *scheduler);
+    EXPECT_EQ(read.attributes, h.attributes);
+    EXPECT_EQ(read.materials, h.materials);
+    EXPECT_EQ(read.textures, h.textures);
+    const VerifyReport report = verify_hierarchy(read);
+    for (const VerifyCheck& check : report.checks) EXPECT_TRUE(check.passed) << check.name << ": " << check.detail;
+    ASSERT_EQ(read.cells.size(), h.cells.size());
+    for (std::size_t c = 0; c < h.cells.size(); ++c) {
+      EXPECT_TRUE(std::ranges::equal(read.cells[c].positions, h.cells[c].positions));
+      EXPECT_TRUE(std::ranges::equal(read.cells[c].attributes.uv, h.cells[c].attributes.uv));
+      EXPECT_TRUE(std::ranges::equal(read.cells[c].attributes.colours, h.cells[c].attributes.colours));
+      EXPECT_TRUE(std::ranges::equal(read.cells[c].attributes.materials, h.cells[c].attributes.materials));
+    }
+    std::vector<std::byte> serial(std::filesystem::file_size(path));
+    std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(serial.data()), std::ssize(serial));
+    write_lode(h, path, form);
+    std::vector<std::byte> twin(std::filesystem::file_size(path));
+    std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(twin.data()), std::ssize(twin));
+    EXPECT_TRUE(serial == twin) << "the parallel writer writes the same bytes";
+    serial.back() ^= std::byte{1};  // inside the assets
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(serial.data()), std::ssize(serial));
+    EXPECT_THROW((void)load_lode(path, *scheduler), InputError);
+  }
+  std::filesystem::remove(path);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BuildWedges,
