@@ -24,9 +24,9 @@ enum class Strategy : std::uint8_t { serial, levels, graph };
 
 struct BuildConfig {
   // Displacement bound: d(v, P(v)) <= sigma0 h_l / 2. Dimensionless, in (0, 2]. The default leaves the simplifier about
-  // 2.5 mean edges at the default cell size.
+  // four mean edges at the default cell size.
   float sigma0 = 0.2f;
-  std::uint32_t cell_triangles = 2500;  // mean triangles per occupied finest cell that L is chosen for; at least 1
+  std::uint32_t cell_triangles = 4600;  // mean triangles per occupied finest cell that L is chosen for; at least 1
   int finest_level = -1;                // L; -1: from cell_triangles; at most max_level
   SimplifierKind simplifier = SimplifierKind::quadric;
   Strategy strategy = Strategy::graph;

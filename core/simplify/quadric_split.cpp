@@ -31,11 +31,27 @@ std::size_t Splitter::count_vertices(const SimplifyInput& input, std::size_t beg
   return count;
 }
 
-void Splitter::halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices) {
+void Splitter::cut(const SimplifyInput& input, std::size_t most_vertices, bool by_place) {
+  seen_.assign(input.positions.size(), 0);
+  stamp_ = 0;
+  ends_.assign(1, 0);
+  halve(input, 0, order_.size(), most_vertices, by_place);
+}
+
+void Splitter::halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices,
+                     bool by_place) {
   if (count_vertices(input, begin, end) <= most_vertices) {
     ends_.push_back(end);
     return;
   }
+  const std::size_t middle = begin + (end - begin) / 2;
+  if (by_place) part_by_median(input, begin, middle, end);
+  halve(input, begin, middle, most_vertices, by_place);
+  halve(input, middle, end, most_vertices, by_place);
+}
+
+// Brings the triangles below the median along the longest axis in front of the others.
+void Splitter::part_by_median(const SimplifyInput& input, std::size_t begin, std::size_t middle, std::size_t end) {
   Box3f box;
   for (std::size_t i = begin; i < end; ++i) box.extend(thrice_barycentre(input, order_[i].triangle));
   const std::array<float, 3> extent{box.hi.x - box.lo.x, box.hi.y - box.lo.y, box.hi.z - box.lo.z};
@@ -44,15 +60,12 @@ void Splitter::halve(const SimplifyInput& input, std::size_t begin, std::size_t 
     const Vec3f b = thrice_barycentre(input, order_[i].triangle);
     order_[i].key = ordered(axis == 0 ? b.x : axis == 1 ? b.y : b.z);
   }
-  const std::size_t middle = begin + (end - begin) / 2;
   const auto first = order_.begin();
   std::nth_element(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(middle),
                    first + static_cast<std::ptrdiff_t>(end));
-  halve(input, begin, middle, most_vertices);
-  halve(input, middle, end, most_vertices);
 }
 
-void Splitter::find_shared(const SimplifyInput& input) {
+std::size_t Splitter::find_shared(const SimplifyInput& input) {
   constexpr std::uint32_t unused = 0xffff'ffffu;
   seen_.assign(input.positions.size(), unused);
   shared_.assign(input.positions.size(), 0);
@@ -62,21 +75,24 @@ void Splitter::find_shared(const SimplifyInput& input) {
         shared_[v] |= seen_[v] != unused && seen_[v] != part;
         seen_[v] = part;
       }
+  return static_cast<std::size_t>(std::count(shared_.begin(), shared_.end(), 1));
 }
 
 std::size_t Splitter::split(const SimplifyInput& input, std::size_t most_vertices) {
   order_.resize(input.triangles.size());
   for (std::uint32_t t = 0; t < order_.size(); ++t) order_[t] = {0, t};
-  seen_.assign(input.positions.size(), 0);
-  stamp_ = 0;
-  ends_.assign(1, 0);
-  halve(input, 0, order_.size(), most_vertices);
-  // The order that nth_element leaves within a part is nobody's business.
-  const auto by_id = [](const Keyed& a, const Keyed& b) { return a.triangle < b.triangle; };
-  for (std::size_t p = 0; p + 1 < ends_.size(); ++p)
-    std::sort(order_.begin() + static_cast<std::ptrdiff_t>(ends_[p]),
-              order_.begin() + static_cast<std::ptrdiff_t>(ends_[p + 1]), by_id);
-  find_shared(input);
+  cut(input, most_vertices, false);
+  // A block's triangles come cell by cell, and halves of that order have short seams. Those of one large cell need not.
+  constexpr std::size_t one_in = 12;
+  if (find_shared(input) > input.positions.size() / one_in) {
+    cut(input, most_vertices, true);
+    // The order that nth_element leaves within a part is nobody's business.
+    const auto by_id = [](const Keyed& a, const Keyed& b) { return a.triangle < b.triangle; };
+    for (std::size_t p = 0; p + 1 < ends_.size(); ++p)
+      std::sort(order_.begin() + static_cast<std::ptrdiff_t>(ends_[p]),
+                order_.begin() + static_cast<std::ptrdiff_t>(ends_[p + 1]), by_id);
+    (void)find_shared(input);
+  }
   local_.resize(input.positions.size());
   seen_.assign(input.positions.size(), 0);
   seen_wedge_.assign(input.wedge_vertex.size(), 0);

@@ -24,8 +24,9 @@ struct Part {
   }
 };
 
-// Halves the triangles at the median of their barycentres along the longest axis until a half uses at most
-// `most_vertices` vertices. Depends on the input alone. Keeps its memory between calls.
+// Halves the triangles until a half uses at most `most_vertices` vertices: in the order that they have, or, where that
+// leaves long seams between the parts, at the median of their barycentres along the longest axis. Depends on the input
+// alone. Keeps its memory between calls.
 class Splitter {
  public:
   // The number of parts; at least 1 for a mesh with triangles.
@@ -34,9 +35,12 @@ class Splitter {
   const Part& part(const SimplifyInput& input, std::size_t index);
 
  private:
-  void halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices);
+  void cut(const SimplifyInput& input, std::size_t most_vertices, bool by_place);
+  void halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices, bool by_place);
+  void part_by_median(const SimplifyInput& input, std::size_t begin, std::size_t middle, std::size_t end);
   [[nodiscard]] std::size_t count_vertices(const SimplifyInput& input, std::size_t begin, std::size_t end);
-  void find_shared(const SimplifyInput& input);
+  // How many vertices several parts use; marks them in shared_.
+  [[nodiscard]] std::size_t find_shared(const SimplifyInput& input);
   void append_corners(const Triangle& corners, const Triangle& local);
 
   struct Keyed {
