@@ -325,9 +325,15 @@ class Interrupts(CommandCase):
         return model("big.ply", "generate", "terrain", "--triangles", 3_000_000)
 
     def test_build(self):
-        for after in (0.05, 0.5, 1.0):
-            self.interrupt("build", self.big(), "-o", "m.lode", "--threads", 1, "--json", "m.json", after=after)
-        self.interrupt("build", self.big(), "-o", "m.lode", after=0.5, signal_number=signal.SIGTERM)
+        build = ("build", self.big(), "-o", "m.lode", "--threads", 1, "--json", "m.json")
+        started = time.monotonic()
+        self.lodestone(*build)
+        seconds = time.monotonic() - started
+        for output in ("m.lode", "m.json"):
+            (self.folder / output).unlink()
+        for share in (0.05, 0.3, 0.5):
+            self.interrupt(*build, after=share * seconds)
+        self.interrupt(*build, after=0.4 * seconds, signal_number=signal.SIGTERM)
 
     def test_generate(self):
         self.interrupt("generate", "sphere", "--triangles", 50_000_000, "-o", "m.ply")
