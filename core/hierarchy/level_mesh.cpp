@@ -21,12 +21,21 @@ const Level& level_or_throw(const Hierarchy& hierarchy, int level) {
   return found;
 }
 
+void append_attributes(const Hierarchy& hierarchy, const Cell& cell, std::uint32_t v, RawWedges& out) {
+  out.normal.push_back(unpack_normal(cell.normals[v]));
+  if (hierarchy.attributes.uv) out.uv.push_back(cell.attributes.uv[v]);
+  if (hierarchy.attributes.colours) out.colour.push_back(cell.attributes.colours[v]);
+}
+
 }  // namespace
 
 RawMesh level_mesh(const Hierarchy& hierarchy, int level) {
   const Level& found = level_or_throw(hierarchy, level);
   RawMesh mesh;
   mesh.triangles.reserve(found.triangles);
+  mesh.materials = hierarchy.materials;
+  mesh.textures = hierarchy.textures;
+  const bool attributed = hierarchy.attributes != AttributeSet{} || !hierarchy.materials.empty();
   std::unordered_map<std::uint32_t, std::uint32_t> by_id;  // of the shared vertices
   std::vector<std::uint32_t> numbers;                      // of the cell's vertices in `mesh`
   const auto add = [&](const Cell& cell, std::uint32_t v) {
@@ -36,6 +45,7 @@ RawMesh level_mesh(const Hierarchy& hierarchy, int level) {
       if (!fresh) return at->second;
     }
     mesh.positions.push_back(hierarchy.transform.to_model(cell.positions[v]));
+    if (attributed) append_attributes(hierarchy, cell, v, mesh.wedges);
     return next;
   };
   for (const Cell& cell : hierarchy.cells_of(level)) {
@@ -47,6 +57,10 @@ RawMesh level_mesh(const Hierarchy& hierarchy, int level) {
         if (number == unseen) number = add(cell, t.v[i]);
         out.v[i] = number;
       }
+      if (hierarchy.attributes.materials)
+        mesh.wedges.material.push_back(cell.attributes.materials[t.v[0]]);
+      else if (!hierarchy.materials.empty())
+        mesh.wedges.material.push_back(0);
     }
   }
   return mesh;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/io/glb_writer.h"
 
 namespace lodestone {
 namespace {
@@ -117,7 +118,9 @@ void write_stl(AtomicFile& file, const MeshView& mesh) {
 }  // namespace
 
 MeshView view_of(const RawMesh& mesh) {
-  return {mesh.positions.size(), [&mesh](std::size_t i) { return mesh.positions[i]; }, mesh.triangles};
+  return {mesh.positions.size(), [&mesh](std::size_t i) { return mesh.positions[i]; },
+          mesh.triangles,        mesh.wedges.corners.empty() ? &mesh.wedges : nullptr,
+          mesh.materials,        mesh.textures};
 }
 
 MeshView view_of(const IndexedMesh& mesh) {
@@ -131,10 +134,11 @@ void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
   void (*const write)(AtomicFile&, const MeshView&) = extension == ".ply"   ? write_ply
                                                       : extension == ".obj" ? write_obj
                                                       : extension == ".stl" ? write_stl
+                                                      : extension == ".glb" ? write_glb
                                                                             : nullptr;
   if (!write)
     throw UnsupportedError(
-        describe(path.string(), "", "cannot write a mesh of this format", "name a .ply, .obj or .stl file"));
+        describe(path.string(), "", "cannot write a mesh of this format", "name a .ply, .obj, .stl or .glb file"));
   if (write == write_stl && mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
     throw ResourceError(describe(path.string(), "", "more triangles than an STL file can count", "write a .ply file"));
   AtomicFile file(path);

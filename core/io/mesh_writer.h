@@ -1,4 +1,4 @@
-// Writing mesh files: binary PLY, OBJ, binary STL. Complete or not at all (core/io/atomic_file.h).
+// Writing mesh files: binary PLY, OBJ, binary STL, binary glTF. Complete or not at all (core/io/atomic_file.h).
 #pragma once
 
 #include <cstddef>
@@ -19,16 +19,20 @@ struct MeshView {
   std::size_t vertex_count = 0;
   std::function<Vec3d(std::size_t)> position;
   std::span<const Triangle> triangles;
+  // Attributes by vertex, for formats that have them; null: none.
+  const RawWedges* wedges = nullptr;
+  std::span<const Material> materials{};
+  std::span<const Texture> textures{};
 };
 
-// The mesh has to outlive its view.
+// The mesh has to outlive its view. Wedges that are not the vertices are left out.
 [[nodiscard]] MeshView view_of(const RawMesh& mesh);
 [[nodiscard]] MeshView view_of(const IndexedMesh& mesh);  // in the space of the file that it was read from
 
-// By the extension: .ply, .obj or .stl, in any case. PLY positions are float unless that would lose more than 2^-22 of
-// the model's extent (a model far from the origin), then double; OBJ positions are the shortest decimals that read back
-// as the same double; STL knows float only. Throws UnsupportedError for other extensions, FileError when the target
-// cannot be written; then no file is left and an older one is as it was.
+// By the extension: .ply, .obj, .stl or .glb, in any case. Only .glb carries attributes. PLY positions are float unless
+// that would lose more than 2^-22 of the model's extent (a model far from the origin), then double; OBJ positions are
+// the shortest decimals that read back as the same double; STL knows float only. Throws UnsupportedError for other
+// extensions, FileError when the target cannot be written; then no file is left and an older one is as it was.
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh);
 
 // The parts of a binary little-endian PLY file, for those that write it piece by piece: the header, then vertex records

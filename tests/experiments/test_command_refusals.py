@@ -60,7 +60,7 @@ class Usage(CommandCase):
         self.refused("export", "m.lode", "--level", 4, "-o", "x.ply", names=["m.lode", "level 4"])
         self.refused("export", "m.lode", "--level", -1, "-o", "x.ply", names=["--level"])
         for name in ("x.png", "x"):
-            self.refused("export", "m.lode", "-o", name, names=[name, ".ply, .obj or .stl"])
+            self.refused("export", "m.lode", "-o", name, names=[name, ".ply, .obj, .stl or .glb"])
         for level in ("4", "", "x", "-1", "999999999999"):
             self.refused("compare", "m.ply", f"m.lode:{level}", names=["m.lode", f"level '{level}'"])
 

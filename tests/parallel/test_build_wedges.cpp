@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "core/base/error.h"
+#include "core/hierarchy/level_mesh.h"
 #include "core/hierarchy/lode_file.h"
 #include "core/hierarchy/verify.h"
 #include "core/mesh/generate.h"
@@ -171,6 +172,23 @@ TEST_P(BuildWedges, SurvivesTheFile) {
     EXPECT_THROW((void)load_lode(path, *scheduler), InputError);
   }
   std::filesystem::remove(path);
+}
+
+TEST_P(BuildWedges, LevelsComeOutWithTheirAttributes) {
+  const Hierarchy h = build(2, Strategy::graph);
+  for (const int level : {0, h.finest()}) {
+    const RawMesh mesh = level_mesh(h, level);
+    ASSERT_EQ(mesh.triangles.size(), h.levels[static_cast<std::size_t>(level)].triangles);
+    ASSERT_EQ(mesh.wedges.uv.size(), mesh.positions.size());
+    ASSERT_EQ(mesh.wedges.normal.size(), mesh.positions.size());
+    ASSERT_EQ(mesh.wedges.colour.size(), mesh.positions.size());
+    ASSERT_EQ(mesh.wedges.material.size(), mesh.triangles.size());
+    EXPECT_EQ(mesh.materials, h.materials);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+      for (const std::uint32_t v : mesh.triangles[t].v)
+        EXPECT_NEAR(mesh.wedges.uv[v].x, 10.0 * mesh.wedges.material[t] + mesh.positions[v].x,
+                    0.05 * h.transform.scale + 1e-4);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BuildWedges,
