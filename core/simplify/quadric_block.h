@@ -100,7 +100,9 @@ class Seams;
 
 // The two builds of the same kernel: equal bytes. At most id_limit vertices; `result` has its final sizes. seams:
 // working memory for wedges; null where the input has none.
-void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result);
-void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result);
+void simplify_block_plain(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+                          SimplifyResult& result);
+void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+                         SimplifyResult& result);
 
 }  // namespace lodestone::quadric

@@ -26,6 +26,7 @@ void BlockKernel<L>::push(Id v, unsigned bucket) {
 // step of one waits for the step before; a collapse among them may leave another to be evaluated again.
 template <class L>
 void BlockKernel<L>::collapse_to_target() {
+  const std::size_t target = triangles_to_keep(input_, movable_);
   Id next[batch_size];
   Candidate<1> batch[batch_size];
   for (unsigned b = 0; b < bucket_count; ++b) {
@@ -37,7 +38,7 @@ void BlockKernel<L>::collapse_to_target() {
       for (unsigned i = 0; i < now; ++i) choose(batch[i]);
       count = take(b, next);  // already, so that memory has time
       for (unsigned i = 0; i < now; ++i) {
-        if (live_ <= input_.target_triangles) return;
+        if (live_ <= target) return;
         Candidate<1>& c = batch[i];
         const unsigned n = degree(c.v);
         if (n > 8) {

@@ -30,8 +30,9 @@ template <class L>
 class BlockKernel {
  public:
   // seams: null for a mesh without wedges.
-  BlockKernel(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result)
+  BlockKernel(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams, SimplifyResult& result)
       : input_(input),
+        placement_(placement),
         a_(arrays),
         seams_(seams),
         result_(result),
@@ -42,7 +43,7 @@ class BlockKernel {
     link_triangles();
     start_vertices();
     collapse_to_target();
-    relocate_survivors();
+    if (placement_ == Placement::optimal) relocate_survivors();
     measure_distances();
     result_.triangles = live_;
     if (seams_ != nullptr) seams_->resolve(input_, result_.parent, result_.wedge_parent);
@@ -189,6 +190,7 @@ class BlockKernel {
   [[nodiscard]] float walk(Foot nearest, Shift q, float known) const;
 
   const SimplifyInput& input_;
+  Placement placement_;
   Arrays& a_;
   Seams* seams_;
   SimplifyResult& result_;
@@ -196,6 +198,7 @@ class BlockKernel {
   float scale_ = 1;                      // from input coordinates to those of the block, a power of two
   float bound_ = 0, squared_bound_ = 0;  // in block coordinates
   std::size_t live_ = 0;                 // triangles
+  std::size_t movable_ = 0;              // vertices that may move, in the input
 };
 
 }  // namespace lodestone::quadric

@@ -238,6 +238,7 @@ inline void BlockKernel<L>::start_quadric(Id v) {
     body = {};
     return;
   }
+  ++movable_;
   if (const unsigned n = degree(v); a_.ring[v].has(open)) {
     add_edge_plane(v, 0, 1, body);
     add_edge_plane(v, n - 1, n - 2, body);
