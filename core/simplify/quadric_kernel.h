@@ -13,8 +13,9 @@ namespace lodestone::quadric {
 // A collapse may leave a triangle this share of its height over the edge that stays, seen along its old normal.
 inline constexpr float least_height = 0;
 // Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
-// a minimum, and short edges go first where nothing else decides.
-inline constexpr float stiffness = 1e-4f;
+// a minimum, and short edges go first where nothing else decides. Ten times more would outweigh the error itself on
+// models of flat faces.
+inline constexpr float stiffness = 1e-5f;
 // Planes that hold borders of the surface and seams, relative to its triangles.
 inline constexpr float border_weight = 8;
 // Of the displacement bound: single precision must not promise what double precision would refuse.
@@ -60,7 +61,6 @@ class BlockKernel {
   template <int G>
   struct Star {
     Float x[G], y[G], z[G];
-    Float error_weight[G];
   };
   // The triangles of a star. Moving the vertex by t keeps the normal of triangle k within 90 degrees iff
   // t . turn_k < size_k, since the normal is linear in t.
@@ -98,7 +98,6 @@ class BlockKernel {
   template <int G>
   [[gnu::always_inline]] static void next_in_ring(const Float (&a)[G], unsigned n, Float (&next)[G]);
   [[gnu::always_inline]] static Float quadratic_form(const Body& q, const Float& x, const Float& y, const Float& z);
-  static void publish(const Body& body, Point& point);
 
   // quadric_setup.h
   void place_points();
