@@ -2,15 +2,15 @@
 //
 // Rates count input triangles per second of CPU time. Speed never stands without accuracy: rms and max are the
 // two-sided distance from the input in its mean edges, kept is the share of the triangles left. What each row may use
-// differs and is part of the comparison: the project's own keep locked vertices and the displacement bound, the peers
-// do not know the bound, and the cluster ones do not keep the topology.
+// differs and is part of the comparison: what has the name of a SimplifierKind keeps locked vertices and the
+// displacement bound; what begins with `peer_` is a library as it comes and does not know the bound; the cluster and
+// sloppy ones do not keep the topology.
 #include <benchmark/benchmark.h>
-#include <meshoptimizer.h>
 
 #include <functional>
 #include <string>
 
-#include "bench/peer_openmesh.h"
+#include "bench/peers.h"
 #include "bench/simplify_chunks.h"
 #include "core/simplify/quadric_reference.h"
 #include "core/simplify/quadric_simplifier.h"
@@ -78,43 +78,27 @@ void run_own(benchmark::State& state, const std::string& data,
          [&](const Chunk& c) { return applied(c, simplifier->simplify(c.input(displacement_in_edges, share))); });
 }
 
-Chunk with_indices(const Chunk& c, const std::vector<unsigned>& indices) {
-  Chunk left{c.positions, {}, c.locked, 0};
-  for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
-    left.triangles.push_back({{indices[i], indices[i + 1], indices[i + 2]}});
+PeerMesh peer_mesh(const Chunk& c) { return {c.positions, c.triangles, c.locked}; }
+
+// What a peer left, with its own vertices.
+Chunk chunk_of(const PeerMesh& mesh) {
+  const Chunk left{mesh.positions, mesh.triangles, mesh.locked, 0};
   SimplifyResult all;
-  all.positions = c.positions;
-  for (std::uint32_t v = 0; v < c.positions.size(); ++v) all.parent.push_back(v);
+  all.positions = left.positions;
+  for (std::uint32_t v = 0; v < left.positions.size(); ++v) all.parent.push_back(v);
   return applied(left, all);
 }
 
-enum class Meshopt { simplify, sloppy };
-
-std::vector<unsigned> run_meshopt_on(const Chunk& c, Meshopt kind) {
-  std::vector<unsigned> out(3 * c.triangles.size());
-  const unsigned* in = c.triangles[0].v.data();
-  const float* positions = &c.positions[0].x;
-  const auto target = static_cast<std::size_t>(share * static_cast<double>(c.triangles.size())) * 3;
-  out.resize(kind == Meshopt::sloppy
-                 ? meshopt_simplifySloppy(out.data(), in, out.size(), positions, c.positions.size(), sizeof(Vec3f),
-                                          target, 1e9f, nullptr)
-                 : meshopt_simplify(out.data(), in, out.size(), positions, c.positions.size(), sizeof(Vec3f), target,
-                                    1e9f, meshopt_SimplifyLockBorder, nullptr));
-  return out;
-}
-
-void run_meshopt(benchmark::State& state, const std::string& data, Meshopt kind) {
+void run_peer(benchmark::State& state, const std::string& data, PeerMesh (*simplify)(const PeerMesh&, std::size_t)) {
   const std::vector<Chunk>& chunks = chunks_of(data);
+  std::vector<PeerMesh> meshes;
+  for (const Chunk& c : chunks) meshes.push_back(peer_mesh(c));
+  const auto target = [](std::size_t triangles) {
+    return static_cast<std::size_t>(share * static_cast<double>(triangles));
+  };
   for (auto _ : state)
-    for (const Chunk& c : chunks) benchmark::DoNotOptimize(run_meshopt_on(c, kind).size());
-  report(state, chunks, [&](const Chunk& c) { return with_indices(c, run_meshopt_on(c, kind)); });
-}
-
-void run_openmesh(benchmark::State& state, const std::string& data) {
-  const std::vector<Chunk>& chunks = chunks_of(data);
-  for (auto _ : state)
-    for (const Chunk& c : chunks) benchmark::DoNotOptimize(decimate_with_openmesh(c, share).size());
-  report(state, chunks, [](const Chunk& c) { return with_indices(c, decimate_with_openmesh(c, share)); });
+    for (const PeerMesh& m : meshes) benchmark::DoNotOptimize(simplify(m, target(m.triangles.size())).triangles.size());
+  report(state, chunks, [&](const Chunk& c) { return chunk_of(simplify(peer_mesh(c), target(c.triangles.size()))); });
 }
 
 void register_all() {
@@ -123,13 +107,22 @@ void register_all() {
       benchmark::RegisterBenchmark((data + "/" + name).c_str(), function, data, arguments...)
           ->Unit(benchmark::kMillisecond);
     };
+    const auto own = [&](const std::string& name, SimplifierKind kind) {
+      add(name, run_own, [kind] { return make_simplifier(kind); });
+    };
     add("quadric", run_own, [] { return make_quadric_simplifier(); });
+    add("quadric_endpoint", run_own, [] { return make_simplifier(SimplifierKind::quadric, Placement::endpoint); });
     add("quadric_plain", run_own, [] { return make_quadric_simplifier(InstructionSet::plain); });
-    add("meshoptimizer", run_meshopt, Meshopt::simplify);
-    add("cluster", run_own, [] { return make_simplifier(SimplifierKind::cluster); });
-    add("meshoptimizer_sloppy", run_meshopt, Meshopt::sloppy);
+    own("cluster", SimplifierKind::cluster);
+    own("meshopt", SimplifierKind::meshopt);
+    own("openmesh", SimplifierKind::openmesh);
     add("reference", run_own, [] { return make_quadric_reference(); });
-    add("openmesh", run_openmesh);
+    add("peer_meshoptimizer", run_peer, simplify_with_meshoptimizer);
+    add("peer_meshoptimizer_sloppy", run_peer, cluster_with_meshoptimizer);
+    add("peer_openmesh", run_peer, simplify_with_openmesh);
+#ifdef LODESTONE_HAS_CGAL
+    add("peer_cgal", run_peer, simplify_with_cgal);
+#endif
   }
 }
 

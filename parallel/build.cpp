@@ -44,12 +44,16 @@ void check(const IndexedMesh& mesh, const BuildConfig& config) {
     throw ResourceError("the mesh has more than 2^31 vertices; vertex ids have 32 bits");
 }
 
+Placement placement_of(const BuildConfig& config) {
+  return config.placement.value_or(default_placement(config.simplifier));
+}
+
 class HierarchyBuilder {
  public:
   HierarchyBuilder(Build& build, const BuildConfig& config, Scheduler& scheduler)
       : build_(build), config_(config), scheduler_(scheduler), finest_(static_cast<int>(build.plan.levels.size()) - 1) {
     workers_.resize(static_cast<std::size_t>(scheduler.workers()));
-    for (Worker& worker : workers_) worker.simplifier = make_simplifier(config.simplifier);
+    for (Worker& worker : workers_) worker.simplifier = make_simplifier(config.simplifier, placement_of(config));
   }
 
   void run() {
@@ -230,6 +234,7 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   out.attributes = build->attributes = attributes_of(mesh);
   out.materials = std::move(mesh.wedges.materials);
   out.textures = std::move(mesh.wedges.textures);
+  out.provenance.placement = static_cast<std::uint32_t>(placement_of(config));
 
   const CpuClock partition_clock;
   scheduler.name_work("partition");

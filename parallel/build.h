@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -29,6 +30,7 @@ struct BuildConfig {
   std::uint32_t cell_triangles = 4600;  // mean triangles per occupied finest cell that L is chosen for; at least 1
   int finest_level = -1;                // L; -1: from cell_triangles; at most max_level
   SimplifierKind simplifier = SimplifierKind::quadric;
+  std::optional<Placement> placement;  // of the survivors; empty: default_placement(simplifier)
   Strategy strategy = Strategy::graph;
   // Puts the vertices and triangles of every cell in an order that compresses well and that caches like.
   bool order_cells = false;

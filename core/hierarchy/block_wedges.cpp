@@ -66,11 +66,12 @@ void BlockWedges::weld(std::span<const std::uint32_t> vertex_ids, std::span<cons
 }
 
 const SimplifyResult& BlockWedges::simplify(Simplifier& simplifier, float max_displacement,
-                                            std::size_t target_triangles, Lattice lattice) {
+                                            std::size_t target_triangles, double least_share, Lattice lattice) {
   const bool knows_wedges = simplifier.knows_wedges();
   if (!knows_wedges) label_charts();
   SimplifyInput input{positions_, triangles_, locked_, max_displacement, target_triangles};
   input.lattice = lattice;
+  input.least_share = least_share;
   if (knows_wedges) {
     input.corners = corners_;
     input.wedge_vertex = vertex_;

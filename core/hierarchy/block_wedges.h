@@ -26,7 +26,7 @@ class BlockWedges {
 
   // The block by vertices. Simplifiers that do not know wedges get the charts around each vertex as its label.
   [[nodiscard]] const SimplifyResult& simplify(Simplifier& simplifier, float max_displacement,
-                                               std::size_t target_triangles, Lattice lattice = {});
+                                               std::size_t target_triangles, double least_share, Lattice lattice = {});
 
   // Vertex of each wedge in [0, vertices()).
   [[nodiscard]] std::span<const std::uint32_t> vertex() const { return vertex_; }

@@ -91,6 +91,7 @@ struct Provenance {
   // Sum modulo 2^64 of triangle_fingerprint over the cleaned input: the same for M_L, whatever the order.
   std::uint64_t fingerprint = 0;
   std::uint32_t simplifier = 0;      // SimplifierKind
+  std::uint32_t placement = 0;       // Placement of its survivors
   std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
 };
 

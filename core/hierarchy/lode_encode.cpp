@@ -49,7 +49,7 @@ LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   h.scale = hierarchy.transform.scale;
   h.sigma0 = hierarchy.sigma0;
   const Provenance& p = hierarchy.provenance;
-  h.simplifier = p.simplifier;
+  h.simplifier = p.simplifier | p.placement << 16;
   h.cell_triangles = p.cell_triangles;
   h.input_vertices = p.input_vertices;
   h.input_triangles = p.input_triangles;

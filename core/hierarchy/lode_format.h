@@ -56,7 +56,8 @@ struct LodeHeader {
   std::array<double, 3> origin{};
   double scale = 0;
   float sigma0 = 0;
-  std::uint32_t simplifier = 0, cell_triangles = 0;
+  std::uint32_t simplifier = 0;  // SimplifierKind in the lower half, Placement in the upper one
+  std::uint32_t cell_triangles = 0;
   std::uint16_t features = 0;  // LodeFeatures
   std::uint8_t lattice_bits = 0, reserved = 0;
   std::uint64_t input_vertices = 0, input_triangles = 0, fingerprint = 0;

@@ -63,7 +63,9 @@ class ClusterSimplifier final : public Simplifier {
  public:
   const SimplifyResult& simplify(const SimplifyInput& input) override {
     keep_all(input);
-    if (input.target_triangles >= input.triangles.size()) return result_;
+    const auto movable = static_cast<std::size_t>(std::ranges::count(input.locked, 0));
+    target_ = triangles_to_keep(input, movable);
+    if (target_ >= input.triangles.size()) return result_;
     const Grid grid = search_grid(input);
     assign_cells(input, grid);
     sum_quadrics(input);
@@ -82,6 +84,7 @@ class ClusterSimplifier final : public Simplifier {
   void move_members(const SimplifyInput& input);
 
   SimplifyResult result_;
+  std::size_t target_ = 0;
   CellTable table_;
   std::vector<std::uint64_t> key_;  // of each vertex, while searching
   std::vector<Id> cell_;            // of each vertex; none: without triangles
@@ -124,7 +127,7 @@ Grid ClusterSimplifier::search_grid(const SimplifyInput& input) {
   // A representative in the middle of a cell of this size reaches its corners.
   const double largest = std::max(2 * static_cast<double>(input.max_displacement) / std::sqrt(3.0), longest * 1e-30);
   const double smallest = std::min(largest, longest / (1 << axis_bits));
-  const double target = static_cast<double>(std::max<std::size_t>(input.target_triangles, 1));
+  const double target = static_cast<double>(std::max<std::size_t>(target_, 1));
   grid.size = largest;
   for (int step = 0; step < search_steps; ++step) {
     const double left = static_cast<double>(triangles_on(input, grid));

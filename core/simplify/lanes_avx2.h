@@ -77,7 +77,7 @@ inline void transpose(Float8 (&rows)[8]) {
 }
 
 struct Point8 {
-  Float8 x, y, z, error_weight;
+  Float8 x, y, z;
   // Eight 16-byte loads and a transposition: cheaper than four gathers on every processor tried.
   static Point8 gather(const Point* points, const Id* ids) {
     const auto at = [&](int k) { return _mm_load_ps(&points[ids[k]].x); };
@@ -85,19 +85,12 @@ struct Point8 {
     const auto low = [](__m256 a, __m256 b) { return _mm256_castps_pd(_mm256_unpacklo_ps(a, b)); };
     const auto high = [](__m256 a, __m256 b) { return _mm256_castps_pd(_mm256_unpackhi_ps(a, b)); };
     const __m256 p0 = pair(0), p1 = pair(1), p2 = pair(2), p3 = pair(3);
-    const __m256d xy01 = low(p0, p1), xy23 = low(p2, p3), zw01 = high(p0, p1), zw23 = high(p2, p3);
+    const __m256d xy01 = low(p0, p1), xy23 = low(p2, p3), z01 = high(p0, p1), z23 = high(p2, p3);
     return {{_mm256_castpd_ps(_mm256_unpacklo_pd(xy01, xy23))},
             {_mm256_castpd_ps(_mm256_unpackhi_pd(xy01, xy23))},
-            {_mm256_castpd_ps(_mm256_unpacklo_pd(zw01, zw23))},
-            {_mm256_castpd_ps(_mm256_unpackhi_pd(zw01, zw23))}};
+            {_mm256_castpd_ps(_mm256_unpacklo_pd(z01, z23))}};
   }
 };
-inline Float8 upper_half(Float8 a) {
-  return {_mm256_and_ps(a.lanes, _mm256_castsi256_ps(_mm256_set1_epi32(static_cast<int>(0xffff'0000u))))};
-}
-inline Float8 lower_half(Float8 a) {
-  return {_mm256_castsi256_ps(_mm256_slli_epi32(_mm256_castps_si256(a.lanes), 16))};
-}
 
 struct Id16 {
   __m256i lanes;

@@ -95,24 +95,16 @@ inline void transpose(Float8 (&rows)[8]) {
 
 // Eight points, one lane each.
 struct Point8 {
-  Float8 x, y, z, error_weight;
+  Float8 x, y, z;
   static Point8 gather(const Point* points, const Id* ids) {
     Point8 r;
     for (int k = 0; k < 8; ++k) {
       const Point& p = points[ids[k]];
       r.x.lane[k] = p.x, r.y.lane[k] = p.y, r.z.lane[k] = p.z;
-      r.error_weight.lane[k] = std::bit_cast<float>(p.error_weight);
     }
     return r;
   }
 };
-inline Float8 upper_half(const Float8& a) {
-  return Float8::each(
-      [&](int k) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(a.lane[k]) & 0xffff'0000u); });
-}
-inline Float8 lower_half(const Float8& a) {
-  return Float8::each([&](int k) { return std::bit_cast<float>(std::bit_cast<std::uint32_t>(a.lane[k]) << 16); });
-}
 
 // The lanes of a ring.
 struct Id16 {

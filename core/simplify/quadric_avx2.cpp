@@ -7,8 +7,9 @@
 
 namespace lodestone::quadric {
 
-void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result) {
-  BlockKernel<avx2::Lanes>(input, arrays, seams, result).run();
+void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+                         SimplifyResult& result) {
+  BlockKernel<avx2::Lanes>(input, placement, arrays, seams, result).run();
 }
 
 }  // namespace lodestone::quadric
@@ -19,8 +20,9 @@ void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seam
 
 namespace lodestone::quadric {
 
-void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result) {
-  simplify_block_plain(input, arrays, seams, result);
+void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+                         SimplifyResult& result) {
+  simplify_block_plain(input, placement, arrays, seams, result);
 }
 
 }  // namespace lodestone::quadric

@@ -42,11 +42,9 @@ struct alignas(32) Ring {
   [[nodiscard]] bool has(Flags f) const { return (lane[flags_lane] & f) != 0; }
 };
 
-// Coordinates are those of the input times a power of two. `error` and `weight` of the vertex's quadric are repeated
-// here as the upper halves of two floats, since every candidate needs those of its target.
+// Coordinates are those of the input times a power of two. Four floats: one load.
 struct alignas(16) Point {
-  float x, y, z;
-  std::uint32_t error_weight;
+  float x, y, z, unused;
 };
 
 // Quadric relative to the vertex itself: with the origin there, sums lose nothing to cancellation and a fresh quadric
@@ -100,7 +98,9 @@ class Seams;
 
 // The two builds of the same kernel: equal bytes. At most id_limit vertices; `result` has its final sizes. seams:
 // working memory for wedges; null where the input has none.
-void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result);
-void simplify_block_avx2(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result);
+void simplify_block_plain(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+                          SimplifyResult& result);
+void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+                         SimplifyResult& result);
 
 }  // namespace lodestone::quadric

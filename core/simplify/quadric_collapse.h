@@ -26,6 +26,7 @@ void BlockKernel<L>::push(Id v, unsigned bucket) {
 // step of one waits for the step before; a collapse among them may leave another to be evaluated again.
 template <class L>
 void BlockKernel<L>::collapse_to_target() {
+  const std::size_t target = triangles_to_keep(input_, movable_);
   Id next[batch_size];
   Candidate<1> batch[batch_size];
   for (unsigned b = 0; b < bucket_count; ++b) {
@@ -37,7 +38,7 @@ void BlockKernel<L>::collapse_to_target() {
       for (unsigned i = 0; i < now; ++i) choose(batch[i]);
       count = take(b, next);  // already, so that memory has time
       for (unsigned i = 0; i < now; ++i) {
-        if (live_ <= input_.target_triangles) return;
+        if (live_ <= target) return;
         Candidate<1>& c = batch[i];
         const unsigned n = degree(c.v);
         if (n > 8) {
@@ -102,7 +103,6 @@ inline void BlockKernel<L>::survey(Id v, unsigned n, Candidate<G>& c) const {
   const Star<G> star = load_star<G>(v);
   for (int g = 0; g < G; ++g) {
     c.star.x[g] = star.x[g], c.star.y[g] = star.y[g], c.star.z[g] = star.z[g];
-    c.star.error_weight[g] = star.error_weight[g];
   }
   c.v = v;
   c.ring = Ids::load(ring.lane);
@@ -112,8 +112,9 @@ inline void BlockKernel<L>::survey(Id v, unsigned n, Candidate<G>& c) const {
   if (ring.has(seamed)) c.allowed &= seams_->lanes(v, ring, n);
 }
 
-// The costs of its targets. Most targets are near enough for every member by the triangle inequality alone; the others
-// are looked at only if they are wanted.
+// The costs of its targets: the mean over what has collapsed into the candidate. The target's own error and area stay
+// out of it: a large flat target would hide what the tip of a small feature loses. Most targets are near enough for
+// every member by the triangle inequality alone; the others are looked at only if they are wanted.
 template <class L>
 template <int G>
 inline void BlockKernel<L>::rate(Candidate<G>& c) const {
@@ -122,9 +123,8 @@ inline void BlockKernel<L>::rate(Candidate<G>& c) const {
   c.near = 0;
   for (int g = 0; g < G; ++g) {
     const Float &x = c.star.x[g], &y = c.star.y[g], &z = c.star.z[g];
-    const Float error = quadratic_form(body, x, y, z) + Float::all(body.error) + upper_half(c.star.error_weight[g]);
-    const Float weight = Float::all(body.weight) + lower_half(c.star.error_weight[g]);
-    c.cost[g] = max(error, Float::all(0)) / weight;
+    const Float error = quadratic_form(body, x, y, z) + Float::all(body.error);
+    c.cost[g] = max(error, Float::all(0)) / Float::all(body.weight);
     c.near |= not_above(x * x + y * y + z * z, Float::all(room * room)) << (8 * g);
   }
 }
@@ -237,7 +237,6 @@ inline void BlockKernel<L>::merge_bodies(Id v, Id u, Shift t) {
   (Float::load(&sum.xx) + moved).store(&sum.xx);
   sum.bx += q.bx + ax, sum.by += q.by + ay, sum.bz += q.bz + az;
   sum.reach = std::max(sum.reach, (std::sqrt(t.x * t.x + t.y * t.y + t.z * t.z) + q.reach) * rounded_up);
-  publish(sum, a_.point[u]);
   a_.member[a_.member[u].tail].next = v;
   a_.member[u].tail = a_.member[v].tail;
 }

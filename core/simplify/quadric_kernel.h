@@ -13,8 +13,9 @@ namespace lodestone::quadric {
 // A collapse may leave a triangle this share of its height over the edge that stays, seen along its old normal.
 inline constexpr float least_height = 0;
 // Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
-// a minimum, and short edges go first where nothing else decides.
-inline constexpr float stiffness = 1e-4f;
+// a minimum, and short edges go first where nothing else decides. Ten times more would outweigh the error itself on
+// models of flat faces.
+inline constexpr float stiffness = 1e-5f;
 // Planes that hold borders of the surface and seams, relative to its triangles.
 inline constexpr float border_weight = 8;
 // Of the displacement bound: single precision must not promise what double precision would refuse.
@@ -30,8 +31,9 @@ template <class L>
 class BlockKernel {
  public:
   // seams: null for a mesh without wedges.
-  BlockKernel(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result)
+  BlockKernel(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams, SimplifyResult& result)
       : input_(input),
+        placement_(placement),
         a_(arrays),
         seams_(seams),
         result_(result),
@@ -42,7 +44,7 @@ class BlockKernel {
     link_triangles();
     start_vertices();
     collapse_to_target();
-    relocate_survivors();
+    if (placement_ == Placement::optimal) relocate_survivors();
     measure_distances();
     result_.triangles = live_;
     if (seams_ != nullptr) seams_->resolve(input_, result_.parent, result_.wedge_parent);
@@ -59,7 +61,6 @@ class BlockKernel {
   template <int G>
   struct Star {
     Float x[G], y[G], z[G];
-    Float error_weight[G];
   };
   // The triangles of a star. Moving the vertex by t keeps the normal of triangle k within 90 degrees iff
   // t . turn_k < size_k, since the normal is linear in t.
@@ -97,7 +98,6 @@ class BlockKernel {
   template <int G>
   [[gnu::always_inline]] static void next_in_ring(const Float (&a)[G], unsigned n, Float (&next)[G]);
   [[gnu::always_inline]] static Float quadratic_form(const Body& q, const Float& x, const Float& y, const Float& z);
-  static void publish(const Body& body, Point& point);
 
   // quadric_setup.h
   void place_points();
@@ -189,6 +189,7 @@ class BlockKernel {
   [[nodiscard]] float walk(Foot nearest, Shift q, float known) const;
 
   const SimplifyInput& input_;
+  Placement placement_;
   Arrays& a_;
   Seams* seams_;
   SimplifyResult& result_;
@@ -196,6 +197,7 @@ class BlockKernel {
   float scale_ = 1;                      // from input coordinates to those of the block, a power of two
   float bound_ = 0, squared_bound_ = 0;  // in block coordinates
   std::size_t live_ = 0;                 // triangles
+  std::size_t movable_ = 0;              // vertices that may move, in the input
 };
 
 }  // namespace lodestone::quadric

@@ -4,8 +4,9 @@
 
 namespace lodestone::quadric {
 
-void simplify_block_plain(const SimplifyInput& input, Arrays& arrays, Seams* seams, SimplifyResult& result) {
-  BlockKernel<plain::Lanes>(input, arrays, seams, result).run();
+void simplify_block_plain(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+                          SimplifyResult& result) {
+  BlockKernel<plain::Lanes>(input, placement, arrays, seams, result).run();
 }
 
 }  // namespace lodestone::quadric

@@ -71,7 +71,7 @@ void BlockKernel<L>::relocate(Id v, unsigned n) {
   }
   if ((longer & lanes) == 0 || (flipped<G>(faces_of<G>(star, n), t) & lanes) != 0) return;
   Point& p = a_.point[v];
-  const Point moved{p.x + t.x, p.y + t.y, p.z + t.z, p.error_weight};
+  const Point moved{p.x + t.x, p.y + t.y, p.z + t.z, 0};
   const Vec3f answer{moved.x / scale_, moved.y / scale_, moved.z / scale_};
   const float x = moved.x - p.x, y = moved.y - p.y, z = moved.z - p.z;
   const float room = bound_ - a_.body[v].reach;

@@ -194,7 +194,7 @@ void BlockKernel<L>::make_other_ring(Id v, unsigned n) {
 }
 
 // Rings, quadrics and first costs are long chains of operations, one after another: a loop each keeps more vertices
-// under way at once, and no point is read right after its error has been written.
+// under way at once.
 template <class L>
 void BlockKernel<L>::start_vertices() {
   for (unsigned v = 0; v < count_; ++v) make_ring(static_cast<Id>(v));
@@ -238,6 +238,7 @@ inline void BlockKernel<L>::start_quadric(Id v) {
     body = {};
     return;
   }
+  ++movable_;
   if (const unsigned n = degree(v); a_.ring[v].has(open)) {
     add_edge_plane(v, 0, 1, body);
     add_edge_plane(v, n - 1, n - 2, body);
@@ -246,7 +247,6 @@ inline void BlockKernel<L>::start_quadric(Id v) {
   }
   const float isotropic = stiffness * body.weight;
   body.xx += isotropic, body.yy += isotropic, body.zz += isotropic;
-  publish(body, a_.point[v]);
 }
 
 // Queues eight vertices, from `first` on: one lane each once the costs of their neighbours are transposed.

@@ -30,8 +30,9 @@ namespace {
 
 class QuadricSimplifier final : public Simplifier {
  public:
-  explicit QuadricSimplifier(bool avx2)
-      : kernel_(avx2 ? quadric::simplify_block_avx2 : quadric::simplify_block_plain),
+  QuadricSimplifier(bool avx2, Placement placement)
+      : placement_(placement),
+        kernel_(avx2 ? quadric::simplify_block_avx2 : quadric::simplify_block_plain),
         arrays_(quadric::allocate_arrays()) {}
 
   const SimplifyResult& simplify(const SimplifyInput& input) override {
@@ -40,7 +41,7 @@ class QuadricSimplifier final : public Simplifier {
     result_.distance.resize(input.positions.size());
     result_.wedge_parent.clear();
     if (input.positions.size() <= quadric::id_limit) {
-      kernel_(input, *arrays_, seams_of(input), result_);
+      kernel_(input, placement_, *arrays_, seams_of(input), result_);
     } else {
       simplify_parts(input);
     }
@@ -68,7 +69,7 @@ class QuadricSimplifier final : public Simplifier {
       of_part_.positions.resize(part.vertices.size());
       of_part_.distance.resize(part.vertices.size());
       const SimplifyInput part_input = part.input(input, target);
-      kernel_(part_input, *arrays_, seams_of(part_input), of_part_);
+      kernel_(part_input, placement_, *arrays_, seams_of(part_input), of_part_);
       for (std::size_t v = 0; v < part.vertices.size(); ++v) {
         result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];
         result_.positions[part.vertices[v]] = of_part_.positions[v];
@@ -80,7 +81,8 @@ class QuadricSimplifier final : public Simplifier {
     }
   }
 
-  void (*kernel_)(const SimplifyInput&, quadric::Arrays&, quadric::Seams*, SimplifyResult&);
+  Placement placement_;
+  void (*kernel_)(const SimplifyInput&, Placement, quadric::Arrays&, quadric::Seams*, SimplifyResult&);
   std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
   quadric::Seams seams_;
   quadric::Splitter splitter_;
@@ -97,10 +99,11 @@ bool is_available(InstructionSet set) {
 #endif
 }
 
-std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set) {
+std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set, Placement placement) {
   if (!is_available(set))
     throw UnsupportedError(describe("", "quadric simplifier", "this processor has no AVX2", "use the plain kernel"));
-  return std::make_unique<QuadricSimplifier>(set != InstructionSet::plain && is_available(InstructionSet::avx2));
+  return std::make_unique<QuadricSimplifier>(set != InstructionSet::plain && is_available(InstructionSet::avx2),
+                                             placement);
 }
 
 }  // namespace lodestone

@@ -20,7 +20,10 @@ struct Part {
   std::vector<Triangle> corners;
   std::vector<std::uint32_t> wedge_vertex;
   [[nodiscard]] SimplifyInput input(const SimplifyInput& whole, std::size_t target) const {
-    return {positions, triangles, locked, whole.max_displacement, target, corners, wedge_vertex, whole.lattice};
+    SimplifyInput part{positions, triangles, locked,       whole.max_displacement,
+                       target,    corners,   wedge_vertex, whole.lattice};
+    part.least_share = whole.least_share;
+    return part;
   }
 };
 

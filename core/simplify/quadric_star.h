@@ -16,7 +16,6 @@ inline auto BlockKernel<L>::load_star(Id v) const -> Star<G> {
   for (int g = 0; g < G; ++g) {
     const Points q = Points::gather(a_.point, a_.ring[v].lane + 8 * g);
     star.x[g] = q.x - x, star.y[g] = q.y - y, star.z[g] = q.z - z;
-    star.error_weight[g] = q.error_weight;
   }
   return star;
 }
@@ -77,13 +76,6 @@ inline auto BlockKernel<L>::quadratic_form(const Body& q, const Float& x, const 
   return x * (Float::all(q.xx) * x + two * (xy * y + xz * z + Float::all(q.bx))) +
          y * (Float::all(q.yy) * y + two * (yz * z + Float::all(q.by))) +
          z * (Float::all(q.zz) * z + two * Float::all(q.bz));
-}
-
-// Truncated to 16 bits each, which is finer than the buckets.
-template <class L>
-void BlockKernel<L>::publish(const Body& body, Point& point) {
-  point.error_weight =
-      (std::bit_cast<std::uint32_t>(body.error) & 0xffff'0000u) | (std::bit_cast<std::uint32_t>(body.weight) >> 16);
 }
 
 }  // namespace lodestone::quadric

@@ -5,27 +5,61 @@
 
 #include "core/base/error.h"
 #include "core/simplify/cluster.h"
+#include "core/simplify/half_edge_simplifier.h"
+#include "core/simplify/meshopt_simplifier.h"
 #include "core/simplify/quadric_simplifier.h"
 
 namespace lodestone {
 namespace {
 
-constexpr std::array<std::string_view, 2> names{"quadric", "cluster"};  // by SimplifierKind
+// By SimplifierKind, and by Placement.
+constexpr std::array<std::string_view, all_simplifier_kinds.size()> names{"quadric", "cluster", "openmesh", "meshopt"};
+constexpr std::array<std::string_view, 2> placement_names{"optimal", "endpoint"};
+
+template <std::size_t N>
+std::uint32_t index_of(std::string_view name, const std::array<std::string_view, N>& known, const char* what) {
+  std::string list;
+  for (std::uint32_t k = 0; k < N; ++k) {
+    if (name == known[k]) return k;
+    list += (k == 0 ? "" : ", ") + std::string(known[k]);
+  }
+  throw InputError(
+      describe("", "", std::string("unknown ") + what + " '" + std::string(name) + "'", "known are " + list));
+}
 
 }  // namespace
 
 SimplifierKind simplifier_kind(std::string_view name) {
-  for (std::uint32_t k = 0; k < names.size(); ++k)
-    if (name == names[k]) return static_cast<SimplifierKind>(k);
-  std::string known;
-  for (const std::string_view n : names) known += (known.empty() ? "" : ", ") + std::string(n);
-  throw InputError(describe("", "", "unknown simplifier '" + std::string(name) + "'", "known are " + known));
+  return static_cast<SimplifierKind>(index_of(name, names, "simplifier"));
 }
 
 std::string_view name_of(SimplifierKind kind) { return names.at(static_cast<std::size_t>(kind)); }
 
-std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind) {
-  return kind == SimplifierKind::cluster ? make_cluster_simplifier() : make_quadric_simplifier();
+Placement placement(std::string_view name) {
+  return static_cast<Placement>(index_of(name, placement_names, "placement"));
+}
+
+std::string_view name_of(Placement placement) { return placement_names.at(static_cast<std::size_t>(placement)); }
+
+Placement default_placement(SimplifierKind kind) {
+  return kind == SimplifierKind::quadric ? Placement::optimal : Placement::endpoint;
+}
+
+std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind, Placement placement) {
+  if (kind != SimplifierKind::quadric && placement != Placement::endpoint)
+    throw InputError(describe("", "",
+                              "simplifier '" + std::string(name_of(kind)) + "' leaves its vertices where they are",
+                              "only 'quadric' knows the placement 'optimal'"));
+  switch (kind) {
+    case SimplifierKind::cluster:
+      return make_cluster_simplifier();
+    case SimplifierKind::openmesh:
+      return make_openmesh_simplifier();
+    case SimplifierKind::meshopt:
+      return make_meshopt_simplifier();
+    default:
+      return make_quadric_simplifier(InstructionSet::best, placement);
+  }
 }
 
 }  // namespace lodestone

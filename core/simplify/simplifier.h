@@ -4,6 +4,8 @@
 // triangles are the images of the old ones under P, degenerate ones dropped; nothing else ever disappears.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -16,7 +18,9 @@
 
 namespace lodestone {
 
-enum class SimplifierKind : std::uint32_t { quadric = 0, cluster = 1 };
+enum class SimplifierKind : std::uint32_t { quadric = 0, cluster = 1, openmesh = 2, meshopt = 3 };
+inline constexpr std::array all_simplifier_kinds{SimplifierKind::quadric, SimplifierKind::cluster,
+                                                 SimplifierKind::openmesh, SimplifierKind::meshopt};
 [[nodiscard]] SimplifierKind simplifier_kind(std::string_view name);  // throws InputError listing the known names
 [[nodiscard]] std::string_view name_of(SimplifierKind kind);
 
@@ -33,7 +37,17 @@ struct SimplifyInput {
   Lattice lattice = {};  // that the positions stand on, if any
   // For simplifiers that do not know wedges: P keeps the label of a vertex. Empty: all are the same.
   std::span<const std::uint32_t> labels{};
+  // Of the vertices that may move this share stays in any case, from 0 (no such limit) to 1: where many are held in
+  // place, the others must not make up for them.
+  double least_share = 0;
 };
+
+// Where to stop, with so many vertices that may move; each that goes takes two triangles with it.
+[[nodiscard]] inline std::size_t triangles_to_keep(const SimplifyInput& input, std::size_t movable) {
+  const auto going = static_cast<std::size_t>(2 * (1 - input.least_share) * static_cast<double>(movable));
+  const std::size_t all = input.triangles.size();
+  return std::max(input.target_triangles, all - std::min(all, going));
+}
 
 struct SimplifyResult {
   std::vector<std::uint32_t> parent;  // P, fully resolved: parent[parent[v]] == parent[v]
@@ -52,9 +66,9 @@ struct SimplifyResult {
 //   - locked vertices are their own parents and do not move;
 //   - survivors stand on the lattice, if there is one;
 //   - |positions[parent[v]] - v| <= max_displacement, evaluated in double;
-//   - no surviving triangle with a normal is turned by more than 90 degrees by a single step (quadric);
-//   - a manifold neighbourhood stays manifold, borders of the surface stay borders, no chord between two locked
-//     vertices is created (quadric); clustering may pinch;
+//   - no surviving triangle with a normal is turned by more than 90 degrees by a single step, a manifold neighbourhood
+//     stays manifold, borders of the surface stay borders, no chord between two locked vertices is created; clustering
+//     alone may turn triangles and pinch;
 //   - the result depends on the input alone: same bytes on every machine path and at every call.
 // An instance keeps its working memory between calls and serves one thread at a time.
 class Simplifier {
@@ -66,6 +80,17 @@ class Simplifier {
   [[nodiscard]] virtual bool knows_wedges() const { return false; }
 };
 
-[[nodiscard]] std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind);
+// Where survivors stand: on a vertex of the input, or moved once to where their quadric is least.
+enum class Placement : std::uint32_t { optimal = 0, endpoint = 1 };
+[[nodiscard]] Placement placement(std::string_view name);  // throws InputError listing the known names
+[[nodiscard]] std::string_view name_of(Placement placement);
+// Of a kind when nothing else is asked for; all but `quadric` know endpoints only.
+[[nodiscard]] Placement default_placement(SimplifierKind kind);
+
+// Throws InputError when the kind cannot place its survivors so.
+[[nodiscard]] std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind, Placement placement);
+[[nodiscard]] inline std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind) {
+  return make_simplifier(kind, default_placement(kind));
+}
 
 }  // namespace lodestone

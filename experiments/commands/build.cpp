@@ -19,7 +19,7 @@ constexpr double much_stored = 1.6;
 
 struct BuildOptions {
   std::string input, output, trace;
-  std::string simplifier = "quadric", strategy_name = "graph";
+  std::string simplifier = "quadric", placement, strategy_name = "graph";
   bool compress = false;
   int lattice_bits = 0;  // 0: none, or automatic when the file is compressed
   BuildConfig config;
@@ -65,6 +65,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   if (!options.trace.empty()) scheduler = make_tracing_scheduler(std::move(scheduler), trace);
   BuildConfig config = options.config;
   config.simplifier = simplifier_kind(options.simplifier);
+  if (!options.placement.empty()) config.placement = placement(options.placement);
   config.strategy = strategy(options.strategy_name);
   config.order_cells = options.compress;
   config.cancel = &interrupt_flag();
@@ -133,6 +134,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"threads", scheduler->workers()},
                  {"strategy", options.strategy_name},
                  {"simplifier", options.simplifier},
+                 {"placement", name_of(static_cast<Placement>(hierarchy.provenance.placement))},
                  {"repairs", to_json(repairs)}});
   if (!options.trace.empty()) {
     write_trace(*trace, options.trace);
@@ -191,7 +193,14 @@ void add_build(CLI::App& app) {
                   "default is chosen from the lengths of the edges")
       ->check(CLI::Range(1, Lattice::most_bits))
       ->type_name("BITS");
-  command.add_option("--simplifier", options->simplifier, "quadric or cluster")->capture_default_str();
+  command
+      .add_option("--simplifier", options->simplifier,
+                  "quadric, cluster (fast and coarse), openmesh (its decimater: the reference, slow) or meshopt (the "
+                  "peer); all keep the bound, locks, borders and, but for cluster, the topology")
+      ->capture_default_str();
+  command.add_option("--placement", options->placement,
+                     "Of the vertices that stay: optimal (moved once to where their quadric is least; quadric alone, "
+                     "its default) or endpoint (where they are)");
   command.add_option("--strategy", options->strategy_name, "graph, levels or serial; all give the same bytes")
       ->capture_default_str();
   command.add_option("--trace", options->trace,

@@ -88,6 +88,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"repairs", to_json(h.provenance.repairs)},
       {"sigma0", h.sigma0},
       {"simplifier", name_of(static_cast<SimplifierKind>(h.provenance.simplifier))},
+      {"placement", name_of(static_cast<Placement>(h.provenance.placement))},
       {"cell_triangles", h.provenance.cell_triangles},
       {"origin", {o.x, o.y, o.z}},
       {"scale", h.transform.scale},

@@ -1,6 +1,9 @@
 // The contract of simplifier.h, for every simplifier, on the shapes that break simplifiers.
 #include <gtest/gtest.h>
+#include <meshoptimizer.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <string>
 
@@ -28,7 +31,10 @@ const std::vector<Maker> makers{
     {"quadric", [] { return make_simplifier(SimplifierKind::quadric); }},
     {"plain", [] { return make_quadric_simplifier(InstructionSet::plain); }},
     {"reference", make_quadric_reference},
+    {"endpoint", [] { return make_simplifier(SimplifierKind::quadric, Placement::endpoint); }},
     {"cluster", [] { return make_simplifier(SimplifierKind::cluster); }, false},
+    {"openmesh", [] { return make_simplifier(SimplifierKind::openmesh); }},
+    {"meshopt", [] { return make_simplifier(SimplifierKind::meshopt); }},
 };
 
 class EverySimplifier : public ::testing::TestWithParam<Maker> {
@@ -111,6 +117,35 @@ TEST_P(EverySimplifier, KeepsComponentsApart) {
   run(mesh, 5, 0);
 }
 
+TEST_P(EverySimplifier, KeepsLabels) {
+  if (simplifier_->knows_wedges()) GTEST_SKIP() << "gets wedges instead";
+  TestMesh mesh = bumpy_sphere(4);
+  std::vector<std::uint32_t> labels;
+  for (const Vec3f& p : mesh.positions) labels.push_back(p.x > 0 ? 7 : p.y > 0 ? 8 : 9);
+  SimplifyInput input = mesh.input(0.5f, mesh.triangles.size() / 4);
+  input.labels = labels;
+  const SimplifyResult& result = simplifier_->simplify(input);
+  EXPECT_EQ(broken_contract(input, result), "");
+  for (std::size_t v = 0; v < labels.size(); ++v) EXPECT_EQ(labels[result.parent[v]], labels[v]);
+  EXPECT_LT(result.triangles, mesh.triangles.size() / 2);
+}
+
+// Where many vertices stay, the others do not make up for them.
+TEST_P(EverySimplifier, KeepsAShareOfWhatMayMove) {
+  TestMesh mesh = terrain(30);
+  for (Vec3f& p : mesh.positions) p = 2.0f * p + Vec3f{-1, -1, 0};
+  lock_outside(mesh, 0.4f);
+  SimplifyInput input = mesh.input(1, mesh.triangles.size() / 4);
+  const std::size_t unlimited = simplifier_->simplify(input).triangles;
+  input.least_share = 0.5;
+  const auto movable = static_cast<std::size_t>(std::ranges::count(mesh.locked, 0));
+  const std::size_t limited = simplifier_->simplify(input).triangles;
+  EXPECT_GE(limited, unlimited);
+  if (!GetParam().keeps_topology) return;  // clustering approaches what it is asked for
+  EXPECT_GT(limited, unlimited);
+  EXPECT_GE(limited + 1, mesh.triangles.size() - movable);
+}
+
 TEST_P(EverySimplifier, LeavesAnEmptyMeshEmpty) {
   TestMesh mesh;
   EXPECT_EQ(run(mesh, 1, 0).triangles, 0u);
@@ -141,9 +176,69 @@ TEST_P(EverySimplifier, AnswersTheSameAtEveryCall) {
   EXPECT_EQ(again.positions, first.positions);
 }
 
+TEST(Placement, EndpointLeavesSurvivorsWhereTheyAre) {
+  TestMesh mesh = bumpy_sphere(4);
+  for (const SimplifierKind kind : all_simplifier_kinds) {
+    const auto simplifier = make_simplifier(kind, Placement::endpoint);
+    const SimplifyResult& result = simplifier->simplify(mesh.input(0.5f, mesh.triangles.size() / 4));
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+      if (result.parent[v] == v) EXPECT_EQ(result.positions[v], mesh.positions[v]) << name_of(kind);
+  }
+}
+
+TEST(Placement, OptimalMovesSomeAndCollapsesTheSame) {
+  TestMesh mesh = bumpy_sphere(4);
+  const SimplifyInput input = mesh.input(0.5f, mesh.triangles.size() / 4);
+  const auto endpoint = make_simplifier(SimplifierKind::quadric, Placement::endpoint);
+  const auto optimal = make_simplifier(SimplifierKind::quadric, Placement::optimal);
+  const SimplifyResult &a = endpoint->simplify(input), &b = optimal->simplify(input);
+  EXPECT_EQ(a.parent, b.parent);
+  EXPECT_NE(a.positions, b.positions);
+}
+
+TEST(Placement, OptimalIsKnownToQuadricAlone) {
+  for (const SimplifierKind kind : all_simplifier_kinds) {
+    if (kind == SimplifierKind::quadric) continue;
+    EXPECT_THROW((void)make_simplifier(kind, Placement::optimal), InputError) << name_of(kind);
+  }
+}
+
+TEST(Placement, IsReadBothWays) {
+  for (const Placement p : {Placement::optimal, Placement::endpoint}) EXPECT_EQ(placement(name_of(p)), p);
+  EXPECT_THROW((void)placement("middle"), InputError);
+}
+
+// As sets of corners, each triangle from its least corner on.
+std::vector<std::array<std::uint32_t, 3>> sorted(const std::vector<Triangle>& triangles) {
+  std::vector<std::array<std::uint32_t, 3>> all;
+  for (auto [v] : triangles) {
+    std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
+    all.push_back(v);
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+// The markers that make the map readable must not change what the library does.
+TEST(Meshopt, LeavesTheLibrarysOwnMeshWhereAllIsAllowed) {
+  for (const std::uint32_t n : {8u, 20u}) {
+    TestMesh mesh = terrain(n);
+    // In the unit cube, where the simplifier would take it: the same roundings for both.
+    const auto lowest = std::ranges::min(mesh.positions, {}, [](Vec3f p) { return p.z; }).z;
+    for (Vec3f& p : mesh.positions) p.z -= lowest;
+    const SimplifyInput input = mesh.input(10, mesh.triangles.size() / 2);
+    std::vector<unsigned> own(3 * mesh.triangles.size());
+    own.resize(meshopt_simplify(own.data(), mesh.triangles[0].v.data(), own.size(), &mesh.positions[0].x,
+                                mesh.positions.size(), sizeof(Vec3f), 3 * input.target_triangles, 1e9f, 0, nullptr));
+    std::vector<Triangle> expected;
+    for (std::size_t i = 0; i < own.size(); i += 3) expected.push_back({{own[i], own[i + 1], own[i + 2]}});
+    const auto simplifier = make_simplifier(SimplifierKind::meshopt);
+    EXPECT_EQ(sorted(image(input, simplifier->simplify(input))), sorted(expected)) << n;
+  }
+}
+
 TEST(SimplifierNames, AreReadBothWays) {
-  for (const SimplifierKind kind : {SimplifierKind::quadric, SimplifierKind::cluster})
-    EXPECT_EQ(simplifier_kind(name_of(kind)), kind);
+  for (const SimplifierKind kind : all_simplifier_kinds) EXPECT_EQ(simplifier_kind(name_of(kind)), kind);
 }
 
 TEST(SimplifierNames, UnknownOnesAreRefusedWithTheKnown) {
@@ -151,7 +246,7 @@ TEST(SimplifierNames, UnknownOnesAreRefusedWithTheKnown) {
     (void)simplifier_kind("octree");
     FAIL() << "accepted";
   } catch (const InputError& e) {
-    EXPECT_STREQ(e.what(), "unknown simplifier 'octree'; known are quadric, cluster");
+    EXPECT_STREQ(e.what(), "unknown simplifier 'octree'; known are quadric, cluster, openmesh, meshopt");
   }
 }
 

@@ -65,8 +65,11 @@ RC_GTEST_PROP(EverySimplifierOn, RandomMeshes, ()) {
     for (Vec3f& p : mesh.positions) p = input.lattice.nearest(0.5 * (to_double(p) + Vec3d{1, 1, 1}));
   }
   const auto fast = make_quadric_simplifier(), plain = make_quadric_simplifier(InstructionSet::plain);
+  const auto endpoint = make_simplifier(SimplifierKind::quadric, Placement::endpoint);
+  const auto openmesh = make_simplifier(SimplifierKind::openmesh), meshopt = make_simplifier(SimplifierKind::meshopt);
   const auto reference = make_quadric_reference(), cluster = make_simplifier(SimplifierKind::cluster);
-  for (Simplifier* simplifier : {fast.get(), plain.get(), reference.get()}) {
+  for (Simplifier* simplifier :
+       {fast.get(), plain.get(), endpoint.get(), reference.get(), openmesh.get(), meshopt.get()}) {
     const SimplifyResult& result = simplifier->simplify(input);
     RC_ASSERT(broken_contract(input, result) == "");
     RC_ASSERT(broken_topology(input, result) == "");

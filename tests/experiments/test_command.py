@@ -115,12 +115,21 @@ class Build(CommandCase):
                 self.assertIn(f"repaired: {kind} {count}\n", text)
 
     def test_threads_and_strategies_do_not_change_a_byte(self):
-        for simplifier in ("quadric", "cluster"):
+        for simplifier in ("quadric", "cluster", "openmesh", "meshopt"):
             fixed = ("--levels", 3, "--simplifier", simplifier)
             files = {self.build(*fixed, "--threads", n) for n in WORKERS}
             files |= {self.build(*fixed, "--threads", 2, "--strategy", s) for s in ("serial", "levels", "graph")}
             self.assertEqual(len(files), 1, simplifier)
             self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
+
+    def test_placement_of_survivors(self):
+        plain, optimal = self.build("--levels", 3), self.build("--levels", 3, "--placement", "optimal")
+        endpoint = self.build("--levels", 3, "--placement", "endpoint")
+        self.assertEqual(self.results("info", "m.lode")["placement"], "endpoint")
+        self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
+        self.assertEqual(plain, optimal)
+        self.assertNotEqual(plain, endpoint)
+        self.assertEqual(self.results("build", sphere(), "-o", "m.lode", "--simplifier", "meshopt")["placement"], "endpoint")
 
     def test_trace_holds_every_block(self):
         result = self.results("build", sphere(), "-o", "m.lode", "--levels", 3, "--threads", 2, "--trace", "trace.json")

@@ -52,7 +52,11 @@ class Usage(CommandCase):
             self.refused("build", "m.ply", "-o", "x.lode", "--levels", levels, names=["--levels"])
         for bits in ("0", "-1", "25", "x"):
             self.refused("build", "m.ply", "-o", "x.lode", "--compress", "--lattice", bits, names=["--lattice"])
-        self.refused("build", "m.ply", "-o", "x.lode", "--simplifier", "best", names=["best", "quadric, cluster"])
+        self.refused("build", "m.ply", "-o", "x.lode", "--simplifier", "best",
+                     names=["best", "quadric, cluster, openmesh, meshopt"])
+        self.refused("build", "m.ply", "-o", "x.lode", "--placement", "best", names=["best", "optimal, endpoint"])
+        self.refused("build", "m.ply", "-o", "x.lode", "--simplifier", "cluster", "--placement", "optimal",
+                     names=["cluster", "quadric"])
         self.refused("build", "m.ply", "-o", "x.lode", "--strategy", "best", names=["best", "serial, levels, graph"])
         self.refused("build", "m.ply", "-o", "x.ply", names=["x.ply", ".lode"])
 

@@ -87,7 +87,7 @@ TEST_P(Guarantee, CracksBelowTheReach) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Simplifiers, Guarantee, ::testing::Values(SimplifierKind::quadric, SimplifierKind::cluster),
+INSTANTIATE_TEST_SUITE_P(Simplifiers, Guarantee, ::testing::ValuesIn(all_simplifier_kinds),
                          [](const auto& tested) { return std::string(name_of(tested.param)); });
 
 }  // namespace

@@ -108,8 +108,8 @@ TEST_P(BuildStrategies, EveryLevelStandsOnTheLatticeAndVerifies) {
       }
 }
 
-INSTANTIATE_TEST_SUITE_P(Simplifiers, BuildStrategies,
-                         testing::Values(SimplifierKind::quadric, SimplifierKind::cluster));
+INSTANTIATE_TEST_SUITE_P(Simplifiers, BuildStrategies, testing::ValuesIn(all_simplifier_kinds),
+                         [](const auto& tested) { return std::string(name_of(tested.param)); });
 
 TEST(Build, ShrinksFourfoldPerLevel) {
   const auto scheduler = make_tbb_scheduler();

@@ -1,0 +1,56 @@
+// Simplifies a whole mesh at once with another library: what the levels of a hierarchy are compared with.
+//
+// usage: whole_mesh meshoptimizer|openmesh TRIANGLES IN OUT.ply
+//
+// Reads and cleans the mesh as `lodestone build` does, keeps nothing in place, and prints triangles and seconds of CPU
+// time of the simplification alone.
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <string>
+
+#include "bench/peers.h"
+#include "core/io/mesh_writer.h"
+#include "parallel/cpu_clock.h"
+#include "parallel/load.h"
+#include "parallel/prepare.h"
+
+namespace lodestone::bench {
+namespace {
+
+PeerMesh simplify(const std::string& peer, const PeerMesh& mesh, std::size_t triangles) {
+  if (peer == "meshoptimizer") return simplify_with_meshoptimizer(mesh, triangles);
+  if (peer == "openmesh") return simplify_with_openmesh(mesh, triangles);
+  throw std::invalid_argument("unknown peer '" + peer + "'; known are meshoptimizer, openmesh");
+}
+
+void run(const std::string& peer, std::size_t triangles, const std::string& in, const std::string& out) {
+  const auto scheduler = make_serial_scheduler();
+  Repairs repairs;
+  const IndexedMesh input = prepare_mesh(load_mesh(in, *scheduler), repairs, *scheduler, in);
+  const PeerMesh mesh{input.positions, input.triangles, {}};
+  const CpuClock clock;
+  const PeerMesh left = simplify(peer, mesh, triangles);
+  const double seconds = clock.elapsed().cpu_seconds;
+  RawMesh raw;
+  for (const Vec3f& p : left.positions) raw.positions.push_back(input.transform.to_model(p));
+  raw.triangles = left.triangles;
+  write_mesh(out, view_of(raw));
+  std::cout << left.triangles.size() << ' ' << seconds << '\n';
+}
+
+}  // namespace
+}  // namespace lodestone::bench
+
+int main(int argc, char** argv) {
+  if (argc != 5) {
+    std::cerr << "usage: whole_mesh meshoptimizer|openmesh TRIANGLES IN OUT.ply\n";
+    return 2;
+  }
+  try {
+    lodestone::bench::run(argv[1], std::stoull(argv[2]), argv[3], argv[4]);
+  } catch (const std::exception& e) {
+    std::cerr << "whole_mesh: " << e.what() << '\n';
+    return 1;
+  }
+}
