@@ -34,7 +34,7 @@ enum Flags : Id {
   queued = 32,   // waits in a bucket
   gone = 64,     // collapsed; its ring means nothing any more
   seamed = 128,  // at the end of a seam between wedges
-  sealed = 256   // of several wedges and not in order: nothing collapses into it
+  sealed = 256   // of wedges without order, or too many: neither goes nor is arrived at
 };
 
 struct alignas(32) Ring {

@@ -93,7 +93,11 @@ const Seams::Corner* Seams::corner_of(Id v, Id from, Id to) const {
 // Walks around the fan once. Vertices whose neighbours have no order stay, and so do those with too many seams.
 void Seams::make_record(Id v, Ring& ring) {
   const auto set = [&](Flags f) { ring.lane[flags_lane] = static_cast<Id>(ring.lane[flags_lane] | f); };
-  if (ring.has(pile)) return set(sealed);
+  const auto seal = [&] {
+    set(sealed);
+    ring.lane[flags_lane] = static_cast<Id>(ring.lane[flags_lane] & ~(movable | queued));
+  };
+  if (ring.has(pile)) return seal();
   const unsigned n = degree_of(ring);
   const bool open = ring.has(quadric::open);
   const unsigned triangles = open ? n - 1 : n;
@@ -107,7 +111,7 @@ void Seams::make_record(Id v, Ring& ring) {
     }
     const Corner& before = *corner_of(v, ring.lane[k > 0 ? k - 1 : n - 1], ring.lane[k]);
     if (before.wedge == now.wedge && before.to_wedge == now.from_wedge) continue;
-    if (record.count == most_seams) return set(sealed);
+    if (record.count == most_seams) return seal();
     record.neighbour[record.count] = ring.lane[k];
     record.after[record.count++] = now.wedge;
   }

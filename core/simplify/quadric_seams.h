@@ -19,7 +19,8 @@ namespace lodestone::quadric {
 class Seams {
  public:
   // Of a block whose rings are made; input.corners must not be empty. Flags the rings of the vertices with seams as
-  // `seamed`, and those that nothing may collapse into since their sectors have no order as `sealed`.
+  // `seamed`, and those that neither go nor are arrived at, since their sectors have no order or are too many, as
+  // `sealed`.
   void reset(const SimplifyInput& input, Arrays& arrays);
 
   // Lanes of the two neighbours along the seam of a seamed vertex; 0 where the vertex has to stay.

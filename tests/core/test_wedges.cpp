@@ -160,6 +160,63 @@ TEST(Wedges, StayInTheirChart) {
   EXPECT_LE(result.triangles, input.target_triangles) << "seams do not stop it";
 }
 
+// Ten charts meet at one vertex: more seams than the kernel follows, so it has to stay.
+TEST(Wedges, MeetInAnyNumber) {
+  TestMesh mesh;
+  constexpr std::uint32_t n = 10;
+  mesh.positions.push_back({0, 0, 0});
+  for (const float radius : {1.0f, 2.0f, 3.0f})
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const float angle = 2 * std::numbers::pi_v<float> * static_cast<float>(k) / n;
+      mesh.positions.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    }
+  std::vector<std::uint64_t> chart;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t a = 1 + k, b = 1 + (k + 1) % n;
+    mesh.triangles.push_back({{0, a, b}});
+    for (const std::uint32_t r : {0u, n}) {
+      mesh.triangles.push_back({{a + r, a + r + n, b + r + n}});
+      mesh.triangles.push_back({{a + r, b + r + n, b + r}});
+    }
+    chart.insert(chart.end(), 5, k);
+  }
+  WedgeMesh m = with_wedges(std::move(mesh), [&](std::size_t t, std::size_t) { return chart[t]; });
+  const SimplifyInput input = m.input(10, 0);
+  const auto simplifier = make_quadric_simplifier();
+  const SimplifyResult& result = simplifier->simplify(input);
+  EXPECT_EQ(broken_contract(input, result), "");
+  EXPECT_EQ(result.parent[0], 0u);
+  for (std::uint32_t w = 0; w < m.key.size(); ++w) EXPECT_EQ(m.key[result.wedge_parent[w]], m.key[w]);
+  EXPECT_LT(result.triangles, input.triangles.size());
+}
+
+// Surfaces that lie upon each other, fins and folds, in charts that meet there.
+TEST(Wedges, StayInTheirChartOnWhatIsNoManifold) {
+  const auto simplifier = make_quadric_simplifier();
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    std::mt19937 random(seed);
+    TestMesh mesh = seed % 2 == 0 ? bumpy_sphere(3) : terrain(16);
+    const std::size_t sound = mesh.triangles.size();
+    std::vector<std::uint64_t> chart(sound);
+    for (std::size_t t = 0; t < sound; ++t) chart[t] = t * (1 + seed % 5) / sound;
+    for (unsigned i = 0; i < 40; ++i) {
+      Triangle t = mesh.triangles[random() % sound];
+      if (random() % 2 == 0) std::swap(t.v[0], t.v[1]);
+      if (random() % 3 == 0) t.v[random() % 3] = static_cast<std::uint32_t>(random() % mesh.positions.size());
+      if (is_degenerate(t)) continue;
+      mesh.triangles.push_back(t);
+      chart.push_back(random() % 7);
+    }
+    WedgeMesh m = with_wedges(std::move(mesh), [&](std::size_t t, std::size_t) { return chart[t]; });
+    const SimplifyInput input = m.input(1, m.mesh.triangles.size() / 8);
+    const SimplifyResult& result = simplifier->simplify(input);
+    EXPECT_EQ(broken_contract(input, result), "");
+    for (std::size_t t = 0; t < input.corners.size(); ++t)
+      for (const std::uint32_t w : input.corners[t].v)
+        ASSERT_EQ(m.key[result.wedge_parent[w]], m.key[w]) << "seed " << seed << ", triangle " << t;
+  }
+}
+
 TEST(Wedges, NoTriangleStretchesOverTheChart) {
   WedgeMesh mesh = unrolled_torus();
   const auto simplifier = make_quadric_simplifier();
