@@ -27,7 +27,7 @@ PeerMesh simplify(const std::string& peer, const PeerMesh& mesh, std::size_t tri
 void run(const std::string& peer, std::size_t triangles, const std::string& in, const std::string& out) {
   const auto scheduler = make_serial_scheduler();
   Repairs repairs;
-  const IndexedMesh input = prepare_mesh(load_mesh(in, *scheduler), repairs, *scheduler, in);
+  const IndexedMesh input = prepare_mesh(load_mesh(in, *scheduler, {.attributes = false}), repairs, *scheduler, in);
   const PeerMesh mesh{input.positions, input.triangles, {}};
   const CpuClock clock;
   const PeerMesh left = simplify(peer, mesh, triangles);

@@ -1,10 +1,13 @@
 #include "parallel/load.h"
 
 #include <atomic>
+#include <exception>
 #include <limits>
 #include <memory>
 #include <new>
 #include <optional>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
@@ -12,6 +15,8 @@
 #include "core/io/mesh_file.h"
 #include "core/io/mesh_readers.h"
 #include "core/io/ply_header.h"
+#include "core/io/tileset.h"
+#include "core/mesh/raw_mesh.h"
 #include "parallel/first_touch.h"
 
 namespace lodestone {
@@ -51,9 +56,13 @@ template <class Decode>
 }
 
 // Each of these is empty when the file is of another layout, or damaged: the general reader knows more and says what.
-std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, Scheduler& scheduler) {
-  const std::optional<PlyFixedLayout> layout = fixed_layout(read_ply_header(head));
+std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, const ReadConfig& config,
+                                Scheduler& scheduler) {
+  const PlyHeader header = read_ply_header(head);
+  if (config.attributes && (header.has_textured_faces() || !header.textures.empty())) return std::nullopt;
+  const std::optional<PlyFixedLayout> layout = fixed_layout(header);
   if (!layout) return std::nullopt;
+  const VertexAttributeLayout attributes = config.attributes ? layout->attributes : VertexAttributeLayout{};
   const Records triangles{layout->triangle_offset, layout->triangle_count, layout->triangles.stride};
   const Records vertices{layout->vertex_offset, layout->vertex_count, layout->vertices.stride};
   if (!readable(triangles, file) || !readable(vertices, file)) return std::nullopt;
@@ -67,8 +76,10 @@ std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, Schedul
       });
   if (!triangles_only) return std::nullopt;
   resize_in_parallel(mesh.positions, vertices.count, scheduler);
+  resize_attributes(attributes, vertices.count, mesh.wedges);
   const bool complete = read_records(file, vertices, scheduler, [&](auto bytes, std::size_t first, std::size_t count) {
     decode_vertices(layout->vertices, bytes, std::span(mesh.positions).subspan(first, count));
+    if (!attributes.empty()) decode_attributes(attributes, bytes, first, count, mesh.wedges);
     return true;
   });
   if (!complete) return std::nullopt;
@@ -92,18 +103,42 @@ std::optional<RawMesh> load_stl(const InputFile& file, ByteReader& head, Schedul
   return mesh;
 }
 
+// Reads tiles side by side and puts them together in their order. Of several errors the first tile's counts.
+RawMesh load_tileset(ByteReader& head, const ReadConfig& config, Scheduler& scheduler) {
+  TileList list = list_tiles(head);
+  std::vector<RawMesh> parts(list.tiles.size());
+  std::vector<std::exception_ptr> errors(list.tiles.size());
+  scheduler.for_chunks(list.tiles.size(), 1, [&](ChunkRange range) {
+    try {
+      parts[range.index] = read_tile(list.tiles[range.index], config);
+    } catch (...) {
+      errors[range.index] = std::current_exception();
+    }
+  });
+  for (const std::exception_ptr& error : errors)
+    if (error) std::rethrow_exception(error);
+  RawMesh mesh;
+  mesh.warnings = std::move(list.warnings);
+  for (RawMesh& part : parts) append_mesh(mesh, std::move(part), head.name());
+  return mesh;
+}
+
 }  // namespace
 
-RawMesh load_mesh(const std::filesystem::path& path, Scheduler& scheduler) {
+RawMesh load_mesh(const std::filesystem::path& given, Scheduler& scheduler, const ReadConfig& config) {
+  const std::filesystem::path path = mesh_path(given);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) return read_mesh(path, config);
   ByteReader head(path);
-  if (head.size() == 0) return read_mesh(path);
-  const MeshFormat format = mesh_format(path, head);
+  if (head.size() == 0) return read_mesh(path, config);
+  const MeshFormat format = mesh_format(path, head, config);
   try {
     const InputFile file(path);
     std::optional<RawMesh> mesh;
-    if (format == MeshFormat::ply) mesh = load_ply(file, head, scheduler);
+    if (format == MeshFormat::ply) mesh = load_ply(file, head, config, scheduler);
     if (format == MeshFormat::stl) mesh = load_stl(file, head, scheduler);
-    if (!mesh) return read_mesh(path);
+    if (format == MeshFormat::tileset) mesh = load_tileset(head, config, scheduler);
+    if (!mesh) return read_mesh(path, config);
     require_triangles(*mesh, head.name());
     return std::move(*mesh);
   } catch (const std::bad_alloc&) {

@@ -198,6 +198,8 @@ IndexedMesh prepare_mesh(RawMesh&& raw, Repairs& repairs, Scheduler& scheduler, 
   repairs = {};
   repairs.polygons_triangulated = raw.polygons_triangulated;
   repairs.faces_dropped = raw.faces_dropped;
+  repairs.void_posts = raw.void_posts;
+  repairs.filled_posts = raw.filled_posts;
   Preparation preparation(std::move(raw), repairs, scheduler);
   preparation.drop_non_finite_triangles();
   require_any_left(repairs.non_finite_triangles, triangles, repairs, name);

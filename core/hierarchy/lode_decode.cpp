@@ -81,7 +81,8 @@ void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   Provenance& p = hierarchy.provenance;
   p.input_vertices = h.input_vertices;
   p.input_triangles = h.input_triangles;
-  p.repairs = {h.repairs[0], h.repairs[1], h.repairs[2], h.repairs[3], h.repairs[4], h.repairs[5], h.repairs[6]};
+  p.repairs = {h.repairs[0], h.repairs[1], h.repairs[2], h.repairs[3], h.repairs[4],
+               h.repairs[5], h.repairs[6], h.repairs[7], h.repairs[8]};
   p.fingerprint = h.fingerprint;
   p.simplifier = h.simplifier & 0xffff;
   p.placement = h.simplifier >> 16;

@@ -56,7 +56,7 @@ LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   h.fingerprint = p.fingerprint;
   h.repairs = {p.repairs.polygons_triangulated, p.repairs.faces_dropped,        p.repairs.non_finite_triangles,
                p.repairs.welded_vertices,       p.repairs.degenerate_triangles, p.repairs.duplicate_triangles,
-               p.repairs.unreferenced_vertices};
+               p.repairs.unreferenced_vertices, p.repairs.void_posts,           p.repairs.filled_posts};
   return h;
 }
 

@@ -61,9 +61,9 @@ struct LodeHeader {
   std::uint16_t features = 0;  // LodeFeatures
   std::uint8_t lattice_bits = 0, reserved = 0;
   std::uint64_t input_vertices = 0, input_triangles = 0, fingerprint = 0;
-  std::array<std::uint64_t, 7> repairs{};  // in the order of struct Repairs
+  std::array<std::uint64_t, 9> repairs{};  // in the order of struct Repairs
 };
-static_assert(sizeof(LodeHeader) == 8 + 6 * 4 + 6 * 8 + 4 * 8 + 4 * 4 + 3 * 8 + 7 * 8);  // no padding
+static_assert(sizeof(LodeHeader) == 8 + 6 * 4 + 6 * 8 + 4 * 8 + 4 * 4 + 3 * 8 + 9 * 8);  // no padding
 
 struct LodeLevel {
   std::uint32_t first_cell = 0, cell_count = 0;

@@ -10,13 +10,20 @@
 namespace lodestone {
 
 ByteReader::ByteReader(const std::filesystem::path& path)
-    : name_(path.string()), file_(std::in_place, path), buffer_(std::make_unique_for_overwrite<char[]>(max_window)) {
+    : name_(path.string()),
+      folder_(path.parent_path()),
+      file_(std::in_place, path),
+      buffer_(std::make_unique_for_overwrite<char[]>(max_window)) {
   size_ = file_->size();
   data_ = buffer_.get();
 }
 
-ByteReader::ByteReader(std::span<const char> bytes, std::string name)
-    : name_(std::move(name)), size_(bytes.size()), filled_(bytes.size()), data_(bytes.data()) {}
+ByteReader::ByteReader(std::span<const char> bytes, std::string name, std::optional<std::filesystem::path> folder)
+    : name_(std::move(name)),
+      folder_(std::move(folder)),
+      size_(bytes.size()),
+      filled_(bytes.size()),
+      data_(bytes.data()) {}
 
 void ByteReader::skip(std::uint64_t count) {
   count = std::min(count, remaining());
@@ -40,6 +47,16 @@ void ByteReader::refill([[maybe_unused]] std::size_t least) {
   filled_ += got;
   // A file that shrinks while it is read ends where it now ends.
   if (got < wanted) size_ = base_ + filled_;
+}
+
+std::vector<char> read_all(ByteReader& input) {
+  std::vector<char> bytes;
+  bytes.reserve(input.remaining());
+  for (std::string_view part = input.window(1); !part.empty(); part = input.window(1)) {
+    bytes.insert(bytes.end(), part.begin(), part.end());
+    input.advance(part.size());
+  }
+  return bytes;
 }
 
 }  // namespace lodestone

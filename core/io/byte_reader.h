@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/io/input_file.h"
 
@@ -23,9 +24,11 @@ class ByteReader {
 
   explicit ByteReader(const std::filesystem::path& path);  // throws FileError
   // The bytes must outlive the reader; the name stands for the file in messages.
-  ByteReader(std::span<const char> bytes, std::string name);
+  ByteReader(std::span<const char> bytes, std::string name, std::optional<std::filesystem::path> folder = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
+  // Where the files lie that this one names; empty for bytes in memory, which have no such files.
+  [[nodiscard]] const std::optional<std::filesystem::path>& folder() const { return folder_; }
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] std::uint64_t offset() const { return base_ + position_; }
   [[nodiscard]] std::uint64_t remaining() const { return size_ - offset(); }
@@ -45,6 +48,7 @@ class ByteReader {
   void refill(std::size_t least);
 
   std::string name_;
+  std::optional<std::filesystem::path> folder_;
   std::uint64_t size_ = 0;
   std::uint64_t base_ = 0;                 // offset of data_[0] in the input
   std::size_t position_ = 0, filled_ = 0;  // in data_
@@ -52,5 +56,8 @@ class ByteReader {
   std::optional<InputFile> file_;  // empty: reading memory, all of which is at hand
   std::unique_ptr<char[]> buffer_;
 };
+
+// The rest of the input.
+[[nodiscard]] std::vector<char> read_all(ByteReader& input);
 
 }  // namespace lodestone

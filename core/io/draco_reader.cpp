@@ -1,63 +1,63 @@
-// Draco compressed meshes, decoded by libdraco. The only file that names it.
-#include <draco/compression/decode.h>
-#include <draco/mesh/mesh.h>
-
-#include <array>
+// Draco compressed meshes (.drc).
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/io/colour.h"
+#include "core/io/draco_mesh.h"
 #include "core/io/mesh_readers.h"
+#include "core/mesh/raw_mesh.h"
 
 namespace lodestone {
 namespace {
 
-std::vector<char> read_all(ByteReader& input) {
-  std::vector<char> bytes;
-  bytes.reserve(input.remaining());
-  for (std::string_view part = input.window(1); !part.empty(); part = input.window(1)) {
-    bytes.insert(bytes.end(), part.begin(), part.end());
-    input.advance(part.size());
+// Wedges are points; every attribute has a value at each.
+RawWedges read_wedges(const DracoMesh& source, std::vector<Triangle>&& point_triangles) {
+  using Kind = DracoMesh::Kind;
+  RawWedges wedges;
+  if (const auto normal = source.find(Kind::normal); normal && normal->components == 3) {
+    const std::vector<double> values = source.values(*normal, 3);
+    wedges.normal.reserve(source.point_count());
+    for (std::size_t i = 0; i < values.size(); i += 3)
+      wedges.normal.push_back(unit_normal({values[i], values[i + 1], values[i + 2]}));
   }
-  return bytes;
-}
-
-[[noreturn]] void fail(const ByteReader& input, const std::string& what) {
-  throw InputError(describe(input.name(), "", what, "the file is damaged, or is no Draco mesh"));
+  if (const auto colour = source.find(Kind::colour); colour && colour->components >= 3) {
+    const std::vector<double> values = source.values(*colour, 4);
+    const auto byte = [&](double value) { return unit_to_byte(value / colour->largest); };
+    wedges.colour.reserve(source.point_count());
+    for (std::size_t i = 0; i < values.size(); i += 4)
+      wedges.colour.push_back({byte(values[i]), byte(values[i + 1]), byte(values[i + 2]),
+                               colour->components > 3 ? byte(values[i + 3]) : std::uint8_t{255}});
+  }
+  if (const auto uv = source.find(Kind::texture_coordinate); uv && uv->components >= 2) {
+    const std::vector<double> values = source.values(*uv, 2);
+    wedges.uv.reserve(source.point_count());
+    for (std::size_t i = 0; i < values.size(); i += 2) wedges.uv.push_back(from_lower_left(values[i], values[i + 1]));
+  }
+  if (!wedges.empty()) wedges.corners = std::move(point_triangles);
+  return wedges;
 }
 
 }  // namespace
 
-RawMesh read_draco(ByteReader& input) {
+RawMesh read_draco(ByteReader& input, const ReadConfig& config) {
   const std::vector<char> bytes = read_all(input);
-  draco::DecoderBuffer buffer;
-  buffer.Init(bytes.data(), bytes.size());
-  draco::Decoder decoder;
-  auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) fail(input, std::string("cannot decode: ") + decoded.status().error_msg());
-  const std::unique_ptr<draco::Mesh> source = std::move(decoded).value();
-  const draco::PointAttribute* attribute = source->GetNamedAttribute(draco::GeometryAttribute::POSITION);
-  if (!attribute || attribute->num_components() != 3) fail(input, "has no positions of three coordinates");
+  const DracoMesh source(bytes, input.name(), "");
+  const auto position = source.find(DracoMesh::Kind::position);
+  if (!position || position->components != 3)
+    throw InputError(describe(input.name(), "", "has no positions of three coordinates", "give a mesh of triangles"));
 
-  // The values of the position attribute are the vertices. Draco's points are finer: one per combination of attributes.
+  // The values of the position attribute are the vertices; points are finer.
   RawMesh mesh;
-  mesh.positions.resize(attribute->size());
-  for (std::uint32_t i = 0; i < attribute->size(); ++i) {
-    std::array<double, 3> value;
-    if (!attribute->ConvertValue<double, 3>(draco::AttributeValueIndex(i), value.data()))
-      fail(input, "position " + std::to_string(i) + " cannot be converted");
-    mesh.positions[i] = {value[0], value[1], value[2]};
-  }
-  mesh.triangles.resize(source->num_faces());
-  for (std::uint32_t i = 0; i < source->num_faces(); ++i) {
-    const draco::Mesh::Face& face = source->face(draco::FaceIndex(i));
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      if (face[corner].value() >= source->num_points()) fail(input, "face " + std::to_string(i) + " is out of range");
-      const std::uint32_t id = attribute->mapped_index(face[corner]).value();
-      if (id >= mesh.positions.size()) fail(input, "face " + std::to_string(i) + " is out of range");
-      mesh.triangles[i].v[corner] = id;
-    }
-  }
+  mesh.positions = source.distinct_values(*position);
+  mesh.triangles = source.triangles();
+  const std::vector<std::uint32_t> vertex_of = source.value_of_points(*position);
+  std::vector<Triangle> points;
+  if (config.attributes) points = mesh.triangles;
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& id : t.v) id = vertex_of[id];
+  if (config.attributes) mesh.wedges = read_wedges(source, std::move(points));
   return mesh;
 }
 

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+
+#include "core/io/colour.h"
+#include "core/mesh/raw_mesh.h"
 
 namespace lodestone {
 namespace {
@@ -52,6 +56,39 @@ void decode_vertices(const VertexLayout& layout, std::span<const char> bytes, st
                 load_as<double>(y.type, layout.byte_order, record + y.offset),
                 load_as<double>(z.type, layout.byte_order, record + z.offset)};
     record += layout.stride;
+  }
+}
+
+void resize_attributes(const VertexAttributeLayout& layout, std::size_t vertices, RawWedges& wedges) {
+  if (!layout.normal.empty()) wedges.normal.resize(vertices);
+  if (!layout.colour.empty()) wedges.colour.resize(vertices);
+  if (!layout.uv.empty()) wedges.uv.resize(vertices);
+}
+
+std::uint8_t colour_component(ScalarType type, double value) {
+  if (type == ScalarType::uint16) return unit_to_byte(value / 65535);
+  return unit_to_byte(is_integer(type) ? value / 255 : value);
+}
+
+void decode_attributes(const VertexAttributeLayout& layout, std::span<const char> bytes, std::size_t first,
+                       std::size_t count, RawWedges& wedges) {
+  assert(bytes.size() >= count * layout.stride);
+  const auto value = [&](const VertexAttributeLayout::Value& v, const char* record) {
+    return load_as<double>(v.type, layout.byte_order, record + v.offset);
+  };
+  const auto component = [&](const VertexAttributeLayout::Value& v, const char* record) {
+    if (v.type == ScalarType::uint8) return load<std::uint8_t>(record + v.offset);  // nearly always
+    return colour_component(v.type, value(v, record));
+  };
+  const char* record = bytes.data();
+  for (std::size_t i = first; i < first + count; ++i, record += layout.stride) {
+    if (const auto& n = layout.normal; !n.empty())
+      wedges.normal[i] = unit_normal({value(n[0], record), value(n[1], record), value(n[2], record)});
+    if (const auto& c = layout.colour; !c.empty())
+      wedges.colour[i] = {component(c[0], record), component(c[1], record), component(c[2], record),
+                          c.size() > 3 ? component(c[3], record) : std::uint8_t{255}};
+    if (const auto& uv = layout.uv; !uv.empty())
+      wedges.uv[i] = from_lower_left(value(uv[0], record), value(uv[1], record));
   }
 }
 

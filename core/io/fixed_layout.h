@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/io/scalar.h"
 #include "core/mesh/indexed_mesh.h"
@@ -25,6 +26,15 @@ struct VertexLayout {
   std::endian byte_order = std::endian::little;
 };
 
+// Where the attributes of a vertex record lie; an attribute that the file has not has no values.
+struct VertexAttributeLayout {
+  using Value = VertexLayout::Coordinate;
+  std::size_t stride = 0;
+  std::vector<Value> normal, colour, uv;  // 3, 3 or 4, and 2 of them
+  std::endian byte_order = std::endian::little;
+  [[nodiscard]] bool empty() const { return normal.empty() && colour.empty() && uv.empty(); }
+};
+
 // A face record that is `stride` bytes long when it is a triangle: a one-byte corner count that has to be 3, directly
 // followed by three 32-bit indices, with other scalars before and behind.
 struct TriangleLayout {
@@ -35,6 +45,16 @@ struct TriangleLayout {
 
 // Decodes out.size() records; `bytes` holds at least that many.
 void decode_vertices(const VertexLayout& layout, std::span<const char> bytes, std::span<Vec3d> out);
+
+// The arrays of `wedges` that the layout fills, for this many vertices.
+void resize_attributes(const VertexAttributeLayout& layout, std::size_t vertices, RawWedges& wedges);
+// Decodes `count` records into those arrays from `first` on.
+void decode_attributes(const VertexAttributeLayout& layout, std::span<const char> bytes, std::size_t first,
+                       std::size_t count, RawWedges& wedges);
+
+// A component of a colour by the convention of its type: integers of 8 bits count to 255, of 16 bits to 65535, others
+// are taken to be of 8 bits, too; floating-point ones go to 1.
+[[nodiscard]] std::uint8_t colour_component(ScalarType type, double value);
 
 // The same for triangles. Returns how many it decoded before the first record that is no triangle, or that has an index
 // of vertex_count or more: the caller turns to the general reader there.

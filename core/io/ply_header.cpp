@@ -127,6 +127,33 @@ const PlyProperty* PlyElement::index_list() const {
   return nullptr;
 }
 
+const PlyProperty* PlyElement::texture_coordinate_list() const {
+  const PlyProperty* list = find("texcoord");
+  return list && list->count_type ? list : nullptr;
+}
+
+const PlyProperty* PlyElement::texture_number() const {
+  const PlyProperty* number = find("texnumber");
+  return number && !number->count_type && is_integer(number->type) ? number : nullptr;
+}
+
+PlyVertexAttributes vertex_attributes(const PlyElement& vertex) {
+  const auto all_of = [&](std::initializer_list<std::string_view> names) {
+    std::vector<const PlyProperty*> found;
+    for (const std::string_view name : names)
+      if (const PlyProperty* property = vertex.find(name); property && !property->count_type) found.push_back(property);
+    if (found.size() != names.size()) found.clear();
+    return found;
+  };
+  PlyVertexAttributes attributes{.normal = all_of({"nx", "ny", "nz"}), .colour = {}, .uv = {}};
+  attributes.colour = all_of({"red", "green", "blue", "alpha"});
+  if (attributes.colour.empty()) attributes.colour = all_of({"red", "green", "blue"});
+  attributes.uv = all_of({"s", "t"});
+  if (attributes.uv.empty()) attributes.uv = all_of({"u", "v"});
+  if (attributes.uv.empty()) attributes.uv = all_of({"texture_u", "texture_v"});
+  return attributes;
+}
+
 std::uint64_t PlyElement::least_bytes(bool ascii) const {
   std::uint64_t bytes = 0;
   for (const PlyProperty& property : properties)
@@ -145,6 +172,11 @@ std::uint64_t PlyHeader::vertex_count() const {
   return vertex ? vertex->count : 0;
 }
 
+bool PlyHeader::has_textured_faces() const {
+  const PlyElement* face = find("face");
+  return face && (face->texture_coordinate_list() || (!textures.empty() && face->texture_number()));
+}
+
 PlyHeader read_ply_header(ByteReader& input) {
   TextScanner scan(input);
   PlyHeader header;
@@ -160,9 +192,11 @@ PlyHeader read_ply_header(ByteReader& input) {
     } else if (keyword == "property") {
       if (header.elements.empty()) scan.fail("a property before the first element", damaged);
       header.elements.back().properties.push_back(parse_property(scan));
+    } else if (keyword == "comment") {
+      if (scan.continues_with("TextureFile ") && !scan.token().empty()) header.textures.push_back(scan.rest_of_line());
     } else if (keyword == "end_header") {
       complete = true;
-    } else if (!keyword.empty() && keyword != "comment" && keyword != "obj_info" && !header.elements.empty()) {
+    } else if (!keyword.empty() && keyword != "obj_info" && !header.elements.empty()) {
       // Before the first element unknown lines are let through: some exporters forget the word "comment" there.
       scan.fail("unknown keyword " + quote(keyword), damaged);
     }
@@ -188,6 +222,20 @@ std::optional<VertexLayout> vertex_layout(const PlyHeader& header, const PlyElem
   return layout;
 }
 
+VertexAttributeLayout vertex_attribute_layout(const PlyHeader& header, const PlyElement& vertex) {
+  const PlyVertexAttributes attributes = vertex_attributes(vertex);
+  const auto places = [&](const std::vector<const PlyProperty*>& properties) {
+    std::vector<VertexAttributeLayout::Value> values;
+    for (const PlyProperty* property : properties) values.push_back({*offset_of(vertex, *property), property->type});
+    return values;
+  };
+  return {.stride = vertex.least_bytes(false),
+          .normal = places(attributes.normal),
+          .colour = places(attributes.colour),
+          .uv = places(attributes.uv),
+          .byte_order = *header.byte_order};
+}
+
 std::optional<TriangleLayout> triangle_layout(const PlyHeader& header, const PlyElement& face) {
   const PlyProperty* list = face.index_list();
   if (!header.byte_order || !list || size_of(*list->count_type) != 1) return std::nullopt;
@@ -207,7 +255,8 @@ std::optional<PlyFixedLayout> fixed_layout(const PlyHeader& header) {
   const std::optional<VertexLayout> vertices = vertex_layout(header, *vertex);
   const std::optional<TriangleLayout> triangles = triangle_layout(header, *face);
   if (!vertices || !triangles) return std::nullopt;
-  PlyFixedLayout layout{.vertices = *vertices, .triangles = *triangles};
+  PlyFixedLayout layout{
+      .vertices = *vertices, .attributes = vertex_attribute_layout(header, *vertex), .triangles = *triangles};
   layout.vertex_count = vertex->count;
   layout.triangle_count = face->count;
   std::uint64_t offset = header.data_offset;

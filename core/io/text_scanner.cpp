@@ -105,6 +105,28 @@ std::string_view TextScanner::token_across_lines() {
   }
 }
 
+bool TextScanner::continues_with(std::string_view text) {
+  std::string_view rest = input_->window(max_token);
+  while (!rest.empty() && class_of(rest.front()) == CharClass::blank) {
+    rest.remove_prefix(1);
+    input_->advance(1);
+  }
+  return rest.starts_with(text);
+}
+
+std::string TextScanner::rest_of_line() {
+  std::string_view text = input_->window(max_token + 1);
+  std::size_t length = 0;
+  while (length < text.size() && class_of(text[length]) != CharClass::line_end) ++length;
+  if (length > max_token) fail("a name of more than " + std::to_string(max_token) + " characters");
+  text = text.substr(0, length);
+  while (!text.empty() && class_of(text.back()) == CharClass::blank) text.remove_suffix(1);
+  while (!text.empty() && class_of(text.front()) == CharClass::blank) text.remove_prefix(1);
+  std::string rest(text);
+  input_->advance(length);
+  return rest;
+}
+
 bool TextScanner::next_line() {
   while (true) {
     const std::string_view text = input_->window(1);

@@ -32,6 +32,15 @@ class TextScanner {
   [[nodiscard]] std::string_view token();
   // The next token on this or a later line, empty at the end of the input.
   [[nodiscard]] std::string_view token_across_lines();
+  // False when the current line ends right here, as most do after their last token: a quick look ahead.
+  [[nodiscard]] bool line_goes_on() {
+    const std::string_view text = input_->window(1);
+    return !text.empty() && text[0] != '\n' && text[0] != '\r';
+  }
+  // Whether the current line goes on with this text, after blanks; takes nothing but the blanks.
+  [[nodiscard]] bool continues_with(std::string_view text);
+  // What is left of the current line, without blanks around it: a name that may hold blanks. At most max_token bytes.
+  [[nodiscard]] std::string rest_of_line();
   // Leaves the rest of the current line; false when the input ends with it.
   bool next_line();
 

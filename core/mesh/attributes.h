@@ -40,7 +40,8 @@ struct Material {
 };
 
 // A wedge is a vertex as some of its triangles see it: a position and one value of each attribute. Along a seam a
-// vertex has several wedges.
+// vertex has several wedges. As positions of a RawMesh are not welded, wedges of a RawMesh may have equal values: files
+// that store every triangle's corners apart have three for each triangle.
 //
 // An attribute that the file has anywhere is an array of one value per wedge; where the file gives none, it is
 // texture coordinate (0, 0), the zero normal and white. One that it has nowhere is an empty array, and a mesh without

@@ -79,6 +79,8 @@ IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& 
   repairs = {};
   repairs.polygons_triangulated = raw.polygons_triangulated;
   repairs.faces_dropped = raw.faces_dropped;
+  repairs.void_posts = raw.void_posts;
+  repairs.filled_posts = raw.filled_posts;
   IndexedMesh mesh;
   std::vector<Triangle> triangles = finite_triangles(raw, repairs);
   require_survivors({{}, triangles, {}}, repairs, name);

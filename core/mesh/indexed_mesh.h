@@ -23,6 +23,8 @@ struct RawMesh {
   // What the reader had to do to make sense of the file.
   std::uint64_t polygons_triangulated = 0;  // faces of more than three corners
   std::uint64_t faces_dropped = 0;          // faces of fewer than three corners
+  std::uint64_t void_posts = 0;             // of a height grid, without a height: left open
+  std::uint64_t filled_posts = 0;           // of a height grid, without a height: interpolated
   // What the surface has besides its shape; all empty when it has nothing, or when it was not asked for.
   RawWedges wedges;
   std::vector<Material> materials;
@@ -79,6 +81,8 @@ struct Repairs {
   std::uint64_t degenerate_triangles = 0;  // two equal vertices after welding
   std::uint64_t duplicate_triangles = 0;   // same three vertices in the same cyclic order
   std::uint64_t unreferenced_vertices = 0;
+  std::uint64_t void_posts = 0;    // of a height grid, without a height: left open
+  std::uint64_t filled_posts = 0;  // of a height grid, without a height: interpolated
   friend bool operator==(const Repairs&, const Repairs&) = default;
 };
 

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
 #include "experiments/progress.h"
 #include "experiments/trace_file.h"
 #include "parallel/cpu_clock.h"
@@ -19,6 +20,7 @@ constexpr double much_stored = 1.6;
 
 struct BuildOptions {
   std::string input, output, trace;
+  InputOptions reading;
   std::string simplifier = "quadric", placement, strategy_name = "graph";
   bool compress = false;
   int lattice_bits = 0;  // 0: none, or automatic when the file is compressed
@@ -60,6 +62,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
   if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
   check_files(common, {{"IN", options.input}}, outputs);
+  const ReadConfig reading = read_config(options.reading, {options.input});
   auto scheduler = make_scheduler(common);
   const auto trace = std::make_shared<Trace>(scheduler->workers());
   if (!options.trace.empty()) scheduler = make_tracing_scheduler(std::move(scheduler), trace);
@@ -82,7 +85,9 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   };
   progress.phase("reading");
   scheduler->name_work("read");
-  RawMesh raw = load_mesh(options.input, *scheduler);
+  RawMesh raw = load_mesh(options.input, *scheduler, reading);
+  const nlohmann::json attributes = attribute_counts(raw);
+  const std::vector<std::string> warnings = std::move(raw.warnings);
   stage("read");
   Repairs repairs;
   scheduler->name_work("weld");
@@ -135,6 +140,8 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"strategy", options.strategy_name},
                  {"simplifier", options.simplifier},
                  {"placement", name_of(static_cast<Placement>(hierarchy.provenance.placement))},
+                 {"attributes", attributes},
+                 {"warnings", warnings},
                  {"repairs", to_json(repairs)}});
   if (!options.trace.empty()) {
     write_trace(*trace, options.trace);
@@ -152,6 +159,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                lattice.error() * hierarchy.transform.scale);
   fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", time.seconds,
              time.cpu_seconds, static_cast<double>(peak_resident_bytes()) * 1e-6, rate);
+  print_warnings(warnings);
   print_repairs(repairs);
   if (sum.long_edges > 0)
     fmt::print("note: {} edges of the input are longer than sigma0 h_L; they cost triangles, not correctness\n",
@@ -170,9 +178,12 @@ void add_build(CLI::App& app) {
   const auto options = std::make_shared<BuildOptions>();
   CLI::App& command = add_command(app, "build", "Build the hierarchical level of detail of a mesh",
                                   "  lodestone build scan.ply -o scan.lode\n"
-                                  "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n",
+                                  "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"
+                                  "  lodestone build city/tileset.json -o city.lode\n"
+                                  "  lodestone build alps.raw --grid 1197x643:i16:30 --fill-voids -o alps.lode\n",
                                   common);
-  command.add_option("IN", options->input, "Mesh: .ply, .obj, .stl, .off or .drc")->required();
+  command.add_option("IN", options->input, std::string("Mesh: ") + mesh_formats)->required();
+  add_input_options(command, options->reading);
   command.add_option("-o,--output", options->output, "Hierarchy to write (.lode)")->required();
   command
       .add_option("--sigma0", options->config.sigma0,

@@ -85,10 +85,15 @@ void write_json(const CommonOptions& common, const nlohmann::json& result) {
 nlohmann::json to_json(const StageTime& time) { return {{"seconds", time.seconds}, {"cpu_seconds", time.cpu_seconds}}; }
 
 nlohmann::json to_json(const Repairs& r) {
-  return {{"polygons_triangulated", r.polygons_triangulated}, {"faces_dropped", r.faces_dropped},
-          {"non_finite_triangles", r.non_finite_triangles},   {"welded_vertices", r.welded_vertices},
-          {"degenerate_triangles", r.degenerate_triangles},   {"duplicate_triangles", r.duplicate_triangles},
-          {"unreferenced_vertices", r.unreferenced_vertices}};
+  return {{"polygons_triangulated", r.polygons_triangulated},
+          {"faces_dropped", r.faces_dropped},
+          {"non_finite_triangles", r.non_finite_triangles},
+          {"welded_vertices", r.welded_vertices},
+          {"degenerate_triangles", r.degenerate_triangles},
+          {"duplicate_triangles", r.duplicate_triangles},
+          {"unreferenced_vertices", r.unreferenced_vertices},
+          {"void_posts", r.void_posts},
+          {"filled_posts", r.filled_posts}};
 }
 
 void print_repairs(const Repairs& repairs) {

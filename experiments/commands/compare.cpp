@@ -10,6 +10,7 @@
 #include "core/hierarchy/level_mesh.h"
 #include "core/io/mesh_file.h"
 #include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
 #include "experiments/progress.h"
 #include "parallel/load.h"
 #include "parallel/save.h"
@@ -19,6 +20,7 @@ namespace {
 
 struct CompareOptions {
   std::string a, b;
+  InputOptions reading;
   CompareConfig config;
 };
 
@@ -52,12 +54,12 @@ struct Surface {
   std::uint64_t non_finite_triangles = 0;  // left out, as `build` does
 };
 
-Surface read_surface(const SurfaceName& name, Scheduler& scheduler) {
+Surface read_surface(const SurfaceName& name, const ReadConfig& reading, Scheduler& scheduler) {
   if (name.hierarchy) {
     const Hierarchy hierarchy = load_lode(name.file, scheduler);
     return {level_mesh(hierarchy, level_number(name, hierarchy)), 0};
   }
-  Surface surface{load_mesh(name.file, scheduler), 0};
+  Surface surface{load_mesh(name.file, scheduler, reading), 0};
   surface.non_finite_triangles = std::erase_if(surface.mesh.triangles, [&](const Triangle& t) {
     return !std::all_of(t.v.begin(), t.v.end(), [&](auto v) { return is_finite(surface.mesh.positions[v]); });
   });
@@ -73,11 +75,13 @@ nlohmann::json to_json(const DirectedDistance& d) {
 void run(const CompareOptions& options, const CommonOptions& common) {
   const SurfaceName name_a = parse_name(options.a), name_b = parse_name(options.b);
   check_files(common, {{"A", name_a.file}, {"B", name_b.file}});
+  ReadConfig reading = read_config(options.reading, {name_a.file, name_b.file});
+  reading.attributes = false;
   const auto scheduler = make_scheduler(common);
   Progress progress("reading", common.quiet);
   progress.phase("reading");
-  const Surface a = read_surface(name_a, *scheduler);
-  const Surface b = read_surface(name_b, *scheduler);
+  const Surface a = read_surface(name_a, reading, *scheduler);
+  const Surface b = read_surface(name_b, reading, *scheduler);
   progress.phase("comparing");
   const MeshDistance result = compare_meshes(a.mesh, b.mesh, options.config, *scheduler);
   progress.clear();
@@ -96,6 +100,7 @@ void run(const CompareOptions& options, const CommonOptions& common) {
   };
   line("A to B", result.forward);
   line("B to A", result.backward);
+  for (const Surface* surface : {&a, &b}) print_warnings(surface->mesh.warnings);
   if (const auto count = a.non_finite_triangles + b.non_finite_triangles; count > 0)
     fmt::print("left out: {} triangles with a corner that is not finite\n", count);
 }
@@ -109,8 +114,10 @@ void add_compare(CLI::App& app) {
                                   "  lodestone compare scan.ply scan.lode:3\n"
                                   "  lodestone compare a.obj b.obj --json distance.json\n",
                                   common);
-  command.add_option("A", options->a, "Mesh, .lode file, or FILE.lode:LEVEL")->required();
+  command.add_option("A", options->a, std::string("A .lode file, FILE.lode:LEVEL, or a mesh: ") + mesh_formats)
+      ->required();
   command.add_option("B", options->b, "The other one")->required();
+  add_input_options(command, options->reading);
   command.callback([options, common] { run(*options, *common); });
 }
 

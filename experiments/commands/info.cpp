@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
+#include <utility>
 
 #include "core/io/mesh_file.h"
 #include "core/mesh/edge_census.h"
 #include "core/simplify/simplifier.h"
 #include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
 #include "parallel/save.h"
@@ -53,9 +56,25 @@ void print_edges(const EdgeCensus& edges) {
                edges.inconsistent);
 }
 
-void describe_mesh(const std::string& file, Scheduler& scheduler, const CommonOptions& common) {
+struct InfoOptions {
+  std::string file;
+  InputOptions reading;
+};
+
+bool is_mesh(const InfoOptions& options) {
+  std::error_code ignored;
+  return has_mesh_extension(options.file) || !options.reading.grid.empty() ||
+         std::filesystem::is_directory(options.file, ignored);
+}
+
+void describe_mesh(const InfoOptions& options, Scheduler& scheduler, const CommonOptions& common) {
+  const std::string& file = options.file;
+  ReadConfig reading = read_config(options.reading, {file});
+  reading.attributes = false;  // edges are those of the shape
+  RawMesh raw = load_mesh(file, scheduler, reading);
+  const std::vector<std::string> warnings = std::move(raw.warnings);
   Repairs repairs;
-  const IndexedMesh mesh = prepare_mesh(load_mesh(file, scheduler), repairs, scheduler, file);
+  const IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler, file);
   const EdgeCensus edges = count_edges(mesh.triangles, mesh.positions.size());
   const Vec3d o = mesh.transform.origin;
   write_json(common, {{"file", file},
@@ -64,6 +83,7 @@ void describe_mesh(const std::string& file, Scheduler& scheduler, const CommonOp
                       {"origin", {o.x, o.y, o.z}},
                       {"scale", mesh.transform.scale},
                       {"repairs", to_json(repairs)},
+                      {"warnings", warnings},
                       {"edges", edges.edges},
                       {"border_edges", edges.border},
                       {"non_manifold_edges", edges.non_manifold},
@@ -71,6 +91,7 @@ void describe_mesh(const std::string& file, Scheduler& scheduler, const CommonOp
   if (common.quiet || common.json == "-") return;
   fmt::print("{}: {} triangles, {} vertices\n", file, mesh.triangles.size(), mesh.positions.size());
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, mesh.transform.scale);
+  print_warnings(warnings);
   print_repairs(repairs);
   print_edges(edges);
 }
@@ -119,25 +140,26 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
   }
 }
 
-void run(const std::string& file, const CommonOptions& common) {
-  check_files(common, {{"FILE", file}});
+void run(const InfoOptions& options, const CommonOptions& common) {
+  check_files(common, {{"FILE", options.file}});
   const auto scheduler = make_scheduler(common);
-  has_mesh_extension(file) ? describe_mesh(file, *scheduler, common) : describe_hierarchy(file, *scheduler, common);
+  is_mesh(options) ? describe_mesh(options, *scheduler, common) : describe_hierarchy(options.file, *scheduler, common);
 }
 
 }  // namespace
 
 void add_info(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
-  const auto file = std::make_shared<std::string>();
+  const auto options = std::make_shared<InfoOptions>();
   CLI::App& command = add_command(
       app, "info", "Show the levels of a .lode file and the figures the guarantee rests on, or the edges of a mesh",
       "  lodestone info scan.lode\n"
       "  lodestone info scan.lode --json -\n"
       "  lodestone info scan.ply\n",
       common);
-  command.add_option("FILE", *file, "Hierarchy (.lode), or mesh: .ply, .obj, .stl, .off or .drc")->required();
-  command.callback([file, common] { run(*file, *common); });
+  command.add_option("FILE", options->file, std::string("Hierarchy (.lode), or mesh: ") + mesh_formats)->required();
+  add_input_options(command, options->reading);
+  command.callback([options, common] { run(*options, *common); });
 }
 
 }  // namespace lodestone

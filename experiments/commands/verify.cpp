@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
 #include "experiments/progress.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
@@ -16,27 +17,34 @@
 namespace lodestone {
 namespace {
 
+struct VerifyOptions {
+  std::string file, input;
+  InputOptions reading;
+};
+
 // On the lattice of the file. Both arguments may be .lode files by mistake, or even the same one: the message says
 // which of them was meant.
-IndexedMesh read_input(const std::string& input, Scheduler& scheduler, Lattice lattice) {
+IndexedMesh read_input(const std::string& input, const ReadConfig& reading, Scheduler& scheduler, Lattice lattice) {
   try {
     Repairs repairs;
-    return prepare_mesh(load_mesh(input, scheduler), repairs, scheduler, input, lattice);
+    return prepare_mesh(load_mesh(input, scheduler, reading), repairs, scheduler, input, lattice);
   } catch (const UnsupportedError& error) {
     throw UnsupportedError(std::string("--input ") + error.what());
   }
 }
 
-void run(const std::string& file, const std::string& input, const CommonOptions& common) {
+void run(const VerifyOptions& options, const CommonOptions& common) {
+  const auto& [file, input, input_options] = options;
   std::vector<FileArgument> inputs{{"FILE", file}};
   if (!input.empty()) inputs.push_back({"--input", input});
   check_files(common, inputs);
+  const ReadConfig reading = read_config(input_options, {input});
   Progress progress("reading", common.quiet);
   progress.phase("reading");
   const auto scheduler = make_scheduler(common);
   const Hierarchy hierarchy = load_lode(file, *scheduler);
   std::optional<IndexedMesh> mesh;
-  if (!input.empty()) mesh = read_input(input, *scheduler, hierarchy.transform.lattice);
+  if (!input.empty()) mesh = read_input(input, reading, *scheduler, hierarchy.transform.lattice);
   progress.phase("verifying");
   const VerifyReport report = verify_hierarchy(hierarchy, mesh ? &*mesh : nullptr);
   progress.clear();
@@ -60,16 +68,16 @@ void run(const std::string& file, const std::string& input, const CommonOptions&
 
 void add_verify(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
-  const auto file = std::make_shared<std::string>();
-  const auto input = std::make_shared<std::string>();
+  const auto options = std::make_shared<VerifyOptions>();
   CLI::App& command = add_command(app, "verify", "Check every invariant of a hierarchy, independently of the builder",
                                   "  lodestone verify scan.lode\n"
                                   "  lodestone verify scan.lode --input scan.ply --json verify.json\n",
                                   common);
-  command.add_option("FILE", *file, "Hierarchy (.lode)")->required();
-  command.add_option("--input", *input,
+  command.add_option("FILE", options->file, "Hierarchy (.lode)")->required();
+  command.add_option("--input", options->input,
                      "Mesh it was built from: compare the finest level with it triangle by triangle");
-  command.callback([file, input, common] { run(*file, *input, *common); });
+  add_input_options(command, options->reading);
+  command.callback([options, common] { run(*options, *common); });
 }
 
 }  // namespace lodestone

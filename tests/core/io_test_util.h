@@ -6,18 +6,54 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 
 #include "core/base/error.h"
 #include "core/io/mesh_file.h"
+#include "tests/core/wedge_checks.h"
 
 namespace lodestone {
 
-[[nodiscard]] inline RawMesh read_bytes(std::string_view bytes, MeshFormat format) {
-  ByteReader input({bytes.data(), bytes.size()}, "file");
-  return read_mesh(input, format);
+// Every mesh read by a test is checked for what readers promise of attributes.
+[[nodiscard]] inline RawMesh read_bytes(std::string_view bytes, MeshFormat format, const ReadConfig& config = {},
+                                        const std::string& name = "file") {
+  ByteReader input({bytes.data(), bytes.size()}, name);
+  RawMesh mesh = read_mesh(input, format, config);
+  EXPECT_EQ(wedge_mistake(mesh), "");
+  return mesh;
 }
+
+// The bytes of a file that passes for a PNG image, as far as readers look.
+[[nodiscard]] inline std::string png_bytes(const std::string& rest = "pixels") { return "\x89PNG\r\n\x1a\n" + rest; }
+
+// A folder of files for one test.
+class TestFolder {
+ public:
+  TestFolder()
+      : path_(std::filesystem::path(testing::TempDir()) /
+              (std::string(testing::UnitTest::GetInstance()->current_test_info()->test_suite_name()) + "." +
+               testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    std::filesystem::remove_all(path_);
+    std::filesystem::create_directories(path_);
+  }
+  ~TestFolder() { std::filesystem::remove_all(path_); }
+  TestFolder(const TestFolder&) = delete;
+  TestFolder& operator=(const TestFolder&) = delete;
+
+  // Writes a file, also below folders that do not exist yet; returns its path.
+  std::filesystem::path write(const std::string& name, std::string_view bytes) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << bytes;
+    return path_ / name;
+  }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 // Puts binary values together, in either byte order.
 class Bytes {
@@ -39,17 +75,34 @@ class Bytes {
   std::endian order_;
 };
 
-// Expects that reading throws E with all of `parts` in its message.
-template <class E>
-void expect_error(std::string_view bytes, MeshFormat format, std::initializer_list<std::string_view> parts) {
+// Expects that `read` throws E with all of `parts` in its message.
+template <class E, class Read>
+void expect_error_of(const Read& read, std::initializer_list<std::string_view> parts, std::string_view input = {}) {
   try {
-    (void)read_bytes(bytes, format);
-    ADD_FAILURE() << "no error for: " << bytes.substr(0, 200);
+    (void)read();
+    ADD_FAILURE() << "no error for: " << input.substr(0, 200);
   } catch (const E& error) {
     for (const std::string_view part : parts)
       EXPECT_NE(std::string_view(error.what()).find(part), std::string_view::npos) << error.what();
     EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos) << "one line, please";
+  } catch (const std::exception& error) {
+    ADD_FAILURE() << "an error of another kind: " << error.what();
   }
+}
+
+// The same for reading bytes.
+template <class E>
+void expect_error(std::string_view bytes, MeshFormat format, std::initializer_list<std::string_view> parts,
+                  const std::string& name = "file") {
+  expect_error_of<E>([&] { return read_bytes(bytes, format, {}, name); }, parts, bytes);
+}
+
+// Expects a warning with all of `parts`.
+inline void expect_warning(const RawMesh& mesh, std::initializer_list<std::string_view> parts) {
+  for (const std::string& warning : mesh.warnings)
+    if (std::all_of(parts.begin(), parts.end(), [&](auto part) { return warning.find(part) != std::string::npos; }))
+      return;
+  ADD_FAILURE() << "no such warning" << (mesh.warnings.empty() ? "" : ", the first is: " + mesh.warnings.front());
 }
 
 }  // namespace lodestone

@@ -157,6 +157,22 @@ def binary_stl(facets, declared=None):
     return bytes(80) + struct.pack("<I", len(facets) if declared is None else declared) + body
 
 
+def glb(positions, triangles):
+    """Bytes of a binary glTF of one primitive with 32-bit indices."""
+    binary = b"".join(struct.pack("<3f", *p) for p in positions)
+    views = [{"buffer": 0, "byteLength": len(binary)}, {"buffer": 0, "byteOffset": len(binary), "byteLength": 12 * len(triangles)}]
+    binary += b"".join(struct.pack("<3I", *t) for t in triangles)
+    accessors = [{"bufferView": 0, "componentType": 5126, "count": len(positions), "type": "VEC3"},
+                 {"bufferView": 1, "componentType": 5125, "count": 3 * len(triangles), "type": "SCALAR"}]
+    document = {"asset": {"version": "2.0"}, "buffers": [{"byteLength": len(binary)}], "bufferViews": views,
+                "accessors": accessors, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+                "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]}
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(binary), 0x004E4942) + binary
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
 def png_size(path):
     """(width, height) of a PNG that ends as it should."""
     data = path.read_bytes()

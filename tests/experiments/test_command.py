@@ -6,11 +6,12 @@ import pty
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import unittest
 
 import command_case
-from command_case import CommandCase, dirty_mesh, hierarchy, model, obj, ply, ply_counts, png_size, sphere
+from command_case import CommandCase, dirty_mesh, glb, hierarchy, model, obj, ply, ply_counts, png_size, sphere
 
 SUBCOMMANDS = ["generate", "build", "info", "verify", "compare", "render", "export"]
 SHAPES = ["sphere", "terrain", "torus", "box"]
@@ -95,6 +96,7 @@ class Build(CommandCase):
     def test_repairs_are_counted(self):
         """Each kind in its own number, through PLY and OBJ, and again by info and in the file."""
         points, faces, repairs = dirty_mesh(seed=1)
+        all_repairs = {**repairs, "void_posts": 0, "filled_posts": 0}
         counts = (len(faces) - repairs["faces_dropped"] + repairs["polygons_triangulated"]
                   - repairs["non_finite_triangles"] - repairs["degenerate_triangles"] - repairs["duplicate_triangles"],
                   len(points) - repairs["welded_vertices"] - repairs["unreferenced_vertices"])
@@ -102,17 +104,60 @@ class Build(CommandCase):
         self.write("m.obj", obj(points, faces))
         for name in ("m.ply", "m.obj"):
             result = self.results("build", name, "-o", "m.lode", "--cell-triangles", 200)
-            self.assertEqual(result["repairs"], repairs, name)
+            self.assertEqual(result["repairs"], all_repairs, name)
             self.assertEqual((result["input_triangles"], result["input_vertices"]), counts, name)
             self.assertGreater(result["levels"], 1)
             self.assertTrue(self.results("verify", "m.lode", "--input", name)["valid"])
-            self.assertEqual(self.results("info", "m.lode")["repairs"], repairs)
+            self.assertEqual(self.results("info", "m.lode")["repairs"], all_repairs)
             described = self.results("info", name)
             self.assertEqual((described["triangles"], described["vertices"]), counts)
-            self.assertEqual(described["repairs"], repairs)
+            self.assertEqual(described["repairs"], all_repairs)
             text = self.lodestone("build", name, "-o", "m.lode")
             for kind, count in repairs.items():
                 self.assertIn(f"repaired: {kind} {count}\n", text)
+
+    def test_textured_models_and_what_they_miss(self):
+        self.write("m.obj", "mtllib m.mtl\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n"
+                            "usemtl a\nf 1/1/1 2/1/1 3/1/1\nusemtl b\nf 1/2/1 3/1/1 4/1/1\n")
+        self.write("m.mtl", "newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd b.jpg\n")
+        self.write("a.png", b"\x89PNG\r\n\x1a\n...")
+        result = self.results("build", "m.obj", "-o", "m.lode")
+        self.assertEqual(result["attributes"], {"wedges": 5, "normals": 5, "colours": 5, "texture_coordinates": 5,
+                                                "materials": 2, "textures": 1})
+        self.assertEqual(len(result["warnings"]), 1)
+        self.assertIn("'b.jpg'", result["warnings"][0])
+        self.assertIn("note: m.obj: line 11: ", self.lodestone("build", "m.obj", "-o", "m.lode"))
+        self.assertTrue(self.results("verify", "m.lode", "--input", "m.obj")["valid"])
+
+    def test_tiles_of_a_tileset(self):
+        square = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        (self.folder / "city").mkdir()
+        self.write("city/a.glb", glb(square, [(0, 1, 2), (0, 2, 3)]))
+        tile = {"content": {"uri": "a.glb"}, "transform": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 1]}
+        self.write("city/tileset.json", json.dumps({"asset": {"version": "1.1"}, "root": {
+            "refine": "ADD", "content": {"uri": "a.glb"}, "children": [tile]}}))
+        for name in ("city", "city/tileset.json"):
+            self.assertEqual(self.results("build", name, "-o", "m.lode")["input_triangles"], 4)
+            self.assertTrue(self.results("verify", "m.lode", "--input", name)["valid"])
+            self.assertEqual(self.results("info", name)["triangles"], 4)
+        self.assertLess(self.results("compare", "city", "m.lode")["backward"]["max"], 1e-6)
+
+    def test_height_grids(self):
+        heights = [10, 20, 30, 40, 15, -32768, 35, 45, 20, 30, 40, 50]
+        self.write("m.raw", struct.pack("<12h", *heights))
+        self.write("m.asc", "ncols 4\nnrows 3\ncellsize 30\nxllcenter 0\nyllcenter 0\nnodata_value -32768\n"
+                            + " ".join(map(str, heights)))
+        grid = ("--grid", "4x3:i16:30")
+        result = self.results("build", "m.raw", *grid, "-o", "open.lode")
+        self.assertEqual((result["input_triangles"], result["repairs"]["void_posts"]), (4, 1))
+        self.assertLess(self.results("compare", "m.raw", "m.asc", *grid)["forward"]["max"], 1e-9)
+        result = self.results("build", "m.raw", *grid, "--fill-voids", "-o", "filled.lode")
+        self.assertEqual((result["input_triangles"], result["repairs"]["filled_posts"]), (12, 1))
+        self.assertTrue(self.results("verify", "filled.lode", "--input", "m.raw", *grid, "--fill-voids")["valid"])
+        self.assertTrue(self.results("verify", "open.lode", "--input", "m.asc")["valid"])
+        self.assertEqual(self.results("info", "m.raw", *grid)["triangles"], 4)
+        self.write("m.raw", struct.pack(">12h", *heights))
+        self.assertEqual(self.results("build", "m.raw", "--grid", "4x3:i16be", "-o", "m.lode")["input_triangles"], 4)
 
     def test_threads_and_strategies_do_not_change_a_byte(self):
         for simplifier in ("quadric", "cluster", "openmesh", "meshopt"):

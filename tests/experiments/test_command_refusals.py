@@ -164,7 +164,7 @@ class Meshes(CommandCase):
     def test_missing(self):
         self.refused("build", "none.ply", "-o", "x.lode", names=["none.ply", "No such file"])
         self.refused("build", "", "-o", "x.lode", names=["IN"])
-        self.refused("build", ".", "-o", "x.lode", names=["not a regular file"])
+        self.refused("build", ".", "-o", "x.lode", names=["neither a tileset.json nor .hgt"])
         self.refused("build", "line\nend.ply", "-o", "x.lode", names=["end.ply"])
         for call in (("info",), ("verify",), ("render",), ("export", "-o", "x.ply"), ("compare", "none.ply")):
             self.refused(*call, "none.lode", names=["none."])
@@ -221,6 +221,24 @@ class Meshes(CommandCase):
         self.check("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n")
         self.check("m.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "line 6")
         self.check("m.off", f"OFF\n3 {10**18} 0\n0 0 0\n", "line")
+
+    def test_grids(self):
+        self.write("m.raw", bytes(24))
+        for grid in ("", "4", "4x", "1x12", "4x3:i17", "4x3:i16:0", "4x3:i16:-1", "4x3:i16:x", "4x3x2", "4x9999999999"):
+            if grid:
+                self.refused("build", "m.raw", "--grid", grid, "-o", "m.lode", names=["--grid", f"'{grid}'"])
+        self.refused("build", "m.raw", "--grid", "5x3", "-o", "m.lode", names=["m.raw", "24 bytes", "5 x 3"])
+        self.refused("build", sphere(), "--grid", "4x3", "-o", "m.lode", names=["--grid", "by its extension"])
+        self.refused("compare", sphere(), sphere(), "--grid", "4x3", names=["--grid", "by its extension"])
+        self.refused("verify", hierarchy(), "--input", sphere(), "--grid", "4x3", names=["--grid", "by its extension"])
+
+    def test_tiles(self):
+        (self.folder / "city").mkdir()
+        self.refused("build", "city", "-o", "m.lode", names=["city", "neither a tileset.json nor .hgt"])
+        self.write("city/tileset.json", '{"asset": {"version": "1.1"}, "root": {"content": {"uri": "no.glb"}}}')
+        self.refused("build", "city", "-o", "m.lode", names=["tileset.json", "root.content.uri", "'no.glb'", "missing"])
+        self.write("city/no.glb", b"glTF")
+        self.refused("build", "city/tileset.json", "-o", "m.lode", names=["no.glb", "byte 4"])
 
     def test_foreign(self):
         for suffix in ("ply", "off", "drc", "data"):

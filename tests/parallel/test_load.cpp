@@ -36,23 +36,27 @@ std::string content(const fs::path& path) {
 }
 
 // Loads with any number of workers and compares with the general reader, in result or in error.
-void expect_same_as_read(const fs::path& path) {
+void expect_same_as_read(const fs::path& path, const ReadConfig& config = {}) {
   std::string expected_error;
   RawMesh expected;
   try {
-    expected = read_mesh(path);
+    expected = read_mesh(path, config);
   } catch (const Error& error) {
     expected_error = error.what();
   }
   for (const int threads : {0, 1, 2, 3, 7}) {
     const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
     try {
-      const RawMesh mesh = load_mesh(path, *scheduler);
+      const RawMesh mesh = load_mesh(path, *scheduler, config);
       EXPECT_EQ(expected_error, "") << path;
       EXPECT_EQ(mesh.positions, expected.positions) << path;
       EXPECT_EQ(mesh.triangles, expected.triangles) << path;
       EXPECT_EQ(mesh.polygons_triangulated, expected.polygons_triangulated);
       EXPECT_EQ(mesh.faces_dropped, expected.faces_dropped);
+      EXPECT_EQ(mesh.wedges, expected.wedges) << path;
+      EXPECT_EQ(mesh.materials, expected.materials) << path;
+      EXPECT_EQ(mesh.textures, expected.textures) << path;
+      EXPECT_EQ(mesh.warnings, expected.warnings) << path;
     } catch (const Error& error) {
       EXPECT_EQ(error.what(), expected_error);
     }
@@ -96,6 +100,44 @@ TEST_F(LoadTest, OtherElementsAroundAndFacesBeforeVertices) {
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{{0, 1, 2}}}));
 }
 
+TEST_F(LoadTest, AttributesInChunks) {
+  // A sphere of several chunks whose vertices have all attributes.
+  const RawMesh mesh = sample();
+  std::ofstream out(folder_ / "a.ply", std::ios::binary);
+  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.positions.size()
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
+         "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float u\n"
+         "property float v\nelement face "
+      << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const Vec3d& p : mesh.positions) {
+    const float xyz[3] = {float(p.x), float(p.y), float(p.z)}, uv[2] = {float(p.x), float(p.z)};
+    out.write(reinterpret_cast<const char*>(xyz), 12).write(reinterpret_cast<const char*>(xyz), 12);
+    out.write(reinterpret_cast<const char*>(xyz), 3).write(reinterpret_cast<const char*>(uv), 8);
+  }
+  for (const Triangle& t : mesh.triangles) out.put(3).write(reinterpret_cast<const char*>(t.v.data()), 12);
+  out.close();
+  expect_same_as_read(folder_ / "a.ply");
+  expect_same_as_read(folder_ / "a.ply", {.attributes = false});
+  const RawMesh loaded = load_mesh(folder_ / "a.ply", *make_tbb_scheduler(2));
+  EXPECT_EQ(loaded.wedges.normal.size(), mesh.positions.size());
+  EXPECT_EQ(loaded.wedges.colour.size(), mesh.positions.size());
+  EXPECT_EQ(loaded.wedges.uv.size(), mesh.positions.size());
+  EXPECT_EQ(wedge_count(load_mesh(folder_ / "a.ply", *make_tbb_scheduler(2), {.attributes = false})), 0u);
+}
+
+TEST_F(LoadTest, TilesSideBySide) {
+  LODESTONE_MODEL_OR_SKIP(tiles, "textured/komaba_tiles_022");
+  expect_same_as_read(tiles);
+  expect_same_as_read(tiles / "tileset.json", {.attributes = false});
+  // Of two damaged tiles the first one's error is told.
+  fs::copy(tiles, folder_ / "tiles", fs::copy_options::recursive);
+  for (const char* name : {"02201.glb", "0227.glb"}) {
+    fs::remove(folder_ / "tiles" / "tiles" / name);
+    std::ofstream(folder_ / "tiles" / "tiles" / name) << "glTF";
+  }
+  expect_same_as_read(folder_ / "tiles");
+}
+
 TEST_F(LoadTest, FacesThatAreNoTrianglesTurnToTheGeneralReader) {
   write_mesh(folder_ / "a.ply", view_of(sample()));
   const std::string bytes = content(folder_ / "a.ply");
@@ -129,7 +171,7 @@ TEST_F(LoadTest, DamagedFilesGiveTheErrorOfTheGeneralReader) {
 
 TEST_F(LoadTest, RealModels) {
   for (const char* name : {"scans/igea.ply", "scans/rangemap_lato315.ply", "scans/lucy100k.ply", "cad/gears.stl",
-                           "cad/thingi_73416.stl", "cad/block.off"}) {
+                           "cad/thingi_73416.stl", "cad/block.off", "textured/spot/spot_triangulated.obj"}) {
     LODESTONE_MODEL_OR_SKIP(path, name);
     expect_same_as_read(path);
   }

@@ -248,7 +248,7 @@ TEST(Prepare, HardModelsBecomeCleanMeshesOrClearErrors) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     SCOPED_TRACE(entry.path().filename().string());
     try {
-      const RawMesh raw = load_mesh(entry.path(), *scheduler);
+      const RawMesh raw = load_mesh(entry.path(), *scheduler, {.attributes = false});
       Repairs repairs;
       expect_clean(prepared(raw, repairs));
       ++meshes;
@@ -266,18 +266,18 @@ TEST(Prepare, RealRepairsAreThoseOnTheDataSheet) {
   LODESTONE_MODEL_OR_SKIP(wuson, "hard/Wuson.ply");
   LODESTONE_MODEL_OR_SKIP(chair, "hard/chair_model.obj");
   Repairs repairs;
-  EXPECT_EQ(prepared(read_mesh(bunny), repairs).triangles.size(), 69451u);
+  EXPECT_EQ(prepared(read_mesh(bunny, {.attributes = false}), repairs).triangles.size(), 69451u);
   EXPECT_EQ(repairs.unreferenced_vertices, 1113u);
-  (void)prepared(read_mesh(wuson), repairs);
+  (void)prepared(read_mesh(wuson, {.attributes = false}), repairs);
   EXPECT_EQ(repairs.welded_vertices, 9067u);
-  (void)prepared(read_mesh(chair), repairs);
+  (void)prepared(read_mesh(chair, {.attributes = false}), repairs);
   EXPECT_EQ(repairs.welded_vertices, 28u);
 }
 
 TEST(Prepare, OffsetsOfMillionsOfMetresKeepTheSurface) {
   LODESTONE_MODEL_OR_SKIP(terrain, "hard/bigtujunga_utm11n_double.ply");
   Repairs repairs;
-  const IndexedMesh mesh = prepared(read_mesh(terrain), repairs);
+  const IndexedMesh mesh = prepared(read_mesh(terrain, {.attributes = false}), repairs);
   EXPECT_EQ(repairs, Repairs{});
   const RawMesh raw = read_mesh(terrain);
   for (std::size_t i = 0; i < raw.positions.size(); i += 997) {

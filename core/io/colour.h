@@ -1,0 +1,28 @@
+// Conventions of colours and texture coordinates of the mesh formats, to those of core/mesh/attributes.h.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/vec2.h"
+
+namespace lodestone {
+
+// [0, 1] to 0..255; what lies outside goes to the nearer end, NaN to 0.
+[[nodiscard]] inline std::uint8_t unit_to_byte(double value) {
+  return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(value, 1.0))) : std::uint8_t{0};
+}
+
+// Linear light in the sRGB encoding (IEC 61966-2-1).
+[[nodiscard]] inline double linear_to_srgb(double value) {
+  if (!(value > 0.0031308)) return 12.92 * value;
+  return 1.055 * std::pow(value, 1 / 2.4) - 0.055;
+}
+
+// Texture coordinates that count from the lower left corner of the image, as in OBJ, PLY and bare Draco files.
+[[nodiscard]] inline Vec2f from_lower_left(double u, double v) {
+  return {static_cast<float>(u), static_cast<float>(1 - v)};
+}
+
+}  // namespace lodestone

@@ -1,0 +1,16 @@
+// The glTF extension EXT_meshopt_compression.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/io/json_view.h"
+
+namespace lodestone {
+
+// The elements of a buffer view, decoded by meshoptimizer and unfiltered; `extension` describes them (mode, count,
+// stride, filter), `packed` are their bytes. Throws InputError naming the place for what contradicts the extension or
+// cannot be decoded; memory is allocated for no more than the densest coding of `packed` can hold.
+[[nodiscard]] std::vector<char> decompress_meshopt(const JsonView& extension, std::span<const char> packed);
+
+}  // namespace lodestone

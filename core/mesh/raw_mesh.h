@@ -1,0 +1,21 @@
+// Putting raw meshes together: the parts of a scene, the tiles of a set.
+#pragma once
+
+#include "core/base/affine.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+// Adds the triangles, attributes, counts and warnings of `part` behind those of `mesh`; vertices are not merged.
+// An attribute that only one of them has gets its absent value in the other (RawWedges). The materials of a part that
+// brings none of its own are those of `mesh`. Throws ResourceError, naming
+// `name`, for more vertices or wedges than 32-bit ids reach.
+void append_mesh(RawMesh& mesh, RawMesh&& part, const std::string& name);
+
+// Moves positions, turns normals; triangles of a mirrored mesh are turned round, so that outside stays outside.
+void transform_mesh(RawMesh& mesh, const Affine3d& map);
+
+// Of unit length; zero when it has no direction.
+[[nodiscard]] Vec3f unit_normal(Vec3d direction);
+
+}  // namespace lodestone

@@ -1,0 +1,25 @@
+// Text or binary glTF. A few bytes of JSON may show one mesh many times, so that no count follows from the size.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "core/base/error.h"
+#include "core/io/mesh_readers.h"
+#include "tests/core/wedge_checks.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace lodestone;
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  // libdraco trusts the counts in its files; it is not what is tested here.
+  if (bytes.find("draco") != std::string_view::npos) return 0;
+  try {
+    ByteReader input({bytes.data(), bytes.size()}, "fuzz");
+    const RawMesh mesh = read_gltf(input);
+    if (!wedge_mistake(mesh).empty()) std::abort();
+    for (const Triangle& t : mesh.triangles)
+      for (const std::uint32_t id : t.v)
+        if (id >= mesh.positions.size()) std::abort();
+  } catch (const Error&) {
+  }
+  return 0;
+}
