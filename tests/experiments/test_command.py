@@ -2,20 +2,14 @@
 
 import json
 import os
-import pty
-import re
 import shutil
-import signal
 import struct
-import subprocess
-import unittest
 
 import command_case
-from command_case import CommandCase, dirty_mesh, glb, hierarchy, model, obj, ply, ply_counts, png_size, sphere
+from command_case import CommandCase, dirty_mesh, glb, hierarchy, model, obj, ply, ply_counts, sphere
 
 SUBCOMMANDS = ["generate", "build", "info", "verify", "compare", "render", "export"]
 SHAPES = ["sphere", "terrain", "torus", "box"]
-BLENDS = ["linear", "smoothstep", "smootherstep", "cosine", "early", "late"]  # and step, which pops
 WORKERS = [1, 2, 3, 7]
 
 
@@ -373,170 +367,6 @@ class Compare(CommandCase):
         result = self.results("compare", "a.ply", "a.ply")
         self.assertEqual(result["non_finite_triangles"], [1, 1])
         self.assertEqual(result["forward"]["max"], 0)
-
-
-class Render(CommandCase):
-    def fly(self, *arguments, frames=12, backend="null", lode=None):
-        result = self.results("render", lode or hierarchy(), "--frames", frames, "--size", "160x120",
-                              "--backend", backend, *arguments)
-        if "adversarial" in arguments:  # as many as the hierarchy has cells to attack
-            self.assertTrue(0 < len(result["frames"]) <= frames)
-        else:
-            self.assertEqual(len(result["frames"]), frames)
-        for frame in result["frames"]:
-            self.assertGreater(frame["milliseconds"]["total"], 0)
-            for key in ("cells", "triangles", "open_edges", "max_jump", "jump_over_bound"):
-                self.assertGreaterEqual(frame[key], 0)
-        self.assertEqual(result["cracks"]["open_edges_max"], max(f["open_edges"] for f in result["frames"]))
-        self.assertEqual(result["pops"]["jump_over_bound_max"], max(f["jump_over_bound"] for f in result["frames"]))
-        self.assertGreater(result["milliseconds_median"], 0)
-        return result
-
-    def assert_seamless(self, result):
-        self.assertTrue(result["admissible"])
-        self.assertEqual(result["cracks"], {"open_edges_max": 0, "gap_max": 0})
-        self.assertLessEqual(result["pops"]["jump_over_bound_max"], 1)
-
-    def rho(self, metric="euclidean"):
-        return self.results("info", hierarchy())["kappa0_admissible_above"][metric]
-
-    def test_no_crack_and_no_pop(self):
-        for camera in ("fly-in", "orbit"):
-            for metric in ("euclidean", "chebyshev"):
-                uniform = ("--radii", "uniform", "--kappa0", 1.1 * self.rho(metric))
-                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 1), uniform):
-                    result = self.fly("--camera", camera, "--metric", metric, *rule)
-                    self.assert_seamless(result)
-                    self.assertGreater(max(f["max_jump"] for f in result["frames"]), 0)
-
-    def test_blending_functions(self):
-        for blend in BLENDS:
-            self.assert_seamless(self.fly("--blend", blend, "--pixel-error", 2))
-        popping = self.fly("--blend", "step", "--pixel-error", 2, frames=40)
-        self.assertEqual(popping["cracks"]["open_edges_max"], 0)
-        self.assertGreater(popping["pops"]["jump_over_bound_max"], 1)
-
-    def test_cracks_below_the_admissible_radius(self):
-        adversarial = ("--camera", "adversarial", "--radii", "uniform", "--kappa0")
-        result = self.fly(*adversarial, 0.5 * self.rho(), "--allow-inadmissible")
-        self.assertFalse(result["admissible"])
-        self.assertGreater(result["cracks"]["open_edges_max"], 0)
-        self.assertGreater(result["cracks"]["gap_max"], 0)
-        self.assert_seamless_views(self.fly(*adversarial, 1.01 * self.rho()))
-
-    def assert_seamless_views(self, result):  # the camera leaps between adversarial views: jumps mean nothing
-        self.assertTrue(result["admissible"])
-        self.assertEqual(result["cracks"]["open_edges_max"], 0)
-
-    def pictures(self, backend):
-        self.assert_seamless(self.fly("-o", "new/frames", backend=backend, frames=3))
-        names = sorted(path.name for path in (self.folder / "new" / "frames").iterdir())
-        self.assertEqual(names, ["contact.png", "frame0000.png", "frame0001.png", "frame0002.png"])
-        for name in names[1:]:
-            self.assertEqual(png_size(self.folder / "new" / "frames" / name), (160, 120))
-
-    def test_soft_writes_pictures(self):
-        self.pictures("soft")
-
-    def test_gl_writes_pictures(self):
-        probe = command_case.call("render", hierarchy(), "--frames", 1, "--size", "16x16", "--backend", "gl")
-        if probe.returncode != 0 and (b"OpenGL" in probe.stderr or b"EGL" in probe.stderr):
-            self.skipTest(probe.stderr.decode().strip())
-        self.pictures("gl")
-
-    def test_null_writes_no_pictures(self):
-        self.assert_seamless(self.fly("-o", "frames", frames=2))
-        self.assertFalse((self.folder / "frames").exists())
-
-    def test_camera_path_of_a_file(self):
-        self.write("path.json", json.dumps({"frames": [
-            {"position": [4, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 45},
-            {"position": [0, 2, 0], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 30}]}))
-        result = self.fly("--camera", "path.json", frames=5)
-        self.assert_seamless(result)
-        self.assertLess(result["frames"][0]["triangles"], result["frames"][-1]["triangles"])
-
-    def test_zooming_does_not_pop(self):
-        key = {"position": [5, 0, 0], "target": [0, 0, 0], "up": [0, 0, 1]}
-        self.write("zoom.json", json.dumps({"frames": [{**key, "fov_degrees": 60}, {**key, "fov_degrees": 8}]}))
-        result = self.fly("--camera", "zoom.json", frames=20)  # the camera stands still, its radii grow
-        self.assert_seamless(result)
-        self.assertGreater(max(f["max_jump"] for f in result["frames"]), 0)
-        self.assertLess(result["frames"][0]["selected_triangles"], result["frames"][-1]["selected_triangles"])
-
-    def test_a_single_level_flies(self):
-        flat = model("flat.lode", "build", sphere(), "--levels", 0)
-        for rule in (("--pixel-error", 1), ("--radii", "uniform", "--kappa0", 3)):
-            result = self.fly(*rule, lode=flat, frames=3)
-            self.assert_seamless(result)
-            self.assertEqual({f["selected_triangles"] for f in result["frames"]}, {ply_counts(sphere())[1]})
-
-    def test_no_metrics_leaves_the_proof_out(self):
-        result = self.results("render", hierarchy(), "--frames", 2, "--backend", "null", "--no-metrics")
-        self.assertNotIn("cracks", result)
-        self.assertIn("milliseconds_median", result)
-
-
-class Terminal(CommandCase):
-    def test_quiet_says_nothing(self):
-        for arguments in (("generate", "box", "--triangles", 1000, "-o", "m.ply"), ("build", "m.ply", "-o", "m.lode"),
-                          ("info", "m.lode"), ("verify", "m.lode"), ("compare", "m.ply", "m.lode:0"),
-                          ("render", "m.lode", "--frames", 2, "--backend", "null"),
-                          ("export", "m.lode", "-o", "e.obj")):
-            self.assertEqual(self.lodestone(*arguments, "--quiet"), "")
-            self.assertNotEqual(self.lodestone(*arguments), "")
-
-    def on_terminal(self, *arguments, interrupt_at=None, status=0):
-        """What standard error and output show on one terminal. Ctrl-C comes when `interrupt_at` has been shown."""
-        try:
-            master, slave = pty.openpty()
-        except OSError as error:
-            self.skipTest(f"no terminal to be had here: {error}")
-        process = subprocess.Popen([command_case.PROGRAM, *map(str, arguments)], stdout=slave, stderr=slave,
-                                   stdin=slave, cwd=self.folder)
-        os.close(slave)
-        shown = b""
-        try:
-            while block := os.read(master, 65536):
-                shown += block
-                if interrupt_at and re.search(interrupt_at, shown):
-                    process.send_signal(signal.SIGINT)
-                    interrupt_at = None
-        except OSError:  # Linux: the other side was closed
-            pass
-        os.close(master)
-        self.assertEqual(process.wait(timeout=60), status)
-        return shown.decode()
-
-    def left_on_screen(self, shown):
-        """What a terminal shows in the end: a return goes to the start of the line, ESC [K clears the rest of it."""
-        lines = []
-        for written in shown.replace("\r\n", "\n").split("\n"):
-            line = ""
-            for part in written.split("\r"):
-                text, clear, rest = part.partition("\x1b[K")
-                line = text + (rest if clear else line[len(text):])
-            lines.append(line)
-        return "\n".join(lines)
-
-    def test_bar_of_long_work(self):
-        shown = self.on_terminal("generate", "sphere", "--triangles", 200_000_000, "--threads", 1, "-o", "m.ply",
-                                 interrupt_at=rb"\[#*\.*\] +\d+ %", status=130)
-        self.assertRegex(shown, r"\rgenerating \[#*\.*\] +\d+ %  \d+ s left")
-        self.assertRegex(self.left_on_screen(shown), r"\Alodestone: interrupted[^\n]*\n\Z")
-        self.assertEqual(self.listing(), {})
-
-    def test_phases_go_before_the_summary(self):
-        for arguments, phases in ((("build", sphere(), "-o", "m.lode"), ("reading", "building", "writing")),
-                                  (("verify", hierarchy()), ("reading", "verifying")),
-                                  (("compare", sphere(), hierarchy()), ("reading", "comparing"))):
-            shown = self.on_terminal(*arguments)
-            for phase in phases:
-                self.assertIn(f"\r{phase} ...", shown)
-            plain = self.left_on_screen(shown)
-            self.assertNotIn("...", plain)
-            self.assertEqual(re.sub(r"[\d.]+", "", plain), re.sub(r"[\d.]+", "", self.lodestone(*arguments)))
-            self.assertEqual(self.on_terminal(*arguments, "--quiet"), "")
 
 
 if __name__ == "__main__":
