@@ -46,7 +46,8 @@ void add_export(CLI::App& app) {
   command.add_option("FILE", options->file, "Hierarchy (.lode)")->required();
   command.add_option("--level", options->level, "Level, 0 is the coarsest; the finest if not given")
       ->check(CLI::Range(0, max_level));
-  command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .stl, or .glb with all attributes")->required();
+  command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .stl, or .glb with all attributes")
+      ->required();
   command.callback([options, common] { run(*options, *common); });
 }
 

@@ -1,6 +1,4 @@
 // Height grids: the surface over them, voids, and the files they come in.
-#include "core/mesh/height_grid.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <random>
 
 #include "core/io/grid_readers.h"
+#include "core/mesh/height_grid.h"
 #include "tests/core/io_test_util.h"
 #include "tests/test_data.h"
 

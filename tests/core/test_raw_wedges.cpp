@@ -1,6 +1,4 @@
 // Wedges out of corners, and meshes put together and moved with their attributes.
-#include "core/mesh/wedges.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
@@ -9,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/mesh/raw_mesh.h"
+#include "core/mesh/wedges.h"
 #include "tests/core/wedge_checks.h"
 
 namespace lodestone {

@@ -1,10 +1,9 @@
 // 3D Tiles: which tiles are the surface, and where they lie.
-#include "core/io/tileset.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
 
+#include "core/io/tileset.h"
 #include "tests/core/gltf_test_util.h"
 #include "tests/test_data.h"
 

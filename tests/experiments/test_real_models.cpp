@@ -78,7 +78,7 @@ TEST_P(RealScan, SameFileForAnyThreadsAndStrategyAndItVerifies) {
 
 INSTANTIATE_TEST_SUITE_P(Scans, RealScan,
                          ::testing::Values("scans/armadillo.obj", "scans/dragon_vrip_res2.ply",
-                                         "scans/rangemap_lato315.ply"),
+                                           "scans/rangemap_lato315.ply"),
                          [](const auto& param) { return std::to_string(param.index); });
 
 class CompressedScan : public ::testing::TestWithParam<const char*> {};
@@ -116,7 +116,7 @@ TEST_P(CompressedScan, VerifiesAndIsSmallAndDoesNotCrack) {
 
 INSTANTIATE_TEST_SUITE_P(Scans, CompressedScan,
                          ::testing::Values("scans/armadillo.obj", "scans/igea.ply", "scans/dragon_vrip_res2.ply",
-                                         "cad/tower_holes.obj", "scans/rangemap_lato315.ply"),
+                                           "cad/tower_holes.obj", "scans/rangemap_lato315.ply"),
                          [](const auto& param) { return std::to_string(param.index); });
 
 // Everything in the folder of hard files either builds and verifies, with both simplifiers, or is refused with a line
