@@ -35,13 +35,7 @@ class GlbEncoder {
 
  private:
   void place_node() {
-    constexpr double far = std::numeric_limits<double>::max();
-    Vec3d lo{far, far, far}, hi{-far, -far, -far};
-    for (std::size_t i = 0; i < mesh_.vertex_count; ++i) {
-      const Vec3d p = mesh_.position(i);
-      lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-      hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-    }
+    const auto [lo, hi] = box_of(mesh_);
     middle_ = 0.5 * (lo + hi);
     root_["asset"] = {{"version", "2.0"}, {"generator", "Lodestone"}};
     root_["scene"] = 0;

@@ -22,13 +22,7 @@ std::span<const std::byte> bytes_of(std::string_view text) { return std::as_byte
 
 // float32 keeps 24 bits of the largest coordinate; the model needs 22 of its extent.
 ScalarType coordinate_type(const MeshView& mesh) {
-  constexpr double far = std::numeric_limits<double>::max();
-  Vec3d lo{far, far, far}, hi{-far, -far, -far};
-  for (std::size_t i = 0; i < mesh.vertex_count; ++i) {
-    const Vec3d p = mesh.position(i);
-    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-  }
+  const auto [lo, hi] = box_of(mesh);
   const double extent = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z});
   const double largest = std::max({-lo.x, -lo.y, -lo.z, hi.x, hi.y, hi.z});
   const bool in_range = largest < 1e37 && extent > 1e-30;  // neither infinite nor subnormal as a float
@@ -126,6 +120,17 @@ MeshView view_of(const RawMesh& mesh) {
 MeshView view_of(const IndexedMesh& mesh) {
   return {mesh.positions.size(), [&mesh](std::size_t i) { return mesh.transform.to_model(mesh.positions[i]); },
           mesh.triangles};
+}
+
+Box3d box_of(const MeshView& mesh) {
+  constexpr double far = std::numeric_limits<double>::max();
+  Box3d box{{far, far, far}, {-far, -far, -far}};
+  for (std::size_t i = 0; i < mesh.vertex_count; ++i) {
+    const Vec3d p = mesh.position(i);
+    box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y), std::min(box.lo.z, p.z)};
+    box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y), std::max(box.hi.z, p.z)};
+  }
+  return box;
 }
 
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {

@@ -10,6 +10,7 @@
 
 #include "core/io/atomic_file.h"
 #include "core/io/scalar.h"
+#include "core/mesh/clean.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
@@ -28,6 +29,9 @@ struct MeshView {
 // The mesh has to outlive its view. Wedges that are not the vertices are left out.
 [[nodiscard]] MeshView view_of(const RawMesh& mesh);
 [[nodiscard]] MeshView view_of(const IndexedMesh& mesh);  // in the space of the file that it was read from
+
+// Of all its vertices; inside out when there are none.
+[[nodiscard]] Box3d box_of(const MeshView& mesh);
 
 // By the extension: .ply, .obj, .stl or .glb, in any case. Only .glb carries attributes. PLY positions are float unless
 // that would lose more than 2^-22 of the model's extent (a model far from the origin), then double; OBJ positions are
