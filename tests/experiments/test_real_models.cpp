@@ -119,6 +119,38 @@ INSTANTIATE_TEST_SUITE_P(Scans, CompressedScan,
                                            "cad/tower_holes.obj", "scans/rangemap_lato315.ply"),
                          [](const auto& param) { return std::to_string(param.index); });
 
+class TexturedModel : public ::testing::TestWithParam<const char*> {};
+
+// Seams, several materials, surfaces that lie upon each other: all levels keep their charts, and none cracks.
+TEST_P(TexturedModel, KeepsItsChartsAndDoesNotCrack) {
+  LODESTONE_MODEL_OR_SKIP(path, GetParam());
+  const auto scheduler = make_tbb_scheduler(2);
+  const IndexedMesh input = clean_mesh(path, *scheduler);
+  ASSERT_FALSE(input.wedges.uv.empty());
+  BuildConfig config;
+  config.cell_triangles = 500;
+  const Hierarchy h = build_hierarchy(IndexedMesh(input), config, *scheduler);
+  ASSERT_GE(h.finest(), 1);
+  const VerifyReport report = verify_hierarchy(h, &input);
+  ASSERT_NE(report.find("wedges"), nullptr);
+  EXPECT_EQ(failures(report), "");
+
+  const CrackBasis basis = make_crack_basis(h, *scheduler);
+  CrackScratch memory;
+  const Radii radii = testing::per_level_radii(h, DistanceMetric::euclidean, 0.01f);
+  for (const Vec3f view : testing::random_viewpoints(h, 10, 3)) {
+    const testing::Frame f = testing::make_frame(h, radii, Blend::smoothstep, view);
+    EXPECT_EQ(residual_edges(f.context, f.selection, basis, *scheduler, memory).open_edges, 0u);
+    EXPECT_EQ(vertex_gaps(f.context, f.selection, basis, *scheduler, memory).gap_max, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, TexturedModel,
+                         ::testing::Values("textured/Nymph/Nymph.obj", "textured/meshroom_esp32cam/texturedMesh.obj",
+                                           "textured/ycb_Banana/textured_simple_reoriented.obj",
+                                           "textured/komaba_tiles_022"),
+                         [](const auto& param) { return std::to_string(param.index); });
+
 // Everything in the folder of hard files either builds and verifies, with both simplifiers, or is refused with a line
 // that names the file.
 TEST(HardModels, BuildAndVerifyOrAreRefusedClearly) {
