@@ -25,8 +25,9 @@ GenerateResult generate_ply(const GenerateConfig& config, const std::filesystem:
   const GeneratedSurface surface(config);
   AtomicFile file(target);
   const std::string head = ply_header(surface.vertex_count(), surface.triangle_count(), ScalarType::float32);
-  file.write_at(0, std::as_bytes(std::span(head)));
   const std::uint64_t first_face = head.size() + surface.vertex_count() * vertex_bytes;
+  file.reserve(first_face + surface.triangle_count() * ply_triangle_bytes);
+  file.write_at(0, std::as_bytes(std::span(head)));
 
   const std::uint64_t records = surface.vertex_count() + surface.triangle_count();
   std::atomic<std::uint64_t> done{0};

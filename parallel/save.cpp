@@ -25,6 +25,7 @@ std::uint64_t save_plain(const Hierarchy& hierarchy, AtomicFile& file, Scheduler
   const std::vector<LodeChunk> chunks = lode_chunks(layout);
   std::vector<std::uint64_t> checksums(hierarchy.cells.size());
   std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler.workers()));
+  file.reserve(layout.payload_end());
   scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
     std::vector<std::byte>& buffer = buffers[static_cast<std::size_t>(scheduler.worker_index())];
     encode_lode_chunk(hierarchy, layout, chunks[range.begin], buffer, checksums);
@@ -41,6 +42,7 @@ std::uint64_t save_compressed(const Hierarchy& hierarchy, AtomicFile& file, Sche
     compress_lode_chunk(hierarchy, chunks[range.begin], payloads[range.begin], sizes, checksums);
   });
   const LodeLayout layout = plan_compressed_lode(hierarchy, sizes);
+  file.reserve(layout.payload_end());
   scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
     file.write_at(layout.cell_offset[chunks[range.begin].first_cell], payloads[range.begin]);
     payloads[range.begin] = {};

@@ -119,6 +119,15 @@ AtomicFile::AtomicFile(std::filesystem::path target)
 
 AtomicFile::~AtomicFile() { discard(); }
 
+void AtomicFile::reserve(std::uint64_t bytes) {
+  if (temporary_.empty() || bytes == 0) return;
+  while (fallocate(descriptor_, 0, 0, static_cast<off_t>(bytes)) != 0) {
+    if (errno == EINTR) continue;
+    if (errno == EOPNOTSUPP || errno == ENOSYS) return;
+    fail("cannot reserve " + std::to_string(bytes) + " bytes");
+  }
+}
+
 void AtomicFile::write(std::span<const std::byte> bytes) {
   if (buffered_ + bytes.size() > buffer_bytes) flush();
   if (bytes.size() > buffer_bytes) {
@@ -171,9 +180,9 @@ bool AtomicFile::rename_temporary() {
   return true;
 }
 
-void AtomicFile::fail(const char* what) const {
+void AtomicFile::fail(const std::string& what) const {
   const int error = errno;
-  throw FileError(describe(target_.string(), "", std::string(what) + ": " + std::strerror(error), remedy_for(error)));
+  throw FileError(describe(target_.string(), "", what + ": " + std::strerror(error), remedy_for(error)));
 }
 
 void AtomicFile::discard() noexcept {

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace lodestone {
 
@@ -22,6 +23,11 @@ class AtomicFile {
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
+
+  // Asks the file system for room for so many bytes, to be written by write_at(): a full disk is told before any work,
+  // and several threads write without waiting for the file to grow. File systems that cannot are let be. All of the
+  // bytes must then be written.
+  void reserve(std::uint64_t bytes);
 
   // Appends. Small pieces are gathered into blocks of a mebibyte.
   void write(std::span<const std::byte> bytes);
@@ -38,7 +44,7 @@ class AtomicFile {
 
  private:
   void write_through(std::uint64_t offset, std::span<const std::byte> bytes);
-  [[noreturn]] void fail(const char* what) const;  // from errno
+  [[noreturn]] void fail(const std::string& what) const;  // from errno
   void discard() noexcept;
   [[nodiscard]] bool rename_temporary();
   void enter_list();

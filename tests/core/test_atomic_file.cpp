@@ -117,6 +117,30 @@ TEST_F(AtomicFileTest, FullDiskIsAnError) {
   EXPECT_THROW(file.commit(), FileError);
 }
 
+TEST_F(AtomicFileTest, ReservedRoomIsWhatIsWritten) {
+  const fs::path target = folder_ / "a";
+  AtomicFile file(target);
+  file.reserve(10);
+  file.write_at(5, bytes("world"));
+  file.write_at(0, bytes("hello"));
+  file.commit();
+  EXPECT_EQ(content(target), "helloworld");
+}
+
+TEST_F(AtomicFileTest, MoreRoomThanThereIsIsAnErrorBeforeAnyWork) {
+  const fs::path target = folder_ / "a";
+  {
+    AtomicFile file(target);
+    try {
+      file.reserve(std::uint64_t{1} << 62);
+      FAIL() << "no disk is so large";
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(target.string()), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_EQ(files(), 0u);
+}
+
 TEST_F(AtomicFileTest, UnwritableTargetsNameTheFile) {
   for (const fs::path& target : {folder_ / "missing" / "a", folder_}) {
     try {
