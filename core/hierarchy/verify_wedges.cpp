@@ -74,8 +74,7 @@ void group_by_position(const Hierarchy& hierarchy, LevelIdentity& finest) {
   finest.vertex = finest.identity;
   for (std::size_t i = 1; i < places.size(); ++i)
     if (places[i].key() == places[i - 1].key()) finest.vertex[places[i].number] = finest.vertex[places[i - 1].number];
-  for (std::uint32_t& v : finest.vertex)
-    v = finest.vertex[finest.identity[static_cast<std::size_t>(&v - finest.vertex.data())]];
+  for (std::size_t n = 0; n < finest.vertex.size(); ++n) finest.vertex[n] = finest.vertex[finest.identity[n]];
 }
 
 void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity& fine, LevelIdentity& coarse,

@@ -191,6 +191,54 @@ TEST_P(BuildWedges, LevelsComeOutWithTheirAttributes) {
   }
 }
 
+// Each fault of its own kind is found by the check of wedges.
+TEST_P(BuildWedges, FaultsAreFound) {
+  const Hierarchy sound = build(2, Strategy::graph);
+  const auto is_found = [&](const auto& breakage) {
+    Hierarchy broken = sound;
+    Cell& cell = broken.cells.back();
+    std::vector<Vec2f> uv(cell.attributes.uv.begin(), cell.attributes.uv.end());
+    std::vector<std::uint32_t> materials(cell.attributes.materials.begin(), cell.attributes.materials.end());
+    std::vector<std::uint32_t> parents(cell.parents.begin(), cell.parents.end());
+    cell.attributes.uv = uv;
+    cell.attributes.materials = materials;
+    cell.parents = parents;
+    breakage(uv, materials, parents, cell);
+    const VerifyReport report = verify_hierarchy(broken);
+    return !report.find("wedges")->passed;
+  };
+  using Uv = std::vector<Vec2f>;
+  using Ids = std::vector<std::uint32_t>;
+  EXPECT_FALSE(is_found([](Uv&, Ids&, Ids&, const Cell&) {}));
+  EXPECT_TRUE(is_found([](Uv& uv, Ids&, Ids&, const Cell&) { uv[0].y = std::nanf(""); }));
+  EXPECT_TRUE(is_found([](Uv&, Ids& materials, Ids&, const Cell&) { materials[0] = 99; }));
+  EXPECT_TRUE(is_found([](Uv&, Ids& materials, Ids&, const Cell& cell) {
+    const std::uint32_t v = cell.triangles[0].v[0];
+    materials[v] = materials[v] == 0 ? 1 : 0;
+  }));
+}
+
+// Wedges of one vertex must not part.
+TEST_P(BuildWedges, PartingWedgesAreFound) {
+  Hierarchy broken = build(2, Strategy::graph);
+  for (const Cell& cell : broken.cells_of(broken.finest())) {
+    const Cell& above = broken.cells[cell.parent];
+    for (std::size_t a = 0; a < cell.positions.size(); ++a)
+      for (std::size_t b = a + 1; b < cell.positions.size(); ++b) {
+        if (cell.positions[a] != cell.positions[b]) continue;
+        std::vector<std::uint32_t> parents(cell.parents.begin(), cell.parents.end());
+        std::uint32_t other = 0;
+        while (above.positions[other] == above.positions[parents[b]]) ++other;
+        parents[b] = other;
+        const auto index = static_cast<std::size_t>(&cell - broken.cells.data());
+        broken.cells[index].parents = parents;
+        EXPECT_FALSE(verify_hierarchy(broken).find("wedges")->passed);
+        return;
+      }
+  }
+  FAIL() << "no vertex has two wedges";
+}
+
 INSTANTIATE_TEST_SUITE_P(All, BuildWedges,
                          testing::Values(Case{Shape::sphere, SimplifierKind::quadric},
                                          Case{Shape::terrain, SimplifierKind::quadric},
