@@ -71,7 +71,6 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   if (!options.placement.empty()) config.placement = placement(options.placement);
   config.strategy = strategy(options.strategy_name);
   config.order_cells = options.compress;
-  config.cancel = &interrupt_flag();
   Progress progress("building", common.quiet);
   config.progress = [&](double share) { progress.update(share); };
 
@@ -80,7 +79,6 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   CpuClock clock;
   const auto stage = [&](const char* name) {
     stages[name] = to_json(clock.elapsed());
-    check_interrupt();
     clock = CpuClock();
   };
   progress.phase("reading");
@@ -91,9 +89,11 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   stage("read");
   Repairs repairs;
   scheduler->name_work("weld");
+  progress.phase("welding");
   IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, *scheduler, options.input, lattice_of(options));
   stage("weld");
   progress.phase("building");
+  progress.measure(static_cast<double>(mesh.triangles.size()), "triangles");
   const double build_begin = trace->now();
   BuildReport report;
   Hierarchy hierarchy = build_hierarchy(std::move(mesh), config, *scheduler, &report);

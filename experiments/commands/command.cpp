@@ -61,12 +61,9 @@ const CancelFlag& interrupt_flag() {
 int interrupt_status() { return 128 + received; }
 
 void install_interrupt_handler() {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the shell's limit is an error of the write that made it so
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
-}
-
-void check_interrupt() {
-  if (interrupted) throw Cancelled{};
 }
 
 void write_json(const CommonOptions& common, const nlohmann::json& result) {

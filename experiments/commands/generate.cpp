@@ -22,6 +22,7 @@ void run(const GenerateOptions& options, const CommonOptions& common) {
   const auto scheduler = make_scheduler(common);
   const CpuClock clock;
   Progress progress("generating", common.quiet);
+  progress.measure(static_cast<double>(config.triangles), "triangles");
   const GenerateResult result = generate_ply(config, options.output, *scheduler, &interrupt_flag(),
                                              [&](double share) { progress.update(share); });
   progress.clear();

@@ -186,6 +186,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   if (draws && !options.output.empty()) pictures.emplace(options.output, config.cameras.size());
 
   Progress progress("rendering", common.quiet);
+  progress.measure(static_cast<double>(config.cameras.size()), "frames");
   const FlightResult result = fly(hierarchy, *renderer, config, *scheduler, [&](std::size_t index, Renderer& r) {
     if (pictures) (*pictures)(index, r);
     progress.update(static_cast<double>(index + 1) / static_cast<double>(config.cameras.size()));

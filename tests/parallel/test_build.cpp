@@ -10,6 +10,7 @@
 #include "core/hierarchy/verify.h"
 #include "core/mesh/clean.h"
 #include "parallel/build.h"
+#include "parallel/prepare.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -53,13 +54,30 @@ TEST_P(BuildStrategies, SameBytesForAnyThreadsAndStrategy) {
   const auto serial = make_serial_scheduler();
   const std::string expected =
       bytes(build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), Strategy::serial), *serial));
-  for (const int threads : {1, 2, 3, 7}) {
+  for (const int threads : {1, 2, 3, 7, 16}) {
     const auto scheduler = make_tbb_scheduler(threads);
     for (const Strategy strategy : {Strategy::serial, Strategy::levels, Strategy::graph})
       EXPECT_TRUE(expected ==
                   bytes(build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), strategy), *scheduler)))
           << threads << " threads, " << name_of(strategy);
   }
+}
+
+// Eight workers meet in another order each time, on few cores all the more so.
+TEST(Build, TwoHundredTimesTheSameBytes) {
+  RawMesh raw;
+  for (const Vec3f p : test::terrain_mesh(70).positions) raw.positions.push_back(to_double(p));
+  raw.triangles = test::terrain_mesh(70).triangles;
+  const auto built = [&](Scheduler& scheduler, Strategy strategy) {
+    Repairs repairs;
+    IndexedMesh mesh = prepare_mesh(RawMesh(raw), repairs, scheduler);
+    return bytes(build_hierarchy(std::move(mesh), small_cells(SimplifierKind::quadric, strategy), scheduler));
+  };
+  const auto serial = make_serial_scheduler();
+  const std::string expected = built(*serial, Strategy::serial);
+  const auto scheduler = make_tbb_scheduler(8);
+  for (int trial = 0; trial < 200; ++trial)
+    ASSERT_TRUE(expected == built(*scheduler, trial % 4 == 0 ? Strategy::levels : Strategy::graph)) << trial;
 }
 
 IndexedMesh on_lattice(const IndexedMesh& mesh, int bits) {
