@@ -9,7 +9,7 @@ namespace lodestone {
 float morph_lambda(const MorphContext& context, int level, Vec3f w) {
   const auto l = static_cast<std::size_t>(level);
   const float begin = context.radii->band_begin[l], end = context.radii->band_end[l];
-  const float d = distance(context.radii->metric, context.viewpoint, w);
+  const float d = limited_distance(context.radii->metric, context.viewpoint, w, context.limits);
   // At the root begin is infinite. An inadmissible band is empty, and begin == end is the place of its step.
   if (d < begin || (d <= begin && begin < end)) return 1;
   if (d >= end) return 0;
@@ -36,9 +36,13 @@ Vec3f blend_normals(float lambda, PackedNormal own, PackedNormal parent) {
 
 // Calls body(i, lambda, vertex of the parent cell that P maps i to); at the root lambda is 1 and the last one i itself.
 template <class Body>
-void for_each_vertex(const MorphContext& context, std::uint32_t cell, const Body& body) {
-  const Cell& c = context.hierarchy->cells[cell];
-  const int level = context.hierarchy->level_of(cell);
+void for_each_vertex(const MorphContext& frame, std::uint32_t cell, const Body& body) {
+  const Cell& c = frame.hierarchy->cells[cell];
+  const int level = frame.hierarchy->level_of(cell);
+  MorphContext context = frame;
+  std::vector<DetailLimit> near;
+  limits_near(frame.radii->metric, frame.viewpoint, c.bounds, frame.limits, near);
+  context.limits = near;
   for (std::uint32_t i = 0; i < c.positions.size(); ++i) {
     if (level == 0) {
       body(i, 1.0f, i);

@@ -1,4 +1,5 @@
-// Where a drawn vertex stands: n = lambda w + (1 - lambda) P(w), lambda = b_l(d(v_p, w)).
+// Where a drawn vertex stands: n = lambda w + (1 - lambda) P(w), lambda = b_l(d(v_p, w)), or of d'(w) where detail
+// limits hold (render/lod/limits.h).
 //
 // The one place of this formula on the CPU; the GL shader repeats it operation by operation. lambda is selected, not
 // only clamped, so that w and P(w) are reached bit for bit; `P + lambda (w - P)` would crack.
@@ -8,6 +9,7 @@
 
 #include "core/hierarchy/hierarchy.h"
 #include "render/lod/blend.h"
+#include "render/lod/limits.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
@@ -17,6 +19,7 @@ struct MorphContext {
   const Radii* radii = nullptr;
   Blend blend = Blend::smoothstep;
   Vec3f viewpoint;  // normalised model space, one per frame
+  DetailLimits limits{};
 };
 
 // lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.

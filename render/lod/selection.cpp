@@ -16,8 +16,8 @@ bool outside(const Frustum& frustum, const Box3f& box, float margin) {
 }
 
 // lambda = 1 on the whole box: its farthest corner is no farther than the begin of the band.
-bool is_static(const Radii& radii, std::size_t level, Vec3f viewpoint, const Box3f& box) {
-  return farthest_corner_distance(radii.metric, viewpoint, box) < radii.band_begin[level];
+bool is_static(const Radii& radii, std::size_t level, Vec3f viewpoint, const Box3f& box, DetailLimits limits) {
+  return limited_farthest_distance(radii.metric, viewpoint, box, limits) < radii.band_begin[level];
 }
 
 class Traversal {
@@ -35,10 +35,10 @@ class Traversal {
       visible = !outside(*config_.frustum, cell.bounds, displacement_bound(hierarchy_.sigma0, static_cast<int>(level)));
     if (!visible && !config_.keep_culled) return;
     const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
-                       distance(radii_.metric, viewpoint_, cell.bounds) >= radii_.select[level];
+                       limited_distance(radii_.metric, viewpoint_, cell.bounds, config_.limits) >= radii_.select[level];
     if (drawn) {
-      out_.cells.push_back(
-          {index, static_cast<std::uint8_t>(level), visible, !is_static(radii_, level, viewpoint_, cell.bounds)});
+      out_.cells.push_back({index, static_cast<std::uint8_t>(level), visible,
+                            !is_static(radii_, level, viewpoint_, cell.bounds, config_.limits)});
       return;
     }
     for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1, visible);

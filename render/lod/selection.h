@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/hierarchy/hierarchy.h"
+#include "render/lod/limits.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
@@ -35,6 +36,7 @@ struct Selection {
 struct SelectionConfig {
   const Frustum* frustum = nullptr;
   bool keep_culled = true;  // list culled cells as the exact partition needs them (metrics); false: leave them out
+  DetailLimits limits{};    // selects by d' instead of d; the morph must have the same ones
 };
 
 // `out` is reused between frames. The viewpoint is in normalised model space.

@@ -1,0 +1,119 @@
+#include "render/lod/limits.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lodestone {
+namespace {
+
+// Largest and smallest distance of a point of `box` from `target`. Axis by axis, as every norm here is monotone in each.
+float farthest_from(DistanceMetric metric, const Box3f& box, const Box3f& target) {
+  const auto far = [](float lo, float hi, float target_lo, float target_hi) {
+    return std::max(std::max(target_lo - lo, hi - target_hi), 0.0f);
+  };
+  return norm(metric, far(box.lo.x, box.hi.x, target.lo.x, target.hi.x),
+              far(box.lo.y, box.hi.y, target.lo.y, target.hi.y), far(box.lo.z, box.hi.z, target.lo.z, target.hi.z));
+}
+float nearest_to(DistanceMetric metric, const Box3f& box, const Box3f& target) {
+  const auto apart = [](float lo, float hi, float target_lo, float target_hi) {
+    return std::max(std::max(target_lo - hi, lo - target_hi), 0.0f);
+  };
+  return norm(metric, apart(box.lo.x, box.hi.x, target.lo.x, target.hi.x),
+              apart(box.lo.y, box.hi.y, target.lo.y, target.hi.y), apart(box.lo.z, box.hi.z, target.lo.z, target.hi.z));
+}
+
+}  // namespace
+
+float limited_distance(DistanceMetric metric, Vec3f viewpoint, Vec3f p, DetailLimits limits) {
+  float d = distance(metric, viewpoint, p);
+  for (const DetailLimit& limit : limits) d = std::max(d, limit.radius - distance(metric, p, limit.box));
+  return d;
+}
+
+float limited_distance(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, DetailLimits limits) {
+  float d = distance(metric, viewpoint, box);
+  for (const DetailLimit& limit : limits) d = std::max(d, limit.radius - farthest_from(metric, box, limit.box));
+  return d;
+}
+
+float limited_farthest_distance(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, DetailLimits limits) {
+  float d = farthest_corner_distance(metric, viewpoint, box);
+  for (const DetailLimit& limit : limits) d = std::max(d, limit.radius - nearest_to(metric, box, limit.box));
+  return d;
+}
+
+void limits_near(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, DetailLimits limits,
+                 std::vector<DetailLimit>& out) {
+  const float nearest = distance(metric, viewpoint, box);
+  for (const DetailLimit& limit : limits) {
+    const float apart = nearest_to(metric, box, limit.box);
+    // The guard is several times what rounding does to the three terms.
+    const float guard = rounding_guard * (limit.radius + apart + nearest);
+    if (limit.radius - apart > nearest - guard) out.push_back(limit);
+  }
+}
+
+class LimitTracker::Update {
+ public:
+  Update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const RefinementOf& refinement, float step,
+         LimitTracker& tracker)
+      : hierarchy_(hierarchy),
+        radii_(radii),
+        viewpoint_(viewpoint),
+        refinement_(refinement),
+        step_(step),
+        tracker_(tracker),
+        before_(std::exchange(tracker.radius_, {})) {
+    tracker.limits_.clear();
+    tracker.missing_.clear();
+  }
+
+  void visit(std::uint32_t index, std::size_t level) {
+    if (static_cast<int>(level) == hierarchy_.finest()) return;
+    const Cell& cell = hierarchy_.cells[index];
+    const float full = radii_.select[level];
+    const float d = distance(radii_.metric, viewpoint_, cell.bounds);
+    if (d >= full) return;  // drawn as it is; no limit up to `full` would change d' anywhere
+    const Refinement state = refinement_(index);
+    const float radius = next_radius(index, state, d, full);
+    if (radius > d) {
+      tracker_.limits_.push_back({cell.bounds, radius});
+      tracker_.radius_.emplace(index, radius);
+    }
+    if (state == Refinement::missing) tracker_.missing_.push_back(index);
+    if (radius >= full) return;  // never refined
+    for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1);
+  }
+
+ private:
+  // A limit of d or less changes nothing: that is where rising ones start and sinking ones end.
+  [[nodiscard]] float next_radius(std::uint32_t index, Refinement state, float d, float full) const {
+    const auto found = before_.find(index);
+    const float before = std::min(found == before_.end() ? d : found->second, full);
+    switch (state) {
+      case Refinement::missing:
+        return full;
+      case Refinement::unwanted:
+        return std::min(std::max(before, d) + step_, full);
+      case Refinement::possible:
+        return before - step_;
+    }
+    return full;
+  }
+
+  const Hierarchy& hierarchy_;
+  const Radii& radii_;
+  Vec3f viewpoint_;
+  const RefinementOf& refinement_;
+  float step_;
+  LimitTracker& tracker_;
+  std::unordered_map<std::uint32_t, float> before_;
+};
+
+void LimitTracker::update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
+                          const RefinementOf& refinement, float step) {
+  Update update(hierarchy, radii, viewpoint, refinement, step, *this);
+  if (!hierarchy.cells.empty()) update.visit(0, 0);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,77 @@
+// Detail limits: drawing without a crack or a pop where finer cells are not there (yet).
+//
+// An ancestor drawn in the place of a missing cell would crack: its neighbours' vertices stand elsewhere. Instead,
+// selection and morph both take the distance
+//
+//     d'(x) = max(d(v_p, x), max over limits of R - d(x, Q)),
+//
+// Q a box and R a radius: as if the viewpoint kept away from Q. It is 1-Lipschitz in x as d is, so that everything
+// proved for d holds for d'. A limit on the bounds of a cell Q of level l with R = r_l makes d' at least r_l all over
+// Q: the cell is never refined. When R sinks slowly after the finer cells have come, they appear at their parents'
+// places (lambda = 0) and move on from there: d' changes by no more than R does.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+#include "render/lod/radii.h"
+
+namespace lodestone {
+
+struct DetailLimit {
+  Box3f box;
+  float radius = 0;
+};
+using DetailLimits = std::span<const DetailLimit>;
+
+// d' of a point.
+[[nodiscard]] float limited_distance(DistanceMetric metric, Vec3f viewpoint, Vec3f p, DetailLimits limits);
+
+// A lower bound of d' in the box, exact without limits: max(min of d, max over limits of the min of R - d(x, Q)). In
+// float no larger than d' of any point of the box, and no smaller for a box inside it.
+[[nodiscard]] float limited_distance(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, DetailLimits limits);
+
+// An upper bound of d' in the box.
+[[nodiscard]] float limited_farthest_distance(DistanceMetric metric, Vec3f viewpoint, const Box3f& box,
+                                              DetailLimits limits);
+
+// Appends to `out` the limits that may exceed d somewhere in the box; those left out change no bit of d' there.
+void limits_near(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, DetailLimits limits,
+                 std::vector<DetailLimit>& out);
+
+// Whether a cell may be replaced by its children.
+enum class Refinement : std::uint8_t {
+  possible,  // the children are there and stay
+  unwanted,  // they are there and are to go: the limit rises until they are no longer drawn
+  missing,   // they are not there
+};
+
+// The limits of a sequence of frames. Children may be taken away without a pop when their parent, of level l, was not
+// refined in the last frame: when limited_distance of its bounds was at least r_l.
+class LimitTracker {
+ public:
+  using RefinementOf = std::function<Refinement(std::uint32_t cell)>;
+
+  // Limits for a frame from this viewpoint: one for every cell that d asks to refine and whose children are missing
+  // (R = r_l), and those that sink or rise after a change, by at most `step` a frame (normalised units, >= 0; infinite:
+  // at once, which pops). With `step` 0 nothing that was missing ever appears.
+  void update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const RefinementOf& refinement,
+              float step);
+
+  [[nodiscard]] DetailLimits limits() const { return limits_; }
+
+  // Cells whose children are missing and asked for by d, in traversal order.
+  [[nodiscard]] std::span<const std::uint32_t> missing() const { return missing_; }
+
+ private:
+  class Update;
+  std::vector<DetailLimit> limits_;
+  std::vector<std::uint32_t> missing_;
+  std::unordered_map<std::uint32_t, float> radius_;  // of the limited cells
+};
+
+}  // namespace lodestone
