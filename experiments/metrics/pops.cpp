@@ -115,9 +115,9 @@ double jump_ratio(double jump, double bound) {
   return bound > 0 ? excess / bound : std::numeric_limits<double>::infinity();
 }
 
-std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& after, double limit_step) {
+std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& after, double limit_rate) {
   const Hierarchy& hierarchy = *before.hierarchy;
-  const double step = step_length(before, after);
+  const double step = step_length(before, after), sinking = -2 * std::log1p(-limit_rate);
   std::vector<double> bounds(hierarchy.levels.size(), 0);
   for (std::size_t l = 1; l < bounds.size(); ++l) {
     const Band from = band_of(before, l), to = band_of(after, l);
@@ -125,14 +125,14 @@ std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& 
     const double lipschitz =
         width > 0 ? blend_lipschitz(before.blend) / width : std::numeric_limits<double>::infinity();
     const double shift = std::max(std::abs(to.begin - from.begin), std::abs(to.end - from.end));
-    const double way = step + shift + limit_step + view_rounding * std::max(from.end, to.end);
+    const double way = step + shift + sinking * std::max(from.end, to.end) + view_rounding * std::max(from.end, to.end);
     bounds[l] = displacement_bound(hierarchy.sigma0, static_cast<int>(l)) * lipschitz * way;
   }
   return bounds;
 }
 
 PopReport largest_jump(const MorphContext& before, const Selection& selected_before, const MorphContext& after,
-                       const Selection& selected_after, Scheduler& scheduler, double limit_step) {
+                       const Selection& selected_after, Scheduler& scheduler, double limit_rate) {
   assert(before.hierarchy == after.hierarchy && before.blend == after.blend);
   assert(before.radii->metric == after.radii->metric);
   const Hierarchy& hierarchy = *before.hierarchy;
@@ -140,7 +140,7 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
 
   PopReport report;
   report.step = step_length(before, after);
-  const std::vector<double> bounds = jump_bounds(before, after, limit_step);
+  const std::vector<double> bounds = jump_bounds(before, after, limit_rate);
   report.bounded =
       std::all_of(bounds.begin(), bounds.end(), [](double b) { return b < std::numeric_limits<double>::infinity(); });
 

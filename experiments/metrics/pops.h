@@ -11,7 +11,8 @@
 // linearly on the way: what makes radii admissible is linear in them, so they stay so. The share t = (d - a_l) / (c_l -
 // a_l) of the band then changes by at most (|change of v_p| + max(|change of a_l|, |change of c_l|)) / least width: the
 // shift of the band counts as way of the viewpoint, and the smaller of the two widths is the one that divides. So does
-// the step by which detail limits sank or rose (render/lod/limits.h), which the caller knows.
+// what detail limits sank or rose by (render/lod/limits.h): with a share `limit_rate` of their excess in a frame, d'
+// changes by at most -2 ln(1 - limit_rate) of itself.
 #pragma once
 
 #include <cstdint>
@@ -53,16 +54,16 @@ inline constexpr double jump_rounding = 1.2e-6;
 inline constexpr double view_rounding = 4.8e-7;
 
 // Bound of the jump of the vertices drawn at each level (its index) between two frames, rounding of distances included.
-// Infinite where the level has no band. `limit_step`: largest change of a detail limit's radius, normalised units.
+// Infinite where the level has no band. `limit_rate` in [0, 1): as given to LimitTracker.
 [[nodiscard]] std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& after,
-                                              double limit_step = 0);
+                                              double limit_rate = 0);
 
 // Largest jump of the drawn map of M_L between two frames of one hierarchy with the same blend and metric. Exact: each
 // vertex of the finer of the two drawn cells stands for all vertices of M_L that arrive at it. Selections are whole
 // partitions (keep_culled = true), in traversal order; throws InputError when they are not.
 [[nodiscard]] PopReport largest_jump(const MorphContext& before, const Selection& selected_before,
                                      const MorphContext& after, const Selection& selected_after, Scheduler& scheduler,
-                                     double limit_step = 0);
+                                     double limit_rate = 0);
 
 // The ratio of one jump, as above.
 [[nodiscard]] double jump_ratio(double jump, double bound);

@@ -6,7 +6,8 @@
 namespace lodestone {
 namespace {
 
-// Largest and smallest distance of a point of `box` from `target`. Axis by axis, as every norm here is monotone in each.
+// Largest and smallest distance of a point of `box` from `target`. Axis by axis, as every norm here is monotone in
+// each.
 float farthest_from(DistanceMetric metric, const Box3f& box, const Box3f& target) {
   const auto far = [](float lo, float hi, float target_lo, float target_hi) {
     return std::max(std::max(target_lo - lo, hi - target_hi), 0.0f);
@@ -55,13 +56,14 @@ void limits_near(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, Detai
 
 class LimitTracker::Update {
  public:
-  Update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const RefinementOf& refinement, float step,
+  Update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const RefinementOf& refinement, float rate,
          LimitTracker& tracker)
       : hierarchy_(hierarchy),
         radii_(radii),
         viewpoint_(viewpoint),
         refinement_(refinement),
-        step_(step),
+        rate_(rate),
+        least_(rate * radii.band_begin.back()),
         tracker_(tracker),
         before_(std::exchange(tracker.radius_, {})) {
     tracker.limits_.clear();
@@ -86,17 +88,18 @@ class LimitTracker::Update {
   }
 
  private:
-  // A limit of d or less changes nothing: that is where rising ones start and sinking ones end.
+  // A limit of d or less changes nothing: that is where rising ones start and sinking ones end. No band begins below
+  // that of the finest level, so that the last and the first step may be a share of it.
   [[nodiscard]] float next_radius(std::uint32_t index, Refinement state, float d, float full) const {
     const auto found = before_.find(index);
-    const float before = std::min(found == before_.end() ? d : found->second, full);
+    const float excess = found == before_.end() ? 0 : std::max(std::min(found->second, full) - d, 0.0f);
     switch (state) {
       case Refinement::missing:
         return full;
       case Refinement::unwanted:
-        return std::min(std::max(before, d) + step_, full);
+        return rate_ < 1 ? std::min(d + std::max(excess / (1 - rate_), least_), full) : full;
       case Refinement::possible:
-        return before - step_;
+        return excess * (1 - rate_) > least_ || rate_ == 0 ? d + excess * (1 - rate_) : d;
     }
     return full;
   }
@@ -105,14 +108,14 @@ class LimitTracker::Update {
   const Radii& radii_;
   Vec3f viewpoint_;
   const RefinementOf& refinement_;
-  float step_;
+  float rate_, least_;
   LimitTracker& tracker_;
   std::unordered_map<std::uint32_t, float> before_;
 };
 
 void LimitTracker::update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
-                          const RefinementOf& refinement, float step) {
-  Update update(hierarchy, radii, viewpoint, refinement, step, *this);
+                          const RefinementOf& refinement, float rate) {
+  Update update(hierarchy, radii, viewpoint, refinement, rate, *this);
   if (!hierarchy.cells.empty()) update.visit(0, 0);
 }
 

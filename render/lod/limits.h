@@ -9,6 +9,10 @@
 // proved for d holds for d'. A limit on the bounds of a cell Q of level l with R = r_l makes d' at least r_l all over
 // Q: the cell is never refined. When R sinks slowly after the finer cells have come, they appear at their parents'
 // places (lambda = 0) and move on from there: d' changes by no more than R does.
+//
+// What sinks geometrically is the excess of a limit, R - d(v_p, Q). Where a limit of excess e is larger than d, d' is
+// at least e / 2 (for d' >= d(v_p, x) and d' >= R - d(x, Q) >= e - d(v_p, x)). A step of e by a given share thus
+// changes d' by at most twice that share, everywhere: near the viewpoint, where bands are narrow, by little.
 #pragma once
 
 #include <cstdint>
@@ -57,10 +61,10 @@ class LimitTracker {
   using RefinementOf = std::function<Refinement(std::uint32_t cell)>;
 
   // Limits for a frame from this viewpoint: one for every cell that d asks to refine and whose children are missing
-  // (R = r_l), and those that sink or rise after a change, by at most `step` a frame (normalised units, >= 0; infinite:
-  // at once, which pops). With `step` 0 nothing that was missing ever appears.
+  // (R = r_l), and those that sink or rise after a change. `rate` in [0, 1]: share of its excess that a limit loses in
+  // a frame (one that rises gains as much); 1: at once, which pops; 0: nothing that was missing ever appears.
   void update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const RefinementOf& refinement,
-              float step);
+              float rate);
 
   [[nodiscard]] DetailLimits limits() const { return limits_; }
 
