@@ -102,6 +102,13 @@ void take_levels(Hierarchy& hierarchy, std::span<const std::byte> bytes, const L
 }
 
 // Spans of a cell's arrays, one after the other from `at`.
+void place_arrays(Cell& cell, const PayloadCounts& counts, const std::byte* at) {
+  visit_arrays(cell, counts, [&]<class T>(std::span<const T>& items, std::size_t count) {
+    items = {reinterpret_cast<const T*>(at), count};
+    at += items.size_bytes();
+  });
+}
+
 Cell cell_of_record(const LodeCell& r, const PayloadCounts& counts, const std::byte* at) {
   Cell cell;
   cell.code = {r.code};
@@ -111,14 +118,13 @@ Cell cell_of_record(const LodeCell& r, const PayloadCounts& counts, const std::b
   cell.bounds = {{r.lo[0], r.lo[1], r.lo[2]}, {r.hi[0], r.hi[1], r.hi[2]}};
   cell.max_displacement = r.max_displacement;
   cell.error = r.error;
-  visit_arrays(cell, counts, [&]<class T>(std::span<const T>& items, std::size_t count) {
-    items = {reinterpret_cast<const T*>(at), count};
-    at += items.size_bytes();
-  });
+  place_arrays(cell, counts, at);
   return cell;
 }
 
 constexpr std::uint64_t align_up(std::uint64_t n) { return (n + lode_alignment - 1) / lode_alignment * lode_alignment; }
+
+std::string cell_place(std::uint32_t cell) { return "cell " + std::to_string(cell); }
 
 // Memory for the plain payloads, not touched yet.
 std::shared_ptr<std::byte[]> allocate_payloads(std::uint64_t bytes, const std::string& file) {
@@ -201,19 +207,39 @@ void LodeReader::take_assets(const LodeHeader& header) {
 void LodeReader::check(std::uint32_t first, std::uint32_t end) {
   for (std::uint32_t c = first; c < end; ++c) {
     const Cell& cell = hierarchy_.cells[c];
-    const auto place = [&] { return "cell " + std::to_string(c); };
-    const std::span<const std::byte> packed = payload(c);
-    if (XXH3_64bits(packed.data(), packed.size()) != record(c).checksum)
-      refuse(file_, place(), "the checksum does not fit: the file was altered");
+    std::span<std::byte> memory;
     if (form_ == LodeForm::compressed) {
       const auto at = reinterpret_cast<const std::byte*>(cell.positions.data()) - unpacked_;
-      const PayloadCounts n = counts_of(cell);
-      if (const char* fault =
-              decompress_payload(packed, n, hierarchy_.transform.lattice, {unpacked_ + at, plain_bytes(n)}))
-        refuse(file_, place(), fault);
+      memory = {unpacked_ + at, plain_size(c)};
     }
-    if (const char* fault = payload_fault(hierarchy_, c)) refuse(file_, place(), fault);
+    unpack(c, memory);
+    if (const char* fault = payload_fault(hierarchy_, c)) refuse(file_, cell_place(c), fault);
   }
+}
+
+Cell LodeReader::load(std::uint32_t c, std::span<std::byte> memory) const {
+  unpack(c, memory);
+  if (form_ == LodeForm::plain) std::memcpy(memory.data(), payload(c).data(), memory.size());
+  Cell cell = hierarchy_.cells[c];
+  place_arrays(cell, counts_of(cell), memory.data());
+  const std::size_t parent_vertices = cell.parent == no_cell ? 0 : hierarchy_.cells[cell.parent].positions.size();
+  if (const char* fault = payload_fault(cell, hierarchy_.attributes, parent_vertices))
+    refuse(file_, cell_place(c), fault);
+  return cell;
+}
+
+std::uint64_t LodeReader::plain_size(std::uint32_t cell) const {
+  return plain_bytes(counts_of(hierarchy_.cells[cell]));
+}
+
+void LodeReader::unpack(std::uint32_t c, std::span<std::byte> memory) const {
+  const std::span<const std::byte> packed = payload(c);
+  if (XXH3_64bits(packed.data(), packed.size()) != record(c).checksum)
+    refuse(file_, cell_place(c), "the checksum does not fit: the file was altered");
+  if (form_ == LodeForm::plain) return;
+  const PayloadCounts n = counts_of(hierarchy_.cells[c]);
+  if (const char* fault = decompress_payload(packed, n, hierarchy_.transform.lattice, memory))
+    refuse(file_, cell_place(c), fault);
 }
 
 }  // namespace lodestone

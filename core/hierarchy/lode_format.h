@@ -131,6 +131,14 @@ class LodeReader {
   // range, no degenerate triangle. Throws InputError. May be called at once for disjoint ranges.
   void check(std::uint32_t first, std::uint32_t end);
 
+  // One cell alone: what check() does, but the arrays of the cell returned lie in `memory`, of plain_size(cell) bytes
+  // and 16-byte aligned. Any number of threads may load at once.
+  [[nodiscard]] Cell load(std::uint32_t cell, std::span<std::byte> memory) const;
+  [[nodiscard]] std::uint64_t plain_size(std::uint32_t cell) const;
+  [[nodiscard]] std::span<const std::byte> payload(std::uint32_t cell) const;  // as it lies in the file
+
+  // The tables: cells as the file has them. What their arrays hold is not known before they are checked.
+  [[nodiscard]] const Hierarchy& tables() const { return hierarchy_; }
   [[nodiscard]] std::uint32_t cell_count() const { return static_cast<std::uint32_t>(hierarchy_.cells.size()); }
   // What the cells of the file are, once all of them are checked.
   [[nodiscard]] Hierarchy take() && { return std::move(hierarchy_); }
@@ -139,7 +147,8 @@ class LodeReader {
   void take_cells(const LodeHeader& header, std::shared_ptr<const void> storage);
   void take_assets(const LodeHeader& header);
   [[nodiscard]] LodeCell record(std::uint32_t cell) const;
-  [[nodiscard]] std::span<const std::byte> payload(std::uint32_t cell) const;
+  // Checks the checksum and, in the compressed form, decompresses into `memory`.
+  void unpack(std::uint32_t cell, std::span<std::byte> memory) const;
 
   std::span<const std::byte> bytes_;
   std::string file_;

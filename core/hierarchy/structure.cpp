@@ -93,19 +93,22 @@ std::string table_fault(const Hierarchy& h) {
 
 const char* payload_fault(const Hierarchy& h, std::uint32_t c) {
   const Cell& cell = h.cells[c];
+  return payload_fault(cell, h.attributes, cell.parent == no_cell ? 0 : h.cells[cell.parent].positions.size());
+}
+
+const char* payload_fault(const Cell& cell, AttributeSet attributes, std::size_t parent_vertices) {
   const bool root = cell.parent == no_cell;
   if (cell.normals.size() != cell.positions.size()) return "not one normal per vertex";
   if (cell.parents.size() != (root ? 0 : cell.positions.size())) return "not one parent per vertex";
   const auto fits = [&](const auto& values, bool there) {
     return values.size() == (there ? cell.positions.size() : 0);
   };
-  if (!fits(cell.attributes.uv, h.attributes.uv) || !fits(cell.attributes.colours, h.attributes.colours) ||
-      !fits(cell.attributes.materials, h.attributes.materials))
+  if (!fits(cell.attributes.uv, attributes.uv) || !fits(cell.attributes.colours, attributes.colours) ||
+      !fits(cell.attributes.materials, attributes.materials))
     return "not one value of each attribute per vertex";
   if (cell.shared_ids.size() > cell.positions.size()) return "more shared vertices than vertices";
   for (const Vec3f p : cell.positions)
     if (!is_finite(p)) return "a position is not finite";
-  const std::size_t parent_vertices = root ? 0 : h.cells[cell.parent].positions.size();
   for (const std::uint32_t parent : cell.parents)
     if (parent >= parent_vertices) return "a parent is out of range";
   for (const Triangle& t : cell.triangles) {

@@ -17,5 +17,7 @@ namespace lodestone {
 // The first fault of one cell's payload, nullptr when there is none: span sizes, finite positions, parents and triangle
 // vertices in range, no degenerate triangle. The tables are known to be sound.
 [[nodiscard]] const char* payload_fault(const Hierarchy& hierarchy, std::uint32_t cell);
+// The same of a cell that is not in the table (yet), whose parent cell has so many vertices.
+[[nodiscard]] const char* payload_fault(const Cell& cell, AttributeSet attributes, std::size_t parent_vertices);
 
 }  // namespace lodestone

@@ -18,6 +18,9 @@ class MappedFile {
   // Page-aligned. The file must not be shortened while it is in use.
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
 
+  // Lets the memory behind the whole pages of `part` go; they are read again when touched.
+  void forget(std::span<const std::byte> part) const;
+
  private:
   std::span<const std::byte> bytes_;
 };

@@ -1,9 +1,7 @@
 #include "render/lod/selection.h"
 
 namespace lodestone {
-namespace {
 
-// Is the box, grown by `margin` on every side, entirely outside one of the planes?
 bool outside(const Frustum& frustum, const Box3f& box, float margin) {
   for (const Plane& plane : frustum) {
     // The corner farthest along the plane's normal.
@@ -14,6 +12,8 @@ bool outside(const Frustum& frustum, const Box3f& box, float margin) {
   }
   return false;
 }
+
+namespace {
 
 // lambda = 1 on the whole box: its farthest corner is no farther than the begin of the band.
 bool is_static(const Radii& radii, std::size_t level, Vec3f viewpoint, const Box3f& box, DetailLimits limits) {

@@ -18,6 +18,9 @@ struct Plane {
 };
 using Frustum = std::array<Plane, 6>;
 
+// Is the box, grown by `margin` on every side, entirely outside one of the planes?
+[[nodiscard]] bool outside(const Frustum& frustum, const Box3f& box, float margin);
+
 struct SelectedCell {
   std::uint32_t cell = 0;  // index in Hierarchy::cells
   std::uint8_t level = 0;

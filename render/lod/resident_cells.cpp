@@ -1,0 +1,152 @@
+#include "render/lod/resident_cells.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+// How much less urgent a family that is drawn must be than a missing one to make room for it: without a difference two
+// of them would take turns.
+constexpr float contrast = 1.25f;
+// Urgency of what the camera does not see.
+constexpr float unseen = 1.0f / 16;
+
+}  // namespace
+
+ResidentCells::ResidentCells(CellStream& stream, const ResidencyConfig& config)
+    : stream_(stream), config_(config), hierarchy_(stream.tables()) {
+  const std::uint64_t root_bytes = stream.family_bytes(no_cell);
+  if (root_bytes > config.budget_bytes)
+    throw InputError(describe("", "memory budget", std::to_string(config.budget_bytes) + " bytes do not hold the root",
+                              "allow at least " + std::to_string(root_bytes)));
+  for (Cell& cell : hierarchy_.cells) {
+    cell.positions = {};
+    cell.normals = {};
+    cell.attributes = {};
+    cell.parents = {};
+    cell.shared_ids = {};
+    cell.triangles = {};
+  }
+  take_in(stream.load(no_cell));
+}
+
+void ResidentCells::take_in(LoadedFamily&& loaded) {
+  const std::uint32_t first = loaded.parent == no_cell ? 0 : hierarchy_.cells[loaded.parent].first_child;
+  std::move(loaded.cells.begin(), loaded.cells.end(), hierarchy_.cells.begin() + first);
+  bytes_ += loaded.bytes;
+  if (loaded.parent != no_cell) ++families_.at(hierarchy_.cells[loaded.parent].parent).resident_children;
+  families_.emplace(loaded.parent, Family{std::move(loaded.memory), loaded.bytes, false, 0});
+  came_.push_back(loaded.parent);
+}
+
+void ResidentCells::let_go(std::uint32_t parent) {
+  const Cell& cell = hierarchy_.cells[parent];
+  for (std::uint32_t k = 0; k < cell.child_count; ++k) {
+    Cell& child = hierarchy_.cells[cell.first_child + k];
+    child.positions = {};
+    child.normals = {};
+    child.attributes = {};
+    child.parents = {};
+    child.shared_ids = {};
+    child.triangles = {};
+  }
+  --families_.at(cell.parent).resident_children;
+  bytes_ -= families_.at(parent).bytes;
+  families_.erase(parent);
+  went_.push_back(parent);
+}
+
+float ResidentCells::urgency(std::uint32_t parent) const {
+  if (parent == no_cell) return std::numeric_limits<float>::infinity();
+  const Cell& cell = hierarchy_.cells[parent];
+  const int level = hierarchy_.level_of(parent);
+  const float d = std::max(distance(radii_.metric, viewpoint_, cell.bounds), cell_size(hierarchy_.finest()) / 2);
+  const bool seen =
+      !has_frustum_ || !outside(frustum_, cell.bounds, displacement_bound(hierarchy_.sigma0, std::max(level, 1)));
+  return radii_.select[static_cast<std::size_t>(level)] / d * (seen ? 1 : unseen);
+}
+
+bool ResidentCells::is_refined(std::uint32_t cell) const {
+  if (cell == no_cell) return true;  // the root is always drawn or refined
+  return limited_distance(radii_.metric, viewpoint_, hierarchy_.cells[cell].bounds, tracker_.limits()) <
+         radii_.select[static_cast<std::size_t>(hierarchy_.level_of(cell))];
+}
+
+// Families that the last frame did not draw, until there is room for what it lacked. Those below others first.
+void ResidentCells::make_room() {
+  while (lacking_ > 0) {
+    std::vector<std::pair<float, std::uint32_t>> idle;
+    for (const auto& [parent, family] : families_)
+      if (family.resident_children == 0 && !is_refined(parent)) idle.emplace_back(urgency(parent), parent);
+    if (idle.empty()) return;
+    std::sort(idle.begin(), idle.end());
+    for (const auto& [urgency, parent] : idle) {
+      if (lacking_ == 0) return;
+      lacking_ -= std::min(lacking_, families_.at(parent).bytes);
+      let_go(parent);
+    }
+  }
+}
+
+// Families that are drawn but less urgent than what is missing: their limits rise from the next frame on.
+void ResidentCells::choose_unwanted(float most_urgent) {
+  std::vector<std::pair<float, std::uint32_t>> candidates;
+  for (auto& [parent, family] : families_) {
+    family.unwanted = false;
+    if (family.resident_children > 0) continue;
+    const float own = urgency(parent);
+    if (own * contrast < most_urgent) candidates.emplace_back(own, parent);
+  }
+  std::sort(candidates.begin(), candidates.end());
+  std::uint64_t freed = 0;
+  for (const auto& [own, parent] : candidates) {
+    if (freed >= lacking_) return;
+    families_.at(parent).unwanted = true;
+    freed += families_.at(parent).bytes;
+  }
+}
+
+void ResidentCells::update(const Radii& radii, Vec3f viewpoint, const Frustum* frustum) {
+  came_.clear();
+  went_.clear();
+  if (lacking_ > 0) make_room();
+  // The family above may have gone while this one was on its way.
+  for (LoadedFamily& loaded : stream_.collect())
+    if (families_.contains(hierarchy_.cells[loaded.parent].parent)) take_in(std::move(loaded));
+
+  radii_ = radii;
+  viewpoint_ = viewpoint;
+  has_frustum_ = frustum != nullptr;
+  if (frustum) frustum_ = *frustum;
+  tracker_.update(
+      hierarchy_, radii_, viewpoint_,
+      [&](std::uint32_t cell) {
+        const auto found = families_.find(cell);
+        if (found == families_.end()) return Refinement::missing;
+        return found->second.unwanted ? Refinement::unwanted : Refinement::possible;
+      },
+      config_.rate);
+
+  std::vector<std::pair<float, std::uint32_t>> missing;
+  std::uint64_t wanted = 0;
+  for (const std::uint32_t cell : tracker_.missing()) {
+    missing.emplace_back(urgency(cell), cell);
+    wanted += stream_.family_bytes(cell);
+  }
+  std::sort(missing.begin(), missing.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : a.second < b.second;
+  });
+  std::vector<std::uint32_t> parents;
+  for (const auto& [urgency, cell] : missing) parents.push_back(cell);
+  const std::uint64_t room = config_.budget_bytes - bytes_;
+  stream_.request(parents, room);
+  lacking_ = wanted > room ? wanted - room : 0;
+  choose_unwanted(lacking_ > 0 ? missing.front().first : 0);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,76 @@
+// Which cells of a streamed hierarchy are in memory: what the view asks for, as far as a budget of bytes goes.
+//
+// Coarse cells come first, since a family's urgency is r_l / d of its parent Q, how far the view has outgrown it; what
+// the camera does not see waits. When the budget is full, families leave that the view does not need; when it needs
+// them all, the least urgent make room for more urgent ones, their limits rising first (render/lod/limits.h). What is
+// drawn has neither cracks nor pops at any time.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "parallel/cell_stream.h"
+#include "render/lod/limits.h"
+#include "render/lod/selection.h"
+
+namespace lodestone {
+
+struct ResidencyConfig {
+  std::uint64_t budget_bytes = std::uint64_t{1} << 30;  // of payloads in memory, those being loaded included
+  float rate = 0.12f;                                   // of the limits, per frame: LimitTracker::update
+};
+
+class ResidentCells {
+ public:
+  // Loads the root at once. Throws InputError when the budget does not hold it, or as CellStream::load does.
+  ResidentCells(CellStream& stream, const ResidencyConfig& config);
+
+  // Cells that are not there have empty arrays. The same object all the time; changes in update() alone.
+  [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
+
+  // To be called before each frame's selection: takes in what has been loaded, lets go what nobody draws, asks for what
+  // this view needs. Throws what a load has thrown.
+  void update(const Radii& radii, Vec3f viewpoint, const Frustum* frustum = nullptr);
+
+  // For selection and morph of the frame.
+  [[nodiscard]] DetailLimits limits() const { return tracker_.limits(); }
+  // Families that the last update took in and let go.
+  [[nodiscard]] std::span<const std::uint32_t> came() const { return came_; }
+  [[nodiscard]] std::span<const std::uint32_t> went() const { return went_; }
+  // The view has all that it asks for.
+  [[nodiscard]] bool complete() const { return tracker_.limits().empty(); }
+  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  // resident now
+
+ private:
+  struct Family {
+    std::unique_ptr<std::byte[]> memory;
+    std::uint64_t bytes = 0;
+    bool unwanted = false;
+    std::uint32_t resident_children = 0;  // families whose parent is in this one
+  };
+  void take_in(LoadedFamily&& loaded);
+  void let_go(std::uint32_t parent);
+  void make_room();
+  [[nodiscard]] float urgency(std::uint32_t parent) const;  // for the view of the last update
+  [[nodiscard]] bool is_refined(std::uint32_t cell) const;  // in the last frame
+  void choose_unwanted(float most_urgent);
+
+  CellStream& stream_;
+  ResidencyConfig config_;
+  Hierarchy hierarchy_;
+  std::unordered_map<std::uint32_t, Family> families_;  // resident, by parent
+  LimitTracker tracker_;
+  std::vector<std::uint32_t> came_, went_;
+  std::uint64_t bytes_ = 0;
+  std::uint64_t lacking_ = 0;  // bytes that the last update could not ask for
+
+  // The view of the last update.
+  Radii radii_;
+  Vec3f viewpoint_;
+  Frustum frustum_{};
+  bool has_frustum_ = false;
+};
+
+}  // namespace lodestone
