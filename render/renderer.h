@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,7 +38,11 @@ class Renderer {
   virtual ~Renderer() = default;
   [[nodiscard]] virtual std::string_view name() const = 0;
   // Keeps what it needs of the hierarchy; the hierarchy must outlive the renderer.
+  // Cells without arrays are not there yet: they come by refresh().
   virtual void upload(const Hierarchy& hierarchy) = 0;
+  // Since the last frame the arrays of these families, named as in parallel/cell_stream.h, have gone and come
+  // (ResidentCells::went, came).
+  virtual void refresh(std::span<const std::uint32_t> /*went*/, std::span<const std::uint32_t> /*came*/) {}
   virtual FrameStats draw(const Frame& frame) = 0;
   // Picture of the last frame; empty for `null`.
   [[nodiscard]] virtual Image read_back() = 0;

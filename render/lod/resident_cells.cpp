@@ -138,9 +138,8 @@ void ResidentCells::update(const Radii& radii, Vec3f viewpoint, const Frustum* f
     missing.emplace_back(urgency(cell), cell);
     wanted += stream_.family_bytes(cell);
   }
-  std::sort(missing.begin(), missing.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first > b.first : a.second < b.second;
-  });
+  std::sort(missing.begin(), missing.end(),
+            [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
   std::vector<std::uint32_t> parents;
   for (const auto& [urgency, cell] : missing) parents.push_back(cell);
   const std::uint64_t room = config_.budget_bytes - bytes_;

@@ -40,9 +40,8 @@ bool same_bytes(std::span<const T> a, std::span<const T> b) {
 }
 
 bool same_arrays(const Cell& a, const Cell& b) {
-  return same_bytes(a.positions, b.positions) && same_bytes(a.normals, b.normals) &&
-         same_bytes(a.parents, b.parents) && same_bytes(a.shared_ids, b.shared_ids) &&
-         same_bytes(a.triangles, b.triangles);
+  return same_bytes(a.positions, b.positions) && same_bytes(a.normals, b.normals) && same_bytes(a.parents, b.parents) &&
+         same_bytes(a.shared_ids, b.shared_ids) && same_bytes(a.triangles, b.triangles);
 }
 
 class Streaming : public ::testing::TestWithParam<LodeForm> {
@@ -128,8 +127,8 @@ TEST_P(Streaming, NothingCracksOrPopsUnderAnyBudgetWithASlowLoader) {
       EXPECT_EQ(residual_edges(after.context, after.selection, basis_, *scheduler_, scratch_).open_edges, 0u);
       if (before) {
         before->context.limits = limits_before;
-        const PopReport pops = largest_jump(before->context, before->selection, after.context, after.selection,
-                                            *scheduler_, rate);
+        const PopReport pops =
+            largest_jump(before->context, before->selection, after.context, after.selection, *scheduler_, rate);
         EXPECT_LE(pops.jump_over_bound, 1) << "frame " << i;
       }
       before = std::move(after);

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
+#include <span>
 
 #include "experiments/metrics/adversary.h"
+#include "render/backends/gl/gl_places.h"
 #include "tests/render/gl_fixture.h"
 
 namespace lodestone {
@@ -115,6 +118,52 @@ TEST_P(GlMorphTest, DrawsNoCracks) {
   EXPECT_GE(levels_met, 3u);
 }
 
+// A streamed hierarchy: families come and go at random, and limits stand in for those that are missing.
+TEST_P(GlMorphTest, DrawsNoCracksWhileFamiliesComeAndGo) {
+  const Hierarchy& whole_hierarchy = closed_surface().hierarchy;
+  Hierarchy streamed = whole_hierarchy;
+  for (Cell& cell : streamed.cells)
+    if (cell.parent != no_cell) cell.positions = {}, cell.normals = {}, cell.parents = {}, cell.triangles = {};
+  renderer_->upload(streamed);
+  std::vector<char> there(streamed.cells.size(), 0);  // the children of the cell
+  std::mt19937 random(3);
+  std::size_t limits = 0, finest = 0;
+  for (int i = 0; i < 24; ++i) {
+    std::vector<std::uint32_t> came, went;
+    for (std::uint32_t c = 0; c < streamed.cells.size(); ++c) {
+      const Cell& cell = streamed.cells[c];
+      const bool stays = random() % 8 > 0 && (cell.parent == no_cell || there[cell.parent]);
+      if (cell.child_count == 0 || there[c] == stays) continue;
+      there[c] = stays;
+      (stays ? came : went).push_back(c);
+      for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+        const Cell& from = whole_hierarchy.cells[k];
+        Cell& to = streamed.cells[k];
+        to.positions = stays ? from.positions : std::span<const Vec3f>{};
+        to.normals = stays ? from.normals : std::span<const PackedNormal>{};
+        to.parents = stays ? from.parents : std::span<const std::uint32_t>{};
+        to.triangles = stays ? from.triangles : std::span<const Triangle>{};
+      }
+    }
+    renderer_->refresh(went, came);
+    WholeFrame whole(streamed, with_kappa0(2.5f, metric()), cameras()[static_cast<std::size_t>(i) % cameras().size()],
+                     blend_under_test());
+    LimitTracker tracker;
+    tracker.update(
+        streamed, whole.radii, whole.frame.morph.viewpoint,
+        [&](std::uint32_t cell) { return there[cell] ? Refinement::possible : Refinement::missing; }, 1);
+    whole.frame.morph.limits = tracker.limits();
+    select_cells(streamed, whole.radii, whole.frame.morph.viewpoint, {.limits = tracker.limits()}, whole.selection);
+    limits += tracker.limits().size();
+    for (const SelectedCell& s : whole.selection.cells) finest = std::max<std::size_t>(finest, s.level);
+    const std::vector<Corner> corners = corners_of(*renderer_, whole);
+    ASSERT_FALSE(corners.empty());
+    EXPECT_EQ(open_edges(corners), 0u) << name_of(blend_under_test());
+  }
+  EXPECT_GT(limits, 20u);
+  EXPECT_EQ(finest, 4u);
+}
+
 INSTANTIATE_TEST_SUITE_P(AllVariants, GlMorphTest,
                          ::testing::Combine(::testing::ValuesIn(all_blends().begin(), all_blends().end()),
                                             ::testing::Values(DistanceMetric::euclidean, DistanceMetric::chebyshev)),
@@ -174,12 +223,13 @@ TEST_F(GlTest, StaticCellsStandWhereMorphingOnesWould) {
   EXPECT_GT(static_cells, 0u);
 }
 
-// Cut into groups, with parents in the halo: the same triangles, the same picture.
+// Cut into groups, each family with a copy of its parent: the same triangles, the same picture.
 TEST_F(GlTest, GroupsChangeNothing) {
   const Hierarchy& hierarchy = closed_surface().hierarchy;
-  std::size_t largest = 0;
-  for (const Cell& cell : hierarchy.cells) largest = std::max(largest, cell.positions.size());
-  const auto cut = make_gl_renderer({.max_storage_block_bytes = 2 * largest * sizeof(Vec3f)});
+  std::uint64_t largest = 0;
+  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c)
+    largest = std::max(largest, GlPlaces::family_size(hierarchy, c).vertices);
+  const auto cut = make_gl_renderer({.max_storage_block_bytes = largest * sizeof(Vec3f)});
   cut->upload(hierarchy);
   renderer_->upload(hierarchy);
   EXPECT_EQ(renderer_->group_count(), 1u);

@@ -13,7 +13,8 @@ bool is_static(const Frame& frame, const SelectedCell& selected) {
   if (selected.morphing) return false;
   const Radii& radii = *frame.morph.radii;
   const Box3f& bounds = frame.morph.hierarchy->cells[selected.cell].bounds;
-  return farthest_corner_distance(radii.metric, frame.morph.viewpoint, bounds) * (1 + rounding_guard) <
+  return limited_farthest_distance(radii.metric, frame.morph.viewpoint, bounds, frame.morph.limits) *
+             (1 + rounding_guard) <
          radii.band_begin[selected.level];
 }
 
@@ -29,11 +30,14 @@ void GlCommands::set(const Frame& frame, const GlScene& scene) {
   commands_.clear();
   records_.clear();
   multi_draws_.clear();
+  limits_.clear();
   cells_ = triangles_ = 0;
   for (const SelectedCell& selected : frame.selection->cells)
     if (selected.visible) add(frame, scene, selected);
   replace(command_buffer_, commands_);
   replace(record_buffer_, records_);
+  if (limits_.empty()) limits_.emplace_back();  // no empty blocks in OpenGL
+  replace(limit_buffer_, limits_);
 }
 
 void GlCommands::add(const Frame& frame, const GlScene& scene, const SelectedCell& selected) {
@@ -50,11 +54,22 @@ void GlCommands::add(const Frame& frame, const GlScene& scene, const SelectedCel
   ++multi_draws_.back().command_count;
   commands_.push_back({static_cast<std::uint32_t>(3 * cell.triangles.size()), 1, place.first_index,
                        static_cast<std::int32_t>(place.first_vertex), number});
-  records_.push_back({place.parent_first_vertex, selected.level, is_static(frame, selected) ? 0u : 1u});
+  GlDrawRecord record{place.parent_first_vertex, selected.level, 0, 0};
+  if (!is_static(frame, selected)) {
+    record.level += morphs_bit;
+    record.first_limit = static_cast<std::uint32_t>(limits_.size());
+    near_.clear();
+    limits_near(frame.morph.radii->metric, frame.morph.viewpoint, cell.bounds, frame.morph.limits, near_);
+    for (const DetailLimit& l : near_)
+      limits_.push_back({{l.box.lo.x, l.box.lo.y, l.box.lo.z}, l.radius, {l.box.hi.x, l.box.hi.y, l.box.hi.z}, 0});
+    record.end_limit = static_cast<std::uint32_t>(limits_.size());
+  }
+  records_.push_back(record);
 }
 
 void GlCommands::draw(const GlScene& scene) const {
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command_buffer_.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, limits_block, limit_buffer_.name());
   for (const GlMultiDraw& multi : multi_draws_) {
     scene.bind(multi.group, record_buffer_);
     const std::uintptr_t offset = std::uintptr_t{multi.first_command} * sizeof(GlDrawCommand);

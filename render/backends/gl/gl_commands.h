@@ -42,7 +42,9 @@ class GlCommands {
   std::vector<GlDrawCommand> commands_;
   std::vector<GlDrawRecord> records_;
   std::vector<GlMultiDraw> multi_draws_;
-  GlBuffer command_buffer_, record_buffer_;
+  std::vector<DetailLimit> near_;
+  std::vector<GlLimit> limits_;
+  GlBuffer command_buffer_, record_buffer_, limit_buffer_;
   std::uint64_t cells_ = 0, triangles_ = 0;
 };
 

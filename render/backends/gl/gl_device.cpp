@@ -12,7 +12,7 @@ namespace lodestone {
 namespace {
 
 constexpr int needed_version = 45;       // as epoxy counts: 10 major + minor
-constexpr int needed_vertex_blocks = 2;  // positions and normals of the parents
+constexpr int needed_vertex_blocks = 3;  // positions and normals of the parents
 
 int integer(GLenum name) {
   GLint value = 0;

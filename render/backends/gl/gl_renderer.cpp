@@ -48,6 +48,23 @@ GlFrameUniforms frame_uniforms(const Frame& frame) {
   return u;
 }
 
+// The families that are there, those of a branch one after the other: cells selected together lie together.
+std::vector<std::uint32_t> families_of(const Hierarchy& hierarchy) {
+  std::vector<std::uint32_t> families;
+  if (hierarchy.cells.empty()) return families;
+  families.push_back(no_cell);
+  std::vector<std::uint32_t> open{0};
+  while (!open.empty()) {
+    const std::uint32_t parent = open.back();
+    open.pop_back();
+    const Cell& cell = hierarchy.cells[parent];
+    if (cell.child_count == 0 || hierarchy.cells[cell.first_child].positions.empty()) continue;
+    families.push_back(parent);
+    for (std::uint32_t k = cell.child_count; k-- > 0;) open.push_back(cell.first_child + k);
+  }
+  return families;
+}
+
 // All that a picture depends on and that whoever shares the context may have changed.
 void set_state() {
   for (const GLenum off : {GL_BLEND, GL_CULL_FACE, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_RASTERIZER_DISCARD,
@@ -97,7 +114,15 @@ class MultiDrawRenderer final : public GlRenderer {
   void upload(const Hierarchy& hierarchy) override {
     const CurrentContext current(*context_);
     resources_->scene.reset();  // before the new one: the device need not hold both
-    resources_->scene.emplace(hierarchy, device_.max_storage_block_bytes);
+    resources_->scene.emplace(hierarchy, device_.max_storage_block_bytes, size_of_all(hierarchy));
+    for (const std::uint32_t family : families_of(hierarchy)) resources_->scene->add(family);
+  }
+
+  void refresh(std::span<const std::uint32_t> went, std::span<const std::uint32_t> came) override {
+    assert(resources_->scene);
+    const CurrentContext current(*context_);
+    for (const std::uint32_t family : went) resources_->scene->remove(family);
+    for (const std::uint32_t family : came) resources_->scene->add(family);
   }
 
   FrameStats draw(const Frame& frame) override {
@@ -173,7 +198,7 @@ class MultiDrawRenderer final : public GlRenderer {
   // Program, uniforms and commands of the frame.
   void prepare(const Frame& frame, FrameStats& stats) {
     assert(resources_->scene && frame.morph.hierarchy == &resources_->scene->hierarchy());
-    glUseProgram(program({frame.morph.blend, frame.morph.radii->metric}).name());
+    glUseProgram(program({frame.morph.blend, frame.morph.radii->metric, !frame.morph.limits.empty()}).name());
     const Stopwatch upload;
     const GlFrameUniforms uniforms = frame_uniforms(frame);
     glNamedBufferData(resources_->uniforms.name(), sizeof uniforms, &uniforms, GL_STREAM_DRAW);

@@ -1,10 +1,6 @@
 #include "render/backends/gl/gl_scene.h"
 
 #include <algorithm>
-#include <cassert>
-#include <cstring>
-#include <functional>
-#include <span>
 
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_shaders.h"
@@ -12,37 +8,20 @@
 namespace lodestone {
 namespace {
 
-// The shader computes 3 * vertex in 32 bits, and base vertices are signed.
-constexpr std::uint64_t addressable_vertices = 0x7fff'ffffu / 3;
+constexpr const char* uploading = "uploading the hierarchy";
 
-// Appends spans to mapped memory.
-class Writer {
- public:
-  explicit Writer(std::byte* to) : to_(to) {}
-  template <class T>
-  void append(std::span<const T> values) {
-    if (values.empty()) return;
-    std::memcpy(to_, values.data(), values.size_bytes());
-    to_ += values.size_bytes();
-  }
-  void skip(std::size_t bytes) { to_ += bytes; }
-
- private:
-  std::byte* to_;
-};
-
-// Immutable storage, filled once through a mapping: no staging copy on our side.
-GlBuffer filled_buffer(std::uint64_t bytes, const std::function<void(Writer)>& fill) {
-  GlBuffer buffer;
+// Storage that families are copied into as they come.
+void allocate(const GlBuffer& buffer, std::uint64_t bytes) {
   const auto size = static_cast<GLsizeiptr>(std::max<std::uint64_t>(bytes, 4));  // no empty buffers in OpenGL
-  glNamedBufferStorage(buffer.name(), size, nullptr, GL_MAP_WRITE_BIT);
-  check_memory("uploading the hierarchy");
-  void* mapped = glMapNamedBufferRange(buffer.name(), 0, size, GL_MAP_WRITE_BIT | GL_MAP_INVALIDATE_BUFFER_BIT);
-  check_memory("uploading the hierarchy");
-  assert(mapped);
-  fill(Writer(static_cast<std::byte*>(mapped)));
-  glUnmapNamedBuffer(buffer.name());
-  return buffer;
+  glNamedBufferStorage(buffer.name(), size, nullptr, GL_DYNAMIC_STORAGE_BIT);
+  check_memory(uploading);
+}
+
+template <class T>
+void copy(const GlBuffer& buffer, std::uint64_t first, std::span<const T> values, std::size_t item_bytes = sizeof(T)) {
+  if (values.empty()) return;
+  glNamedBufferSubData(buffer.name(), static_cast<GLintptr>(first * item_bytes),
+                       static_cast<GLsizeiptr>(values.size_bytes()), values.data());
 }
 
 void set_attribute(GLuint array, GLuint attribute, GLint count, GLenum type) {
@@ -56,43 +35,51 @@ void set_attribute(GLuint array, GLuint attribute, GLint count, GLenum type) {
 
 }  // namespace
 
-GlScene::GlScene(const Hierarchy& hierarchy, std::size_t max_storage_block_bytes) : hierarchy_(hierarchy) {
-  CellGroups plan =
-      plan_groups(hierarchy, std::min<std::uint64_t>(max_storage_block_bytes / sizeof(Vec3f), addressable_vertices));
-  places_ = std::move(plan.places);
-  groups_.reserve(plan.groups.size());
-  for (const CellGroup& group : plan.groups) groups_.push_back(upload(group));
+GroupSize size_of_all(const Hierarchy& hierarchy) {
+  GroupSize all = GlPlaces::family_size(hierarchy, no_cell);
+  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c) {
+    if (hierarchy.cells[c].child_count == 0) continue;
+    const GroupSize family = GlPlaces::family_size(hierarchy, c);
+    all = {all.vertices + family.vertices, all.indices + family.indices};
+  }
+  return all;
 }
 
-GlScene::Group GlScene::upload(const CellGroup& group) const {
-  const auto cells = [&](const auto& visit) {
-    for (const std::uint32_t cell : group.cells) visit(hierarchy_.cells[cell]);
-  };
-  const auto cells_and_halo = [&](const auto& visit) {
-    cells(visit);
-    for (const std::uint32_t cell : group.halo) visit(hierarchy_.cells[cell]);
-  };
-  // The halo is not drawn, and the root has no parents: their slots in the buffer of parents stay unread.
-  Group made{filled_buffer(group.vertices * sizeof(Vec3f),
-                           [&](Writer to) { cells_and_halo([&](const Cell& c) { to.append(c.positions); }); }),
-             filled_buffer(group.vertices * sizeof(PackedNormal),
-                           [&](Writer to) { cells_and_halo([&](const Cell& c) { to.append(c.normals); }); }),
-             filled_buffer(group.vertices * sizeof(std::uint32_t),
-                           [&](Writer to) {
-                             cells([&](const Cell& c) {
-                               to.append(c.parents);
-                               if (c.parents.empty()) to.skip(c.positions.size() * sizeof(std::uint32_t));
-                             });
-                           }),
-             filled_buffer(group.indices * sizeof(std::uint32_t),
-                           [&](Writer to) { cells([&](const Cell& c) { to.append(c.triangles); }); }),
-             GlVertexArray()};
+GlScene::GlScene(const Hierarchy& hierarchy, std::size_t max_storage_block_bytes, GroupSize expected)
+    : hierarchy_(hierarchy), places_(hierarchy, max_storage_block_bytes / sizeof(Vec3f), expected) {}
 
+void GlScene::add(std::uint32_t parent) {
+  const FamilyPlace& family = places_.add(parent);
+  if (groups_.size() < places_.groups().size()) groups_.push_back(make_group(places_.groups().back()));
+  const Group& group = groups_[family.group];
+  const auto copy_vertices = [&](const Cell& cell, std::uint64_t first) {
+    copy(group.positions, first, cell.positions);
+    copy(group.normals, first, cell.normals);
+  };
+  if (parent != no_cell) copy_vertices(hierarchy_.cells[parent], family.first_vertex);
+  const std::uint32_t first = parent == no_cell ? 0 : hierarchy_.cells[parent].first_child;
+  const std::uint32_t count = parent == no_cell ? 1 : hierarchy_.cells[parent].child_count;
+  for (std::uint32_t c = first; c < first + count; ++c) {
+    const Cell& cell = hierarchy_.cells[c];
+    const CellPlace& place = places_.place(c);
+    copy_vertices(cell, place.first_vertex);
+    copy(group.parents, place.first_vertex, cell.parents);
+    copy(group.indices, place.first_index, cell.triangles, sizeof(std::uint32_t));
+  }
+}
+
+// The copies of parents are not drawn, and the root has no parents: their slots among the parents stay unread.
+GlScene::Group GlScene::make_group(GroupSize size) {
+  Group made;
+  allocate(made.positions, size.vertices * sizeof(Vec3f));
+  allocate(made.normals, size.vertices * sizeof(PackedNormal));
+  allocate(made.parents, size.vertices * sizeof(std::uint32_t));
+  allocate(made.indices, size.indices * sizeof(std::uint32_t));
   const GLuint array = made.vertex_array.name();
   set_attribute(array, own_position, 3, GL_FLOAT);
   set_attribute(array, own_normal, 2, GL_SHORT);
   set_attribute(array, parent_index, 1, GL_UNSIGNED_INT);
-  set_attribute(array, draw_record, 3, GL_UNSIGNED_INT);
+  set_attribute(array, draw_record, 4, GL_UNSIGNED_INT);
   glVertexArrayVertexBuffer(array, own_position, made.positions.name(), 0, sizeof(Vec3f));
   glVertexArrayVertexBuffer(array, own_normal, made.normals.name(), 0, sizeof(PackedNormal));
   glVertexArrayVertexBuffer(array, parent_index, made.parents.name(), 0, sizeof(std::uint32_t));

@@ -67,6 +67,24 @@ float share(float t) {
   return "";
 }
 
+// limits.cpp
+constexpr const char* unlimited_source = "float limited(float d, vec3 w) { return d; }\n";
+constexpr const char* limited_source = R"(
+struct Limit { vec4 lo_radius; vec4 hi; };
+layout(std430, binding = 2) readonly restrict buffer Limits { Limit limits[]; };
+uvec2 limit_range;  // of the draw
+
+float limited(float d, vec3 w) {
+  for (uint i = limit_range.x; i < limit_range.y; ++i) {
+    vec4 lo_radius = limits[i].lo_radius;
+    precise vec3 outside = max(max(lo_radius.xyz - w, w - limits[i].hi.xyz), vec3(0.0));
+    precise float at_least = lo_radius.w - norm(outside);
+    d = max(d, at_least);
+  }
+  return d;
+}
+)";
+
 // morph.cpp and unpack_normal of hierarchy.cpp
 constexpr const char* morph_functions = R"(
 float blend_share(float t) {
@@ -78,7 +96,7 @@ float blend_share(float t) {
 float morph_lambda(uint level, vec3 w) {
   float begin = frame.levels[level].band.x, end = frame.levels[level].band.y;
   precise vec3 apart = abs(w - frame.viewpoint.xyz);
-  precise float d = norm(apart);
+  precise float d = limited(norm(apart), w);
   if (d < begin || (d <= begin && begin < end)) return 1.0;
   if (d >= end) return 0.0;
   precise float t = (d - begin) / (end - begin);
@@ -123,7 +141,7 @@ layout(std430, binding = 1) readonly restrict buffer Normals { uint normals[]; }
 layout(location = 0) in vec3 own_position;
 layout(location = 1) in ivec2 own_normal;
 layout(location = 2) in uint parent_index;
-layout(location = 3) in uvec3 draw;  // parent's first vertex, level, morphs
+layout(location = 3) in uvec4 draw;  // parent's first vertex, level and morphs_bit, first limit, end of the limits
 
 invariant gl_Position;
 layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) out vec3 drawn_position;
@@ -131,10 +149,13 @@ out vec3 normal;
 flat out vec3 albedo;
 
 void main() {
-  uint level = draw.y;
+  uint level = draw.y & 255u;
   precise vec3 p = own_position;
   vec3 n = unpack_normal(own_normal);
-  if (draw.z != 0u) {
+#ifdef LIMITED
+  limit_range = draw.zw;
+#endif
+  if (draw.y >= 256u) {
     float lambda = morph_lambda(level, own_position);
     if (lambda < 1.0) {
       uint parent = draw.x + parent_index;
@@ -203,12 +224,13 @@ void attach(const GlProgram& program, GLenum stage, const std::string& source) {
 std::string morph_source(GlVariant variant) {
   return std::string(variant.metric == DistanceMetric::chebyshev ? chebyshev_source : euclidean_source) +
          "float cubic(float t) { precise float s = t * t * (3.0 - 2.0 * t); return s; }\n" +
-         share_source(variant.blend) + morph_functions;
+         share_source(variant.blend) + (variant.limited ? limited_source : unlimited_source) + morph_functions;
 }
 
 GlProgram make_draw_program(GlVariant variant) {
   GlProgram program;
-  const std::string head = version_line + frame_block_source();
+  const std::string head =
+      version_line + std::string(variant.limited ? "#define LIMITED\n" : "") + frame_block_source();
   attach(program, GL_VERTEX_SHADER, head + morph_source(variant) + vertex_source);
   attach(program, GL_FRAGMENT_SHADER, head + fragment_source);
   glLinkProgram(program.name());

@@ -15,6 +15,7 @@ namespace lodestone {
 struct GlVariant {
   Blend blend = Blend::smoothstep;
   DistanceMetric metric = DistanceMetric::euclidean;
+  bool limited = false;  // detail limits hold (render/lod/limits.h)
   friend auto operator<=>(const GlVariant&, const GlVariant&) = default;
 };
 
@@ -22,14 +23,23 @@ struct GlVariant {
 inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw_record = 3;
 // Storage blocks: the vertices of the group again, to be read at the parent's place.
 inline constexpr GLuint positions_block = 0, normals_block = 1;
+// The frame's detail limits; only in the limited variant.
+inline constexpr GLuint limits_block = 2;
 // Uniform block.
 inline constexpr GLuint frame_block = 0;
 
 // Per draw, read as an attribute that advances with the instance: a command's base instance names its record.
 struct GlDrawRecord {
   std::uint32_t parent_first_vertex = 0;  // of the parent cell, in the group's vertices
-  std::uint32_t level = 0;
-  std::uint32_t morphs = 0;  // 0: lambda = 1 for every vertex of the cell
+  std::uint32_t level = 0;                // plus 256 when the cell morphs; else lambda = 1 for all of its vertices
+  std::uint32_t first_limit = 0, end_limit = 0;
+};
+inline constexpr std::uint32_t morphs_bit = 256;
+
+// A detail limit, std430.
+struct GlLimit {
+  float lo[3] = {}, radius = 0;
+  float hi[3] = {}, unused = 0;
 };
 
 // The uniform block, std140.

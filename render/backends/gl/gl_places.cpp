@@ -1,0 +1,109 @@
+#include "render/backends/gl/gl_places.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+// Draw commands count indices in 32 bits; the shader computes 3 * vertex in 32 bits, and base vertices are signed.
+constexpr std::uint64_t max_indices = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint64_t addressable_vertices = 0x7fff'ffffu / 3;
+
+// Of groups that are made before it is known what will come: 2.5 MB.
+constexpr GroupSize least_group{1 << 16, 6 << 16};
+
+struct CellRange {
+  std::uint32_t begin = 0, end = 0;
+};
+CellRange cells_of(const Hierarchy& hierarchy, std::uint32_t parent) {
+  if (parent == no_cell) return {0, 1};
+  const Cell& cell = hierarchy.cells[parent];
+  return {cell.first_child, cell.first_child + cell.child_count};
+}
+
+std::uint64_t vertices_of_parent(const Hierarchy& hierarchy, std::uint32_t parent) {
+  return parent == no_cell ? 0 : hierarchy.cells[parent].positions.size();
+}
+
+// As many vertices as allowed, with their share of the indices.
+GroupSize cut(GroupSize wanted, GroupSize largest) {
+  const double share = std::min(1.0, static_cast<double>(largest.vertices) / static_cast<double>(wanted.vertices));
+  const auto indices = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(wanted.indices)));
+  return {std::min(wanted.vertices, largest.vertices), std::min(indices, largest.indices)};
+}
+GroupSize larger(GroupSize a, GroupSize b) {
+  return {std::max(a.vertices, b.vertices), std::max(a.indices, b.indices)};
+}
+
+}  // namespace
+
+GlPlaces::GlPlaces(const Hierarchy& hierarchy, std::uint64_t max_vertices, GroupSize expected)
+    : hierarchy_(hierarchy),
+      largest_{std::min(max_vertices, addressable_vertices), max_indices},
+      expected_(expected),
+      places_(hierarchy.cells.size()) {}
+
+GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent) {
+  GroupSize size{vertices_of_parent(hierarchy, parent), 0};
+  const CellRange range = cells_of(hierarchy, parent);
+  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+    size.vertices += hierarchy.cells[c].positions.size();
+    size.indices += 3 * hierarchy.cells[c].triangles.size();
+  }
+  return size;
+}
+
+const FamilyPlace& GlPlaces::add(std::uint32_t parent) {
+  const FamilyPlace family = find_room(family_size(hierarchy_, parent));
+  std::uint64_t vertex = family.first_vertex + vertices_of_parent(hierarchy_, parent), index = family.first_index;
+  const CellRange range = cells_of(hierarchy_, parent);
+  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+    places_[c] = {family.group, static_cast<std::uint32_t>(vertex), static_cast<std::uint32_t>(family.first_vertex),
+                  static_cast<std::uint32_t>(index)};
+    vertex += hierarchy_.cells[c].positions.size();
+    index += 3 * hierarchy_.cells[c].triangles.size();
+  }
+  return families_[parent] = family;
+}
+
+void GlPlaces::remove(std::uint32_t parent) {
+  const FamilyPlace& family = families_.at(parent);
+  rooms_[family.group].vertices.release(family.first_vertex, family.size.vertices);
+  rooms_[family.group].indices.release(family.first_index, family.size.indices);
+  families_.erase(parent);
+}
+
+FamilyPlace GlPlaces::find_room(GroupSize size) {
+  if (size.vertices > largest_.vertices || size.indices > largest_.indices)
+    throw ResourceError(describe("", "OpenGL",
+                                 "a cell's children and their parent exceed a storage block of " +
+                                     std::to_string(largest_.vertices) + " vertices",
+                                 "build with smaller cells or use --backend soft"));
+  for (std::uint32_t g = 0; g < groups_.size(); ++g) {
+    Room& room = rooms_[g];
+    const std::optional<std::uint64_t> vertex = room.vertices.allocate(size.vertices);
+    if (!vertex) continue;
+    if (const std::optional<std::uint64_t> index = room.indices.allocate(size.indices))
+      return {g, *vertex, *index, size};
+    room.vertices.release(*vertex, size.vertices);
+  }
+  GroupSize wanted = expected_;
+  if (expected_.vertices == 0) {
+    wanted = least_group;
+    for (const GroupSize group : groups_) wanted = {wanted.vertices + group.vertices, wanted.indices + group.indices};
+  }
+  groups_.push_back(larger(size, cut(wanted, largest_)));
+  expected_ = {expected_.vertices - std::min(expected_.vertices, groups_.back().vertices),
+               expected_.indices - std::min(expected_.indices, groups_.back().indices)};
+  rooms_.push_back({RangeAllocator(groups_.back().vertices), RangeAllocator(groups_.back().indices)});
+  return {static_cast<std::uint32_t>(groups_.size() - 1), *rooms_.back().vertices.allocate(size.vertices),
+          *rooms_.back().indices.allocate(size.indices), size};
+}
+
+}  // namespace lodestone

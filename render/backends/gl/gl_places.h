@@ -1,0 +1,69 @@
+// Where cells lie in the buffers of the device. Knows no OpenGL.
+//
+// A storage block holds at most what the driver says (128 MiB on llvmpipe, some 11 million positions), so that a larger
+// hierarchy takes several *groups* of buffers. What comes and goes is a *family*, the children of one cell. A vertex
+// shader reads the parent's vertices too: a family brings a copy of them along, first, and can lie anywhere.
+//
+// Rejected: the parent's position stored with every vertex (12 more bytes per vertex instead of 4 on average), and
+// families placed in the group of their parent (nothing could be moved, and holes could not be filled).
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+#include "render/backends/gl/range_allocator.h"
+
+namespace lodestone {
+
+// Where a cell is found, in the vertices and indices of its group.
+struct CellPlace {
+  std::uint32_t group = 0;
+  std::uint32_t first_vertex = 0, parent_first_vertex = 0;
+  std::uint32_t first_index = 0;
+};
+
+// Slots of a group: vertices, and indices, three a triangle.
+struct GroupSize {
+  std::uint64_t vertices = 0, indices = 0;
+};
+
+struct FamilyPlace {
+  std::uint32_t group = 0;
+  std::uint64_t first_vertex = 0, first_index = 0;  // the parent's copy begins at first_vertex
+  GroupSize size;
+};
+
+class GlPlaces {
+ public:
+  // No group has more than `max_vertices`. `expected` is what all families to come may take together: the first groups
+  // are made that large, as far as they may; what comes beyond doubles the room there is.
+  GlPlaces(const Hierarchy& hierarchy, std::uint64_t max_vertices, GroupSize expected);
+
+  // A place for the children of `parent` (no_cell: for the root), whose arrays are there. A new group is appended to
+  // groups() when no other has room. Throws ResourceError when the family exceeds the largest group.
+  const FamilyPlace& add(std::uint32_t parent);
+  void remove(std::uint32_t parent);
+
+  [[nodiscard]] const CellPlace& place(std::uint32_t cell) const { return places_[cell]; }
+  [[nodiscard]] const std::vector<GroupSize>& groups() const { return groups_; }
+
+  // What a family takes, the copy of its parent included.
+  [[nodiscard]] static GroupSize family_size(const Hierarchy& hierarchy, std::uint32_t parent);
+
+ private:
+  struct Room {
+    RangeAllocator vertices, indices;
+  };
+  [[nodiscard]] FamilyPlace find_room(GroupSize size);
+
+  const Hierarchy& hierarchy_;
+  GroupSize largest_, expected_;
+  std::vector<GroupSize> groups_;
+  std::vector<Room> rooms_;                                // of the groups
+  std::vector<CellPlace> places_;                          // of all cells; of those that are there
+  std::unordered_map<std::uint32_t, FamilyPlace> families_;  // by parent
+};
+
+}  // namespace lodestone
