@@ -160,7 +160,7 @@ class Terminal(CommandCase):
     def test_bar_of_long_work(self):
         shown = self.on_terminal("generate", "sphere", "--triangles", 200_000_000, "--threads", 1, "-o", "m.ply",
                                  interrupt_at=rb"\d+ s left", status=130)
-        self.assertRegex(shown, r"\rgenerating \[#*\.*\] +\d+ %  \S+ of 200 M triangles, \S+ M/s, \d+ s left")
+        self.assertRegex(shown, r"\rgenerating \[#*\.*\] +\d+ %  \S+ of 200 M triangles, \S+ [kM]/s, [\dhmin ]*\d+ s left")
         self.assertRegex(self.left_on_screen(shown), r"\Alodestone: interrupted[^\n]*\n\Z")
         self.assertEqual(self.listing(), {})
 
