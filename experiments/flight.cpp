@@ -27,12 +27,17 @@ Vec3f head_light(const Camera& camera) {
 // What measuring a frame needs to remember from the one before.
 class Prover {
  public:
-  Prover(const Hierarchy& hierarchy, Scheduler& scheduler)
-      : hierarchy_(hierarchy), scheduler_(scheduler), basis_(make_crack_basis(hierarchy, scheduler)) {}
+  // `limit_rate`: of the detail limits of a streamed hierarchy, which is measured on the whole one.
+  Prover(const Hierarchy& hierarchy, double limit_rate, Scheduler& scheduler)
+      : hierarchy_(hierarchy),
+        limit_rate_(limit_rate),
+        scheduler_(scheduler),
+        basis_(make_crack_basis(hierarchy, scheduler)) {}
 
-  void measure(const MorphContext& morph, FrameRow& row) {
+  void measure(MorphContext morph, FrameRow& row) {
+    morph.hierarchy = &hierarchy_;
     Selection whole;
-    select_cells(hierarchy_, *morph.radii, morph.viewpoint, {}, whole);
+    select_cells(hierarchy_, *morph.radii, morph.viewpoint, {.limits = morph.limits}, whole);
     for (const SelectedCell& s : whole.cells) row.selected_triangles += hierarchy_.cells[s.cell].triangles.size();
     row.open_edges = residual_edges(morph, whole, basis_, scheduler_, crack_scratch_).open_edges;
     row.gap_max = vertex_gaps(morph, whole, basis_, scheduler_, crack_scratch_).gap_max;
@@ -40,23 +45,27 @@ class Prover {
       MorphContext before = morph;
       before.viewpoint = previous_viewpoint_;
       before.radii = &*previous_radii_;
-      const PopReport pop = largest_jump(before, previous_, morph, whole, scheduler_);
+      before.limits = previous_limits_;
+      const PopReport pop = largest_jump(before, previous_, morph, whole, scheduler_, limit_rate_);
       row.max_jump = pop.max_jump;
       row.jump_over_bound = pop.jump_over_bound;
     }
     previous_ = std::move(whole);
     previous_viewpoint_ = morph.viewpoint;
     previous_radii_ = *morph.radii;
+    previous_limits_.assign(morph.limits.begin(), morph.limits.end());
   }
 
  private:
   const Hierarchy& hierarchy_;
+  double limit_rate_;
   Scheduler& scheduler_;
   CrackBasis basis_;
   CrackScratch crack_scratch_;
   Selection previous_;
   Vec3f previous_viewpoint_;
   std::optional<Radii> previous_radii_;
+  std::vector<DetailLimit> previous_limits_;
 };
 
 double median(std::vector<double> values) {
@@ -71,9 +80,11 @@ double median(std::vector<double> values) {
 FlightResult fly(const Hierarchy& hierarchy, Renderer& renderer, const FlightConfig& config, Scheduler& scheduler,
                  const OnFrame& on_frame) {
   if (config.cameras.empty()) throw InputError("a flight needs at least one camera");
-  renderer.upload(hierarchy);
+  ResidentCells* const resident = config.resident;
+  const Hierarchy& drawn = resident ? resident->hierarchy() : hierarchy;
+  renderer.upload(drawn);
   std::optional<Prover> prover;
-  if (config.measure) prover.emplace(hierarchy, scheduler);
+  if (config.measure) prover.emplace(hierarchy, resident ? resident->rate() : 0, scheduler);
 
   FlightResult result;
   result.admissible = true;
@@ -86,26 +97,35 @@ FlightResult fly(const Hierarchy& hierarchy, Renderer& renderer, const FlightCon
     radii_config.image_height = config.size.height;
     radii_config.aspect = static_cast<float>(config.size.width) / static_cast<float>(config.size.height);
     radii_config.vertical_fov = static_cast<float>(camera.vertical_fov);
-    const Radii radii = make_radii(hierarchy, radii_config);
+    const Radii radii = make_radii(drawn, radii_config);
     result.admissible = result.admissible && radii.admissible;
 
     FrameRow row;
     const Clock::time_point start = Clock::now();
     Frame frame;
-    frame.morph = {&hierarchy, &radii, config.blend, viewpoint(camera, hierarchy.transform)};
-    frame.view_projection = view_projection(camera, hierarchy, config.size);
+    frame.morph = {&drawn, &radii, config.blend, viewpoint(camera, drawn.transform)};
+    frame.view_projection = view_projection(camera, drawn, config.size);
     frame.light = head_light(camera);
     frame.size = config.size;
     frame.tint_by_level = config.tint_by_level;
     const Frustum frustum = frustum_of(frame.view_projection);
-    select_cells(hierarchy, radii, frame.morph.viewpoint, {&frustum, false}, visible);
+    if (resident) {
+      resident->update(radii, frame.morph.viewpoint, &frustum);
+      renderer.refresh(resident->went(), resident->came());
+      frame.morph.limits = resident->limits();
+      row.resident_bytes = resident->bytes();
+      row.complete = resident->complete();
+    }
+    const double stream = milliseconds_since(start);
+    select_cells(drawn, radii, frame.morph.viewpoint, {&frustum, false, frame.morph.limits}, visible);
     frame.selection = &visible;
-    const double select = milliseconds_since(start);
+    const double select = milliseconds_since(start) - stream;
     const FrameStats stats = renderer.draw(frame);
     row.cells = stats.cells;
     row.triangles = stats.triangles;
     row.milliseconds = stats.milliseconds;
     row.milliseconds["select"] = select;
+    if (resident) row.milliseconds["stream"] = stream;
     row.milliseconds["total"] = milliseconds_since(start);
     totals.push_back(row.milliseconds["total"]);
     if (on_frame) on_frame(i, renderer);

@@ -11,8 +11,11 @@
 #include "experiments/flight.h"
 #include "experiments/metrics/adversary.h"
 #include "experiments/progress.h"
+#include "parallel/cell_stream.h"
+#include "parallel/cpu_clock.h"
 #include "parallel/save.h"
 #include "render/image.h"
+#include "render/lod/resident_cells.h"
 
 namespace lodestone {
 namespace {
@@ -24,7 +27,26 @@ struct RenderOptions {
   std::optional<float> kappa0, pixel_error;
   float beta = RadiiConfig{}.beta, delta = 0;
   bool allow_inadmissible = false, tint = false, no_metrics = false;
+  std::uint64_t memory_budget = 0;  // bytes; 0: the whole file
 };
+
+// The model: the whole file, or what is there of it.
+struct Model {
+  std::optional<CellStream> stream;
+  std::optional<ResidentCells> resident;
+  std::optional<Hierarchy> whole;
+  [[nodiscard]] const Hierarchy& hierarchy() const { return whole ? *whole : resident->hierarchy(); }
+};
+
+// A streamed model is measured on the whole one, and adversarial viewpoints need all of its vertices.
+void open_model(const RenderOptions& options, bool measured, Scheduler& scheduler, Model& model) {
+  if (options.memory_budget > 0) {
+    model.stream.emplace(options.file);
+    model.resident.emplace(*model.stream, ResidencyConfig{.budget_bytes = options.memory_budget});
+  }
+  if (!model.resident || measured || options.camera == "adversarial")
+    model.whole.emplace(load_lode(options.file, scheduler));
+}
 
 ImageSize parse_size(const std::string& text) {
   ImageSize size;
@@ -99,10 +121,11 @@ void refuse_inadmissible(const RenderOptions& options, const Hierarchy& hierarch
       "raise it, use --radii per-level, or see it crack with --allow-inadmissible"));
 }
 
-nlohmann::json to_json(const FlightResult& result, bool measured) {
+nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed) {
   nlohmann::json frames = nlohmann::json::array();
   for (const FrameRow& row : result.frames) {
     nlohmann::json frame{{"cells", row.cells}, {"triangles", row.triangles}, {"milliseconds", row.milliseconds}};
+    if (streamed) frame.update({{"resident_bytes", row.resident_bytes}, {"complete", row.complete}});
     if (measured)
       frame.update({{"selected_triangles", row.selected_triangles},
                     {"open_edges", row.open_edges},
@@ -176,8 +199,12 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   config.cancel = &interrupt_flag();
   check_files(common, input_files(options));
 
+  const CpuClock opening;
   const auto scheduler = make_scheduler(common);
-  const Hierarchy hierarchy = load_lode(options.file, *scheduler);
+  Model model;
+  open_model(options, config.measure, *scheduler, model);
+  const Hierarchy& hierarchy = model.hierarchy();
+  config.resident = model.resident ? &*model.resident : nullptr;
   refuse_inadmissible(options, hierarchy, config.radii);
   config.cameras = cameras(options, hierarchy, config.radii);
   const auto renderer = make_renderer(options.backend, *scheduler);
@@ -187,20 +214,23 @@ void run(const RenderOptions& options, const CommonOptions& common) {
 
   Progress progress("rendering", common.quiet);
   progress.measure(static_cast<double>(config.cameras.size()), "frames");
+  double first_picture = 0;
   const FlightResult result = fly(hierarchy, *renderer, config, *scheduler, [&](std::size_t index, Renderer& r) {
+    if (index == 0) first_picture = opening.elapsed().seconds;
     if (pictures) (*pictures)(index, r);
     progress.update(static_cast<double>(index + 1) / static_cast<double>(config.cameras.size()));
   });
   if (pictures) pictures->finish();
   progress.clear();
 
-  nlohmann::json json = to_json(result, config.measure);
+  nlohmann::json json = to_json(result, config.measure, model.resident.has_value());
   json.update({{"file", options.file},
                {"backend", renderer->name()},
                {"camera", options.camera},
                {"blend", options.blend_name},
                {"metric", options.metric},
                {"radii", options.radii},
+               {"first_picture_seconds", first_picture},
                {"size", {config.size.width, config.size.height}}});
   write_json(common, json);
   if (common.quiet || common.json == "-") return;
@@ -219,6 +249,7 @@ void add_render(CLI::App& app) {
   CLI::App& command =
       add_command(app, "render", "Draw a camera path; with --json, prove every frame free of cracks and pops",
                   "  lodestone render scan.lode --camera fly-in --frames 60 -o frames\n"
+                  "  lodestone render city.lode --memory-budget 256MiB -o frames\n"
                   "  lodestone render scan.lode --backend null --kappa0 3 --radii uniform --json proof.json\n"
                   "  lodestone render scan.lode --camera adversarial --kappa0 1.5 --radii uniform "
                   "--allow-inadmissible --backend null --json cracks.json\n",
@@ -244,6 +275,13 @@ void add_render(CLI::App& app) {
       ->capture_default_str();
   command.add_flag("--allow-inadmissible", options->allow_inadmissible, "Draw although cracks are to be expected");
   command.add_flag("--tint", options->tint, "Colour by level");
+  command
+      .add_option(
+          "--memory-budget", options->memory_budget,
+          "Stream the file: load cells while drawing, coarse ones first, and keep so many bytes of them at most "
+          "(512MiB); no crack and no pop for what is missing, but frames depend on the speed of the disk")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES");
   command.add_flag("--no-metrics", options->no_metrics, "With --json: times and counts only, no cracks and pops");
   command.add_option("-o,--output", options->output, "Folder for the frames and contact.png");
   command.callback([options, common] { run(*options, *common); });

@@ -42,6 +42,7 @@ class ResidentCells {
   // The view has all that it asks for.
   [[nodiscard]] bool complete() const { return tracker_.limits().empty(); }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  // resident now
+  [[nodiscard]] float rate() const { return config_.rate; }
 
  private:
   struct Family {

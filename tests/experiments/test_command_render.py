@@ -82,6 +82,23 @@ class Render(CommandCase):
             self.skipTest(probe.stderr.decode().strip())
         self.pictures("gl")
 
+    def test_streaming_keeps_its_budget(self):
+        """Whatever has arrived in time: no crack, no pop, and never more bytes than allowed."""
+        for backend, frames in (("null", 40), ("soft", 150)):
+            found = self.results("render", hierarchy(), "--memory-budget", "300KiB", "--pixel-error", 0.2, "--backend",
+                                 backend, "--size", "320x180", "--frames", frames)
+            self.assertEqual(found["cracks"], {"open_edges_max": 0, "gap_max": 0})
+            self.assertLessEqual(found["pops"]["jump_over_bound_max"], 1)
+            self.assertLess(found["first_picture_seconds"], 5)
+            loaded = [frame["resident_bytes"] for frame in found["frames"]]
+            self.assertLessEqual(max(loaded), 300 * 1024)
+            self.assertFalse(found["frames"][0]["complete"])
+        self.assertGreater(max(loaded), loaded[0])  # frames of `null` may be over before anything arrives
+        self.refused("render", hierarchy(), "--memory-budget", "1KiB", "--backend", "null",
+                     names=["memory budget", "1024 bytes", "allow at least"])
+        self.refused("render", hierarchy(), "--memory-budget", "plenty", "--backend", "null",
+                     names=["--memory-budget"])
+
     def test_null_writes_no_pictures(self):
         self.assert_seamless(self.fly("-o", "frames", frames=2))
         self.assertFalse((self.folder / "frames").exists())

@@ -1,6 +1,4 @@
 // Where families lie on the device, as they come and go. Needs no OpenGL.
-#include "render/backends/gl/gl_places.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "render/backends/gl/gl_places.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 
@@ -31,8 +30,7 @@ std::vector<std::uint32_t> families() {
 
 std::uint64_t largest_family() {
   std::uint64_t largest = 0;
-  for (const std::uint32_t f : families())
-    largest = std::max(largest, GlPlaces::family_size(surface(), f).vertices);
+  for (const std::uint32_t f : families()) largest = std::max(largest, GlPlaces::family_size(surface(), f).vertices);
   return largest;
 }
 

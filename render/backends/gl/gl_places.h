@@ -61,8 +61,8 @@ class GlPlaces {
   const Hierarchy& hierarchy_;
   GroupSize largest_, expected_;
   std::vector<GroupSize> groups_;
-  std::vector<Room> rooms_;                                // of the groups
-  std::vector<CellPlace> places_;                          // of all cells; of those that are there
+  std::vector<Room> rooms_;                                  // of the groups
+  std::vector<CellPlace> places_;                            // of all cells; of those that are there
   std::unordered_map<std::uint32_t, FamilyPlace> families_;  // by parent
 };
 
