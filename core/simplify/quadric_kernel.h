@@ -14,8 +14,8 @@ namespace lodestone::quadric {
 inline constexpr float least_height = 0;
 // Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
 // a minimum, and short edges go first where nothing else decides. Ten times more would outweigh the error itself on
-// models of flat faces.
-inline constexpr float stiffness = 1e-5f;
+// models of flat faces, ten times less would be lost in rounding.
+inline constexpr float stiffness = 1e-6f;
 // Planes that hold borders of the surface and seams, relative to its triangles.
 inline constexpr float border_weight = 8;
 // Of the displacement bound: single precision must not promise what double precision would refuse.
@@ -125,6 +125,7 @@ class BlockKernel {
   [[nodiscard]] unsigned take(unsigned bucket, Id (&batch)[batch_size]);
   [[gnu::noinline]] void visit_crowded(Id v, unsigned n, unsigned bucket);
   static unsigned bucket_of(float cost);
+  static float divisor_of(float weight);
   template <int G>
   [[gnu::always_inline]] void survey(Id v, unsigned n, Candidate<G>& c) const;
   template <int G>

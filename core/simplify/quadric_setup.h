@@ -259,7 +259,7 @@ void BlockKernel<L>::push_eight(unsigned first) {
     const Id v = static_cast<Id>(first + (k < count ? k : 0));
     const unsigned n = degree(v);
     least[k] = n <= 8 ? first_errors<1>(v, n) : first_errors<2>(v, n);
-    cost[k] = a_.body[v].weight;
+    cost[k] = divisor_of(a_.body[v].weight);
   }
   transpose(least);
   for (int k = 1; k < 8; ++k) least[0] = min(least[0], least[k]);
