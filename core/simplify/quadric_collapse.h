@@ -15,9 +15,9 @@ unsigned BlockKernel<L>::bucket_of(float cost) {
   return cost > 0 ? std::bit_cast<std::uint32_t>(cost) >> bucket_shift : 0;
 }
 
-// About weight^(3/4): between the sum of the squared distances, which asks what a collapse adds to the error of the whole
-// mesh, and their mean, which knows no difference between a large star and a small one (decision 0013). The bits of a
-// float are its logarithm, nearly.
+// About weight^(3/4): between the sum of the squared distances, which asks what a collapse adds to the error of the
+// whole mesh, and their mean, which knows no difference between a large star and a small one (decision 0013). The bits
+// of a float are its logarithm, nearly.
 template <class L>
 inline float BlockKernel<L>::divisor_of(float weight) {
   constexpr std::uint32_t one = 0x3f80'0000u;
@@ -36,7 +36,8 @@ void BlockKernel<L>::push(Id v, unsigned bucket) {
 // step of one waits for the step before; a collapse among them may leave another to be evaluated again.
 template <class L>
 void BlockKernel<L>::collapse_to_target() {
-  const std::size_t target = triangles_to_keep(input_, movable_);
+  // A pile may take more than two triangles with it: its third of those that it has.
+  const std::size_t target = triangles_to_keep(input_, movable_ + pile_corners_ / 6);
   Id next[batch_size];
   Candidate<1> batch[batch_size];
   for (unsigned b = 0; b < bucket_count; ++b) {
@@ -51,6 +52,10 @@ void BlockKernel<L>::collapse_to_target() {
         if (live_ <= target) return;
         Candidate<1>& c = batch[i];
         const unsigned n = degree(c.v);
+        if (a_.ring[c.v].has(pile)) {
+          visit_pile(c.v, b);
+          continue;
+        }
         if (n > 8) {
           visit_crowded(c.v, n, b);
           continue;
@@ -279,6 +284,7 @@ inline void BlockKernel<L>::collapse(Id v, unsigned n, unsigned lane, const Id* 
     Ids::load(other.lane).replace(v, u).store(other.lane);
   }
   if (last == n - 2) drop(behind[n - 2]);
+  if (!piles_.empty()) follow_piles(v, u, ring);
   a_.ring[v].lane[flags_lane] = flags_base | gone;
   merge_bodies(v, u, t);
   live_ -= is_open ? 1 : 2;

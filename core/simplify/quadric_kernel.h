@@ -6,6 +6,7 @@
 #pragma once
 
 #include "core/simplify/quadric_block.h"
+#include "core/simplify/quadric_piles.h"
 #include "core/simplify/quadric_seams.h"
 
 namespace lodestone::quadric {
@@ -31,10 +32,12 @@ template <class L>
 class BlockKernel {
  public:
   // seams: null for a mesh without wedges.
-  BlockKernel(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams, SimplifyResult& result)
+  BlockKernel(const SimplifyInput& input, Placement placement, Arrays& arrays, Piles& piles, Seams* seams,
+              SimplifyResult& result)
       : input_(input),
         placement_(placement),
         a_(arrays),
+        piles_(piles),
         seams_(seams),
         result_(result),
         count_(static_cast<unsigned>(input.positions.size())) {}
@@ -85,6 +88,12 @@ class BlockKernel {
   };
   struct Shift {
     float x, y, z;
+  };
+  // The nearest point of a star: in triangle `lane` of the vertex, or on its border.
+  struct Foot {
+    float squared;
+    Id vertex;
+    unsigned lane;
   };
 
   // quadric_star.h
@@ -142,6 +151,21 @@ class BlockKernel {
   void requeue(Id v, unsigned bucket);
   [[gnu::always_inline]] void merge_bodies(Id v, Id u, Shift t);
 
+  // quadric_pile_collapse.h
+  [[gnu::noinline]] void visit_pile(Id v, unsigned bucket);
+  [[nodiscard]] unsigned pile_lanes(Id v, unsigned n) const;
+  [[nodiscard]] unsigned border_lanes(Id v, unsigned n) const;
+  [[nodiscard]] bool pile_flips(Id v, Id u) const;
+  [[nodiscard]] bool pile_joinable(Id v, Id u) const;
+  [[nodiscard]] unsigned shared_triangles(Id v, Id u, Id w) const;
+  [[nodiscard]] unsigned uses(Id u, Id w) const;
+  [[nodiscard]] bool has_triangle(Id u, Id a, Id b) const;
+  void add_pile_planes(Id v, unsigned n, Body& body) const;
+  void collapse_pile(Id v, Id u, unsigned bucket);
+  void begin_pile(Id u);
+  [[gnu::noinline]] void follow_piles(Id v, Id u, const Ring& ring);
+  void heal(Id v);
+
   // quadric_relocate.h
   void relocate_survivors();
   template <int G>
@@ -161,12 +185,6 @@ class BlockKernel {
     Faces<G> faces;
     Float side_x[G], side_y[G], side_z[G];
     unsigned spokes, real;  // lanes with a neighbour, lanes with a triangle
-  };
-  // The nearest point of a star: in triangle `lane` of the vertex, or on its border.
-  struct Foot {
-    float squared;
-    Id vertex;
-    unsigned lane;
   };
   void measure_distances();
   template <int G>
@@ -192,19 +210,23 @@ class BlockKernel {
   const SimplifyInput& input_;
   Placement placement_;
   Arrays& a_;
+  Piles& piles_;
   Seams* seams_;
   SimplifyResult& result_;
   unsigned count_;
   float scale_ = 1;                      // from input coordinates to those of the block, a power of two
   float bound_ = 0, squared_bound_ = 0;  // in block coordinates
   std::size_t live_ = 0;                 // triangles
-  std::size_t movable_ = 0;              // vertices that may move, in the input
+  std::size_t movable_ = 0;              // fans that may move, in the input
+  std::size_t pile_corners_ = 0;         // triangles of the piles that may
+  bool piles_move_ = false;              // some of them are piles
 };
 
 }  // namespace lodestone::quadric
 
 #include "core/simplify/quadric_collapse.h"
 #include "core/simplify/quadric_error.h"
+#include "core/simplify/quadric_pile_collapse.h"
 #include "core/simplify/quadric_relocate.h"
 #include "core/simplify/quadric_setup.h"
 #include "core/simplify/quadric_star.h"
