@@ -7,9 +7,9 @@
 
 namespace lodestone::quadric {
 
-void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Piles& piles, Seams* seams,
                          SimplifyResult& result) {
-  BlockKernel<avx2::Lanes>(input, placement, arrays, seams, result).run();
+  BlockKernel<avx2::Lanes>(input, placement, arrays, piles, seams, result).run();
 }
 
 }  // namespace lodestone::quadric
@@ -20,9 +20,9 @@ void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays
 
 namespace lodestone::quadric {
 
-void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Piles& piles, Seams* seams,
                          SimplifyResult& result) {
-  simplify_block_plain(input, placement, arrays, seams, result);
+  simplify_block_plain(input, placement, arrays, piles, seams, result);
 }
 
 }  // namespace lodestone::quadric

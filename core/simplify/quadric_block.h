@@ -26,10 +26,10 @@ inline constexpr unsigned flags_lane = 15;
 // Bits of the last lane of a ring.
 enum Flags : Id {
   flags_base = id_limit,
-  movable = 1,   // one fan, not locked: may collapse and be relocated
+  movable = 1,   // not locked, and a ring holds its neighbours: may collapse, and be relocated where it is one fan
   open = 2,      // one open fan: the first and the last of the ring are its neighbours on the border of the surface
   locked = 4,    // locked by the caller
-  pile = 8,      // several fans or not manifold: the ring is an unordered set of the neighbours
+  pile = 8,      // several fans or not manifold: the ring is an unordered set of the neighbours (quadric_piles.h)
   bare = 16,     // more neighbours than a ring holds: the ring is empty, and nothing collapses into it
   queued = 32,   // waits in a bucket
   gone = 64,     // collapsed; its ring means nothing any more
@@ -94,13 +94,14 @@ struct FreeArrays {
 // Zeroed; pages are touched only as far as blocks reach.
 [[nodiscard]] std::unique_ptr<Arrays, FreeArrays> allocate_arrays();
 
+class Piles;
 class Seams;
 
-// The two builds of the same kernel: equal bytes. At most id_limit vertices; `result` has its final sizes. seams:
-// working memory for wedges; null where the input has none.
-void simplify_block_plain(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+// The two builds of the same kernel: equal bytes. At most id_limit vertices; `result` has its final sizes. piles,
+// seams: working memory, for wedges null where the input has none.
+void simplify_block_plain(const SimplifyInput& input, Placement placement, Arrays& arrays, Piles& piles, Seams* seams,
                           SimplifyResult& result);
-void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+void simplify_block_avx2(const SimplifyInput& input, Placement placement, Arrays& arrays, Piles& piles, Seams* seams,
                          SimplifyResult& result);
 
 }  // namespace lodestone::quadric

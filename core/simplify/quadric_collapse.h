@@ -15,6 +15,16 @@ unsigned BlockKernel<L>::bucket_of(float cost) {
   return cost > 0 ? std::bit_cast<std::uint32_t>(cost) >> bucket_shift : 0;
 }
 
+// About weight^(3/4): between the sum of the squared distances, which asks what a collapse adds to the error of the
+// whole mesh, and their mean, which knows no difference between a large star and a small one (decision 0013). The bits
+// of a float are its logarithm, nearly.
+template <class L>
+inline float BlockKernel<L>::divisor_of(float weight) {
+  constexpr std::uint32_t one = 0x3f80'0000u;
+  const auto bits = std::bit_cast<std::uint32_t>(weight);
+  return std::bit_cast<float>(bits - (bits >> 2) + (one >> 2));
+}
+
 template <class L>
 void BlockKernel<L>::push(Id v, unsigned bucket) {
   a_.next_in_bucket[v] = a_.bucket[bucket];
@@ -26,7 +36,8 @@ void BlockKernel<L>::push(Id v, unsigned bucket) {
 // step of one waits for the step before; a collapse among them may leave another to be evaluated again.
 template <class L>
 void BlockKernel<L>::collapse_to_target() {
-  const std::size_t target = triangles_to_keep(input_, movable_);
+  // A pile may take more than two triangles with it: its third of those that it has.
+  const std::size_t target = triangles_to_keep(input_, movable_ + pile_corners_ / 6);
   Id next[batch_size];
   Candidate<1> batch[batch_size];
   for (unsigned b = 0; b < bucket_count; ++b) {
@@ -41,6 +52,10 @@ void BlockKernel<L>::collapse_to_target() {
         if (live_ <= target) return;
         Candidate<1>& c = batch[i];
         const unsigned n = degree(c.v);
+        if (a_.ring[c.v].has(pile)) {
+          visit_pile(c.v, b);
+          continue;
+        }
         if (n > 8) {
           visit_crowded(c.v, n, b);
           continue;
@@ -112,7 +127,7 @@ inline void BlockKernel<L>::survey(Id v, unsigned n, Candidate<G>& c) const {
   if (ring.has(seamed)) c.allowed &= seams_->lanes(v, ring, n);
 }
 
-// The costs of its targets: the mean over what has collapsed into the candidate. The target's own error and area stay
+// The costs of its targets, for what has collapsed into the candidate. The target's own error and area stay
 // out of it: a large flat target would hide what the tip of a small feature loses. Most targets are near enough for
 // every member by the triangle inequality alone; the others are looked at only if they are wanted.
 template <class L>
@@ -120,11 +135,12 @@ template <int G>
 inline void BlockKernel<L>::rate(Candidate<G>& c) const {
   const Body& body = a_.body[c.v];
   const float room = std::max(bound_ - body.reach, 0.0f);
+  const Float divisor = Float::all(divisor_of(body.weight));
   c.near = 0;
   for (int g = 0; g < G; ++g) {
     const Float &x = c.star.x[g], &y = c.star.y[g], &z = c.star.z[g];
     const Float error = quadratic_form(body, x, y, z) + Float::all(body.error);
-    c.cost[g] = max(error, Float::all(0)) / Float::all(body.weight);
+    c.cost[g] = max(error, Float::all(0)) / divisor;
     c.near |= not_above(x * x + y * y + z * z, Float::all(room * room)) << (8 * g);
   }
 }
@@ -268,6 +284,7 @@ inline void BlockKernel<L>::collapse(Id v, unsigned n, unsigned lane, const Id* 
     Ids::load(other.lane).replace(v, u).store(other.lane);
   }
   if (last == n - 2) drop(behind[n - 2]);
+  if (!piles_.empty()) follow_piles(v, u, ring);
   a_.ring[v].lane[flags_lane] = flags_base | gone;
   merge_bodies(v, u, t);
   live_ -= is_open ? 1 : 2;

@@ -51,7 +51,7 @@ void BlockKernel<L>::measure_members(Id v, unsigned n, float& known) {
   }
 }
 
-// Of a survivor whose ring is no fan: by the stars of its neighbours.
+// Of a survivor whose ring is no fan: by its triangles, as far as they are known, and the stars of its neighbours.
 template <class L>
 void BlockKernel<L>::measure_members_apart(Id v, float& known) {
   const Point& p = a_.point[v];
@@ -59,8 +59,9 @@ void BlockKernel<L>::measure_members_apart(Id v, float& known) {
     const Shift q = start_of(m);
     const float x = q.x - p.x, y = q.y - p.y, z = q.z - p.z;
     Foot nearest{x * x + y * y + z * z, v, 0};
+    nearest = nearer(nearest, around(v, q));
     for (unsigned k = 0; k < degree(v); ++k) nearest = nearer(nearest, around(a_.ring[v].lane[k], q));
-    if (nearest.vertex != v) nearest.squared = walk(nearest, q, known);
+    if (nearest.vertex != v || piles_.knows(v)) nearest.squared = walk(nearest, q, known);
     if (idle_share * nearest.squared > known) known = idle_share * nearest.squared;
     settle(m, v, nearest.squared);
   }
@@ -174,6 +175,7 @@ inline auto BlockKernel<L>::around(Id v, const Sides<G>& s, Shift o) const -> Fo
 template <class L>
 auto BlockKernel<L>::around(Id v, Shift q) const -> Foot {
   const unsigned n = degree(v);
+  if (a_.ring[v].has(pile) && piles_.knows(v)) return {piles_.squared_distance(v, {q.x, q.y, q.z}, a_.point), v, 0};
   if (a_.ring[v].has(pile) || n <= 1) return {std::numeric_limits<float>::infinity(), v, 0};
   const Point& p = a_.point[v];
   const Shift o{q.x - p.x, q.y - p.y, q.z - p.z};
@@ -181,14 +183,17 @@ auto BlockKernel<L>::around(Id v, Shift q) const -> Foot {
 }
 
 // From triangle to neighbouring triangle while they are nearer, and no further once one is within `known`. Where the
-// way ends it looks one ring wider: a step over a notch in the border of the block. Every step is strictly nearer.
+// way ends it looks one ring wider: a step over a notch in the border of the block. Every step is strictly nearer. A
+// pile has no lanes to follow, all its neighbours are looked at.
 template <class L>
 float BlockKernel<L>::walk(Foot nearest, Shift q, float known) const {
   for (bool wide = false; nearest.squared > known;) {
     const Ring& ring = a_.ring[nearest.vertex];
+    wide |= ring.has(pile);
     const unsigned n = degree(nearest.vertex);
-    const Id corners[3]{nearest.vertex, ring.lane[nearest.lane],
-                        ring.lane[nearest.lane + 1 < n ? nearest.lane + 1 : 0]};
+    const bool alone = ring.has(pile);
+    const Id corners[3]{nearest.vertex, alone ? nearest.vertex : ring.lane[nearest.lane],
+                        alone ? nearest.vertex : ring.lane[nearest.lane + 1 < n ? nearest.lane + 1 : 0]};
     Foot now = nearest;
     for (const Id c : corners) {
       now = nearer(now, around(c, q));

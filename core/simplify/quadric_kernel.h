@@ -6,6 +6,7 @@
 #pragma once
 
 #include "core/simplify/quadric_block.h"
+#include "core/simplify/quadric_piles.h"
 #include "core/simplify/quadric_seams.h"
 
 namespace lodestone::quadric {
@@ -14,8 +15,8 @@ namespace lodestone::quadric {
 inline constexpr float least_height = 0;
 // Added to every quadric: weight * this * squared distance to where the vertex started. Flat and cylindrical parts get
 // a minimum, and short edges go first where nothing else decides. Ten times more would outweigh the error itself on
-// models of flat faces.
-inline constexpr float stiffness = 1e-5f;
+// models of flat faces, ten times less would be lost in rounding.
+inline constexpr float stiffness = 1e-6f;
 // Planes that hold borders of the surface and seams, relative to its triangles.
 inline constexpr float border_weight = 8;
 // Of the displacement bound: single precision must not promise what double precision would refuse.
@@ -31,10 +32,12 @@ template <class L>
 class BlockKernel {
  public:
   // seams: null for a mesh without wedges.
-  BlockKernel(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams, SimplifyResult& result)
+  BlockKernel(const SimplifyInput& input, Placement placement, Arrays& arrays, Piles& piles, Seams* seams,
+              SimplifyResult& result)
       : input_(input),
         placement_(placement),
         a_(arrays),
+        piles_(piles),
         seams_(seams),
         result_(result),
         count_(static_cast<unsigned>(input.positions.size())) {}
@@ -86,6 +89,12 @@ class BlockKernel {
   struct Shift {
     float x, y, z;
   };
+  // The nearest point of a star: in triangle `lane` of the vertex, or on its border.
+  struct Foot {
+    float squared;
+    Id vertex;
+    unsigned lane;
+  };
 
   // quadric_star.h
   [[nodiscard]] unsigned degree(Id v) const { return Ids::load(a_.ring[v].lane).find(none); }
@@ -125,6 +134,7 @@ class BlockKernel {
   [[nodiscard]] unsigned take(unsigned bucket, Id (&batch)[batch_size]);
   [[gnu::noinline]] void visit_crowded(Id v, unsigned n, unsigned bucket);
   static unsigned bucket_of(float cost);
+  static float divisor_of(float weight);
   template <int G>
   [[gnu::always_inline]] void survey(Id v, unsigned n, Candidate<G>& c) const;
   template <int G>
@@ -140,6 +150,21 @@ class BlockKernel {
   [[gnu::always_inline]] void collapse(Id v, unsigned n, unsigned lane, const Id* behind, Shift t, unsigned bucket);
   void requeue(Id v, unsigned bucket);
   [[gnu::always_inline]] void merge_bodies(Id v, Id u, Shift t);
+
+  // quadric_pile_collapse.h
+  [[gnu::noinline]] void visit_pile(Id v, unsigned bucket);
+  [[nodiscard]] unsigned pile_lanes(Id v, unsigned n) const;
+  [[nodiscard]] unsigned border_lanes(Id v, unsigned n) const;
+  [[nodiscard]] bool pile_flips(Id v, Id u) const;
+  [[nodiscard]] bool pile_joinable(Id v, Id u) const;
+  [[nodiscard]] unsigned shared_triangles(Id v, Id u, Id w) const;
+  [[nodiscard]] unsigned uses(Id u, Id w) const;
+  [[nodiscard]] bool has_triangle(Id u, Id a, Id b) const;
+  void add_pile_planes(Id v, unsigned n, Body& body) const;
+  void collapse_pile(Id v, Id u, unsigned bucket);
+  void begin_pile(Id u);
+  [[gnu::noinline]] void follow_piles(Id v, Id u, const Ring& ring);
+  void heal(Id v);
 
   // quadric_relocate.h
   void relocate_survivors();
@@ -160,12 +185,6 @@ class BlockKernel {
     Faces<G> faces;
     Float side_x[G], side_y[G], side_z[G];
     unsigned spokes, real;  // lanes with a neighbour, lanes with a triangle
-  };
-  // The nearest point of a star: in triangle `lane` of the vertex, or on its border.
-  struct Foot {
-    float squared;
-    Id vertex;
-    unsigned lane;
   };
   void measure_distances();
   template <int G>
@@ -191,19 +210,23 @@ class BlockKernel {
   const SimplifyInput& input_;
   Placement placement_;
   Arrays& a_;
+  Piles& piles_;
   Seams* seams_;
   SimplifyResult& result_;
   unsigned count_;
   float scale_ = 1;                      // from input coordinates to those of the block, a power of two
   float bound_ = 0, squared_bound_ = 0;  // in block coordinates
   std::size_t live_ = 0;                 // triangles
-  std::size_t movable_ = 0;              // vertices that may move, in the input
+  std::size_t movable_ = 0;              // fans that may move, in the input
+  std::size_t pile_corners_ = 0;         // triangles of the piles that may
+  bool piles_move_ = false;              // some of them are piles
 };
 
 }  // namespace lodestone::quadric
 
 #include "core/simplify/quadric_collapse.h"
 #include "core/simplify/quadric_error.h"
+#include "core/simplify/quadric_pile_collapse.h"
 #include "core/simplify/quadric_relocate.h"
 #include "core/simplify/quadric_setup.h"
 #include "core/simplify/quadric_star.h"

@@ -4,9 +4,9 @@
 
 namespace lodestone::quadric {
 
-void simplify_block_plain(const SimplifyInput& input, Placement placement, Arrays& arrays, Seams* seams,
+void simplify_block_plain(const SimplifyInput& input, Placement placement, Arrays& arrays, Piles& piles, Seams* seams,
                           SimplifyResult& result) {
-  BlockKernel<plain::Lanes>(input, placement, arrays, seams, result).run();
+  BlockKernel<plain::Lanes>(input, placement, arrays, piles, seams, result).run();
 }
 
 }  // namespace lodestone::quadric

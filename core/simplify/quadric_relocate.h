@@ -14,9 +14,9 @@ void BlockKernel<L>::relocate_survivors() {
   unsigned count = 0;
   for (unsigned v = 0; v < count_; ++v) {
     survivors[count] = static_cast<Id>(v);
-    // Collapsed vertices have lost their movable flag; those on borders and seams stay on them by staying where
-    // they are.
-    count += (a_.ring[v].lane[flags_lane] & (movable | open | seamed)) == movable;
+    // Collapsed vertices have lost their movable flag; those on borders and seams, or where surfaces meet, stay there
+    // by staying where they are.
+    count += (a_.ring[v].lane[flags_lane] & (movable | open | seamed | pile)) == movable;
   }
   for (unsigned i = 0; i < count; ++i) {
     const Id v = survivors[i];

@@ -188,6 +188,9 @@ void BlockKernel<L>::make_other_ring(Id v, unsigned n) {
     if (size == 0) {
       empty.store(ring.lane);
       flags |= bare;
+    } else if (!is_locked) {
+      flags |= movable | queued;
+      piles_move_ = true;
     }
   }
   ring.lane[flags_lane] = static_cast<Id>(flags);
@@ -199,12 +202,14 @@ template <class L>
 void BlockKernel<L>::start_vertices() {
   for (unsigned v = 0; v < count_; ++v) make_ring(static_cast<Id>(v));
   if (seams_ != nullptr) seams_->reset(input_, a_);
+  piles_.reset(input_, a_, piles_move_);
   for (unsigned v = 0; v < count_; ++v) start_quadric(static_cast<Id>(v));
   std::fill(a_.bucket, a_.bucket + bucket_count, none);
   for (unsigned v = 0; v < count_; v += 8) push_eight(v);
 }
 
 // A plane through the edge to a neighbour on a border or seam, perpendicular to the triangle between it and `beside`.
+// Out of the weight, which costs are divided by: there it would make the ends of a border cheaper than its surface.
 template <class L>
 void BlockKernel<L>::add_edge_plane(Id v, unsigned lane, unsigned beside, Body& body) const {
   const Id* ring = a_.ring[v].lane;
@@ -220,7 +225,6 @@ void BlockKernel<L>::add_edge_plane(Id v, unsigned lane, unsigned beside, Body& 
   const float s = weight / squared;
   body.xx += s * wx * wx, body.xy += s * wx * wy, body.xz += s * wx * wz;
   body.yy += s * wy * wy, body.yz += s * wy * wz, body.zz += s * wz * wz;
-  body.weight += weight;
 }
 
 template <class L>
@@ -238,8 +242,11 @@ inline void BlockKernel<L>::start_quadric(Id v) {
     body = {};
     return;
   }
-  ++movable_;
-  if (const unsigned n = degree(v); a_.ring[v].has(open)) {
+  movable_ += !a_.ring[v].has(pile);
+  if (const unsigned n = degree(v); a_.ring[v].has(pile)) {
+    add_pile_planes(v, n, body);
+    pile_corners_ += piles_.triangles(v).size();
+  } else if (a_.ring[v].has(open)) {
     add_edge_plane(v, 0, 1, body);
     add_edge_plane(v, n - 1, n - 2, body);
   } else if (a_.ring[v].has(seamed)) {
@@ -259,7 +266,7 @@ void BlockKernel<L>::push_eight(unsigned first) {
     const Id v = static_cast<Id>(first + (k < count ? k : 0));
     const unsigned n = degree(v);
     least[k] = n <= 8 ? first_errors<1>(v, n) : first_errors<2>(v, n);
-    cost[k] = a_.body[v].weight;
+    cost[k] = divisor_of(a_.body[v].weight);
   }
   transpose(least);
   for (int k = 1; k < 8; ++k) least[0] = min(least[0], least[k]);

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/simplify/quadric_block.h"
+#include "core/simplify/quadric_piles.h"
 #include "core/simplify/quadric_seams.h"
 #include "core/simplify/quadric_split.h"
 
@@ -41,7 +42,7 @@ class QuadricSimplifier final : public Simplifier {
     result_.distance.resize(input.positions.size());
     result_.wedge_parent.clear();
     if (input.positions.size() <= quadric::id_limit) {
-      kernel_(input, placement_, *arrays_, seams_of(input), result_);
+      kernel_(input, placement_, *arrays_, piles_, seams_of(input), result_);
     } else {
       simplify_parts(input);
     }
@@ -69,7 +70,7 @@ class QuadricSimplifier final : public Simplifier {
       of_part_.positions.resize(part.vertices.size());
       of_part_.distance.resize(part.vertices.size());
       const SimplifyInput part_input = part.input(input, target);
-      kernel_(part_input, placement_, *arrays_, seams_of(part_input), of_part_);
+      kernel_(part_input, placement_, *arrays_, piles_, seams_of(part_input), of_part_);
       for (std::size_t v = 0; v < part.vertices.size(); ++v) {
         result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];
         result_.positions[part.vertices[v]] = of_part_.positions[v];
@@ -82,8 +83,9 @@ class QuadricSimplifier final : public Simplifier {
   }
 
   Placement placement_;
-  void (*kernel_)(const SimplifyInput&, Placement, quadric::Arrays&, quadric::Seams*, SimplifyResult&);
+  void (*kernel_)(const SimplifyInput&, Placement, quadric::Arrays&, quadric::Piles&, quadric::Seams*, SimplifyResult&);
   std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
+  quadric::Piles piles_;
   quadric::Seams seams_;
   quadric::Splitter splitter_;
   SimplifyResult result_, of_part_;

@@ -23,7 +23,8 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 // What of a mesh must survive.
 struct Topology {
-  std::size_t vertices = 0, edges = 0, triangles = 0;
+  std::size_t vertices = 0, edges = 0;
+  std::size_t triangles = 0;  // doubled ones once
   std::size_t components = 0, border_loops = 0;
   std::size_t crowded_edges = 0;      // used by more than two triangles
   std::size_t misoriented_edges = 0;  // used twice in the same direction
@@ -72,17 +73,22 @@ inline bool one_fan(const std::vector<Edge>& link) {
 
 inline Topology topology_of(const std::vector<Triangle>& triangles) {
   Topology t;
-  t.triangles = triangles.size();
+  std::set<std::array<std::uint32_t, 3>> distinct;
   std::map<Edge, std::array<int, 2>> uses;  // of an ascending edge: upwards, downwards
   std::map<std::uint32_t, std::vector<Edge>> links;
   Parts parts;
-  for (const auto& [v] : triangles)
+  for (const auto& [v] : triangles) {
+    auto corners = v;
+    std::ranges::sort(corners);
+    distinct.insert({corners[0], corners[1], corners[2]});
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = v[k], b = v[(k + 1) % 3];
       ++uses[std::minmax(a, b)][a > b];
       links[a].emplace_back(b, v[(k + 2) % 3]);
       parts.join(a, b);
     }
+  }
+  t.triangles = distinct.size();
   Parts borders;
   for (const auto& [edge, n] : uses) {
     t.edge_set.insert(edge);

@@ -152,6 +152,67 @@ TEST(QuadricKernel, LeavesCrowdedVerticesAlone) {
   EXPECT_LE(result.triangles, 20u);
 }
 
+TEST(QuadricKernel, CollapsesAlongTheEdgeWhereSurfacesMeet) {
+  // Three bumpy pages around one spine, whose vertices are in no fan.
+  constexpr std::uint32_t n = 32;
+  TestMesh mesh = book(3, n);
+  const SimplifyInput input = mesh.input(0.5f, mesh.triangles.size() / 16);
+  const auto simplifier = make_quadric_simplifier();
+  const SimplifyResult& result = simplifier->simplify(input);
+  EXPECT_EQ(broken_contract(input, result), "");
+  EXPECT_EQ(broken_topology(input, result), "");
+  EXPECT_LE(result.triangles, input.target_triangles);
+  std::size_t left = 0;
+  for (std::uint32_t v = 0; v <= n; ++v) {
+    left += result.parent[v] == v;
+    const Vec3f& p = result.positions[result.parent[v]];
+    EXPECT_LT(p.x * p.x + p.y * p.y, 1e-10f) << v;
+  }
+  EXPECT_LE(left, n / 2);
+}
+
+TEST(QuadricKernel, KeepsTheRimOfDoubledFaces) {
+  TestMesh mesh = plane(16);
+  const std::vector<Triangle> front = mesh.triangles;
+  for (const auto& [v] : front) mesh.triangles.push_back({{v[0], v[2], v[1]}});
+  const SimplifyInput input = mesh.input(0.5f, 100);
+  const auto simplifier = make_quadric_simplifier();
+  const SimplifyResult& result = simplifier->simplify(input);
+  EXPECT_EQ(broken_contract(input, result), "");
+  EXPECT_EQ(broken_topology(input, result), "");
+  EXPECT_LE(result.triangles, 100u);
+  double area = 0;
+  for (const auto& [v] : image(input, result)) {
+    const auto at = [&](int k) { return to_double(result.positions[v[k]]); };
+    area += length(cross(at(1) - at(0), at(2) - at(0))) / 2;
+  }
+  EXPECT_NEAR(area, 2, 1e-5);
+}
+
+TEST(QuadricKernel, TakesSurfacesThatTouchForOnesThatDoNotOnceTheyAreApart) {
+  // Two spheres glued at the ends of an edge, and so along it. The edge goes, then the vertex that is left is a pinch.
+  TestMesh mesh = both(bumpy_sphere(4), bumpy_sphere(4), {2.2f, 0, 0});
+  const Triangle& t = mesh.triangles.front();
+  const auto other = static_cast<std::uint32_t>(mesh.positions.size() / 2);
+  const std::uint32_t glued[2]{t.v[0], t.v[1]};
+  for (Triangle& copy : mesh.triangles)
+    for (std::uint32_t& v : copy.v)
+      for (const std::uint32_t g : glued) v = v == g + other ? g : v;
+  for (const std::uint32_t g : glued) mesh.positions[g].x += 0.05f;
+  const Topology before = topology_of(mesh.triangles);
+  ASSERT_EQ(before.crowded_edges, 1u);
+  ASSERT_EQ(before.pinched_vertices, 2u);
+  const SimplifyInput input = mesh.input(3, 16);
+  const auto simplifier = make_quadric_simplifier();
+  const SimplifyResult& result = simplifier->simplify(input);
+  EXPECT_EQ(broken_contract(input, result), "");
+  EXPECT_EQ(broken_topology(input, result), "");
+  const Topology after = topology_of(image(input, result));
+  EXPECT_EQ(after.crowded_edges, 0u);
+  EXPECT_EQ(after.pinched_vertices, 1u);
+  EXPECT_LE(result.triangles, 24u);
+}
+
 TEST(QuadricKernel, WorksAtEveryScale) {
   TestMesh mesh = bumpy_sphere(4);
   const auto simplifier = make_quadric_simplifier();
