@@ -22,11 +22,17 @@ constexpr std::size_t kept_share = 4;  // one triangle of this many is kept per 
 // larger share would store more than 1.45 times the input of scans with thousands of non-manifold edges.
 constexpr double least_share = 0.2;
 
+// A simplifier that measures looks around the parents, and sees nothing of the stars there that are no fans: around
+// non-manifold edges its distances may be many times too large. A block whose largest is more than this many times the
+// mean is measured again where it matters. Smooth scans stay below.
+constexpr float doubtful_ratio = 16;
+
 // Rounded towards larger values, except that zero stays zero.
 float root_up(double squared) {
   return squared > 0 ? std::nextafter(static_cast<float>(std::sqrt(squared)), std::numeric_limits<float>::infinity())
                      : 0.0f;
 }
+double square(double v) { return v * v; }
 float sum_up(float a, float b) { return b > 0 ? std::nextafter(a + b, std::numeric_limits<float>::infinity()) : a; }
 
 class BlockBuilder {
@@ -64,7 +70,8 @@ class BlockBuilder {
   }
 
   void split(const SimplifyResult& result, float sigma0) {
-    if (result.distance.empty()) index_images(result);
+    search_ = result.distance.empty() || is_doubtful(result.distance);
+    if (search_) index_images(result);
     gather_members(result);
     if (attributes_.wedges) join_uses();
     std::size_t vertex = 0, member = 0;
@@ -208,6 +215,12 @@ class BlockBuilder {
     }
   }
 
+  [[nodiscard]] static bool is_doubtful(std::span<const float> distance) {
+    float largest = 0, sum = 0;
+    for (const float d : distance) largest = std::max(largest, d), sum += d;
+    return largest * static_cast<float>(distance.size()) > doubtful_ratio * sum;
+  }
+
   void index_images(const SimplifyResult& result) {
     s_.images.resize(s_.triangles.size());
     for (std::size_t t = 0; t < s_.triangles.size(); ++t) {
@@ -298,7 +311,7 @@ class BlockBuilder {
       if (!result.distance.empty()) distance = std::max(distance, result.distance[v]);
     }
     child.max_displacement = root_up(farthest2);
-    if (result.distance.empty()) distance = search_distance(result, child, first_vertex);
+    if (search_) distance = search_distance(result, child, first_vertex);
     parent.error = std::max(parent.error, sum_up(child.error, std::min(distance, child.max_displacement)));
   }
 
@@ -307,10 +320,12 @@ class BlockBuilder {
   float search_distance(const SimplifyResult& result, const CellBuild& child, std::size_t first_vertex) {
     double squared = 0.5625 * off_surface2_;
     for (std::size_t i = 0; i < child.vertex_count(); ++i) {
-      const std::uint32_t p = result.parent[s_.block_id[first_vertex + i]];
+      const std::uint32_t v = s_.block_id[first_vertex + i], p = result.parent[v];
       const Vec3f from = child.slab.positions[i];
       const Vec3d moved = to_double(result.positions[p]) - to_double(from);
-      if (dot(moved, moved) > squared) squared = s_.surface.farther(squared, from, p);
+      double most = dot(moved, moved);
+      if (!result.distance.empty()) most = std::min(most, square(result.distance[v]));
+      if (most > squared) squared = s_.surface.farther(squared, from, p);
     }
     off_surface2_ = std::max(off_surface2_, squared);
     return root_up(squared);
@@ -363,6 +378,7 @@ class BlockBuilder {
   const AttributeSet& attributes_;
   BlockScratch& s_;
   std::array<std::size_t, 8> member_end_{};  // of each parent's members
+  bool search_ = false;                      // distances are searched, not taken from the simplifier
   double off_surface2_ = 0;                  // largest squared distance of a vertex so far from the coarse surface
 };
 

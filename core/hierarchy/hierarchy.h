@@ -60,7 +60,7 @@ struct Cell {
   std::uint32_t first_child = 0, child_count = 0;  // children are consecutive, in Morton order
   Box3f bounds;                                    // B(C): box of positions and of the children's B
   float max_displacement = 0;                      // max d(v, P(v)) over the vertices of this cell; 0 at the root
-  float error = 0;                                 // distance from M_L as measured (docs/decisions/0004), monotone
+  float error = 0;  // distance from M_L, monotone: estimated (docs/decisions/0004), or measured (0011)
   std::span<const Vec3f> positions;
   std::span<const PackedNormal> normals;  // one per position
   CellAttributes attributes;
@@ -93,6 +93,8 @@ struct Provenance {
   std::uint32_t simplifier = 0;      // SimplifierKind
   std::uint32_t placement = 0;       // Placement of its survivors
   std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
+  bool measured_errors = false;      // errors are bounds of what measure_errors says, not estimates
+  bool refined = false;              // M_L has the input's edges beyond sigma0 h_L split (core/mesh/refine.h)
 };
 
 struct Hierarchy {

@@ -87,6 +87,8 @@ void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   p.simplifier = h.simplifier & 0xffff;
   p.placement = h.simplifier >> 16;
   p.cell_triangles = h.cell_triangles;
+  p.measured_errors = has(lode_measured_errors);
+  p.refined = has(lode_refined);
 }
 
 void take_levels(Hierarchy& hierarchy, std::span<const std::byte> bytes, const LodeHeader& header,

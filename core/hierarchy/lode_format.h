@@ -41,7 +41,9 @@ enum LodeFeatures : std::uint16_t {
   lode_uv = 4,
   lode_colours = 8,
   lode_materials = 16,
-  lode_known_features = 31,
+  lode_measured_errors = 32,  // Provenance::measured_errors
+  lode_refined = 64,          // Provenance::refined
+  lode_known_features = 127,
 };
 
 struct LodeHeader {

@@ -42,10 +42,12 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   edges          stored longest edges and numbers of long half-edges; no long edge where M_L has none
 //   boxes          B(C) is the box of V_l(C) and of the children's B
 //   reach          rho_l of both metrics and the largest diameter
-//   errors         on M_L what the lattice may have moved the input by, 0 without one; a coarser cell's is at least a
-//   child's error + the measured distance of the child's vertices from
-//                  the surface of the coarser level (of a regular sample of them on large levels), at most the worst
-//                  child's error + displacement; e_l
+//   errors         on M_L what the lattice may have moved the input by (twice that when edges were split), 0 without
+//                  one. Estimated: a coarser cell's is at least a child's error + the distance of the child's vertices
+//                  from the surface of the coarser level, at most the worst child's error + displacement. Measured: at
+//                  least every child's, at least the distances of M_l(C) from M_L and of M_L below C from M_l at the
+//                  corners and middles of triangles and edges, at most all displacements together with the longest
+//                  edge. Both of a regular sample on large levels. e_l
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L
 //   wedges         only with attributes: wedges of one vertex of M_L have parents at one position, level by level; the
 //                  corners of a triangle have one material, and P keeps it; finite texture coordinates

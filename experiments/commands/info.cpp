@@ -32,6 +32,8 @@ nlohmann::json describe_level(const Hierarchy& h, std::size_t l) {
           {"long_edges", level.long_edges}};
 }
 
+const char* name_of_errors(const Hierarchy& h) { return h.provenance.measured_errors ? "measured" : "estimated"; }
+
 struct Stored {
   std::uint64_t triangles = 0, vertices = 0, bytes = 0;
   [[nodiscard]] double bytes_per_triangle() const {
@@ -115,6 +117,8 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"scale", h.transform.scale},
       {"kappa0_admissible_above",
        {{"euclidean", reach(h, DistanceMetric::euclidean)}, {"chebyshev", reach(h, DistanceMetric::chebyshev)}}},
+      {"errors", name_of_errors(h)},
+      {"refined", h.provenance.refined},
       {"lattice_bits", h.transform.lattice.bits},
       {"stored_triangles", stored.triangles},
       {"stored_vertices", stored.vertices},
@@ -129,6 +133,8 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
              stored.vertices, stored.bytes, stored.bytes_per_triangle(),
              h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, h.transform.scale);
+  fmt::print("errors {}{}\n", name_of_errors(h),
+             h.provenance.refined ? "; edges of the input beyond sigma0 h were split" : "");
   fmt::print("uniform kappa0 is admissible above {:.4f} (euclidean), {:.4f} (chebyshev)\n\n",
              reach(h, DistanceMetric::euclidean), reach(h, DistanceMetric::chebyshev));
   fmt::print("{:>5} {:>9} {:>12} {:>12} {:>8} {:>8} {:>9} {:>9} {:>10}\n", "level", "cells", "triangles", "vertices",
