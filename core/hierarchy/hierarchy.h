@@ -95,6 +95,15 @@ struct Provenance {
   std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
 };
 
+// A texture at half its width and height, `halvings` times over, encoded as the texture is.
+struct TextureCopy {
+  std::uint32_t texture = 0;   // index in Hierarchy::textures
+  std::uint32_t halvings = 0;  // at least 1
+  std::uint32_t width = 0, height = 0;
+  std::vector<char> bytes;
+  friend bool operator==(const TextureCopy&, const TextureCopy&) = default;
+};
+
 struct Hierarchy {
   Transform transform;
   float sigma0 = 0;
@@ -103,6 +112,8 @@ struct Hierarchy {
   std::vector<Cell> cells;    // by level, then Morton code
   std::vector<Material> materials;
   std::vector<Texture> textures;
+  // What coarser levels show textures with (core/hierarchy/texture_levels.h): by texture, then 1, 2, ... halvings.
+  std::vector<TextureCopy> texture_copies;
   std::shared_ptr<const void> storage;  // keeps the payloads alive
 
   // Which attributes the vertices of all cells have.
