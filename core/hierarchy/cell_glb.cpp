@@ -79,8 +79,8 @@ class CellEncoder {
     }
     if (!morph_) return;
     const Cell& parent = hierarchy_.cells[cell_.parent];
-    attributes_["_PARENT"] = add_values([&](std::uint32_t v) { return parent.positions[cell_.parents[v]]; },
-                                        GltfComponent::floats, "VEC3");
+    attributes_["_PARENT"] =
+        add_values([&](std::uint32_t v) { return parent.positions[cell_.parents[v]]; }, GltfComponent::floats, "VEC3");
   }
 
   [[nodiscard]] std::uint32_t material_of(const Triangle& t) const {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/hierarchy/texture_levels.h"
+#include "core/io/mesh_companions.h"
 
 namespace lodestone {
 namespace {
@@ -21,12 +22,6 @@ std::string cell_name(const Hierarchy& hierarchy, std::uint32_t cell) {
     separator = '_';
   }
   return name;
-}
-
-std::string image_suffix(const std::string& media_type) {
-  if (media_type == "image/png") return ".png";
-  if (media_type == "image/webp") return ".webp";
-  return media_type == "image/ktx2" ? ".ktx2" : ".jpg";
 }
 
 double area(Vec3d a, Vec3d b, Vec3d c) { return 0.5 * length(cross(b - a, c - a)); }
@@ -157,7 +152,7 @@ std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int 
     path += '_';
     path += std::to_string(copy->halvings);
   }
-  return path + image_suffix(hierarchy.textures[texture].media_type);
+  return path + image_extension(hierarchy.textures[texture].media_type);
 }
 
 double tile_error(const Hierarchy& hierarchy, std::uint32_t cell) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -23,6 +24,12 @@ namespace lodestone {
 // Texture coordinates that count from the lower left corner of the image, as in OBJ, PLY and bare Draco files.
 [[nodiscard]] inline Vec2f from_lower_left(double u, double v) {
   return {static_cast<float>(u), static_cast<float>(1 - v)};
+}
+
+// And back, for writing them.
+template <class Scalar>
+[[nodiscard]] std::array<Scalar, 2> to_lower_left(Vec2f uv) {
+  return {static_cast<Scalar>(uv.x), static_cast<Scalar>(1 - static_cast<double>(uv.y))};
 }
 
 }  // namespace lodestone
