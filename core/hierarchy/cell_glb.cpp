@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "core/io/colour.h"
 #include "core/io/glb_builder.h"
 
 namespace lodestone {

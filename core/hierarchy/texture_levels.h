@@ -10,6 +10,14 @@
 
 namespace lodestone {
 
+// No side of a copy is shorter: what is left then is hardly smaller than its headers.
+inline constexpr std::uint32_t least_texture_side = 32;
+
+// Copies of one texture for `most` coarser levels, as far as least_texture_side lets; by halve() of
+// core/texture/downsample.h, each from the one before (before it was encoded), as colours, or as normals when materials
+// know it as a normal map only. Throws what decode_image and encode_image throw.
+[[nodiscard]] std::vector<TextureCopy> make_texture_copies(const Hierarchy& hierarchy, std::uint32_t texture, int most);
+
 // nullptr: the texture itself.
 [[nodiscard]] const TextureCopy* texture_copy(const Hierarchy& hierarchy, std::uint32_t texture, int level);
 

@@ -32,6 +32,7 @@ double area(Vec2f a, Vec2f b, Vec2f c) {
 }
 
 // Mean size of a texel on the triangles whose texture is a copy at this level, in normalised units; 0 without any.
+// Triangles that lie in one texel of the texture itself have one colour, and lose nothing.
 double texel_size(const Hierarchy& hierarchy, const Cell& cell, int level) {
   if (hierarchy.texture_copies.empty() || !hierarchy.attributes.uv) return 0;
   std::vector<const TextureCopy*> copy_of;  // by material
@@ -44,8 +45,10 @@ double texel_size(const Hierarchy& hierarchy, const Cell& cell, int level) {
     if (!copy) continue;
     const auto at = [&](int k) { return to_double(cell.positions[t.v[static_cast<std::size_t>(k)]]); };
     const auto uv = [&](int k) { return cell.attributes.uv[t.v[static_cast<std::size_t>(k)]]; };
+    const double seen = area(uv(0), uv(1), uv(2)) * copy->width * copy->height;
+    if (std::ldexp(seen, 2 * static_cast<int>(copy->halvings)) < 1) continue;
     surface += area(at(0), at(1), at(2));
-    texels += area(uv(0), uv(1), uv(2)) * copy->width * copy->height;
+    texels += seen;
   }
   return texels > 0 ? std::sqrt(surface / texels) : 0;
 }

@@ -1,7 +1,6 @@
 // What every writer of binary glTF needs: views, accessors, materials and textures, and the container around them.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -55,8 +54,5 @@ class GlbBuilder {
 
   std::vector<std::byte> binary_;
 };
-
-// Light of a byte in the sRGB encoding (IEC 61966-2-1), of all 256.
-[[nodiscard]] const std::array<float, 256>& linear_of_srgb();
 
 }  // namespace lodestone

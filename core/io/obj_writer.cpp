@@ -143,9 +143,9 @@ class ObjWriter {
       const Vec3d p = mesh_.position(i);
       const Rgba8 colour = colours_ ? mesh_.wedges->colour[i] : Rgba8{};
       if (uv_ || normals_ || colours_) {
-        const ObjVertex vertex{{std::bit_cast<std::uint64_t>(p.x), std::bit_cast<std::uint64_t>(p.y),
-                                std::bit_cast<std::uint64_t>(p.z)},
-                               colour};
+        const ObjVertex vertex{
+            {std::bit_cast<std::uint64_t>(p.x), std::bit_cast<std::uint64_t>(p.y), std::bit_cast<std::uint64_t>(p.z)},
+            colour};
         const auto [at, fresh] = known.emplace(vertex, static_cast<std::uint32_t>(known.size()));
         vertex_of_.push_back(at->second);
         if (!fresh) continue;

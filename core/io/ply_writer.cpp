@@ -25,8 +25,8 @@ ScalarType coordinate_type(const MeshView& mesh) {
 struct PlyForm {
   ScalarType coordinates{};
   bool normals = false, colours = false, alpha = false, uv = false;
-  std::vector<std::string> textures{};        // names of the image files
-  std::vector<std::int32_t> number{};         // of a material's texture among them, -1: none; empty: no numbers
+  std::vector<std::string> textures{};  // names of the image files
+  std::vector<std::int32_t> number{};   // of a material's texture among them, -1: none; empty: no numbers
 };
 
 PlyForm form_of(const MeshView& mesh, MeshCompanions& companions) {
