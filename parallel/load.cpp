@@ -1,11 +1,13 @@
 #include "parallel/load.h"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <limits>
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -103,23 +105,29 @@ std::optional<RawMesh> load_stl(const InputFile& file, ByteReader& head, Schedul
   return mesh;
 }
 
-// Reads tiles side by side and puts them together in their order. Of several errors the first tile's counts.
+// Reads tiles side by side and puts them together in their order, so many at a time that images which they share are
+// not held for each of them. Of several errors the first tile's counts.
 RawMesh load_tileset(ByteReader& head, const ReadConfig& config, Scheduler& scheduler) {
+  constexpr std::size_t at_a_time = 64;
   TileList list = list_tiles(head);
-  std::vector<RawMesh> parts(list.tiles.size());
-  std::vector<std::exception_ptr> errors(list.tiles.size());
-  scheduler.for_chunks(list.tiles.size(), 1, [&](ChunkRange range) {
-    try {
-      parts[range.index] = read_tile(list.tiles[range.index], config);
-    } catch (...) {
-      errors[range.index] = std::current_exception();
-    }
-  });
-  for (const std::exception_ptr& error : errors)
-    if (error) std::rethrow_exception(error);
   RawMesh mesh;
   mesh.warnings = std::move(list.warnings);
-  for (RawMesh& part : parts) append_mesh(mesh, std::move(part), head.name());
+  for (std::size_t first = 0; first < list.tiles.size(); first += at_a_time) {
+    const std::span<const Tile> tiles =
+        std::span(std::as_const(list.tiles)).subspan(first, std::min(at_a_time, list.tiles.size() - first));
+    std::vector<RawMesh> parts(tiles.size());
+    std::vector<std::exception_ptr> errors(tiles.size());
+    scheduler.for_chunks(tiles.size(), 1, [&](ChunkRange range) {
+      try {
+        parts[range.index] = read_tile(tiles[range.index], config);
+      } catch (...) {
+        errors[range.index] = std::current_exception();
+      }
+    });
+    for (const std::exception_ptr& error : errors)
+      if (error) std::rethrow_exception(error);
+    for (RawMesh& part : parts) append_mesh(mesh, std::move(part), head.name());
+  }
   return mesh;
 }
 

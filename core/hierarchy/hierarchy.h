@@ -97,6 +97,15 @@ struct Provenance {
   bool refined = false;              // M_L has the input's edges beyond sigma0 h_L split (core/mesh/refine.h)
 };
 
+// A texture at half its width and height, `halvings` times over, encoded as the texture is.
+struct TextureCopy {
+  std::uint32_t texture = 0;   // index in Hierarchy::textures
+  std::uint32_t halvings = 0;  // at least 1
+  std::uint32_t width = 0, height = 0;
+  std::vector<char> bytes;
+  friend bool operator==(const TextureCopy&, const TextureCopy&) = default;
+};
+
 struct Hierarchy {
   Transform transform;
   float sigma0 = 0;
@@ -105,6 +114,8 @@ struct Hierarchy {
   std::vector<Cell> cells;    // by level, then Morton code
   std::vector<Material> materials;
   std::vector<Texture> textures;
+  // What coarser levels show textures with (core/hierarchy/texture_levels.h): by texture, then 1, 2, ... halvings.
+  std::vector<TextureCopy> texture_copies;
   std::shared_ptr<const void> storage;  // keeps the payloads alive
 
   // Which attributes the vertices of all cells have.

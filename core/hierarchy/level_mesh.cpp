@@ -4,6 +4,7 @@
 #include <unordered_map>
 
 #include "core/base/error.h"
+#include "core/hierarchy/texture_levels.h"
 
 namespace lodestone {
 namespace {
@@ -34,7 +35,7 @@ RawMesh level_mesh(const Hierarchy& hierarchy, int level) {
   RawMesh mesh;
   mesh.triangles.reserve(found.triangles);
   mesh.materials = hierarchy.materials;
-  mesh.textures = hierarchy.textures;
+  mesh.textures = level_textures(hierarchy, level);
   const bool attributed = hierarchy.attributes != AttributeSet{} || !hierarchy.materials.empty();
   std::unordered_map<std::uint32_t, std::uint32_t> by_id;  // of the shared vertices
   std::vector<std::uint32_t> numbers;                      // of the cell's vertices in `mesh`

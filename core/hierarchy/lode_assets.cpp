@@ -96,6 +96,28 @@ bool take(Reader& reader, Texture& t) {
   return reader.take(t.bytes);
 }
 
+void put(Writer& writer, const TextureCopy& c) {
+  for (const std::uint32_t number : {c.texture, c.halvings, c.width, c.height}) writer.put(number);
+  writer.put(c.bytes);
+}
+
+bool take(Reader& reader, TextureCopy& c) {
+  return reader.take(c.texture) && reader.take(c.halvings) && reader.take(c.width) && reader.take(c.height) &&
+         reader.take(c.bytes);
+}
+
+// By texture, then 1, 2, ... halvings.
+bool in_order(const std::vector<TextureCopy>& copies, std::size_t textures) {
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    const TextureCopy& c = copies[i];
+    if (c.texture >= textures || c.width == 0 || c.height == 0) return false;
+    const bool goes_on = i > 0 && copies[i - 1].texture == c.texture;
+    if (c.halvings != (goes_on ? copies[i - 1].halvings + 1 : 1)) return false;
+    if (i > 0 && copies[i - 1].texture > c.texture) return false;
+  }
+  return true;
+}
+
 // No record is smaller than this.
 constexpr std::size_t least_record = 20;
 
@@ -118,14 +140,21 @@ std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
   for (const Material& m : hierarchy.materials) put(writer, m);
   writer.put(static_cast<std::uint32_t>(hierarchy.textures.size()));
   for (const Texture& t : hierarchy.textures) put(writer, t);
+  if (!hierarchy.texture_copies.empty()) {
+    writer.put(static_cast<std::uint32_t>(hierarchy.texture_copies.size()));
+    for (const TextureCopy& c : hierarchy.texture_copies) put(writer, c);
+  }
   return std::move(writer.bytes);
 }
 
-const char* decode_assets(std::span<const std::byte> bytes, Hierarchy& hierarchy) {
-  if (bytes.empty()) return nullptr;
+const char* decode_assets(std::span<const std::byte> bytes, bool has_copies, Hierarchy& hierarchy) {
+  if (bytes.empty()) return has_copies ? "copies of textures, but no textures" : nullptr;
   Reader reader(bytes);
   if (!take_all(reader, hierarchy.materials)) return "the materials are not what they should be";
   if (!take_all(reader, hierarchy.textures)) return "the textures are not what they should be";
+  if (has_copies &&
+      (!take_all(reader, hierarchy.texture_copies) || !in_order(hierarchy.texture_copies, hierarchy.textures.size())))
+    return "the copies of textures are not what they should be";
   if (reader.left() != 0) return "materials and textures go on beyond their end";
   for (const Material& m : hierarchy.materials)
     for (const std::uint32_t texture : {m.texture, m.normal_map})

@@ -203,7 +203,8 @@ void LodeReader::take_assets(const LodeHeader& header) {
   const std::span<const std::byte> assets = bytes_.subspan(payload_end_);
   if (XXH3_64bits(assets.data(), assets.size()) != header.asset_checksum)
     refuse(file_, "materials and textures", "the checksum does not fit: the file was altered");
-  if (const char* fault = decode_assets(assets, hierarchy_)) refuse(file_, "materials and textures", fault);
+  if (const char* fault = decode_assets(assets, header.features & lode_texture_copies, hierarchy_))
+    refuse(file_, "materials and textures", fault);
 }
 
 void LodeReader::check(std::uint32_t first, std::uint32_t end) {

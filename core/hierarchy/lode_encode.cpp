@@ -25,17 +25,20 @@ std::byte* put(std::byte* to, std::span<const T> items) {
   return to + items.size_bytes();
 }
 
-std::uint16_t features_of(const AttributeSet& a, const Provenance& p, LodeForm form) {
+std::uint16_t features_of(const Hierarchy& hierarchy, LodeForm form) {
+  const AttributeSet& a = hierarchy.attributes;
+  const Provenance& p = hierarchy.provenance;
   return static_cast<std::uint16_t>((form == LodeForm::compressed ? lode_compressed : 0) |
                                     (a.wedges ? lode_wedges : 0) | (a.uv ? lode_uv : 0) |
                                     (a.colours ? lode_colours : 0) | (a.materials ? lode_materials : 0) |
-                                    (p.measured_errors ? lode_measured_errors : 0) | (p.refined ? lode_refined : 0));
+                                    (p.measured_errors ? lode_measured_errors : 0) | (p.refined ? lode_refined : 0) |
+                                    (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies));
 }
 
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   LodeHeader h;
   h.magic = lode_magic;
-  h.features = features_of(hierarchy.attributes, hierarchy.provenance, layout.form);
+  h.features = features_of(hierarchy, layout.form);
   h.lattice_bits = static_cast<std::uint8_t>(hierarchy.transform.lattice.bits);
   h.version = lode_version;
   h.byte_order = lode_byte_order;

@@ -8,9 +8,9 @@
 // positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
 // mapped file is used in place, and all offsets follow from the counts alone. A compressed payload holds the same
 // arrays as streams (core/hierarchy/lode_compress.h), then zeros up to 16 bytes. Payloads follow each other, so that
-// each ends where the next begins. Assets are materials and textures (core/hierarchy/lode_assets.h). Each payload has
-// its XXH3-64 checksum in the cell table; one more covers header and tables, and one the assets. Nothing in the file
-// depends on time, paths or threads: equal hierarchies give equal bytes.
+// each ends where the next begins. Assets are materials and textures with their copies (core/hierarchy/lode_assets.h).
+// Each payload has its XXH3-64 checksum in the cell table; one more covers header and tables, and one the assets.
+// Nothing in the file depends on time, paths or threads: equal hierarchies give equal bytes.
 //
 #pragma once
 
@@ -43,7 +43,8 @@ enum LodeFeatures : std::uint16_t {
   lode_materials = 16,
   lode_measured_errors = 32,  // Provenance::measured_errors
   lode_refined = 64,          // Provenance::refined
-  lode_known_features = 127,
+  lode_texture_copies = 128,  // Hierarchy::texture_copies
+  lode_known_features = 255,
 };
 
 struct LodeHeader {

@@ -61,7 +61,8 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
   using namespace verify;
   Finding structure("structure"), cells("cells"), partition("partition"), identity("identity"), parents("parents"),
       vertices("vertices"), triangles("triangles"), displacement("displacement"), lattice("lattice"), edges("edges"),
-      boxes("boxes"), reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"), same("input");
+      boxes("boxes"), reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"),
+      textures("textures"), same("input");
   const bool has_wedges = hierarchy.attributes.wedges;
 
   if (check_structure(hierarchy, structure)) {
@@ -91,10 +92,11 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
     check_reach(hierarchy, reach);
     check_errors(hierarchy, errors);
     if (has_wedges) check_wedges(hierarchy, wedges);
+    check_textures(hierarchy, textures);
     if (input) check_input(hierarchy, *input, same);
   } else {
     for (Finding* finding : {&cells, &partition, &identity, &parents, &vertices, &triangles, &displacement, &lattice,
-                             &edges, &boxes, &reach, &errors, &fingerprint, &wedges, &same})
+                             &edges, &boxes, &reach, &errors, &fingerprint, &wedges, &textures, &same})
       finding->fail([] { return std::string("not examined, since the structure is broken"); });
   }
 
@@ -103,6 +105,7 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
                                  &displacement, &lattice, &edges, &boxes, &reach, &errors, &fingerprint})
     report.checks.push_back(finding->check());
   if (has_wedges) report.checks.push_back(wedges.check());
+  if (!hierarchy.texture_copies.empty()) report.checks.push_back(textures.check());
   if (input) report.checks.push_back(same.check());
   return report;
 }

@@ -51,6 +51,8 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L
 //   wedges         only with attributes: wedges of one vertex of M_L have parents at one position, level by level; the
 //                  corners of a triangle have one material, and P keeps it; finite texture coordinates
+//   textures       only with copies of textures: each is an image of half the size of the one before, and the mean of
+//                  its pixels (of light, or of normals) is that of the texture
 //   input          only with `input`: the triangles of M_L are those of the input, position by position; the input is
 //                  on the same lattice
 // When `structure` fails the others are reported as failed without being run, since no index could be trusted.

@@ -80,6 +80,9 @@ void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity
                       Finding& wedges);
 void check_wedges(const Hierarchy& hierarchy, Finding& wedges);
 
+// verify_textures.cpp: copies of textures.
+void check_textures(const Hierarchy& hierarchy, Finding& textures);
+
 // verify_geometry.cpp: lengths, boxes, stored bounds.
 void check_displacements(const Hierarchy& hierarchy, Finding& displacement);
 void check_lattice(const Hierarchy& hierarchy, Finding& lattice);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -20,9 +21,21 @@ namespace lodestone {
   return 1.055 * std::pow(value, 1 / 2.4) - 0.055;
 }
 
+// And back; of all 256 bytes at once.
+[[nodiscard]] const std::array<float, 256>& linear_of_srgb();
+[[nodiscard]] inline double srgb_to_linear(double value) {
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
 // Texture coordinates that count from the lower left corner of the image, as in OBJ, PLY and bare Draco files.
 [[nodiscard]] inline Vec2f from_lower_left(double u, double v) {
   return {static_cast<float>(u), static_cast<float>(1 - v)};
+}
+
+// And back, for writing them.
+template <class Scalar>
+[[nodiscard]] std::array<Scalar, 2> to_lower_left(Vec2f uv) {
+  return {static_cast<Scalar>(uv.x), static_cast<Scalar>(1 - static_cast<double>(uv.y))};
 }
 
 }  // namespace lodestone

@@ -2,91 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <cstring>
 #include <limits>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/io/glb_writer.h"
+#include "core/io/mesh_companions.h"
+#include "core/io/obj_writer.h"
+#include "core/io/ply_writer.h"
 
 namespace lodestone {
 namespace {
-
-constexpr std::size_t block = 4096;  // items encoded at a time
-
-std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
-
-// float32 keeps 24 bits of the largest coordinate; the model needs 22 of its extent.
-ScalarType coordinate_type(const MeshView& mesh) {
-  const auto [lo, hi] = box_of(mesh);
-  const double extent = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z});
-  const double largest = std::max({-lo.x, -lo.y, -lo.z, hi.x, hi.y, hi.z});
-  const bool in_range = largest < 1e37 && extent > 1e-30;  // neither infinite nor subnormal as a float
-  return in_range && largest <= 4 * extent ? ScalarType::float32 : ScalarType::float64;
-}
-
-template <class Scalar>
-void write_positions(AtomicFile& file, const MeshView& mesh) {
-  std::vector<std::array<Scalar, 3>> buffer;
-  for (std::size_t first = 0; first < mesh.vertex_count; first += block) {
-    buffer.resize(std::min(block, mesh.vertex_count - first));
-    for (std::size_t i = 0; i < buffer.size(); ++i) {
-      const Vec3d p = mesh.position(first + i);
-      buffer[i] = {static_cast<Scalar>(p.x), static_cast<Scalar>(p.y), static_cast<Scalar>(p.z)};
-    }
-    file.write(std::as_bytes(std::span(buffer)));
-  }
-}
-
-void write_ply(AtomicFile& file, const MeshView& mesh) {
-  const ScalarType type = coordinate_type(mesh);
-  file.write(bytes_of(ply_header(mesh.vertex_count, mesh.triangles.size(), type)));
-  type == ScalarType::float32 ? write_positions<float>(file, mesh) : write_positions<double>(file, mesh);
-  std::vector<std::byte> buffer(block * ply_triangle_bytes);
-  for (std::size_t first = 0; first < mesh.triangles.size(); first += block) {
-    const std::span<const Triangle> part =
-        mesh.triangles.subspan(first, std::min(block, mesh.triangles.size() - first));
-    const std::span<std::byte> out = std::span(buffer).first(part.size() * ply_triangle_bytes);
-    encode_ply_triangles(part, out);
-    file.write(out);
-  }
-}
-
-// A line of text put together in place: a keyword and numbers.
-class Line {
- public:
-  explicit Line(char keyword) { text_[length_++] = keyword; }
-  template <class Number>
-  Line& operator<<(Number value) {
-    text_[length_++] = ' ';
-    const auto [end, error] = std::to_chars(text_.data() + length_, text_.data() + text_.size() - 1, value);
-    assert(error == std::errc{});
-    length_ = static_cast<std::size_t>(end - text_.data());
-    return *this;
-  }
-  [[nodiscard]] std::span<const std::byte> bytes() {
-    text_[length_] = '\n';
-    return std::as_bytes(std::span(text_).first(length_ + 1));
-  }
-
- private:
-  std::array<char, 128> text_;  // three doubles take at most 25 characters each
-  std::size_t length_ = 0;
-};
-
-void write_obj(AtomicFile& file, const MeshView& mesh) {
-  for (std::size_t i = 0; i < mesh.vertex_count; ++i) {
-    const Vec3d p = mesh.position(i);
-    file.write((Line('v') << p.x << p.y << p.z).bytes());
-  }
-  for (const Triangle& t : mesh.triangles)
-    file.write(
-        (Line('f') << std::uint64_t{t.v[0]} + 1 << std::uint64_t{t.v[1]} + 1 << std::uint64_t{t.v[2]} + 1).bytes());
-}
 
 Vec3d unit_normal(Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d normal = cross(b - a, c - a);
@@ -94,7 +22,7 @@ Vec3d unit_normal(Vec3d a, Vec3d b, Vec3d c) {
   return size > 0 ? (1 / size) * normal : Vec3d{};  // readers take (0,0,0) as "compute it"
 }
 
-void write_stl(AtomicFile& file, const MeshView& mesh) {
+void write_stl(AtomicFile& file, const MeshView& mesh, MeshCompanions& /*none*/) {
   std::array<char, 80> header{};
   std::strcpy(header.data(), "binary STL by Lodestone");
   file.write(std::as_bytes(std::span(header)));
@@ -136,38 +64,24 @@ Box3d box_of(const MeshView& mesh) {
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  void (*const write)(AtomicFile&, const MeshView&) = extension == ".ply"   ? write_ply
-                                                      : extension == ".obj" ? write_obj
-                                                      : extension == ".stl" ? write_stl
-                                                      : extension == ".glb" ? write_glb
-                                                                            : nullptr;
+  using Write = void (*)(AtomicFile&, const MeshView&, MeshCompanions&);
+  const Write write =
+      extension == ".ply"   ? write_ply
+      : extension == ".obj" ? write_obj
+      : extension == ".stl" ? write_stl
+      : extension == ".glb"
+          ? Write{[](AtomicFile& file, const MeshView& view, MeshCompanions&) { write_glb(file, view); }}
+          : nullptr;
   if (!write)
     throw UnsupportedError(
         describe(path.string(), "", "cannot write a mesh of this format", "name a .ply, .obj, .stl or .glb file"));
   if (write == write_stl && mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
     throw ResourceError(describe(path.string(), "", "more triangles than an STL file can count", "write a .ply file"));
   AtomicFile file(path);
-  write(file, mesh);
+  MeshCompanions companions(path);
+  write(file, mesh, companions);
+  companions.commit();
   file.commit();
-}
-
-std::string ply_header(std::size_t vertices, std::size_t triangles, ScalarType coordinates) {
-  const std::string scalar = coordinates == ScalarType::float64 ? "double" : "float";
-  std::string text = "ply\nformat binary_little_endian 1.0\n";
-  text += "element vertex " + std::to_string(vertices) + "\n";
-  for (const char axis : {'x', 'y', 'z'}) text += "property " + scalar + " " + axis + "\n";
-  text += "element face " + std::to_string(triangles) + "\n";
-  return text + "property list uchar int vertex_indices\nend_header\n";
-}
-
-void encode_ply_triangles(std::span<const Triangle> triangles, std::span<std::byte> out) {
-  assert(out.size() == triangles.size() * ply_triangle_bytes);
-  std::byte* record = out.data();
-  for (const Triangle& t : triangles) {
-    record[0] = std::byte{3};
-    std::memcpy(record + 1, t.v.data(), sizeof t.v);
-    record += ply_triangle_bytes;
-  }
 }
 
 }  // namespace lodestone

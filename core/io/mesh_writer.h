@@ -33,10 +33,12 @@ struct MeshView {
 // Of all its vertices; inside out when there are none.
 [[nodiscard]] Box3d box_of(const MeshView& mesh);
 
-// By the extension: .ply, .obj, .stl or .glb, in any case. Only .glb carries attributes. PLY positions are float unless
-// that would lose more than 2^-22 of the model's extent (a model far from the origin), then double; OBJ positions are
-// the shortest decimals that read back as the same double; STL knows float only. Throws UnsupportedError for other
-// extensions, FileError when the target cannot be written; then no file is left and an older one is as it was.
+// By the extension: .ply, .obj, .stl or .glb, in any case. .glb carries all attributes; what .ply and .obj carry, and
+// which files they write beside (images, a material library), say core/io/ply_writer.h and obj_writer.h. PLY positions
+// are float unless that would lose more than 2^-22 of the model's extent (a model far from the origin), then double;
+// OBJ positions are the shortest decimals that read back as the same double; STL knows float only. Throws
+// UnsupportedError for other extensions, FileError when a file cannot be written; then none is left and older ones are
+// as they were, unless the last step, renaming the finished files, failed between two of them.
 void write_mesh(const std::filesystem::path& path, const MeshView& mesh);
 
 // The parts of a binary little-endian PLY file, for those that write it piece by piece: the header, then vertex records

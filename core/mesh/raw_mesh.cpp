@@ -1,5 +1,6 @@
 #include "core/mesh/raw_mesh.h"
 
+#include <algorithm>
 #include <iterator>
 #include <limits>
 #include <utility>
@@ -30,17 +31,29 @@ std::vector<Triangle> moved(std::vector<Triangle>&& triangles, std::size_t by) {
   return std::move(triangles);
 }
 
+// Where each of `more` is in `items`, having added those that were not there: tiles of a set share materials and
+// images.
+template <class T>
+std::vector<std::uint32_t> merge(std::vector<T>& items, std::vector<T>&& more) {
+  std::vector<std::uint32_t> places;
+  for (T& item : more) {
+    const auto found = std::find(items.begin(), items.end(), item);
+    places.push_back(static_cast<std::uint32_t>(found - items.begin()));
+    if (found == items.end()) items.push_back(std::move(item));
+  }
+  std::vector<T>().swap(more);
+  return places;
+}
+
 void append_materials(RawMesh& mesh, RawMesh& part) {
-  const auto first_texture = static_cast<std::uint32_t>(mesh.textures.size());
-  const auto first_material = static_cast<std::uint32_t>(mesh.materials.size());
+  const std::vector<std::uint32_t> textures = merge(mesh.textures, std::move(part.textures));
   for (Material& material : part.materials)
     for (std::uint32_t* texture : {&material.texture, &material.normal_map})
-      if (*texture != no_texture) *texture += first_texture;
-  if (!part.materials.empty())
+      if (*texture != no_texture) *texture = textures[*texture];
+  const std::vector<std::uint32_t> materials = merge(mesh.materials, std::move(part.materials));
+  if (!materials.empty())
     for (std::uint32_t& material : part.wedges.material)
-      if (material != no_material) material += first_material;
-  append(mesh.textures, std::move(part.textures));
-  append(mesh.materials, std::move(part.materials));
+      if (material != no_material) material = materials[material];
   append_values(mesh.wedges.material, mesh.triangles.size(), std::move(part.wedges.material), part.triangles.size(),
                 no_material);
 }

@@ -7,8 +7,8 @@
 namespace lodestone {
 
 // Adds the triangles, attributes, counts and warnings of `part` behind those of `mesh`; vertices are not merged.
-// An attribute that only one of them has gets its absent value in the other (RawWedges). The materials of a part that
-// brings none of its own are those of `mesh`. Throws ResourceError, naming
+// An attribute that only one of them has gets its absent value in the other (RawWedges). Equal materials and textures
+// become one. The materials of a part that brings none of its own are those of `mesh`. Throws ResourceError, naming
 // `name`, for more vertices or wedges than 32-bit ids reach.
 void append_mesh(RawMesh& mesh, RawMesh&& part, const std::string& name);
 

@@ -12,6 +12,7 @@
 #include "parallel/measure_errors.h"
 #include "parallel/prepare.h"
 #include "parallel/save.h"
+#include "parallel/texture_levels.h"
 
 namespace lodestone {
 namespace {
@@ -23,7 +24,7 @@ struct BuildOptions {
   std::string input, output, trace;
   InputOptions reading;
   std::string simplifier = "quadric", placement, strategy_name = "graph";
-  bool compress = false, measure = false;
+  bool compress = false, measure = false, texture_levels = false;
   int lattice_bits = 0;  // 0: none, or automatic when the file is compressed
   BuildConfig config;
 };
@@ -86,7 +87,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   scheduler->name_work("read");
   RawMesh raw = load_mesh(options.input, *scheduler, reading);
   const nlohmann::json attributes = attribute_counts(raw);
-  const std::vector<std::string> warnings = std::move(raw.warnings);
+  std::vector<std::string> warnings = std::move(raw.warnings);
   stage("read");
   Repairs repairs;
   scheduler->name_work("weld");
@@ -106,6 +107,13 @@ void run(const BuildOptions& options, const CommonOptions& common) {
     progress.measure(1, "");
     (void)measure_errors(hierarchy, {{}, config.cancel, config.progress}, *scheduler);
     stage("measure");
+  }
+  if (options.texture_levels) {
+    scheduler->name_work("textures");
+    progress.phase("halving textures");
+    for (std::string& warning : add_texture_copies(hierarchy, *scheduler, config.cancel))
+      warnings.push_back(options.input + ": " + warning);
+    stage("textures");
   }
   scheduler->name_work("write");
   progress.phase("writing");
@@ -149,6 +157,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"simplifier", options.simplifier},
                  {"placement", name_of(static_cast<Placement>(hierarchy.provenance.placement))},
                  {"attributes", attributes},
+                 {"texture_copies", hierarchy.texture_copies.size()},
                  {"warnings", warnings},
                  {"repairs", to_json(repairs)}});
   if (!options.trace.empty()) {
@@ -187,7 +196,7 @@ void add_build(CLI::App& app) {
   CLI::App& command = add_command(app, "build", "Build the hierarchical level of detail of a mesh",
                                   "  lodestone build scan.ply -o scan.lode\n"
                                   "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"
-                                  "  lodestone build city/tileset.json -o city.lode\n"
+                                  "  lodestone build city/tileset.json -o city.lode --texture-levels\n"
                                   "  lodestone build alps.raw --grid 1197x643:i16:30 --fill-voids -o alps.lode\n",
                                   common);
   command.add_option("IN", options->input, std::string("Mesh: ") + mesh_formats)->required();
@@ -212,6 +221,9 @@ void add_build(CLI::App& app) {
                   "default is chosen from the lengths of the edges")
       ->check(CLI::Range(1, Lattice::most_bits))
       ->type_name("BITS");
+  command.add_flag("--texture-levels", options->texture_levels,
+                   "Store copies of the textures for coarser levels, each half the width and height of the next finer "
+                   "level's down to 32 pixels a side; of PNG and JPEG");
   command
       .add_option("--simplifier", options->simplifier,
                   "quadric, cluster (fast and coarse), openmesh (its decimater: the reference, slow) or meshopt (the "

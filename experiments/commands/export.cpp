@@ -1,21 +1,27 @@
-// lodestone export: one level of a hierarchy as a mesh file.
+// lodestone export: one level of a hierarchy as a mesh file, or all of it as a tileset.
 #include <fmt/core.h>
+
+#include <optional>
 
 #include "core/base/error.h"
 #include "core/hierarchy/level_mesh.h"
 #include "core/io/mesh_writer.h"
 #include "experiments/commands/command.h"
+#include "experiments/progress.h"
+#include "parallel/cpu_clock.h"
 #include "parallel/save.h"
+#include "parallel/save_tiles.h"
 
 namespace lodestone {
 namespace {
 
 struct ExportOptions {
-  std::string file, output;
+  std::string file, output, tiles;
   int level = -1;
+  bool morph = false;
 };
 
-void run(const ExportOptions& options, const CommonOptions& common) {
+void export_level(const ExportOptions& options, const CommonOptions& common) {
   check_files(common, {{"FILE", options.file}}, {{"--output", options.output}});
   const auto scheduler = make_scheduler(common);
   const Hierarchy hierarchy = load_lode(options.file, *scheduler);
@@ -34,21 +40,70 @@ void run(const ExportOptions& options, const CommonOptions& common) {
                mesh.positions.size());
 }
 
+void export_tiles(const ExportOptions& options, const CommonOptions& common) {
+  if (options.tiles.empty()) throw InputError("--tiles: the folder name is empty");
+  check_files(common, {{"FILE", options.file}});
+  AtomicFolder folder(options.tiles);
+  const CpuClock clock;
+  const auto scheduler = make_scheduler(common);
+  Progress progress("writing", common.quiet);
+  SaveTilesConfig config;
+  config.tileset.morph = options.morph;
+  config.cancel = &interrupt_flag();
+  config.progress = [&](double share) { progress.update(share); };
+  const Hierarchy hierarchy = load_lode(options.file, *scheduler);
+  check_interrupt();
+  const SavedTiles saved = save_tiles(hierarchy, folder, *scheduler, config);
+  check_interrupt();
+  folder.commit();
+  progress.clear();
+  const StageTime time = clock.elapsed();
+  write_json(common, {{"folder", options.tiles},
+                      {"tiles", saved.tiles},
+                      {"tilesets", saved.tilesets},
+                      {"textures", saved.textures},
+                      {"triangles", saved.triangles},
+                      {"finest_triangles", hierarchy.levels.back().triangles},
+                      {"bytes", saved.bytes},
+                      {"seconds", time.seconds},
+                      {"cpu_seconds", time.cpu_seconds}});
+  if (!common.quiet && common.json != "-")
+    fmt::print("{}: {} tiles, {} tilesets, {} images, {} triangles, {:.1f} MB\n", options.tiles, saved.tiles,
+               saved.tilesets, saved.textures, saved.triangles, static_cast<double>(saved.bytes) * 1e-6);
+}
+
+void run(const ExportOptions& options, const CommonOptions& common, bool tiles) {
+  tiles ? export_tiles(options, common) : export_level(options, common);
+}
+
 }  // namespace
 
 void add_export(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
   const auto options = std::make_shared<ExportOptions>();
-  CLI::App& command = add_command(app, "export", "Write one level of a hierarchy as a mesh",
+  CLI::App& command = add_command(app, "export", "Write one level of a hierarchy as a mesh, or all of it as a tileset",
                                   "  lodestone export scan.lode --level 3 -o level3.ply\n"
-                                  "  lodestone export scan.lode -o finest.obj\n",
+                                  "  lodestone export scan.lode -o finest.obj\n"
+                                  "  lodestone export scan.lode --tiles tileset\n",
                                   common);
   command.add_option("FILE", options->file, "Hierarchy (.lode)")->required();
-  command.add_option("--level", options->level, "Level, 0 is the coarsest; the finest if not given")
-      ->check(CLI::Range(0, max_level));
-  command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .stl, or .glb with all attributes")
-      ->required();
-  command.callback([options, common] { run(*options, *common); });
+  CLI::Option* level =
+      command.add_option("--level", options->level, "Level, 0 is the coarsest; the finest if not given")
+          ->check(CLI::Range(0, max_level));
+  CLI::Option* output = command.add_option("-o,--output", options->output,
+                                           "Mesh to write: .ply, .obj, .stl, or .glb with all attributes");
+  CLI::Option* tiles =
+      command.add_option("--tiles", options->tiles,
+                         "Folder to write instead, new or empty: a 3D Tiles 1.1 tileset with a tile (.glb) per cell");
+  CLI::Option* morph = command.add_flag("--morph", options->morph,
+                                        "With --tiles: also the place of every vertex's parent (attribute _PARENT), "
+                                        "and the figures for morphing in extras");
+  tiles->excludes(output)->excludes(level);
+  morph->needs(tiles);
+  command.callback([options, common, output, tiles] {
+    if (output->count() + tiles->count() == 0) throw CLI::RequiredError("--output or --tiles");
+    run(*options, *common, tiles->count() > 0);
+  });
 }
 
 }  // namespace lodestone

@@ -94,7 +94,9 @@ RawMesh triangle_with(bool uv, bool corners, bool material) {
 TEST(RawMesh, AppendingKeepsEveryCornersValues) {
   for (int kind = 0; kind < 64; ++kind) {
     const auto bit = [&](int i) { return (kind >> i & 1) != 0; };
-    const RawMesh a = triangle_with(bit(0), bit(1), bit(2)), b = triangle_with(bit(3), bit(4), bit(5));
+    RawMesh a = triangle_with(bit(0), bit(1), bit(2));
+    const RawMesh b = triangle_with(bit(3), bit(4), bit(5));
+    for (Texture& texture : a.textures) texture.bytes = {'y'};
     RawMesh both = a, part = b;
     append_mesh(both, std::move(part), "file");
     append_mesh(both, RawMesh{}, "file");
@@ -114,6 +116,23 @@ TEST(RawMesh, AppendingKeepsEveryCornersValues) {
       }
     }
   }
+}
+
+TEST(RawMesh, EqualMaterialsAndTexturesBecomeOne) {
+  RawMesh whole = triangle_with(true, false, true);
+  RawMesh other = whole, colour = whole;
+  other.textures.insert(other.textures.begin(), Texture{.name = "first", .media_type = "image/png", .bytes = {'z'}});
+  other.materials = {{.name = "m", .texture = 1}, {.name = "n", .texture = 0, .normal_map = 1}};
+  other.wedges.material = {1};
+  colour.materials[0].base_colour[0] = 0.5f;
+  append_mesh(whole, RawMesh(whole), "file");
+  append_mesh(whole, std::move(other), "file");
+  append_mesh(whole, std::move(colour), "file");
+  EXPECT_EQ(whole.textures.size(), 2u);
+  EXPECT_EQ(whole.wedges.material, (std::vector<std::uint32_t>{0, 0, 1, 2}));
+  ASSERT_EQ(whole.materials.size(), 3u);
+  EXPECT_EQ(whole.materials[1], (Material{.name = "n", .texture = 1, .normal_map = 0}));
+  EXPECT_EQ(whole.materials[2].texture, 0u);
 }
 
 TEST(RawMesh, AppendingAddsCountsAndWarnings) {

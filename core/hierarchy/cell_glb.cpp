@@ -1,0 +1,140 @@
+#include "core/hierarchy/cell_glb.h"
+
+#include <map>
+
+#include "core/io/colour.h"
+#include "core/io/glb_builder.h"
+
+namespace lodestone {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint32_t unseen = 0xffff'ffffu;
+
+// Light as 16 bits: the bytes in the sRGB encoding come back exactly.
+using LinearColour = std::array<std::uint16_t, 4>;
+
+LinearColour linear_colour(Rgba8 c) {
+  const auto wide = [](float light) { return static_cast<std::uint16_t>(light * 65535 + 0.5f); };
+  const std::array<float, 256>& linear = linear_of_srgb();
+  return {wide(linear[c.r]), wide(linear[c.g]), wide(linear[c.b]), static_cast<std::uint16_t>(c.a * 257)};
+}
+
+class CellEncoder {
+ public:
+  CellEncoder(const Hierarchy& hierarchy, std::uint32_t cell, bool morph)
+      : hierarchy_(hierarchy), cell_(hierarchy.cells[cell]), morph_(morph && cell_.parent != no_cell) {}
+
+  std::vector<std::byte> encode(const TextureUri& texture_uri) {
+    place_node();
+    number_vertices();
+    add_vertices();
+    add_primitives();
+    add_materials(texture_uri);
+    return glb_.finish();
+  }
+
+ private:
+  // (x, y, z) -> scale (x, z, -y), by columns.
+  void place_node() {
+    const double s = hierarchy_.transform.scale;
+    glb_.root["scene"] = 0;
+    glb_.root["scenes"] = {{{"nodes", {0}}}};
+    glb_.root["nodes"] = {{{"mesh", 0}, {"matrix", {s, 0, 0, 0, 0, 0, -s, 0, 0, s, 0, 0, 0, 0, 0, 1}}}};
+  }
+
+  // In the order in which triangles come upon them.
+  void number_vertices() {
+    number_.assign(cell_.positions.size(), unseen);
+    for (const Triangle& t : cell_.triangles)
+      for (const std::uint32_t v : t.v) {
+        if (number_[v] != unseen) continue;
+        number_[v] = static_cast<std::uint32_t>(used_.size());
+        used_.push_back(v);
+      }
+  }
+
+  template <class Value>
+  std::size_t add_values(const Value& value, GltfComponent component, const char* type) {
+    std::vector<decltype(value(0u))> values;
+    values.reserve(used_.size());
+    for (const std::uint32_t v : used_) values.push_back(value(v));
+    return glb_.add_accessor(std::span(std::as_const(values)), component, type, GltfTarget::vertices);
+  }
+
+  void add_vertices() {
+    std::vector<Vec3f> positions;
+    for (const std::uint32_t v : used_) positions.push_back(cell_.positions[v]);
+    attributes_["POSITION"] = glb_.add_positions(positions);
+    attributes_["NORMAL"] =
+        add_values([&](std::uint32_t v) { return unpack_normal(cell_.normals[v]); }, GltfComponent::floats, "VEC3");
+    if (hierarchy_.attributes.uv)
+      attributes_["TEXCOORD_0"] =
+          add_values([&](std::uint32_t v) { return cell_.attributes.uv[v]; }, GltfComponent::floats, "VEC2");
+    if (hierarchy_.attributes.colours) {
+      const std::size_t at = add_values([&](std::uint32_t v) { return linear_colour(cell_.attributes.colours[v]); },
+                                        GltfComponent::unsigned_short, "VEC4");
+      glb_.root["accessors"][at]["normalized"] = true;
+      attributes_["COLOR_0"] = at;
+    }
+    if (!morph_) return;
+    const Cell& parent = hierarchy_.cells[cell_.parent];
+    attributes_["_PARENT"] =
+        add_values([&](std::uint32_t v) { return parent.positions[cell_.parents[v]]; }, GltfComponent::floats, "VEC3");
+  }
+
+  [[nodiscard]] std::uint32_t material_of(const Triangle& t) const {
+    if (hierarchy_.attributes.materials) return cell_.attributes.materials[t.v[0]];
+    return hierarchy_.materials.empty() ? no_material : 0;
+  }
+
+  void add_primitives() {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> by_material;
+    for (const Triangle& t : cell_.triangles) {
+      std::vector<std::uint32_t>& ids = by_material[material_of(t)];
+      for (const std::uint32_t v : t.v) ids.push_back(number_[v]);
+    }
+    for (const auto& [material, ids] : by_material) {
+      json primitive{{"attributes", attributes_}, {"indices", glb_.add_indices(ids, used_.size())}};
+      if (material < hierarchy_.materials.size()) {
+        primitive["material"] = materials_.size();
+        materials_.push_back(material);
+      }
+      glb_.root["meshes"][0]["primitives"].push_back(std::move(primitive));
+    }
+  }
+
+  void add_materials(const TextureUri& texture_uri) {
+    std::map<std::uint32_t, std::uint32_t> textures;  // of the hierarchy -> of the file
+    const auto local = [&](std::uint32_t texture) {
+      if (texture >= hierarchy_.textures.size()) return no_texture;
+      const auto [at, fresh] = textures.emplace(texture, static_cast<std::uint32_t>(textures.size()));
+      if (fresh) glb_.add_linked_texture(hierarchy_.textures[texture], texture_uri(texture));
+      return at->second;
+    };
+    for (const std::uint32_t m : materials_) {
+      Material material = hierarchy_.materials[m];
+      material.texture = local(material.texture);
+      material.normal_map = local(material.normal_map);
+      glb_.add_material(material, textures.size());
+    }
+  }
+
+  const Hierarchy& hierarchy_;
+  const Cell& cell_;
+  bool morph_;
+  GlbBuilder glb_;
+  json attributes_;
+  std::vector<std::uint32_t> number_, used_;  // of the cell's vertices in the file, and the other way
+  std::vector<std::uint32_t> materials_;      // of the hierarchy, by number in the file
+};
+
+}  // namespace
+
+std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, std::uint32_t cell, bool morph,
+                                       const TextureUri& texture_uri) {
+  return CellEncoder(hierarchy, cell, morph).encode(texture_uri);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,151 @@
+#include "core/texture/image_codec.h"
+
+#include <png.h>
+#include <turbojpeg.h>
+
+#include <memory>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::uint64_t most_pixels = std::uint64_t{1} << 28;
+constexpr int jpeg_quality = 90;
+
+void require_size(PixelSize size) {
+  if (size.width == 0 || size.height == 0) throw InputError("has no pixels");
+  if (std::uint64_t{size.width} * size.height > most_pixels)
+    throw UnsupportedError("has " + std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels");
+}
+
+[[noreturn]] void refuse_type(const std::string& media_type) {
+  throw UnsupportedError("is of type " + media_type + ", which is not decoded here");
+}
+
+// PNG, by the simplified interface of libpng: it longjmps nowhere.
+
+struct PngImage {
+  PngImage() { header.version = PNG_IMAGE_VERSION; }
+  ~PngImage() { png_image_free(&header); }
+  PngImage(const PngImage&) = delete;
+  PngImage& operator=(const PngImage&) = delete;
+  png_image header{};
+};
+
+void open_png(PngImage& png, std::span<const char> bytes) {
+  if (png_image_begin_read_from_memory(&png.header, bytes.data(), bytes.size()) == 0)
+    throw InputError(std::string("is no sound PNG image: ") + png.header.message);
+  png.header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
+  require_size({png.header.width, png.header.height});
+}
+
+png_uint_32 png_format(std::uint32_t channels) {
+  return channels == 1 ? PNG_FORMAT_GRAY : channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
+}
+
+PixelImage decode_png(std::span<const char> bytes) {
+  PngImage png;
+  open_png(png, bytes);
+  PixelImage image{.size = {png.header.width, png.header.height}, .pixels = {}};
+  image.channels = png.header.format & PNG_FORMAT_FLAG_ALPHA ? 4 : png.header.format & PNG_FORMAT_FLAG_COLOR ? 3 : 1;
+  png.header.format = png_format(image.channels);
+  image.pixels.resize(PNG_IMAGE_SIZE(png.header));
+  if (png_image_finish_read(&png.header, nullptr, image.pixels.data(), 0, nullptr) == 0)
+    throw InputError(std::string("is no sound PNG image: ") + png.header.message);
+  return image;
+}
+
+std::vector<char> encode_png(const PixelImage& image) {
+  PngImage png;
+  png.header.width = image.size.width;
+  png.header.height = image.size.height;
+  png.header.format = png_format(image.channels);
+  std::vector<char> bytes(PNG_IMAGE_PNG_SIZE_MAX(png.header));
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&png.header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
+    throw ResourceError(std::string("cannot be encoded: ") + png.header.message);
+  bytes.resize(size);
+  return bytes;
+}
+
+// JPEG. The slow exact transform: its bytes are the same with and without SIMD.
+
+using TurboHandle = std::unique_ptr<void, int (*)(tjhandle)>;
+
+struct JpegHeader {
+  PixelSize size;
+  int chroma = 0, colours = 0;
+};
+
+JpegHeader read_jpeg_header(tjhandle turbo, std::span<const char> bytes) {
+  JpegHeader header;
+  int width = 0, height = 0;
+  if (turbo == nullptr ||
+      tjDecompressHeader3(turbo, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), &width, &height,
+                          &header.chroma, &header.colours) != 0)
+    throw InputError(std::string("is no sound JPEG image: ") + tjGetErrorStr2(turbo));
+  header.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  require_size(header.size);
+  if (header.colours == TJCS_CMYK || header.colours == TJCS_YCCK) throw UnsupportedError("is a JPEG of four inks");
+  return header;
+}
+
+PixelImage decode_jpeg(std::span<const char> bytes) {
+  const TurboHandle turbo(tjInitDecompress(), tjDestroy);
+  const JpegHeader header = read_jpeg_header(turbo.get(), bytes);
+  PixelImage image{.size = header.size, .pixels = {}, .chroma = header.chroma};
+  image.channels = header.colours == TJCS_GRAY ? 1 : 3;
+  image.pixels.resize(std::size_t{image.size.width} * image.size.height * image.channels);
+  if (tjDecompress2(turbo.get(), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
+                    image.pixels.data(), static_cast<int>(image.size.width), 0, static_cast<int>(image.size.height),
+                    image.channels == 1 ? TJPF_GRAY : TJPF_RGB, TJFLAG_ACCURATEDCT) != 0 &&
+      tjGetErrorCode(turbo.get()) != TJERR_WARNING)
+    throw InputError(std::string("is no sound JPEG image: ") + tjGetErrorStr2(turbo.get()));
+  return image;
+}
+
+std::vector<char> encode_jpeg(const PixelImage& image) {
+  const TurboHandle turbo(tjInitCompress(), tjDestroy);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  const int chroma = image.channels == 1 ? TJSAMP_GRAY : image.chroma == TJSAMP_GRAY ? TJSAMP_444 : image.chroma;
+  const int failed =
+      turbo == nullptr ||
+      tjCompress2(turbo.get(), image.pixels.data(), static_cast<int>(image.size.width), 0,
+                  static_cast<int>(image.size.height),
+                  image.channels == 1   ? TJPF_GRAY
+                  : image.channels == 3 ? TJPF_RGB
+                                        : TJPF_RGBX,
+                  &bytes, &size, chroma, jpeg_quality, TJFLAG_ACCURATEDCT) != 0;
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owned(bytes, tjFree);
+  if (failed) throw ResourceError(std::string("cannot be encoded: ") + tjGetErrorStr2(turbo.get()));
+  return {bytes, bytes + size};
+}
+
+}  // namespace
+
+PixelImage decode_image(std::span<const char> bytes, const std::string& media_type) {
+  if (media_type == "image/png") return decode_png(bytes);
+  if (media_type == "image/jpeg") return decode_jpeg(bytes);
+  refuse_type(media_type);
+}
+
+PixelSize image_size(std::span<const char> bytes, const std::string& media_type) {
+  if (media_type == "image/png") {
+    PngImage png;
+    open_png(png, bytes);
+    return {png.header.width, png.header.height};
+  }
+  if (media_type != "image/jpeg") refuse_type(media_type);
+  const TurboHandle turbo(tjInitDecompress(), tjDestroy);
+  return read_jpeg_header(turbo.get(), bytes).size;
+}
+
+std::vector<char> encode_image(const PixelImage& image, const std::string& media_type) {
+  if (media_type == "image/png") return encode_png(image);
+  if (media_type == "image/jpeg") return encode_jpeg(image);
+  refuse_type(media_type);
+}
+
+}  // namespace lodestone
