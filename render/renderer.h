@@ -24,8 +24,14 @@ struct Frame {
   ViewProjection view_projection;
   Vec3f light{0, 0, 1};  // unit, towards the light, normalised model space (a head light by default)
   ImageSize size;
+  int samples = 1;  // a pixel: 1, or 4 averaged (multisampling: coverage and depth a sample, colour once a triangle)
   bool tint_by_level = false;
 };
+
+// Throws InputError for a picture of no pixels or more than `largest_side` a side, for a number of samples that is
+// neither 1 nor 4, and where matrix, viewpoint or light hold something that is not a finite number. Backends call it
+// before they draw.
+void check_frame(const Frame& frame, int largest_side);
 
 struct FrameStats {
   std::uint64_t cells = 0, triangles = 0;      // drawn
@@ -38,8 +44,9 @@ class Renderer {
   [[nodiscard]] virtual std::string_view name() const = 0;
   // Keeps what it needs of the hierarchy; the hierarchy must outlive the renderer.
   virtual void upload(const Hierarchy& hierarchy) = 0;
+  // Throws InputError for a frame that check_frame refuses; the last picture is kept then.
   virtual FrameStats draw(const Frame& frame) = 0;
-  // Picture of the last frame; empty for `null`.
+  // Picture of the last frame; empty for `null`, and before the first. Depth is that of the first sample.
   [[nodiscard]] virtual Image read_back() = 0;
 };
 

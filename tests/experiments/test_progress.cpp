@@ -1,7 +1,7 @@
 // The line of the progress bar.
-#include "experiments/progress.h"
-
 #include <gtest/gtest.h>
+
+#include "experiments/progress.h"
 
 namespace lodestone {
 namespace {
@@ -22,7 +22,8 @@ TEST(ProgressLine, WithoutAnAmountHasNoRate) {
 TEST(ProgressLine, SaysNothingOfTheTimeLeftBeforeItKnows) {
   EXPECT_EQ(progress_line("building", 0, 4, 56e6, "triangles"),
             "building   [..............................]   0 %  0 of 56 M triangles, 0/s");
-  EXPECT_EQ(progress_line("building", 0.5, 36000), "building   [###############...............]  50 %  10 h 0 min left");
+  EXPECT_EQ(progress_line("building", 0.5, 36000),
+            "building   [###############...............]  50 %  10 h 0 min left");
 }
 
 }  // namespace
