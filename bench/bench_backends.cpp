@@ -31,8 +31,7 @@ struct Scene {
 
   Scene(Shape shape, std::uint64_t triangles, float kappa0, Scheduler& scheduler) {
     Repairs repairs;
-    hierarchy =
-        build_hierarchy(prepare_mesh(generate_mesh({shape, triangles, 1}), repairs, scheduler), {}, scheduler);
+    hierarchy = build_hierarchy(prepare_mesh(generate_mesh({shape, triangles, 1}), repairs, scheduler), {}, scheduler);
     RadiiConfig config;
     config.kappa0 = kappa0;
     radii = make_radii(hierarchy, config);

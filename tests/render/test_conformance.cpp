@@ -58,7 +58,9 @@ TEST(Renderers, RefuseFramesThatCannotBeDrawn) {
   const auto scheduler = make_serial_scheduler();
   constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
   const std::vector<std::function<void(Frame&)>> faults{
-      [](Frame& f) { f.size = {0, 0}; },
+      [](Frame& f) {
+        f.size = {0, 0};
+      },
       [](Frame& f) { f.size.width = -5; },
       [](Frame& f) { f.size.height = 0; },
       [](Frame& f) { f.samples = 0; },

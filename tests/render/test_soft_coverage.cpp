@@ -34,10 +34,7 @@ class Coverage {
     TileBins bins;
     bins.fragments.reset(grid_.count());
     bins.triangles.reset(grid_.count());
-    DrawnCell cell;
-    cell.triangles = triangles_.data();
-    cell.triangle_count = static_cast<std::uint32_t>(triangles_.size());
-    setup_cell<Samples>({nullptr, nullptr, &grid_}, kernels_, cell, vertices_.data(), *lists_, bins);
+    setup_cell<Samples>({nullptr, nullptr, &grid_}, kernels_, {}, triangles_, vertices_.data(), *lists_, bins);
     Counts counts(static_cast<std::size_t>(width * height * Samples));
     for (std::size_t t = 0; t < grid_.count(); ++t) {
       bins.fragments.for_each_run(t, [&](const Fragment* first, const Fragment* last) {

@@ -9,7 +9,7 @@ void Bins<T>::grow(List& list) {
   if (used_ == chunks_.size()) chunks_.push_back(std::make_unique_for_overwrite<Chunk>());
   Chunk* chunk = chunks_[used_++].get();
   chunk->previous = list.chunk;
-  list = {chunk->items, chunk->items + chunk_items, chunk};
+  list = {chunk->items, chunk->items + run_items, chunk};
 }
 
 template class Bins<Fragment>;

@@ -13,6 +13,9 @@ namespace lodestone::soft {
 template <class T>
 class Bins {
  public:
+  // At most so many items follow each other in memory.
+  static constexpr std::size_t run_items = 4096 / sizeof(T);
+
   // Empties all lists; `count` of them from now on. Keeps the memory.
   void reset(std::size_t count) {
     lists_.assign(count, {});
@@ -32,15 +35,14 @@ class Bins {
     const T* last = lists_[list].next;
     for (const Chunk* chunk = lists_[list].chunk; chunk; chunk = chunk->previous) {
       visit(static_cast<const T*>(chunk->items), last);
-      if (chunk->previous) last = chunk->previous->items + chunk_items;
+      if (chunk->previous) last = chunk->previous->items + run_items;
     }
   }
 
  private:
-  static constexpr std::size_t chunk_items = 4080 / sizeof(T);
   struct Chunk {
+    T items[run_items];
     Chunk* previous;
-    T items[chunk_items];
   };
   struct List {
     T *next = nullptr, *end = nullptr;

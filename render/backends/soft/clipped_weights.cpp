@@ -4,19 +4,19 @@
 
 namespace lodestone::soft {
 
-std::array<ClipVertex, 3> clip_corners(const Frame& frame, const DrawnCell& cell, const Triangle& triangle) {
+std::array<ClipVertex, 3> clip_corners(const Frame& frame, const DrawnCell& cell, const VertexIds& v) {
   std::array<ClipVertex, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3f own = frame.morph.hierarchy->cells[cell.cell].positions[triangle.v[k]];
-    const Vec3f p = cell.morphing ? morph_vertex(frame.morph, cell.cell, triangle.v[k]).position : own;
+    const Vec3f own = frame.morph.hierarchy->cells[cell.cell].positions[v[k]];
+    const Vec3f p = cell.morphing ? morph_vertex(frame.morph, cell.cell, v[k]).position : own;
     corners[k] = to_clip(frame.view_projection, p);
   }
   return corners;
 }
 
-std::array<float, 3> clipped_weights(const Frame& frame, const DrawnCell& cell, const Triangle& triangle,
+std::array<float, 3> clipped_weights(const Frame& frame, const DrawnCell& cell, const VertexIds& v,
                                      const Viewport& viewport, SnappedPoint at) {
-  const std::array<ClipVertex, 3> v = clip_corners(frame, cell, triangle);
+  const std::array<ClipVertex, 3> corner = clip_corners(frame, cell, v);
   // The ray through the pixel in coordinates (x, y, w): the weights solve sum of weight (x, y, w) = (nx, ny, 1) times
   // something.
   const double nx = at.x / static_cast<double>(viewport.half_width()) - 1,
@@ -24,7 +24,7 @@ std::array<float, 3> clipped_weights(const Frame& frame, const DrawnCell& cell, 
   std::array<double, 3> weight;
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const ClipVertex &p = v[(k + 1) % 3], &q = v[(k + 2) % 3];
+    const ClipVertex &p = corner[(k + 1) % 3], &q = corner[(k + 2) % 3];
     weight[k] = nx * (double{p.y} * q.w - double{p.w} * q.y) + ny * (double{p.w} * q.x - double{p.x} * q.w) +
                 (double{p.x} * q.y - double{p.y} * q.x);
   }

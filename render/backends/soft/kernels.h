@@ -60,7 +60,7 @@ struct ResolveJob {
 template <int Samples>
 struct SampleKernels {
   void (*setup)(const SetupJob& job, std::uint32_t first, std::uint32_t count, SetupLists& lists);
-  // Stage 3: triangles and fragments of a tile, whose pixels are `rect`.
+  // Stage 3: a run of triangles in a tile, whose pixels are `rect`.
   void (*draw_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
                          TileBuffer<Samples>& tile);
   void (*resolve)(const ResolveJob& job, const TileBuffer<Samples>& tile);
@@ -73,8 +73,10 @@ struct Kernels {
 
   template <int Samples>
   [[nodiscard]] const SampleKernels<Samples>& of() const {
-    if constexpr (Samples == 1) return single;
-    else return multi;
+    if constexpr (Samples == 1)
+      return single;
+    else
+      return multi;
   }
 };
 

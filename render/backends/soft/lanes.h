@@ -157,6 +157,26 @@ inline Float to_float(Double v) {
 }
 
 // Appends the lanes whose bits are set; room for a full vector is needed. Returns the new end.
+#if defined(__AVX2__)
+// For every set of lanes, their numbers first.
+struct LaneOrders {
+  std::uint8_t of[256][8];
+};
+inline constexpr LaneOrders lane_orders = [] {
+  LaneOrders orders{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    unsigned n = 0;
+    for (unsigned k = 0; k < 8; ++k)
+      if (mask >> k & 1) orders.of[mask][n++] = static_cast<std::uint8_t>(k);
+  }
+  return orders;
+}();
+inline std::uint32_t* append(std::uint32_t* to, Int lanes, unsigned mask) {
+  const __m256i order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(lane_orders.of[mask])));
+  store(to, reinterpret_cast<Int>(_mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(lanes), order)));
+  return to + std::popcount(mask);
+}
+#else
 inline std::uint32_t* append(std::uint32_t* to, Int lanes, unsigned mask) {
   for (int k = 0; k < width; ++k) {
     *to = static_cast<std::uint32_t>(lanes[k]);
@@ -164,6 +184,7 @@ inline std::uint32_t* append(std::uint32_t* to, Int lanes, unsigned mask) {
   }
   return to;
 }
+#endif
 
 struct Points {
   Float x, y, z;

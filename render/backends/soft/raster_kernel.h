@@ -51,8 +51,9 @@ inline PixelRect box_in_tile(const TriangleRecord& t, PixelRect rect) {
 template <int Samples>
 class TriangleInTile {
  public:
-  TriangleInTile(const TriangleRecord& t, PixelRect rect, TileBuffer<Samples>& tile)
+  TriangleInTile(const TriangleRecord& t, std::uint32_t reference, PixelRect rect, TileBuffer<Samples>& tile)
       : t_(t),
+        reference_(reference),
         tile_(tile),
         box_(box_in_tile<Samples>(t, rect)),
         ab_(t.corners[0], t.corners[1], rect),
@@ -66,7 +67,8 @@ class TriangleInTile {
     constexpr int block = TileBuffer<Samples>::block_size;
     for (int y = box_.y0 & -block; y < box_.y1; y += block)
       for (int x = box_.x0 & -block; x < box_.x1; x += block) {
-        const std::size_t number = static_cast<std::size_t>((y / block) * TileBuffer<Samples>::blocks_per_row + x / block);
+        const std::size_t number =
+            static_cast<std::size_t>((y / block) * TileBuffer<Samples>::blocks_per_row + x / block);
         // Interpolated depth may be nearer than the nearest corner by a few roundings.
         if (nearest_ - 4e-7f > tile_.farthest[number]) continue;
         bool changed = false;
@@ -92,7 +94,8 @@ class TriangleInTile {
     const int first = std::max(y, box_.y0), last = std::min(y + block, box_.y1);
     for (int column = x; column < x + block; column += width) {
       const Int right = iota() + (column - x);
-      Int e_ab = ab + ab_.step_y * (first - y) + ab_.step_x * right, e_bc = bc + bc_.step_y * (first - y) + bc_.step_x * right,
+      Int e_ab = ab + ab_.step_y * (first - y) + ab_.step_x * right,
+          e_bc = bc + bc_.step_y * (first - y) + bc_.step_x * right,
           e_ca = ca + ca_.step_y * (first - y) + ca_.step_x * right;
       for (int row = first; row < last; ++row) {
         const Int inside = (e_ab | e_bc | e_ca) >= 0;
@@ -115,14 +118,22 @@ class TriangleInTile {
     const Float z = max((t_.z[0] + share(ca_) * (t_.z[1] - t_.z[0])) + share(ab_) * (t_.z[2] - t_.z[0]), all(0.0f));
     const std::size_t at = s * tile_pixels + static_cast<std::size_t>(y * tile_size + x);
     const Float old_z = load<Float>(&tile_.depth[at]);
-    const Int old = load<Int>(&tile_.triangle[at]);
-    // Numbers are compared without sign; background is 0 and at depth 1, where nothing is drawn.
-    constexpr std::int32_t flip = INT32_MIN;
-    const Int number = all(static_cast<std::int32_t>(t_.triangle));
-    const Int wins = inside & ((z < old_z) | ((z == old_z) & ((number ^ flip) < (old ^ flip))));
+    Int wins = inside & (z < old_z);
+    if (const unsigned ties = bits(inside & (z == old_z))) wins |= earlier(ties, at);
     store(&tile_.depth[at], select(wins, z, old_z));
-    store(&tile_.triangle[at], select(wins, number, old));
+    const Int own = all(static_cast<std::int32_t>(reference_));
+    store(&tile_.reference[at], select(wins, own, load<Int>(&tile_.reference[at])));
     return bits(wins) != 0;
+  }
+
+  // Of the lanes of `ties` those whose triangle is drawn later than this one. Nothing is drawn at the background's
+  // depth.
+  [[nodiscard]] Int earlier(unsigned ties, std::size_t at) const {
+    Int mask = all(0);
+    for (int k = 0; k < width; ++k)
+      if (ties >> k & 1 && tile_.depth[at + static_cast<std::size_t>(k)] < 1)
+        mask[k] = -(t_.triangle < tile_.sources.triangle(tile_.reference[at + static_cast<std::size_t>(k)]));
+    return mask;
   }
 
   void refresh(int x, int y, std::size_t number) {
@@ -131,7 +142,8 @@ class TriangleInTile {
     for (std::size_t s = 0; s < Samples; ++s)
       for (int row = y; row < y + block; ++row)
         for (int column = x; column < x + block; column += width)
-          far = max(far, load<Float>(&tile_.depth[s * tile_pixels + static_cast<std::size_t>(row * tile_size + column)]));
+          far =
+              max(far, load<Float>(&tile_.depth[s * tile_pixels + static_cast<std::size_t>(row * tile_size + column)]));
     float farthest = 0;
     for (int k = 0; k < width; ++k) farthest = std::max(farthest, static_cast<float>(far[k]));
     tile_.farthest[number] = farthest;
@@ -139,6 +151,7 @@ class TriangleInTile {
   }
 
   const TriangleRecord& t_;
+  std::uint32_t reference_;
   TileBuffer<Samples>& tile_;
   PixelRect box_;
   TileEdge ab_, bc_, ca_;
@@ -146,8 +159,11 @@ class TriangleInTile {
 };
 
 template <int Samples>
-void draw_triangles(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect, TileBuffer<Samples>& tile) {
-  for (const TriangleRecord* t = first; t != last; ++t) TriangleInTile<Samples>(*t, rect, tile).draw();
+void draw_triangles(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
+                    TileBuffer<Samples>& tile) {
+  std::uint32_t own = Reference::record_bit | Reference::first_of_run(tile.sources.record_runs.size());
+  tile.sources.record_runs.push_back(first);
+  for (const TriangleRecord* t = first; t != last; ++t, ++own) TriangleInTile<Samples>(*t, own, rect, tile).draw();
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

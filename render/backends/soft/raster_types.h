@@ -65,40 +65,43 @@ inline constexpr int numbers_per_block_bits = 8;
 struct DrawnCell {
   std::uint32_t cell = 0;  // index in Hierarchy::cells
   std::uint8_t level = 0;
-  bool morphing = false;           // false: lambda = 1 on the whole of it, neither lambdas nor parents are looked at
-  std::uint32_t first_vertex = 0;  // in the frame's vertices
+  bool morphing = false;  // false: lambda = 1 on the whole of it, neither lambdas nor parents are looked at
   TriangleNumber first_triangle = 0;
-  const Triangle* triangles = nullptr;
-  std::uint32_t triangle_count = 0;
-  // Of the cell, and of its parent where the cell morphs.
+  // Of the cell; the second and third where it morphs.
   const PackedNormal* normals = nullptr;
   const PackedNormal* coarser_normals = nullptr;
   const std::uint32_t* parents = nullptr;
+  float* lambdas = nullptr;  // of the vertices where it morphs, as the vertex stage has left them
 };
 
-// What a frame's stages share: the drawn cells and their transformed vertices.
+// The drawn cells, by the numbers of their triangles.
 struct DrawnCells {
   std::span<const DrawnCell> cells;
   std::span<const std::uint32_t> cell_of_block;  // by triangle number >> numbers_per_block_bits
-  const WindowVertex* vertices = nullptr;        // of all cells; DrawnCell::first_vertex
-  const float* lambdas = nullptr;                // the same for those that morph
 
   [[nodiscard]] const DrawnCell& cell_of(TriangleNumber triangle) const {
     return cells[cell_of_block[triangle >> numbers_per_block_bits]];
   }
 };
 
-// A sample that a small triangle covers.
-struct Fragment {
-  std::uint32_t sample = 0;  // in its tile: pixel * samples + sample
+using VertexIds = std::array<std::uint32_t, 3>;  // in the cell
+
+// A sample that a small triangle covers, and where on it: all that shading asks for, so that nothing else of the
+// triangle is looked up again.
+struct alignas(32) Fragment {
+  std::uint32_t sample = 0;  // in its tile: sample * tile_pixels + pixel
   float z = 0;
   TriangleNumber triangle = 0;
+  VertexIds v{};
+  float weight_b = 0, weight_c = 0;  // of the second and third corner, perspective-correct; the three sum to 1
 };
 
-// A larger triangle, ready to be drawn in a tile. Corners turn clockwise in the picture: positive area.
-struct TriangleRecord {
+// A larger triangle, ready to be drawn in a tile. Corners turn clockwise in the picture: positive area. Of a part that
+// clipping has left corners are those of the part, vertices those of the whole, and inverse_w is 0.
+struct alignas(64) TriangleRecord {
   std::array<SnappedPoint, 3> corners;
-  std::array<float, 3> z;
+  std::array<float, 3> z, inverse_w;
+  VertexIds v{};
   TriangleNumber triangle = 0;
 };
 

@@ -65,7 +65,7 @@ inline void sort_run(const SetupJob& job, std::uint32_t first, std::uint32_t cou
 
 // The edge functions of small triangles, in 32 bits: exact.
 struct Edges {
-  Int ab, bc, ca;        // at the sample that is looked at
+  Int ab, bc, ca;           // at the sample that is looked at
   Int dx_ab, dx_bc, dx_ca;  // b.x - a.x and so on
   Int dy_ab, dy_bc, dy_ca;
   Int bias_ab, bias_bc, bias_ca;  // 0 for top and left edges, -1 for others: makes "> 0" a ">= 0"
@@ -87,18 +87,26 @@ inline Edges edges_at(Int x, Int y, const Vertices& a, const Vertices& b, const 
   return e;
 }
 
-// Appends to the bins what the lanes of `mask` cover at pixel (x, y), sample s.
-inline void emit(const SetupJob& job, unsigned mask, Int x, Int y, std::uint32_t s, Float z, const std::uint32_t* small) {
-  const Int tile = (y >> tile_bits) * job.grid->columns + (x >> tile_bits);
-  const Int pixel = ((y & (tile_size - 1)) << tile_bits) | (x & (tile_size - 1));
-  std::int32_t tiles[width], pixels[width];
-  float depths[width];
-  store(tiles, tile), store(pixels, pixel), store(depths, z);
+// What a sample of small triangles gets.
+struct CoveredSamples {
+  Int x, y;  // pixel
+  std::uint32_t sample;
+  Float z, weight_b, weight_c;
+};
+
+// Appends to the bins what the lanes of `mask` cover.
+inline void emit(const SetupJob& job, unsigned mask, const CoveredSamples& f, const std::uint32_t* small) {
+  std::int32_t tile[width], pixel[width];
+  float z[width], weight_b[width], weight_c[width];
+  store(tile, (f.y >> tile_bits) * job.grid->columns + (f.x >> tile_bits));
+  store(pixel, ((f.y & (tile_size - 1)) << tile_bits) | (f.x & (tile_size - 1)));
+  store(z, f.z), store(weight_b, f.weight_b), store(weight_c, f.weight_c);
   for (; mask != 0; mask &= mask - 1) {
     const int k = std::countr_zero(mask);
-    job.fragments->push(static_cast<std::size_t>(tiles[k]),
-                        {s * static_cast<std::uint32_t>(tile_pixels) + static_cast<std::uint32_t>(pixels[k]),
-                         depths[k], job.first_triangle + small[k]});
+    const std::uint32_t sample =
+        f.sample * static_cast<std::uint32_t>(tile_pixels) + static_cast<std::uint32_t>(pixel[k]);
+    job.fragments->push(static_cast<std::size_t>(tile[k]), {sample, z[k], job.first_triangle + small[k],
+                                                            job.triangles[small[k]].v, weight_b[k], weight_c[k]});
   }
 }
 
@@ -108,17 +116,18 @@ inline void draw_small(const SetupJob& job, const std::uint32_t* small, unsigned
   const auto corner = [&](std::size_t i) {
     return load_vertices([&](int k) { return job.vertices + job.triangles[small[k]].v[i]; });
   };
-  const Vertices a = corner(0);
-  Vertices b = corner(1), c = corner(2);
-  const Box box = box_of<Samples>(a, b, c, job.grid->size);
-  const Int turned = doubled_areas(a, b, c);
-  const Int swap = turned < 0;
-  const Vertices other = b;
-  b = {select(swap, c.x, b.x), select(swap, c.y, b.y), select(swap, c.z, b.z), b.inverse_w};
-  c = {select(swap, other.x, c.x), select(swap, other.y, c.y), select(swap, other.z, c.z), c.inverse_w};
+  const Vertices a = corner(0), second = corner(1), third = corner(2);
+  const Box box = box_of<Samples>(a, second, third, job.grid->size);
+  const Int turned = doubled_areas(a, second, third), swap = turned < 0;
+  const auto pick = [&](const Vertices& yes, const Vertices& no) {
+    return Vertices{select(swap, yes.x, no.x), select(swap, yes.y, no.y), select(swap, yes.z, no.z),
+                    select(swap, yes.inverse_w, no.inverse_w)};
+  };
+  const Vertices b = pick(third, second), c = pick(second, third);
   const Float inverse_area = 1.0f / to_float(select(swap, -turned, turned));
   const Float z_ab = b.z - a.z, z_ac = c.z - a.z;
-  const Edges e = edges_at((box.x0 << subpixel_bits) + subpixels / 2, (box.y0 << subpixel_bits) + subpixels / 2, a, b, c);
+  const Edges e =
+      edges_at((box.x0 << subpixel_bits) + subpixels / 2, (box.y0 << subpixel_bits) + subpixels / 2, a, b, c);
 
   for (std::int32_t j = 0;; ++j) {
     const Int y = box.y0 + j, row = y <= box.y1;
@@ -132,12 +141,21 @@ inline void draw_small(const SetupJob& job, const std::uint32_t* small, unsigned
         const Int ab = e.ab + e.dx_ab * dy - e.dy_ab * dx, bc = e.bc + e.dx_bc * dy - e.dy_bc * dx,
                   ca = e.ca + e.dx_ca * dy - e.dy_ca * dx;
         const Int inside = ((ab + e.bias_ab) | (bc + e.bias_bc) | (ca + e.bias_ca)) >= 0;
+        if ((bits(inside & in_box) & valid) == 0) continue;
         // The share of a corner is the edge function of the opposite edge. Depth by shares stays between the corners'
         // depths even in slivers, where a plane equation would not.
         const Float share_b = to_float(ca) * inverse_area, share_c = to_float(ab) * inverse_area;
         const Float z = max((a.z + share_b * z_ab) + share_c * z_ac, all(0.0f));
         const unsigned drawn = bits(inside & in_box & (z < 1.0f)) & valid;
-        if (drawn) emit(job, drawn, x, y, static_cast<std::uint32_t>(s), z, small);
+        if (drawn == 0) continue;
+        // Linear on the surface is linear in the window after division by w.
+        const Float wa = to_float(bc) * inverse_area * a.inverse_w, wb = share_b * b.inverse_w,
+                    wc = share_c * c.inverse_w;
+        const Float scale = 1.0f / ((wa + wb) + wc), weight_b = scale * wb, weight_c = scale * wc;
+        emit(job, drawn,
+             {x, y, static_cast<std::uint32_t>(s), z, select(swap, weight_c, weight_b),
+              select(swap, weight_b, weight_c)},
+             small);
       }
     }
   }

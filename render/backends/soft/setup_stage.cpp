@@ -22,16 +22,19 @@ bool outside_edge(SnappedPoint a, SnappedPoint b, PixelRect rect) {
 
 class CellSetup {
  public:
-  CellSetup(const SetupContext& context, const DrawnCell& cell, const WindowVertex* vertices)
-      : context_(context), cell_(cell), vertices_(vertices) {}
+  CellSetup(const SetupContext& context, const DrawnCell& cell, std::span<const Triangle> triangles,
+            const WindowVertex* vertices)
+      : context_(context), cell_(cell), triangles_(triangles), vertices_(vertices) {}
 
   [[nodiscard]] TriangleRecord record(std::uint32_t triangle) const {
     TriangleRecord r;
     for (std::size_t k = 0; k < 3; ++k) {
-      const WindowVertex& v = vertices_[cell_.triangles[triangle].v[k]];
+      const WindowVertex& v = vertices_[triangles_[triangle].v[k]];
       r.corners[k] = {v.x, v.y};
       r.z[k] = v.z;
+      r.inverse_w[k] = v.inverse_w;
     }
+    r.v = triangles_[triangle].v;
     r.triangle = cell_.first_triangle + triangle;
     return r;
   }
@@ -39,7 +42,7 @@ class CellSetup {
   // Outside one plane as a whole?
   [[nodiscard]] bool out_of_view(std::uint32_t triangle) const {
     std::uint32_t common = ~0u;
-    for (const std::uint32_t v : cell_.triangles[triangle].v) common &= outcode(vertices_[v]);
+    for (const std::uint32_t v : triangles_[triangle].v) common &= outcode(vertices_[v]);
     return common != 0;
   }
 
@@ -47,7 +50,7 @@ class CellSetup {
   template <class Visit>
   void for_each_part(std::uint32_t triangle, const Visit& visit) const {
     const ClippedPolygon polygon =
-        clip(clip_corners(*context_.frame, cell_, cell_.triangles[triangle]), *context_.viewport);
+        clip(clip_corners(*context_.frame, cell_, triangles_[triangle].v), *context_.viewport);
     std::array<WindowVertex, 9> corners;
     for (std::size_t k = 0; k < polygon.view().size(); ++k) {
       if (!(polygon.corners[k].w > 0)) return;  // only a matrix that is no camera's
@@ -59,6 +62,7 @@ class CellSetup {
         r.corners[to] = {corners[from].x, corners[from].y};
         r.z[to] = corners[from].z;
       }
+      r.v = triangles_[triangle].v;
       r.triangle = cell_.first_triangle + triangle;
       visit(r);
     }
@@ -74,6 +78,7 @@ class CellSetup {
 
   const SetupContext& context_;
   const DrawnCell& cell_;
+  std::span<const Triangle> triangles_;
   const WindowVertex* vertices_;
 };
 
@@ -87,6 +92,8 @@ void bin_triangle(TriangleRecord record, const TileGrid& grid, Bins<TriangleReco
   if (area < 0) {
     std::swap(b, c);
     std::swap(record.z[1], record.z[2]);
+    std::swap(record.inverse_w[1], record.inverse_w[2]);
+    std::swap(record.v[1], record.v[2]);
   }
   constexpr int first = subpixels / 2 - sample_reach<Samples>, last = subpixels / 2 + sample_reach<Samples>;
   const auto [left, right] = std::minmax({a.x, b.x, c.x});
@@ -111,11 +118,12 @@ void bin_triangle(TriangleRecord record, const TileGrid& grid, Bins<TriangleReco
 
 template <int Samples>
 void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kernels, const DrawnCell& cell,
-                const WindowVertex* vertices, SetupLists& lists, TileBins& bins) {
-  const CellSetup setup(context, cell, vertices);
-  SetupJob job{{cell.triangles, cell.triangle_count}, vertices, cell.first_triangle, context.grid, &bins.fragments};
-  for (std::uint32_t first = 0; first < cell.triangle_count; first += run_triangles) {
-    kernels.setup(job, first, std::min(run_triangles, cell.triangle_count - first), lists);
+                std::span<const Triangle> triangles, const WindowVertex* vertices, SetupLists& lists, TileBins& bins) {
+  const CellSetup setup(context, cell, triangles, vertices);
+  const SetupJob job{triangles, vertices, cell.first_triangle, context.grid, &bins.fragments};
+  const auto count = static_cast<std::uint32_t>(triangles.size());
+  for (std::uint32_t first = 0; first < count; first += run_triangles) {
+    kernels.setup(job, first, std::min(run_triangles, count - first), lists);
     for (std::uint32_t k = 0; k < lists.large_count; ++k)
       bin_triangle<Samples>(setup.record(lists.large[k]), *context.grid, bins.triangles);
     for (std::uint32_t k = 0; k < lists.clipped_count; ++k) {
@@ -129,9 +137,9 @@ void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kerne
 
 template void bin_triangle<1>(TriangleRecord, const TileGrid&, Bins<TriangleRecord>&);
 template void bin_triangle<4>(TriangleRecord, const TileGrid&, Bins<TriangleRecord>&);
-template void setup_cell<1>(const SetupContext&, const SampleKernels<1>&, const DrawnCell&, const WindowVertex*,
-                            SetupLists&, TileBins&);
-template void setup_cell<4>(const SetupContext&, const SampleKernels<4>&, const DrawnCell&, const WindowVertex*,
-                            SetupLists&, TileBins&);
+template void setup_cell<1>(const SetupContext&, const SampleKernels<1>&, const DrawnCell&, std::span<const Triangle>,
+                            const WindowVertex*, SetupLists&, TileBins&);
+template void setup_cell<4>(const SetupContext&, const SampleKernels<4>&, const DrawnCell&, std::span<const Triangle>,
+                            const WindowVertex*, SetupLists&, TileBins&);
 
 }  // namespace lodestone::soft

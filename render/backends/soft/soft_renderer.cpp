@@ -57,9 +57,10 @@ class SoftRenderer final : public Renderer {
  private:
   // One per worker; reused between frames.
   struct Workplace {
+    std::vector<WindowVertex> vertices;  // of the cell at hand
     std::unique_ptr<SetupLists> lists = std::make_unique_for_overwrite<SetupLists>();
     TileBins bins;
-    std::unique_ptr<TileBuffer<1>> single = std::make_unique_for_overwrite<TileBuffer<1>>();
+    std::unique_ptr<TileBuffer<1>> single = std::make_unique<TileBuffer<1>>();
     std::unique_ptr<TileBuffer<4>> multi;  // made when first used
 
     template <int Samples>
@@ -67,7 +68,7 @@ class SoftRenderer final : public Renderer {
       if constexpr (Samples == 1)
         return *single;
       else {
-        if (!multi) multi = std::make_unique_for_overwrite<TileBuffer<4>>();
+        if (!multi) multi = std::make_unique<TileBuffer<4>>();
         return *multi;
       }
     }
@@ -90,39 +91,44 @@ class SoftRenderer final : public Renderer {
     image_.depth.resize(pixels);
   }
 
-  // The visible cells, their places in the vertex array and their numbers of triangles.
+  // The visible cells, the numbers of their triangles and the places of their lambdas.
   void gather(const Frame& frame, FrameStats& stats) {
     cells_.clear();
     cell_of_block_.clear();
-    std::size_t vertices = 0;
+    std::size_t morphing_vertices = 0;
     for (const SelectedCell& selected : frame.selection->cells) {
       if (!selected.visible) continue;
-      add(selected, vertices);
       const Cell& cell = hierarchy_->cells[selected.cell];
-      vertices += cell.positions.size();
+      add(selected, cell);
+      if (cells_.back().morphing) morphing_vertices += cell.positions.size();
       stats.triangles += cell.triangles.size();
     }
-    constexpr std::size_t numbers = std::size_t{1} << (32 - numbers_per_block_bits);
-    if (vertices > UINT32_MAX || cell_of_block_.size() > numbers)
-      throw ResourceError("the selected cells have more than 2^32 vertices or triangles; raise the pixel error");
     stats.cells = cells_.size();
-    if (vertices > vertex_room_) {
-      vertices_ = std::make_unique_for_overwrite<WindowVertex[]>(vertices);
+    constexpr std::size_t numbers = std::size_t{1} << (32 - numbers_per_block_bits);
+    if (cell_of_block_.size() > numbers)
+      throw ResourceError("the selected cells have more than 2^32 triangles; raise the pixel error");
+    place_lambdas(morphing_vertices);
+  }
+
+  void place_lambdas(std::size_t vertices) {
+    if (vertices > lambda_room_) {
       lambdas_ = std::make_unique_for_overwrite<float[]>(vertices);
-      vertex_room_ = vertices;
+      lambda_room_ = vertices;
+    }
+    float* next = lambdas_.get();
+    for (DrawnCell& drawn : cells_) {
+      if (!drawn.morphing) continue;
+      drawn.lambdas = next;
+      next += hierarchy_->cells[drawn.cell].positions.size();
     }
   }
 
-  void add(const SelectedCell& selected, std::size_t first_vertex) {
-    const Cell& cell = hierarchy_->cells[selected.cell];
+  void add(const SelectedCell& selected, const Cell& cell) {
     DrawnCell drawn;
     drawn.cell = selected.cell;
     drawn.level = selected.level;
     drawn.morphing = selected.morphing && cell.parent != no_cell;
-    drawn.first_vertex = static_cast<std::uint32_t>(first_vertex);
     drawn.first_triangle = static_cast<TriangleNumber>(cell_of_block_.size() << numbers_per_block_bits);
-    drawn.triangles = cell.triangles.data();
-    drawn.triangle_count = static_cast<std::uint32_t>(cell.triangles.size());
     drawn.normals = cell.normals.data();
     if (drawn.morphing) {
       drawn.coarser_normals = hierarchy_->cells[cell.parent].normals.data();
@@ -144,15 +150,17 @@ class SoftRenderer final : public Renderer {
     scheduler_.for_chunks(cells_.size(), 1, [&](ChunkRange range) {
       Workplace& w = workplace();
       for (std::size_t k = range.begin; k < range.end; ++k) {
-        kernels_.transform(vertex_job(context, cells_[k]));
-        setup_cell(context, kernels_.of<Samples>(), cells_[k], &vertices_[cells_[k].first_vertex], *w.lists, w.bins);
+        const Cell& cell = hierarchy_->cells[cells_[k].cell];
+        if (w.vertices.size() < cell.positions.size()) w.vertices.resize(cell.positions.size());
+        kernels_.transform(vertex_job(context, cells_[k], cell, w.vertices.data()));
+        setup_cell(context, kernels_.of<Samples>(), cells_[k], cell.triangles, w.vertices.data(), *w.lists, w.bins);
       }
     });
   }
 
-  [[nodiscard]] VertexJob vertex_job(const SetupContext& context, const DrawnCell& drawn) const {
+  [[nodiscard]] VertexJob vertex_job(const SetupContext& context, const DrawnCell& drawn, const Cell& cell,
+                                     WindowVertex* out) const {
     const MorphContext& morph = context.frame->morph;
-    const Cell& cell = hierarchy_->cells[drawn.cell];
     VertexJob job;
     job.positions = cell.positions;
     if (drawn.morphing) {
@@ -166,14 +174,14 @@ class SoftRenderer final : public Renderer {
     job.band_end = morph.radii->band_end[drawn.level];
     job.view_projection = &context.frame->view_projection;
     job.viewport = context.viewport;
-    job.out = &vertices_[drawn.first_vertex];
-    job.lambdas = &lambdas_[drawn.first_vertex];
+    job.out = out;
+    job.lambdas = drawn.lambdas;
     return job;
   }
 
   template <int Samples>
   void draw_tiles(const SetupContext& context) {
-    const DrawnCells drawn{cells_, cell_of_block_, vertices_.get(), lambdas_.get()};
+    const DrawnCells drawn{cells_, cell_of_block_};
     const SampleKernels<Samples>& kernels = kernels_.of<Samples>();
     scheduler_.for_chunks(context.grid->count(), 1, [&](ChunkRange range) {
       for (std::size_t k = range.begin; k < range.end; ++k) {
@@ -181,9 +189,8 @@ class SoftRenderer final : public Renderer {
         const PixelRect rect = context.grid->rect(k);
         tile.clear();
         for (const Workplace& w : workers_)
-          w.bins.fragments.for_each_run(k, [&](const Fragment* first, const Fragment* last) {
-            for (const Fragment* f = first; f != last; ++f) tile.put(f->sample, f->z, f->triangle);
-          });
+          w.bins.fragments.for_each_run(
+              k, [&](const Fragment* first, const Fragment* last) { tile.draw_fragments(first, last); });
         for (const Workplace& w : workers_)
           w.bins.triangles.for_each_run(k, [&](const TriangleRecord* first, const TriangleRecord* last) {
             kernels.draw_triangles(first, last, rect, tile);
@@ -199,9 +206,8 @@ class SoftRenderer final : public Renderer {
   std::vector<Workplace> workers_;
   std::vector<DrawnCell> cells_;
   std::vector<std::uint32_t> cell_of_block_;  // DrawnCells
-  std::unique_ptr<WindowVertex[]> vertices_;  // of all drawn cells; only ever grows
-  std::unique_ptr<float[]> lambdas_;
-  std::size_t vertex_room_ = 0;
+  std::unique_ptr<float[]> lambdas_;          // of all cells that morph; only ever grows
+  std::size_t lambda_room_ = 0;
   Image image_;
 };
 

@@ -81,8 +81,7 @@ inline Vertices snapped(const VertexJob& job, const Points& p) {
   const auto row = [&](int r) { return ((m[4 * r] * p.x + m[4 * r + 1] * p.y) + m[4 * r + 2] * p.z) + m[4 * r + 3]; };
   const Float x = row(0), y = row(1), z = row(2), w = row(3);
   const Viewport& v = *job.viewport;
-  const Int inside =
-      (z >= -w) & (z <= w) & (abs(x) <= v.guard_x() * w) & (abs(y) <= v.guard_y() * w) & (w > 0.0f);
+  const Int inside = (z >= -w) & (z <= w) & (abs(x) <= v.guard_x() * w) & (abs(y) <= v.guard_y() * w) & (w > 0.0f);
   const Float inverse_w = 1.0f / w;
   Vertices out{rounded((1.0f + x * inverse_w) * v.half_width()), rounded((1.0f - y * inverse_w) * v.half_height()),
                max(0.5f + 0.5f * (z * inverse_w), all(0.0f)), inverse_w};
