@@ -1,5 +1,8 @@
 #include "render/renderer.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/base/error.h"
 #include "render/backends/null/null_renderer.h"
 #include "render/backends/soft/soft_renderer.h"
@@ -8,6 +11,18 @@
 #endif
 
 namespace lodestone {
+
+void check_frame(const Frame& frame, int largest_side) {
+  const auto [width, height] = frame.size;
+  if (width < 1 || height < 1 || width > largest_side || height > largest_side)
+    throw InputError("a picture of " + std::to_string(width) + "x" + std::to_string(height) +
+                     " pixels is out of range; this backend draws 1 to " + std::to_string(largest_side) + " a side");
+  if (frame.samples != 1 && frame.samples != 4)
+    throw InputError("a pixel has 1 or 4 samples, not " + std::to_string(frame.samples));
+  const bool finite = std::ranges::all_of(frame.view_projection.m, [](float v) { return std::isfinite(v); });
+  if (!finite || !is_finite(frame.morph.viewpoint) || !is_finite(frame.light))
+    throw InputError(describe("", "the frame", "matrix, viewpoint and light must be finite numbers"));
+}
 
 std::unique_ptr<Renderer> make_renderer(std::string_view backend, Scheduler& scheduler) {
   if (backend == "soft") return make_soft_renderer(scheduler);

@@ -25,8 +25,14 @@ struct Frame {
   ViewProjection view_projection;
   Vec3f light{0, 0, 1};  // unit, towards the light, normalised model space (a head light by default)
   ImageSize size;
+  int samples = 1;  // a pixel: 1, or 4 averaged (multisampling: coverage and depth a sample, colour once a triangle)
   bool tint_by_level = false;
 };
+
+// Throws InputError for a picture of no pixels or more than `largest_side` a side, for a number of samples that is
+// neither 1 nor 4, and where matrix, viewpoint or light hold something that is not a finite number. Backends call it
+// before they draw.
+void check_frame(const Frame& frame, int largest_side);
 
 struct FrameStats {
   std::uint64_t cells = 0, triangles = 0;      // drawn
@@ -43,8 +49,9 @@ class Renderer {
   // Since the last frame the arrays of these families, named as in parallel/cell_stream.h, have gone and come
   // (ResidentCells::went, came).
   virtual void refresh(std::span<const std::uint32_t> /*went*/, std::span<const std::uint32_t> /*came*/) {}
+  // Throws InputError for a frame that check_frame refuses; the last picture is kept then.
   virtual FrameStats draw(const Frame& frame) = 0;
-  // Picture of the last frame; empty for `null`.
+  // Picture of the last frame; empty for `null`, and before the first. Depth is that of the first sample.
   [[nodiscard]] virtual Image read_back() = 0;
 };
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,6 +27,7 @@ struct ConformanceTolerance {
   int threshold = 8;               // a pixel differs when a channel differs by more than this, of 255
   double differing_share = 0.005;  // of the pixels
   double mean_absolute = 0.5;      // over all channels, of 255
+  float depth = 1e-3f;             // a pixel's depth differs when it is farther off than this
 };
 
 struct ConformanceScene {
@@ -36,6 +38,7 @@ struct ConformanceScene {
   Blend blend = Blend::smoothstep;
   ImageSize size{320, 240};
   bool tint_by_level = false;
+  int samples = 1;
 };
 
 namespace detail {
@@ -99,6 +102,12 @@ inline std::vector<ConformanceScene> conformance_scenes() {
   scenes.push_back({"built", scan, scan_view, {}});  // at one pixel
   scenes.push_back({"built_tinted", scan, scan_view, kappa0(0.9f), Blend::late, {320, 240}, true});
   scenes.push_back({"one_pixel", sphere, outside(sphere), kappa0(2), Blend::smoothstep, {1, 1}});
+  for (const char* name : {"morphing", "near_plane", "inside", "built_tinted", "one_pixel"}) {
+    ConformanceScene smooth = *std::ranges::find(scenes, name, &ConformanceScene::name);
+    smooth.name += "_4x";
+    smooth.samples = 4;
+    scenes.push_back(std::move(smooth));
+  }
   return scenes;
 }
 
@@ -116,6 +125,7 @@ inline DrawnScene draw_scene(const ConformanceScene& scene, Renderer& renderer) 
   frame.view_projection = view_projection(scene.camera, hierarchy, scene.size);
   frame.size = scene.size;
   frame.tint_by_level = scene.tint_by_level;
+  frame.samples = scene.samples;
   const Vec3d towards_eye = scene.camera.position - scene.camera.target;
   frame.light = to_float((1 / length(towards_eye)) * towards_eye);
   const Frustum frustum = frustum_of(frame.view_projection);
@@ -147,6 +157,13 @@ inline void expect_conformance(const Image& image, const Image& reference, const
   EXPECT_TRUE(d.differing_share <= tolerance.differing_share || d.differing <= 1)
       << d.differing << " pixels differ, the worst by " << d.max;
   EXPECT_TRUE(d.mean_absolute <= tolerance.mean_absolute || d.differing <= 1) << d.mean_absolute;
+  // Depth: the same where the same surface is seen.
+  ASSERT_EQ(image.depth.size(), reference.depth.size());
+  std::size_t elsewhere = 0;
+  for (std::size_t i = 0; i < image.depth.size(); ++i)
+    elsewhere += std::abs(image.depth[i] - reference.depth[i]) > tolerance.depth;
+  EXPECT_LE(static_cast<double>(elsewhere),
+            std::max(1.0, tolerance.differing_share * static_cast<double>(image.depth.size())));
 }
 
 }  // namespace lodestone::test

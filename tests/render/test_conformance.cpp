@@ -1,5 +1,7 @@
 // Every backend draws the same scenes; pictures agree with those of `soft`, counts with those of `null`.
 #include <cstdlib>
+#include <functional>
+#include <limits>
 #include <tuple>
 
 #include "tests/render/conformance.h"
@@ -49,6 +51,45 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Conformance,
                            return conformance_scenes()[std::get<0>(instance.param)].name + "_" +
                                   std::get<1>(instance.param);
                          });
+
+// What check_frame refuses, every backend refuses, and keeps the picture that it has.
+TEST(Renderers, RefuseFramesThatCannotBeDrawn) {
+  const ConformanceScene scene = conformance_scenes().front();
+  const auto scheduler = make_serial_scheduler();
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  const std::vector<std::function<void(Frame&)>> faults{
+      [](Frame& f) {
+        f.size = {0, 0};
+      },
+      [](Frame& f) { f.size.width = -5; },
+      [](Frame& f) { f.size.height = 0; },
+      [](Frame& f) { f.samples = 0; },
+      [](Frame& f) { f.samples = 3; },
+      [](Frame& f) { f.view_projection.m[5] = nan; },
+      [](Frame& f) { f.view_projection.m[15] = infinity; },
+      [](Frame& f) { f.morph.viewpoint.y = nan; },
+      [](Frame& f) { f.light.z = nan; },
+  };
+  for (const char* backend : {"soft", "gl", "null"}) {
+    std::string why;
+    const auto renderer = renderer_if_possible(backend, *scheduler, why);
+    if (!renderer) continue;
+    const Image before = draw_scene(scene, *renderer).image;
+    const Radii radii = make_radii(*scene.hierarchy, scene.radii);
+    const Selection none;
+    Frame frame;
+    frame.morph = {scene.hierarchy.get(), &radii, scene.blend, {0.5f, 0.5f, 2}};
+    frame.selection = &none;
+    frame.size = {16, 16};
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      Frame faulty = frame;
+      faults[i](faulty);
+      EXPECT_THROW((void)renderer->draw(faulty), InputError) << backend << ", fault " << i;
+      EXPECT_TRUE(renderer->read_back().rgba == before.rgba) << backend << ", fault " << i;
+    }
+    EXPECT_NO_THROW((void)renderer->draw(frame)) << backend;
+  }
+}
 
 TEST(RendererFactory, RefusesUnknownNames) {
   const auto scheduler = make_serial_scheduler();

@@ -7,10 +7,11 @@
 
 #include "core/base/error.h"
 #include "render/backends/soft/clip.h"
-#include "render/backends/soft/edge_walk.h"
+#include "render/backends/soft/kernels.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "render/shading.h"
 #include "tests/render/conformance.h"
+#include "tests/render/obvious_renderer.h"
 
 namespace lodestone {
 namespace {
@@ -30,92 +31,37 @@ DrawnScene draw_soft(const ConformanceScene& s) {
   return draw_scene(s, *make_soft_renderer(*scheduler));
 }
 
-// The twin: every triangle of the picture in turn, every pixel of the picture in turn, shaded at once. Only for scenes
-// that need no clipping.
-class ObviousRenderer final : public Renderer {
- public:
-  [[nodiscard]] std::string_view name() const override { return "obvious"; }
-  void upload(const Hierarchy& hierarchy) override { hierarchy_ = &hierarchy; }
-  [[nodiscard]] Image read_back() override { return image_; }
-
-  FrameStats draw(const Frame& frame) override {
-    const auto pixels = static_cast<std::size_t>(frame.size.width * frame.size.height);
-    image_ = {frame.size, {}, std::vector<float>(pixels, 1.0f)};
-    for (std::size_t i = 0; i < 4 * pixels; ++i) image_.rgba.push_back(shading::background[i % 4]);
-    for (const SelectedCell& selected : frame.selection->cells)
-      for (const Triangle& t : hierarchy_->cells[selected.cell].triangles) draw_triangle(frame, selected, t);
-    return {};
-  }
-
- private:
-  void draw_triangle(const Frame& frame, const SelectedCell& selected, const Triangle& t) {
-    const soft::Viewport viewport(frame.size);
-    std::array<soft::WindowVertex, 3> v;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const MorphedVertex m = morph_vertex(frame.morph, selected.cell, t.v[k]);
-      const soft::ClipVertex clip = soft::to_clip(frame.view_projection, m.position, m.normal);
-      ASSERT_EQ(viewport.outcode(clip) & soft::needs_clipping, 0u);
-      v[k] = viewport.snap(clip);
-    }
-    const auto point = [&](std::size_t k) { return soft::SnappedPoint{v[k].x, v[k].y}; };
-    if (soft::doubled_area(point(0), point(1), point(2)) < 0) std::swap(v[1], v[2]);
-    const std::int64_t area = soft::doubled_area(point(0), point(1), point(2));
-    for (int y = 0; y < frame.size.height; ++y)
-      for (int x = 0; x < frame.size.width; ++x) {
-        const soft::SnappedPoint centre{x * soft::subpixels + soft::subpixels / 2,
-                                        y * soft::subpixels + soft::subpixels / 2};
-        std::array<std::int64_t, 3> share;  // of the corner opposite to each edge
-        bool inside = area > 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-          const soft::SnappedPoint from = point((k + 1) % 3), to = point((k + 2) % 3);
-          share[k] = soft::doubled_area(from, to, centre);
-          const bool top = to.y == from.y && to.x > from.x, left = to.y < from.y;
-          inside = inside && (share[k] > 0 || (share[k] == 0 && (top || left)));
-        }
-        if (inside) draw_pixel(frame, selected, v, share, area, static_cast<std::size_t>(y * frame.size.width + x));
-      }
-  }
-
-  void draw_pixel(const Frame& frame, const SelectedCell& selected, const std::array<soft::WindowVertex, 3>& v,
-                  const std::array<std::int64_t, 3>& share, std::int64_t area, std::size_t pixel) {
-    const double b = static_cast<double>(share[1]) / static_cast<double>(area),
-                 c = static_cast<double>(share[2]) / static_cast<double>(area), a = 1 - b - c;
-    const double z = a * v[0].z + b * v[1].z + c * v[2].z;
-    if (!(static_cast<float>(z) < image_.depth[pixel])) return;
-    image_.depth[pixel] = static_cast<float>(z);
-    const double wa = a * v[0].inverse_w, wb = b * v[1].inverse_w, wc = c * v[2].inverse_w, w = wa + wb + wc;
-    const Vec3d n =
-        (wa / w) * to_double(v[0].normal) + (wb / w) * to_double(v[1].normal) + (wc / w) * to_double(v[2].normal);
-    const Vec3f colour =
-        shading::brightness(to_float(n), frame.light) * shading::albedo_of(selected.level, frame.tint_by_level);
-    image_.rgba[4 * pixel] = shading::to_byte(colour.x);
-    image_.rgba[4 * pixel + 1] = shading::to_byte(colour.y);
-    image_.rgba[4 * pixel + 2] = shading::to_byte(colour.z);
-    image_.rgba[4 * pixel + 3] = 255;
-  }
-
-  const Hierarchy* hierarchy_ = nullptr;
-  Image image_;
-};
-
 TEST(Soft, DrawsWhatTheObviousRendererDraws) {
-  for (const char* name : {"morphing", "tinted", "root_only", "straight_down"}) {
-    ConformanceScene small = scene(name);
-    small.size = {101, 67};
-    ObviousRenderer obvious;
-    const Image expected = draw_scene(small, obvious).image, image = draw_soft(small).image;
-    // The same pixels are covered; depth and colour differ by the rounding of float alone.
-    const ImageDifference d = difference(image, expected, 1);
-    EXPECT_LE(d.differing_share, 0.001) << name << ": of two surfaces at one depth the other may win";
-    for (std::size_t i = 0; i < image.depth.size(); ++i) {
-      EXPECT_EQ(image.depth[i] == 1, expected.depth[i] == 1) << name;
-      EXPECT_NEAR(image.depth[i], expected.depth[i], 1e-6) << name;
+  for (const char* name : {"morphing", "tinted", "root_only", "straight_down"})
+    for (const int samples : {1, 4}) {
+      ConformanceScene small = scene(name);
+      small.size = {101, 67};
+      small.samples = samples;
+      test::ObviousRenderer obvious;
+      const Image expected = draw_scene(small, obvious).image, image = draw_soft(small).image;
+      // The same samples are covered; depth and colour differ by the rounding of float alone.
+      const ImageDifference d = difference(image, expected, 1);
+      EXPECT_LE(d.differing_share, 0.001) << name << ": of two surfaces at one depth the other may win";
+      for (std::size_t i = 0; i < image.depth.size(); ++i) {
+        EXPECT_EQ(image.depth[i] == 1, expected.depth[i] == 1) << name;
+        EXPECT_NEAR(image.depth[i], expected.depth[i], 1e-6) << name;
+      }
     }
+}
+
+TEST(Soft, SameBytesFromEveryInstructionSet) {
+  const auto scheduler = make_serial_scheduler();
+  if (!soft::find_kernels(soft::InstructionSet::avx2)) GTEST_SKIP() << "no AVX2 here";
+  for (const ConformanceScene& s : conformance_scenes()) {
+    const Image baseline = draw_scene(s, *make_soft_renderer(*scheduler, {soft::InstructionSet::baseline})).image;
+    const Image avx2 = draw_scene(s, *make_soft_renderer(*scheduler, {soft::InstructionSet::avx2})).image;
+    EXPECT_TRUE(avx2.rgba == baseline.rgba) << s.name;
+    EXPECT_TRUE(avx2.depth == baseline.depth) << s.name;
   }
 }
 
 TEST(Soft, SameBytesForAnyNumberOfThreads) {
-  for (const char* name : {"morphing", "near_plane", "tinted"}) {
+  for (const char* name : {"morphing", "near_plane", "tinted", "near_plane_4x"}) {
     const Image serial = draw_soft(scene(name)).image;
     for (const int threads : {1, 2, 3, 7}) {
       const auto scheduler = make_tbb_scheduler(threads);
@@ -132,7 +78,7 @@ TEST(Soft, SameBytesForAnyNumberOfThreads) {
 TEST(Soft, ReportsItsStages) {
   const FrameStats stats = draw_soft(scene("morphing")).stats;
   double sum = 0;
-  for (const char* stage : {"morph", "bin", "raster"}) {
+  for (const char* stage : {"geometry", "raster"}) {
     ASSERT_EQ(stats.milliseconds.count(stage), 1u);
     sum += stats.milliseconds.at(stage);
   }
@@ -250,7 +196,7 @@ TEST(Soft, SizesOutOfRangeAreRefused) {
 
 // ---- clipping ----
 
-soft::ClipVertex at(float x, float y, float z, float w) { return {x, y, z, w, {x, y, 1}}; }
+soft::ClipVertex at(float x, float y, float z, float w) { return {x, y, z, w}; }
 
 TEST(Clip, InsideIsUntouched) {
   const soft::Viewport viewport({100, 100});

@@ -71,6 +71,7 @@ void set_state() {
                            GL_SCISSOR_TEST, GL_STENCIL_TEST})
     glDisable(off);
   glEnable(GL_DEPTH_TEST);
+  glEnable(GL_MULTISAMPLE);
   glDepthFunc(GL_LESS);
   glDepthMask(GL_TRUE);
   glDepthRangef(0, 1);
@@ -126,11 +127,11 @@ class MultiDrawRenderer final : public GlRenderer {
   }
 
   FrameStats draw(const Frame& frame) override {
+    check_frame(frame, device_.max_target_size);
     const CurrentContext current(*context_);
     const Stopwatch total;
     FrameStats stats;
-    if (!resources_->target || resources_->target->size() != frame.size)
-      resources_->target.emplace(frame.size, device_.max_target_size);
+    make_target(frame);
     prepare(frame, stats);
 
     const Stopwatch drawing;
@@ -139,6 +140,7 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->target->bind();
     resources_->target->clear();
     resources_->commands.draw(*resources_->scene);
+    resources_->target->average();
     glEndQuery(GL_TIME_ELAPSED);
     GLuint64 nanoseconds = 0;
     glGetQueryObjectui64v(resources_->timer.name(), GL_QUERY_RESULT, &nanoseconds);  // waits
@@ -207,6 +209,13 @@ class MultiDrawRenderer final : public GlRenderer {
     stats.milliseconds["upload"] = upload.milliseconds();
     stats.cells = resources_->commands.cells();
     stats.triangles = resources_->commands.triangles();
+  }
+
+  void make_target(const Frame& frame) {
+    std::optional<GlTarget>& target = resources_->target;
+    if (target && target->size() == frame.size && target->samples() == frame.samples) return;
+    target.reset();  // before the new one: the device need not hold both
+    target.emplace(frame.size, frame.samples);
   }
 
   const GlProgram& program(GlVariant variant) {

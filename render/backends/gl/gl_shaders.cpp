@@ -145,7 +145,7 @@ layout(location = 3) in uvec4 draw;  // parent's first vertex, level and morphs_
 
 invariant gl_Position;
 layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) out vec3 drawn_position;
-out vec3 normal;
+centroid out vec3 normal;  // with several samples a pixel, not outside the triangle
 flat out vec3 albedo;
 
 void main() {
@@ -179,7 +179,7 @@ void main() {
 
 // render/shading.h
 constexpr const char* fragment_source = R"(
-in vec3 normal;
+centroid in vec3 normal;
 flat in vec3 albedo;
 layout(location = 0) out vec4 colour;
 

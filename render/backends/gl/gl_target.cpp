@@ -4,20 +4,11 @@
 #include <array>
 #include <cassert>
 
-#include "core/base/error.h"
 #include "render/backends/gl/gl_device.h"
 #include "render/shading.h"
 
 namespace lodestone {
 namespace {
-
-ImageSize checked(ImageSize size, int max_size) {
-  if (size.width < 1 || size.height < 1 || size.width > max_size || size.height > max_size)
-    throw InputError("an image of " + std::to_string(size.width) + "x" + std::to_string(size.height) +
-                     " pixels is out of range; this OpenGL draws up to " + std::to_string(max_size) + "x" +
-                     std::to_string(max_size));
-  return size;
-}
 
 // OpenGL's rows start at the bottom.
 template <class T>
@@ -30,17 +21,22 @@ void flip_rows(std::vector<T>& pixels, std::size_t row, std::size_t rows) {
 
 }  // namespace
 
-GlTarget::GlTarget(ImageSize size, int max_size) : size_(checked(size, max_size)) {
-  glNamedRenderbufferStorage(colour_.name(), GL_RGBA8, size.width, size.height);
-  glNamedRenderbufferStorage(depth_.name(), GL_DEPTH_COMPONENT32F, size.width, size.height);
+GlTarget::Planes::Planes(ImageSize size, int samples) {
+  const GLsizei count = samples == 1 ? 0 : samples;
+  glNamedRenderbufferStorageMultisample(colour.name(), count, GL_RGBA8, size.width, size.height);
+  glNamedRenderbufferStorageMultisample(depth.name(), count, GL_DEPTH_COMPONENT32F, size.width, size.height);
   check_memory("making the picture");
-  glNamedFramebufferRenderbuffer(framebuffer_.name(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_.name());
-  glNamedFramebufferRenderbuffer(framebuffer_.name(), GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.name());
-  assert(glCheckNamedFramebufferStatus(framebuffer_.name(), GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE);
+  glNamedFramebufferRenderbuffer(framebuffer.name(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour.name());
+  glNamedFramebufferRenderbuffer(framebuffer.name(), GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth.name());
+  assert(glCheckNamedFramebufferStatus(framebuffer.name(), GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE);
+}
+
+GlTarget::GlTarget(ImageSize size, int samples) : size_(size), samples_(samples), drawn_(size, samples) {
+  if (samples > 1) averaged_.emplace(size, 1);
 }
 
 void GlTarget::bind() const {
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, drawn_.framebuffer.name());
   glViewport(0, 0, size_.width, size_.height);
 }
 
@@ -49,8 +45,15 @@ void GlTarget::clear() const {
   std::transform(shading::background.begin(), shading::background.end(), background.begin(),
                  [](std::uint8_t v) { return static_cast<float>(v) / 255; });
   const float farthest = 1;
-  glClearNamedFramebufferfv(framebuffer_.name(), GL_COLOR, 0, background.data());
-  glClearNamedFramebufferfv(framebuffer_.name(), GL_DEPTH, 0, &farthest);
+  glClearNamedFramebufferfv(drawn_.framebuffer.name(), GL_COLOR, 0, background.data());
+  glClearNamedFramebufferfv(drawn_.framebuffer.name(), GL_DEPTH, 0, &farthest);
+}
+
+void GlTarget::average() const {
+  if (!averaged_) return;
+  const auto [width, height] = size_;
+  glBlitNamedFramebuffer(drawn_.framebuffer.name(), averaged_->framebuffer.name(), 0, 0, width, height, 0, 0, width,
+                         height, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
 
 Image GlTarget::read() const {
@@ -59,7 +62,7 @@ Image GlTarget::read() const {
   const auto width = static_cast<std::size_t>(size_.width), height = static_cast<std::size_t>(size_.height);
   image.rgba.resize(width * height * 4);
   image.depth.resize(width * height);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_.name());
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, (averaged_ ? *averaged_ : drawn_).framebuffer.name());
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   for (const GLenum skipped : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_PACK_SWAP_BYTES})

@@ -1,5 +1,7 @@
-// The offscreen picture: RGBA8 and 32-bit float depth.
+// The offscreen picture: RGBA8 and 32-bit float depth, one or several samples a pixel.
 #pragma once
+
+#include <optional>
 
 #include "render/backends/gl/gl_object.h"
 #include "render/renderer.h"
@@ -8,18 +10,26 @@ namespace lodestone {
 
 class GlTarget {
  public:
-  // Throws InputError for a size below 1 or beyond max_size, ResourceError when out of memory.
-  GlTarget(ImageSize size, int max_size);
+  // Throws ResourceError when out of memory.
+  GlTarget(ImageSize size, int samples);
 
   [[nodiscard]] ImageSize size() const { return size_; }
-  void bind() const;   // for drawing, viewport included
-  void clear() const;  // to the background of render/shading.h and depth 1
+  [[nodiscard]] int samples() const { return samples_; }
+  void bind() const;     // for drawing, viewport included
+  void clear() const;    // to the background of render/shading.h and depth 1
+  void average() const;  // after drawing: the samples of each pixel; depth becomes that of one of them
   [[nodiscard]] Image read() const;
 
  private:
+  struct Planes {
+    GlRenderbuffer colour, depth;
+    GlFramebuffer framebuffer;
+    Planes(ImageSize size, int samples);
+  };
   ImageSize size_;
-  GlRenderbuffer colour_, depth_;
-  GlFramebuffer framebuffer_;
+  int samples_;
+  Planes drawn_;
+  std::optional<Planes> averaged_;  // with several samples
 };
 
 }  // namespace lodestone

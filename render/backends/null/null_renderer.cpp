@@ -2,6 +2,7 @@
 
 #include <cassert>
 #include <chrono>
+#include <limits>
 
 namespace lodestone {
 namespace {
@@ -14,6 +15,7 @@ class NullRenderer final : public Renderer {
 
   FrameStats draw(const Frame& frame) override {
     assert(hierarchy_ && frame.selection);
+    check_frame(frame, std::numeric_limits<int>::max());
     const auto start = std::chrono::steady_clock::now();
     FrameStats stats;
     for (const SelectedCell& selected : frame.selection->cells) {

@@ -19,8 +19,7 @@ constexpr std::array<PlaneDistance, 6> planes{
 ClipVertex crossing(const ClipVertex& in, const ClipVertex& out, float distance_in, float distance_out) {
   const float t = distance_in / (distance_in - distance_out);
   const auto mix = [t](float a, float b) { return a + t * (b - a); };
-  return {mix(in.x, out.x), mix(in.y, out.y), mix(in.z, out.z), mix(in.w, out.w),
-          in.normal + t * (out.normal - in.normal)};
+  return {mix(in.x, out.x), mix(in.y, out.y), mix(in.z, out.z), mix(in.w, out.w)};
 }
 
 ClippedPolygon clip_to(const ClippedPolygon& polygon, PlaneDistance distance, const Viewport& viewport) {

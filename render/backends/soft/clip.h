@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "render/backends/soft/vertex_stage.h"
+#include "render/backends/soft/viewport.h"
 
 namespace lodestone::soft {
 

@@ -4,55 +4,105 @@
 // from there on coverage is a matter of integers.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <span>
 
-#include "core/base/vec3.h"
+#include "core/hierarchy/hierarchy.h"
 #include "render/camera.h"
 
 namespace lodestone::soft {
 
 inline constexpr int subpixel_bits = 8;
 inline constexpr int subpixels = 1 << subpixel_bits;
-inline constexpr int tile_size = 64;  // pixels, both ways
+inline constexpr int tile_bits = 6;
+inline constexpr int tile_size = 1 << tile_bits;  // pixels, both ways
+inline constexpr std::size_t tile_pixels = std::size_t{tile_size} * tile_size;
 // Triangles are clipped only where they reach farther than this beyond the picture: the rest is cut by its tiles.
 inline constexpr float guard_pixels = 4096;
-inline constexpr int largest_side = 16384;  // of a picture: snapped coordinates stay below 2^23, exact in float
+// Of a picture. Snapped coordinates stay below 2^23: exact in float, and products of their differences in double.
+inline constexpr int largest_side = 16384;
+
+struct SnappedPoint {
+  std::int32_t x = 0, y = 0;  // subpixels
+  friend bool operator==(const SnappedPoint&, const SnappedPoint&) = default;
+};
+
+// Where a pixel is sampled, from its centre, in subpixels. Four: the rotated grid that OpenGL drivers use, y down.
+template <int Samples>
+inline constexpr std::array<SnappedPoint, static_cast<std::size_t>(Samples)> sample_offsets{};
+template <>
+inline constexpr std::array<SnappedPoint, 4> sample_offsets<4>{{{-32, 96}, {96, 32}, {-96, -32}, {32, -96}}};
+// The largest of their coordinates.
+template <int Samples>
+inline constexpr int sample_reach = Samples == 1 ? 0 : 96;
 
 // Half-open range of pixels.
 struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
-// A transformed vertex, in the window.
-struct WindowVertex {
-  std::int32_t x = 0, y = 0;  // subpixels; meaningless when the outcode has needs_clipping
+// A transformed vertex, in the window. One that must be clipped before it can be snapped has inverse_w = 0 and its
+// outcode in x.
+struct alignas(16) WindowVertex {
+  std::int32_t x = 0, y = 0;  // subpixels
   float z = 0;                // window depth, [0, 1]
   float inverse_w = 0;        // 1 / clip w, for perspective-correct interpolation
-  Vec3f normal;               // normalised model space, about unit length
-  std::uint32_t outcode = 0;
 };
 
 // Bits of an outcode: outside the left, right, bottom, top, near, far plane.
-inline constexpr std::uint32_t outside_any = 0x3f;
-// Near or far plane, or beyond the guard band: the triangle must be clipped before it can be snapped.
-inline constexpr std::uint32_t needs_clipping = 0x40;
-
-// A triangle that covers a pixel centre of a tile, perhaps.
-struct TriangleRef {
-  std::uint32_t v[3] = {};  // index in the frame's vertices; with `clipped_bit` in its batch's own clipped vertices
-  std::uint32_t tag = 0;    // batch << 4 | level
-
-  [[nodiscard]] std::uint32_t batch() const { return tag >> 4; }
-  [[nodiscard]] int level() const { return static_cast<int>(tag & 0xf); }
+struct Outside {
+  static constexpr std::uint32_t left = 1, right = 2, bottom = 4, top = 8, near = 16, far = 32;
 };
-inline constexpr std::uint32_t clipped_bit = 0x8000'0000u;
 
-// The triangles of a batch of consecutive cells, sorted by tile and within a tile in drawing order.
-struct Batch {
-  std::vector<TriangleRef> triangles;
-  std::vector<std::uint32_t> tile_begin;  // one per tile and one more: range in `triangles`
-  std::vector<WindowVertex> clipped;
+// A triangle of the frame: a number of its own, increasing in drawing order. Numbers of a cell are consecutive and
+// start at a multiple of 256, so that number / 256 finds the cell.
+using TriangleNumber = std::uint32_t;
+inline constexpr int numbers_per_block_bits = 8;
+
+// A visible cell in a frame.
+struct DrawnCell {
+  std::uint32_t cell = 0;  // index in Hierarchy::cells
+  std::uint8_t level = 0;
+  bool morphing = false;  // false: lambda = 1 on the whole of it, neither lambdas nor parents are looked at
+  TriangleNumber first_triangle = 0;
+  // Of the cell; the second and third where it morphs.
+  const PackedNormal* normals = nullptr;
+  const PackedNormal* coarser_normals = nullptr;
+  const std::uint32_t* parents = nullptr;
+  float* lambdas = nullptr;  // of the vertices where it morphs, as the vertex stage has left them
+};
+
+// The drawn cells, by the numbers of their triangles.
+struct DrawnCells {
+  std::span<const DrawnCell> cells;
+  std::span<const std::uint32_t> cell_of_block;  // by triangle number >> numbers_per_block_bits
+
+  [[nodiscard]] const DrawnCell& cell_of(TriangleNumber triangle) const {
+    return cells[cell_of_block[triangle >> numbers_per_block_bits]];
+  }
+};
+
+using VertexIds = std::array<std::uint32_t, 3>;  // in the cell
+
+// A sample that a small triangle covers, and where on it: all that shading asks for, so that nothing else of the
+// triangle is looked up again.
+struct alignas(32) Fragment {
+  std::uint32_t sample = 0;  // in its tile: sample * tile_pixels + pixel
+  float z = 0;
+  TriangleNumber triangle = 0;
+  VertexIds v{};
+  float weight_b = 0, weight_c = 0;  // of the second and third corner, perspective-correct; the three sum to 1
+};
+
+// A larger triangle, ready to be drawn in a tile. Corners turn clockwise in the picture: positive area. Of a part that
+// clipping has left corners are those of the part, vertices those of the whole, and inverse_w is 0.
+struct alignas(64) TriangleRecord {
+  std::array<SnappedPoint, 3> corners;
+  std::array<float, 3> z, inverse_w;
+  VertexIds v{};
+  TriangleNumber triangle = 0;
 };
 
 struct TileGrid {
@@ -63,9 +113,9 @@ struct TileGrid {
       : size(s), columns((s.width + tile_size - 1) / tile_size), rows((s.height + tile_size - 1) / tile_size) {}
   [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
   [[nodiscard]] PixelRect rect(std::size_t tile) const {
-    const int left = static_cast<int>(tile) % columns * tile_size, top = static_cast<int>(tile) / columns * tile_size;
-    return {left, top, left + tile_size < size.width ? left + tile_size : size.width,
-            top + tile_size < size.height ? top + tile_size : size.height};
+    const int x = static_cast<int>(tile) % columns * tile_size, y = static_cast<int>(tile) / columns * tile_size;
+    return {x, y, x + tile_size < size.width ? x + tile_size : size.width,
+            y + tile_size < size.height ? y + tile_size : size.height};
   }
 };
 

@@ -1,5 +1,5 @@
 // The software backend: a tiled rasterizer on the scheduler's workers. Needs no graphics driver, and draws the same
-// bytes for any number of threads.
+// bytes for any number of threads and any instruction set.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,18 @@
 
 namespace lodestone {
 
-// The scheduler must outlive the renderer.
-[[nodiscard]] std::unique_ptr<Renderer> make_soft_renderer(Scheduler& scheduler);
+namespace soft {
+enum class InstructionSet : std::uint8_t { best, baseline, avx2 };
+}
+
+struct SoftConfig {
+  soft::InstructionSet instructions = soft::InstructionSet::best;
+};
+
+// FrameStats::milliseconds: "geometry" (vertices, and triangles into the lists of tiles), "raster" (visibility and
+// shading by tile), "total"; wall time.
+//
+// The scheduler must outlive the renderer. Throws UnsupportedError where the processor lacks the instruction set.
+[[nodiscard]] std::unique_ptr<Renderer> make_soft_renderer(Scheduler& scheduler, const SoftConfig& config = {});
 
 }  // namespace lodestone

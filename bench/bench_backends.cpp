@@ -1,0 +1,118 @@
+// The backends side by side: `soft` and `gl` draw the same frame in turn, so that whatever else the machine does falls
+// on both alike.
+//
+// Arguments: triangles of the generated surface, all of them drawn and inside the picture of 1280x720, and samples a
+// pixel. Counters: milliseconds of wall and of processor time (all threads) a frame, and how many times the frame rate
+// of gl soft has, by either. Where there is no OpenGL the benchmark is skipped with the reason.
+#include <benchmark/benchmark.h>
+
+#include <map>
+#include <memory>
+
+#include "core/base/error.h"
+#include "core/mesh/generate.h"
+#include "parallel/build.h"
+#include "parallel/cpu_clock.h"
+#include "parallel/prepare.h"
+#include "render/camera.h"
+#include "render/renderer.h"
+
+namespace lodestone {
+namespace {
+
+// kappa0 decides how much of the model morphs: with `finest` every cell is static.
+constexpr float finest = 1e6f;
+
+struct Scene {
+  Hierarchy hierarchy;
+  Radii radii;
+  Selection selection;
+  Frame frame;
+
+  Scene(Shape shape, std::uint64_t triangles, float kappa0, Scheduler& scheduler) {
+    Repairs repairs;
+    hierarchy = build_hierarchy(prepare_mesh(generate_mesh({shape, triangles, 1}), repairs, scheduler), {}, scheduler);
+    RadiiConfig config;
+    config.kappa0 = kappa0;
+    radii = make_radii(hierarchy, config);
+    const Camera camera = camera_for(shape);
+    frame.morph = {&hierarchy, &radii, Blend::smoothstep, viewpoint(camera, hierarchy.transform)};
+    frame.size = {1280, 720};
+    frame.view_projection = view_projection(camera, hierarchy, frame.size);
+    const Frustum frustum = frustum_of(frame.view_projection);
+    select_cells(hierarchy, radii, frame.morph.viewpoint, {&frustum, false}, selection);
+    frame.selection = &selection;
+  }
+
+ private:
+  // The terrain from above, nothing hidden and filling the picture's height; other shapes on their orbit.
+  [[nodiscard]] Camera camera_for(Shape shape) const {
+    if (shape != Shape::terrain) return orbit_path(hierarchy, 8)[1];
+    const auto at = [&](Vec3d p) { return hierarchy.transform.origin + hierarchy.transform.scale * p; };
+    return {at({0.5, 0.48, 1.32}), at({0.5, 0.5, 0.1}), {0, 1, 0}, 0.785};
+  }
+};
+
+// One of each, alive for one benchmark at a time: the large ones fill the memory.
+const Scene& scene(Shape shape, std::int64_t triangles, float kappa0, Scheduler& scheduler) {
+  static std::map<std::tuple<Shape, std::int64_t, float>, std::unique_ptr<Scene>> scenes;
+  auto& entry = scenes[{shape, triangles, kappa0}];
+  if (!entry) entry = std::make_unique<Scene>(shape, static_cast<std::uint64_t>(triangles), kappa0, scheduler);
+  return *entry;
+}
+
+// A backend and what its frames have taken.
+struct Contender {
+  std::unique_ptr<Renderer> renderer;
+  double wall = 0, cpu = 0;  // seconds
+  FrameStats stats;
+
+  void draw(const Frame& frame) {
+    const CpuClock clock;
+    stats = renderer->draw(frame);
+    const StageTime time = clock.elapsed();
+    wall += time.seconds;
+    cpu += time.cpu_seconds;
+  }
+};
+
+void draw_both(benchmark::State& state, Shape shape, float kappa0) {
+  const auto scheduler = make_tbb_scheduler();
+  const Scene& s = scene(shape, state.range(0), kappa0, *scheduler);
+  Contender soft, gl;
+  soft.renderer = make_renderer("soft", *scheduler);
+  try {
+    gl.renderer = make_renderer("gl", *scheduler);
+  } catch (const UnsupportedError& error) {
+    state.SkipWithError(error.what());
+    return;
+  }
+  for (Contender* c : {&soft, &gl}) {
+    c->renderer->upload(s.hierarchy);
+    c->draw(s.frame);
+    c->wall = c->cpu = 0;
+  }
+  for (auto _ : state) {
+    soft.draw(s.frame);
+    gl.draw(s.frame);
+  }
+  const auto frames = static_cast<double>(state.iterations());
+  state.counters["triangles"] = static_cast<double>(soft.stats.triangles);
+  for (const auto& [name, c] : {std::pair{"soft", &soft}, std::pair{"gl", &gl}}) {
+    state.counters[std::string(name) + "_ms"] = c->wall * 1e3 / frames;
+    state.counters[std::string(name) + "_cpu_ms"] = c->cpu * 1e3 / frames;
+  }
+  state.counters["times_wall"] = gl.wall / soft.wall;
+  state.counters["times_cpu"] = gl.cpu / soft.cpu;
+}
+
+void BM_Terrain(benchmark::State& state) { draw_both(state, Shape::terrain, finest); }
+void BM_Sphere(benchmark::State& state) { draw_both(state, Shape::sphere, finest); }
+void BM_Morphing(benchmark::State& state) { draw_both(state, Shape::terrain, 12); }
+
+BENCHMARK(BM_Terrain)->Arg(1'000'000)->Arg(4'000'000)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(BM_Sphere)->Arg(1'000'000)->Arg(4'000'000)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(BM_Morphing)->Arg(4'000'000)->Unit(benchmark::kMillisecond)->Iterations(5);
+
+}  // namespace
+}  // namespace lodestone

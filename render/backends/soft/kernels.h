@@ -1,0 +1,93 @@
+// The inner loops, compiled once per instruction set and chosen at run time. Every set gives the same bytes.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "render/backends/soft/bins.h"
+#include "render/backends/soft/raster_types.h"
+#include "render/backends/soft/soft_renderer.h"
+#include "render/backends/soft/tile_buffer.h"
+#include "render/backends/soft/viewport.h"
+
+namespace lodestone::soft {
+
+// Stage 1: all vertices of a cell.
+struct VertexJob {
+  std::span<const Vec3f> positions;
+  // Of the parent cell, and where each vertex has its parent there; null for a cell that does not morph.
+  const Vec3f* coarser = nullptr;
+  const std::uint32_t* parents = nullptr;
+  Vec3f viewpoint;
+  DistanceMetric metric = DistanceMetric::euclidean;
+  Blend blend = Blend::smoothstep;
+  float band_begin = 0, band_end = 0;
+  const ViewProjection* view_projection = nullptr;
+  const Viewport* viewport = nullptr;
+  WindowVertex* out = nullptr;  // one per position
+  float* lambdas = nullptr;     // the same, where the cell morphs
+};
+
+// Stage 2: the triangles of a cell, a run at a time.
+struct SetupJob {
+  std::span<const Triangle> triangles;
+  const WindowVertex* vertices = nullptr;  // of the cell
+  TriangleNumber first_triangle = 0;
+  const TileGrid* grid = nullptr;
+  Bins<Fragment>* fragments = nullptr;
+};
+// Triangles below this are small, subpixels: at most three pixels wide and high.
+inline constexpr std::int32_t small_extent = 3 * subpixels;
+inline constexpr std::uint32_t run_triangles = 1024;
+
+// Indices in the cell, in order. What is small has been drawn; the others are left to do.
+struct SetupLists {
+  static constexpr std::uint32_t room = run_triangles + 16;  // appending writes a full vector
+  std::uint32_t small_count = 0, large_count = 0, clipped_count = 0;
+  std::uint32_t small[room], large[room], clipped[room];
+};
+
+// Stage 4: what is seen in a tile becomes colour and depth of the picture.
+struct ResolveJob {
+  const Frame* frame = nullptr;
+  const Viewport* viewport = nullptr;
+  const DrawnCells* drawn = nullptr;
+  PixelRect rect;
+  Image* image = nullptr;
+};
+
+// For one number of samples a pixel.
+template <int Samples>
+struct SampleKernels {
+  void (*setup)(const SetupJob& job, std::uint32_t first, std::uint32_t count, SetupLists& lists);
+  // Stage 3: a run of triangles in a tile, whose pixels are `rect`.
+  void (*draw_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
+                         TileBuffer<Samples>& tile);
+  void (*resolve)(const ResolveJob& job, const TileBuffer<Samples>& tile);
+};
+
+struct Kernels {
+  void (*transform)(const VertexJob& job);
+  SampleKernels<1> single;
+  SampleKernels<4> multi;
+
+  template <int Samples>
+  [[nodiscard]] const SampleKernels<Samples>& of() const {
+    if constexpr (Samples == 1)
+      return single;
+    else
+      return multi;
+  }
+};
+
+// Null where this processor or this build has it not; `best` is always there.
+[[nodiscard]] const Kernels* find_kernels(InstructionSet set);
+
+namespace baseline {
+extern const Kernels kernels;
+}
+namespace avx2 {
+extern const Kernels kernels;
+}
+
+}  // namespace lodestone::soft

@@ -1,0 +1,14 @@
+// Empty where the compiler was not told of AVX2: other processors have the baseline alone.
+#if defined(__AVX2__)
+#include "render/backends/soft/raster_kernel.h"
+#include "render/backends/soft/resolve_kernel.h"
+#include "render/backends/soft/setup_kernel.h"
+#include "render/backends/soft/vertex_kernel.h"
+
+namespace lodestone::soft::avx2 {
+
+const Kernels kernels{
+    transform_cell, {setup_run<1>, draw_triangles<1>, resolve<1>}, {setup_run<4>, draw_triangles<4>, resolve<4>}};
+
+}  // namespace lodestone::soft::avx2
+#endif

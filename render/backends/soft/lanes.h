@@ -1,0 +1,265 @@
+// Several floats or integers in a register: four with what every x86-64 has (or any processor that GCC and Clang
+// compile vectors for), eight with AVX2. A lane is a vertex, a triangle or a pixel and never looks at its neighbours;
+// every operation is one IEEE rounding, so that any width gives the same bytes.
+//
+// A file that includes this is compiled once for each instruction set; LODESTONE_LANES names the namespace, so that
+// the linker cannot mix them up.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+#include "render/backends/soft/raster_types.h"
+
+#if defined(__AVX2__)
+#define LODESTONE_LANES avx2
+#else
+#define LODESTONE_LANES baseline
+#endif
+
+namespace lodestone::soft::LODESTONE_LANES {
+
+#if defined(__AVX2__)
+inline constexpr int width = 8;
+#else
+inline constexpr int width = 4;
+#endif
+
+using Float = float __attribute__((vector_size(4 * width)));
+using Int = std::int32_t __attribute__((vector_size(4 * width)));  // a mask has all bits of a lane set, or none
+using HalfInt = std::int32_t __attribute__((vector_size(2 * width)));
+using HalfFloat = float __attribute__((vector_size(2 * width)));
+using HalfDouble = double __attribute__((vector_size(4 * width)));
+
+inline Float all(float v) { return v - Float{}; }
+inline Int all(std::int32_t v) { return Int{} + v; }
+template <class V, class T>
+inline V load(const T* from) {
+  static_assert(sizeof(T) == 4);
+  V v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+template <class V, class T>
+inline void store(T* to, V v) {
+  static_assert(sizeof(T) == 4);
+  std::memcpy(to, &v, sizeof v);
+}
+inline Int iota() {
+#if defined(__AVX2__)
+  return Int{0, 1, 2, 3, 4, 5, 6, 7};
+#else
+  return Int{0, 1, 2, 3};
+#endif
+}
+inline Int as_int(Float v) { return reinterpret_cast<Int>(v); }
+inline Float as_float(Int v) { return reinterpret_cast<Float>(v); }
+inline Float to_float(Int v) { return __builtin_convertvector(v, Float); }
+inline Int truncated(Float v) { return __builtin_convertvector(v, Int); }
+inline Float select(Int mask, Float yes, Float no) { return mask ? yes : no; }
+inline Int select(Int mask, Int yes, Int no) { return mask ? yes : no; }
+inline Float abs(Float v) { return as_float(as_int(v) & 0x7fff'ffff); }
+
+// One bit per lane of a mask.
+inline unsigned bits(Int mask) {
+#if defined(__AVX2__)
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
+#elif defined(__SSE2__)
+  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));
+#else
+  unsigned r = 0;
+  for (int k = 0; k < width; ++k) r |= static_cast<unsigned>(mask[k] < 0) << k;
+  return r;
+#endif
+}
+inline constexpr unsigned all_lanes = (1u << width) - 1;
+
+// The second operand where either is no number, as the instructions have it.
+inline Float min(Float a, Float b) {
+#if defined(__AVX2__)
+  return _mm256_min_ps(a, b);
+#elif defined(__SSE2__)
+  return _mm_min_ps(a, b);
+#else
+  return a < b ? a : b;
+#endif
+}
+inline Float max(Float a, Float b) {
+#if defined(__AVX2__)
+  return _mm256_max_ps(a, b);
+#elif defined(__SSE2__)
+  return _mm_max_ps(a, b);
+#else
+  return a > b ? a : b;
+#endif
+}
+inline Int min(Int a, Int b) {
+#if defined(__AVX2__)
+  return reinterpret_cast<Int>(_mm256_min_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+#else
+  return a < b ? a : b;
+#endif
+}
+inline Int max(Int a, Int b) {
+#if defined(__AVX2__)
+  return reinterpret_cast<Int>(_mm256_max_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+#else
+  return a > b ? a : b;
+#endif
+}
+inline Float sqrt(Float v) {
+#if defined(__AVX2__)
+  return _mm256_sqrt_ps(v);
+#elif defined(__SSE2__)
+  return _mm_sqrt_ps(v);
+#else
+  for (int k = 0; k < width; ++k) v[k] = std::sqrt(v[k]);
+  return v;
+#endif
+}
+// To the nearest, ties to even.
+inline Int rounded(Float v) {
+#if defined(__AVX2__)
+  return reinterpret_cast<Int>(_mm256_cvtps_epi32(v));
+#elif defined(__SSE2__)
+  return reinterpret_cast<Int>(_mm_cvtps_epi32(v));
+#else
+  Int r;
+  for (int k = 0; k < width; ++k) r[k] = static_cast<std::int32_t>(std::nearbyint(v[k]));
+  return r;
+#endif
+}
+
+// Twice the width in double, for products that must be exact.
+struct Double {
+  HalfDouble lo, hi;
+  friend Double operator+(Double a, Double b) { return {a.lo + b.lo, a.hi + b.hi}; }
+  friend Double operator-(Double a, Double b) { return {a.lo - b.lo, a.hi - b.hi}; }
+  friend Double operator*(Double a, Double b) { return {a.lo * b.lo, a.hi * b.hi}; }
+};
+inline Double all(double v) { return {v - HalfDouble{}, v - HalfDouble{}}; }
+inline Double to_double(Int v) {
+  HalfInt half[2];
+  std::memcpy(half, &v, sizeof v);
+  return {__builtin_convertvector(half[0], HalfDouble), __builtin_convertvector(half[1], HalfDouble)};
+}
+inline Float to_float(Double v) {
+  const HalfFloat half[2]{__builtin_convertvector(v.lo, HalfFloat), __builtin_convertvector(v.hi, HalfFloat)};
+  Float r;
+  std::memcpy(&r, half, sizeof r);
+  return r;
+}
+
+// Appends the lanes whose bits are set; room for a full vector is needed. Returns the new end.
+#if defined(__AVX2__)
+// For every set of lanes, their numbers first.
+struct LaneOrders {
+  std::uint8_t of[256][8];
+};
+inline constexpr LaneOrders lane_orders = [] {
+  LaneOrders orders{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    unsigned n = 0;
+    for (unsigned k = 0; k < 8; ++k)
+      if (mask >> k & 1) orders.of[mask][n++] = static_cast<std::uint8_t>(k);
+  }
+  return orders;
+}();
+inline std::uint32_t* append(std::uint32_t* to, Int lanes, unsigned mask) {
+  const __m256i order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(lane_orders.of[mask])));
+  store(to, reinterpret_cast<Int>(_mm256_permutevar8x32_epi32(reinterpret_cast<__m256i>(lanes), order)));
+  return to + std::popcount(mask);
+}
+#else
+inline std::uint32_t* append(std::uint32_t* to, Int lanes, unsigned mask) {
+  for (int k = 0; k < width; ++k) {
+    *to = static_cast<std::uint32_t>(lanes[k]);
+    to += mask >> k & 1;
+  }
+  return to;
+}
+#endif
+
+struct Points {
+  Float x, y, z;
+};
+struct Vertices {
+  Int x, y;
+  Float z, inverse_w;
+};
+
+// Rows of four lanes to columns and back.
+struct Quads {
+  Float a, b, c, d;
+};
+inline Quads transposed(Float a, Float b, Float c, Float d) {
+#if defined(__AVX2__)
+  const Float ab_lo = _mm256_unpacklo_ps(a, b), ab_hi = _mm256_unpackhi_ps(a, b), cd_lo = _mm256_unpacklo_ps(c, d),
+              cd_hi = _mm256_unpackhi_ps(c, d);
+  return {_mm256_shuffle_ps(ab_lo, cd_lo, 0x44), _mm256_shuffle_ps(ab_lo, cd_lo, 0xee),
+          _mm256_shuffle_ps(ab_hi, cd_hi, 0x44), _mm256_shuffle_ps(ab_hi, cd_hi, 0xee)};
+#else
+  const Float ab_lo = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab_hi = __builtin_shufflevector(a, b, 2, 6, 3, 7),
+              cd_lo = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd_hi = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+  return {__builtin_shufflevector(ab_lo, cd_lo, 0, 1, 4, 5), __builtin_shufflevector(ab_lo, cd_lo, 2, 3, 6, 7),
+          __builtin_shufflevector(ab_hi, cd_hi, 0, 1, 4, 5), __builtin_shufflevector(ab_hi, cd_hi, 2, 3, 6, 7)};
+#endif
+}
+
+// The vertices that at(lane) points to.
+template <class At>
+inline Vertices load_vertices(const At& at) {
+#if defined(__AVX2__)
+  const auto pair = [&](int k) -> Float {
+    const auto lo = _mm_load_ps(reinterpret_cast<const float*>(at(k)));
+    const auto hi = _mm_load_ps(reinterpret_cast<const float*>(at(k + 4)));
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(lo), hi, 1);
+  };
+#else
+  const auto pair = [&](int k) { return load<Float>(reinterpret_cast<const float*>(at(k))); };
+#endif
+  const Quads q = transposed(pair(0), pair(1), pair(2), pair(3));
+  return {as_int(q.a), as_int(q.b), q.c, q.d};
+}
+
+// To consecutive places.
+inline void store_vertices(WindowVertex* to, const Vertices& v) {
+  const Quads q = transposed(as_float(v.x), as_float(v.y), v.z, v.inverse_w);
+  auto* f = reinterpret_cast<float*>(to);
+#if defined(__AVX2__)
+  _mm256_storeu_ps(f, _mm256_permute2f128_ps(q.a, q.b, 0x20));
+  _mm256_storeu_ps(f + 8, _mm256_permute2f128_ps(q.c, q.d, 0x20));
+  _mm256_storeu_ps(f + 16, _mm256_permute2f128_ps(q.a, q.b, 0x31));
+  _mm256_storeu_ps(f + 24, _mm256_permute2f128_ps(q.c, q.d, 0x31));
+#else
+  store(f, q.a), store(f + 4, q.b), store(f + 8, q.c), store(f + 12, q.d);
+#endif
+}
+
+// Consecutive points.
+inline Points load_points(const Vec3f* from) {
+  const auto* f = reinterpret_cast<const float*>(from);
+#if defined(__AVX2__)
+  // Four points in each half: x y z x, y z x y, z x y z.
+  const auto pair = [&](int k) -> Float {
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(f + k)), _mm_loadu_ps(f + 12 + k), 1);
+  };
+  const Float a = pair(0), b = pair(4), c = pair(8);
+  const Float xy = _mm256_shuffle_ps(b, c, 0x9e);  // x2 y2 x3 y3
+  const Float yz = _mm256_shuffle_ps(a, b, 0x49);  // y0 z0 y1 z1
+  return {_mm256_shuffle_ps(a, xy, 0x8c), _mm256_shuffle_ps(yz, xy, 0xd8), _mm256_shuffle_ps(yz, c, 0xcd)};
+#else
+  const Float a = load<Float>(f), b = load<Float>(f + 4), c = load<Float>(f + 8);
+  const Float xy = __builtin_shufflevector(b, c, 2, 3, 5, 6), yz = __builtin_shufflevector(a, b, 1, 2, 4, 5);
+  return {__builtin_shufflevector(a, xy, 0, 3, 4, 6), __builtin_shufflevector(yz, xy, 0, 2, 5, 7),
+          __builtin_shufflevector(yz, c, 1, 3, 4, 7)};
+#endif
+}
+
+}  // namespace lodestone::soft::LODESTONE_LANES

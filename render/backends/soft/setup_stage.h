@@ -1,0 +1,39 @@
+// Stage 2 as a whole: the triangles of a cell, clipped where they must be, as fragments and records in the lists of the
+// tiles that they touch.
+#pragma once
+
+#include "render/backends/soft/bins.h"
+#include "render/backends/soft/kernels.h"
+#include "render/backends/soft/raster_types.h"
+#include "render/backends/soft/viewport.h"
+
+namespace lodestone::soft {
+
+// What all cells of a frame share.
+struct SetupContext {
+  const Frame* frame = nullptr;
+  const Viewport* viewport = nullptr;
+  const TileGrid* grid = nullptr;
+};
+
+// What one worker has found, by tile.
+struct TileBins {
+  Bins<Fragment> fragments;
+  Bins<TriangleRecord> triangles;
+};
+
+// Bins the triangles of a cell; `vertices` are the cell's, transformed.
+template <int Samples>
+void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kernels, const DrawnCell& cell,
+                std::span<const Triangle> triangles, const WindowVertex* vertices, SetupLists& lists, TileBins& bins);
+
+// Twice the signed area; positive when a, b, c turn clockwise in the picture.
+[[nodiscard]] constexpr std::int64_t doubled_area(SnappedPoint a, SnappedPoint b, SnappedPoint c) {
+  return std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
+}
+
+// Puts a triangle, of either orientation, into the lists of all tiles that it may cover a sample of.
+template <int Samples>
+void bin_triangle(TriangleRecord record, const TileGrid& grid, Bins<TriangleRecord>& bins);
+
+}  // namespace lodestone::soft
