@@ -86,9 +86,9 @@ void check_textures(const Hierarchy& hierarchy, Finding& textures) {
                        [&] { return name + ": not half the size"; });
       before = image.size;
       const Means means = means_of(image);
-      textures.require(is_normal_map(hierarchy, copy.texture) ? same_direction(original, means)
-                                                              : same_light(original, means),
-                       [&] { return name + ": the mean of its pixels is not that of the texture"; });
+      textures.require(
+          is_normal_map(hierarchy, copy.texture) ? same_direction(original, means) : same_light(original, means),
+          [&] { return name + ": the mean of its pixels is not that of the texture"; });
     } catch (const Error& error) {
       textures.fail([&] { return name + ": " + error.what(); });
     }

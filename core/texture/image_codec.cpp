@@ -81,9 +81,8 @@ struct JpegHeader {
 JpegHeader read_jpeg_header(tjhandle turbo, std::span<const char> bytes) {
   JpegHeader header;
   int width = 0, height = 0;
-  if (turbo == nullptr ||
-      tjDecompressHeader3(turbo, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), &width, &height,
-                          &header.chroma, &header.colours) != 0)
+  if (turbo == nullptr || tjDecompressHeader3(turbo, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
+                                              &width, &height, &header.chroma, &header.colours) != 0)
     throw InputError(std::string("is no sound JPEG image: ") + tjGetErrorStr2(turbo));
   header.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
   require_size(header.size);
@@ -111,13 +110,12 @@ std::vector<char> encode_jpeg(const PixelImage& image) {
   unsigned long size = 0;
   const int chroma = image.channels == 1 ? TJSAMP_GRAY : image.chroma == TJSAMP_GRAY ? TJSAMP_444 : image.chroma;
   const int failed =
-      turbo == nullptr ||
-      tjCompress2(turbo.get(), image.pixels.data(), static_cast<int>(image.size.width), 0,
-                  static_cast<int>(image.size.height),
-                  image.channels == 1   ? TJPF_GRAY
-                  : image.channels == 3 ? TJPF_RGB
-                                        : TJPF_RGBX,
-                  &bytes, &size, chroma, jpeg_quality, TJFLAG_ACCURATEDCT) != 0;
+      turbo == nullptr || tjCompress2(turbo.get(), image.pixels.data(), static_cast<int>(image.size.width), 0,
+                                      static_cast<int>(image.size.height),
+                                      image.channels == 1   ? TJPF_GRAY
+                                      : image.channels == 3 ? TJPF_RGB
+                                                            : TJPF_RGBX,
+                                      &bytes, &size, chroma, jpeg_quality, TJFLAG_ACCURATEDCT) != 0;
   const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owned(bytes, tjFree);
   if (failed) throw ResourceError(std::string("cannot be encoded: ") + tjGetErrorStr2(turbo.get()));
   return {bytes, bytes + size};

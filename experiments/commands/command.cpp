@@ -66,6 +66,10 @@ void install_interrupt_handler() {
   std::signal(SIGTERM, on_interrupt);
 }
 
+void check_interrupt() {
+  if (interrupted) throw Cancelled{};
+}
+
 void write_json(const CommonOptions& common, const nlohmann::json& result) {
   if (common.json.empty()) return;
   // File names need not be UTF-8, JSON must.

@@ -55,15 +55,18 @@ TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
   const ImageSize size{333, 211};
   const ViewProjection vp = view_projection(camera, h, size);
   const Viewport viewport(size);
+  const std::vector<DetailLimit> some{{{{0.1f, 0.2f, 0}, {0.3f, 0.5f, 0.2f}}, 0.4f}, {{{0.5f, 0, 0}, {1, 1, 1}}, 0.3f}};
   for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev})
     for (const Blend blend : all_blends())
-      for (const RadiiRule rule : {RadiiRule::per_level, RadiiRule::uniform}) {
+      for (const auto& [rule, limits] : {std::pair{RadiiRule::per_level, DetailLimits{}},
+                                         {RadiiRule::per_level, DetailLimits(some)},
+                                         {RadiiRule::uniform, DetailLimits{}}}) {
         RadiiConfig config;
         config.rule = rule;
         config.metric = metric;
         config.kappa0 = 0.9f;  // uniform: inadmissible, bands are steps
         const Radii radii = make_radii(h, config);
-        const MorphContext morph{&h, &radii, blend, viewpoint(camera, h.transform)};
+        const MorphContext morph{&h, &radii, blend, viewpoint(camera, h.transform), limits};
         for (const Cell& cell : h.cells) {
           const int level = h.level_of(static_cast<std::uint32_t>(&cell - h.cells.data()));
           std::vector<WindowVertex> out(cell.positions.size());
@@ -79,6 +82,7 @@ TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
           job.blend = blend;
           job.band_begin = radii.band_begin[static_cast<std::size_t>(level)];
           job.band_end = radii.band_end[static_cast<std::size_t>(level)];
+          job.limits = limits;
           job.view_projection = &vp;
           job.viewport = &viewport;
           job.out = out.data();

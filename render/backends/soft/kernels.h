@@ -9,6 +9,7 @@
 #include "render/backends/soft/soft_renderer.h"
 #include "render/backends/soft/tile_buffer.h"
 #include "render/backends/soft/viewport.h"
+#include "render/lod/limits.h"
 
 namespace lodestone::soft {
 
@@ -22,6 +23,7 @@ struct VertexJob {
   DistanceMetric metric = DistanceMetric::euclidean;
   Blend blend = Blend::smoothstep;
   float band_begin = 0, band_end = 0;
+  DetailLimits limits{};  // those near the cell
   const ViewProjection* view_projection = nullptr;
   const Viewport* viewport = nullptr;
   WindowVertex* out = nullptr;  // one per position

@@ -58,6 +58,7 @@ class SoftRenderer final : public Renderer {
   // One per worker; reused between frames.
   struct Workplace {
     std::vector<WindowVertex> vertices;  // of the cell at hand
+    std::vector<DetailLimit> limits;     // near it
     std::unique_ptr<SetupLists> lists = std::make_unique_for_overwrite<SetupLists>();
     TileBins bins;
     std::unique_ptr<TileBuffer<1>> single = std::make_unique<TileBuffer<1>>();
@@ -152,20 +153,24 @@ class SoftRenderer final : public Renderer {
       for (std::size_t k = range.begin; k < range.end; ++k) {
         const Cell& cell = hierarchy_->cells[cells_[k].cell];
         if (w.vertices.size() < cell.positions.size()) w.vertices.resize(cell.positions.size());
-        kernels_.transform(vertex_job(context, cells_[k], cell, w.vertices.data()));
+        const VertexJob job = vertex_job(context, cells_[k], cell, w);
+        kernels_.transform(job);
         setup_cell(context, kernels_.of<Samples>(), cells_[k], cell.triangles, w.vertices.data(), *w.lists, w.bins);
       }
     });
   }
 
   [[nodiscard]] VertexJob vertex_job(const SetupContext& context, const DrawnCell& drawn, const Cell& cell,
-                                     WindowVertex* out) const {
+                                     Workplace& w) const {
     const MorphContext& morph = context.frame->morph;
     VertexJob job;
     job.positions = cell.positions;
     if (drawn.morphing) {
       job.coarser = hierarchy_->cells[cell.parent].positions.data();
       job.parents = cell.parents.data();
+      w.limits.clear();
+      limits_near(morph.radii->metric, morph.viewpoint, cell.bounds, morph.limits, w.limits);
+      job.limits = w.limits;
     }
     job.viewpoint = morph.viewpoint;
     job.metric = morph.radii->metric;
@@ -174,7 +179,7 @@ class SoftRenderer final : public Renderer {
     job.band_end = morph.radii->band_end[drawn.level];
     job.view_projection = &context.frame->view_projection;
     job.viewport = context.viewport;
-    job.out = out;
+    job.out = w.vertices.data();
     job.lambdas = drawn.lambdas;
     return job;
   }

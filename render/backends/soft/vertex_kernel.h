@@ -10,10 +10,23 @@
 namespace lodestone::soft::LODESTONE_LANES {
 
 template <DistanceMetric Metric>
-inline Float distances(Vec3f from, const Points& p) {
-  const Float x = abs(p.x - from.x), y = abs(p.y - from.y), z = abs(p.z - from.z);
+inline Float norms(Float x, Float y, Float z) {
   if constexpr (Metric == DistanceMetric::chebyshev) return max(max(x, y), z);
   return sqrt((x * x + y * y) + z * z);
+}
+
+// limited_distance of render/lod/limits.h.
+template <DistanceMetric Metric>
+inline Float distances(const VertexJob& job, const Points& p) {
+  const Vec3f from = job.viewpoint;
+  Float d = norms<Metric>(abs(p.x - from.x), abs(p.y - from.y), abs(p.z - from.z));
+  for (const DetailLimit& limit : job.limits) {
+    const auto outside = [](float lo, float hi, Float v) { return max(max(lo - v, v - hi), all(0.0f)); };
+    const Box3f& box = limit.box;
+    d = max(d, limit.radius - norms<Metric>(outside(box.lo.x, box.hi.x, p.x), outside(box.lo.y, box.hi.y, p.y),
+                                            outside(box.lo.z, box.hi.z, p.z)));
+  }
+  return d;
 }
 
 inline Float smoothstep(Float t) { return t * t * (3.0f - 2.0f * t); }
@@ -48,7 +61,7 @@ struct Morph {};
 template <DistanceMetric Metric, Blend B>
 inline Float lambda_of(const VertexJob& job, const Points& w, Morph<Metric, B>) {
   const float begin = job.band_begin, end = job.band_end;
-  const Float d = distances<Metric>(job.viewpoint, w);
+  const Float d = distances<Metric>(job, w);
   const Int own = begin < end ? d <= begin : d < begin;
   const Int parents = ~own & (d >= end);
   const Float ends = select(own, all(1.0f), all(0.0f));
