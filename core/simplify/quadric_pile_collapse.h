@@ -1,9 +1,10 @@
 // Collapses of vertices whose star is no fan.
 //
-// Based on the link condition for any complex of triangles (dey1999): v may go to its neighbour u when what both have as
-// neighbours are the third corners of the triangles at their edge, and no triangle would fall onto another. The image is
-// a complex again, of the same Euler characteristic, with no more edges of many triangles than before. A border, which
-// has no second side to hold it, is followed along. What comes out as a fan is treated as one from then on.
+// Based on the link condition for any complex of triangles (dey1999): v may go to its neighbour u when what both have
+// as neighbours are the third corners of the triangles at their edge, and no triangle would fall onto another. The
+// image is a complex again, of the same Euler characteristic, with no more edges of many triangles than before. A
+// border, which has no second side to hold it, is followed along. What comes out as a fan is treated as one from then
+// on.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,7 @@ void BlockKernel<L>::visit_pile(Id v, unsigned bucket) {
   survey(v, n, c), rate(c);
   c.allowed &= pile_lanes(v, n);
   for (choose(c); c.lane < 32; choose(c)) {
-    if (c.bucket > bucket + 1) return push(v, c.bucket);
+    if (c.bucket > bucket + patience) return push(v, c.bucket);
     if ((c.near >> c.lane & 1) == 0) c.allowed &= c.near = within_bound<2>(v, c.star);
     if ((c.allowed >> c.lane & 1) != 0) {
       const Id u = a_.ring[v].lane[c.lane];
@@ -58,8 +59,7 @@ bool BlockKernel<L>::pile_flips(Id v, Id u) const {
     const float ex = b.x - a.x, ey = b.y - a.y, ez = b.z - a.z;
     const float nx = y * ez - z * ey, ny = z * ex - x * ez, nz = x * ey - y * ex;
     const float size = nx * nx + ny * ny + nz * nz;
-    const float loss =
-        t.x * (ey * nz - ez * ny) + t.y * (ez * nx - ex * nz) + t.z * (ex * ny - ey * nx);
+    const float loss = t.x * (ey * nz - ez * ny) + t.y * (ez * nx - ex * nz) + t.z * (ex * ny - ey * nx);
     if (size > 0 && !(loss < size)) return true;
   }
   return false;

@@ -1,9 +1,9 @@
 // The triangles of vertices whose star is no fan, while half-edges collapse.
 //
-// A ring says everything about a fan. Where surfaces touch or meet in an edge, or neighbours disagree on what is outside,
-// a vertex is a *pile*: its ring is only the set of its neighbours, and its triangles are listed here. Piles are few, so
-// that nothing here is fast; and nothing is inline, since the kernel for one processor must not compile code that others
-// could be given by the linker.
+// A ring says everything about a fan. Where surfaces touch or meet in an edge, or neighbours disagree on what is
+// outside, a vertex is a *pile*: its ring is only the set of its neighbours, and its triangles are listed here. Piles
+// are few, so that nothing here is fast; and nothing is inline, since the kernel for one processor must not compile
+// code that others could be given by the linker.
 #pragma once
 
 #include <cstdint>
