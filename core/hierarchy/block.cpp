@@ -220,8 +220,8 @@ class BlockBuilder {
     s_.surface.reset(s_.images, result.positions);
   }
 
-  // The survivors that each parent cell uses, in order of appearance, and by which of the at most eight parents. Whether
-  // a vertex brings a new one cannot be foretold: written without a branch, one place too far at most.
+  // The survivors that each parent cell uses, in order of appearance, and by which of the at most eight parents.
+  // Whether a vertex brings a new one cannot be foretold: written without a branch, one place too far at most.
   void gather_members(const SimplifyResult& result) {
     s_.used_by.assign(s_.positions.size(), 0);
     if (s_.members.size() <= s_.block_id.size()) s_.members.resize(s_.block_id.size() + 1);
