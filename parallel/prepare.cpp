@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <mutex>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,6 +16,7 @@
 #include "parallel/first_touch.h"
 #include "parallel/hash_partition.h"
 #include "parallel/prepare_wedges.h"
+#include "parallel/repeat_filter.h"
 
 namespace lodestone {
 namespace {
@@ -83,9 +86,14 @@ class Preparation {
   }
 
   void drop_non_finite_triangles() {
-    scheduler_->for_chunks(raw_.positions.size(), grain, [&](ChunkRange range) {
-      classify_vertices(part(raw_.positions, range), part(states_, range));
+    const std::uint64_t not_finite = sum_chunks(raw_.positions.size(), *scheduler_, [&](ChunkRange range) {
+      return classify_vertices(part(raw_.positions, range), part(states_, range));
     });
+    if (not_finite == 0) {
+      scheduler_->for_chunks(mesh_.triangles.size(), grain,
+                             [&](ChunkRange range) { mark_corners(part(mesh_.triangles, range), states_); });
+      return;
+    }
     repairs_->non_finite_triangles = sum_chunks(mesh_.triangles.size(), *scheduler_, [&](ChunkRange range) {
       return drop_non_finite(part(mesh_.triangles, range), states_);
     });
@@ -103,10 +111,6 @@ class Preparation {
   }
 
   void weld_vertices() {
-    resize_in_parallel(ids_, mesh_.positions.size(), *scheduler_);
-    scheduler_->for_chunks(ids_.size(), grain, [&](ChunkRange range) {
-      for (std::size_t i = range.begin; i < range.end; ++i) ids_[i] = static_cast<std::uint32_t>(i);
-    });
     const std::vector<Vec3f>& positions = mesh_.positions;
     // -0 and NaN do not occur any more, so that equal positions are equal bits.
     repairs_->welded_vertices =
@@ -114,31 +118,41 @@ class Preparation {
             positions.size(), [&](std::size_t i) { return states_[i] == VertexState::used; },
             [&](std::size_t i) { return hash_of(positions[i]); }, *scheduler_)
             .find_repeats([&](std::uint32_t a, std::uint32_t b) { return positions[a] == positions[b]; },
-                          [&](std::uint32_t repeat, std::uint32_t first) { ids_[repeat] = first; }, *scheduler_);
+                          [&](std::uint32_t repeat, std::uint32_t first) {
+                            std::call_once(any_repeat_, [&] { number_all(); });
+                            ids_[repeat] = first;
+                          },
+                          *scheduler_);
   }
 
   void drop_degenerate_triangles() {
     const std::uint64_t degenerate = sum_chunks(mesh_.triangles.size(), *scheduler_, [&](ChunkRange range) {
-      return weld_triangles(ids_, part(mesh_.triangles, range));
+      const std::span triangles = part(mesh_.triangles, range);
+      return ids_.empty() ? drop_degenerate(triangles) : weld_triangles(ids_, triangles);
     });
     repairs_->degenerate_triangles = degenerate - repairs_->non_finite_triangles;
   }
 
   void drop_duplicate_triangles() {
     std::vector<Triangle>& triangles = mesh_.triangles;
-    repairs_->duplicate_triangles =
-        HashPartition(
-            triangles.size(), [&](std::size_t i) { return !is_degenerate(triangles[i]); },
-            [&](std::size_t i) { return hash_of(triangles[i]); }, *scheduler_)
-            .find_repeats(
-                [&](std::uint32_t a, std::uint32_t b) { return canonical(triangles[a]) == canonical(triangles[b]); },
-                [&](std::uint32_t repeat, std::uint32_t) {
-                  triangles[repeat] = Triangle{{0, 0, 0}};
-                },
-                *scheduler_);
+    const std::vector<std::uint32_t> some =
+        RepeatFilter(triangles, mesh_.positions.size(), *scheduler_).candidates(*scheduler_);
+    repairs_->duplicate_triangles = HashPartition(
+                                        some.size(), [](std::size_t) { return true; },
+                                        [&](std::size_t i) { return hash_of(triangles[some[i]]); }, *scheduler_)
+                                        .find_repeats(
+                                            [&](std::uint32_t a, std::uint32_t b) {
+                                              return canonical(triangles[some[a]]) == canonical(triangles[some[b]]);
+                                            },
+                                            [&](std::uint32_t repeat, std::uint32_t) {
+                                              triangles[some[repeat]] = Triangle{{0, 0, 0}};
+                                            },
+                                            *scheduler_);
   }
 
   void squeeze_out() {
+    if (is_sound()) return;
+    ids_.resize(mesh_.positions.size());
     mark_survivors();
     number_survivors();
     const std::size_t before = mesh_.positions.size();
@@ -156,6 +170,20 @@ class Preparation {
   [[nodiscard]] const IndexedMesh& mesh() const { return mesh_; }
 
  private:
+  // Nothing has gone, and nothing is unused: most meshes.
+  [[nodiscard]] bool is_sound() const {
+    const Repairs& r = *repairs_;
+    if (r.non_finite_triangles + r.welded_vertices + r.degenerate_triangles + r.duplicate_triangles != 0) return false;
+    return sum_chunks(states_.size(), *scheduler_, [&](ChunkRange range) {
+             return static_cast<std::uint64_t>(std::ranges::count(part(std::span(states_), range), VertexState::used));
+           }) == states_.size();
+  }
+
+  void number_all() {
+    ids_.resize(mesh_.positions.size());
+    std::iota(ids_.begin(), ids_.end(), 0u);
+  }
+
   void mark_survivors() {
     scheduler_->for_chunks(states_.size(), grain,
                            [&](ChunkRange range) { std::ranges::fill(part(states_, range), VertexState::unused); });
@@ -181,7 +209,9 @@ class Preparation {
   WedgePreparation wedges_;
   IndexedMesh mesh_;
   std::vector<VertexState> states_;
-  std::vector<std::uint32_t> ids_;  // of each vertex: its representative, then its number in the result
+  // Of each vertex: its representative, then its number in the result. Empty as long as each is its own.
+  std::vector<std::uint32_t> ids_;
+  std::once_flag any_repeat_;
 };
 
 void require_any_left(std::uint64_t dropped, std::size_t triangles, const Repairs& repairs, const std::string& name) {

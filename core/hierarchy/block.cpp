@@ -136,8 +136,10 @@ class BlockBuilder {
     std::uint32_t* const block_id = s_.block_id.data() + first;
     for (std::uint32_t i = 0; i < own; ++i) block_id[i] = base + i;
     for (std::size_t k = 0; k < cell.slab.shared_ids.size(); ++k) block_id[own + k] = append_shared(cell, k);
-    for (const Triangle& t : cell.triangles)
-      s_.triangles.push_back({{block_id[t.v[0]], block_id[t.v[1]], block_id[t.v[2]]}});
+    const std::size_t first_triangle = s_.triangles.size();
+    s_.triangles.resize(first_triangle + cell.triangles.size());
+    Triangle* to = s_.triangles.data() + first_triangle;
+    for (const Triangle& t : cell.triangles) *to++ = {{block_id[t.v[0]], block_id[t.v[1]], block_id[t.v[2]]}};
   }
 
   // Block id of a cell's k-th shared vertex.
@@ -184,8 +186,9 @@ class BlockBuilder {
   void join_uses() {
     const std::span<const std::uint32_t> vertex = s_.wedges.vertex();
     s_.vertex_used_by.assign(s_.wedges.vertices(), 0);
-    for (const std::uint32_t p : s_.members) s_.vertex_used_by[vertex[p]] |= s_.used_by[p];
-    for (const std::uint32_t p : s_.members) s_.used_by[p] = s_.vertex_used_by[vertex[p]];
+    const auto members = std::span(s_.members).first(member_end_[block_.parents.size() - 1]);
+    for (const std::uint32_t p : members) s_.vertex_used_by[vertex[p]] |= s_.used_by[p];
+    for (const std::uint32_t p : members) s_.used_by[p] = s_.vertex_used_by[vertex[p]];
   }
 
   // Survivors that have moved take the attributes of the place that they have moved to.
@@ -231,21 +234,26 @@ class BlockBuilder {
   }
 
   // The survivors that each parent cell uses, in order of appearance, and by which of the at most eight parents.
+  // Whether a vertex brings a new one cannot be foretold: written without a branch, one place too far at most.
   void gather_members(const SimplifyResult& result) {
     s_.used_by.assign(s_.positions.size(), 0);
-    s_.members.clear();
+    if (s_.members.size() <= s_.block_id.size()) s_.members.resize(s_.block_id.size() + 1);
     s_.local.resize(s_.positions.size());
     const std::uint32_t* block_id = s_.block_id.data();
+    std::uint8_t* const used_by = s_.used_by.data();
+    std::uint32_t* const members = s_.members.data();
+    std::size_t count = 0;
     for (std::size_t i = 0; i < block_.parents.size(); ++i) {
       for_each_child(block_.parents[i], [&](const CellBuild& child) {
         for (const std::uint32_t* end = block_id + child.vertex_count(); block_id != end; ++block_id) {
           const std::uint32_t p = result.parent[*block_id];
-          if (s_.used_by[p] >> i & 1) continue;
-          s_.used_by[p] = static_cast<std::uint8_t>(s_.used_by[p] | 1u << i);
-          s_.members.push_back(p);
+          const unsigned known = used_by[p];
+          used_by[p] = static_cast<std::uint8_t>(known | 1u << i);
+          members[count] = p;
+          count += ~known >> i & 1;
         }
       });
-      member_end_[i] = s_.members.size();
+      member_end_[i] = count;
     }
   }
 
@@ -268,14 +276,17 @@ class BlockBuilder {
                    std::size_t& vertex, float sigma0) {
     CellBuild& parent = parents_[rank];
     const std::size_t shared = number_members(members);
-    s_.kept.clear();
+    std::size_t triangles = 0;
+    for_each_child(rank, [&](const CellBuild& child) { triangles += child.triangles.size(); });
+    if (s_.kept.size() <= triangles) s_.kept.resize(triangles + 1);
+    std::size_t kept = 0;
     for_each_child(rank, [&](CellBuild& child) {
       link_child(result, child, parent, vertex);
-      keep_triangles(child);
+      kept = keep_triangles(child, kept);
       vertex += child.vertex_count();
     });
-    parent.slab.allocate(members.size(), shared, s_.kept.size(), attributes_);
-    std::copy(s_.kept.begin(), s_.kept.end(), parent.slab.triangles.begin());
+    parent.slab.allocate(members.size(), shared, kept, attributes_);
+    std::copy_n(s_.kept.begin(), kept, parent.slab.triangles.begin());
     parent.triangles = parent.slab.triangles;
     fill_vertices(result, members, parent);
     if (attributes_.wedges) fill_attributes(members, parent);
@@ -331,13 +342,19 @@ class BlockBuilder {
     return root_up(squared);
   }
 
-  // The child's triangles under P, by the parent's local ids; what has degenerated goes.
-  void keep_triangles(const CellBuild& child) {
+  // The child's triangles under P, by the parent's local ids, behind those that are `kept` already; what has
+  // degenerated goes, again without a branch. Returns how many there are then.
+  std::size_t keep_triangles(const CellBuild& child, std::size_t kept) {
     const std::span<const std::uint32_t> parents = child.slab.parents;
+    Triangle* const to = s_.kept.data();
+    const bool wedges = attributes_.wedges;
     for (const Triangle& t : child.triangles) {
       const Triangle image{{parents[t.v[0]], parents[t.v[1]], parents[t.v[2]]}};
-      if (!is_degenerate(attributes_.wedges ? by_vertex(image) : image)) s_.kept.push_back(image);
+      to[kept] = image;
+      const auto& v = wedges ? by_vertex(image).v : image.v;
+      kept += (v[0] != v[1]) & (v[1] != v[2]) & (v[2] != v[0]);
     }
+    return kept;
   }
   [[nodiscard]] Triangle by_vertex(const Triangle& t) const {
     return {{s_.local_vertex[t.v[0]], s_.local_vertex[t.v[1]], s_.local_vertex[t.v[2]]}};

@@ -39,10 +39,10 @@ struct BlockScratch {
   std::vector<std::uint32_t> table_keys, table_values;  // shared id -> index in `shared`
   // Splitting into the parents.
   std::vector<std::uint8_t> used_by;    // bit i: the i-th parent uses this survivor
-  std::vector<std::uint32_t> members;   // survivors, parent after parent
+  std::vector<std::uint32_t> members;   // survivors, parent after parent; longer than those
   std::vector<std::uint32_t> local;     // of a survivor in the parent being made
   std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
-  std::vector<Triangle> kept;           // of the parent being made
+  std::vector<Triangle> kept;           // of the parent being made; longer than those
   // For simplifiers that do not measure distances.
   std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
   StarDistance surface;          // of the images

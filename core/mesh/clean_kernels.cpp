@@ -28,9 +28,14 @@ std::uint64_t mix(std::uint64_t a, std::uint64_t b) {
 
 }  // namespace
 
-void classify_vertices(std::span<const Vec3d> positions, std::span<VertexState> states) {
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    states[i] = is_finite(positions[i]) ? VertexState::unused : VertexState::not_finite;
+std::uint64_t classify_vertices(std::span<const Vec3d> positions, std::span<VertexState> states) {
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const bool finite = is_finite(positions[i]);
+    states[i] = finite ? VertexState::unused : VertexState::not_finite;
+    count += !finite;
+  }
+  return count;
 }
 
 std::uint64_t drop_non_finite(std::span<Triangle> triangles, std::span<VertexState> states) {
@@ -46,6 +51,11 @@ std::uint64_t drop_non_finite(std::span<Triangle> triangles, std::span<VertexSta
     }
   }
   return count;
+}
+
+void mark_corners(std::span<const Triangle> triangles, std::span<VertexState> states) {
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t id : t.v) set_used(states, id);
 }
 
 void extend_box(std::span<const Vec3d> positions, std::span<const VertexState> states, Box3d& box) {
@@ -77,6 +87,16 @@ std::uint64_t weld_triangles(std::span<const std::uint32_t> representative, std:
   std::uint64_t degenerate = 0;
   for (Triangle& t : triangles) {
     t = {{representative[t.v[0]], representative[t.v[1]], representative[t.v[2]]}};
+    if (!is_degenerate(t)) continue;
+    t = dropped;
+    ++degenerate;
+  }
+  return degenerate;
+}
+
+std::uint64_t drop_degenerate(std::span<Triangle> triangles) {
+  std::uint64_t degenerate = 0;
+  for (Triangle& t : triangles) {
     if (!is_degenerate(t)) continue;
     t = dropped;
     ++degenerate;

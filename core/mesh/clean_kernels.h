@@ -17,12 +17,15 @@ namespace lodestone {
 
 enum class VertexState : std::uint8_t { unused, used, not_finite };
 
-// Vertices: which are not finite.
-void classify_vertices(std::span<const Vec3d> positions, std::span<VertexState> states);
+// Vertices: which are not finite; returns how many.
+std::uint64_t classify_vertices(std::span<const Vec3d> positions, std::span<VertexState> states);
 
 // Triangles: marks the corners of those whose corners are all finite as used, and drops the others; returns how many.
 // `states` is of all vertices.
 [[nodiscard]] std::uint64_t drop_non_finite(std::span<Triangle> triangles, std::span<VertexState> states);
+
+// The same where all are finite.
+void mark_corners(std::span<const Triangle> triangles, std::span<VertexState> states);
 
 // Vertices: grows the box around those in use.
 void extend_box(std::span<const Vec3d> positions, std::span<const VertexState> states, Box3d& box);
@@ -56,6 +59,9 @@ class RepeatFinder {
 // Triangles: replaces corners by representatives and drops the degenerate; returns how many are now degenerate.
 [[nodiscard]] std::uint64_t weld_triangles(std::span<const std::uint32_t> representative,
                                            std::span<Triangle> triangles);
+
+// The same where each vertex is its own.
+[[nodiscard]] std::uint64_t drop_degenerate(std::span<Triangle> triangles);
 
 // Triangles: marks the corners of those that are left as used.
 void mark_used(std::span<const Triangle> triangles, std::span<VertexState> states);

@@ -10,19 +10,20 @@
 
 namespace lodestone::quadric {
 
+// A cost is an error over weight^(3/4): between the sum of the squared distances, which asks what a collapse adds to
+// the error of the whole mesh, and their mean, which knows no difference between a large star and a small one (decision
+// 0013). Buckets are logarithms, and so are the bits of a float, nearly: there is nothing to be divided.
 template <class L>
-unsigned BlockKernel<L>::bucket_of(float cost) {
-  return cost > 0 ? std::bit_cast<std::uint32_t>(cost) >> bucket_shift : 0;
+inline std::int64_t BlockKernel<L>::scale_of(float weight) {
+  const auto over_one = std::int64_t{std::bit_cast<std::uint32_t>(weight)} - 0x3f80'0000;
+  return over_one - (over_one >> 2);
 }
 
-// About weight^(3/4): between the sum of the squared distances, which asks what a collapse adds to the error of the
-// whole mesh, and their mean, which knows no difference between a large star and a small one (decision 0013). The bits
-// of a float are its logarithm, nearly.
 template <class L>
-inline float BlockKernel<L>::divisor_of(float weight) {
-  constexpr std::uint32_t one = 0x3f80'0000u;
-  const auto bits = std::bit_cast<std::uint32_t>(weight);
-  return std::bit_cast<float>(bits - (bits >> 2) + (one >> 2));
+inline unsigned BlockKernel<L>::bucket_of(float error, std::int64_t scale) {
+  if (!(error > 0)) return 0;
+  const std::int64_t bits = std::int64_t{std::bit_cast<std::uint32_t>(error)} - scale;
+  return static_cast<unsigned>(std::clamp<std::int64_t>(bits, 0, 0x7fff'ffff) >> bucket_shift);
 }
 
 template <class L>
@@ -32,7 +33,7 @@ void BlockKernel<L>::push(Id v, unsigned bucket) {
 }
 
 // A vertex is evaluated when it comes up, not when its surroundings change: costs mostly rise, and one that has risen
-// by more than a bucket goes back. Several come up together and are evaluated side by side, step by step, since each
+// by more than `patience` goes back. Several come up together and are evaluated side by side, step by step, since each
 // step of one waits for the step before; a collapse among them may leave another to be evaluated again.
 template <class L>
 void BlockKernel<L>::collapse_to_target() {
@@ -127,7 +128,7 @@ inline void BlockKernel<L>::survey(Id v, unsigned n, Candidate<G>& c) const {
   if (ring.has(seamed)) c.allowed &= seams_->lanes(v, ring, n);
 }
 
-// The costs of its targets, for what has collapsed into the candidate. The target's own error and area stay
+// The errors at its targets, of what has collapsed into the candidate. The target's own error and area stay
 // out of it: a large flat target would hide what the tip of a small feature loses. Most targets are near enough for
 // every member by the triangle inequality alone; the others are looked at only if they are wanted.
 template <class L>
@@ -135,12 +136,11 @@ template <int G>
 inline void BlockKernel<L>::rate(Candidate<G>& c) const {
   const Body& body = a_.body[c.v];
   const float room = std::max(bound_ - body.reach, 0.0f);
-  const Float divisor = Float::all(divisor_of(body.weight));
   c.near = 0;
+  c.scale = scale_of(body.weight);
   for (int g = 0; g < G; ++g) {
     const Float &x = c.star.x[g], &y = c.star.y[g], &z = c.star.z[g];
-    const Float error = quadratic_form(body, x, y, z) + Float::all(body.error);
-    c.cost[g] = max(error, Float::all(0)) / divisor;
+    c.error[g] = quadratic_form(body, x, y, z) + Float::all(body.error);
     c.near |= not_above(x * x + y * y + z * z, Float::all(room * room)) << (8 * g);
   }
 }
@@ -150,15 +150,15 @@ template <class L>
 template <int G>
 inline void BlockKernel<L>::choose(Candidate<G>& c) {
   const Float infinite = Float::all(std::numeric_limits<float>::infinity());
-  float best = lowest(select(c.allowed, c.cost[0], infinite));
+  float best = lowest(select(c.allowed, c.error[0], infinite));
   if constexpr (G == 2) {
-    const float second = lowest(select(c.allowed >> 8, c.cost[1], infinite));
+    const float second = lowest(select(c.allowed >> 8, c.error[1], infinite));
     best = second < best ? second : best;
   }
   unsigned lanes = 0;
-  for (int g = 0; g < G; ++g) lanes |= equal(c.cost[g], best) << (8 * g);
+  for (int g = 0; g < G; ++g) lanes |= equal(c.error[g], best) << (8 * g);
   c.lane = static_cast<unsigned>(std::countr_zero(lanes & c.allowed));
-  c.bucket = bucket_of(best);
+  c.bucket = bucket_of(best, c.scale);
 }
 
 // Collapses the candidate into the cheapest target that can be had for the price of the bucket; where there is none it
@@ -168,7 +168,7 @@ template <int G>
 inline void BlockKernel<L>::decide(unsigned n, Candidate<G>& c, unsigned bucket) {
   Ring& ring = a_.ring[c.v];
   if (c.lane < 32) {
-    if (c.bucket > bucket + 1) return push(c.v, c.bucket);
+    if (c.bucket > bucket + patience) return push(c.v, c.bucket);
     __builtin_prefetch(&a_.body[ring.lane[c.lane]]);
     const Faces<G> faces = faces_of<G>(c.star, n);
     const unsigned real = (1u << (ring.has(open) ? n - 1 : n)) - 1;
@@ -187,7 +187,7 @@ inline void BlockKernel<L>::decide(unsigned n, Candidate<G>& c, unsigned bucket)
       }
       choose(c);
       if (c.lane >= 32) break;
-      if (c.bucket > bucket + 1) return push(c.v, c.bucket);
+      if (c.bucket > bucket + patience) return push(c.v, c.bucket);
     } while (true);
   }
   ring.lane[flags_lane] = static_cast<Id>(ring.lane[flags_lane] & ~queued);

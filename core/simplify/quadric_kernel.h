@@ -24,6 +24,9 @@ inline constexpr float bound_margin = 1 - 1e-5f;
 
 // More than a few roundings take off.
 inline constexpr float rounded_up = 1 + 1e-6f;
+// Buckets that a cost may have risen by since its vertex was queued: half of it. Twice as many are no faster and cost
+// 1 % of RMS, one is 4 % slower.
+inline constexpr unsigned patience = 8;
 // Vertices that are evaluated side by side. More overlap better but spoil one another's rings: of four 2 % have to be
 // evaluated again.
 inline constexpr unsigned batch_size = 4;
@@ -77,14 +80,15 @@ class BlockKernel {
   template <int G>
   struct Candidate {
     Star<G> star;
-    Float cost[G];
-    Ids ring;                    // as it was when the costs were computed
+    Float error[G];              // of each target
+    Ids ring;                    // as it was when the errors were computed
     Id around[turn_front + 32];  // the ring twice from turn_front on: it can be read from any neighbour on
     Id v;
-    unsigned allowed;  // lanes that are left
-    unsigned near;     // lanes known to be within the bound of every member
-    unsigned lane;     // the cheapest of the allowed; 32 or more where none is left
-    unsigned bucket;   // of its cost
+    unsigned allowed;    // lanes that are left
+    unsigned near;       // lanes known to be within the bound of every member
+    unsigned lane;       // the cheapest of the allowed; 32 or more where none is left
+    unsigned bucket;     // of its cost
+    std::int64_t scale;  // what the errors are divided by, as a logarithm
   };
   struct Shift {
     float x, y, z;
@@ -133,8 +137,8 @@ class BlockKernel {
   void push(Id v, unsigned bucket);
   [[nodiscard]] unsigned take(unsigned bucket, Id (&batch)[batch_size]);
   [[gnu::noinline]] void visit_crowded(Id v, unsigned n, unsigned bucket);
-  static unsigned bucket_of(float cost);
-  static float divisor_of(float weight);
+  static std::int64_t scale_of(float weight);
+  static unsigned bucket_of(float error, std::int64_t scale);
   template <int G>
   [[gnu::always_inline]] void survey(Id v, unsigned n, Candidate<G>& c) const;
   template <int G>

@@ -21,7 +21,7 @@ void BlockKernel<L>::visit_pile(Id v, unsigned bucket) {
   survey(v, n, c), rate(c);
   c.allowed &= pile_lanes(v, n);
   for (choose(c); c.lane < 32; choose(c)) {
-    if (c.bucket > bucket + 1) return push(v, c.bucket);
+    if (c.bucket > bucket + patience) return push(v, c.bucket);
     if ((c.near >> c.lane & 1) == 0) c.allowed &= c.near = within_bound<2>(v, c.star);
     if ((c.allowed >> c.lane & 1) != 0) {
       const Id u = a_.ring[v].lane[c.lane];

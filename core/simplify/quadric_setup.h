@@ -261,19 +261,20 @@ template <class L>
 void BlockKernel<L>::push_eight(unsigned first) {
   const unsigned count = std::min(8u, count_ - first);
   Float least[8];
-  float cost[8];
+  float error[8];
+  std::int64_t scale[8];
   for (unsigned k = 0; k < 8; ++k) {
     const Id v = static_cast<Id>(first + (k < count ? k : 0));
     const unsigned n = degree(v);
     least[k] = n <= 8 ? first_errors<1>(v, n) : first_errors<2>(v, n);
-    cost[k] = divisor_of(a_.body[v].weight);
+    scale[k] = scale_of(a_.body[v].weight);
   }
   transpose(least);
   for (int k = 1; k < 8; ++k) least[0] = min(least[0], least[k]);
-  (least[0] / Float::load(cost)).store(cost);
+  least[0].store(error);
   for (unsigned k = 0; k < count; ++k) {
     const Id v = static_cast<Id>(first + k);
-    push(v, a_.ring[v].has(movable) ? bucket_of(cost[k]) : nowhere);
+    push(v, a_.ring[v].has(movable) ? bucket_of(error[k], scale[k]) : nowhere);
   }
 }
 
