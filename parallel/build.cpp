@@ -15,6 +15,7 @@
 #include "parallel/cpu_clock.h"
 #include "parallel/finest_level.h"
 #include "parallel/partition.h"
+#include "parallel/refine_mesh.h"
 
 namespace lodestone {
 namespace {
@@ -204,7 +205,9 @@ void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& o
     build.cells.emplace_back(build.plan.levels[static_cast<std::size_t>(l)].codes.size());
   build.triangles = std::move(partition.triangles);
   build.cells.push_back(make_finest_cells(std::move(partition), finest, out.sigma0, scheduler));
-  for (CellBuild& cell : build.cells.back()) cell.error = build.lattice.error();  // the lattice has moved the input
+  // The lattice has moved the input, and the middles of split edges once more.
+  const float moved = (out.provenance.refined ? 2 : 1) * build.lattice.error();
+  for (CellBuild& cell : build.cells.back()) cell.error = moved;
 }
 
 }  // namespace
@@ -228,19 +231,26 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   out.transform = mesh.transform;
   build->lattice = mesh.transform.lattice;
   out.sigma0 = config.sigma0;
-  out.provenance.input_vertices = mesh.positions.size();
-  out.provenance.input_triangles = mesh.triangles.size();
   out.provenance.simplifier = static_cast<std::uint32_t>(config.simplifier);
   out.attributes = build->attributes = attributes_of(mesh);
   out.materials = std::move(mesh.wedges.materials);
   out.textures = std::move(mesh.wedges.textures);
   out.provenance.placement = static_cast<std::uint32_t>(placement_of(config));
 
-  const CpuClock partition_clock;
   scheduler.name_work("partition");
+  const CpuClock refine_clock;
   const bool choose = config.finest_level < 0;
   const int finest = choose ? choose_finest_level(mesh, config.cell_triangles) : config.finest_level;
   out.provenance.cell_triangles = choose ? config.cell_triangles : 0;
+  RefineReport refinement;
+  if (config.refine) {
+    refinement = refine_mesh(mesh, double{config.sigma0} * cell_size(finest), scheduler);
+    out.provenance.refined = true;
+  }
+  out.provenance.input_vertices = mesh.positions.size();
+  out.provenance.input_triangles = mesh.triangles.size();
+  const StageTime refine_time = refine_clock.elapsed();
+  const CpuClock partition_clock;
   partition_finest(std::move(mesh), finest, *build, out, scheduler);
   const StageTime partition_time = partition_clock.elapsed();
 
@@ -254,6 +264,8 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   out.storage = build;
 
   if (report) {
+    if (config.refine) report->stages["refine"] = refine_time;
+    report->refinement = refinement;
     report->stages["partition"] = partition_time;
     report->stages["hierarchy"] = hierarchy_time;
     if (config.order_cells) report->stages["order"] = order_time;

@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "core/hierarchy/hierarchy.h"
+#include "core/mesh/refine.h"
 #include "core/simplify/simplifier.h"
 #include "parallel/scheduler.h"
 #include "parallel/stage_time.h"
@@ -32,6 +33,8 @@ struct BuildConfig {
   SimplifierKind simplifier = SimplifierKind::quadric;
   std::optional<Placement> placement;  // of the survivors; empty: default_placement(simplifier)
   Strategy strategy = Strategy::graph;
+  // Splits edges of the input longer than sigma0 h_L (core/mesh/refine.h). L is chosen before.
+  bool refine = false;
   // Puts the vertices and triangles of every cell in an order that compresses well and that caches like.
   bool order_cells = false;
   const CancelFlag* cancel = nullptr;
@@ -40,7 +43,8 @@ struct BuildConfig {
 };
 
 struct BuildReport {
-  std::map<std::string, StageTime> stages;  // partition, hierarchy, and order if asked for
+  std::map<std::string, StageTime> stages;  // partition, hierarchy, and refine and order if asked for
+  RefineReport refinement;                  // if asked for
   StageTime total;                          // from the mesh to packed levels
 };
 

@@ -39,7 +39,8 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   triangles      M_{l-1}(C) = image under P of M_l of the children without degenerate ones, as oriented multisets
 //   displacement   (1): d(v, P(v)) <= sigma0 h_l / 2, and the stored maximum of each cell
 //   lattice        if the model has a lattice, every vertex of every level stands on it
-//   edges          stored longest edges and numbers of long half-edges; no long edge where M_L has none
+//   edges          stored longest edges and numbers of long half-edges; no long edge where M_L has none, and M_L has
+//                  none where edges were split
 //   boxes          B(C) is the box of V_l(C) and of the children's B
 //   reach          rho_l of both metrics and the largest diameter
 //   errors         on M_L what the lattice may have moved the input by (twice that when edges were split), 0 without
@@ -53,8 +54,8 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //                  corners of a triangle have one material, and P keeps it; finite texture coordinates
 //   textures       only with copies of textures: each is an image of half the size of the one before, and the mean of
 //                  its pixels (of light, or of normals) is that of the texture
-//   input          only with `input`: the triangles of M_L are those of the input, position by position; the input is
-//                  on the same lattice
+//   input          only with `input`: the triangles of M_L are those of the input, position by position, or, where
+//                  edges were split, what splitting each of them makes; the input is on the same lattice
 // When `structure` fails the others are reported as failed without being run, since no index could be trusted.
 //
 // Time: about one second per million triangles of M_L at most; memory: a few words per vertex of two levels, and 24

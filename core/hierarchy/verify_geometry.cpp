@@ -81,6 +81,8 @@ void check_lattice(const Hierarchy& hierarchy, Finding& lattice) {
 // level come from long edges of the finer one.
 void check_edges(const Hierarchy& hierarchy, Finding& edges) {
   bool all_short = true;
+  edges.require(!hierarchy.provenance.refined || edges_of(hierarchy, hierarchy.finest()).surely_long == 0,
+                [] { return "an edge of the finest level is longer than sigma0 h, although such edges were split"; });
   for (int l = hierarchy.finest(); l >= 0; --l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
     const LevelEdges found = edges_of(hierarchy, l);

@@ -4,6 +4,7 @@
 
 #include "core/hierarchy/fingerprint.h"
 #include "core/hierarchy/verify_checks.h"
+#include "core/mesh/refine.h"
 
 namespace lodestone::verify {
 namespace {
@@ -57,6 +58,58 @@ class FinestTriangles {
   std::span<const Cell> cells_;
 };
 
+// What splitting edges beyond a limit makes of the input, triangle by triangle: the definition of core/mesh/refine.h
+// once more, without ids, since what is split and where follows from positions alone.
+class RefinedTriangles {
+ public:
+  RefinedTriangles(const IndexedMesh& mesh, double longest) : lattice_(mesh.transform.lattice) {
+    const double limit = refine_limit(longest, lattice_);
+    limit2_ = limit * limit;
+    for (const Triangle& t : mesh.triangles)
+      add(to_double(mesh.positions[t.v[0]]), to_double(mesh.positions[t.v[1]]), to_double(mesh.positions[t.v[2]]));
+    std::sort(parts_.begin(), parts_.end());
+    parts_.erase(std::unique(parts_.begin(), parts_.end()), parts_.end());
+  }
+  template <typename Body>
+  void for_each(Body&& body) const {
+    for (std::uint64_t i = 0; i < parts_.size(); ++i) body(i, parts_[i]);
+  }
+  [[nodiscard]] const Corners& operator[](std::uint64_t i) const { return parts_[i]; }
+  [[nodiscard]] std::uint64_t size() const { return parts_.size(); }
+
+ private:
+  [[nodiscard]] bool is_long(Vec3d p, Vec3d q) const { return dot(p - q, p - q) > limit2_; }
+  [[nodiscard]] Vec3f rounded(Vec3d p) const { return lattice_ ? lattice_.nearest(p) : to_float(p); }
+
+  // Turned until the edges that are too long are bc and ca, or ab alone, or all, or none.
+  void add(Vec3d a, Vec3d b, Vec3d c) {
+    const bool ab = is_long(a, b), bc = is_long(b, c), ca = is_long(c, a);
+    const Vec3d m = 0.5 * (a + b), n = 0.5 * (b + c), o = 0.5 * (c + a);
+    if (ab && bc && ca) {
+      add(a, m, o), add(m, b, n), add(o, n, c), add(m, n, o);
+    } else if (bc && ca) {
+      add(c, o, n);
+      const double from_a = dot(a - n, a - n), from_b = dot(b - o, b - o);
+      if (from_a <= from_b) {
+        add(o, a, n), add(a, b, n);
+      } else {
+        add(o, a, b), add(o, b, n);
+      }
+    } else if (ab && !bc && !ca) {
+      add(a, m, c), add(m, b, c);
+    } else if (ab || bc || ca) {
+      add(b, c, a);
+    } else if (const Corners part = corners(rounded(a), rounded(b), rounded(c));
+               part.p[0] != part.p[1] && part.p[1] != part.p[2] && part.p[2] != part.p[0]) {
+      parts_.push_back(part);
+    }
+  }
+
+  Lattice lattice_;
+  double limit2_ = 0;
+  std::vector<Corners> parts_;
+};
+
 // Triangles bucketed by where their least corner lies: both sides are sorted and compared bucket by bucket, which keeps
 // the working set small and needs 8 bytes per triangle instead of 36.
 constexpr int bucket_level = 6;
@@ -96,6 +149,28 @@ std::string name_of(const Corners& t) {
   for (const auto& p : t.p)
     text += " (" + std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")";
   return text;
+}
+
+// Both as multisets, bucket by bucket.
+template <typename Given>
+void compare(const Given& given, std::uint64_t given_count, const FinestTriangles& kept, std::uint64_t kept_count,
+             Finding& same) {
+  const Buckets given_by_bucket = bucketed(given, given_count);
+  const Buckets kept_by_bucket = bucketed(kept, kept_count);
+  std::vector<Corners> a, b;
+  for (std::size_t bucket = 0; bucket < bucket_count; ++bucket) {
+    take_sorted(given, given_by_bucket, bucket, a);
+    take_sorted(kept, kept_by_bucket, bucket, b);
+    if (a.empty() && b.empty()) continue;
+    same.require(a == b, [&] {
+      const std::size_t shorter = std::min(a.size(), b.size());
+      std::size_t at = 0;
+      while (at < shorter && a[at] == b[at]) ++at;
+      const bool lost = at == b.size() || (at < a.size() && a[at] < b[at]);
+      return name_of(lost ? a[at] : b[at]) +
+             (lost ? ": of the input, but not of the finest level" : ": of the finest level, but not of the input");
+    });
+  }
 }
 
 }  // namespace
@@ -150,23 +225,13 @@ void check_fingerprint(const Hierarchy& hierarchy, const LevelIdentity& finest, 
 
 void check_input(const Hierarchy& hierarchy, const IndexedMesh& input, Finding& same) {
   same.require(hierarchy.transform == input.transform, [] { return "origin or scale differ from the input's"; });
-  const InputTriangles given(input);
   const FinestTriangles kept(hierarchy);
-  const Buckets given_by_bucket = bucketed(given, input.triangles.size());
-  const Buckets kept_by_bucket = bucketed(kept, hierarchy.levels.back().triangles);
-  std::vector<Corners> a, b;
-  for (std::size_t bucket = 0; bucket < bucket_count; ++bucket) {
-    take_sorted(given, given_by_bucket, bucket, a);
-    take_sorted(kept, kept_by_bucket, bucket, b);
-    if (a.empty() && b.empty()) continue;
-    same.require(a == b, [&] {
-      const std::size_t shorter = std::min(a.size(), b.size());
-      std::size_t at = 0;
-      while (at < shorter && a[at] == b[at]) ++at;
-      const bool lost = at == b.size() || (at < a.size() && a[at] < b[at]);
-      return name_of(lost ? a[at] : b[at]) +
-             (lost ? ": of the input, but not of the finest level" : ": of the finest level, but not of the input");
-    });
+  const std::uint64_t kept_count = hierarchy.levels.back().triangles;
+  if (!hierarchy.provenance.refined) {
+    compare(InputTriangles(input), input.triangles.size(), kept, kept_count, same);
+  } else {
+    const RefinedTriangles given(input, double{hierarchy.sigma0} * cell_size(hierarchy.finest()));
+    compare(given, given.size(), kept, kept_count, same);
   }
 }
 

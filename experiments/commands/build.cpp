@@ -55,6 +55,12 @@ nlohmann::json level_ratios(const Hierarchy& h) {
           {"level_triangles", triangles}};
 }
 
+nlohmann::json to_json(const RefineReport& report) {
+  return {{"split_triangles", report.split},
+          {"triangles_before", report.triangles_before},
+          {"triangles_after", report.triangles_after}};
+}
+
 Lattice lattice_of(const BuildOptions& options) {
   if (options.compress && options.lattice_bits == 0) return {Lattice::automatic};
   return {options.lattice_bits};
@@ -146,6 +152,8 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"cells", hierarchy.cells.size()},
                  {"sigma0", hierarchy.sigma0},
                  {"long_edges", sum.long_edges},
+                 {"max_edge_ratio", hierarchy.levels.back().max_edge},
+                 {"refined", to_json(report.refinement)},
                  {"errors", options.measure ? "measured" : "estimated"},
                  {"seconds", time.seconds},
                  {"cpu_seconds", time.cpu_seconds},
@@ -169,6 +177,9 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
              hierarchy.provenance.input_triangles, hierarchy.levels.size(), hierarchy.cells.size(), sum.triangles,
              static_cast<double>(sum.triangles) / input);
+  if (config.refine)
+    fmt::print("refined: {} of {} triangles had an edge longer than sigma0 h_L; {} triangles now\n",
+               report.refinement.split, report.refinement.triangles_before, report.refinement.triangles_after);
   fmt::print("{:.1f} MB, {:.2f} bytes per stored triangle\n", static_cast<double>(file_bytes) * 1e-6,
              static_cast<double>(file_bytes) / static_cast<double>(sum.triangles));
   if (lattice)
@@ -179,8 +190,10 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   print_warnings(warnings);
   print_repairs(repairs);
   if (sum.long_edges > 0)
-    fmt::print("note: {} edges of the input are longer than sigma0 h_L; they cost triangles, not correctness\n",
-               sum.long_edges);
+    fmt::print(
+        "note: {} half-edges of the input are longer than sigma0 h_L, the longest {:.1f} h_L; they cost triangles, not "
+        "correctness: --refine splits them\n",
+        sum.long_edges, hierarchy.levels.back().max_edge);
   // A number of levels asked for may be too large for the model; one chosen here is not.
   if (config.finest_level < 0 && static_cast<double>(sum.triangles) > much_stored * input)
     fmt::print(
@@ -232,6 +245,10 @@ void add_build(CLI::App& app) {
   command.add_option("--placement", options->placement,
                      "Of the vertices that stay: optimal (moved once to where their quadric is least; quadric alone, "
                      "its default) or endpoint (where they are)");
+  command.add_flag(
+      "--refine", options->config.refine,
+      "Split edges of the input longer than sigma0 h_L, both sides alike, so that the reach keeps its bound: "
+      "for CAD models and filled holes; without it they are counted, and cost triangles when drawing");
   command.add_flag(
       "--measure-error", options->measure,
       "Measure how far cells are from the finest mesh, every point both ways, instead of estimating it while "

@@ -66,6 +66,8 @@ void expect_equal(const Hierarchy& a, const Hierarchy& b) {
   EXPECT_EQ(a.provenance.input_triangles, b.provenance.input_triangles);
   EXPECT_EQ(a.provenance.simplifier, b.provenance.simplifier);
   EXPECT_EQ(a.provenance.cell_triangles, b.provenance.cell_triangles);
+  EXPECT_EQ(a.provenance.measured_errors, b.provenance.measured_errors);
+  EXPECT_EQ(a.provenance.refined, b.provenance.refined);
   ASSERT_EQ(a.levels.size(), b.levels.size());
   for (std::size_t l = 0; l < a.levels.size(); ++l) {
     EXPECT_EQ(a.levels[l].first_cell, b.levels[l].first_cell);
@@ -103,6 +105,7 @@ TEST_F(LodeFile, GivesBackWhatWasWritten) {
   model.provenance.repairs = {1, 2, 3, 4, 5, 6, 7};
   model.provenance.simplifier = 1;
   model.provenance.cell_triangles = 2500;
+  model.provenance.measured_errors = true;
   write_lode(model, path());
   expect_equal(model, open_lode(path()));
   EXPECT_EQ(files(), 1u);

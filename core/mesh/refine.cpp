@@ -1,0 +1,286 @@
+#include "core/mesh/refine.h"
+
+#include <algorithm>
+#include <array>
+#include <unordered_set>
+
+#include "core/base/error.h"
+#include "core/mesh/clean.h"
+#include "core/mesh/clean_kernels.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::uint32_t most_vertices = 0x8000'0000u;  // the builder's own limit
+constexpr double float_rounding = 6e-8;                // of a point of the unit cube: above sqrt(3) 2^-25
+// Shorter edges beside the roundings of their ends: middles might meet the ends.
+constexpr double least_limit = 16;
+
+constexpr std::array<std::size_t, 3> next_corner{1, 2, 0};
+
+double squared_length(Vec3d v) { return dot(v, v); }
+
+std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
+  const auto [low, high] = std::minmax(a, b);
+  return std::uint64_t{low} << 32 | high;
+}
+
+Vec3f normalised_sum(Vec3f a, Vec3f b) {
+  const Vec3f sum = a + b;
+  const float size = length(sum);
+  return size > 0 ? (1 / size) * sum : Vec3f{};
+}
+
+Rgba8 mean(Rgba8 a, Rgba8 b) {
+  const auto half = [](int u, int v) { return static_cast<std::uint8_t>((u + v + 1) / 2); };
+  return {half(a.r, b.r), half(a.g, b.g), half(a.b, b.b), half(a.a, b.a)};
+}
+
+struct CanonicalHash {
+  std::size_t operator()(const Triangle& t) const { return hash_of(t); }
+};
+
+// Those of the items that stay, in order.
+template <class T>
+void keep_only(std::vector<T>& items, const std::vector<char>& stays) {
+  if (items.empty()) return;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    if (stays[i]) items[kept++] = items[i];
+  items.resize(kept);
+}
+
+}  // namespace
+
+double refine_limit(double longest, Lattice lattice) {
+  const double rounding = lattice ? lattice.error() : float_rounding;
+  const double limit = longest * (1 - 1e-5) - 2 * rounding;
+  if (!(limit > least_limit * rounding))
+    throw InputError("edges cannot be split so short: the vertices stand on too coarse a lattice for so many levels");
+  return limit;
+}
+
+Refinement::Refinement(IndexedMesh& mesh, double longest)
+    : mesh_(mesh), first_fresh_(static_cast<std::uint32_t>(mesh.positions.size())) {
+  const double limit = refine_limit(longest, mesh.transform.lattice);
+  limit2_ = limit * limit;
+  report_.triangles_before = mesh.triangles.size();
+}
+
+bool Refinement::is_long(std::uint32_t a, std::uint32_t b) const {
+  return squared_length(place(a) - place(b)) > limit2_;
+}
+
+std::vector<std::uint32_t> Refinement::long_triangles(std::size_t begin, std::size_t end) const {
+  std::vector<std::uint32_t> found;
+  for (std::size_t t = begin; t < end; ++t) {
+    const auto& v = mesh_.triangles[t].v;
+    if (is_long(v[0], v[1]) || is_long(v[1], v[2]) || is_long(v[2], v[0]))
+      found.push_back(static_cast<std::uint32_t>(t));
+  }
+  return found;
+}
+
+std::uint32_t Refinement::middle(std::uint32_t a, std::uint32_t b) {
+  const auto id = static_cast<std::uint32_t>(first_fresh_ + exact_.size());
+  const auto [at, is_new] = middles_.try_emplace(key_of(a, b), id);
+  if (is_new) {
+    if (id >= most_vertices) throw ResourceError("splitting edges takes more than 2^31 vertices; ask for fewer levels");
+    exact_.push_back(0.5 * (place(a) + place(b)));
+    add_attributes(a, b);
+  }
+  return at->second;
+}
+
+// The corners of a triangle have one material.
+void Refinement::add_attributes(std::uint32_t a, std::uint32_t b) {
+  WedgeAttributes& w = mesh_.wedges;
+  if (!w.uv.empty()) w.uv.push_back({0.5f * (w.uv[a].x + w.uv[b].x), 0.5f * (w.uv[a].y + w.uv[b].y)});
+  if (!w.colour.empty()) w.colour.push_back(mean(w.colour[a], w.colour[b]));
+  if (!w.normal.empty()) w.normal.push_back(normalised_sum(w.normal[a], w.normal[b]));
+  if (!w.material.empty()) w.material.push_back(w.material[a]);
+}
+
+// t[0] is the corner between the two edges.
+void Refinement::split_two(const Triangle& t, std::vector<Triangle>& parts) {
+  const auto [a, b, c] = t.v;
+  const std::uint32_t m = middle(a, b), n = middle(a, c);
+  parts.push_back({{a, m, n}});
+  if (squared_length(place(b) - place(n)) <= squared_length(place(c) - place(m))) {
+    parts.push_back({{m, b, n}});
+    parts.push_back({{b, c, n}});
+  } else {
+    parts.push_back({{m, b, c}});
+    parts.push_back({{m, c, n}});
+  }
+}
+
+bool Refinement::split_once(const Triangle& t, std::vector<Triangle>& parts) {
+  const auto& v = t.v;
+  std::array<bool, 3> too_long;  // the edge from corner i to the next
+  for (std::size_t i = 0; i < 3; ++i) too_long[i] = is_long(v[i], v[next_corner[i]]);
+  const int count = too_long[0] + too_long[1] + too_long[2];
+  if (count == 0) return false;
+  if (count == 3) {
+    const std::uint32_t ab = middle(v[0], v[1]), bc = middle(v[1], v[2]), ca = middle(v[2], v[0]);
+    parts.insert(parts.end(), {{{v[0], ab, ca}}, {{ab, v[1], bc}}, {{ca, bc, v[2]}}, {{ab, bc, ca}}});
+    return true;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = next_corner[i], k = next_corner[j];
+    if (count == 2 && !too_long[j]) split_two({{v[i], v[j], v[k]}}, parts);
+    if (count == 1 && too_long[i]) {
+      const std::uint32_t m = middle(v[i], v[j]);
+      parts.insert(parts.end(), {{{v[i], m, v[k]}}, {{m, v[j], v[k]}}});
+    }
+  }
+  return true;
+}
+
+void Refinement::split(std::span<const std::uint32_t> triangles) {
+  report_.split = triangles.size();
+  std::vector<Triangle> waiting;
+  for (const std::uint32_t whole : triangles) {
+    waiting.assign(1, mesh_.triangles[whole]);
+    while (!waiting.empty()) {
+      const Triangle t = waiting.back();
+      waiting.pop_back();
+      if (!split_once(t, waiting)) parts_.push_back({t, whole});
+    }
+  }
+  for (const Vec3d p : exact_) {
+    const Lattice lattice = mesh_.transform.lattice;
+    mesh_.positions.push_back(lattice ? lattice.nearest(p) : to_float(p));
+    at_[hash_of(mesh_.positions.back())].push_back(static_cast<std::uint32_t>(mesh_.positions.size() - 1));
+  }
+}
+
+std::vector<Refinement::Meeting> Refinement::meetings(std::size_t begin, std::size_t end) const {
+  std::vector<Meeting> found;
+  if (at_.empty()) return found;
+  for (std::size_t v = begin; v < std::min<std::size_t>(end, first_fresh_); ++v) {
+    const auto at = at_.find(hash_of(mesh_.positions[v]));
+    if (at == at_.end()) continue;
+    for (const std::uint32_t fresh : at->second)
+      if (mesh_.positions[fresh] == mesh_.positions[v]) found.push_back({static_cast<std::uint32_t>(v), fresh});
+  }
+  return found;
+}
+
+// The vertex that wedges of one place have in common, or the vertex itself.
+std::uint32_t Refinement::vertex_of(std::uint32_t v) const {
+  return mesh_.wedges.vertex.empty() ? v : mesh_.wedges.vertex[v];
+}
+
+// New vertices that stand where an earlier one stands become that one; wedges only learn of it.
+void Refinement::join(std::span<const Meeting> meetings) {
+  const bool has_wedges = !mesh_.wedges.vertex.empty();
+  std::vector<std::uint32_t> same(mesh_.positions.size() - first_fresh_);
+  for (std::uint32_t k = 0; k < same.size(); ++k) same[k] = first_fresh_ + k;
+  for (const auto& [hash, fresh] : at_)
+    for (std::size_t i = 1; i < fresh.size(); ++i)
+      for (std::size_t k = 0; k < i; ++k)
+        if (mesh_.positions[fresh[i]] == mesh_.positions[fresh[k]]) {
+          same[fresh[i] - first_fresh_] = fresh[k];
+          break;
+        }
+  for (auto m = meetings.rbegin(); m != meetings.rend(); ++m) same[m->fresh - first_fresh_] = m->vertex;
+  if (has_wedges) {
+    std::vector<std::uint32_t>& vertex = mesh_.wedges.vertex;
+    for (const std::uint32_t v : same) vertex.push_back(v < vertex.size() ? vertex[v] : v);
+    return;
+  }
+  for (Part& part : parts_)
+    for (std::uint32_t& v : part.triangle.v)
+      if (v >= first_fresh_) v = same[v - first_fresh_];
+}
+
+void Refinement::drop_degenerate() {
+  std::erase_if(parts_, [&](const Part& part) {
+    const auto& v = part.triangle.v;
+    return is_degenerate({{vertex_of(v[0]), vertex_of(v[1]), vertex_of(v[2])}});
+  });
+}
+
+// The first part of each triangle in its place, the others at the end; a triangle without a part goes.
+void Refinement::put_back() {
+  std::vector<char> stays(mesh_.triangles.size(), 1);
+  for (const Part& part : parts_) stays[part.whole] = 2;
+  std::vector<Triangle> others;
+  for (const Part& part : parts_) {
+    if (stays[part.whole] == 2) {
+      mesh_.triangles[part.whole] = part.triangle;
+      stays[part.whole] = 1;
+    } else {
+      others.push_back(part.triangle);
+    }
+  }
+  mesh_.triangles.insert(mesh_.triangles.end(), others.begin(), others.end());
+}
+
+RefineReport Refinement::finish(std::span<const Meeting> meetings) {
+  if (report_.split > 0) {
+    join(meetings);
+    // Triangles all of whose parts go are those without area: marked before the parts are put back.
+    std::vector<std::uint32_t> wholes;
+    for (const Part& part : parts_)
+      if (wholes.empty() || wholes.back() != part.whole) wholes.push_back(part.whole);
+    drop_degenerate();
+    for (const std::uint32_t whole : wholes) mesh_.triangles[whole] = {};
+    put_back();
+    drop_repeats(!meetings.empty());
+    squeeze();
+  }
+  report_.triangles_after = mesh_.triangles.size();
+  return report_;
+}
+
+// Parts have a new vertex at least, unless new ones have met the mesh's: only then a triangle may repeat one of the
+// mesh. The first of equal ones stays.
+void Refinement::drop_repeats(bool whole_mesh) {
+  std::unordered_set<Triangle, CanonicalHash> seen;
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    Triangle& triangle = mesh_.triangles[t];
+    const auto& v = triangle.v;
+    const bool is_part = v[0] >= first_fresh_ || v[1] >= first_fresh_ || v[2] >= first_fresh_;
+    if ((!is_part && !whole_mesh) || is_degenerate(triangle)) continue;
+    if (!seen.insert(canonical({{vertex_of(v[0]), vertex_of(v[1]), vertex_of(v[2])}})).second) triangle = {};
+  }
+}
+
+// Triangles and vertices that have gone leave no gap.
+void Refinement::squeeze() {
+  std::erase_if(mesh_.triangles, [](const Triangle& t) { return is_degenerate(t); });
+  if (mesh_.triangles.empty())
+    throw InputError("no triangle of the mesh has an area that splitting its edges would leave");
+  std::vector<char> used(mesh_.positions.size(), 0);
+  for (const Triangle& t : mesh_.triangles)
+    for (const std::uint32_t v : t.v) used[v] = 1;
+  std::vector<std::uint32_t> number(used.size());
+  std::uint32_t count = 0;
+  for (std::size_t v = 0; v < used.size(); ++v) number[v] = used[v] ? count++ : 0;
+  if (count == used.size()) return;
+  for (Triangle& t : mesh_.triangles)
+    for (std::uint32_t& v : t.v) v = number[v];
+  WedgeAttributes& w = mesh_.wedges;
+  // The first wedge that stays of each vertex stands for it.
+  std::vector<std::uint32_t> first(used.size(), most_vertices);
+  for (std::size_t v = 0; v < w.vertex.size(); ++v)
+    if (used[v] && first[w.vertex[v]] == most_vertices) first[w.vertex[v]] = number[v];
+  for (std::uint32_t& v : w.vertex) v = first[v];
+  keep_only(mesh_.positions, used);
+  keep_only(w.vertex, used);
+  keep_only(w.uv, used);
+  keep_only(w.colour, used);
+  keep_only(w.normal, used);
+  keep_only(w.material, used);
+}
+
+RefineReport refine_mesh(IndexedMesh& mesh, double longest) {
+  Refinement refinement(mesh, longest);
+  const std::size_t vertices = mesh.positions.size();
+  refinement.split(refinement.long_triangles(0, mesh.triangles.size()));
+  return refinement.finish(refinement.meetings(0, vertices));
+}
+
+}  // namespace lodestone

@@ -1,0 +1,94 @@
+// Splitting over-long edges, so that no edge of a mesh is longer than a limit.
+//
+// Whether an edge is split is decided by its length alone, and it is split at its middle: both sides do the same, and
+// no T-junction can come of it, whatever the surface is like there (open, non-manifold, badly oriented). A triangle is
+// split by those of its edges that are too long (red and green, as in bank1983):
+//
+//   three  four triangles by the three middles
+//   two    the corner between them by both middles, and the rest by its shorter diagonal; by the one from the middle of
+//          the edge that comes before that corner when they are equal
+//   one    two triangles by the median
+//
+// and its parts in turn. This ends: halves are half as long; a median between two edges within the limit is within it,
+// too; the shorter of two diagonals is at most sqrt(3)/2 of the shorter one of the two edges. So every round takes
+// 13 % at least off the longest edge that is too long.
+//
+// Middles are computed in double precision, where they are exact for all coordinates that matter, and rounded once, in
+// the end, to float32 or to the lattice: before that the parts of a triangle tile it exactly. Vertices that have met
+// after rounding, also one of the mesh, are one vertex; parts with two equal corners and repeated parts go, as they do
+// when a mesh is cleaned. Attributes are interpolated by halves, wedge by wedge: seams stay seams.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+struct RefineReport {
+  std::uint64_t triangles_before = 0, triangles_after = 0;
+  std::uint64_t split = 0;  // triangles of the mesh that had an edge beyond the limit
+};
+
+// The limit for exact middles that keeps rounded ones within `longest`. Throws InputError when the lattice (or float32)
+// is too coarse for that: an edge of that length must be some of its steps long.
+[[nodiscard]] double refine_limit(double longest, Lattice lattice);
+
+// Afterwards no edge is longer than `longest`. A triangle stays where it is in the order or is replaced by its first
+// part, the others follow at the end. Throws InputError when no triangle is left: all had been without area.
+// parallel/refine_mesh.h does the same with several workers.
+RefineReport refine_mesh(IndexedMesh& mesh, double longest);
+
+// The pieces that an orchestration puts together: begin to end, in this order.
+class Refinement {
+ public:
+  Refinement(IndexedMesh& mesh, double longest);
+
+  // Triangles of [begin, end) with an edge beyond the limit, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> long_triangles(std::size_t begin, std::size_t end) const;
+  // `triangles`: all of these, ascending. Time in proportion to the parts.
+  void split(std::span<const std::uint32_t> triangles);
+  // Vertices of the mesh of [begin, end) where new ones stand.
+  struct Meeting {
+    std::uint32_t vertex = 0, fresh = 0;
+  };
+  [[nodiscard]] std::vector<Meeting> meetings(std::size_t begin, std::size_t end) const;
+  // `meetings`: all of these, by vertex, ascending. Once.
+  RefineReport finish(std::span<const Meeting> meetings);
+
+ private:
+  struct Part {
+    Triangle triangle;
+    std::uint32_t whole = 0;  // the mesh's triangle
+  };
+  [[nodiscard]] Vec3d place(std::uint32_t v) const {
+    return v < first_fresh_ ? to_double(mesh_.positions[v]) : exact_[v - first_fresh_];
+  }
+  [[nodiscard]] bool is_long(std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] std::uint32_t middle(std::uint32_t a, std::uint32_t b);
+  void add_attributes(std::uint32_t a, std::uint32_t b);
+  // The parts of a triangle by one round; false when no edge is too long.
+  bool split_once(const Triangle& t, std::vector<Triangle>& parts);
+  void split_two(const Triangle& t, std::vector<Triangle>& parts);
+  [[nodiscard]] std::uint32_t vertex_of(std::uint32_t v) const;
+  void join(std::span<const Meeting> meetings);
+  void drop_degenerate();
+  void put_back();
+  void drop_repeats(bool whole_mesh);
+  void squeeze();
+
+  IndexedMesh& mesh_;
+  double limit2_;
+  std::uint32_t first_fresh_;
+  std::vector<Vec3d> exact_;                                          // of the new vertices
+  std::unordered_map<std::uint64_t, std::uint32_t> middles_;          // by the ends of an edge
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> at_;  // new vertices by a hash of where they stand
+  std::vector<Part> parts_;                                           // by triangle of the mesh
+  RefineReport report_;
+};
+
+}  // namespace lodestone
