@@ -95,7 +95,8 @@ TEST(Downsample, IsTheMeanOverEachPixelsShare) {
             std::vector<double> pixel;
             const std::size_t at = (std::size_t{y} * expected.width + x) * channels;
             for (std::uint32_t c = 0; c < channels; ++c) {
-              pixel.push_back(mean_over(numbers, size, channels, c, x * wide, (x + 1) * wide, y * high, (y + 1) * high));
+              pixel.push_back(
+                  mean_over(numbers, size, channels, c, x * wide, (x + 1) * wide, y * high, (y + 1) * high));
               ASSERT_NEAR(half.values[at + c], pixel[c], 2e-6);
             }
             const std::vector<double> bytes = bytes_of(pixel, meaning);

@@ -83,8 +83,10 @@ std::vector<std::array<Corner, 3>> triangles_of(const RawMesh& mesh, Vec3d origi
       const CornerValues v = values_at(mesh, t, k);
       // To a micrometre: doubles are half of one apart here.
       const auto round = [](double x) { return std::round(x * 1e6) + 0.0; };
-      corners[k] = {round(p.x), round(p.y), round(p.z), v.uv.x, v.uv.y, v.colour.r * 256 + v.colour.g, v.colour.a,
-                    material == no_material ? "none" : mesh.materials[material].name};
+      corners[k] = {round(p.x), round(p.y),
+                    round(p.z), v.uv.x,
+                    v.uv.y,     v.colour.r * 256 + v.colour.g,
+                    v.colour.a, material == no_material ? "none" : mesh.materials[material].name};
     }
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     triangles.push_back(corners);
