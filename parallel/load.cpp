@@ -67,7 +67,7 @@ std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, const R
   const VertexAttributeLayout attributes = config.attributes ? layout->attributes : VertexAttributeLayout{};
   const Records triangles{layout->triangle_offset, layout->triangle_count, layout->triangles.stride};
   const Records vertices{layout->vertex_offset, layout->vertex_count, layout->vertices.stride};
-  if (!readable(triangles, file) || !readable(vertices, file)) return std::nullopt;
+  if (!readable(triangles, file) || !readable(vertices, file) || layout->end > file.size()) return std::nullopt;
   RawMesh mesh;
   resize_in_parallel(mesh.triangles, triangles.count, scheduler);
   const auto vertex_count = static_cast<std::uint32_t>(vertices.count);
@@ -85,6 +85,7 @@ std::optional<RawMesh> load_ply(const InputFile& file, ByteReader& head, const R
     return true;
   });
   if (!complete) return std::nullopt;
+  add_ply_warnings(header, head.name(), config.attributes, file.size() - layout->end, mesh.warnings);
   return mesh;
 }
 

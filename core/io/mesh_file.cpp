@@ -88,7 +88,7 @@ RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config
         case MeshFormat::stl:
           return read_stl(input);
         case MeshFormat::off:
-          return read_off(input);
+          return read_off(input, config);
         case MeshFormat::draco:
           return read_draco(input, config);
         case MeshFormat::gltf:

@@ -21,7 +21,7 @@ namespace lodestone {
 
 // PLY 1.0, ASCII or binary of either byte order, scalars of any type. Elements: vertex, face, tristrips; others
 // skipped. Attributes: nx ny nz; red green blue, alpha; s t, u v or texture_u texture_v of vertices; texcoord and
-// texnumber of faces with "comment TextureFile".
+// texnumber of faces with "comment TextureFile". Colours of faces, and bytes behind the last element, are warnings.
 [[nodiscard]] RawMesh read_ply(ByteReader& input, const ReadConfig& config = {});
 // Wavefront OBJ: v and f; indices counted from 1, or backwards from the latest value when negative. Attributes: vt, vn,
 // colours behind positions, usemtl with the libraries of mtllib.
@@ -29,10 +29,9 @@ namespace lodestone {
 // STL, binary or ASCII, told apart by size: many binary files begin with "solid". Three vertices per triangle,
 // unwelded.
 [[nodiscard]] RawMesh read_stl(ByteReader& input);
-// OFF, also with normals, colours or texture coordinates per vertex (NOFF, COFF, STOFF and combinations), which are
-// skipped. Not read:
-// binary OFF, and 4OFF and nOFF of other dimensions.
-[[nodiscard]] RawMesh read_off(ByteReader& input);
+// OFF. Attributes: normals, colours and texture coordinates per vertex (NOFF, COFF, STOFF and combinations). Not read:
+// colours of faces (a warning); binary OFF, and 4OFF and nOFF of other dimensions.
+[[nodiscard]] RawMesh read_off(ByteReader& input, const ReadConfig& config = {});
 // Draco compressed meshes. Attributes: the first normals, colours and texture coordinates.
 [[nodiscard]] RawMesh read_draco(ByteReader& input, const ReadConfig& config = {});
 // glTF 2.0, text or binary (told apart by the first bytes): the triangles of the default scene, moved by their nodes.

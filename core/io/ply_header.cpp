@@ -266,12 +266,22 @@ std::optional<PlyFixedLayout> fixed_layout(const PlyHeader& header) {
       offset += face->count * triangles->stride;
       continue;
     }
-    if (has_list(element)) break;  // what lies behind it cannot be located without reading it
+    if (has_list(element)) return std::nullopt;  // what lies behind it cannot be located without reading it
     if (&element == vertex) layout.vertex_offset = offset;
     offset += element.count * element.least_bytes(false);
   }
-  if (layout.vertex_offset == 0 || layout.triangle_offset == 0) return std::nullopt;
+  layout.end = offset;
   return layout;
+}
+
+void add_ply_warnings(const PlyHeader& header, const std::string& name, bool attributes, std::uint64_t bytes_behind,
+                      std::vector<std::string>& warnings) {
+  const PlyElement* face = header.find("face");
+  if (attributes && face && face->count > 0 && face->find("red"))
+    warnings.push_back(describe(name, "header", "the colours of the faces are left out; those of vertices are read"));
+  if (bytes_behind > 0)
+    warnings.push_back(describe(name, "", std::to_string(bytes_behind) + " bytes behind the last element are left out",
+                                "is its count right?"));
 }
 
 }  // namespace lodestone

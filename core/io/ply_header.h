@@ -67,13 +67,19 @@ struct PlyFixedLayout {
   TriangleLayout triangles;
   std::uint64_t vertex_offset = 0, vertex_count = 0;
   std::uint64_t triangle_offset = 0, triangle_count = 0;
+  std::uint64_t end = 0;  // of the last element
 };
 
 [[nodiscard]] std::optional<VertexLayout> vertex_layout(const PlyHeader& header, const PlyElement& vertex);
 // For a vertex element that has a vertex_layout.
 [[nodiscard]] VertexAttributeLayout vertex_attribute_layout(const PlyHeader& header, const PlyElement& vertex);
 [[nodiscard]] std::optional<TriangleLayout> triangle_layout(const PlyHeader& header, const PlyElement& face);
-// Empty when the file is of another layout: ASCII, other elements with lists before the faces, strips, ...
+// Empty when the file is of another layout: ASCII, other elements with lists, strips, ...
 [[nodiscard]] std::optional<PlyFixedLayout> fixed_layout(const PlyHeader& header);
+
+// What every reader of the file says about it, for the mesh's warnings: colours of faces that are left out (when
+// attributes are asked for), and bytes behind the last element.
+void add_ply_warnings(const PlyHeader& header, const std::string& name, bool attributes, std::uint64_t bytes_behind,
+                      std::vector<std::string>& warnings);
 
 }  // namespace lodestone

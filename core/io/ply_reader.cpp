@@ -334,6 +334,7 @@ RawMesh read_body(Source source, const PlyHeader& header, const ByteReader& inpu
     mesh.warnings.push_back(describe(
         input.name(), "",
         std::to_string(coordinates.faces_without) + " faces have not two texture coordinates for each corner"));
+  add_ply_warnings(header, input.name(), config.attributes, source.bytes_left(), mesh.warnings);
   // Without numbers there is one texture, the first; strips have none.
   if (!mesh.materials.empty())
     mesh.wedges.material.resize(mesh.triangles.size(), mesh.wedges.material.empty() ? 0 : no_material);

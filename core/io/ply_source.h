@@ -25,7 +25,7 @@ inline constexpr const char* ply_counts_may_be_wrong =
 // A body of text: values are words, wherever the line breaks are.
 class PlyTextSource {
  public:
-  PlyTextSource(ByteReader& input, const PlyHeader& header) : scan_(input, header.lines + 1) {}
+  PlyTextSource(ByteReader& input, const PlyHeader& header) : input_(&input), scan_(input, header.lines + 1) {}
 
   PlyPlace place;
 
@@ -48,6 +48,11 @@ class PlyTextSource {
   void skip(ScalarType, std::uint64_t count) {
     for (std::uint64_t i = 0; i < count; ++i) (void)next();
   }
+  // From the next word on; blank lines are nothing.
+  std::uint64_t bytes_left() {
+    const std::string_view token = scan_.token_across_lines();
+    return token.empty() ? 0 : token.size() + input_->remaining();
+  }
   [[noreturn]] void fail(const std::string& what, const std::string& remedy = {}) const {
     scan_.fail(place.text() + ": " + what, remedy);
   }
@@ -66,6 +71,7 @@ class PlyTextSource {
           "it is truncated, or its header is damaged");
     return token;
   }
+  ByteReader* input_;
   TextScanner scan_;
 };
 
@@ -91,6 +97,7 @@ class PlyBinarySource {
          "it is truncated, or its header is damaged");
   }
   [[nodiscard]] ByteReader& input() { return *input_; }
+  [[nodiscard]] std::uint64_t bytes_left() const { return input_->remaining(); }
 
  private:
   template <class Value>

@@ -47,6 +47,29 @@ Stored stored_in(const Hierarchy& h, const std::string& file) {
   return stored;
 }
 
+nlohmann::json describe_textures(const Hierarchy& h) {
+  nlohmann::json textures = nlohmann::json::array();
+  for (const Texture& t : h.textures)
+    textures.push_back({{"name", t.name},
+                        {"media_type", t.media_type},
+                        {"bytes", t.bytes.size()},
+                        {"copies", nlohmann::json::array()}});
+  for (const TextureCopy& c : h.texture_copies)
+    textures[c.texture]["copies"].push_back({{"width", c.width}, {"height", c.height}, {"bytes", c.bytes.size()}});
+  return textures;
+}
+
+void print_textures(const Hierarchy& h) {
+  if (h.textures.empty()) return;
+  std::uint64_t bytes = 0, copies = 0;
+  for (const Texture& t : h.textures) bytes += t.bytes.size();
+  for (const TextureCopy& c : h.texture_copies) copies += c.bytes.size();
+  fmt::print("{} materials, {} textures of {} bytes", h.materials.size(), h.textures.size(), bytes);
+  if (!h.texture_copies.empty())
+    fmt::print(", {} copies for coarser levels of {} bytes", h.texture_copies.size(), copies);
+  fmt::print("\n");
+}
+
 void print_edges(const EdgeCensus& edges) {
   fmt::print("{} edges\n", edges.edges);
   if (edges.border > 0) fmt::print("note: {} edges of one triangle: the surface is open there\n", edges.border);
@@ -124,6 +147,8 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"stored_vertices", stored.vertices},
       {"file_bytes", stored.bytes},
       {"bytes_per_stored_triangle", stored.bytes_per_triangle()},
+      {"materials", h.materials.size()},
+      {"textures", describe_textures(h)},
       {"levels", levels}};
   write_json(common, result);
   if (common.quiet || common.json == "-") return;
@@ -132,6 +157,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
   fmt::print("{} triangles and {} vertices stored in {} bytes, {:.2f} per triangle{}\n", stored.triangles,
              stored.vertices, stored.bytes, stored.bytes_per_triangle(),
              h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");
+  print_textures(h);
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, h.transform.scale);
   fmt::print("errors {}{}\n", name_of_errors(h),
              h.provenance.refined ? "; edges of the input beyond sigma0 h were split" : "");

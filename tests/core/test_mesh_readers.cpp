@@ -99,6 +99,36 @@ TEST(Off, VariantsWithMoreThanPositions) {
   EXPECT_EQ(polygons.faces_dropped, 2u);
 }
 
+TEST(Off, AttributesOfVertices) {
+  const std::string faces = "3 0 1 2\n";
+  const RawMesh all = read_bytes(
+      "STCNOFF 3 1 0\n0 0 0 0 0 2 255 0 51 102 0.25 0.75\n1 0 0 0 3 0 0 0 0 255 1 1\n"
+      "0 1 0 0 0 1 9 9 9 9 0 0\n" +
+          faces,
+      off);
+  EXPECT_EQ(all.warnings, std::vector<std::string>{});
+  EXPECT_EQ(all.wedges.normal, (std::vector<Vec3f>{{0, 0, 1}, {0, 1, 0}, {0, 0, 1}}));
+  EXPECT_EQ(all.wedges.colour, (std::vector<Rgba8>{{255, 0, 51, 102}, {0, 0, 0, 255}, {9, 9, 9, 9}}));
+  EXPECT_EQ(all.wedges.uv, (std::vector<Vec2f>{{0.25f, 0.25f}, {1, 0}, {0, 1}}));
+  const RawMesh unit = read_bytes("COFF 3 1 0\n0 0 0 1 0 0.2\n1 0 0 0 0 0\n0 1 0 1 1 1\n" + faces, off);
+  EXPECT_EQ(unit.wedges.colour, (std::vector<Rgba8>{{255, 0, 51, 255}, {0, 0, 0, 255}, {255, 255, 255, 255}}));
+  EXPECT_TRUE(unit.wedges.uv.empty() && unit.wedges.normal.empty());
+  const RawMesh whole = read_bytes("COFF 3 1 0\n0 0 0 1 0 0 1\n1 0 0 0 0 0 1\n0 1 0 1 1 1 0\n" + faces, off);
+  EXPECT_EQ(whole.wedges.colour[0], (Rgba8{255, 0, 0, 255})) << "nothing above 1: counts to 1";
+  const RawMesh stoff = read_bytes("STOFF 3 1 0\n0 0 0 0 1\n1 0 0 1 1\n0 1 0 0 0\n" + faces, off);
+  EXPECT_EQ(stoff.wedges.uv, (std::vector<Vec2f>{{0, 0}, {1, 0}, {0, 1}}));
+}
+
+TEST(Off, WhatIsMissingOrLeftOutIsAWarning) {
+  const RawMesh mesh =
+      read_bytes("COFF 4 2 0\n0 0 0 255 0 0\n1 0 0\n0 1 0 7\n1 1 0 1 2 x\n3 0 1 2 255 0 0\n3 1 3 2\n", off);
+  EXPECT_EQ(mesh.wedges.colour, (std::vector<Rgba8>{{255, 0, 0, 255}, {}, {}, {}}));
+  expect_warning(mesh, {"3 vertices lack attributes"});
+  expect_warning(mesh, {"the colours of 1 faces are left out"});
+  const RawMesh shape = read_bytes("COFF 3 1 0\n0 0 0 1 1 1\n1 0 0\n0 1 0\n3 0 1 2 7\n", off, {.attributes = false});
+  EXPECT_TRUE(shape.wedges.empty() && shape.warnings.empty());
+}
+
 TEST(Off, ErrorsNameTheLine) {
   expect_error<InputError>("", off, {"empty"});
   expect_error<InputError>("FFO\n", off, {"line 1", "'FFO'"});

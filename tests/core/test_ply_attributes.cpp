@@ -189,5 +189,31 @@ TEST(DracoAttributes, PointsAreWedges) {
   EXPECT_EQ(wedge_count(read_bytes(bytes, MeshFormat::draco, {.attributes = false})), 0u);
 }
 
+// A triangle; the vertices may have more properties, and so may the face.
+std::string small_ply(const std::string& format, const std::string& face_properties, const std::string& body) {
+  return "ply\nformat " + format + " 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n" +
+         "element face 1\nproperty list uchar int vertex_indices\n" + face_properties + "end_header\n" + body;
+}
+
+TEST(Ply, ColoursOfFacesAreLeftOutWithAWarning) {
+  const std::string text = small_ply("ascii", "property uchar red\nproperty uchar green\nproperty uchar blue\n",
+                                     "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 9 9 9\n");
+  const RawMesh mesh = read_bytes(text, MeshFormat::ply);
+  EXPECT_TRUE(mesh.wedges.empty());
+  expect_warning(mesh, {"colours of the faces are left out"});
+  EXPECT_TRUE(read_bytes(text, MeshFormat::ply, {.attributes = false}).warnings.empty());
+}
+
+TEST(Ply, BytesBehindTheLastElementAreAWarning) {
+  const std::string text = small_ply("ascii", "", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\n  \n");
+  EXPECT_EQ(read_bytes(text, MeshFormat::ply).warnings, std::vector<std::string>{});
+  expect_warning(read_bytes(text + "3 0 1 2\n", MeshFormat::ply), {"8 bytes behind the last element"});
+  const std::string binary =
+      small_ply("binary_little_endian", "",
+                std::string("\0\0\0\1\0\0\0\1\0", 9) + Bytes().put(std::uint8_t{3}).put(0).put(1).put(2).str());
+  EXPECT_EQ(read_bytes(binary, MeshFormat::ply).warnings, std::vector<std::string>{});
+  expect_warning(read_bytes(binary + "more", MeshFormat::ply), {"4 bytes behind the last element"});
+}
+
 }  // namespace
 }  // namespace lodestone

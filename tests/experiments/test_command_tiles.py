@@ -146,6 +146,11 @@ class Validators(CommandCase):
         if not KOMABA.is_dir():
             self.skipTest("the textured models are not unpacked: scripts/data")
         self.validate(tileset("komaba.tiles", model("komaba.lode", "build", KOMABA)))
+        lode = model("komaba_levels.lode", "build", KOMABA, "--texture-levels")
+        self.validate(tileset("komaba_levels.tiles", lode))
+        (self.folder / "level").mkdir()
+        self.lodestone("export", lode, "--level", 1, "-o", "level/m.glb")
+        self.validate(self.folder / "level")
 
     def test_3d_tiles_validator_accepts_the_tileset(self):
         validator = MODULES / ".bin/3d-tiles-validator"
@@ -176,6 +181,45 @@ class Textures(CommandCase):
         self.assertEqual(len(images), 27)
         self.assertEqual(self.results("export", lode, "-o", "finest.glb")["vertices"],
                          self.results("export", "again.lode", "-o", "again.glb")["vertices"])
+
+
+    @unittest.skipUnless(KOMABA.is_dir(), "the textured models are not unpacked: scripts/data")
+    def test_levels_have_textures_of_their_own(self):
+        plain = model("komaba.lode", "build", KOMABA)
+        lode = model("komaba_levels.lode", "build", KOMABA, "--texture-levels")
+        info, before = self.results("info", lode), self.results("info", plain)
+        self.assertEqual(info["materials"], 27)
+        copies = [copy for texture in info["textures"] for copy in texture["copies"]]
+        self.assertEqual([t["copies"] for t in before["textures"]], [[]] * 27)
+        self.assertIn(f"27 textures of {sum(t['bytes'] for t in info['textures'])} bytes, {len(copies)} copies",
+                      self.lodestone("info", lode))
+        self.assertGreater(len(copies), 20)
+        self.assertTrue(all(min(c["width"], c["height"]) >= 32 for c in copies))
+        self.assertTrue(self.results("verify", lode)["valid"])
+        for threads in (1, 3):
+            self.lodestone("build", KOMABA, "-o", "m.lode", "--texture-levels", "--threads", threads)
+            self.assertEqual((self.folder / "m.lode").read_bytes(), lode.read_bytes())
+        folder = tileset("komaba_levels.tiles", lode)
+        found = tileset_checker.check(folder)
+        self.assertEqual(len(list((folder / "textures").iterdir())), 27 + len(copies))
+        self.assertEqual(found.leaf_triangles, info["input_triangles"])
+        sizes = []
+        for level in range(3):
+            (self.folder / str(level)).mkdir()
+            self.lodestone("export", lode, "--level", level, "-o", f"{level}/m.obj")
+            sizes.append(sum(p.stat().st_size for p in (self.folder / str(level)).glob("*.jpg")))
+        self.assertEqual(sizes[2], sum(t["bytes"] for t in info["textures"]))
+        self.assertLess(sizes[1], sizes[2])
+        self.assertLess(sizes[0], sizes[1])
+
+    def test_textures_that_cannot_be_halved_are_notes(self):
+        self.write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/1\n")
+        self.write("m.mtl", "newmtl a\nmap_Kd a.png\n")
+        self.write("a.png", b"\x89PNG\r\n\x1a\n...")
+        result = self.results("build", "m.obj", "-o", "m.lode", "--texture-levels", "--levels", 1)
+        self.assertEqual(result["texture_copies"], 0)
+        self.assertEqual(len(result["warnings"]), 1)
+        self.assertRegex(result["warnings"][0], r"\Am.obj: texture 'a.png' is no sound PNG image: .+full resolution\Z")
 
 
 class Checker(CommandCase):

@@ -151,6 +151,13 @@ TEST_F(LoadTest, FacesThatAreNoTrianglesTurnToTheGeneralReader) {
   EXPECT_EQ(mesh.faces_dropped, 1u);
 }
 
+TEST_F(LoadTest, WarningsAreThoseOfTheGeneralReader) {
+  write_mesh(folder_ / "a.ply", view_of(sample()));
+  std::ofstream(folder_ / "b.ply", std::ios::binary) << content(folder_ / "a.ply") << "more";
+  expect_same_as_read(folder_ / "b.ply");
+  EXPECT_EQ(read_mesh(folder_ / "b.ply").warnings.size(), 1u);
+}
+
 TEST_F(LoadTest, DamagedFilesGiveTheErrorOfTheGeneralReader) {
   write_mesh(folder_ / "a.ply", view_of(sample()));
   const std::string bytes = content(folder_ / "a.ply");

@@ -1,0 +1,241 @@
+// Tilesets written from hierarchies, read back by our own reader.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/hierarchy/level_mesh.h"
+#include "core/mesh/generate.h"
+#include "parallel/build.h"
+#include "parallel/load.h"
+#include "parallel/prepare.h"
+#include "parallel/save_tiles.h"
+#include "tests/core/io_test_util.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// Terrain in the sky over Tokyo, with texture coordinates, colours, and materials that meet along seams.
+RawMesh surface() {
+  RawMesh raw = generate_mesh({Shape::terrain, 6000, 3});
+  for (Vec3d& p : raw.positions) {
+    raw.wedges.uv.push_back({static_cast<float>(p.x), static_cast<float>(-p.y)});
+    raw.wedges.colour.push_back({static_cast<std::uint8_t>(255 * p.x), static_cast<std::uint8_t>(255 * p.y), 7, 200});
+    p = Vec3d{-3957000, 3351000, 3697000} + 100.0 * p;
+  }
+  for (std::size_t t = 0; t < raw.triangles.size(); ++t)
+    raw.wedges.material.push_back(t < 1000 ? no_material : t < 3000 ? 0u : 1u);
+  raw.textures = {{.name = "photo", .media_type = "image/jpeg", .bytes = {'\xff', '\xd8', '\xff', '1'}},
+                  {.name = "bumps", .media_type = "image/png", .bytes = {}}};
+  const std::string png = png_bytes();
+  raw.textures[1].bytes.assign(png.begin(), png.end());
+  raw.materials = {{.name = "a", .texture = 0, .normal_map = 1}, {.name = "b", .base_colour = {1, 0, 0.5f, 1}}};
+  return raw;
+}
+
+Hierarchy built(RawMesh&& raw, Scheduler& scheduler, int levels = 3) {
+  Repairs repairs;
+  BuildConfig config;
+  config.finest_level = levels;
+  return build_hierarchy(prepare_mesh(std::move(raw), repairs, scheduler), config, scheduler);
+}
+
+class SaveTiles : public testing::Test {
+ protected:
+  SavedTiles save(const Hierarchy& h, const SaveTilesConfig& config = {}, int threads = 2) {
+    const auto scheduler = make_tbb_scheduler(threads);
+    fs::remove_all(path());
+    AtomicFolder folder(path());
+    const SavedTiles saved = save_tiles(h, folder, *scheduler, config);
+    folder.commit();
+    return saved;
+  }
+  [[nodiscard]] fs::path path() const { return folder_.path() / "tiles"; }
+  [[nodiscard]] std::map<std::string, std::string> files() const {
+    std::map<std::string, std::string> contents;
+    for (const auto& entry : fs::recursive_directory_iterator(path())) {
+      if (!entry.is_regular_file()) continue;
+      std::ifstream in(entry.path(), std::ios::binary);
+      contents[fs::relative(entry.path(), path()).string()] = {std::istreambuf_iterator<char>(in), {}};
+    }
+    return contents;
+  }
+  std::unique_ptr<Scheduler> scheduler_ = make_tbb_scheduler(2);
+  TestFolder folder_;
+};
+
+// Every triangle with all that its corners have, in an order of its own.
+using Corner = std::tuple<double, double, double, float, float, int, int, std::string>;
+std::vector<std::array<Corner, 3>> triangles_of(const RawMesh& mesh, Vec3d origin) {
+  std::vector<std::array<Corner, 3>> triangles;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    std::array<Corner, 3> corners;
+    const std::uint32_t material = mesh.wedges.material[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d p = mesh.positions[mesh.triangles[t].v[k]] - origin;
+      const CornerValues v = values_at(mesh, t, k);
+      // To a micrometre: doubles are half of one apart here.
+      const auto round = [](double x) { return std::round(x * 1e6) + 0.0; };
+      corners[k] = {round(p.x), round(p.y),
+                    round(p.z), v.uv.x,
+                    v.uv.y,     v.colour.r * 256 + v.colour.g,
+                    v.colour.a, material == no_material ? "none" : mesh.materials[material].name};
+    }
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    triangles.push_back(corners);
+  }
+  std::sort(triangles.begin(), triangles.end());
+  return triangles;
+}
+
+TEST_F(SaveTiles, GiveTheFinestLevelBackWithAllItHas) {
+  const Hierarchy h = built(surface(), *scheduler_);
+  const SavedTiles saved = save(h);
+  EXPECT_EQ(saved.tilesets, 1u);
+  EXPECT_EQ(saved.textures, 2u);
+  EXPECT_EQ(saved.tiles, h.cells.size());
+  const RawMesh mesh = level_mesh(h, h.finest()), read = load_mesh(path(), *scheduler_);
+  EXPECT_EQ(wedge_mistake(read), "");
+  EXPECT_EQ(read.warnings, std::vector<std::string>{});
+  EXPECT_TRUE(triangles_of(mesh, h.transform.origin) == triangles_of(read, h.transform.origin));
+  ASSERT_EQ(read.materials.size(), 2u);
+  ASSERT_EQ(read.textures.size(), 2u);
+  const Material& a = read.materials[read.materials[0].name == "a" ? 0 : 1];
+  EXPECT_EQ(read.textures[a.texture].bytes, h.textures[0].bytes);
+  EXPECT_EQ(read.textures[a.normal_map].bytes, h.textures[1].bytes);
+  for (std::size_t t = 0; t < read.triangles.size(); ++t)
+    for (const std::uint32_t v : read.triangles[t].v) ASSERT_GT(length(read.wedges.normal[v]), 0.999f);
+}
+
+TEST_F(SaveTiles, AreTheSameForAnyNumberOfThreads) {
+  const Hierarchy h = built(surface(), *scheduler_);
+  SaveTilesConfig config;
+  config.tileset.most_tiles = 1;
+  (void)save(h, config, 1);
+  const auto first = files();
+  for (const int threads : {2, 3, 7}) {
+    (void)save(h, config, threads);
+    EXPECT_TRUE(files() == first) << threads;
+  }
+}
+
+// However the tree is cut into files, the tiles are the same.
+TEST_F(SaveTiles, LargeTreesAreCutIntoTilesets) {
+  const Hierarchy h = built(surface(), *scheduler_, 4);
+  (void)save(h);
+  const auto whole = triangles_of(load_mesh(path(), *scheduler_), h.transform.origin);
+  const auto count = [&](const auto& cut) {
+    std::uint64_t files = 1;
+    for (int level = 1; level < h.finest(); ++level)
+      if (cut(level)) files += h.cells_of(level).size();
+    return files;
+  };
+  for (const int levels : {1, 2, 3, 4}) {
+    SaveTilesConfig config;
+    config.tileset.most_tiles = 8;
+    config.tileset.levels_per_file = levels;
+    const SavedTiles saved = save(h, config);
+    EXPECT_EQ(saved.tilesets, count([&](int level) { return (h.finest() - level) % levels == 0; })) << levels;
+    EXPECT_TRUE(triangles_of(load_mesh(path(), *scheduler_), h.transform.origin) == whole) << levels;
+    for (const auto& [name, text] : files()) {
+      if (!name.ends_with(".json")) continue;
+      EXPECT_EQ(json::parse(text)["root"]["refine"], "REPLACE") << name;
+    }
+  }
+}
+
+TEST_F(SaveTiles, ErrorsCoverThoseOfCoarseTextures) {
+  Hierarchy h = built(surface(), *scheduler_);
+  const auto errors = [&] {
+    std::vector<double> all;
+    for (std::uint32_t c = 0; c < h.cells.size(); ++c) all.push_back(tile_error(h, c));
+    return all;
+  };
+  const std::vector<double> plain = errors();
+  for (std::uint32_t c = 0; c < h.cells.size(); ++c)
+    EXPECT_FLOAT_EQ(static_cast<float>(plain[c]), static_cast<float>(h.cells[c].error * h.transform.scale));
+  // uv runs over the model's unit, 100 metres: a texel of a copy of 500 pixels is 20 centimetres where it is flat.
+  h.texture_copies = {{0, 1, 500, 500, {}}};
+  const std::vector<double> textured = errors();
+  std::size_t larger = 0;
+  for (std::uint32_t c = 0; c < h.cells.size(); ++c) {
+    if (h.level_of(c) == h.finest()) {
+      EXPECT_EQ(textured[c], 0);
+    }
+    EXPECT_GE(textured[c], plain[c]);
+    if (textured[c] > plain[c]) {
+      EXPECT_NEAR(textured[c], 0.25, 0.06);
+    }
+    larger += textured[c] > plain[c];
+  }
+  EXPECT_GT(larger, 0u);
+}
+
+TEST_F(SaveTiles, CoarseLevelsLinkTheirCopies) {
+  Hierarchy h = built(surface(), *scheduler_);
+  h.texture_copies = {{0, 1, 64, 64, {'\xff', '\xd8', '\xff', '2'}}, {0, 2, 32, 32, {'\xff', '\xd8', '\xff', '3'}}};
+  EXPECT_EQ(save(h).textures, 4u);
+  const auto found = files();
+  for (const auto& [name, bytes] : {std::pair{"0.jpg", '1'}, {"0_1.jpg", '2'}, {"0_2.jpg", '3'}})
+    EXPECT_EQ(found.at(std::string("textures/") + name).back(), bytes);
+  for (std::uint32_t c = 0; c < h.cells.size(); ++c) {
+    const std::array links{"textures/0_2.jpg", "textures/0_2.jpg", "textures/0_1.jpg", "textures/0.jpg"};
+    const std::string& glb = found.at(tile_path(h, c));
+    if (glb.find("textures/0") == std::string::npos) continue;  // a cell of the other material
+    EXPECT_NE(glb.find(links[static_cast<std::size_t>(h.level_of(c))]), std::string::npos) << tile_path(h, c);
+  }
+}
+
+TEST_F(SaveTiles, OneCellIsOneTile) {
+  RawMesh raw;
+  raw.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  raw.triangles = {{{0, 1, 2}}};
+  const Hierarchy h = built(std::move(raw), *scheduler_, 0);
+  EXPECT_EQ(save(h).tiles, 1u);
+  EXPECT_EQ(load_mesh(path(), *scheduler_).positions, (std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+}
+
+TEST_F(SaveTiles, NothingIsLeftWhenTheyEndEarly) {
+  const Hierarchy h = built(surface(), *scheduler_);
+  const CancelFlag cancel{true};
+  SaveTilesConfig config;
+  config.cancel = &cancel;
+  EXPECT_THROW((void)save(h, config), Cancelled);
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
+TEST_F(SaveTiles, ProgressGoesToTheEnd) {
+  const Hierarchy h = built(surface(), *scheduler_);
+  double latest = 0;
+  SaveTilesConfig config;
+  config.progress = [&](double share) { latest = std::max(latest, share); };
+  (void)save(h, config, 1);
+  EXPECT_EQ(latest, 1);
+}
+
+TEST_F(SaveTiles, FoldersAreWholeOrNotThere) {
+  const fs::path target = folder_.path() / "folder";
+  { const AtomicFolder folder(target); }
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+  {
+    AtomicFolder folder(target);
+    folder.add_folder("a/b");
+    EXPECT_FALSE(fs::exists(target));
+    folder.commit();
+  }
+  EXPECT_TRUE(fs::is_directory(target / "a/b"));
+  EXPECT_THROW(AtomicFolder{target}, FileError);
+  EXPECT_THROW(AtomicFolder{folder_.path() / "none" / "x"}, FileError);
+  EXPECT_THROW(AtomicFolder{folder_.write("file", "x")}, FileError);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
+}
+
+}  // namespace
+}  // namespace lodestone
