@@ -35,6 +35,8 @@ void check_files(const CommonOptions& common, const std::vector<FileArgument>& i
 // A write beyond the shell's limit of file sizes becomes an error of that write.
 void install_interrupt_handler();
 [[nodiscard]] const CancelFlag& interrupt_flag();
+// What the handler prints when it ends the process, a line with its end; a literal.
+void set_interrupt_line(const char* line);
 // 128 + signal, once the flag is set.
 [[nodiscard]] int interrupt_status();
 
