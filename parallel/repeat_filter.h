@@ -22,9 +22,8 @@ class RepeatFilter {
   RepeatFilter(const std::vector<Triangle>& triangles, std::size_t vertices, Scheduler& scheduler)
       : triangles_(triangles) {
     resize_in_parallel(words_, vertices, scheduler);
-    scheduler.for_chunks(triangles.size(), grain, [&](ChunkRange range) {
-      for_each_ahead(range, [&](const Triangle& t) { add(t); });
-    });
+    scheduler.for_chunks(triangles.size(), grain,
+                         [&](ChunkRange range) { for_each_ahead(range, [&](const Triangle& t) { add(t); }); });
   }
 
   // The triangles, none of them degenerate, that may equal another one; ascending.

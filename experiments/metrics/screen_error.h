@@ -31,8 +31,8 @@ class ScreenErrorBasis {
   TriangleBvh full_;
 };
 
-// `selection` is a whole partition (keep_culled = true). O(drawn and full triangles in sight) nearest-point queries, and
-// a bounding volume hierarchy of the drawn surface.
+// `selection` is a whole partition (keep_culled = true). O(drawn and full triangles in sight) nearest-point queries,
+// and a bounding volume hierarchy of the drawn surface.
 [[nodiscard]] ScreenError screen_error(const MorphContext& morph, const Selection& selection,
                                        const ViewProjection& view_projection, ImageSize size,
                                        const ScreenErrorBasis& basis, Scheduler& scheduler);

@@ -56,12 +56,12 @@ void limits_near(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, Detai
 
 class LimitTracker::Update {
  public:
-  Update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const RefinementOf& refinement, float rate,
+  Update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const ChildStateOf& child_state, float rate,
          LimitTracker& tracker)
       : hierarchy_(hierarchy),
         radii_(radii),
         viewpoint_(viewpoint),
-        refinement_(refinement),
+        child_state_(child_state),
         rate_(rate),
         least_(rate * radii.band_begin.back()),
         tracker_(tracker),
@@ -76,13 +76,13 @@ class LimitTracker::Update {
     const float full = radii_.select[level];
     const float d = distance(radii_.metric, viewpoint_, cell.bounds);
     if (d >= full) return;  // drawn as it is; no limit up to `full` would change d' anywhere
-    const Refinement state = refinement_(index);
+    const ChildState state = child_state_(index);
     const float radius = next_radius(index, state, d, full);
     if (radius > d) {
       tracker_.limits_.push_back({cell.bounds, radius});
       tracker_.radius_.emplace(index, radius);
     }
-    if (state == Refinement::missing) tracker_.missing_.push_back(index);
+    if (state == ChildState::missing) tracker_.missing_.push_back(index);
     if (radius >= full) return;  // never refined
     for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1);
   }
@@ -90,15 +90,15 @@ class LimitTracker::Update {
  private:
   // A limit of d or less changes nothing: that is where rising ones start and sinking ones end. No band begins below
   // that of the finest level, so that the last and the first step may be a share of it.
-  [[nodiscard]] float next_radius(std::uint32_t index, Refinement state, float d, float full) const {
+  [[nodiscard]] float next_radius(std::uint32_t index, ChildState state, float d, float full) const {
     const auto found = before_.find(index);
     const float excess = found == before_.end() ? 0 : std::max(std::min(found->second, full) - d, 0.0f);
     switch (state) {
-      case Refinement::missing:
+      case ChildState::missing:
         return full;
-      case Refinement::unwanted:
+      case ChildState::unwanted:
         return rate_ < 1 ? std::min(d + std::max(excess / (1 - rate_), least_), full) : full;
-      case Refinement::possible:
+      case ChildState::there:
         return excess * (1 - rate_) > least_ || rate_ == 0 ? d + excess * (1 - rate_) : d;
     }
     return full;
@@ -107,15 +107,15 @@ class LimitTracker::Update {
   const Hierarchy& hierarchy_;
   const Radii& radii_;
   Vec3f viewpoint_;
-  const RefinementOf& refinement_;
+  const ChildStateOf& child_state_;
   float rate_, least_;
   LimitTracker& tracker_;
   std::unordered_map<std::uint32_t, float> before_;
 };
 
 void LimitTracker::update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
-                          const RefinementOf& refinement, float rate) {
-  Update update(hierarchy, radii, viewpoint, refinement, rate, *this);
+                          const ChildStateOf& child_state, float rate) {
+  Update update(hierarchy, radii, viewpoint, child_state, rate, *this);
   if (!hierarchy.cells.empty()) update.visit(0, 0);
 }
 

@@ -47,23 +47,23 @@ using DetailLimits = std::span<const DetailLimit>;
 void limits_near(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, DetailLimits limits,
                  std::vector<DetailLimit>& out);
 
-// Whether a cell may be replaced by its children.
-enum class Refinement : std::uint8_t {
-  possible,  // the children are there and stay
-  unwanted,  // they are there and are to go: the limit rises until they are no longer drawn
-  missing,   // they are not there
+// Whether the children of a cell are there to replace it.
+enum class ChildState : std::uint8_t {
+  there,     // and they stay
+  unwanted,  // there, but to go: the limit rises until they are no longer drawn
+  missing,
 };
 
 // The limits of a sequence of frames. Children may be taken away without a pop when their parent, of level l, was not
 // refined in the last frame: when limited_distance of its bounds was at least r_l.
 class LimitTracker {
  public:
-  using RefinementOf = std::function<Refinement(std::uint32_t cell)>;
+  using ChildStateOf = std::function<ChildState(std::uint32_t cell)>;
 
   // Limits for a frame from this viewpoint: one for every cell that d asks to refine and whose children are missing
   // (R = r_l), and those that sink or rise after a change. `rate` in [0, 1]: share of its excess that a limit loses in
   // a frame (one that rises gains as much); 1: at once, which pops; 0: nothing that was missing ever appears.
-  void update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const RefinementOf& refinement,
+  void update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const ChildStateOf& child_state,
               float rate);
 
   [[nodiscard]] DetailLimits limits() const { return limits_; }

@@ -127,8 +127,8 @@ void ResidentCells::update(const Radii& radii, Vec3f viewpoint, const Frustum* f
       hierarchy_, radii_, viewpoint_,
       [&](std::uint32_t cell) {
         const auto found = families_.find(cell);
-        if (found == families_.end()) return Refinement::missing;
-        return found->second.unwanted ? Refinement::unwanted : Refinement::possible;
+        if (found == families_.end()) return ChildState::missing;
+        return found->second.unwanted ? ChildState::unwanted : ChildState::there;
       },
       config_.rate);
 

@@ -106,16 +106,16 @@ class Limits : public ::testing::Test {
     config.finest_level = 4;
     hierarchy_ = build_hierarchy(IndexedMesh(named.mesh), config, *scheduler_);
     basis_ = make_crack_basis(hierarchy_, *scheduler_);
-    state_.assign(hierarchy_.cells.size(), Refinement::possible);
+    state_.assign(hierarchy_.cells.size(), ChildState::there);
   }
-  void set_all(Refinement state) { state_.assign(hierarchy_.cells.size(), state); }
+  void set_all(ChildState state) { state_.assign(hierarchy_.cells.size(), state); }
 
-  LimitTracker::RefinementOf refinement() {
+  LimitTracker::ChildStateOf child_state() {
     return [this](std::uint32_t cell) { return state_[cell]; };
   }
 
   Frame frame(const Radii& radii, Vec3f viewpoint, LimitTracker& tracker, float rate) {
-    tracker.update(hierarchy_, radii, viewpoint, refinement(), rate);
+    tracker.update(hierarchy_, radii, viewpoint, child_state(), rate);
     Frame f{{&hierarchy_, &radii, Blend::smoothstep, viewpoint, tracker.limits()}, {}};
     select_cells(hierarchy_, radii, viewpoint, {.limits = tracker.limits()}, f.selection);
     return f;
@@ -125,7 +125,7 @@ class Limits : public ::testing::Test {
   void expect_present(const Frame& f) {
     for (const SelectedCell& s : f.selection.cells)
       for (std::uint32_t c = hierarchy_.cells[s.cell].parent; c != no_cell; c = hierarchy_.cells[c].parent)
-        ASSERT_NE(state_[c], Refinement::missing) << "cell " << s.cell;
+        ASSERT_NE(state_[c], ChildState::missing) << "cell " << s.cell;
   }
 
   void expect_whole(const Frame& f) {
@@ -137,7 +137,7 @@ class Limits : public ::testing::Test {
   Hierarchy hierarchy_;
   CrackBasis basis_;
   CrackScratch scratch_;
-  std::vector<Refinement> state_;
+  std::vector<ChildState> state_;
 };
 
 TEST_F(Limits, NoCrackWhateverIsMissing) {
@@ -152,7 +152,7 @@ TEST_F(Limits, NoCrackWhateverIsMissing) {
                                     : per_level_radii(hierarchy_, metric);
         for (const Vec3f viewpoint : random_viewpoints(hierarchy_, 25, 5)) {
           const unsigned share = 1 + random() % 4;
-          for (Refinement& state : state_) state = random() % 5 < share ? Refinement::missing : Refinement::possible;
+          for (ChildState& state : state_) state = random() % 5 < share ? ChildState::missing : ChildState::there;
           LimitTracker tracker;
           const Frame f = frame(radii, viewpoint, tracker, at_once);
           limited += tracker.limits().size();
@@ -193,7 +193,7 @@ TEST_F(Limits, NoPopWhileCellsComeAndGo) {
   for (const NamedMesh& named : manifold_meshes()) {
     SCOPED_TRACE(named.name);
     take(named);
-    set_all(Refinement::missing);
+    set_all(ChildState::missing);
     const Radii radii = per_level_radii(hierarchy_, DistanceMetric::euclidean);
     LimitTracker tracker;
     const float rate = 0.1f;
@@ -209,14 +209,14 @@ TEST_F(Limits, NoPopWhileCellsComeAndGo) {
         const bool refined = limited_distance(radii.metric, before.context.viewpoint, hierarchy_.cells[c].bounds,
                                               before.context.limits) < radii.select[level];
         switch (state_[c]) {
-          case Refinement::missing:
-            if (random() % 8 == 0) state_[c] = Refinement::possible, ++came;
+          case ChildState::missing:
+            if (random() % 8 == 0) state_[c] = ChildState::there, ++came;
             break;
-          case Refinement::possible:
-            if (random() % 20 == 0) state_[c] = Refinement::unwanted;
+          case ChildState::there:
+            if (random() % 20 == 0) state_[c] = ChildState::unwanted;
             break;
-          case Refinement::unwanted:
-            if (!refined) state_[c] = Refinement::missing, ++went;
+          case ChildState::unwanted:
+            if (!refined) state_[c] = ChildState::missing, ++went;
             break;
         }
       }
@@ -238,13 +238,13 @@ TEST_F(Limits, NoPopWhileCellsComeAndGo) {
 
 TEST_F(Limits, EndWhereNothingIsMissing) {
   take(manifold_meshes().front());
-  set_all(Refinement::missing);
+  set_all(ChildState::missing);
   const Radii radii = per_level_radii(hierarchy_, DistanceMetric::euclidean);
   const Vec3f viewpoint{0.5f, 0.5f, 0.9f};
   LimitTracker tracker;
   EXPECT_EQ(frame(radii, viewpoint, tracker, 0.1f).selection.cells.size(), 1u);  // the root
   EXPECT_EQ(std::vector(tracker.missing().begin(), tracker.missing().end()), std::vector<std::uint32_t>{0});
-  set_all(Refinement::possible);
+  set_all(ChildState::there);
   int frames = 0;
   while (!tracker.limits().empty() && frames < 1000) (void)frame(radii, viewpoint, tracker, 0.1f), ++frames;
   EXPECT_GT(frames, 3);

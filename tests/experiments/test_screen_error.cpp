@@ -1,6 +1,4 @@
 // The distance on the screen: against a brute force, and within the tolerance that the radii were made for.
-#include "experiments/metrics/screen_error.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <limits>
 
 #include "core/distance/point_triangle.h"
+#include "experiments/metrics/screen_error.h"
 #include "parallel/build.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/small_meshes.h"

@@ -151,7 +151,7 @@ TEST_P(GlMorphTest, DrawsNoCracksWhileFamiliesComeAndGo) {
     LimitTracker tracker;
     tracker.update(
         streamed, whole.radii, whole.frame.morph.viewpoint,
-        [&](std::uint32_t cell) { return there[cell] ? Refinement::possible : Refinement::missing; }, 1);
+        [&](std::uint32_t cell) { return there[cell] ? ChildState::there : ChildState::missing; }, 1);
     whole.frame.morph.limits = tracker.limits();
     select_cells(streamed, whole.radii, whole.frame.morph.viewpoint, {.limits = tracker.limits()}, whole.selection);
     limits += tracker.limits().size();
