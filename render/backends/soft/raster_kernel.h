@@ -61,7 +61,8 @@ class TriangleInTile {
         ca_(t.corners[2], t.corners[0], rect),
         inverse_area_(1 / static_cast<float>(ab_.dx * (t.corners[2].y - t.corners[0].y) -
                                              ab_.dy * (t.corners[2].x - t.corners[0].x))),
-        nearest_(std::min({t.z[0], t.z[1], t.z[2]})) {}
+        nearest_(std::min({t.z[0], t.z[1], t.z[2]})),
+        narrow_(is_narrow(t)) {}
 
   void draw() {
     constexpr int block = TileBuffer<Samples>::block_size;
@@ -78,6 +79,13 @@ class TriangleInTile {
   }
 
  private:
+  // In and around a bounding box of 2^14 subpixels edge functions stay below 2^30.
+  static bool is_narrow(const TriangleRecord& t) {
+    const auto [left, right] = std::minmax({t.corners[0].x, t.corners[1].x, t.corners[2].x});
+    const auto [top, bottom] = std::minmax({t.corners[0].y, t.corners[1].y, t.corners[2].y});
+    return right - left <= 1 << 14 && bottom - top <= 1 << 14;
+  }
+
   // Looking at a block costs about as much as drawing a few small triangles in it.
   static constexpr std::uint8_t refresh_after = 8;
 
@@ -106,15 +114,17 @@ class TriangleInTile {
     return changed;
   }
 
-  // Depth by shares (Vertices of small triangles in setup_kernel.h do the same): the edge functions as they are, exact
-  // in double.
+  // An edge function as it is, in `width` pixels: exact in double, and in 32 bits where the triangle is not too large.
+  [[nodiscard]] Float edge_values(const TileEdge& e, SnappedPoint offset, int x, int y) const {
+    const std::int64_t start = e.at(offset) + (e.dx * y - e.dy * x) * subpixels, step = -e.dy * subpixels;
+    if (narrow_) return to_float(static_cast<std::int32_t>(start) + static_cast<std::int32_t>(step) * iota());
+    return to_float(all(static_cast<double>(start)) + all(static_cast<double>(step)) * to_double(iota()));
+  }
+
+  // Depth by shares, as small triangles have it (setup_kernel.h).
   bool draw_lanes(int x, int y, std::size_t s, Int inside) {
     const SnappedPoint offset = sample_offsets<Samples>[s];
-    const Double right = to_double(iota() + x);
-    const auto share = [&](const TileEdge& e) {
-      const double start = static_cast<double>(e.at(offset) + e.dx * subpixels * y);
-      return to_float(all(start) + all(static_cast<double>(-e.dy * subpixels)) * right) * inverse_area_;
-    };
+    const auto share = [&](const TileEdge& e) { return edge_values(e, offset, x, y) * inverse_area_; };
     const Float z = max((t_.z[0] + share(ca_) * (t_.z[1] - t_.z[0])) + share(ab_) * (t_.z[2] - t_.z[0]), all(0.0f));
     const std::size_t at = s * tile_pixels + static_cast<std::size_t>(y * tile_size + x);
     const Float old_z = load<Float>(&tile_.depth[at]);
@@ -156,6 +166,7 @@ class TriangleInTile {
   PixelRect box_;
   TileEdge ab_, bc_, ca_;
   float inverse_area_, nearest_;
+  bool narrow_;
 };
 
 template <int Samples>

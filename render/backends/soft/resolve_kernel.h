@@ -280,8 +280,13 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
     const std::size_t at = y * tile_size + x;
     if (tile.depth[at] == 1 || Reference::is_record(tile.reference[at])) continue;
     const Fragment& fragment = tile.sources.fragment(tile.reference[at]);
-    const PackedNormal* normals = job.drawn->cell_of(fragment.triangle).normals;
-    for (const std::uint32_t v : fragment.v) prefetch(normals + v);
+    const DrawnCell& cell = job.drawn->cell_of(fragment.triangle);
+    for (const std::uint32_t v : fragment.v) {
+      prefetch(cell.normals + v);
+      if (!cell.morphing) continue;
+      prefetch(cell.parents + v);
+      prefetch(cell.lambdas + v);
+    }
   }
 }
 
