@@ -63,7 +63,7 @@ struct View {
 Camera camera_for(Shape shape, const Hierarchy& hierarchy) {
   if (shape != Shape::terrain) return orbit_path(hierarchy, 8)[1];
   const auto at = [&](Vec3d p) { return hierarchy.transform.origin + hierarchy.transform.scale * p; };
-  return {at({0.5, 0.48, 1.32}), at({0.5, 0.5, 0.1}), {0, 1, 0}, 0.785};
+  return {at({0.5, 0.49, 1.36}), at({0.5, 0.5, 0.1}), {0, 1, 0}, 0.785};
 }
 
 // A backend and what its frames have taken.
