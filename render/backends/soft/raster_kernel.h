@@ -1,4 +1,4 @@
-// Stage 3, a lane per pixel: which samples of a tile a triangle covers (Pineda 1988), in exact integer arithmetic.
+// Stage 3, a lane per pixel: which samples of a tile a triangle covers (pineda1988), in exact integer arithmetic.
 //
 // A sample is covered when it lies inside the triangle, or on an edge that is a top or a left one. An edge that two
 // triangles share is top-left for exactly one of them: along it no sample is drawn twice and none is missed.
