@@ -214,7 +214,7 @@ inline Quads transposed(Float a, Float b, Float c, Float d) {
 
 // Columns of the four values that at(lane) points to, aligned to them.
 template <class At>
-inline Quads load_quads(const At& at) {
+[[gnu::always_inline]] inline Quads load_quads(const At& at) {
 #if defined(__AVX2__)
   const auto pair = [&](int k) -> Float {
     const auto lo = _mm_load_ps(reinterpret_cast<const float*>(at(k)));
@@ -229,14 +229,14 @@ inline Quads load_quads(const At& at) {
 
 // The vertices that at(lane) points to.
 template <class At>
-inline Vertices load_vertices(const At& at) {
+[[gnu::always_inline]] inline Vertices load_vertices(const At& at) {
   const Quads q = load_quads(at);
   return {as_int(q.a), as_int(q.b), q.c, q.d};
 }
 
 // Lane k is from(k). In registers: a vector cannot be loaded before all its parts are stored.
 template <class From>
-inline Int gathered(const From& from) {
+[[gnu::always_inline]] inline Int gathered(const From& from) {
 #if defined(__AVX2__)
   return Int{from(0), from(1), from(2), from(3), from(4), from(5), from(6), from(7)};
 #else

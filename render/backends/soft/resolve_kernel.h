@@ -50,15 +50,17 @@ template <class RecordOf>
 }
 
 // What the references stand for at (x, y), in subpixels. Fragments know where they are.
-[[gnu::always_inline]] inline Surface find_surface(const ResolveJob& job, const TileSources& sources,
-                                                   const std::uint32_t* references, Int x, Int y) {
+[[gnu::always_inline]] inline Surface find_surface(const ResolveJob& job, const TileSources& sources, Int group, Int x,
+                                                   Int y) {
   static_assert(offsetof(Fragment, weight_b) == 24 && sizeof(Fragment) == 32);
   Surface s;
   const Fragment* fragment[width]{};
   const TriangleRecord* record[width]{};
   const Fragment* any_fragment = nullptr;
   const TriangleRecord* any_record = nullptr;
-  const Int is_record = load<Int>(references) < 0;
+  const Int is_record = group < 0;
+  std::uint32_t references[width];
+  store(references, group);
   bool morphing = false;
   for (int k = 0; k < width; ++k) {
     TriangleNumber number;
@@ -174,12 +176,6 @@ inline Int to_bytes(const Points& colour) {
 
 inline Int background() { return all(std::bit_cast<std::int32_t>(shading::background)); }
 
-// References of the lanes of `covered`, which must not be empty; the others repeat one of them.
-inline void fill_up(std::uint32_t* references, unsigned covered) {
-  const std::uint32_t any = references[std::countr_zero(covered)];
-  for (int k = 0; k < width; ++k) references[k] = covered >> k & 1 ? references[k] : any;
-}
-
 template <int Samples, bool Tint>
 struct GroupResolver {
   const ResolveJob& job;
@@ -192,9 +188,8 @@ struct GroupResolver {
               py = all((job.rect.y0 + y) * subpixels + subpixels / 2);
     if constexpr (Samples == 1) {
       const Int seen = load<Float>(&tile.depth[at]) < 1.0f;
-      const unsigned covered = bits(seen);
-      if (covered == 0) return background();
-      const Points colour = shade<Tint>(job, surface(at, 0, covered, px, py));
+      if (bits(seen) == 0) return background();
+      const Points colour = shade<Tint>(job, surface(at, 0, seen, px, py));
       return select(seen, to_bytes(colour), background());
     } else {
       return averaged(at, px, py);
@@ -202,12 +197,11 @@ struct GroupResolver {
   }
 
  private:
-  // Of sample s, at (px, py).
-  Surface surface(std::size_t at, std::size_t s, unsigned covered, Int px, Int py) const {
-    std::uint32_t references[width];
-    std::memcpy(references, &tile.reference[s * tile_pixels + at], sizeof references);
-    fill_up(references, covered);
-    return find_surface(job, tile.sources, references, px, py);
+  // Of sample s, at (px, py). At least one lane is seen; the others repeat it.
+  [[gnu::always_inline]] Surface surface(std::size_t at, std::size_t s, Int seen, Int px, Int py) const {
+    const std::uint32_t* references = &tile.reference[s * tile_pixels + at];
+    const auto any = static_cast<std::int32_t>(references[std::countr_zero(bits(seen))]);
+    return find_surface(job, tile.sources, select(seen, load<Int>(references), all(any)), px, py);
   }
 
   // Every triangle of a pixel is shaded once, at the centre where it covers all samples and at its first one elsewhere,
@@ -237,7 +231,7 @@ struct GroupResolver {
       if (covered == 0) continue;
       const Int whole = count == Samples;
       const SnappedPoint offset = sample_offsets<Samples>[s];
-      Surface seen_here = surface(at, s, covered, px + (~whole & offset.x), py + (~whole & offset.y));
+      Surface seen_here = surface(at, s, first, px + (~whole & offset.x), py + (~whole & offset.y));
       move_to_centre(at, bits(whole) & covered, seen_here);
       const Points colour = shade<Tint>(job, seen_here);
       const Float weight = to_float(count) * part;
