@@ -2,8 +2,9 @@
 // on both alike.
 //
 // Arguments: triangles of the generated surface, all of them drawn and inside the picture of 1280x720, and samples a
-// pixel. Counters: milliseconds of wall and of processor time (all threads) a frame, and how many times the frame rate
-// of gl soft has, by either. Where there is no OpenGL the benchmark is skipped with the reason.
+// pixel; of the terrain none is hidden. Counters: milliseconds of wall and of processor time (all threads) a frame, and
+// how many times the frame rate of gl soft has, by either. Where there is no OpenGL the benchmark is skipped with the
+// reason.
 #include <benchmark/benchmark.h>
 
 #include <map>
@@ -23,42 +24,46 @@ namespace {
 // kappa0 decides how much of the model morphs: with `finest` every cell is static.
 constexpr float finest = 1e6f;
 
-struct Scene {
-  Hierarchy hierarchy;
+// Built once each.
+const Hierarchy& model(Shape shape, std::int64_t triangles, Scheduler& scheduler) {
+  static std::map<std::pair<Shape, std::int64_t>, Hierarchy> models;
+  const auto [entry, fresh] = models.try_emplace({shape, triangles});
+  if (fresh) {
+    Repairs repairs;
+    const GenerateConfig config{shape, static_cast<std::uint64_t>(triangles), 1};
+    entry->second = build_hierarchy(prepare_mesh(generate_mesh(config), repairs, scheduler), {}, scheduler);
+  }
+  return entry->second;
+}
+
+// A frame and what it refers to.
+struct View {
+  const Hierarchy& hierarchy;
   Radii radii;
   Selection selection;
   Frame frame;
 
-  Scene(Shape shape, std::uint64_t triangles, float kappa0, Scheduler& scheduler) {
-    Repairs repairs;
-    hierarchy = build_hierarchy(prepare_mesh(generate_mesh({shape, triangles, 1}), repairs, scheduler), {}, scheduler);
+  View(const Hierarchy& h, const Camera& camera, float kappa0, int samples) : hierarchy(h) {
     RadiiConfig config;
     config.kappa0 = kappa0;
     radii = make_radii(hierarchy, config);
-    const Camera camera = camera_for(shape);
     frame.morph = {&hierarchy, &radii, Blend::smoothstep, viewpoint(camera, hierarchy.transform)};
     frame.size = {1280, 720};
+    frame.samples = samples;
     frame.view_projection = view_projection(camera, hierarchy, frame.size);
     const Frustum frustum = frustum_of(frame.view_projection);
     select_cells(hierarchy, radii, frame.morph.viewpoint, {&frustum, false}, selection);
     frame.selection = &selection;
   }
-
- private:
-  // The terrain from above, nothing hidden and filling the picture's height; other shapes on their orbit.
-  [[nodiscard]] Camera camera_for(Shape shape) const {
-    if (shape != Shape::terrain) return orbit_path(hierarchy, 8)[1];
-    const auto at = [&](Vec3d p) { return hierarchy.transform.origin + hierarchy.transform.scale * p; };
-    return {at({0.5, 0.48, 1.32}), at({0.5, 0.5, 0.1}), {0, 1, 0}, 0.785};
-  }
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
 };
 
-// One of each, alive for one benchmark at a time: the large ones fill the memory.
-const Scene& scene(Shape shape, std::int64_t triangles, float kappa0, Scheduler& scheduler) {
-  static std::map<std::tuple<Shape, std::int64_t, float>, std::unique_ptr<Scene>> scenes;
-  auto& entry = scenes[{shape, triangles, kappa0}];
-  if (!entry) entry = std::make_unique<Scene>(shape, static_cast<std::uint64_t>(triangles), kappa0, scheduler);
-  return *entry;
+// The terrain from above: nothing hidden, and as high as the picture. Other shapes on their orbit.
+Camera camera_for(Shape shape, const Hierarchy& hierarchy) {
+  if (shape != Shape::terrain) return orbit_path(hierarchy, 8)[1];
+  const auto at = [&](Vec3d p) { return hierarchy.transform.origin + hierarchy.transform.scale * p; };
+  return {at({0.5, 0.49, 1.36}), at({0.5, 0.5, 0.1}), {0, 1, 0}, 0.785};
 }
 
 // A backend and what its frames have taken.
@@ -78,7 +83,8 @@ struct Contender {
 
 void draw_both(benchmark::State& state, Shape shape, float kappa0) {
   const auto scheduler = make_tbb_scheduler();
-  const Scene& s = scene(shape, state.range(0), kappa0, *scheduler);
+  const Hierarchy& hierarchy = model(shape, state.range(0), *scheduler);
+  const View view(hierarchy, camera_for(shape, hierarchy), kappa0, static_cast<int>(state.range(1)));
   Contender soft, gl;
   soft.renderer = make_renderer("soft", *scheduler);
   try {
@@ -88,13 +94,13 @@ void draw_both(benchmark::State& state, Shape shape, float kappa0) {
     return;
   }
   for (Contender* c : {&soft, &gl}) {
-    c->renderer->upload(s.hierarchy);
-    c->draw(s.frame);
+    c->renderer->upload(hierarchy);
+    c->draw(view.frame);
     c->wall = c->cpu = 0;
   }
   for (auto _ : state) {
-    soft.draw(s.frame);
-    gl.draw(s.frame);
+    soft.draw(view.frame);
+    gl.draw(view.frame);
   }
   const auto frames = static_cast<double>(state.iterations());
   state.counters["triangles"] = static_cast<double>(soft.stats.triangles);
@@ -110,9 +116,11 @@ void BM_Terrain(benchmark::State& state) { draw_both(state, Shape::terrain, fine
 void BM_Sphere(benchmark::State& state) { draw_both(state, Shape::sphere, finest); }
 void BM_Morphing(benchmark::State& state) { draw_both(state, Shape::terrain, 12); }
 
-BENCHMARK(BM_Terrain)->Arg(1'000'000)->Arg(4'000'000)->Unit(benchmark::kMillisecond)->Iterations(5);
-BENCHMARK(BM_Sphere)->Arg(1'000'000)->Arg(4'000'000)->Unit(benchmark::kMillisecond)->Iterations(5);
-BENCHMARK(BM_Morphing)->Arg(4'000'000)->Unit(benchmark::kMillisecond)->Iterations(5);
+void settings(benchmark::internal::Benchmark* b) { b->Unit(benchmark::kMillisecond)->Iterations(5); }
+
+BENCHMARK(BM_Terrain)->Args({1'000'000, 1})->Args({4'000'000, 1})->Args({1'000'000, 4})->Apply(settings);
+BENCHMARK(BM_Sphere)->Args({1'000'000, 1})->Args({4'000'000, 1})->Args({100'000, 1})->Apply(settings);
+BENCHMARK(BM_Morphing)->Args({1'000'000, 1})->Args({4'000'000, 1})->Apply(settings);
 
 }  // namespace
 }  // namespace lodestone

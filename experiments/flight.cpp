@@ -107,6 +107,7 @@ FlightResult fly(const Hierarchy& hierarchy, Renderer& renderer, const FlightCon
     frame.view_projection = view_projection(camera, drawn, config.size);
     frame.light = head_light(camera);
     frame.size = config.size;
+    frame.samples = config.samples;
     frame.tint_by_level = config.tint_by_level;
     const Frustum frustum = frustum_of(frame.view_projection);
     if (resident) {

@@ -18,6 +18,7 @@ namespace lodestone {
 struct FlightConfig {
   std::vector<Camera> cameras;
   ImageSize size;
+  int samples = 1;    // a pixel, as in Frame
   RadiiConfig radii;  // image height, field of view and aspect are taken from size and each camera
   Blend blend = Blend::smoothstep;
   bool tint_by_level = false;

@@ -23,7 +23,7 @@ namespace {
 struct RenderOptions {
   std::string file, camera = "fly-in", backend = "soft", blend_name = "smoothstep", radii = "per-level",
                     metric = "euclidean", size = "1280x720", output;
-  int frames = 120;
+  int frames = 120, samples = 1;
   std::optional<float> kappa0, pixel_error;
   float beta = RadiiConfig{}.beta, delta = 0;
   bool allow_inadmissible = false, tint = false, no_metrics = false;
@@ -194,6 +194,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   config.radii = radii_config(options);
   config.blend = blend(options.blend_name);
   config.size = parse_size(options.size);
+  config.samples = options.samples;
   config.tint_by_level = options.tint;
   config.measure = !common.json.empty() && !options.no_metrics;
   config.cancel = &interrupt_flag();
@@ -231,6 +232,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
                {"metric", options.metric},
                {"radii", options.radii},
                {"first_picture_seconds", first_picture},
+               {"samples", config.samples},
                {"size", {config.size.width, config.size.height}}});
   write_json(common, json);
   if (common.quiet || common.json == "-") return;
@@ -261,6 +263,9 @@ void add_render(CLI::App& app) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command.add_option("--size", options->size, "Picture size")->capture_default_str();
+  command.add_option("--samples", options->samples, "Samples a pixel; 4 smooths edges")
+      ->check(CLI::IsMember({1, 4}))
+      ->capture_default_str();
   command.add_option("--backend", options->backend, "soft, gl or null")->capture_default_str();
   command.add_option("--pixel-error", options->pixel_error,
                      "Tolerance in pixels; 1 when neither this nor --kappa0 is given");

@@ -1,4 +1,4 @@
-// Clipping of a triangle to the near and far planes and to the guard band (Sutherland and Hodgman 1974).
+// Clipping of a triangle to the near and far planes and to the guard band (sutherland1974).
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@
 namespace lodestone::soft {
 
 // Weights of the corners at a point in subpixels, perspective-correct, each in [0, 1], sum 1: interpolation in
-// homogeneous coordinates (Olano and Greer 1997), which needs no clipping. Morphs and transforms the corners again.
+// homogeneous coordinates (olano1997), which needs no clipping. Morphs and transforms the corners again.
 [[nodiscard]] std::array<float, 3> clipped_weights(const Frame& frame, const DrawnCell& cell, const VertexIds& v,
                                                    const Viewport& viewport, SnappedPoint at);
 

@@ -38,8 +38,8 @@ struct SetupJob {
   const TileGrid* grid = nullptr;
   Bins<Fragment>* fragments = nullptr;
 };
-// Triangles below this are small, subpixels: at most three pixels wide and high.
-inline constexpr std::int32_t small_extent = 3 * subpixels;
+// Triangles below this are small, subpixels: at most six pixels wide and high.
+inline constexpr std::int32_t small_extent = 6 * subpixels;
 inline constexpr std::uint32_t run_triangles = 1024;
 
 // Indices in the cell, in order. What is small has been drawn; the others are left to do.

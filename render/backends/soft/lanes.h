@@ -212,9 +212,9 @@ inline Quads transposed(Float a, Float b, Float c, Float d) {
 #endif
 }
 
-// The vertices that at(lane) points to.
+// Columns of the four values that at(lane) points to, aligned to them.
 template <class At>
-inline Vertices load_vertices(const At& at) {
+[[gnu::always_inline]] inline Quads load_quads(const At& at) {
 #if defined(__AVX2__)
   const auto pair = [&](int k) -> Float {
     const auto lo = _mm_load_ps(reinterpret_cast<const float*>(at(k)));
@@ -224,8 +224,24 @@ inline Vertices load_vertices(const At& at) {
 #else
   const auto pair = [&](int k) { return load<Float>(reinterpret_cast<const float*>(at(k))); };
 #endif
-  const Quads q = transposed(pair(0), pair(1), pair(2), pair(3));
+  return transposed(pair(0), pair(1), pair(2), pair(3));
+}
+
+// The vertices that at(lane) points to.
+template <class At>
+[[gnu::always_inline]] inline Vertices load_vertices(const At& at) {
+  const Quads q = load_quads(at);
   return {as_int(q.a), as_int(q.b), q.c, q.d};
+}
+
+// Lane k is from(k). In registers: a vector cannot be loaded before all its parts are stored.
+template <class From>
+[[gnu::always_inline]] inline Int gathered(const From& from) {
+#if defined(__AVX2__)
+  return Int{from(0), from(1), from(2), from(3), from(4), from(5), from(6), from(7)};
+#else
+  return Int{from(0), from(1), from(2), from(3)};
+#endif
 }
 
 // To consecutive places.

@@ -1,4 +1,4 @@
-// Stage 3, a lane per pixel: which samples of a tile a triangle covers (Pineda 1988), in exact integer arithmetic.
+// Stage 3, a lane per pixel: which samples of a tile a triangle covers (pineda1988), in exact integer arithmetic.
 //
 // A sample is covered when it lies inside the triangle, or on an edge that is a top or a left one. An edge that two
 // triangles share is top-left for exactly one of them: along it no sample is drawn twice and none is missed.
@@ -48,7 +48,15 @@ inline PixelRect box_in_tile(const TriangleRecord& t, PixelRect rect) {
           std::min((((y_hi - first) >> subpixel_bits) + 1) - rect.y0, rect.y1 - rect.y0)};
 }
 
-template <int Samples>
+// In and around a bounding box of 2^14 subpixels edge functions stay below 2^31 all over a tile.
+inline bool is_narrow(const TriangleRecord& t) {
+  const auto [left, right] = std::minmax({t.corners[0].x, t.corners[1].x, t.corners[2].x});
+  const auto [top, bottom] = std::minmax({t.corners[0].y, t.corners[1].y, t.corners[2].y});
+  return right - left <= 1 << 14 && bottom - top <= 1 << 14;
+}
+
+// Narrow: edge functions are kept as they are, in 32 bits. Others: scaled for coverage, in double for depth.
+template <int Samples, bool Narrow>
 class TriangleInTile {
  public:
   TriangleInTile(const TriangleRecord& t, std::uint32_t reference, PixelRect rect, TileBuffer<Samples>& tile)
@@ -56,19 +64,28 @@ class TriangleInTile {
         reference_(reference),
         tile_(tile),
         box_(box_in_tile<Samples>(t, rect)),
-        ab_(t.corners[0], t.corners[1], rect),
-        bc_(t.corners[1], t.corners[2], rect),
-        ca_(t.corners[2], t.corners[0], rect),
-        inverse_area_(1 / static_cast<float>(ab_.dx * (t.corners[2].y - t.corners[0].y) -
-                                             ab_.dy * (t.corners[2].x - t.corners[0].x))),
-        nearest_(std::min({t.z[0], t.z[1], t.z[2]})) {}
+        edges_{TileEdge(t.corners[0], t.corners[1], rect), TileEdge(t.corners[1], t.corners[2], rect),
+               TileEdge(t.corners[2], t.corners[0], rect)},
+        inverse_area_(1 / static_cast<float>(edges_[0].dx * (t.corners[2].y - t.corners[0].y) -
+                                             edges_[0].dy * (t.corners[2].x - t.corners[0].x))),
+        nearest_(std::min({t.z[0], t.z[1], t.z[2]})) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const TileEdge& e = edges_[i];
+      step_x_[i] = Narrow ? e.step_x * subpixels : e.step_x;
+      step_y_[i] = Narrow ? e.step_y * subpixels : e.step_y;
+      reach_[i] = (block_size - 1) * (std::max(step_x_[i], 0) + std::max(step_y_[i], 0));
+      for (std::size_t s = 0; s < Samples; ++s) {
+        const SnappedPoint offset = sample_offsets<Samples>[s];
+        origin_[s][i] = Narrow ? static_cast<std::int32_t>(e.at(offset)) + e.bias : e.scaled(offset);
+      }
+    }
+  }
 
   void draw() {
-    constexpr int block = TileBuffer<Samples>::block_size;
-    for (int y = box_.y0 & -block; y < box_.y1; y += block)
-      for (int x = box_.x0 & -block; x < box_.x1; x += block) {
-        const std::size_t number =
-            static_cast<std::size_t>((y / block) * TileBuffer<Samples>::blocks_per_row + x / block);
+    for (int y = box_.y0 & -block_size; y < box_.y1; y += block_size)
+      for (int x = box_.x0 & -block_size; x < box_.x1; x += block_size) {
+        const auto number =
+            static_cast<std::size_t>((y / block_size) * TileBuffer<Samples>::blocks_per_row + x / block_size);
         // Interpolated depth may be nearer than the nearest corner by a few roundings.
         if (nearest_ - 4e-7f > tile_.farthest[number]) continue;
         bool changed = false;
@@ -78,52 +95,53 @@ class TriangleInTile {
   }
 
  private:
+  static constexpr int block_size = TileBuffer<Samples>::block_size;
   // Looking at a block costs about as much as drawing a few small triangles in it.
   static constexpr std::uint8_t refresh_after = 8;
 
   bool draw_block(int x, int y, std::size_t s) {
-    constexpr int block = TileBuffer<Samples>::block_size;
-    const SnappedPoint offset = sample_offsets<Samples>[s];
-    const auto at = [&](const TileEdge& e) { return e.scaled(offset) + e.step_x * x + e.step_y * y; };
-    const std::int32_t ab = at(ab_), bc = at(bc_), ca = at(ca_);
-    const auto reaches = [](std::int32_t value, const TileEdge& e) {
-      return value + (block - 1) * (std::max(e.step_x, 0) + std::max(e.step_y, 0)) >= 0;
-    };
-    if (!reaches(ab, ab_) || !reaches(bc, bc_) || !reaches(ca, ca_)) return false;
+    const int first = std::max(y, box_.y0), last = std::min(y + block_size, box_.y1);
+    std::int32_t start[3];  // at (x, first)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::int32_t corner = origin_[s][i] + step_x_[i] * x + step_y_[i] * y;
+      if (corner + reach_[i] < 0) return false;
+      start[i] = corner + step_y_[i] * (first - y);
+    }
     bool changed = false;
-    const int first = std::max(y, box_.y0), last = std::min(y + block, box_.y1);
-    for (int column = x; column < x + block; column += width) {
+    for (int column = x; column < x + block_size; column += width) {
       const Int right = iota() + (column - x);
-      Int e_ab = ab + ab_.step_y * (first - y) + ab_.step_x * right,
-          e_bc = bc + bc_.step_y * (first - y) + bc_.step_x * right,
-          e_ca = ca + ca_.step_y * (first - y) + ca_.step_x * right;
+      Int ab = start[0] + step_x_[0] * right, bc = start[1] + step_x_[1] * right, ca = start[2] + step_x_[2] * right;
       for (int row = first; row < last; ++row) {
-        const Int inside = (e_ab | e_bc | e_ca) >= 0;
-        if (bits(inside)) changed |= draw_lanes(column, row, s, inside);
-        e_ab += ab_.step_y, e_bc += bc_.step_y, e_ca += ca_.step_y;
+        const Int inside = (ab | bc | ca) >= 0;
+        if (bits(inside)) changed |= draw_lanes(column, row, s, inside, ab, ca);
+        ab += step_y_[0], bc += step_y_[1], ca += step_y_[2];
       }
     }
     return changed;
   }
 
-  // Depth by shares (Vertices of small triangles in setup_kernel.h do the same): the edge functions as they are, exact
-  // in double.
-  bool draw_lanes(int x, int y, std::size_t s, Int inside) {
-    const SnappedPoint offset = sample_offsets<Samples>[s];
-    const Double right = to_double(iota() + x);
-    const auto share = [&](const TileEdge& e) {
-      const double start = static_cast<double>(e.at(offset) + e.dx * subpixels * y);
-      return to_float(all(start) + all(static_cast<double>(-e.dy * subpixels)) * right) * inverse_area_;
-    };
-    const Float z = max((t_.z[0] + share(ca_) * (t_.z[1] - t_.z[0])) + share(ab_) * (t_.z[2] - t_.z[0]), all(0.0f));
+  // Of corner c or b, by the edge opposite to it, whose value in these pixels is `value` where that is exact.
+  [[nodiscard]] Float share(const TileEdge& e, Int value, int x, int y, std::size_t s) const {
+    if constexpr (Narrow) return to_float(value - e.bias) * inverse_area_;
+    const std::int64_t start = e.at(sample_offsets<Samples>[s]) + (e.dx * y - e.dy * x) * subpixels;
+    const Double exact =
+        all(static_cast<double>(start)) + all(static_cast<double>(-e.dy * subpixels)) * to_double(iota());
+    return to_float(exact) * inverse_area_;
+  }
+
+  // Depth by shares, as small triangles have it (setup_kernel.h).
+  bool draw_lanes(int x, int y, std::size_t s, Int inside, Int ab, Int ca) {
+    const Float share_b = share(edges_[2], ca, x, y, s), share_c = share(edges_[0], ab, x, y, s);
+    const Float z = max((t_.z[0] + share_b * (t_.z[1] - t_.z[0])) + share_c * (t_.z[2] - t_.z[0]), all(0.0f));
     const std::size_t at = s * tile_pixels + static_cast<std::size_t>(y * tile_size + x);
     const Float old_z = load<Float>(&tile_.depth[at]);
     Int wins = inside & (z < old_z);
     if (const unsigned ties = bits(inside & (z == old_z))) wins |= earlier(ties, at);
+    if (bits(wins) == 0) return false;
     store(&tile_.depth[at], select(wins, z, old_z));
     const Int own = all(static_cast<std::int32_t>(reference_));
     store(&tile_.reference[at], select(wins, own, load<Int>(&tile_.reference[at])));
-    return bits(wins) != 0;
+    return true;
   }
 
   // Of the lanes of `ties` those whose triangle is drawn later than this one. Nothing is drawn at the background's
@@ -137,11 +155,10 @@ class TriangleInTile {
   }
 
   void refresh(int x, int y, std::size_t number) {
-    constexpr int block = TileBuffer<Samples>::block_size;
     Float far = all(0.0f);
     for (std::size_t s = 0; s < Samples; ++s)
-      for (int row = y; row < y + block; ++row)
-        for (int column = x; column < x + block; column += width)
+      for (int row = y; row < y + block_size; ++row)
+        for (int column = x; column < x + block_size; column += width)
           far =
               max(far, load<Float>(&tile_.depth[s * tile_pixels + static_cast<std::size_t>(row * tile_size + column)]));
     float farthest = 0;
@@ -154,7 +171,9 @@ class TriangleInTile {
   std::uint32_t reference_;
   TileBuffer<Samples>& tile_;
   PixelRect box_;
-  TileEdge ab_, bc_, ca_;
+  TileEdge edges_[3];  // ab, bc, ca
+  std::int32_t step_x_[3], step_y_[3], reach_[3];
+  std::int32_t origin_[Samples][3];  // biased, at the samples of the tile's first pixel
   float inverse_area_, nearest_;
 };
 
@@ -163,7 +182,13 @@ void draw_triangles(const TriangleRecord* first, const TriangleRecord* last, Pix
                     TileBuffer<Samples>& tile) {
   std::uint32_t own = Reference::record_bit | Reference::first_of_run(tile.sources.record_runs.size());
   tile.sources.record_runs.push_back(first);
-  for (const TriangleRecord* t = first; t != last; ++t, ++own) TriangleInTile<Samples>(*t, own, rect, tile).draw();
+  for (const TriangleRecord* t = first; t != last; ++t, ++own) {
+    if (is_narrow(*t)) {
+      TriangleInTile<Samples, true>(*t, own, rect, tile).draw();
+    } else {
+      TriangleInTile<Samples, false>(*t, own, rect, tile).draw();
+    }
+  }
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

@@ -6,6 +6,8 @@
 // instantiated.
 #pragma once
 
+#include <cstddef>
+
 #include "core/base/prefetch.h"
 #include "render/backends/soft/clipped_weights.h"
 #include "render/backends/soft/kernels.h"
@@ -26,24 +28,21 @@ struct Surface {
 // division by w: shares over w, in proportion. The share of a corner is the edge function of the opposite edge, exact
 // in double; their common factor does not matter.
 template <class RecordOf>
-inline void find_weights(const ResolveJob& job, const RecordOf& record, Int x, Int y, Surface& s) {
-  std::int32_t px[3][width], py[3][width];
-  float inverse_w[3][width];
-  for (int k = 0; k < width; ++k)
-    for (std::size_t i = 0; i < 3; ++i) {
-      px[i][k] = record(k).corners[i].x, py[i][k] = record(k).corners[i].y;
-      inverse_w[i][k] = record(k).inverse_w[i];
-    }
+[[gnu::always_inline]] inline void find_weights(const ResolveJob& job, const RecordOf& record, Int x, Int y,
+                                                Surface& s) {
+  static_assert(offsetof(TriangleRecord, z) == 24 && offsetof(TriangleRecord, inverse_w) == 36);
+  const auto quads = [&](int number) {
+    return load_quads([&](int k) { return reinterpret_cast<const float*>(&record(k)) + 4 * number; });
+  };
+  const Quads ab = quads(0), cz = quads(1), zw = quads(2);
   const auto cross = [](Double ax, Double ay, Double bx, Double by) { return to_float(ax * by - ay * bx); };
-  const auto from_point = [](const std::int32_t* p, Int q) { return to_double(load<Int>(p) - q); };
-  const Double ax = from_point(px[0], x), ay = from_point(py[0], y), bx = from_point(px[1], x),
-               by = from_point(py[1], y), cx = from_point(px[2], x), cy = from_point(py[2], y);
-  const Float w_a = load<Float>(inverse_w[0]);
-  const Float wa = cross(bx, by, cx, cy) * w_a, wb = cross(cx, cy, ax, ay) * load<Float>(inverse_w[1]),
-              wc = cross(ax, ay, bx, by) * load<Float>(inverse_w[2]);
+  const auto from_point = [](Float p, Int q) { return to_double(as_int(p) - q); };
+  const Double ax = from_point(ab.a, x), ay = from_point(ab.b, y), bx = from_point(ab.c, x), by = from_point(ab.d, y),
+               cx = from_point(cz.a, x), cy = from_point(cz.b, y);
+  const Float wa = cross(bx, by, cx, cy) * zw.b, wb = cross(cx, cy, ax, ay) * zw.c, wc = cross(ax, ay, bx, by) * zw.d;
   const Float scale = 1.0f / ((wa + wb) + wc);
   s.weight[0] = scale * wa, s.weight[1] = scale * wb, s.weight[2] = scale * wc;
-  for (unsigned clipped = bits(w_a == 0.0f); clipped != 0; clipped &= clipped - 1) {
+  for (unsigned clipped = bits(zw.b == 0.0f); clipped != 0; clipped &= clipped - 1) {
     const int k = std::countr_zero(clipped);
     const std::array<float, 3> w = clipped_weights(*job.frame, *s.cell[k], record(k).v, *job.viewport, {x[k], y[k]});
     for (std::size_t i = 0; i < 3; ++i) s.weight[i][k] = w[i];
@@ -51,49 +50,57 @@ inline void find_weights(const ResolveJob& job, const RecordOf& record, Int x, I
 }
 
 // What the references stand for at (x, y), in subpixels. Fragments know where they are.
-inline Surface find_surface(const ResolveJob& job, const TileSources& sources, const std::uint32_t* references, Int x,
-                            Int y) {
+[[gnu::always_inline]] inline Surface find_surface(const ResolveJob& job, const TileSources& sources, Int group, Int x,
+                                                   Int y) {
+  static_assert(offsetof(Fragment, weight_b) == 24 && sizeof(Fragment) == 32);
   Surface s;
-  s.morphing = false;
-  float weight_b[width]{}, weight_c[width]{};
-  unsigned records = 0;
+  const Fragment* fragment[width]{};
+  const TriangleRecord* record[width]{};
+  const Fragment* any_fragment = nullptr;
+  const TriangleRecord* any_record = nullptr;
+  const Int is_record = group < 0;
+  std::uint32_t references[width];
+  store(references, group);
+  bool morphing = false;
   for (int k = 0; k < width; ++k) {
     TriangleNumber number;
     if (Reference::is_record(references[k])) {
-      const TriangleRecord& record = sources.record(references[k]);
-      number = record.triangle;
-      s.v[k] = record.v.data();
-      records |= 1u << k;
+      any_record = record[k] = &sources.record(references[k]);
+      number = record[k]->triangle;
+      s.v[k] = record[k]->v.data();
     } else {
-      const Fragment& fragment = sources.fragment(references[k]);
-      number = fragment.triangle;
-      s.v[k] = fragment.v.data();
-      weight_b[k] = fragment.weight_b, weight_c[k] = fragment.weight_c;
+      any_fragment = fragment[k] = &sources.fragment(references[k]);
+      number = fragment[k]->triangle;
+      s.v[k] = fragment[k]->v.data();
     }
     s.cell[k] = &job.drawn->cell_of(number);
-    s.morphing |= s.cell[k]->morphing;
+    morphing |= s.cell[k]->morphing;
   }
-  if (records == 0) {
-    s.weight[1] = load<Float>(weight_b), s.weight[2] = load<Float>(weight_c);
-    s.weight[0] = (1.0f - s.weight[1]) - s.weight[2];
-    return s;
+  s.morphing = morphing;
+  if (any_record) {
+    const auto of = [&](int k) -> const TriangleRecord& {
+      return Reference::is_record(references[k]) ? *record[k] : *any_record;
+    };
+    find_weights(job, of, x, y, s);
+    if (!any_fragment) return s;
   }
-  const int any = std::countr_zero(records);
-  find_weights(
-      job, [&](int k) -> const TriangleRecord& { return sources.record(references[records >> k & 1 ? k : any]); }, x, y,
-      s);
-  if (records != all_lanes) {
-    for (int k = 0; k < width; ++k) {
-      if (records >> k & 1) continue;
-      s.weight[1][k] = weight_b[k], s.weight[2][k] = weight_c[k];
-      s.weight[0][k] = (1 - weight_b[k]) - weight_c[k];
-    }
+  const Quads q = load_quads([&](int k) {
+    const Fragment* f = Reference::is_record(references[k]) ? any_fragment : fragment[k];
+    return reinterpret_cast<const float*>(f) + 4;
+  });
+  const Float a = (1.0f - q.c) - q.d;
+  if (!any_record) {
+    s.weight[0] = a, s.weight[1] = q.c, s.weight[2] = q.d;
+  } else {
+    s.weight[0] = select(is_record, s.weight[0], a);
+    s.weight[1] = select(is_record, s.weight[1], q.c);
+    s.weight[2] = select(is_record, s.weight[2], q.d);
   }
   return s;
 }
 
 // unpack_normal, lane by lane.
-inline Points unpacked(Int packed) {
+[[gnu::always_inline]] inline Points unpacked(Int packed) {
   const auto from_snorm16 = [](Int v) { return max(to_float(v) / 32767.0f, all(-1.0f)); };
   const auto with_sign = [](Float v, Float sign) { return select(sign < 0.0f, -v, v); };
   const Float u = from_snorm16((packed << 16) >> 16), v = from_snorm16(packed >> 16);
@@ -105,34 +112,31 @@ inline Points unpacked(Int packed) {
 }
 
 // Normals of corner i, morphed as morph_vertex does.
-inline Points corner_normals(const Surface& s, std::size_t i) {
-  static_assert(sizeof(PackedNormal) == sizeof(std::int32_t) && std::endian::native == std::endian::little);
-  std::int32_t own[width], coarser[width];
-  float lambda[width];
-  for (int k = 0; k < width; ++k) {
-    const DrawnCell& cell = *s.cell[k];
-    const std::uint32_t v = s.v[k][i];
-    std::memcpy(&own[k], &cell.normals[v], sizeof own[k]);
-    if (!s.morphing) continue;
-    coarser[k] = own[k];
-    lambda[k] = 1;
-    if (!cell.morphing) continue;
-    std::memcpy(&coarser[k], &cell.coarser_normals[cell.parents[v]], sizeof coarser[k]);
-    lambda[k] = cell.lambdas[v];
-  }
-  const Points n = unpacked(load<Int>(own));
+[[gnu::always_inline]] inline Points corner_normals(const Surface& s, std::size_t i) {
+  const auto packed = [](const PackedNormal& n) { return std::bit_cast<std::int32_t>(n); };
+  const Int own = gathered([&](int k) { return packed(s.cell[k]->normals[s.v[k][i]]); });
+  const Points n = unpacked(own);
   if (!s.morphing) return n;
-  const Points m = unpacked(load<Int>(coarser));
-  const Float l = load<Float>(lambda), rest = 1.0f - l;
+  const auto coarser = [&](int k) {
+    const DrawnCell& cell = *s.cell[k];
+    return packed(cell.morphing ? cell.coarser_normals[cell.parents[s.v[k][i]]] : cell.normals[s.v[k][i]]);
+  };
+  const auto lambda = [&](int k) {
+    return std::bit_cast<std::int32_t>(s.cell[k]->morphing ? s.cell[k]->lambdas[s.v[k][i]] : 1.0f);
+  };
+  const Float l = as_float(gathered(lambda)), rest = 1.0f - l;
+  const Int is_own = l >= 1.0f;
+  if (bits(is_own) == all_lanes) return n;
+  const Points m = unpacked(gathered(coarser));
   const Float x = l * n.x + rest * m.x, y = l * n.y + rest * m.y, z = l * n.z + rest * m.z;
   const Float norm2 = x * x + y * y + z * z;
   const Float scale = 1.0f / sqrt(norm2);
-  const Int is_own = l >= 1.0f, is_coarser = ~is_own & ((l <= 0.0f) | ~(norm2 > 1e-12f));
+  const Int is_coarser = ~is_own & ((l <= 0.0f) | ~(norm2 > 1e-12f));
   const auto pick = [&](Float a, Float b, Float sum) { return select(is_own, a, select(is_coarser, b, scale * sum)); };
   return {pick(n.x, m.x, x), pick(n.y, m.y, y), pick(n.z, m.z, z)};
 }
 
-inline Points interpolated_normals(const Surface& s) {
+[[gnu::always_inline]] inline Points interpolated_normals(const Surface& s) {
   const Points a = corner_normals(s, 0), b = corner_normals(s, 1), c = corner_normals(s, 2);
   const auto mix = [&](Float p, Float q, Float r) { return (s.weight[0] * p + s.weight[1] * q) + s.weight[2] * r; };
   return {mix(a.x, b.x, c.x), mix(a.y, b.y, c.y), mix(a.z, b.z, c.z)};
@@ -172,12 +176,6 @@ inline Int to_bytes(const Points& colour) {
 
 inline Int background() { return all(std::bit_cast<std::int32_t>(shading::background)); }
 
-// References of the lanes of `covered`, which must not be empty; the others repeat one of them.
-inline void fill_up(std::uint32_t* references, unsigned covered) {
-  const std::uint32_t any = references[std::countr_zero(covered)];
-  for (int k = 0; k < width; ++k) references[k] = covered >> k & 1 ? references[k] : any;
-}
-
 template <int Samples, bool Tint>
 struct GroupResolver {
   const ResolveJob& job;
@@ -190,9 +188,8 @@ struct GroupResolver {
               py = all((job.rect.y0 + y) * subpixels + subpixels / 2);
     if constexpr (Samples == 1) {
       const Int seen = load<Float>(&tile.depth[at]) < 1.0f;
-      const unsigned covered = bits(seen);
-      if (covered == 0) return background();
-      const Points colour = shade<Tint>(job, surface(at, 0, covered, px, py));
+      if (bits(seen) == 0) return background();
+      const Points colour = shade<Tint>(job, surface(at, 0, seen, px, py));
       return select(seen, to_bytes(colour), background());
     } else {
       return averaged(at, px, py);
@@ -200,12 +197,11 @@ struct GroupResolver {
   }
 
  private:
-  // Of sample s, at (px, py).
-  Surface surface(std::size_t at, std::size_t s, unsigned covered, Int px, Int py) const {
-    std::uint32_t references[width];
-    std::memcpy(references, &tile.reference[s * tile_pixels + at], sizeof references);
-    fill_up(references, covered);
-    return find_surface(job, tile.sources, references, px, py);
+  // Of sample s, at (px, py). At least one lane is seen; the others repeat it.
+  [[gnu::always_inline]] Surface surface(std::size_t at, std::size_t s, Int seen, Int px, Int py) const {
+    const std::uint32_t* references = &tile.reference[s * tile_pixels + at];
+    const auto any = static_cast<std::int32_t>(references[std::countr_zero(bits(seen))]);
+    return find_surface(job, tile.sources, select(seen, load<Int>(references), all(any)), px, py);
   }
 
   // Every triangle of a pixel is shaded once, at the centre where it covers all samples and at its first one elsewhere,
@@ -235,7 +231,7 @@ struct GroupResolver {
       if (covered == 0) continue;
       const Int whole = count == Samples;
       const SnappedPoint offset = sample_offsets<Samples>[s];
-      Surface seen_here = surface(at, s, covered, px + (~whole & offset.x), py + (~whole & offset.y));
+      Surface seen_here = surface(at, s, first, px + (~whole & offset.x), py + (~whole & offset.y));
       move_to_centre(at, bits(whole) & covered, seen_here);
       const Points colour = shade<Tint>(job, seen_here);
       const Float weight = to_float(count) * part;
@@ -280,8 +276,13 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
     const std::size_t at = y * tile_size + x;
     if (tile.depth[at] == 1 || Reference::is_record(tile.reference[at])) continue;
     const Fragment& fragment = tile.sources.fragment(tile.reference[at]);
-    const PackedNormal* normals = job.drawn->cell_of(fragment.triangle).normals;
-    for (const std::uint32_t v : fragment.v) prefetch(normals + v);
+    const DrawnCell& cell = job.drawn->cell_of(fragment.triangle);
+    for (const std::uint32_t v : fragment.v) {
+      prefetch(cell.normals + v);
+      if (!cell.morphing) continue;
+      prefetch(cell.parents + v);
+      prefetch(cell.lambdas + v);
+    }
   }
 }
 

@@ -2,7 +2,7 @@
 //
 // Where a surface is drawn at about a triangle a pixel, most triangles miss every sample. A first pass over the cell
 // looks at bounding boxes alone and lists what is left; a second one evaluates the edge functions of those of a few
-// pixels for all samples of their boxes (Pineda 1988) and emits what they cover. Larger ones are left to the tiles.
+// pixels for all samples of their boxes (pineda1988) and emits what they cover. Larger ones are left to the tiles.
 #pragma once
 
 #include "render/backends/soft/kernels.h"

@@ -1,4 +1,4 @@
-// Sort-middle rendering (Molnar et al. 1994) into a visibility buffer (Burns and Hunt 2013): vertices and triangles by
+// Sort-middle rendering (molnar1994) into a visibility buffer (burns2013): vertices and triangles by
 // cell, pixels by tile. Workers share nothing that they write, except for the picture, of which each tile has its own
 // part. What reaches a pixel is a minimum over all triangles, so the picture depends neither on the number of threads
 // nor on their timing.

@@ -1,4 +1,4 @@
-// What is seen in the samples of a tile: the visibility buffer (Burns and Hunt 2013) with its depth.
+// What is seen in the samples of a tile: the visibility buffer (burns2013) with its depth.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +55,7 @@ struct TileBuffer {
   // Sample s of all pixels, row by row, then the next sample. Depth 1: background.
   alignas(64) std::array<float, samples> depth;
   alignas(64) std::array<std::uint32_t, samples> reference;
-  // Hierarchical depth (Greene et al. 1993), one level: no sample of a block of 8x8 pixels is farther.
+  // Hierarchical depth (greene1993), one level: no sample of a block of 8x8 pixels is farther.
   std::array<float, blocks_per_row * blocks_per_row> farthest;
   std::array<std::uint8_t, blocks_per_row * blocks_per_row> changes;  // since `farthest` was computed
   TileSources sources;
