@@ -51,8 +51,13 @@ void export_tiles(const ExportOptions& options, const CommonOptions& common) {
   config.tileset.morph = options.morph;
   config.cancel = &interrupt_flag();
   config.progress = [&](double share) { progress.update(share); };
+  progress.phase("reading");
   const Hierarchy hierarchy = load_lode(options.file, *scheduler);
   check_interrupt();
+  std::uint64_t triangles = 0;
+  for (const Level& level : hierarchy.levels) triangles += level.triangles;
+  progress.phase("writing");
+  progress.measure(static_cast<double>(triangles), "triangles");
   const SavedTiles saved = save_tiles(hierarchy, folder, *scheduler, config);
   check_interrupt();
   folder.commit();
