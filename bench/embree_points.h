@@ -69,7 +69,8 @@ class EmbreePoints {
   // The point is rounded, too.
   [[nodiscard]] static float radius_of(const Query& query) {
     constexpr double rounding = 1e-7;
-    return std::nextafter(static_cast<float>(std::sqrt(query.squared) + rounding), std::numeric_limits<float>::infinity());
+    return std::nextafter(static_cast<float>(std::sqrt(query.squared) + rounding),
+                          std::numeric_limits<float>::infinity());
   }
   [[nodiscard]] double squared_distance(Vec3d p, std::uint32_t triangle) const {
     const auto& v = triangles_[triangle].v;
