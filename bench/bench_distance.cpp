@@ -2,10 +2,15 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "core/distance/mesh_distance.h"
+#include "core/hierarchy/level_surface.h"
 #include "core/mesh/generate.h"
+#ifdef LODESTONE_HAS_EMBREE
+#include "bench/embree_points.h"
+#endif
 
 namespace lodestone {
 namespace {
@@ -38,6 +43,97 @@ void nearest_points(benchmark::State& state) {
       benchmark::Counter(static_cast<double>(samples.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(nearest_points)->Args({1'000'000, 900'000})->Args({1'000'000, 50'000})->Unit(benchmark::kMillisecond);
+
+// A hierarchy of one level: the surface that errors are measured from.
+class OneLevel {
+ public:
+  explicit OneLevel(const ComparedMesh& mesh) {
+    for (const Vec3d p : mesh.positions) positions_.push_back(to_float(p));
+    hierarchy_.levels.resize(1);
+    hierarchy_.levels[0].cell_count = 1;
+    hierarchy_.cells.resize(1);
+    hierarchy_.cells[0].positions = positions_;
+    hierarchy_.cells[0].triangles = mesh.triangles;
+  }
+  [[nodiscard]] LevelSurface surface() const {
+    LevelSurface surface(hierarchy_, 0);
+    surface.build_cell(0);
+    surface.build_rest();
+    return surface;
+  }
+
+ private:
+  std::vector<Vec3f> positions_;
+  Hierarchy hierarchy_;
+};
+
+// The same queries by each structure, one after the other along the surface, each from the last one's answer. Vertices
+// are those of floats for all of them. No timing without the distances of TriangleBvh, which tests compare with brute
+// force.
+ComparedPair float_pair(const benchmark::State& state) {
+  ComparedPair pair = prepare_comparison(torus(state.range(0)), torus(state.range(1)));
+  for (ComparedMesh& mesh : pair.mesh)
+    for (Vec3d& p : mesh.positions) p = to_double(to_float(p));
+  return pair;
+}
+
+template <class Nearest>
+void query(benchmark::State& state, const ComparedMesh& from, const ComparedMesh& to, const Nearest& squared_distance) {
+  const TriangleBvh reference(to.positions, to.triangles);
+  double sum = 0, worst = 0;
+  for (const Vec3d p : from.positions)
+    worst =
+        std::max(worst, std::abs(std::sqrt(squared_distance(p)) - std::sqrt(reference.nearest(p).squared_distance)));
+  if (worst > 1e-14) state.SkipWithError("distances differ");
+  for (auto _ : state) {
+    sum = 0;
+    for (const Vec3d p : from.positions) sum += std::sqrt(squared_distance(p));
+  }
+  state.counters["queries/s"] =
+      benchmark::Counter(static_cast<double>(from.positions.size()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["mean_distance"] = sum / static_cast<double>(from.positions.size());
+}
+
+void query_triangle_bvh(benchmark::State& state) {
+  const ComparedPair pair = float_pair(state);
+  const TriangleBvh bvh(pair.mesh[1].positions, pair.mesh[1].triangles);
+  std::uint32_t hint = TriangleBvh::no_hint;
+  query(state, pair.mesh[0], pair.mesh[1], [&](Vec3d p) {
+    const TriangleBvh::Nearest nearest = bvh.nearest(p, hint);
+    hint = nearest.slot;
+    return nearest.squared_distance;
+  });
+}
+
+void query_level_surface(benchmark::State& state) {
+  const ComparedPair pair = float_pair(state);
+  const OneLevel level(pair.mesh[1]);
+  const LevelSurface surface = level.surface();
+  SurfaceItem hint;
+  query(state, pair.mesh[0], pair.mesh[1], [&](Vec3d p) {
+    const LevelSurface::Nearest nearest = surface.nearest(p, hint);
+    hint = nearest.item;
+    return nearest.squared_distance;
+  });
+}
+
+#ifdef LODESTONE_HAS_EMBREE
+void query_embree(benchmark::State& state) {
+  const ComparedPair pair = float_pair(state);
+  const EmbreePoints points(pair.mesh[1].positions, pair.mesh[1].triangles);
+  std::uint32_t hint = 0;
+  query(state, pair.mesh[0], pair.mesh[1], [&](Vec3d p) { return points.nearest(p, hint); });
+}
+#endif
+
+void from_fine_to_coarse_and_back(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Args({200'000, 50'000})->Args({50'000, 200'000})->Args({1'000'000, 15'000})->Unit(benchmark::kMillisecond);
+}
+BENCHMARK(query_triangle_bvh)->Apply(from_fine_to_coarse_and_back);
+BENCHMARK(query_level_surface)->Apply(from_fine_to_coarse_and_back);
+#ifdef LODESTONE_HAS_EMBREE
+BENCHMARK(query_embree)->Apply(from_fine_to_coarse_and_back);
+#endif
 
 }  // namespace
 }  // namespace lodestone

@@ -20,13 +20,13 @@ std::vector<T> gathered(std::size_t count, Scheduler& scheduler, const Find& fin
 }  // namespace
 
 RefineReport refine_mesh(IndexedMesh& mesh, double longest, Scheduler& scheduler) {
-  Refinement refinement(mesh, longest);
+  EdgeSplitter splitter(mesh, longest);
   const std::size_t vertices = mesh.positions.size();
-  refinement.split(gathered<std::uint32_t>(mesh.triangles.size(), scheduler, [&](std::size_t begin, std::size_t end) {
-    return refinement.long_triangles(begin, end);
+  splitter.split(gathered<std::uint32_t>(mesh.triangles.size(), scheduler, [&](std::size_t begin, std::size_t end) {
+    return splitter.long_triangles(begin, end);
   }));
-  return refinement.finish(gathered<Refinement::Meeting>(
-      vertices, scheduler, [&](std::size_t begin, std::size_t end) { return refinement.meetings(begin, end); }));
+  return splitter.finish(gathered<EdgeSplitter::Meeting>(
+      vertices, scheduler, [&](std::size_t begin, std::size_t end) { return splitter.meetings(begin, end); }));
 }
 
 }  // namespace lodestone

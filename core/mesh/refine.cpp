@@ -60,18 +60,18 @@ double refine_limit(double longest, Lattice lattice) {
   return limit;
 }
 
-Refinement::Refinement(IndexedMesh& mesh, double longest)
+EdgeSplitter::EdgeSplitter(IndexedMesh& mesh, double longest)
     : mesh_(mesh), first_fresh_(static_cast<std::uint32_t>(mesh.positions.size())) {
   const double limit = refine_limit(longest, mesh.transform.lattice);
   limit2_ = limit * limit;
   report_.triangles_before = mesh.triangles.size();
 }
 
-bool Refinement::is_long(std::uint32_t a, std::uint32_t b) const {
+bool EdgeSplitter::is_long(std::uint32_t a, std::uint32_t b) const {
   return squared_length(place(a) - place(b)) > limit2_;
 }
 
-std::vector<std::uint32_t> Refinement::long_triangles(std::size_t begin, std::size_t end) const {
+std::vector<std::uint32_t> EdgeSplitter::long_triangles(std::size_t begin, std::size_t end) const {
   std::vector<std::uint32_t> found;
   for (std::size_t t = begin; t < end; ++t) {
     const auto& v = mesh_.triangles[t].v;
@@ -81,7 +81,7 @@ std::vector<std::uint32_t> Refinement::long_triangles(std::size_t begin, std::si
   return found;
 }
 
-std::uint32_t Refinement::middle(std::uint32_t a, std::uint32_t b) {
+std::uint32_t EdgeSplitter::middle(std::uint32_t a, std::uint32_t b) {
   const auto id = static_cast<std::uint32_t>(first_fresh_ + exact_.size());
   const auto [at, is_new] = middles_.try_emplace(key_of(a, b), id);
   if (is_new) {
@@ -93,7 +93,7 @@ std::uint32_t Refinement::middle(std::uint32_t a, std::uint32_t b) {
 }
 
 // The corners of a triangle have one material.
-void Refinement::add_attributes(std::uint32_t a, std::uint32_t b) {
+void EdgeSplitter::add_attributes(std::uint32_t a, std::uint32_t b) {
   WedgeAttributes& w = mesh_.wedges;
   if (!w.uv.empty()) w.uv.push_back({0.5f * (w.uv[a].x + w.uv[b].x), 0.5f * (w.uv[a].y + w.uv[b].y)});
   if (!w.colour.empty()) w.colour.push_back(mean(w.colour[a], w.colour[b]));
@@ -102,7 +102,7 @@ void Refinement::add_attributes(std::uint32_t a, std::uint32_t b) {
 }
 
 // t[0] is the corner between the two edges.
-void Refinement::split_two(const Triangle& t, std::vector<Triangle>& parts) {
+void EdgeSplitter::split_two(const Triangle& t, std::vector<Triangle>& parts) {
   const auto [a, b, c] = t.v;
   const std::uint32_t m = middle(a, b), n = middle(a, c);
   parts.push_back({{a, m, n}});
@@ -115,7 +115,7 @@ void Refinement::split_two(const Triangle& t, std::vector<Triangle>& parts) {
   }
 }
 
-bool Refinement::split_once(const Triangle& t, std::vector<Triangle>& parts) {
+bool EdgeSplitter::split_once(const Triangle& t, std::vector<Triangle>& parts) {
   const auto& v = t.v;
   std::array<bool, 3> too_long;  // the edge from corner i to the next
   for (std::size_t i = 0; i < 3; ++i) too_long[i] = is_long(v[i], v[next_corner[i]]);
@@ -137,7 +137,7 @@ bool Refinement::split_once(const Triangle& t, std::vector<Triangle>& parts) {
   return true;
 }
 
-void Refinement::split(std::span<const std::uint32_t> triangles) {
+void EdgeSplitter::split(std::span<const std::uint32_t> triangles) {
   report_.split = triangles.size();
   std::vector<Triangle> waiting;
   for (const std::uint32_t whole : triangles) {
@@ -155,7 +155,7 @@ void Refinement::split(std::span<const std::uint32_t> triangles) {
   }
 }
 
-std::vector<Refinement::Meeting> Refinement::meetings(std::size_t begin, std::size_t end) const {
+std::vector<EdgeSplitter::Meeting> EdgeSplitter::meetings(std::size_t begin, std::size_t end) const {
   std::vector<Meeting> found;
   if (at_.empty()) return found;
   for (std::size_t v = begin; v < std::min<std::size_t>(end, first_fresh_); ++v) {
@@ -168,12 +168,12 @@ std::vector<Refinement::Meeting> Refinement::meetings(std::size_t begin, std::si
 }
 
 // The vertex that wedges of one place have in common, or the vertex itself.
-std::uint32_t Refinement::vertex_of(std::uint32_t v) const {
+std::uint32_t EdgeSplitter::vertex_of(std::uint32_t v) const {
   return mesh_.wedges.vertex.empty() ? v : mesh_.wedges.vertex[v];
 }
 
 // New vertices that stand where an earlier one stands become that one; wedges only learn of it.
-void Refinement::join(std::span<const Meeting> meetings) {
+void EdgeSplitter::join(std::span<const Meeting> meetings) {
   const bool has_wedges = !mesh_.wedges.vertex.empty();
   std::vector<std::uint32_t> same(mesh_.positions.size() - first_fresh_);
   for (std::uint32_t k = 0; k < same.size(); ++k) same[k] = first_fresh_ + k;
@@ -195,7 +195,7 @@ void Refinement::join(std::span<const Meeting> meetings) {
       if (v >= first_fresh_) v = same[v - first_fresh_];
 }
 
-void Refinement::drop_degenerate() {
+void EdgeSplitter::drop_degenerate() {
   std::erase_if(parts_, [&](const Part& part) {
     const auto& v = part.triangle.v;
     return is_degenerate({{vertex_of(v[0]), vertex_of(v[1]), vertex_of(v[2])}});
@@ -203,7 +203,7 @@ void Refinement::drop_degenerate() {
 }
 
 // The first part of each triangle in its place, the others at the end; a triangle without a part goes.
-void Refinement::put_back() {
+void EdgeSplitter::put_back() {
   std::vector<char> stays(mesh_.triangles.size(), 1);
   for (const Part& part : parts_) stays[part.whole] = 2;
   std::vector<Triangle> others;
@@ -218,7 +218,7 @@ void Refinement::put_back() {
   mesh_.triangles.insert(mesh_.triangles.end(), others.begin(), others.end());
 }
 
-RefineReport Refinement::finish(std::span<const Meeting> meetings) {
+RefineReport EdgeSplitter::finish(std::span<const Meeting> meetings) {
   if (report_.split > 0) {
     join(meetings);
     // Triangles all of whose parts go are those without area: marked before the parts are put back.
@@ -237,7 +237,7 @@ RefineReport Refinement::finish(std::span<const Meeting> meetings) {
 
 // Parts have a new vertex at least, unless new ones have met the mesh's: only then a triangle may repeat one of the
 // mesh. The first of equal ones stays.
-void Refinement::drop_repeats(bool whole_mesh) {
+void EdgeSplitter::drop_repeats(bool whole_mesh) {
   std::unordered_set<Triangle, CanonicalHash> seen;
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     Triangle& triangle = mesh_.triangles[t];
@@ -249,7 +249,7 @@ void Refinement::drop_repeats(bool whole_mesh) {
 }
 
 // Triangles and vertices that have gone leave no gap.
-void Refinement::squeeze() {
+void EdgeSplitter::squeeze() {
   std::erase_if(mesh_.triangles, [](const Triangle& t) { return is_degenerate(t); });
   if (mesh_.triangles.empty())
     throw InputError("no triangle of the mesh has an area that splitting its edges would leave");
@@ -277,10 +277,10 @@ void Refinement::squeeze() {
 }
 
 RefineReport refine_mesh(IndexedMesh& mesh, double longest) {
-  Refinement refinement(mesh, longest);
+  EdgeSplitter splitter(mesh, longest);
   const std::size_t vertices = mesh.positions.size();
-  refinement.split(refinement.long_triangles(0, mesh.triangles.size()));
-  return refinement.finish(refinement.meetings(0, vertices));
+  splitter.split(splitter.long_triangles(0, mesh.triangles.size()));
+  return splitter.finish(splitter.meetings(0, vertices));
 }
 
 }  // namespace lodestone

@@ -44,9 +44,9 @@ struct RefineReport {
 RefineReport refine_mesh(IndexedMesh& mesh, double longest);
 
 // The pieces that an orchestration puts together: begin to end, in this order.
-class Refinement {
+class EdgeSplitter {
  public:
-  Refinement(IndexedMesh& mesh, double longest);
+  EdgeSplitter(IndexedMesh& mesh, double longest);
 
   // Triangles of [begin, end) with an edge beyond the limit, ascending.
   [[nodiscard]] std::vector<std::uint32_t> long_triangles(std::size_t begin, std::size_t end) const;

@@ -72,9 +72,9 @@ TEST_P(RefineMesh, MakesValidHierarchiesOfTheBoundedReach) {
   EXPECT_EQ(refined.provenance.input_triangles, report.refinement.triangles_after);
   EXPECT_GE(report.stages.count("refine"), 1u);
   const auto widest = [](const Hierarchy& h) {
-    float widest = 0;
-    for (const Level& level : h.levels) widest = std::max(widest, level.diameter);
-    return widest;
+    float diameter = 0;
+    for (const Level& level : h.levels) diameter = std::max(diameter, level.diameter);
+    return diameter;
   };
   EXPECT_GT(widest(plain), 4);
   EXPECT_LE(widest(refined), std::sqrt(3) * (1 + 4.0 / 3 * config.sigma0)) << "the bound for edges within sigma0 h";
