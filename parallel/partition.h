@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/hierarchy/cell_build.h"
@@ -29,5 +30,11 @@ struct Partition {
 
 // The level whose occupied cells hold on average about `cell_triangles` triangles, judged by a regular sample.
 [[nodiscard]] int choose_finest_level(const IndexedMesh& mesh, std::uint32_t cell_triangles);
+
+// The two halves of it: every how many triangles, from the first, one is looked at; and the choice by the cells of
+// max_level that hold the barycentres of those.
+[[nodiscard]] std::size_t level_sample_stride(std::size_t triangles);
+[[nodiscard]] int finest_level_of(std::span<const CellCode> sample, std::size_t triangles,
+                                  std::uint32_t cell_triangles);
 
 }  // namespace lodestone
