@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
-#include <cmath>
-#include <limits>
 #include <mutex>
 #include <string>
 
@@ -14,7 +11,9 @@
 #include "core/hierarchy/cell_table.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/finest_level.h"
+#include "parallel/level_table.h"
 #include "parallel/partition.h"
+#include "parallel/run_blocks.h"
 
 namespace lodestone {
 namespace {
@@ -51,53 +50,20 @@ Placement placement_of(const BuildConfig& config) {
 class HierarchyBuilder {
  public:
   HierarchyBuilder(Build& build, const BuildConfig& config, Scheduler& scheduler)
-      : build_(build), config_(config), scheduler_(scheduler), finest_(static_cast<int>(build.plan.levels.size()) - 1) {
+      : build_(build), config_(config), scheduler_(scheduler) {
     workers_.resize(static_cast<std::size_t>(scheduler.workers()));
     for (Worker& worker : workers_) worker.simplifier = make_simplifier(config.simplifier, placement_of(config));
   }
 
   void run() {
-    switch (config_.strategy) {
-      case Strategy::serial:
-        return run_serial();
-      case Strategy::levels:
-        return run_levels();
-      case Strategy::graph:
-        return run_graph();
-    }
+    run_blocks(build_.plan, config_.strategy, scheduler_, config_.cancel,
+               [&](std::uint32_t b) { run_block(b, worker()); });
   }
 
  private:
-  void run_serial() {
-    for (std::uint32_t b = 0; b < build_.plan.blocks.size(); ++b) run_block(b, workers_.front());
-  }
-
-  void run_levels() {
-    for (int l = finest_; l > 0; --l) {
-      scheduler_.name_work(level_name(l));
-      const auto level = static_cast<std::size_t>(l);
-      scheduler_.for_chunks(build_.plan.block_count[level], 1, [&](ChunkRange range) {
-        run_block(build_.plan.first_block[level] + static_cast<std::uint32_t>(range.begin), worker());
-      });
-    }
-  }
-
-  // A coarse block is worth more than a fine one: it releases what its cells carry for it.
-  void run_graph() {
-    TaskGraph graph{build_.plan.blocks.size(), build_.plan.dependencies, {}, [&](std::uint32_t b) { return label(b); }};
-    graph.priority.reserve(graph.task_count);
-    for (const Block& block : build_.plan.blocks) graph.priority.push_back(finest_ + 1 - block.level);
-    scheduler_.run_graph(
-        graph, [&](std::uint32_t b) { run_block(b, worker()); }, config_.cancel);
-  }
-
-  [[nodiscard]] static std::string level_name(int level) { return "level " + std::to_string(level); }
-  [[nodiscard]] std::string label(std::uint32_t b) const { return level_name(build_.plan.blocks[b].level); }
-
   Worker& worker() { return workers_[static_cast<std::size_t>(scheduler_.worker_index())]; }
 
   void run_block(std::uint32_t index, Worker& worker) {
-    if (config_.cancel && *config_.cancel) throw Cancelled{};
     const Block& block = build_.plan.blocks[index];
     const auto level = static_cast<std::size_t>(block.level);
     const LevelCells& parents = build_.plan.levels[level - 1];
@@ -119,7 +85,6 @@ class HierarchyBuilder {
   Build& build_;
   const BuildConfig& config_;
   Scheduler& scheduler_;
-  int finest_;
   std::vector<Worker> workers_;
   std::atomic<std::uint64_t> consumed_{0};
   std::mutex progress_;
@@ -156,43 +121,17 @@ void order_cells(Build& build, Scheduler& scheduler) {
   });
 }
 
-// The finished tables: views of the payloads, levels' statistics from their cells' in cell order.
+// A level's tables, with views of the payloads.
 void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
-  const LevelCells& table = build.plan.levels[l];
-  Level level;
-  level.first_cell = static_cast<std::uint32_t>(out.cells.size());
-  level.cell_count = static_cast<std::uint32_t>(table.codes.size());
-  const std::uint32_t first_parent = l > 0 ? out.levels.back().first_cell : 0;
-  const float h = cell_size(static_cast<int>(l));
-  for (CellRank rank = 0; rank < table.codes.size(); ++rank) {
-    const CellBuild& from = build.cells[l][rank];
-    Cell cell;
-    cell.code = table.codes[rank];
-    cell.parent = l > 0 ? first_parent + table.parent[rank] : no_cell;
-    if (!table.first_child.empty()) {
-      cell.first_child = level.first_cell + level.cell_count + table.first_child[rank];
-      cell.child_count = table.first_child[rank + 1] - table.first_child[rank];
-    }
-    cell.bounds = from.bounds;
-    cell.max_displacement = from.max_displacement;
-    cell.error = from.error;
-    cell.positions = from.slab.positions;
-    cell.normals = from.slab.normals;
-    cell.attributes = {from.slab.uv, from.slab.colours, from.slab.materials};
-    if (l > 0) cell.parents = from.slab.parents;
-    cell.shared_ids = from.slab.shared_ids;
-    cell.triangles = from.triangles;
-    level.triangles += from.triangles.size();
-    level.vertices += from.vertex_count();
-    for (std::size_t m = 0; m < level.reach.size(); ++m) level.reach[m] = std::max(level.reach[m], from.reach[m]);
-    level.diameter = std::max(level.diameter, from.diameter);
-    level.max_edge = std::max(level.max_edge, from.max_edge);
-    level.long_edges += from.long_edges;
-    if (from.error > 0)
-      level.error = std::max(level.error, std::nextafter(from.error / h, std::numeric_limits<float>::max()));
-    out.cells.push_back(cell);
-  }
-  out.levels.push_back(level);
+  const std::vector<CellBuild>& built = build.cells[l];
+  append_level(
+      build.plan, l,
+      [&](CellRank rank) {
+        return LevelEntry{&built[rank], built[rank].vertex_count(), built[rank].triangles.size()};
+      },
+      out);
+  for (CellRank rank = 0; rank < built.size(); ++rank)
+    view_payload(built[rank], l > 0, out.cells[out.levels[l].first_cell + rank]);
 }
 
 // The finest level, and empty cells on the others. What the partition alone needs is released here.

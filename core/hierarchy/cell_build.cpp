@@ -70,6 +70,15 @@ void CellBuild::release_transient() {
   std::vector<UsageBox>().swap(usage);
 }
 
+void view_payload(const CellBuild& build, bool has_parents, Cell& cell) {
+  cell.positions = build.slab.positions;
+  cell.normals = build.slab.normals;
+  cell.attributes = {build.slab.uv, build.slab.colours, build.slab.materials};
+  if (has_parents) cell.parents = build.slab.parents;
+  cell.shared_ids = build.slab.shared_ids;
+  cell.triangles = build.triangles;
+}
+
 void sort_by_material(CellBuild& cell) {
   if (cell.slab.materials.empty()) return;
   std::stable_sort(cell.triangles.begin(), cell.triangles.end(), [&](const Triangle& a, const Triangle& b) {

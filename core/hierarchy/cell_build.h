@@ -43,24 +43,31 @@ class CellSlab {
   std::unique_ptr<std::byte[]> memory_;
 };
 
-struct CellBuild {
-  CellSlab slab;
-  std::span<Triangle> triangles;   // local ids; in the slab, or in the partition's array
-  std::vector<std::uint32_t> ids;  // input vertex that each vertex survives from; released with usage
-  // With wedges, the input vertex that each stands at: the first wedge there. Empty otherwise: the same as ids.
-  std::vector<std::uint32_t> vertex_ids;
-  std::vector<UsageBox> usage;  // of the shared vertices, in the order of shared_ids
+// What is known of a cell beside its payload.
+struct CellFigures {
   Box3f bounds;
   float max_displacement = 0, error = 0;
   // Contributions to the level's statistics, as ratios to h_l.
   std::array<float, distance_metric_count> reach{};
   float diameter = 0, max_edge = 0;
   std::uint64_t long_edges = 0;
+};
+
+struct CellBuild : CellFigures {
+  CellSlab slab;
+  std::span<Triangle> triangles;   // local ids; in the slab, or in the partition's array
+  std::vector<std::uint32_t> ids;  // input vertex that each vertex survives from; released with usage
+  // With wedges, the input vertex that each stands at: the first wedge there. Empty otherwise: the same as ids.
+  std::vector<std::uint32_t> vertex_ids;
+  std::vector<UsageBox> usage;  // of the shared vertices, in the order of shared_ids
 
   [[nodiscard]] std::size_t vertex_count() const { return slab.positions.size(); }
   [[nodiscard]] std::size_t first_shared() const { return slab.positions.size() - slab.shared_ids.size(); }
   void release_transient();
 };
+
+// Lets the cell look at the payload; the root has no parents.
+void view_payload(const CellBuild& build, bool has_parents, Cell& cell);
 
 // Brings the triangles of each material together, in the order of the materials and else in the order they have.
 void sort_by_material(CellBuild& cell);

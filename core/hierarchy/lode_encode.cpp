@@ -69,16 +69,16 @@ LodeLevel record_of(const Level& level) {
           level.reach,      level.diameter,   level.error,     level.max_edge, 0};
 }
 
-LodeCell record_of(const Cell& cell, std::uint64_t offset, std::uint64_t checksum) {
+LodeCell record_of(const Cell& cell, const PayloadCounts& n, std::uint64_t offset, std::uint64_t checksum) {
   return {cell.code.morton,
           offset,
           checksum,
           cell.parent,
           cell.first_child,
           cell.child_count,
-          static_cast<std::uint32_t>(cell.positions.size()),
-          static_cast<std::uint32_t>(cell.shared_ids.size()),
-          static_cast<std::uint32_t>(cell.triangles.size()),
+          n.vertices,
+          n.shared,
+          n.triangles,
           {cell.bounds.lo.x, cell.bounds.lo.y, cell.bounds.lo.z},
           {cell.bounds.hi.x, cell.bounds.hi.y, cell.bounds.hi.z},
           cell.max_displacement,
@@ -101,11 +101,19 @@ LodeLayout plan(const Hierarchy& hierarchy, LodeForm form, const SizeOf& payload
   return layout;
 }
 
+std::vector<PayloadCounts> counts_of_cells(const Hierarchy& hierarchy) {
+  std::vector<PayloadCounts> counts;
+  counts.reserve(hierarchy.cells.size());
+  for (const Cell& cell : hierarchy.cells) counts.push_back(counts_of(cell));
+  return counts;
+}
+
 }  // namespace
 
-LodeLayout plan_lode(const Hierarchy& hierarchy) {
-  return plan(hierarchy, LodeForm::plain,
-              [&](std::size_t c) { return align_up(plain_bytes(counts_of(hierarchy.cells[c]))); });
+LodeLayout plan_lode(const Hierarchy& hierarchy) { return plan_lode(hierarchy, counts_of_cells(hierarchy)); }
+
+LodeLayout plan_lode(const Hierarchy& hierarchy, std::span<const PayloadCounts> counts) {
+  return plan(hierarchy, LodeForm::plain, [&](std::size_t c) { return align_up(plain_bytes(counts[c])); });
 }
 
 LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes) {
@@ -123,21 +131,30 @@ std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk
   return chunks;
 }
 
+std::uint64_t encode_payload(const Cell& cell, std::span<std::byte> bytes) {
+  assert(cell.normals.size() == cell.positions.size());
+  assert(cell.parents.size() == (cell.parent == no_cell ? 0 : cell.positions.size()));
+  std::byte* to = bytes.data();
+  visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) { to = put(to, items); });
+  std::fill(to, bytes.data() + bytes.size(), std::byte{0});
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+std::uint64_t append_compressed_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& bytes) {
+  const std::size_t begin = bytes.size();
+  compress_payload(cell, lattice, bytes);
+  bytes.resize(begin + align_up(bytes.size() - begin));
+  return XXH3_64bits(bytes.data() + begin, bytes.size() - begin);
+}
+
 void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, LodeChunk chunk,
                        std::vector<std::byte>& bytes, std::span<std::uint64_t> checksums) {
   const std::uint64_t start = layout.cell_offset[chunk.first_cell];
   bytes.resize(layout.cell_offset[chunk.end_cell] - start);
-  for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c) {
-    const Cell& cell = hierarchy.cells[c];
-    assert(cell.normals.size() == cell.positions.size());
-    assert(cell.parents.size() == (cell.parent == no_cell ? 0 : cell.positions.size()));
-    std::byte* const begin = bytes.data() + (layout.cell_offset[c] - start);
-    std::byte* const end = bytes.data() + (layout.cell_offset[c + 1] - start);
-    std::byte* to = begin;
-    visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) { to = put(to, items); });
-    std::fill(to, end, std::byte{0});
-    checksums[c] = XXH3_64bits(begin, static_cast<std::size_t>(end - begin));
-  }
+  for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c)
+    checksums[c] = encode_payload(
+        hierarchy.cells[c],
+        std::span(bytes).subspan(layout.cell_offset[c] - start, layout.cell_offset[c + 1] - layout.cell_offset[c]));
 }
 
 void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vector<std::byte>& bytes,
@@ -148,15 +165,19 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
   bytes.clear();
   for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c) {
     const std::size_t begin = bytes.size();
-    compress_payload(hierarchy.cells[c], lattice, bytes);
-    bytes.resize(begin + align_up(bytes.size() - begin));
+    checksums[c] = append_compressed_payload(hierarchy.cells[c], lattice, bytes);
     payload_sizes[c] = bytes.size() - begin;
-    checksums[c] = XXH3_64bits(bytes.data() + begin, payload_sizes[c]);
   }
 }
 
 std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
                                           std::span<const std::uint64_t> checksums, std::span<const std::byte> assets) {
+  return encode_lode_tables(hierarchy, counts_of_cells(hierarchy), layout, checksums, assets);
+}
+
+std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, std::span<const PayloadCounts> counts,
+                                          const LodeLayout& layout, std::span<const std::uint64_t> checksums,
+                                          std::span<const std::byte> assets) {
   std::vector<std::byte> bytes(layout.table_bytes);
   LodeHeader header = header_of(hierarchy, layout);
   header.asset_bytes = assets.size();
@@ -167,7 +188,7 @@ std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const Lode
     to = put(to, std::span(&record, 1));
   }
   for (std::size_t c = 0; c < hierarchy.cells.size(); ++c) {
-    const LodeCell record = record_of(hierarchy.cells[c], layout.cell_offset[c], checksums[c]);
+    const LodeCell record = record_of(hierarchy.cells[c], counts[c], layout.cell_offset[c], checksums[c]);
     to = put(to, std::span(&record, 1));
   }
   std::memcpy(bytes.data(), &header, sizeof(header));

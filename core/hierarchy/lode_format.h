@@ -25,6 +25,7 @@
 
 #include "core/hierarchy/hierarchy.h"
 #include "core/hierarchy/lode_file.h"
+#include "core/hierarchy/lode_payload.h"
 
 namespace lodestone {
 
@@ -96,8 +97,15 @@ struct LodeLayout {
   [[nodiscard]] std::uint64_t payload_end() const { return cell_offset.back(); }
 };
 [[nodiscard]] LodeLayout plan_lode(const Hierarchy& hierarchy);
+// The same for cells whose payloads are elsewhere: their counts, one per cell.
+[[nodiscard]] LodeLayout plan_lode(const Hierarchy& hierarchy, std::span<const PayloadCounts> counts);
 // The same for compressed payloads, whose sizes are known when they are there: one per cell, multiples of 16.
 [[nodiscard]] LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes);
+
+// The plain payload of one cell, padding included, into exactly the bytes that the layout has for it; its checksum.
+std::uint64_t encode_payload(const Cell& cell, std::span<std::byte> bytes);
+// The compressed one with its padding, appended; its checksum. Throws InputError when a vertex is not on the lattice.
+std::uint64_t append_compressed_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& bytes);
 
 // A run of consecutive cells that is encoded and written at once.
 struct LodeChunk {
@@ -120,6 +128,11 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 [[nodiscard]] std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
                                                         std::span<const std::uint64_t> checksums,
                                                         std::span<const std::byte> assets = {});
+// The same for cells whose payloads are elsewhere.
+[[nodiscard]] std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy,
+                                                        std::span<const PayloadCounts> counts, const LodeLayout& layout,
+                                                        std::span<const std::uint64_t> checksums,
+                                                        std::span<const std::byte> assets);
 
 // A file that is being opened: its tables as a hierarchy. Payloads are views of `bytes`, or of memory that check()
 // decompresses into, as large as the plain payloads. `bytes` starts 16-byte aligned and lives as long as `storage`.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "core/base/vec3.h"
 #include "core/mesh/triangle.h"
@@ -50,5 +51,12 @@ struct Lattice {
 // that are not finite left out; a mesh without any gets the finest lattice.
 [[nodiscard]] Lattice choose_lattice(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                                      double scale);
+
+// The two halves of it: every how many triangles, from the first, one is looked at; and the choice by the lengths of
+// the edges of those, over the scale.
+[[nodiscard]] std::size_t lattice_sample_stride(std::size_t triangles);
+[[nodiscard]] Lattice lattice_for(std::vector<double> edges);
+// Appends the lengths of the edges of a triangle that count.
+void append_edges(const Vec3d& a, const Vec3d& b, const Vec3d& c, double scale, std::vector<double>& edges);
 
 }  // namespace lodestone
