@@ -34,10 +34,7 @@ struct Worker {
 };
 
 void check(const IndexedMesh& mesh, const BuildConfig& config) {
-  if (!(config.sigma0 > 0 && config.sigma0 <= 2)) throw InputError("sigma0 must lie in (0, 2]");
-  if (config.cell_triangles < 1) throw InputError("a cell must hold at least one triangle");
-  if (config.finest_level > max_level)
-    throw InputError("at most " + std::to_string(max_level) + " levels below the root are supported");
+  check_config(config);
   if (mesh.triangles.empty()) throw InputError("the mesh has no triangles");
   if (mesh.positions.size() >= FinestVertices::shared_flag)
     throw ResourceError("the mesh has more than 2^31 vertices; vertex ids have 32 bits");
@@ -157,6 +154,13 @@ Strategy strategy(std::string_view name) {
 std::string_view name_of(Strategy strategy) {
   constexpr std::string_view names[] = {"serial", "levels", "graph"};
   return names[static_cast<std::size_t>(strategy)];
+}
+
+void check_config(const BuildConfig& config) {
+  if (!(config.sigma0 > 0 && config.sigma0 <= 2)) throw InputError("sigma0 must lie in (0, 2]");
+  if (config.cell_triangles < 1) throw InputError("a cell must hold at least one triangle");
+  if (config.finest_level > max_level)
+    throw InputError("at most " + std::to_string(max_level) + " levels below the root are supported");
 }
 
 Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Scheduler& scheduler, BuildReport* report) {

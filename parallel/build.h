@@ -39,6 +39,9 @@ struct BuildConfig {
   std::function<void(double)> progress;
 };
 
+// Throws InputError when a value is out of its range.
+void check_config(const BuildConfig& config);
+
 struct BuildReport {
   std::map<std::string, StageTime> stages;  // partition, hierarchy, and order if asked for
   StageTime total;                          // from the mesh to packed levels

@@ -18,7 +18,21 @@ class HashPartition {
  public:
   // hash_of(i) is asked twice for each i in [0, count) that takes part, i.e. for which takes_part(i).
   template <class TakesPart, class HashOf>
-  HashPartition(std::size_t count, const TakesPart& takes_part, const HashOf& hash_of, Scheduler& scheduler);
+  HashPartition(std::size_t count, const TakesPart& takes_part, const HashOf& hash_of, Scheduler& scheduler)
+      : HashPartition(
+            count,
+            [&](ChunkRange range, const auto& emit) {
+              for (std::size_t i = range.begin; i < range.end; ++i)
+                if (takes_part(i)) emit(i, hash_of(i));
+            },
+            scheduler) {}
+
+  // The same for items that are cheaper to come by in pieces: visit(range, emit) calls emit(i, hash) for the items of
+  // the range that take part, in ascending order. It is called twice for each range.
+  template <class Visit>
+  HashPartition(std::size_t count, const Visit& visit, Scheduler& scheduler);
+
+  static constexpr std::size_t grain = std::size_t{1} << 16;  // the ranges that items are visited in
 
   [[nodiscard]] std::size_t buckets() const { return begin_.size() - 1; }
   [[nodiscard]] std::span<const HashedItem> bucket(std::size_t k) const {
@@ -31,14 +45,12 @@ class HashPartition {
   std::uint64_t find_repeats(const Equals& equals, const Found& found, Scheduler& scheduler) const;
 
  private:
-  static constexpr std::size_t grain = std::size_t{1} << 16;
   std::unique_ptr<HashedItem[]> items_;
   std::vector<std::size_t> begin_;  // of each bucket, and the end of the last
 };
 
-template <class TakesPart, class HashOf>
-HashPartition::HashPartition(std::size_t count, const TakesPart& takes_part, const HashOf& hash_of,
-                             Scheduler& scheduler) {
+template <class Visit>
+HashPartition::HashPartition(std::size_t count, const Visit& visit, Scheduler& scheduler) {
   // Buckets whose table stays in the second-level cache, but not so many that scattering into them misses the TLB.
   constexpr std::size_t items_per_bucket = 16384, most_bucket_bits = 10;
   unsigned bits = 0;
@@ -52,8 +64,7 @@ HashPartition::HashPartition(std::size_t count, const TakesPart& takes_part, con
   std::vector<std::uint32_t> counts(chunk_count(count, grain) * bucket_count, 0);
   scheduler.for_chunks(count, grain, [&](ChunkRange range) {
     std::uint32_t* const mine = counts.data() + range.index * bucket_count;
-    for (std::size_t i = range.begin; i < range.end; ++i)
-      if (takes_part(i)) ++mine[bucket_of(hash_of(i))];
+    visit(range, [&](std::size_t, std::uint64_t hash) { ++mine[bucket_of(hash)]; });
   });
   begin_.assign(bucket_count + 1, 0);
   std::uint32_t next = 0;
@@ -69,11 +80,9 @@ HashPartition::HashPartition(std::size_t count, const TakesPart& takes_part, con
   items_ = std::make_unique_for_overwrite<HashedItem[]>(next);
   scheduler.for_chunks(count, grain, [&](ChunkRange range) {
     std::uint32_t* const mine = counts.data() + range.index * bucket_count;
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      if (!takes_part(i)) continue;
-      const std::uint64_t hash = hash_of(i);
+    visit(range, [&](std::size_t i, std::uint64_t hash) {
       items_[mine[bucket_of(hash)]++] = {static_cast<std::uint32_t>(hash), static_cast<std::uint32_t>(i)};
-    }
+    });
   });
 }
 

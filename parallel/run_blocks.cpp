@@ -22,9 +22,8 @@ void run_levels(const BlockPlan& plan, Scheduler& scheduler, const std::function
 // A coarse block is worth more than a fine one: it releases what its cells carry for it.
 void run_graph(const BlockPlan& plan, Scheduler& scheduler, const CancelFlag* cancel,
                const std::function<void(std::uint32_t)>& run) {
-  TaskGraph graph{plan.blocks.size(), plan.dependencies, {}, [&](std::uint32_t b) {
-                    return level_name(plan.blocks[b].level);
-                  }};
+  TaskGraph graph{
+      plan.blocks.size(), plan.dependencies, {}, [&](std::uint32_t b) { return level_name(plan.blocks[b].level); }};
   graph.priority.reserve(graph.task_count);
   for (const Block& block : plan.blocks) graph.priority.push_back(finest_of(plan) + 1 - block.level);
   scheduler.run_graph(graph, run, cancel);

@@ -1,5 +1,5 @@
-// What the cells of the finest level know together of the vertices that they share: added up by several workers at once,
-// with operations that commute exactly, so that the result depends on no order.
+// What the cells of the finest level know together of the vertices that they share: added up by several workers at
+// once, with operations that commute exactly, so that the result depends on no order.
 #pragma once
 
 #include <algorithm>

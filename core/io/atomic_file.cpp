@@ -9,8 +9,10 @@
 #include <cassert>
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "core/base/error.h"
@@ -199,6 +201,19 @@ void remove_temporaries() noexcept {
   pthread_sigmask(SIG_SETMASK, &all, nullptr);  // a second handler on this thread would wait for the first one
   lock_list();
   for (const AtomicFile* file = AtomicFile::first_; file; file = file->next_) unlink(file->temporary_.c_str());
+}
+
+void remove_orphans(const std::filesystem::path& target) {
+  const std::string prefix = target.filename().string() + ".tmp.";
+  std::error_code ignored;
+  const std::filesystem::path folder = target.parent_path().empty() ? "." : target.parent_path();
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with(prefix)) continue;
+    const long process = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
+    if (process > 0 && kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH)
+      std::filesystem::remove(entry.path(), ignored);
+  }
 }
 
 }  // namespace lodestone

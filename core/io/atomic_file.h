@@ -69,4 +69,8 @@ class AtomicFile {
 // are blocked on this thread, and every other one stops where it next makes, finishes or gives up a file.
 void remove_temporaries() noexcept;
 
+// Removes the temporaries of this target that killed processes have left. For who knows that no other machine writes
+// it.
+void remove_orphans(const std::filesystem::path& target);
+
 }  // namespace lodestone

@@ -1,0 +1,12 @@
+// A checksum of bytes that may have been damaged, cut off or never written.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace lodestone {
+
+[[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes);  // XXH3, 64 bits
+
+}  // namespace lodestone

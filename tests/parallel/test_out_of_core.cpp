@@ -1,0 +1,324 @@
+// Hierarchies built out of core: the same files as in memory, whatever the memory, the workers and the interruptions.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <filesystem>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/hierarchy/lode_file.h"
+#include "core/hierarchy/verify.h"
+#include "parallel/load.h"
+#include "parallel/out_of_core.h"
+#include "parallel/prepare.h"
+#include "parallel/save.h"
+#include "tests/parallel/stream_meshes.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutOfCore : public testing::Test {
+ protected:
+  OutOfCore()
+      : folder_(fs::path(testing::TempDir()) /
+                (std::string("out_of_core_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    config_.build.cell_triangles = 100;
+    config_.build.sigma0 = 1;
+    config_.memory_limit = std::uint64_t{1} << 30;
+    config_.part_triangles = 1500;
+  }
+  ~OutOfCore() override { fs::remove_all(folder_); }
+
+  fs::path mesh(const RawMesh& raw) const {
+    test::write_ply(folder_ / "m.ply", raw);
+    return folder_ / "m.ply";
+  }
+  fs::path sphere() const { return mesh(test::raw_of(test::sphere_mesh(5))); }
+
+  // The file that comes of building in memory.
+  std::string in_memory(const fs::path& path) const {
+    const auto scheduler = make_tbb_scheduler(2);
+    Repairs repairs;
+    IndexedMesh mesh = prepare_mesh(load_mesh(path, *scheduler), repairs, *scheduler, {}, config_.lattice);
+    Hierarchy hierarchy = build_hierarchy(std::move(mesh), config_.build, *scheduler);
+    hierarchy.provenance.repairs = repairs;
+    save_lode(hierarchy, folder_ / "expected.lode", *scheduler, config_.form);
+    return test::content(folder_ / "expected.lode");
+  }
+
+  OutOfCoreResult build(const fs::path& path, Scheduler& scheduler) const {
+    return build_out_of_core(*open_mesh_stream(path), folder_ / "m.lode", config_, scheduler);
+  }
+  std::string built(const fs::path& path, int threads = 2) const {
+    const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
+    (void)build(path, *scheduler);
+    return test::content(folder_ / "m.lode");
+  }
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+
+  fs::path folder_;
+  OutOfCoreConfig config_;
+};
+
+TEST_F(OutOfCore, SameBytesForAnyThreadsAndStrategy) {
+  const fs::path path = sphere();
+  const std::string expected = in_memory(path);
+  for (const int threads : {0, 1, 2, 3, 7})
+    for (const Strategy strategy : {Strategy::serial, Strategy::levels, Strategy::graph}) {
+      config_.build.strategy = strategy;
+      EXPECT_TRUE(expected == built(path, threads)) << threads << " threads, " << name_of(strategy);
+    }
+}
+
+TEST_F(OutOfCore, SameBytesForPartsOfAnySize) {
+  const fs::path path = mesh(test::with_faults(test::raw_of(test::terrain_mesh(60)), 1));
+  const std::string expected = in_memory(path);
+  for (const std::uint64_t part : {50u, 777u, 70000u, 0u}) {
+    config_.part_triangles = part;
+    EXPECT_TRUE(expected == built(path)) << part;
+  }
+}
+
+TEST_F(OutOfCore, SameBytesForFaultyAndShuffledMeshesOfEverySimplifier) {
+  const fs::path path = mesh(test::with_faults(test::raw_of(test::sphere_mesh(5)), 2));
+  for (const SimplifierKind kind : all_simplifier_kinds) {
+    config_.build.simplifier = kind;
+    EXPECT_TRUE(in_memory(path) == built(path)) << name_of(kind);
+  }
+}
+
+TEST_F(OutOfCore, SameBytesForMoreTrianglesThanAPieceHas) {
+  const fs::path path = mesh(test::with_faults(test::raw_of(test::terrain_mesh(320)), 3));
+  config_.build.cell_triangles = 2000;
+  config_.part_triangles = 150'000;
+  EXPECT_TRUE(in_memory(path) == built(path));
+  config_.part_triangles = 0;
+  EXPECT_TRUE(in_memory(path) == built(path));
+}
+
+TEST_F(OutOfCore, SameBytesForAnyNumberOfLevels) {
+  const fs::path path = sphere();
+  for (const int level : {0, 1, 2, 5}) {
+    config_.build.finest_level = level;
+    EXPECT_TRUE(in_memory(path) == built(path)) << level;
+  }
+}
+
+TEST_F(OutOfCore, SameBytesCompressedAndOrdered) {
+  const fs::path path = sphere();
+  config_.lattice = {Lattice::automatic};
+  for (const LodeForm form : {LodeForm::plain, LodeForm::compressed})
+    for (const bool order : {false, true}) {
+      config_.form = form;
+      config_.build.order_cells = order;
+      for (const int threads : {1, 3}) EXPECT_TRUE(in_memory(path) == built(path, threads)) << order;
+    }
+}
+
+TEST_F(OutOfCore, FileVerifies) {
+  const fs::path path = sphere();
+  (void)built(path);
+  const auto scheduler = make_tbb_scheduler(2);
+  Repairs repairs;
+  const IndexedMesh input = prepare_mesh(load_mesh(path, *scheduler), repairs, *scheduler);
+  EXPECT_TRUE(verify_hierarchy(open_lode(folder_ / "m.lode"), &input).valid());
+}
+
+// As many blocks are in memory as there is room for.
+TEST_F(OutOfCore, SameBytesWithBarelyEnoughMemory) {
+  const fs::path path = sphere();
+  const std::string expected = in_memory(path);
+  config_.part_triangles = 0;
+  config_.memory_limit = std::uint64_t{10} << 20;
+  std::string message;
+  for (int attempt = 0; attempt < 2; ++attempt) {  // first the need in general, then that of the blocks
+    try {
+      EXPECT_TRUE(expected == built(path, 7));
+      break;
+    } catch (const ResourceError& error) {
+      message = error.what();
+      EXPECT_EQ(files(), (std::vector<std::string>{"expected.lode", "m.ply"}));
+      const std::size_t at = message.find("--memory-limit ");
+      ASSERT_NE(at, std::string::npos) << message;
+      config_.memory_limit = std::stoull(message.substr(at + 15)) << 20;
+    }
+  }
+  EXPECT_NE(message.find("m.ply"), std::string::npos) << message;
+  EXPECT_TRUE(expected == built(path, 7));
+}
+
+TEST_F(OutOfCore, RefusesWhatCannotBeDone) {
+  const fs::path path = sphere();
+  const auto scheduler = make_serial_scheduler();
+  config_.build.sigma0 = 3;
+  EXPECT_THROW((void)build(path, *scheduler), InputError);
+  config_.build.sigma0 = 1;
+  config_.scratch = folder_ / "nowhere";
+  EXPECT_THROW((void)build(path, *scheduler), FileError);
+  config_.resume = true;
+  EXPECT_THROW((void)build(path, *scheduler), FileError);
+  EXPECT_EQ(files(), (std::vector<std::string>{"m.ply"}));
+}
+
+TEST_F(OutOfCore, ReportsStagesProgressAndScratch) {
+  const fs::path path = sphere();
+  const auto scheduler = make_tbb_scheduler(2);
+  std::vector<std::string> steps;
+  config_.progress = [&](const std::string& step, double share) {
+    EXPECT_TRUE(share >= 0 && share <= 1) << share;
+    if (steps.empty() || steps.back() != step) steps.push_back(step);
+  };
+  const OutOfCoreResult result = build(path, *scheduler);
+  EXPECT_EQ(steps, (std::vector<std::string>{"reading", "sorting", "sharing", "building", "writing"}));
+  for (const char* stage : {"clean", "spill", "shared", "hierarchy", "write"})
+    EXPECT_TRUE(result.report.stages.contains(stage)) << stage;
+  EXPECT_EQ(result.file_bytes, fs::file_size(folder_ / "m.lode"));
+  EXPECT_GT(result.scratch_bytes, 12 * result.tables.provenance.input_triangles);
+  EXPECT_EQ(result.blocks_resumed, 0u);
+  EXPECT_EQ(files(), (std::vector<std::string>{"m.lode", "m.ply"}));
+}
+
+// Throws at its n-th call of progress, as a full disk might at any moment.
+struct Interrupted {};
+
+class Resume : public OutOfCore {
+ protected:
+  // Builds until call `at` of progress, or until the first one of a step; true if that was before the end.
+  bool interrupted(const fs::path& path, int at, int threads, const std::string& last_step = {}) {
+    const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
+    std::atomic<int> calls = 0;
+    config_.progress = [&](const std::string& step, double) {
+      if (++calls == at || step == last_step) throw Interrupted{};
+    };
+    try {
+      const OutOfCoreResult result = build(path, *scheduler);
+      resumed_ = result.blocks_resumed;
+      return false;
+    } catch (const Interrupted&) {
+      return true;
+    }
+  }
+  std::uint64_t resumed_ = 0;
+};
+
+TEST_F(Resume, InterruptedAnywhereItComesToTheSameBytes) {
+  const fs::path path = sphere();
+  const std::string expected = in_memory(path);
+  config_.resume = true;
+  std::mt19937 random(1);
+  std::uint64_t resumed = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const int threads = std::array{0, 1, 2, 7}[static_cast<std::size_t>(trial) % 4];
+    int interruptions = 0;
+    while (interrupted(path, 1 + static_cast<int>(random() % 40), threads)) {
+      ++interruptions;
+      EXPECT_FALSE(fs::exists(folder_ / "m.lode"));
+      EXPECT_TRUE(fs::exists(folder_ / "m.lode.scratch" / "journal"));
+      if (interruptions > 200) FAIL() << "never done";
+    }
+    resumed += resumed_;
+    EXPECT_TRUE(expected == test::content(folder_ / "m.lode")) << trial;
+    EXPECT_EQ(files(), (std::vector<std::string>{"expected.lode", "m.lode", "m.ply"}));
+    fs::remove(folder_ / "m.lode");
+  }
+  EXPECT_GT(resumed, 30u);
+}
+
+TEST_F(Resume, WithoutItNothingIsLeft) {
+  const fs::path path = sphere();
+  for (const int at : {1, 5, 20}) {
+    EXPECT_TRUE(interrupted(path, at, 2));
+    EXPECT_EQ(files(), (std::vector<std::string>{"m.ply"}));
+  }
+}
+
+TEST_F(Resume, CancelledAndContinued) {
+  const fs::path path = sphere();
+  config_.resume = true;
+  CancelFlag cancel{true};
+  config_.build.cancel = &cancel;
+  const auto scheduler = make_tbb_scheduler(2);
+  EXPECT_THROW((void)build(path, *scheduler), Cancelled);
+  cancel = false;
+  EXPECT_TRUE(in_memory(path) == built(path));
+}
+
+// Whatever the end of the journal looks like: what it does not say is done again.
+TEST_F(Resume, DamagedJournalsAreBelievedAsFarAsTheyAreSound) {
+  const fs::path path = sphere();
+  const std::string expected = in_memory(path);
+  config_.resume = true;
+  const fs::path journal = folder_ / "m.lode.scratch" / "journal";
+  std::mt19937 random(2);
+  for (int trial = 0; trial < 20; ++trial) {
+    ASSERT_TRUE(interrupted(path, -1, 2, "writing"));
+    std::string bytes = test::content(journal);
+    if (trial % 2 == 0) {
+      bytes.resize(200 + random() % (bytes.size() - 200));
+    } else {
+      bytes[200 + random() % (bytes.size() - 200)] ^= 4;
+    }
+    std::ofstream(journal, std::ios::binary) << bytes;
+    EXPECT_FALSE(interrupted(path, -1, 2));
+    EXPECT_TRUE(expected == test::content(folder_ / "m.lode")) << trial;
+  }
+}
+
+TEST_F(Resume, RefusesWorkOfAnotherBuild) {
+  const fs::path path = sphere();
+  config_.resume = true;
+  ASSERT_TRUE(interrupted(path, -1, 2, "writing"));
+  const auto refused = [&](auto change) {
+    const OutOfCoreConfig before = config_;
+    change();
+    EXPECT_THROW((void)interrupted(path, -1, 2), InputError);
+    config_ = before;
+  };
+  refused([&] { config_.build.sigma0 = 0.9f; });
+  refused([&] { config_.build.cell_triangles = 101; });
+  refused([&] { config_.build.finest_level = 2; });
+  refused([&] { config_.build.simplifier = SimplifierKind::cluster; });
+  refused([&] { config_.build.placement = Placement::endpoint; });
+  refused([&] { config_.lattice.bits = 20; });
+  refused([&] { config_.program = "another"; });
+  refused([&] { (void)mesh(test::raw_of(test::torus_mesh(80, 80))); });
+  (void)mesh(test::raw_of(test::sphere_mesh(5)));  // the same bytes, but another time
+  EXPECT_THROW((void)interrupted(path, -1, 2), InputError);
+}
+
+TEST_F(Resume, TwoBuildsDoNotShareTheirFiles) {
+  const fs::path path = sphere();
+  config_.resume = true;
+  config_.program = "1";
+  bool refused = false;
+  config_.progress = [&, inner = false](const std::string&, double) mutable {
+    if (std::exchange(inner, true)) return;
+    OutOfCoreConfig other = config_;
+    other.progress = {};
+    const auto serial = make_serial_scheduler();
+    try {
+      (void)build_out_of_core(*open_mesh_stream(path), folder_ / "m.lode", other, *serial);
+    } catch (const ResourceError&) {
+      refused = true;
+    }
+  };
+  EXPECT_TRUE(in_memory(path) == built(path));
+  EXPECT_TRUE(refused);
+}
+
+}  // namespace
+}  // namespace lodestone
