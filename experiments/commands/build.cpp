@@ -3,13 +3,17 @@
 
 #include <fmt/core.h>
 
+#include "core/base/error.h"
+#include "experiments/commands/build_limit.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/progress.h"
 #include "experiments/trace_file.h"
+#include "experiments/version.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/load.h"
 #include "parallel/measure_errors.h"
+#include "parallel/out_of_core.h"
 #include "parallel/prepare.h"
 #include "parallel/save.h"
 #include "parallel/texture_levels.h"
@@ -23,6 +27,8 @@ constexpr double much_stored = 1.6;
 struct BuildOptions {
   std::string input, output, trace;
   InputOptions reading;
+  LimitOptions limit;
+  bool no_attributes = false;
   std::string simplifier = "quadric", placement, strategy_name = "graph";
   bool compress = false, measure = false, texture_levels = false;
   int lattice_bits = 0;  // 0: none, or automatic when the file is compressed
@@ -60,11 +66,109 @@ Lattice lattice_of(const BuildOptions& options) {
   return {options.lattice_bits};
 }
 
+// What either way of building comes to.
+struct Built {
+  Hierarchy hierarchy;  // its tables at least
+  std::uint64_t file_bytes = 0;
+  BuildReport report;
+  nlohmann::json stages, attributes;
+  std::vector<std::string> warnings;
+  TraceSummary use;  // of the workers, while building
+  nlohmann::json limits = nlohmann::json::object();
+};
+
+LodeForm form_of(const BuildOptions& options) { return options.compress ? LodeForm::compressed : LodeForm::plain; }
+
+Built build_in_core(const BuildOptions& options, const ReadConfig& reading, const BuildConfig& config,
+                    Scheduler& scheduler, const Trace& trace, Progress& progress) {
+  Built built;
+  CpuClock clock;
+  const auto stage = [&](const char* name) {
+    built.stages[name] = to_json(clock.elapsed());
+    clock = CpuClock();
+  };
+  progress.phase("reading");
+  scheduler.name_work("read");
+  RawMesh raw = load_mesh(options.input, scheduler, reading);
+  check_limit(options.limit, options.input, raw);
+  built.attributes = attribute_counts(raw);
+  built.warnings = std::move(raw.warnings);
+  stage("read");
+  Repairs repairs;
+  scheduler.name_work("weld");
+  progress.phase("welding");
+  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler, options.input, lattice_of(options));
+  stage("weld");
+  progress.phase("building");
+  progress.measure(static_cast<double>(mesh.triangles.size()), "triangles");
+  const double build_begin = trace.now();
+  built.hierarchy = build_hierarchy(std::move(mesh), config, scheduler, &built.report);
+  built.hierarchy.provenance.repairs = repairs;
+  stage("build");
+  built.use = summarize(trace, build_begin);
+  if (options.measure) {
+    progress.phase("measuring");
+    progress.measure(1, "");
+    (void)measure_errors(built.hierarchy, {{}, config.cancel, config.progress}, scheduler);
+    stage("measure");
+  }
+  if (options.texture_levels) {
+    scheduler.name_work("textures");
+    progress.phase("halving textures");
+    for (std::string& warning : add_texture_copies(built.hierarchy, scheduler, config.cancel))
+      built.warnings.push_back(options.input + ": " + warning);
+    stage("textures");
+  }
+  scheduler.name_work("write");
+  progress.phase("writing");
+  built.file_bytes = save_lode(built.hierarchy, options.output, scheduler, form_of(options));
+  stage("write");
+  return built;
+}
+
+Built build_beyond_limit(const BuildOptions& options, const BuildConfig& config, const MeshStream& stream,
+                         Scheduler& scheduler, const Trace& trace, Progress& progress, bool say) {
+  OutOfCoreConfig out_of_core;
+  out_of_core.build = config;
+  out_of_core.lattice = lattice_of(options);
+  out_of_core.form = form_of(options);
+  out_of_core.memory_limit = parse_size(options.limit.memory_limit);
+  out_of_core.scratch = options.limit.scratch;
+  out_of_core.resume = options.limit.resume;
+  out_of_core.program = std::string(program_version());
+  const OutOfCoreNeed need =
+      out_of_core_need(stream.vertex_count(), stream.triangle_count(), out_of_core, scheduler.workers());
+  out_of_core.progress = [&, phase = std::string()](const std::string& now, double share) mutable {
+    if (phase.empty() && say) print_scratch(out_of_core, need, options.output);
+    if (phase != now) {
+      progress.phase(phase = now);
+      progress.measure(static_cast<double>(stream.triangle_count()), "triangles");
+    }
+    progress.update(share);
+  };
+  if (out_of_core.resume)
+    set_interrupt_line("lodestone: interrupted; --resume continues from the temporary files, which were kept\n");
+  Built built;
+  OutOfCoreResult result = build_out_of_core(stream, options.output, out_of_core, scheduler);
+  built.limits = scratch_results(out_of_core, need, options.output, result);
+  built.hierarchy = std::move(result.tables);
+  built.file_bytes = result.file_bytes;
+  built.report = std::move(result.report);
+  built.attributes = attribute_counts(RawMesh{});
+  built.use = summarize(trace);
+  return built;
+}
+
 void run(const BuildOptions& options, const CommonOptions& common) {
   std::vector<FileArgument> outputs{{"--output", options.output, ".lode"}};
   if (!options.trace.empty()) outputs.push_back({"--trace", options.trace});
   check_files(common, {{"IN", options.input}}, outputs);
-  const ReadConfig reading = read_config(options.reading, {options.input});
+  ReadConfig reading = read_config(options.reading, {options.input});
+  reading.attributes = !options.no_attributes;
+  const std::unique_ptr<MeshStream> stream = stream_beyond_limit(options.limit, options.input, reading);
+  if (stream && options.measure)
+    throw InputError(describe("--measure-error", "", "needs the whole mesh in memory, more than --memory-limit",
+                              "leave one of them out"));
   auto scheduler = make_scheduler(common);
   const auto trace = std::make_shared<Trace>(scheduler->workers());
   if (!options.trace.empty()) scheduler = make_tracing_scheduler(std::move(scheduler), trace);
@@ -77,57 +181,21 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   config.progress = [&](double share) { progress.update(share); };
 
   const CpuClock all;
-  nlohmann::json stages;
-  CpuClock clock;
-  const auto stage = [&](const char* name) {
-    stages[name] = to_json(clock.elapsed());
-    clock = CpuClock();
-  };
-  progress.phase("reading");
-  scheduler->name_work("read");
-  RawMesh raw = load_mesh(options.input, *scheduler, reading);
-  const nlohmann::json attributes = attribute_counts(raw);
-  std::vector<std::string> warnings = std::move(raw.warnings);
-  stage("read");
-  Repairs repairs;
-  scheduler->name_work("weld");
-  progress.phase("welding");
-  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, *scheduler, options.input, lattice_of(options));
-  stage("weld");
-  progress.phase("building");
-  progress.measure(static_cast<double>(mesh.triangles.size()), "triangles");
-  const double build_begin = trace->now();
-  BuildReport report;
-  Hierarchy hierarchy = build_hierarchy(std::move(mesh), config, *scheduler, &report);
-  hierarchy.provenance.repairs = repairs;
-  stage("build");
-  const TraceSummary use = summarize(*trace, build_begin);
-  if (options.measure) {
-    progress.phase("measuring");
-    progress.measure(1, "");
-    (void)measure_errors(hierarchy, {{}, config.cancel, config.progress}, *scheduler);
-    stage("measure");
-  }
-  if (options.texture_levels) {
-    scheduler->name_work("textures");
-    progress.phase("halving textures");
-    for (std::string& warning : add_texture_copies(hierarchy, *scheduler, config.cancel))
-      warnings.push_back(options.input + ": " + warning);
-    stage("textures");
-  }
-  scheduler->name_work("write");
-  progress.phase("writing");
-  const std::uint64_t file_bytes =
-      save_lode(hierarchy, options.output, *scheduler, options.compress ? LodeForm::compressed : LodeForm::plain);
-  stage("write");
+  const bool say = !common.quiet && common.json != "-";
+  Built built = stream ? build_beyond_limit(options, config, *stream, *scheduler, *trace, progress, say)
+                       : build_in_core(options, reading, config, *scheduler, *trace, progress);
   progress.clear();
   const StageTime time = all.elapsed();
-  for (const auto& [name, t] : report.stages) stages[name] = to_json(t);
+  nlohmann::json& stages = built.stages;
+  for (const auto& [name, t] : built.report.stages) stages[name] = to_json(t);
+  const Hierarchy& hierarchy = built.hierarchy;
+  const Repairs& repairs = hierarchy.provenance.repairs;
+  const std::uint64_t file_bytes = built.file_bytes;
 
   const Totals sum = totals(hierarchy);
   const auto input = static_cast<double>(hierarchy.provenance.input_triangles);
   const Lattice lattice = hierarchy.transform.lattice;
-  const double rate = input * 1e-6 / std::max(report.total.cpu_seconds, 1e-9);
+  const double rate = input * 1e-6 / std::max(built.report.total.cpu_seconds, 1e-9);
   nlohmann::json result = level_ratios(hierarchy);
   result.update({{"input", options.input},
                  {"input_triangles", hierarchy.provenance.input_triangles},
@@ -156,16 +224,18 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"strategy", options.strategy_name},
                  {"simplifier", options.simplifier},
                  {"placement", name_of(static_cast<Placement>(hierarchy.provenance.placement))},
-                 {"attributes", attributes},
+                 {"attributes", built.attributes},
                  {"texture_copies", hierarchy.texture_copies.size()},
-                 {"warnings", warnings},
+                 {"warnings", built.warnings},
                  {"repairs", to_json(repairs)}});
+  result.update(built.limits);
   if (!options.trace.empty()) {
     write_trace(*trace, options.trace);
-    result["trace"] = {{"file", options.trace}, {"build_busy", use.busy}, {"build_idle_tail", use.idle_tail}};
+    result["trace"] = {
+        {"file", options.trace}, {"build_busy", built.use.busy}, {"build_idle_tail", built.use.idle_tail}};
   }
   write_json(common, result);
-  if (common.quiet || common.json == "-") return;
+  if (!say) return;
   fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
              hierarchy.provenance.input_triangles, hierarchy.levels.size(), hierarchy.cells.size(), sum.triangles,
              static_cast<double>(sum.triangles) / input);
@@ -176,7 +246,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                lattice.error() * hierarchy.transform.scale);
   fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", time.seconds,
              time.cpu_seconds, static_cast<double>(peak_resident_bytes()) * 1e-6, rate);
-  print_warnings(warnings);
+  print_warnings(built.warnings);
   print_repairs(repairs);
   if (sum.long_edges > 0)
     fmt::print("note: {} edges of the input are longer than sigma0 h_L; they cost triangles, not correctness\n",
@@ -193,14 +263,17 @@ void run(const BuildOptions& options, const CommonOptions& common) {
 void add_build(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
   const auto options = std::make_shared<BuildOptions>();
-  CLI::App& command = add_command(app, "build", "Build the hierarchical level of detail of a mesh",
-                                  "  lodestone build scan.ply -o scan.lode\n"
-                                  "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"
-                                  "  lodestone build city/tileset.json -o city.lode --texture-levels\n"
-                                  "  lodestone build alps.raw --grid 1197x643:i16:30 --fill-voids -o alps.lode\n",
-                                  common);
+  CLI::App& command =
+      add_command(app, "build", "Build the hierarchical level of detail of a mesh",
+                  "  lodestone build scan.ply -o scan.lode\n"
+                  "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"
+                  "  lodestone build city/tileset.json -o city.lode --texture-levels\n"
+                  "  lodestone build statue.ply -o statue.lode --memory-limit 2GiB --scratch /mnt/fast --resume\n"
+                  "  lodestone build alps.raw --grid 1197x643:i16:30 --fill-voids -o alps.lode\n",
+                  common);
   command.add_option("IN", options->input, std::string("Mesh: ") + mesh_formats)->required();
   add_input_options(command, options->reading);
+  command.add_flag("--no-attributes", options->no_attributes, "Leave out what the mesh has besides its shape");
   command.add_option("-o,--output", options->output, "Hierarchy to write (.lode)")->required();
   command
       .add_option("--sigma0", options->config.sigma0,
@@ -238,6 +311,7 @@ void add_build(CLI::App& app) {
       "building: bounds that hold, at most 5 % too large; takes longer than the build");
   command.add_option("--strategy", options->strategy_name, "graph, levels or serial; all give the same bytes")
       ->capture_default_str();
+  add_limit_options(command, options->limit);
   command.add_option("--trace", options->trace,
                      "File for what each worker did when: JSON for chrome://tracing or ui.perfetto.dev (.json)");
   command.callback([options, common] { run(*options, *common); });

@@ -8,7 +8,9 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "core/io/atomic_file.h"
@@ -18,7 +20,9 @@ namespace {
 
 CancelFlag interrupted{false}, polled{false};
 std::atomic<int> received{0};
-static_assert(CancelFlag::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+std::atomic<const char*> interrupt_line{"lodestone: interrupted; no unfinished file was left\n"};
+static_assert(std::atomic<const char*>::is_always_lock_free && CancelFlag::is_always_lock_free &&
+                  std::atomic<int>::is_always_lock_free,
               "the signal handler may only touch lock-free atomics");
 
 // Only what POSIX allows in a handler.
@@ -26,7 +30,7 @@ void on_interrupt(int signal) {
   received = signal;
   if (!interrupted.exchange(true) && polled) return;
   remove_temporaries();
-  constexpr std::string_view line = "lodestone: interrupted; no unfinished file was left\n";
+  const std::string_view line = interrupt_line.load();
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
   std::_Exit(128 + signal);
 }
@@ -57,6 +61,8 @@ const CancelFlag& interrupt_flag() {
   polled = true;
   return interrupted;
 }
+
+void set_interrupt_line(const char* line) { interrupt_line = line; }
 
 int interrupt_status() { return 128 + received; }
 
@@ -104,6 +110,10 @@ void print_repairs(const Repairs& repairs) {
 }
 
 std::uint64_t peak_resident_bytes() {
+  // ru_maxrss also holds what the process was before it became this program: a shell, an interpreter.
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("VmHWM:")) return std::strtoull(line.c_str() + 6, nullptr, 10) * 1024;
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
