@@ -1,5 +1,6 @@
 #include "parallel/journal.h"
 
+#include <algorithm>
 #include <string>
 
 #include "core/base/error.h"
@@ -45,6 +46,13 @@ void Journal::append(Kind kind, std::span<const std::byte> bytes) {
   const std::uint64_t at = file_->claim(sizeof(head) + bytes.size());
   file_->write_at(at + sizeof(head), bytes);
   file_->write_at(at, std::as_bytes(std::span(&head, 1)));
+}
+
+void ByteWriter::append(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+
+void ByteSource::take(std::span<std::byte> to) {
+  std::copy_n(bytes_.begin(), to.size(), to.begin());
+  bytes_ = bytes_.subspan(to.size());
 }
 
 }  // namespace lodestone

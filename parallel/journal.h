@@ -4,7 +4,6 @@
 // not done. A record is written when all that it speaks of has been written.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -12,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/io/scratch_file.h"
@@ -39,23 +39,18 @@ class ByteWriter {
  public:
   template <class T>
   void put(const T& value) {
-    put_items(std::span(&value, 1));
+    static_assert(std::is_trivially_copyable_v<T>);
+    append(std::as_bytes(std::span(&value, 1)));
   }
   template <class T>
   void put_vector(const std::vector<T>& items) {
     put(static_cast<std::uint64_t>(items.size()));
-    put_items(std::span<const T>(items));
+    append(bytes_of(std::span<const T>(items)));
   }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
 
  private:
-  template <class T>
-  void put_items(std::span<const T> items) {
-    const std::span<const std::byte> from = bytes_of(items);
-    const std::size_t before = bytes_.size();
-    bytes_.resize(before + from.size());
-    std::copy_n(from.begin(), from.size(), bytes_.begin() + static_cast<std::ptrdiff_t>(before));
-  }
+  void append(std::span<const std::byte> bytes);
   std::vector<std::byte> bytes_;
 };
 
@@ -65,23 +60,18 @@ class ByteSource {
   explicit ByteSource(std::span<const std::byte> bytes) : bytes_(bytes) {}
   template <class T>
   void get(T& value) {
-    get_items(std::span(&value, 1));
+    take(std::as_writable_bytes(std::span(&value, 1)));
   }
   template <class T>
   void get_vector(std::vector<T>& items) {
     std::uint64_t size = 0;
     get(size);
     items.resize(size);
-    get_items(std::span(items));
+    take(std::as_writable_bytes(std::span(items)));
   }
 
  private:
-  template <class T>
-  void get_items(std::span<T> items) {
-    const std::span<std::byte> to = std::as_writable_bytes(items);
-    std::copy_n(bytes_.begin(), to.size(), to.begin());
-    bytes_ = bytes_.subspan(to.size());
-  }
+  void take(std::span<std::byte> to);
   std::span<const std::byte> bytes_;
 };
 

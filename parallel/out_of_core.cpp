@@ -21,9 +21,16 @@ namespace lodestone {
 namespace {
 
 constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
-constexpr std::uint64_t process_bytes = 24 * mebibyte;  // program, libraries, what the allocator keeps
-constexpr std::uint64_t worker_bytes = 6 * mebibyte;    // pieces of the stream and of the output
-constexpr std::uint64_t least_part = std::uint64_t{1} << 18, most_part = std::uint64_t{1} << 24;  // triangles
+constexpr std::uint64_t process_bytes = 24 * mebibyte;       // program, libraries, what the allocator keeps
+constexpr std::uint64_t worker_bytes = 6 * mebibyte;         // pieces of the stream and of the output
+constexpr std::uint64_t most_part = std::uint64_t{1} << 24;  // triangles
+constexpr std::uint64_t most_parts = 64;
+constexpr std::uint64_t cell_bytes = 1000 + 40 * most_parts;  // of tables; runs of all parts, if the input is shuffled
+
+// Of triangles that are sorted at a time: smaller parts make for more runs.
+std::uint64_t least_part(std::uint64_t triangles) {
+  return std::min(triangles, std::max(std::uint64_t{1} << 18, triangles / most_parts));
+}
 
 std::string mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mebibyte - 1) / mebibyte) + " MiB"; }
 
@@ -49,13 +56,18 @@ class Memory {
   // Triangles that are sorted at a time.
   [[nodiscard]] std::uint64_t part(const CleanStream& clean) const {
     if (config_.part_triangles > 0) return config_.part_triangles;
-    const std::uint64_t vertices = 16 * clean.positions.size() + 4 * clean.numbers.size();
-    return std::clamp(left(vertices) * 7 / 8 / sizeof(Triangle), least_part, most_part);
+    const std::uint64_t vertices = vertex_bytes(clean.positions) + 4 * clean.numbers.size();
+    const std::uint64_t least = least_part(clean.triangles);
+    return std::clamp(left(vertices) / 2 / sizeof(Triangle), least, std::max(least, most_part));
   }
 
   // Blocks at a time.
-  [[nodiscard]] int lanes(const SpilledMesh& mesh, std::uint64_t largest_block) const {
-    const std::uint64_t vertices = 16 * mesh.vertices.positions.size();
+  [[nodiscard]] int lanes(const SpilledMesh& mesh, const BlockPlan& plan) const {
+    const std::uint64_t largest_block = StoredBlocks::largest_block(plan, mesh.cells);
+    std::uint64_t cells = 0;
+    for (const LevelCells& level : plan.levels) cells += level.codes.size();
+    const std::uint64_t vertices =
+        vertex_bytes(mesh.vertices.positions) + cells * 1000 + mesh.cells.runs.size() * sizeof(SpilledCells::Run);
     const std::uint64_t shared = mesh.vertices.shared * SpilledFinest::bytes_per_shared;
     const std::uint64_t lane = largest_block * StoredBlocks::bytes_per_triangle;
     const std::uint64_t need =
@@ -67,6 +79,10 @@ class Memory {
   }
 
  private:
+  // Positions and a word for each vertex.
+  [[nodiscard]] static std::uint64_t vertex_bytes(const std::vector<Vec3f>& positions) {
+    return sizeof(Vec3f) * positions.capacity() + sizeof(std::uint32_t) * positions.size();
+  }
   [[nodiscard]] std::uint64_t left(std::uint64_t taken) const {
     return config_.memory_limit > fixed_ + taken ? config_.memory_limit - fixed_ - taken : 0;
   }
@@ -182,7 +198,7 @@ class OutOfCoreBuild {
 
   void build() {
     plan_ = plan_blocks(mesh_.cells.codes, mesh_.level);
-    const int lanes = memory_.lanes(mesh_, StoredBlocks::largest_block(plan_, mesh_.cells));
+    const int lanes = memory_.lanes(mesh_, plan_);
     steps_.begin("shared", "sharing");
     const Lattice lattice = mesh_.transform.lattice;
     SpilledFinest finest(mesh_.cells, files_.triangles(), mesh_.vertices, mesh_.level, config_.build.sigma0, lattice);
@@ -273,12 +289,13 @@ OutOfCoreNeed out_of_core_need(std::uint64_t vertices, std::uint64_t triangles, 
   const double cell = config.build.finest_level < 0 ? std::max(config.build.cell_triangles, 2u) : 4000;
   const double border = std::min(1.0, 4 / std::sqrt(cell / 2));
   const auto shared = static_cast<std::uint64_t>(border * static_cast<double>(vertices));
+  const auto cells = static_cast<std::uint64_t>(4.0 / 3 * static_cast<double>(triangles) / cell);
   // A block has 64 cells at most, about 20 of them occupied, and cells have twice the triangles asked for at most.
   const std::uint64_t block = std::min(triangles, static_cast<std::uint64_t>(48 * cell));
   OutOfCoreNeed need;
   need.memory_bytes =
-      process_bytes + static_cast<std::uint64_t>(workers) * worker_bytes + triangles / 8 +
-      std::max({20 * vertices + std::min(triangles, least_part) * sizeof(Triangle),
+      process_bytes + static_cast<std::uint64_t>(workers) * worker_bytes + triangles / 8 + cells * cell_bytes +
+      std::max({20 * vertices + least_part(triangles) * sizeof(Triangle),
                 16 * vertices + shared * SpilledFinest::peak_bytes_per_shared,
                 16 * vertices + shared * SpilledFinest::bytes_per_shared + block * StoredBlocks::bytes_per_triangle});
   // Triangles once for sorting, then cells: 23 bytes per triangle, 4/3 of the input, and what only blocks know.

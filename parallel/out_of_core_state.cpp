@@ -97,7 +97,9 @@ void OutOfCoreFiles::record_spilled(const SpilledMesh& mesh) {
   ByteWriter out;
   out.put(mesh.level);
   out.put(mesh.triangles);
-  out.put(mesh.transform);
+  out.put(mesh.transform.origin);
+  out.put(mesh.transform.scale);
+  out.put(mesh.transform.lattice.bits);
   out.put(mesh.repairs);
   out.put(mesh.cells.fingerprint);
   out.put_vector(mesh.cells.codes);
@@ -113,7 +115,9 @@ SpilledMesh OutOfCoreFiles::take_spilled(Scheduler& scheduler) {
   ByteSource in(spilled_);
   in.get(mesh.level);
   in.get(mesh.triangles);
-  in.get(mesh.transform);
+  in.get(mesh.transform.origin);
+  in.get(mesh.transform.scale);
+  in.get(mesh.transform.lattice.bits);
   in.get(mesh.repairs);
   in.get(mesh.cells.fingerprint);
   in.get_vector(mesh.cells.codes);

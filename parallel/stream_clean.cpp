@@ -148,7 +148,7 @@ class Cleaning {
       number_vertices_in_use();
       const std::size_t left = squeeze_vertices(states_, out_.positions);
       out_.positions.resize(left);
-      if (left < before / 2) out_.positions.shrink_to_fit();  // soups
+      if (left < before / 4) out_.positions.shrink_to_fit();  // soups; both fit where the states and numbers did
     }
     out_.repairs.unreferenced_vertices = before - out_.positions.size() - out_.repairs.welded_vertices;
   }

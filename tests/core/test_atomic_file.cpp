@@ -225,5 +225,18 @@ TEST_F(AtomicFileTest, SignalsAtAnyMomentLeaveNoTemporary) {
   }
 }
 
+TEST_F(AtomicFileTest, OrphansAreThoseOfDeadProcesses) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) _exit(0);
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  const std::string dead = ".tmp." + std::to_string(child) + ".0", alive = ".tmp." + std::to_string(getpid()) + ".0";
+  for (const std::string& name : {"a" + dead, "a" + alive, "b" + dead, std::string("a.tmp.notes")})
+    std::ofstream(folder_ / name) << name;
+  remove_orphans(folder_ / "a");
+  EXPECT_FALSE(fs::exists(folder_ / ("a" + dead)));
+  EXPECT_EQ(files(), 3u);
+}
+
 }  // namespace
 }  // namespace lodestone

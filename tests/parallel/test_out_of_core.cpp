@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <filesystem>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "parallel/prepare.h"
 #include "parallel/save.h"
 #include "tests/parallel/stream_meshes.h"
+#include "tests/test_data.h"
 
 namespace lodestone {
 namespace {
@@ -127,6 +129,23 @@ TEST_F(OutOfCore, SameBytesCompressedAndOrdered) {
       config_.build.order_cells = order;
       for (const int threads : {1, 3}) EXPECT_TRUE(in_memory(path) == built(path, threads)) << order;
     }
+}
+
+// Those of the hard files that are read as streams.
+TEST_F(OutOfCore, SameBytesForHardFiles) {
+  LODESTONE_MODEL_OR_SKIP(folder, "hard");
+  int compared = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    std::unique_ptr<MeshStream> stream;
+    try {
+      stream = open_mesh_stream(entry.path());
+    } catch (const Error&) {  // no mesh
+    }
+    if (!stream) continue;
+    EXPECT_TRUE(in_memory(entry.path()) == built(entry.path())) << entry.path();
+    ++compared;
+  }
+  EXPECT_GT(compared, 4);
 }
 
 TEST_F(OutOfCore, FileVerifies) {
