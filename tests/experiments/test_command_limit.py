@@ -142,7 +142,10 @@ class Interrupts(CommandCase):
                 if number == signal.SIGINT and process.returncode > 0:
                     self.assertEqual(errors, "lodestone: interrupted; --resume continues from the temporary files, "
                                              "which were kept\n")
-                    self.assertIn(set(os.listdir(self.folder)), ({"m.lode.scratch"}, set()))
+                    # The signal may come when the file is there already and only the clearing up is left.
+                    if "m.lode" in os.listdir(self.folder):
+                        self.assertEqual((self.folder / "m.lode").read_bytes(), expected(*BUILD), trial)
+                    self.assertLessEqual(set(os.listdir(self.folder)), {"m.lode", "m.lode.scratch"})
             self.assertEqual((self.folder / "m.lode").read_bytes(), expected(*BUILD), trial)
             self.assertEqual(os.listdir(self.folder), ["m.lode"])
             (self.folder / "m.lode").unlink()
