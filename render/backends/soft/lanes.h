@@ -33,6 +33,7 @@ inline constexpr int width = 4;
 
 using Float = float __attribute__((vector_size(4 * width)));
 using Int = std::int32_t __attribute__((vector_size(4 * width)));  // a mask has all bits of a lane set, or none
+using Unsigned = std::uint32_t __attribute__((vector_size(4 * width)));
 using HalfInt = std::int32_t __attribute__((vector_size(2 * width)));
 using HalfFloat = float __attribute__((vector_size(2 * width)));
 using HalfDouble = double __attribute__((vector_size(4 * width)));
@@ -60,6 +61,13 @@ inline Int iota() {
 }
 inline Int as_int(Float v) { return reinterpret_cast<Int>(v); }
 inline Float as_float(Int v) { return reinterpret_cast<Float>(v); }
+// Wraps where it overflows, for lanes whose result is not looked at.
+inline Int wrapping_product(Int a, Int b) {
+  return reinterpret_cast<Int>(reinterpret_cast<Unsigned>(a) * reinterpret_cast<Unsigned>(b));
+}
+inline Int wrapping_difference(Int a, Int b) {
+  return reinterpret_cast<Int>(reinterpret_cast<Unsigned>(a) - reinterpret_cast<Unsigned>(b));
+}
 inline Float to_float(Int v) { return __builtin_convertvector(v, Float); }
 inline Int truncated(Float v) { return __builtin_convertvector(v, Int); }
 inline Float select(Int mask, Float yes, Float no) { return mask ? yes : no; }

@@ -30,9 +30,10 @@ inline Box box_of(const Vertices& a, const Vertices& b, const Vertices& c, Image
           y_hi - y_lo};
 }
 
-// Twice the signed area; positive when a, b, c turn clockwise in the picture. For triangles below 2^14 subpixels.
+// Twice the signed area; positive when a, b, c turn clockwise in the picture. For triangles below 2^14 subpixels; of
+// larger ones the result means nothing.
 inline Int doubled_areas(const Vertices& a, const Vertices& b, const Vertices& c) {
-  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  return wrapping_difference(wrapping_product(b.x - a.x, c.y - a.y), wrapping_product(b.y - a.y, c.x - a.x));
 }
 
 // Sorts the triangles of a run into those that cover nothing, small ones, large ones and those to be clipped.
