@@ -9,6 +9,7 @@ import struct
 import subprocess
 
 MODELS = ("armadillo", "igea", "lucy100k", "dragon_vrip_res2", "fandisk", "tower_holes", "bigtujunga", "sphere 1M")
+CELLS = {"fandisk": ("--cell-triangles", "2500")}   # the default leaves it a single level
 PEERS = ("meshoptimizer", "openmesh")
 BELOW_FINEST = (1, 2, 3)
 TIMED = ("sphere 1M", "terrain 1M")
@@ -64,7 +65,7 @@ class Accuracy:
             if path is None:
                 continue
             lode = self.work / f"accuracy-{name.replace(' ', '-')}.lode"
-            build = self.run(f"accuracy-{name}-build", ["build", path, "-o", lode])
+            build = self.run(f"accuracy-{name}-build", ["build", path, "-o", lode, *CELLS.get(name, ())])
             if not self.good(build):
                 continue
             counts = build["result"]["level_triangles"]
