@@ -14,8 +14,8 @@ namespace lodestone {
 struct StoredCell : CellFigures {
   std::uint32_t vertices = 0, shared = 0, triangles = 0;
   std::uint32_t reserved = 0;  // no padding, since it is written as it lies in memory
-  std::uint64_t body = 0;     // offset of what is known when a cell is made
-  std::uint64_t parents = 0;  // offset of P of its vertices, known when its block has run
+  std::uint64_t body = 0;      // offset of what is known when a cell is made
+  std::uint64_t parents = 0;   // offset of P of its vertices, known when its block has run
 };
 
 [[nodiscard]] PayloadCounts counts_of(const StoredCell& cell, bool has_parents, const AttributeSet& attributes);
