@@ -93,6 +93,7 @@ class Memory {
 
 void check(const MeshStream& stream, const std::filesystem::path& output, const OutOfCoreConfig& config, int workers) {
   check_config(config.build);
+  if (config.build.refine) throw UnsupportedError("splitting long edges needs the whole mesh in memory");
   const OutOfCoreNeed need = out_of_core_need(stream.vertex_count(), stream.triangle_count(), config, workers);
   if (config.memory_limit < need.memory_bytes)
     fail_too_small(stream, "building out of core needs", need.memory_bytes, "");

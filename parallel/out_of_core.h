@@ -56,7 +56,8 @@ struct OutOfCoreResult {
 };
 
 // Throws ResourceError naming the need when the limit is too small, FileError when a disk is full, what clean_stream
-// and build_hierarchy throw, InputError when there is something to resume, but of another input or other parameters.
+// and build_hierarchy throw, UnsupportedError for BuildConfig::refine, InputError when there is something to resume,
+// but of another input or other parameters.
 OutOfCoreResult build_out_of_core(const MeshStream& stream, const std::filesystem::path& output,
                                   const OutOfCoreConfig& config, Scheduler& scheduler);
 

@@ -186,6 +186,9 @@ TEST_F(OutOfCore, RefusesWhatCannotBeDone) {
   config_.build.sigma0 = 3;
   EXPECT_THROW((void)build(path, *scheduler), InputError);
   config_.build.sigma0 = 1;
+  config_.build.refine = true;
+  EXPECT_THROW((void)build(path, *scheduler), UnsupportedError);
+  config_.build.refine = false;
   config_.scratch = folder_ / "nowhere";
   EXPECT_THROW((void)build(path, *scheduler), FileError);
   config_.resume = true;
