@@ -128,12 +128,14 @@ class Interrupts(CommandCase):
 
     def test_killed_and_continued(self):
         seconds, moments, stopped = self.seconds(), random.Random(1), 0
-        for trial in range(4):
+        for trial in range(20):  # until enough of them came in time, on a machine that has more to do now and then
+            if trial >= 4 and stopped > 4:
+                break
             number = (signal.SIGKILL, signal.SIGINT)[trial % 2]
             for interruption in range(8):
                 process = self.start("--resume")
                 if interruption < 7:
-                    time.sleep(moments.uniform(0.1, 1) * seconds)
+                    time.sleep(moments.uniform(0.1, 0.8) * seconds)
                     process.send_signal(number)
                 errors = process.communicate(timeout=60)[1].decode()
                 if process.returncode == 0:
