@@ -3,17 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/hierarchy/family.h"
+
 namespace lodestone {
 namespace {
-
-struct CellRange {
-  std::uint32_t begin = 0, end = 0;
-};
-CellRange cells_of(const Hierarchy& hierarchy, std::uint32_t parent) {
-  if (parent == no_cell) return {0, 1};
-  const Cell& cell = hierarchy.cells[parent];
-  return {cell.first_child, cell.first_child + cell.child_count};
-}
 
 // Where the next cell's arrays begin.
 constexpr std::uint64_t aligned(std::uint64_t bytes) { return (bytes + 15) / 16 * 16; }
@@ -37,7 +30,7 @@ CellStream::~CellStream() {
 }
 
 std::uint64_t CellStream::family_bytes(std::uint32_t parent) const {
-  const CellRange range = cells_of(tables(), parent);
+  const FamilyCells range = family_cells(tables(), parent);
   std::uint64_t bytes = 0;
   for (std::uint32_t c = range.begin; c < range.end; ++c) bytes += aligned(reader_.plain_size(c));
   return bytes;
@@ -48,7 +41,7 @@ LoadedFamily CellStream::load(std::uint32_t parent) const {
   family.parent = parent;
   family.bytes = family_bytes(parent);
   family.memory = std::make_unique_for_overwrite<std::byte[]>(family.bytes);
-  const CellRange range = cells_of(tables(), parent);
+  const FamilyCells range = family_cells(tables(), parent);
   std::uint64_t at = 0;
   for (std::uint32_t c = range.begin; c < range.end; ++c) {
     family.cells.push_back(reader_.load(c, {family.memory.get() + at, reader_.plain_size(c)}));

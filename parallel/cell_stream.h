@@ -1,7 +1,6 @@
 // Cells of a .lode file, loaded in the background: the tables are there at once, payloads come when they are asked for.
 //
-// The unit is a *family*, the children of one cell: they are drawn together or not at all. A family is named by its
-// parent's index; the root is its own family, named no_cell.
+// The unit is a family (core/hierarchy/family.h), named by its parent.
 #pragma once
 
 #include <condition_variable>

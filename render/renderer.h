@@ -46,7 +46,7 @@ class Renderer {
   // Keeps what it needs of the hierarchy; the hierarchy must outlive the renderer.
   // Cells without arrays are not there yet: they come by refresh().
   virtual void upload(const Hierarchy& hierarchy) = 0;
-  // Since the last frame the arrays of these families, named as in parallel/cell_stream.h, have gone and come
+  // Since the last frame the arrays of these families, named as in core/hierarchy/family.h, have gone and come
   // (ResidentCells::went, came).
   virtual void refresh(std::span<const std::uint32_t> /*went*/, std::span<const std::uint32_t> /*came*/) {}
   // Throws InputError for a frame that check_frame refuses; the last picture is kept then.

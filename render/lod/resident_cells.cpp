@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/hierarchy/family.h"
 
 namespace lodestone {
 namespace {
@@ -24,20 +25,13 @@ ResidentCells::ResidentCells(CellStream& stream, const ResidencyConfig& config)
   if (root_bytes > config.budget_bytes)
     throw InputError(describe("", "memory budget", std::to_string(config.budget_bytes) + " bytes do not hold the root",
                               "allow at least " + std::to_string(root_bytes)));
-  for (Cell& cell : hierarchy_.cells) {
-    cell.positions = {};
-    cell.normals = {};
-    cell.attributes = {};
-    cell.parents = {};
-    cell.shared_ids = {};
-    cell.triangles = {};
-  }
+  for (Cell& cell : hierarchy_.cells) drop_arrays(cell);
   take_in(stream.load(no_cell));
 }
 
 void ResidentCells::take_in(LoadedFamily&& loaded) {
-  const std::uint32_t first = loaded.parent == no_cell ? 0 : hierarchy_.cells[loaded.parent].first_child;
-  std::move(loaded.cells.begin(), loaded.cells.end(), hierarchy_.cells.begin() + first);
+  std::move(loaded.cells.begin(), loaded.cells.end(),
+            hierarchy_.cells.begin() + family_cells(hierarchy_, loaded.parent).begin);
   bytes_ += loaded.bytes;
   if (loaded.parent != no_cell) ++families_.at(hierarchy_.cells[loaded.parent].parent).resident_children;
   families_.emplace(loaded.parent, Family{std::move(loaded.memory), loaded.bytes, false, 0});
@@ -45,17 +39,9 @@ void ResidentCells::take_in(LoadedFamily&& loaded) {
 }
 
 void ResidentCells::let_go(std::uint32_t parent) {
-  const Cell& cell = hierarchy_.cells[parent];
-  for (std::uint32_t k = 0; k < cell.child_count; ++k) {
-    Cell& child = hierarchy_.cells[cell.first_child + k];
-    child.positions = {};
-    child.normals = {};
-    child.attributes = {};
-    child.parents = {};
-    child.shared_ids = {};
-    child.triangles = {};
-  }
-  --families_.at(cell.parent).resident_children;
+  const FamilyCells cells = family_cells(hierarchy_, parent);
+  for (std::uint32_t c = cells.begin; c < cells.end; ++c) drop_arrays(hierarchy_.cells[c]);
+  --families_.at(hierarchy_.cells[parent].parent).resident_children;
   bytes_ -= families_.at(parent).bytes;
   families_.erase(parent);
   went_.push_back(parent);

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <random>
 #include <set>
 #include <string>
 #include <thread>
@@ -101,7 +100,6 @@ class Streaming : public ::testing::TestWithParam<LodeForm> {
 };
 
 TEST_P(Streaming, NothingCracksOrPopsUnderAnyBudgetWithASlowLoader) {
-  std::mt19937 random(1);
   const Radii radii = per_level_radii(whole_, DistanceMetric::euclidean);
   for (const double share : {0.06, 0.1, 0.2, 1.0}) {
     SCOPED_TRACE(share);

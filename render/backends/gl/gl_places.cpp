@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/hierarchy/family.h"
 
 namespace lodestone {
 namespace {
@@ -17,15 +18,6 @@ constexpr std::uint64_t addressable_vertices = 0x7fff'ffffu / 3;
 
 // Of groups that are made before it is known what will come: 2.5 MB.
 constexpr GroupSize least_group{1 << 16, 6 << 16};
-
-struct CellRange {
-  std::uint32_t begin = 0, end = 0;
-};
-CellRange cells_of(const Hierarchy& hierarchy, std::uint32_t parent) {
-  if (parent == no_cell) return {0, 1};
-  const Cell& cell = hierarchy.cells[parent];
-  return {cell.first_child, cell.first_child + cell.child_count};
-}
 
 std::uint64_t vertices_of_parent(const Hierarchy& hierarchy, std::uint32_t parent) {
   return parent == no_cell ? 0 : hierarchy.cells[parent].positions.size();
@@ -51,7 +43,7 @@ GlPlaces::GlPlaces(const Hierarchy& hierarchy, std::uint64_t max_vertices, Group
 
 GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent) {
   GroupSize size{vertices_of_parent(hierarchy, parent), 0};
-  const CellRange range = cells_of(hierarchy, parent);
+  const FamilyCells range = family_cells(hierarchy, parent);
   for (std::uint32_t c = range.begin; c < range.end; ++c) {
     size.vertices += hierarchy.cells[c].positions.size();
     size.indices += 3 * hierarchy.cells[c].triangles.size();
@@ -62,7 +54,7 @@ GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent
 const FamilyPlace& GlPlaces::add(std::uint32_t parent) {
   const FamilyPlace family = find_room(family_size(hierarchy_, parent));
   std::uint64_t vertex = family.first_vertex + vertices_of_parent(hierarchy_, parent), index = family.first_index;
-  const CellRange range = cells_of(hierarchy_, parent);
+  const FamilyCells range = family_cells(hierarchy_, parent);
   for (std::uint32_t c = range.begin; c < range.end; ++c) {
     places_[c] = {family.group, static_cast<std::uint32_t>(vertex), static_cast<std::uint32_t>(family.first_vertex),
                   static_cast<std::uint32_t>(index)};

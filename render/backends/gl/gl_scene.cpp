@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/hierarchy/family.h"
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_shaders.h"
 
@@ -57,9 +58,8 @@ void GlScene::add(std::uint32_t parent) {
     copy(group.normals, first, cell.normals);
   };
   if (parent != no_cell) copy_vertices(hierarchy_.cells[parent], family.first_vertex);
-  const std::uint32_t first = parent == no_cell ? 0 : hierarchy_.cells[parent].first_child;
-  const std::uint32_t count = parent == no_cell ? 1 : hierarchy_.cells[parent].child_count;
-  for (std::uint32_t c = first; c < first + count; ++c) {
+  const FamilyCells family_range = family_cells(hierarchy_, parent);
+  for (std::uint32_t c = family_range.begin; c < family_range.end; ++c) {
     const Cell& cell = hierarchy_.cells[c];
     const CellPlace& place = places_.place(c);
     copy_vertices(cell, place.first_vertex);
