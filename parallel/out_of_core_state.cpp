@@ -40,6 +40,21 @@ BitSet shared_bits(const FinestVertices& vertices) {
   return bits;
 }
 
+// What a record of a spilled mesh begins with, in its order.
+template <class AnyMesh, class Value, class List>
+void visit_head(AnyMesh& mesh, const Value& value, const List& list) {
+  value(mesh.level);
+  value(mesh.triangles);
+  value(mesh.transform.origin);
+  value(mesh.transform.scale);
+  value(mesh.transform.lattice.bits);
+  value(mesh.repairs);
+  value(mesh.cells.fingerprint);
+  list(mesh.cells.codes);
+  list(mesh.cells.first_run);
+  list(mesh.cells.runs);
+}
+
 }  // namespace
 
 OutOfCoreFiles::OutOfCoreFiles(const MeshStream& stream, const std::filesystem::path& output,
@@ -95,16 +110,8 @@ void OutOfCoreFiles::record_spilled(const SpilledMesh& mesh) {
   const std::uint64_t at = positions_->claim(mesh.vertices.positions.size() * sizeof(Vec3f));
   positions_->write_at(at, bytes_of(std::span<const Vec3f>(mesh.vertices.positions)));
   ByteWriter out;
-  out.put(mesh.level);
-  out.put(mesh.triangles);
-  out.put(mesh.transform.origin);
-  out.put(mesh.transform.scale);
-  out.put(mesh.transform.lattice.bits);
-  out.put(mesh.repairs);
-  out.put(mesh.cells.fingerprint);
-  out.put_vector(mesh.cells.codes);
-  out.put_vector(mesh.cells.first_run);
-  out.put_vector(mesh.cells.runs);
+  visit_head(
+      mesh, [&](const auto& value) { out.put(value); }, [&](const auto& list) { out.put_vector(list); });
   out.put(static_cast<std::uint64_t>(mesh.vertices.positions.size()));
   out.put_vector(shared_bits(mesh.vertices).words());
   journal_->append(Journal::Kind::spilled, out.bytes());
@@ -113,16 +120,8 @@ void OutOfCoreFiles::record_spilled(const SpilledMesh& mesh) {
 SpilledMesh OutOfCoreFiles::take_spilled(Scheduler& scheduler) {
   SpilledMesh mesh;
   ByteSource in(spilled_);
-  in.get(mesh.level);
-  in.get(mesh.triangles);
-  in.get(mesh.transform.origin);
-  in.get(mesh.transform.scale);
-  in.get(mesh.transform.lattice.bits);
-  in.get(mesh.repairs);
-  in.get(mesh.cells.fingerprint);
-  in.get_vector(mesh.cells.codes);
-  in.get_vector(mesh.cells.first_run);
-  in.get_vector(mesh.cells.runs);
+  visit_head(
+      mesh, [&](auto& value) { in.get(value); }, [&](auto& list) { in.get_vector(list); });
   std::uint64_t vertices = 0;
   in.get(vertices);
   BitSet shared;
