@@ -114,7 +114,6 @@ Built build_in_core(const BuildOptions& options, const ReadConfig& reading, cons
   built.use = summarize(trace, build_begin);
   if (options.measure) {
     progress.phase("measuring");
-    progress.measure(1, "");
     (void)measure_errors(built.hierarchy, {{}, config.cancel, config.progress}, scheduler);
     stage("measure");
   }

@@ -70,6 +70,10 @@ class Refusals(CommandCase):
         results = self.results("build", big(), "-o", "m.lode", *BUILD, "--memory-limit", need)
         self.assertLess(results["peak_bytes"], int(need.removesuffix("MiB")) << 20)
 
+    def test_options_that_need_the_whole_mesh(self):
+        for option in ("--measure-error", "--refine"):
+            self.refused("build", big(), "-o", "m.lode", *OUT_OF_CORE, option, names=["big.ply", option, "--memory-limit"])
+
     def test_sizes(self):
         for size in ("", "GiB", "2 GiB", "-1GiB", "0", "2QiB", "nan", "1e30GiB"):
             self.refused("build", big(), "-o", "m.lode", f"--memory-limit={size}")
