@@ -47,13 +47,13 @@ struct View {
     RadiiConfig config;
     config.kappa0 = kappa0;
     radii = make_radii(hierarchy, config);
-    frame.morph = {&hierarchy, &radii, Blend::smoothstep, viewpoint(camera, hierarchy.transform)};
+    frame.only().morph = {&hierarchy, &radii, Blend::smoothstep, viewpoint(camera, hierarchy.transform)};
     frame.size = {1280, 720};
     frame.samples = samples;
-    frame.view_projection = view_projection(camera, hierarchy, frame.size);
-    const Frustum frustum = frustum_of(frame.view_projection);
-    select_cells(hierarchy, radii, frame.morph.viewpoint, {&frustum, false}, selection);
-    frame.selection = &selection;
+    frame.only().view_projection = view_projection(camera, hierarchy, frame.size);
+    const Frustum frustum = frustum_of(frame.only().view_projection);
+    select_cells(hierarchy, radii, frame.only().morph.viewpoint, {&frustum, false}, selection);
+    frame.only().selection = &selection;
   }
   View(const View&) = delete;
   View& operator=(const View&) = delete;

@@ -31,14 +31,14 @@ struct Scene {
     config.kappa0 = kappa0;
     radii = make_radii(hierarchy, config);
     const Camera camera = orbit_path(hierarchy, 8)[1];
-    frame.morph = {&hierarchy, &radii, Blend::smoothstep, viewpoint(camera, hierarchy.transform)};
+    frame.only().morph = {&hierarchy, &radii, Blend::smoothstep, viewpoint(camera, hierarchy.transform)};
     frame.size = {1280, 720};
-    frame.view_projection = view_projection(camera, hierarchy, frame.size);
-    frustum = frustum_of(frame.view_projection);
+    frame.only().view_projection = view_projection(camera, hierarchy, frame.size);
+    frustum = frustum_of(frame.only().view_projection);
     select();
-    frame.selection = &selection;
+    frame.only().selection = &selection;
   }
-  void select() { select_cells(hierarchy, radii, frame.morph.viewpoint, {&frustum, false}, selection); }
+  void select() { select_cells(hierarchy, radii, frame.only().morph.viewpoint, {&frustum, false}, selection); }
 };
 
 Scene& scene(std::int64_t triangles, float kappa0) {

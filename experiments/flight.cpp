@@ -103,23 +103,24 @@ FlightResult fly(const Hierarchy& hierarchy, Renderer& renderer, const FlightCon
     FrameRow row;
     const Clock::time_point start = Clock::now();
     Frame frame;
-    frame.morph = {&drawn, &radii, config.blend, viewpoint(camera, drawn.transform)};
-    frame.view_projection = view_projection(camera, drawn, config.size);
-    frame.light = head_light(camera);
+    frame.only().morph = {&drawn, &radii, config.blend, viewpoint(camera, drawn.transform)};
+    frame.only().view_projection = view_projection(camera, drawn, config.size);
+    frame.only().towards_eye = head_light(camera);
     frame.size = config.size;
     frame.samples = config.samples;
-    frame.tint_by_level = config.tint_by_level;
-    const Frustum frustum = frustum_of(frame.view_projection);
+    frame.setting.level_tint = config.tint_by_level ? 1.0f : 0.0f;
+    frame.only().effects.set(Effect::level_tint, config.tint_by_level);
+    const Frustum frustum = frustum_of(frame.only().view_projection);
     if (resident) {
-      resident->update(radii, frame.morph.viewpoint, &frustum);
-      renderer.refresh(resident->went(), resident->came());
-      frame.morph.limits = resident->limits();
+      resident->update(radii, frame.only().morph.viewpoint, &frustum);
+      renderer.refresh(0, resident->went(), resident->came());
+      frame.only().morph.limits = resident->limits();
       row.resident_bytes = resident->bytes();
       row.complete = resident->complete();
     }
     const double stream = milliseconds_since(start);
-    select_cells(drawn, radii, frame.morph.viewpoint, {&frustum, false, frame.morph.limits}, visible);
-    frame.selection = &visible;
+    select_cells(drawn, radii, frame.only().morph.viewpoint, {&frustum, false, frame.only().morph.limits}, visible);
+    frame.only().selection = &visible;
     const double select = milliseconds_since(start) - stream;
     const FrameStats stats = renderer.draw(frame);
     row.cells = stats.cells;
@@ -130,7 +131,7 @@ FlightResult fly(const Hierarchy& hierarchy, Renderer& renderer, const FlightCon
     row.milliseconds["total"] = milliseconds_since(start);
     totals.push_back(row.milliseconds["total"]);
     if (on_frame) on_frame(i, renderer);
-    if (prover) prover->measure(frame.morph, row);
+    if (prover) prover->measure(frame.only().morph, row);
 
     result.open_edges_max = std::max(result.open_edges_max, row.open_edges);
     result.gap_max = std::max(result.gap_max, row.gap_max);

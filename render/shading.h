@@ -1,10 +1,10 @@
 // The shading formula that all backends share, so that their pictures agree.
 //
-//     colour = albedo (ambient + (1 - ambient) |n . l|)
+//     colour = albedo (ambient + (1 - ambient) min(1, light)),  light = sum over lights of strength times cosine
 //
-// with n the normal interpolated perspective-correctly over the triangle and normalised per pixel, l the unit vector
-// towards the light. The absolute value lights both sides: open surfaces have no wrong one. Colours go to bytes as
-// round(255 colour), without a transfer curve.
+// the cosine of the head light being |n . l|, with n the normal interpolated perspective-correctly over the triangle
+// and normalised per pixel, l the unit vector towards the light. The absolute value lights both sides: open surfaces
+// have no wrong one. Colours go to bytes as round(255 colour), without a transfer curve.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ inline constexpr float least_norm2 = 1e-12f;
 // What no triangle covers: opaque, as bytes.
 inline constexpr std::array<std::uint8_t, 4> background{24, 26, 30, 255};
 
-// Albedo by level with Frame::tint_by_level, from the root on, repeating after the last. Neighbours differ in hue.
+// By level with the effect level_tint, from the root on, repeating after the last. Neighbours differ in hue.
 inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
                                                    {0.95f, 0.70f, 0.25f},
                                                    {0.85f, 0.85f, 0.35f},
@@ -35,8 +35,8 @@ inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
                                                    {0.65f, 0.45f, 0.90f},
                                                    {0.90f, 0.50f, 0.75f}}};
 
-[[nodiscard]] constexpr Vec3f albedo_of(int level, bool tint_by_level) {
-  return tint_by_level ? level_tints[static_cast<std::size_t>(level) % level_tints.size()] : albedo;
+[[nodiscard]] constexpr Vec3f tint_of(int level) {
+  return level_tints[static_cast<std::size_t>(level) % level_tints.size()];
 }
 
 // Share of the albedo that reaches the eye; `normal` of any length.

@@ -41,10 +41,10 @@ struct WholeFrame {
       : radii(make_radii(hierarchy, config)) {
     camera.position = hierarchy.transform.origin + hierarchy.transform.scale * camera.position;
     camera.target = hierarchy.transform.origin + hierarchy.transform.scale * camera.target;
-    frame.morph = {&hierarchy, &radii, blend, viewpoint(camera, hierarchy.transform)};
-    select_cells(hierarchy, radii, frame.morph.viewpoint, {}, selection);
-    frame.selection = &selection;
-    frame.view_projection = view_projection(camera, hierarchy, size);
+    frame.only().morph = {&hierarchy, &radii, blend, viewpoint(camera, hierarchy.transform)};
+    select_cells(hierarchy, radii, frame.only().morph.viewpoint, {}, selection);
+    frame.only().selection = &selection;
+    frame.only().view_projection = view_projection(camera, hierarchy, size);
     frame.size = size;
   }
   WholeFrame(const WholeFrame&) = delete;

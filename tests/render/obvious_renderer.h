@@ -17,7 +17,8 @@ namespace lodestone::test {
 class ObviousRenderer final : public Renderer {
  public:
   [[nodiscard]] std::string_view name() const override { return "obvious"; }
-  void upload(const Hierarchy& hierarchy) override { hierarchy_ = &hierarchy; }
+  using Renderer::upload;
+  void upload(std::span<const Hierarchy* const> models) override { hierarchy_ = models.front(); }
   [[nodiscard]] Image read_back() override { return image_; }
 
   FrameStats draw(const Frame& frame) override {
@@ -25,7 +26,7 @@ class ObviousRenderer final : public Renderer {
     const auto samples = static_cast<std::size_t>(frame.samples);
     seen_.assign(pixels * samples, {1.0f, -1});
     triangles_.clear();
-    for (const SelectedCell& selected : frame.selection->cells)
+    for (const SelectedCell& selected : frame.only().selection->cells)
       for (const Triangle& t : hierarchy_->cells[selected.cell].triangles) draw_triangle(frame, selected, t);
     image_ = {frame.size, {}, {}};
     for (std::size_t p = 0; p < pixels; ++p) {
@@ -76,8 +77,8 @@ class ObviousRenderer final : public Renderer {
     WindowTriangle w;
     w.level = selected.level;
     for (std::size_t k = 0; k < 3; ++k) {
-      const MorphedVertex m = morph_vertex(frame.morph, selected.cell, t.v[k]);
-      const soft::ClipVertex clip = soft::to_clip(frame.view_projection, m.position);
+      const MorphedVertex m = morph_vertex(frame.only().morph, selected.cell, t.v[k]);
+      const soft::ClipVertex clip = soft::to_clip(frame.only().view_projection, m.position);
       ASSERT_FALSE(viewport.needs_clipping(clip));
       w.v[k] = {viewport.snap(clip), m.normal};
     }
@@ -124,8 +125,8 @@ class ObviousRenderer final : public Renderer {
       normal = normal + share * to_double(t.v[k].normal);
       w += share;
     }
-    const float light = shading::brightness(to_float((1 / w) * normal), frame.light);
-    return to_double(light * shading::albedo_of(t.level, frame.tint_by_level));
+    const float light = shading::brightness(to_float((1 / w) * normal), frame.only().towards_eye);
+    return to_double(light * (frame.setting.level_tint > 0 ? shading::tint_of(t.level) : shading::albedo));
   }
 
   const Hierarchy* hierarchy_ = nullptr;

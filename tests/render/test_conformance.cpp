@@ -65,10 +65,21 @@ TEST(Renderers, RefuseFramesThatCannotBeDrawn) {
       [](Frame& f) { f.size.height = 0; },
       [](Frame& f) { f.samples = 0; },
       [](Frame& f) { f.samples = 3; },
-      [](Frame& f) { f.view_projection.m[5] = nan; },
-      [](Frame& f) { f.view_projection.m[15] = infinity; },
-      [](Frame& f) { f.morph.viewpoint.y = nan; },
-      [](Frame& f) { f.light.z = nan; },
+      [](Frame& f) { f.only().view_projection.m[5] = nan; },
+      [](Frame& f) { f.only().view_projection.m[15] = infinity; },
+      [](Frame& f) { f.only().morph.viewpoint.y = nan; },
+      [](Frame& f) { f.only().towards_eye.z = nan; },
+      [](Frame& f) { f.only().towards_light.x = infinity; },
+      [](Frame& f) { f.only().light_projection.m[3] = nan; },
+      [](Frame& f) { f.only().look.opacity = 1.5f; },
+      [](Frame& f) { f.setting.lighting.ambient = -0.1f; },
+      [](Frame& f) { f.setting.lighting.head = nan; },
+      [](Frame& f) { f.setting.lighting.directional.strength = -1; },
+      [](Frame& f) { f.setting.fog.density = infinity; },
+      [](Frame& f) { f.setting.ambient_occlusion.strength = 2; },
+      [](Frame& f) { f.setting.ambient_occlusion.radius = -1; },
+      [](Frame& f) { f.setting.level_tint = nan; },
+      [](Frame& f) { f.setting.wireframe = 2; },
   };
   for (const char* backend : {"soft", "gl", "null"}) {
     std::string why;
@@ -78,8 +89,8 @@ TEST(Renderers, RefuseFramesThatCannotBeDrawn) {
     const Radii radii = make_radii(*scene.hierarchy, scene.radii);
     const Selection none;
     Frame frame;
-    frame.morph = {scene.hierarchy.get(), &radii, scene.blend, {0.5f, 0.5f, 2}};
-    frame.selection = &none;
+    frame.only().morph = {scene.hierarchy.get(), &radii, scene.blend, {0.5f, 0.5f, 2}};
+    frame.only().selection = &none;
     frame.size = {16, 16};
     for (std::size_t i = 0; i < faults.size(); ++i) {
       Frame faulty = frame;

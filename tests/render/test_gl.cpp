@@ -22,7 +22,7 @@ float depth(const Image& image, int x, int y) {
 
 // Where a point lands: pixel coordinates from the top left corner, depth in [0, 1].
 Vec3d window_of(const Frame& frame, Vec3d p) {
-  const auto& m = frame.view_projection.m;
+  const auto& m = frame.only().view_projection.m;
   const auto row = [&](std::size_t i) {
     return m[4 * i] * p.x + m[4 * i + 1] * p.y + m[4 * i + 2] * p.z + m[4 * i + 3];
   };
@@ -33,7 +33,7 @@ Vec3d window_of(const Frame& frame, Vec3d p) {
 TEST_F(GlTest, PlateHasTheColourDepthAndPlaceThatTheFormulasSay) {
   const SmallHierarchy plate_above = small_hierarchy(plate(16), 1);
   WholeFrame whole(plate_above.hierarchy, with_kappa0(2), from_above);
-  whole.frame.light = {0.6f, 0, 0.8f};
+  whole.frame.only().towards_eye = {0.6f, 0, 0.8f};
   renderer_->upload(plate_above.hierarchy);
   const FrameStats stats = renderer_->draw(whole.frame);
   const Image image = renderer_->read_back();
@@ -78,7 +78,7 @@ TEST_F(GlTest, BothSidesAreLit) {
   const SmallHierarchy plate_above = small_hierarchy(plate(4), 0);
   const Camera from_below{{0.5, 0.25, -0.5}, {0.5, 0.25, 0.5}, {0, 1, 0}};
   WholeFrame whole(plate_above.hierarchy, with_kappa0(2), from_below);
-  whole.frame.light = {0, 0, -1};
+  whole.frame.only().towards_eye = {0, 0, -1};
   renderer_->upload(plate_above.hierarchy);
   (void)renderer_->draw(whole.frame);
   EXPECT_NEAR(pixel(renderer_->read_back(), 80, 60)[0], shading::to_byte(shading::albedo.x), 1);
@@ -91,9 +91,10 @@ TEST_F(GlTest, TintFollowsTheLevel) {
     WholeFrame whole(plate_above.hierarchy, with_kappa0(kappa0), from_above);
     if (level == 0) whole.selection.cells = {{0, 0, true, false}};
     ASSERT_EQ(whole.selection.cells.front().level, level);
-    whole.frame.tint_by_level = true;
+    whole.frame.setting.level_tint = 1;
+    whole.frame.only().effects.set(Effect::level_tint, true);
     (void)renderer_->draw(whole.frame);
-    EXPECT_NEAR(pixel(renderer_->read_back(), 80, 40)[1], shading::to_byte(shading::albedo_of(level, true).y), 1);
+    EXPECT_NEAR(pixel(renderer_->read_back(), 80, 40)[1], shading::to_byte(shading::tint_of(level).y), 1);
   }
 }
 

@@ -73,16 +73,16 @@ TEST(RangeAllocator, GivesDisjointRangesAndTakesThemBack) {
 TEST(GlPlaces, FamiliesComeAndGoWithoutOverlap) {
   std::mt19937 random(2);
   for (const std::uint64_t limit : {largest_family(), 3 * largest_family(), std::uint64_t{1'000'000}}) {
-    GlPlaces places(surface(), limit, {});
+    GlPlaces places({&surface()}, limit, {});
     std::map<std::uint32_t, FamilyPlace> there;
     for (int i = 0; i < 600; ++i) {
       const std::uint32_t family = families()[random() % families().size()];
       if (there.contains(family)) {
-        places.remove(family);
+        places.remove({0, family});
         there.erase(family);
         continue;
       }
-      there[family] = places.add(family);
+      there[family] = places.add({0, family});
       std::vector<std::vector<char>> vertices, indices;
       for (const GroupSize group : places.groups()) {
         EXPECT_LE(group.vertices, limit);
@@ -97,10 +97,10 @@ TEST(GlPlaces, FamiliesComeAndGoWithoutOverlap) {
         const std::uint32_t first = parent == no_cell ? 0 : surface().cells[parent].first_child;
         const std::uint32_t count = parent == no_cell ? 1 : surface().cells[parent].child_count;
         for (std::uint32_t c = first; c < first + count; ++c) {
-          EXPECT_EQ(places.place(c).group, place.group);
-          EXPECT_EQ(places.place(c).parent_first_vertex, place.first_vertex);
-          take(vertices[place.group], places.place(c).first_vertex, surface().cells[c].positions.size());
-          take(indices[place.group], places.place(c).first_index, 3 * surface().cells[c].triangles.size());
+          EXPECT_EQ(places.place(0, c).group, place.group);
+          EXPECT_EQ(places.place(0, c).parent_first_vertex, place.first_vertex);
+          take(vertices[place.group], places.place(0, c).first_vertex, surface().cells[c].positions.size());
+          take(indices[place.group], places.place(0, c).first_index, 3 * surface().cells[c].triangles.size());
         }
       }
     }
@@ -113,8 +113,8 @@ TEST(GlPlaces, OneGroupWhereWhatIsExpectedFits) {
     const GroupSize size = GlPlaces::family_size(surface(), f);
     all = {all.vertices + size.vertices, all.indices + size.indices};
   }
-  GlPlaces places(surface(), all.vertices, all);
-  for (const std::uint32_t f : families()) (void)places.add(f);
+  GlPlaces places({&surface()}, all.vertices, all);
+  for (const std::uint32_t f : families()) (void)places.add({0, f});
   ASSERT_EQ(places.groups().size(), 1u);
   EXPECT_EQ(places.groups()[0].vertices, all.vertices);
   EXPECT_EQ(places.groups()[0].indices, all.indices);
@@ -122,8 +122,8 @@ TEST(GlPlaces, OneGroupWhereWhatIsExpectedFits) {
 
 TEST(GlPlaces, AFamilyThatFitsNowhereIsRefused) {
   const auto add_all = [](std::uint64_t limit) {
-    GlPlaces places(surface(), limit, {});
-    for (const std::uint32_t f : families()) (void)places.add(f);
+    GlPlaces places({&surface()}, limit, {});
+    for (const std::uint32_t f : families()) (void)places.add({0, f});
   };
   EXPECT_NO_THROW(add_all(largest_family()));
   EXPECT_THROW(add_all(largest_family() - 1), ResourceError);

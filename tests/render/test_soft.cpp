@@ -91,13 +91,13 @@ TEST(Soft, TheStaticPathEqualsTheMorph) {
   const ConformanceScene& s = scene("finest");
   const Radii radii = make_radii(*s.hierarchy, s.radii);
   Frame frame;
-  frame.morph = {s.hierarchy.get(), &radii, s.blend, viewpoint(s.camera, s.hierarchy->transform)};
-  frame.view_projection = view_projection(s.camera, *s.hierarchy, s.size);
+  frame.only().morph = {s.hierarchy.get(), &radii, s.blend, viewpoint(s.camera, s.hierarchy->transform)};
+  frame.only().view_projection = view_projection(s.camera, *s.hierarchy, s.size);
   frame.size = s.size;
   Selection selection;
-  select_cells(*s.hierarchy, radii, frame.morph.viewpoint, {}, selection);
+  select_cells(*s.hierarchy, radii, frame.only().morph.viewpoint, {}, selection);
   ASSERT_TRUE(std::ranges::none_of(selection.cells, &SelectedCell::morphing));
-  frame.selection = &selection;
+  frame.only().selection = &selection;
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_soft_renderer(*scheduler);
   renderer->upload(*s.hierarchy);
@@ -187,8 +187,8 @@ TEST(Soft, SizesOutOfRangeAreRefused) {
   const Selection none;
   for (const ImageSize size : {ImageSize{0, 10}, ImageSize{10, -1}, ImageSize{20000, 10}}) {
     Frame frame;
-    frame.morph = {s.hierarchy.get(), &radii, s.blend, {}};
-    frame.selection = &none;
+    frame.only().morph = {s.hierarchy.get(), &radii, s.blend, {}};
+    frame.only().selection = &none;
     frame.size = size;
     EXPECT_THROW((void)renderer->draw(frame), InputError);
   }

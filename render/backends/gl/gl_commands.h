@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "render/backends/gl/gl_scene.h"
@@ -19,33 +21,56 @@ struct GlDrawCommand {
   std::uint32_t base_instance = 0;  // of the draw record
 };
 
-// Consecutive commands of one group: one multi-draw.
+// What a program of its own draws.
+struct GlPipeline {
+  GlVariant variant;
+  std::vector<const ModelFrame*> models;
+  std::uint64_t triangles = 0;
+};
+
+// Commands of one pipeline in one group: one multi-draw.
 struct GlMultiDraw {
+  std::size_t pipeline = 0;
   std::uint32_t group = 0;
   std::uint32_t first_command = 0, command_count = 0;
 };
 
 class GlCommands {
  public:
-  // Commands for the visible cells of the frame's selection, sent to the device. Buffers are orphaned, so that a frame
+  // Commands for the visible cells of the frame's selections, sent to the device. Buffers are orphaned, so that a frame
   // that is still being drawn keeps its own.
   void set(const Frame& frame, const GlScene& scene);
-  // Draws them with whatever program and target are bound.
-  void draw(const GlScene& scene) const;
+  // Draws them into whatever target is bound, in the order of pipelines(); calls use(pipeline) before each, which makes
+  // its program current.
+  void draw(const GlScene& scene, const std::function<void(const GlPipeline&)>& use) const;
 
   [[nodiscard]] std::uint64_t cells() const { return cells_; }
   [[nodiscard]] std::uint64_t triangles() const { return triangles_; }
+  [[nodiscard]] std::span<const GlMultiDraw> multi_draws() const { return multi_draws_; }
+  [[nodiscard]] std::uint64_t morphing_vertices() const { return morphing_vertices_; }
 
  private:
-  void add(const Frame& frame, const GlScene& scene, const SelectedCell& selected);
+  struct Bucket {
+    std::size_t pipeline = 0;
+    std::uint32_t group = 0;
+    std::vector<GlDrawCommand> commands;
+    std::vector<GlDrawRecord> records;
+  };
+  void sort_into_pipelines(const Frame& frame);
+  void add(const ModelFrame& model, std::uint32_t instance, const GlScene& scene, const SelectedCell& selected,
+           std::size_t pipeline);
+  Bucket& bucket(std::size_t pipeline, std::uint32_t group);
 
+  std::vector<GlPipeline> pipelines_;
+  std::vector<Bucket> buckets_;  // those in use first; the others keep their memory for later frames
+  std::size_t bucket_count_ = 0;
   std::vector<GlDrawCommand> commands_;
   std::vector<GlDrawRecord> records_;
   std::vector<GlMultiDraw> multi_draws_;
   std::vector<DetailLimit> near_;
   std::vector<GlLimit> limits_;
   GlBuffer command_buffer_, record_buffer_, limit_buffer_;
-  std::uint64_t cells_ = 0, triangles_ = 0;
+  std::uint64_t cells_ = 0, triangles_ = 0, morphing_vertices_ = 0;
 };
 
 }  // namespace lodestone

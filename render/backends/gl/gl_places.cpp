@@ -35,11 +35,12 @@ GroupSize larger(GroupSize a, GroupSize b) {
 
 }  // namespace
 
-GlPlaces::GlPlaces(const Hierarchy& hierarchy, std::uint64_t max_vertices, GroupSize expected)
-    : hierarchy_(hierarchy),
+GlPlaces::GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_vertices, GroupSize expected)
+    : models_(std::move(models)),
       largest_{std::min(max_vertices, addressable_vertices), max_indices},
-      expected_(expected),
-      places_(hierarchy.cells.size()) {}
+      expected_(expected) {
+  for (const Hierarchy* model : models_) places_.emplace_back(model->cells.size());
+}
 
 GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent) {
   GroupSize size{vertices_of_parent(hierarchy, parent), 0};
@@ -51,24 +52,25 @@ GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent
   return size;
 }
 
-const FamilyPlace& GlPlaces::add(std::uint32_t parent) {
-  const FamilyPlace family = find_room(family_size(hierarchy_, parent));
-  std::uint64_t vertex = family.first_vertex + vertices_of_parent(hierarchy_, parent), index = family.first_index;
-  const FamilyCells range = family_cells(hierarchy_, parent);
+const FamilyPlace& GlPlaces::add(FamilyId id) {
+  const Hierarchy& hierarchy = *models_[id.model];
+  const FamilyPlace family = find_room(family_size(hierarchy, id.parent));
+  std::uint64_t vertex = family.first_vertex + vertices_of_parent(hierarchy, id.parent), index = family.first_index;
+  const FamilyCells range = family_cells(hierarchy, id.parent);
   for (std::uint32_t c = range.begin; c < range.end; ++c) {
-    places_[c] = {family.group, static_cast<std::uint32_t>(vertex), static_cast<std::uint32_t>(family.first_vertex),
-                  static_cast<std::uint32_t>(index)};
-    vertex += hierarchy_.cells[c].positions.size();
-    index += 3 * hierarchy_.cells[c].triangles.size();
+    places_[id.model][c] = {family.group, static_cast<std::uint32_t>(vertex),
+                            static_cast<std::uint32_t>(family.first_vertex), static_cast<std::uint32_t>(index)};
+    vertex += hierarchy.cells[c].positions.size();
+    index += 3 * hierarchy.cells[c].triangles.size();
   }
-  return families_[parent] = family;
+  return families_[id] = family;
 }
 
-void GlPlaces::remove(std::uint32_t parent) {
-  const FamilyPlace& family = families_.at(parent);
+void GlPlaces::remove(FamilyId id) {
+  const FamilyPlace& family = families_.at(id);
   rooms_[family.group].vertices.release(family.first_vertex, family.size.vertices);
   rooms_[family.group].indices.release(family.first_index, family.size.indices);
-  families_.erase(parent);
+  families_.erase(id);
 }
 
 FamilyPlace GlPlaces::find_room(GroupSize size) {

@@ -35,18 +35,25 @@ struct FamilyPlace {
   GroupSize size;
 };
 
+// The children of one cell of one model; parent no_cell: its root.
+struct FamilyId {
+  std::uint32_t model = 0, parent = no_cell;
+  friend bool operator==(const FamilyId&, const FamilyId&) = default;
+};
+
 class GlPlaces {
  public:
-  // No group has more than `max_vertices`. `expected` is what all families to come may take together: the first groups
-  // are made that large, as far as they may; what comes beyond doubles the room there is.
-  GlPlaces(const Hierarchy& hierarchy, std::uint64_t max_vertices, GroupSize expected);
+  // For these models, which share the groups. No group has more than `max_vertices`. `expected` is what all families to
+  // come may take together: the first groups are made that large, as far as they may; what comes beyond doubles the
+  // room there is.
+  GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_vertices, GroupSize expected);
 
-  // A place for the children of `parent` (no_cell: for the root), whose arrays are there. A new group is appended to
-  // groups() when no other has room. Throws ResourceError when the family exceeds the largest group.
-  const FamilyPlace& add(std::uint32_t parent);
-  void remove(std::uint32_t parent);
+  // A place for a family whose arrays are there. A new group is appended to groups() when no other has room. Throws
+  // ResourceError when the family exceeds the largest group.
+  const FamilyPlace& add(FamilyId family);
+  void remove(FamilyId family);
 
-  [[nodiscard]] const CellPlace& place(std::uint32_t cell) const { return places_[cell]; }
+  [[nodiscard]] const CellPlace& place(std::uint32_t model, std::uint32_t cell) const { return places_[model][cell]; }
   [[nodiscard]] const std::vector<GroupSize>& groups() const { return groups_; }
 
   // What a family takes, the copy of its parent included.
@@ -58,12 +65,18 @@ class GlPlaces {
   };
   [[nodiscard]] FamilyPlace find_room(GroupSize size);
 
-  const Hierarchy& hierarchy_;
+  struct FamilyHash {
+    std::size_t operator()(FamilyId f) const {
+      return std::hash<std::uint64_t>{}((std::uint64_t{f.model} << 32) | f.parent);
+    }
+  };
+
+  std::vector<const Hierarchy*> models_;
   GroupSize largest_, expected_;
   std::vector<GroupSize> groups_;
-  std::vector<Room> rooms_;                                  // of the groups
-  std::vector<CellPlace> places_;                            // of all cells; of those that are there
-  std::unordered_map<std::uint32_t, FamilyPlace> families_;  // by parent
+  std::vector<Room> rooms_;                     // of the groups
+  std::vector<std::vector<CellPlace>> places_;  // by model, of all cells; of those that are there
+  std::unordered_map<FamilyId, FamilyPlace, FamilyHash> families_;
 };
 
 }  // namespace lodestone

@@ -27,27 +27,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-GlFrameUniforms frame_uniforms(const Frame& frame) {
-  GlFrameUniforms u;
-  for (std::size_t i = 0; i < 16; ++i) u.clip_rows[i / 4][i % 4] = frame.view_projection.m[i];
-  const auto set = [](float* to, Vec3f v) {
-    to[0] = v.x;
-    to[1] = v.y;
-    to[2] = v.z;
-  };
-  set(u.viewpoint, frame.morph.viewpoint);
-  set(u.light, frame.light);
-  u.light[3] = shading::ambient;
-  u.shading[0] = shading::least_norm2;
-  const Radii& radii = *frame.morph.radii;
-  for (std::size_t l = 0; l < radii.band_begin.size(); ++l) {
-    u.levels[l].band_begin = radii.band_begin[l];
-    u.levels[l].band_end = radii.band_end[l];
-    set(u.levels[l].albedo, shading::albedo_of(static_cast<int>(l), frame.tint_by_level));
-  }
-  return u;
-}
-
 // The families that are there, those of a branch one after the other: cells selected together lie together.
 std::vector<std::uint32_t> families_of(const Hierarchy& hierarchy) {
   std::vector<std::uint32_t> families;
@@ -83,7 +62,7 @@ void set_state() {
 struct Resources {
   std::map<GlVariant, GlProgram> programs;
   GlCommands commands;
-  GlBuffer uniforms;
+  GlBuffer uniforms, instances;
   GlTimer timer;
   std::optional<GlScene> scene;
   std::optional<GlTarget> target;
@@ -112,18 +91,25 @@ class MultiDrawRenderer final : public GlRenderer {
 
   [[nodiscard]] std::string_view name() const override { return "gl"; }
 
-  void upload(const Hierarchy& hierarchy) override {
+  using Renderer::upload;
+  void upload(std::span<const Hierarchy* const> models) override {
     const CurrentContext current(*context_);
     resources_->scene.reset();  // before the new one: the device need not hold both
-    resources_->scene.emplace(hierarchy, device_.max_storage_block_bytes, size_of_all(hierarchy));
-    for (const std::uint32_t family : families_of(hierarchy)) resources_->scene->add(family);
+    GroupSize all;
+    for (const Hierarchy* model : models) {
+      const GroupSize size = size_of_all(*model);
+      all = {all.vertices + size.vertices, all.indices + size.indices};
+    }
+    resources_->scene.emplace(models, device_.max_storage_block_bytes, all);
+    for (std::uint32_t m = 0; m < models.size(); ++m)
+      for (const std::uint32_t family : families_of(*models[m])) resources_->scene->add({m, family});
   }
 
-  void refresh(std::span<const std::uint32_t> went, std::span<const std::uint32_t> came) override {
+  void refresh(std::uint32_t model, std::span<const std::uint32_t> went, std::span<const std::uint32_t> came) override {
     assert(resources_->scene);
     const CurrentContext current(*context_);
-    for (const std::uint32_t family : went) resources_->scene->remove(family);
-    for (const std::uint32_t family : came) resources_->scene->add(family);
+    for (const std::uint32_t family : went) resources_->scene->remove({model, family});
+    for (const std::uint32_t family : came) resources_->scene->add({model, family});
   }
 
   FrameStats draw(const Frame& frame) override {
@@ -139,7 +125,7 @@ class MultiDrawRenderer final : public GlRenderer {
     set_state();
     resources_->target->bind();
     resources_->target->clear();
-    resources_->commands.draw(*resources_->scene);
+    draw_commands();
     resources_->target->average();
     glEndQuery(GL_TIME_ELAPSED);
     GLuint64 nanoseconds = 0;
@@ -169,15 +155,24 @@ class MultiDrawRenderer final : public GlRenderer {
     const GlPrimitiveCounter written;
     glNamedBufferStorage(captured.name(), bytes, nullptr, 0);
     check_memory("capturing the drawn triangles");
-    glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.name());
     const GlFramebuffer nowhere;  // without a window there is none that could stay bound
     glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_WIDTH, 1);
     glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_HEIGHT, 1);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, nowhere.name());
     glEnable(GL_RASTERIZER_DISCARD);
     glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written.name());
-    glBeginTransformFeedback(GL_TRIANGLES);
-    resources_->commands.draw(*resources_->scene);
+    // A program may not change while its vertices are captured: each pipeline has its part of the buffer.
+    std::uint64_t before = 0;
+    resources_->commands.draw(*resources_->scene, [&](const GlPipeline& pipeline) {
+      if (before > 0) glEndTransformFeedback();
+      glUseProgram(program(pipeline.variant).name());
+      constexpr std::uint64_t triangle_bytes = 3 * sizeof(Vec3f);
+      glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.name(),
+                        static_cast<GLintptr>(before * triangle_bytes),
+                        static_cast<GLsizeiptr>(pipeline.triangles * triangle_bytes));
+      glBeginTransformFeedback(GL_TRIANGLES);
+      before += pipeline.triangles;
+    });
     glEndTransformFeedback();
     glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
     glDisable(GL_RASTERIZER_DISCARD);
@@ -199,16 +194,29 @@ class MultiDrawRenderer final : public GlRenderer {
  private:
   // Program, uniforms and commands of the frame.
   void prepare(const Frame& frame, FrameStats& stats) {
-    assert(resources_->scene && frame.morph.hierarchy == &resources_->scene->hierarchy());
-    glUseProgram(program({frame.morph.blend, frame.morph.radii->metric, !frame.morph.limits.empty()}).name());
+    assert(resources_->scene);
     const Stopwatch upload;
-    const GlFrameUniforms uniforms = frame_uniforms(frame);
+    const GlFrameUniforms uniforms = uniforms_of(frame);
     glNamedBufferData(resources_->uniforms.name(), sizeof uniforms, &uniforms, GL_STREAM_DRAW);
     glBindBufferBase(GL_UNIFORM_BUFFER, frame_block, resources_->uniforms.name());
+    instances_.clear();
+    for (const ModelFrame& model : frame.models) {
+      assert(model.model < resources_->scene->model_count() &&
+             model.morph.hierarchy == &resources_->scene->hierarchy(model.model));
+      instances_.push_back(instance_of(model));
+    }
+    glNamedBufferData(resources_->instances.name(), static_cast<GLsizeiptr>(instances_.size() * sizeof(GlInstance)),
+                      instances_.data(), GL_STREAM_DRAW);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, instances_block, resources_->instances.name());
     resources_->commands.set(frame, *resources_->scene);
     stats.milliseconds["upload"] = upload.milliseconds();
     stats.cells = resources_->commands.cells();
     stats.triangles = resources_->commands.triangles();
+  }
+
+  void draw_commands() {
+    resources_->commands.draw(*resources_->scene,
+                              [&](const GlPipeline& pipeline) { glUseProgram(program(pipeline.variant).name()); });
   }
 
   void make_target(const Frame& frame) {
@@ -227,6 +235,7 @@ class MultiDrawRenderer final : public GlRenderer {
   std::unique_ptr<GlContext> context_;
   GlDevice device_;
   std::unique_ptr<Resources> resources_;
+  std::vector<GlInstance> instances_;
 };
 
 }  // namespace

@@ -20,7 +20,7 @@ struct GlConfig {
 // to last pixel), "total" (wall time of draw, which returns when the picture is done).
 class GlRenderer : public Renderer {
  public:
-  // The morphed positions of the corners of all drawn triangles, three a triangle, in drawing order, as the vertex
+  // The morphed positions of the corners of all drawn triangles, three a triangle, by pipeline and group, as the vertex
   // shader computed them: the same program as draw's. For verifiers; makes no picture.
   [[nodiscard]] virtual std::vector<Vec3f> capture(const Frame& frame) = 0;
 

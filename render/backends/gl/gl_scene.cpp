@@ -46,22 +46,23 @@ GroupSize size_of_all(const Hierarchy& hierarchy) {
   return all;
 }
 
-GlScene::GlScene(const Hierarchy& hierarchy, std::size_t max_storage_block_bytes, GroupSize expected)
-    : hierarchy_(hierarchy), places_(hierarchy, max_storage_block_bytes / sizeof(Vec3f), expected) {}
+GlScene::GlScene(std::span<const Hierarchy* const> models, std::size_t max_storage_block_bytes, GroupSize expected)
+    : models_(models.begin(), models.end()), places_(models_, max_storage_block_bytes / sizeof(Vec3f), expected) {}
 
-void GlScene::add(std::uint32_t parent) {
-  const FamilyPlace& family = places_.add(parent);
+void GlScene::add(FamilyId id) {
+  const Hierarchy& model = *models_[id.model];
+  const FamilyPlace& family = places_.add(id);
   if (groups_.size() < places_.groups().size()) groups_.push_back(make_group(places_.groups().back()));
   const Group& group = groups_[family.group];
   const auto copy_vertices = [&](const Cell& cell, std::uint64_t first) {
     copy(group.positions, first, cell.positions);
     copy(group.normals, first, cell.normals);
   };
-  if (parent != no_cell) copy_vertices(hierarchy_.cells[parent], family.first_vertex);
-  const FamilyCells family_range = family_cells(hierarchy_, parent);
-  for (std::uint32_t c = family_range.begin; c < family_range.end; ++c) {
-    const Cell& cell = hierarchy_.cells[c];
-    const CellPlace& place = places_.place(c);
+  if (id.parent != no_cell) copy_vertices(model.cells[id.parent], family.first_vertex);
+  const FamilyCells range = family_cells(model, id.parent);
+  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+    const Cell& cell = model.cells[c];
+    const CellPlace& place = places_.place(id.model, c);
     copy_vertices(cell, place.first_vertex);
     copy(group.parents, place.first_vertex, cell.parents);
     copy(group.indices, place.first_index, cell.triangles, sizeof(std::uint32_t));

@@ -1,4 +1,4 @@
-// A hierarchy in the memory of the graphics device, or the part of it that is there.
+// Hierarchies in the memory of the graphics device, or the parts of them that are there.
 //
 // Per vertex 20 bytes: position (three tightly packed floats, read as float[]), packed normal (one uint), parent (one
 // uint, local to the parent cell); per triangle 12 bytes. The vertices of a group are bound twice: as attributes for
@@ -17,16 +17,19 @@ namespace lodestone {
 
 class GlScene {
  public:
-  // Nothing is copied yet; keeps a reference to the hierarchy.
-  GlScene(const Hierarchy& hierarchy, std::size_t max_storage_block_bytes, GroupSize expected);
+  // Nothing is copied yet; the hierarchies must outlive the scene.
+  GlScene(std::span<const Hierarchy* const> models, std::size_t max_storage_block_bytes, GroupSize expected);
 
-  // Copies the children of `parent` (no_cell: the root), which the hierarchy has just got. Throws ResourceError when
-  // the memory of the device does not suffice.
-  void add(std::uint32_t parent);
-  void remove(std::uint32_t parent) { places_.remove(parent); }
+  // Copies a family whose arrays its hierarchy has just got. Throws ResourceError when the memory of the device does
+  // not suffice.
+  void add(FamilyId family);
+  void remove(FamilyId family) { places_.remove(family); }
 
-  [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
-  [[nodiscard]] const CellPlace& place(std::uint32_t cell) const { return places_.place(cell); }
+  [[nodiscard]] const Hierarchy& hierarchy(std::uint32_t model) const { return *models_[model]; }
+  [[nodiscard]] std::size_t model_count() const { return models_.size(); }
+  [[nodiscard]] const CellPlace& place(std::uint32_t model, std::uint32_t cell) const {
+    return places_.place(model, cell);
+  }
   [[nodiscard]] std::size_t group_count() const { return groups_.size(); }
 
   // Binds the vertex array and the storage blocks of a group; draw records come from `records`.
@@ -39,7 +42,7 @@ class GlScene {
   };
   [[nodiscard]] static Group make_group(GroupSize size);
 
-  const Hierarchy& hierarchy_;
+  std::vector<const Hierarchy*> models_;
   GlPlaces places_;
   std::vector<Group> groups_;
 };

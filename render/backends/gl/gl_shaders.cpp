@@ -3,26 +3,48 @@
 // (w, P(w), viewpoint), never relative to a cell.
 #include "render/backends/gl/gl_shaders.h"
 
+#include <utility>
+
 #include "core/base/error.h"
+#include "render/effects/effect_info.h"
+#include "render/shading.h"
 
 namespace lodestone {
 namespace {
 
 constexpr const char* version_line = "#version 450 core\n";
 
+// What all stages and effects may read; see GlFrameUniforms and GlInstance.
 constexpr const char* frame_source = R"(
-struct Level {
-  vec4 band;    // begin a_l, end c_l
-  vec4 albedo;
-};
 layout(std140, binding = 0) uniform Frame {
-  vec4 clip_rows[4];
-  vec4 viewpoint;
-  vec4 light;    // w: ambient share
-  vec4 shading;  // x: least squared length of a normal
-  Level levels[LEVELS];
+  vec4 fog;
+  vec4 lens;
+  vec2 size;
+  float ambient, head_strength;
+  float directional_strength, shadow_strength, level_tint, wireframe;
 } frame;
+
+struct Level {
+  vec4 band;  // begin a_l, end c_l
+  vec4 tint;
+};
+struct Instance {
+  vec4 clip_rows[4];
+  vec4 light_rows[4];
+  vec4 viewpoint;
+  vec4 towards_eye;
+  vec4 towards_light;
+  vec4 base_colour;
+  uvec4 flags;
+  Level levels[LEVELS];
+};
+layout(std430, binding = 3) readonly restrict buffer Instances { Instance instances[]; };
+uint instance;  // whose vertex or pixel this is
+const float least_norm2 = 1e-12;
+
+bool instance_flag(uint flag) { return (instances[instance].flags.x & flag) != 0u; }
 )";
+static_assert(shading::least_norm2 == 1e-12f);
 
 // distance_metric.h
 constexpr const char* euclidean_source = R"(
@@ -85,7 +107,7 @@ float limited(float d, vec3 w) {
 }
 )";
 
-// morph.cpp and unpack_normal of hierarchy.cpp
+// morph.cpp
 constexpr const char* morph_functions = R"(
 float blend_share(float t) {
   if (!(t > 0.0)) return 0.0;
@@ -94,8 +116,8 @@ float blend_share(float t) {
 }
 
 float morph_lambda(uint level, vec3 w) {
-  float begin = frame.levels[level].band.x, end = frame.levels[level].band.y;
-  precise vec3 apart = abs(w - frame.viewpoint.xyz);
+  float begin = instances[instance].levels[level].band.x, end = instances[instance].levels[level].band.y;
+  precise vec3 apart = abs(w - instances[instance].viewpoint.xyz);
   precise float d = limited(norm(apart), w);
   if (d < begin || (d <= begin && begin < end)) return 1.0;
   if (d >= end) return 0.0;
@@ -110,67 +132,47 @@ vec3 morph_position(float lambda, vec3 w, vec3 parent) {
   precise vec3 n = lambda * w + (1.0 - lambda) * parent;
   return n;
 }
-
-float sign_not_zero(float v) { return v < 0.0 ? -1.0 : 1.0; }
-
-vec3 unpack_normal(ivec2 snorm) {
-  precise vec2 uv = max(vec2(snorm) / 32767.0, vec2(-1.0));
-  precise vec3 n = vec3(uv, 1.0 - abs(uv.x) - abs(uv.y));
-  if (n.z < 0.0)
-    n.xy = vec2((1.0 - abs(uv.y)) * sign_not_zero(uv.x), (1.0 - abs(uv.x)) * sign_not_zero(uv.y));
-  precise float size = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-  precise vec3 unit = (1.0 / size) * n;
-  return unit;
-}
-
-vec3 morph_normal(float lambda, vec3 own, vec3 parent) {
-  if (lambda >= 1.0) return own;
-  precise vec3 sum = parent;
-  if (lambda > 0.0) sum = lambda * own + (1.0 - lambda) * parent;
-  precise float norm2 = sum.x * sum.x + sum.y * sum.y + sum.z * sum.z;
-  if (!(norm2 > 1e-12)) return parent;
-  precise vec3 unit = (1.0 / sqrt(norm2)) * sum;
-  return unit;
-}
 )";
 
-constexpr const char* vertex_source = R"(
+constexpr const char* vertex_head = R"(
 layout(std430, binding = 0) readonly restrict buffer Positions { float positions[]; };
-layout(std430, binding = 1) readonly restrict buffer Normals { uint normals[]; };
 
 layout(location = 0) in vec3 own_position;
-layout(location = 1) in ivec2 own_normal;
 layout(location = 2) in uint parent_index;
-layout(location = 3) in uvec4 draw;  // parent's first vertex, level and morphs_bit, first limit, end of the limits
+layout(location = 3) in uvec4 draw;  // as GlDrawRecord
 
 invariant gl_Position;
 layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) out vec3 drawn_position;
-centroid out vec3 normal;  // with several samples a pixel, not outside the triangle
-flat out vec3 albedo;
+flat out uint drawn_instance;
 
+// Of this vertex, for the effects.
+uint level, parent;  // the parent's number among the vertices of the group; only where lambda < 1
+float lambda = 1.0;
+)";
+
+constexpr const char* vertex_main = R"(
 void main() {
-  uint level = draw.y & 255u;
+  level = draw.y & 255u;
+  instance = drawn_instance = draw.y >> 9;
   precise vec3 p = own_position;
-  vec3 n = unpack_normal(own_normal);
 #ifdef LIMITED
   limit_range = draw.zw;
 #endif
-  if (draw.y >= 256u) {
-    float lambda = morph_lambda(level, own_position);
+#ifdef GEOMORPH
+  if ((draw.y & 256u) != 0u) {
+    lambda = morph_lambda(level, own_position);
     if (lambda < 1.0) {
-      uint parent = draw.x + parent_index;
+      parent = draw.x + parent_index;
       vec3 parent_position = vec3(positions[3u * parent], positions[3u * parent + 1u], positions[3u * parent + 2u]);
-      ivec2 parent_normal = ivec2(int(normals[parent] << 16) >> 16, int(normals[parent]) >> 16);
       p = morph_position(lambda, own_position, parent_position);
-      n = morph_normal(lambda, n, unpack_normal(parent_normal));
     }
   }
+#endif
   drawn_position = p;
-  normal = n;
-  albedo = frame.levels[level].albedo.rgb;
+  EFFECTS
   precise vec4 clip;
   for (int i = 0; i < 4; ++i) {
-    vec4 row = frame.clip_rows[i];
+    vec4 row = instances[instance].clip_rows[i];
     clip[i] = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
   }
   gl_Position = clip;
@@ -178,19 +180,73 @@ void main() {
 )";
 
 // render/shading.h
-constexpr const char* fragment_source = R"(
-centroid in vec3 normal;
-flat in vec3 albedo;
+constexpr const char* fragment_head = R"(
+in vec3 drawn_position;
+flat in uint drawn_instance;
 layout(location = 0) out vec4 colour;
 
+struct Surface {
+  vec3 normal;  // model space, of any length
+  vec3 colour;  // albedo, and in the end what the picture shows
+  float light;  // sum of the lights that reach it
+};
+)";
+
+constexpr const char* fragment_main = R"(
 void main() {
-  float norm2 = dot(normal, normal);
-  float cosine = abs(dot(normal, frame.light.xyz)) / sqrt(max(norm2, frame.shading.x));
-  colour = vec4(albedo * (frame.light.w + (1.0 - frame.light.w) * min(cosine, 1.0)), 1.0);
+  instance = drawn_instance;
+  Surface s = Surface(vec3(0.0, 0.0, 1.0), instances[instance].base_colour.rgb, 0.0);
+#ifdef FACE_NORMALS
+  s.normal = cross(dFdx(drawn_position), dFdy(drawn_position));
+#endif
+  EFFECTS_BEFORE_LIGHT
+  s.colour *= frame.ambient + (1.0 - frame.ambient) * min(s.light, 1.0);
+  EFFECTS_AFTER_LIGHT
+  colour = vec4(s.colour, 1.0);
 }
 )";
 
-std::string frame_block_source() { return "#define LEVELS " + std::to_string(max_level + 1) + "\n" + frame_source; }
+// The last effect that changes albedo, normal or light.
+constexpr Effect last_before_light = Effect::shadow;
+
+std::string replaced(std::string text, std::string_view what, std::string_view by) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
+  return text;
+}
+
+// Code of the effects of a set, and their calls.
+struct EffectSource {
+  std::string vertex, vertex_calls, fragment, calls_before_light, calls_after_light;
+};
+EffectSource effect_source(EffectSet effects) {
+  EffectSource source;
+  for (const EffectInfo& info : effect_infos()) {
+    if (!effects.contains(info.effect)) continue;
+    const std::string name = glsl_name(info.effect);
+    if (!info.glsl.vertex.empty()) {
+      source.vertex += info.glsl.vertex;
+      source.vertex_calls += name + "();\n  ";
+    }
+    if (!info.glsl.fragment.empty()) {
+      source.fragment += info.glsl.fragment;
+      (info.effect <= last_before_light ? source.calls_before_light : source.calls_after_light) += name + "(s);\n  ";
+    }
+  }
+  return source;
+}
+
+std::string define(bool defined, const char* name) { return defined ? std::string("#define ") + name + "\n" : ""; }
+
+std::string frame_block_source() {
+  std::string flags;
+  for (const auto& [name, value] : {std::pair{"smooth_flag", smooth_flag},
+                                    {"colours_flag", colours_flag},
+                                    {"textures_flag", textures_flag},
+                                    {"normal_maps_flag", normal_maps_flag}})
+    flags += std::string("const uint ") + name + " = " + std::to_string(value) + "u;\n";
+  return "#define LEVELS " + std::to_string(max_level + 1) + "\n" + frame_source + flags;
+}
 
 std::string shader_log(GLuint shader) {
   std::array<GLchar, 1024> log{};
@@ -227,12 +283,72 @@ std::string morph_source(GlVariant variant) {
          share_source(variant.blend) + (variant.limited ? limited_source : unlimited_source) + morph_functions;
 }
 
+GlVariant variant_of(const ModelFrame& model) {
+  const EffectSet lights{Effect::head_light, Effect::directional_light};
+  const bool smooth = model.look.smooth && model.effects.contains(Effect::smooth_normals);
+  // Effects without code in the programs need no programs of their own.
+  EffectSet effects{Effect::geomorph};
+  for (const EffectInfo& info : effect_infos())
+    if (!info.glsl.vertex.empty() || !info.glsl.fragment.empty()) effects.insert(info.effect);
+  return {model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(),
+          model.effects.contains_any(lights) && !smooth, model.effects & effects};
+}
+
+GlInstance instance_of(const ModelFrame& model) {
+  GlInstance to;
+  for (std::size_t i = 0; i < 16; ++i) {
+    to.clip_rows[i / 4][i % 4] = model.view_projection.m[i];
+    to.light_rows[i / 4][i % 4] = model.light_projection.m[i];
+  }
+  const auto set = [](float* out, Vec3f v) {
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+  };
+  set(to.viewpoint, model.morph.viewpoint);
+  set(to.towards_eye, model.towards_eye);
+  set(to.towards_light, model.towards_light);
+  set(to.base_colour, model.look.base_colour);
+  to.base_colour[3] = model.look.opacity;
+  to.flags[0] = (model.look.smooth ? smooth_flag : 0) | (model.look.vertex_colours ? colours_flag : 0) |
+                (model.look.textures ? textures_flag : 0) | (model.look.normal_maps ? normal_maps_flag : 0);
+  const Radii& radii = *model.morph.radii;
+  for (std::size_t l = 0; l < radii.band_begin.size(); ++l) {
+    to.levels[l].band_begin = radii.band_begin[l];
+    to.levels[l].band_end = radii.band_end[l];
+    set(to.levels[l].tint, shading::tint_of(static_cast<int>(l)));
+  }
+  return to;
+}
+
+GlFrameUniforms uniforms_of(const Frame& frame) {
+  const Setting& setting = frame.setting;
+  const Lighting& lighting = setting.lighting;
+  const Fog& fog = setting.fog;
+  const Lens& lens = frame.lens;
+  return {{fog.colour.x, fog.colour.y, fog.colour.z, fog.density},
+          {lens.tan_x, lens.tan_y, lens.near, lens.far},
+          {static_cast<float>(frame.size.width), static_cast<float>(frame.size.height)},
+          lighting.ambient,
+          lighting.head,
+          lighting.directional.strength,
+          lighting.directional.shadows ? 1.0f : 0.0f,
+          setting.level_tint,
+          setting.wireframe};
+}
+
 GlProgram make_draw_program(GlVariant variant) {
   GlProgram program;
-  const std::string head =
-      version_line + std::string(variant.limited ? "#define LIMITED\n" : "") + frame_block_source();
-  attach(program, GL_VERTEX_SHADER, head + morph_source(variant) + vertex_source);
-  attach(program, GL_FRAGMENT_SHADER, head + fragment_source);
+  const EffectSource source = effect_source(variant.effects);
+  const std::string head = version_line + define(variant.limited, "LIMITED") +
+                           define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
+                           define(variant.face_normals, "FACE_NORMALS") + frame_block_source();
+  attach(program, GL_VERTEX_SHADER,
+         head + morph_source(variant) + vertex_head + source.vertex +
+             replaced(vertex_main, "EFFECTS", source.vertex_calls));
+  const std::string main = replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
+                                    "EFFECTS_AFTER_LIGHT", source.calls_after_light);
+  attach(program, GL_FRAGMENT_SHADER, head + fragment_head + source.fragment + main);
   glLinkProgram(program.name());
   GLint linked = GL_FALSE;
   glGetProgramiv(program.name(), GL_LINK_STATUS, &linked);

@@ -1,23 +1,29 @@
-// The programs of the gl backend: the morph of render/lod/morph.h in GLSL, operation by operation.
+// The programs of the gl backend: the morph of render/lod/morph.h in GLSL, operation by operation, and the code of the
+// effects that are called for.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 
 #include "core/hierarchy/cell_code.h"
 #include "core/hierarchy/distance_metric.h"
 #include "render/backends/gl/gl_object.h"
-#include "render/lod/blend.h"
+#include "render/frame.h"
 
 namespace lodestone {
 
-// A program is compiled for one blending function and one metric: software rasterizers execute both sides of a branch.
+// A program is compiled for one blending function, one metric and one set of effects: software rasterizers execute both
+// sides of a branch.
 struct GlVariant {
   Blend blend = Blend::smoothstep;
   DistanceMetric metric = DistanceMetric::euclidean;
   bool limited = false;  // detail limits hold (render/lod/limits.h)
+  bool face_normals = false;
+  EffectSet effects;
   friend auto operator<=>(const GlVariant&, const GlVariant&) = default;
 };
+[[nodiscard]] GlVariant variant_of(const ModelFrame& model);
 
 // Attributes of the vertex array.
 inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw_record = 3;
@@ -25,16 +31,18 @@ inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw
 inline constexpr GLuint positions_block = 0, normals_block = 1;
 // The frame's detail limits; only in the limited variant.
 inline constexpr GLuint limits_block = 2;
+// The models of the frame.
+inline constexpr GLuint instances_block = 3;
 // Uniform block.
 inline constexpr GLuint frame_block = 0;
 
 // Per draw, read as an attribute that advances with the instance: a command's base instance names its record.
 struct GlDrawRecord {
   std::uint32_t parent_first_vertex = 0;  // of the parent cell, in the group's vertices
-  std::uint32_t level = 0;                // plus 256 when the cell morphs; else lambda = 1 for all of its vertices
+  std::uint32_t bits = 0;                 // level, morphs_bit (else lambda = 1 for all vertices), number of the model
   std::uint32_t first_limit = 0, end_limit = 0;
 };
-inline constexpr std::uint32_t morphs_bit = 256;
+inline constexpr std::uint32_t morphs_bit = 256, instance_shift = 9;
 
 // A detail limit, std430.
 struct GlLimit {
@@ -42,21 +50,34 @@ struct GlLimit {
   float hi[3] = {}, unused = 0;
 };
 
-// The uniform block, std140.
-struct GlLevelUniforms {
+// A model of the frame, std430.
+struct GlLevel {
   float band_begin = 0, band_end = 0, unused[2] = {};
-  float albedo[4] = {};
+  float tint[4] = {};
 };
-struct GlFrameUniforms {
-  std::array<std::array<float, 4>, 4> clip_rows{};  // of the view projection
+struct GlInstance {
+  float clip_rows[4][4] = {};   // of the view projection
+  float light_rows[4][4] = {};  // of the light projection
   float viewpoint[4] = {};
-  float light[4] = {};    // w: ambient share
-  float shading[4] = {};  // x: least squared length of a normal
-  std::array<GlLevelUniforms, max_level + 1> levels{};
+  float towards_eye[4] = {};
+  float towards_light[4] = {};
+  float base_colour[4] = {};  // w: opacity
+  std::uint32_t flags[4] = {};
+  std::array<GlLevel, max_level + 1> levels{};
+};
+inline constexpr std::uint32_t smooth_flag = 1, colours_flag = 2, textures_flag = 4, normal_maps_flag = 8;
+
+// The uniform block, std140.
+struct GlFrameUniforms {
+  float fog[4] = {};   // colour, density
+  float lens[4] = {};  // tan_x, tan_y, near, far
+  float size[2] = {};  // pixels
+  float ambient = 0, head_strength = 0;
+  float directional_strength = 0, shadow_strength = 0, level_tint = 0, wireframe = 0;
 };
 
-// Source of the function `morph_vertex` and all it calls, without version line; see GlVariant.
-[[nodiscard]] std::string morph_source(GlVariant variant);
+[[nodiscard]] GlInstance instance_of(const ModelFrame& model);
+[[nodiscard]] GlFrameUniforms uniforms_of(const Frame& frame);
 
 // Draws triangles; every vertex also gives its morphed position to transform feedback buffer 0, so that what a test
 // captures comes from the program that draws. Throws UnsupportedError with the compiler's log when the driver refuses

@@ -11,17 +11,20 @@ class NullRenderer final : public Renderer {
  public:
   [[nodiscard]] std::string_view name() const override { return "null"; }
 
-  void upload(const Hierarchy& hierarchy) override { hierarchy_ = &hierarchy; }
+  using Renderer::upload;
+  void upload(std::span<const Hierarchy* const> models) override { models_.assign(models.begin(), models.end()); }
 
   FrameStats draw(const Frame& frame) override {
-    assert(hierarchy_ && frame.selection);
     check_frame(frame, std::numeric_limits<int>::max());
     const auto start = std::chrono::steady_clock::now();
     FrameStats stats;
-    for (const SelectedCell& selected : frame.selection->cells) {
-      if (!selected.visible) continue;
-      ++stats.cells;
-      stats.triangles += hierarchy_->cells[selected.cell].triangles.size();
+    for (const ModelFrame& drawn : frame.models) {
+      assert(drawn.model < models_.size() && drawn.selection);
+      for (const SelectedCell& selected : drawn.selection->cells) {
+        if (!selected.visible) continue;
+        ++stats.cells;
+        stats.triangles += models_[drawn.model]->cells[selected.cell].triangles.size();
+      }
     }
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
     stats.milliseconds["total"] = elapsed.count();
@@ -31,7 +34,7 @@ class NullRenderer final : public Renderer {
   [[nodiscard]] Image read_back() override { return {{0, 0}, {}, {}}; }
 
  private:
-  const Hierarchy* hierarchy_ = nullptr;
+  std::vector<const Hierarchy*> models_;
 };
 
 }  // namespace

@@ -4,19 +4,19 @@
 
 namespace lodestone::soft {
 
-std::array<ClipVertex, 3> clip_corners(const Frame& frame, const DrawnCell& cell, const VertexIds& v) {
+std::array<ClipVertex, 3> clip_corners(const ViewProjection& projection, const DrawnCell& cell, const VertexIds& v) {
   std::array<ClipVertex, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3f own = frame.morph.hierarchy->cells[cell.cell].positions[v[k]];
-    const Vec3f p = cell.morphing ? morph_vertex(frame.morph, cell.cell, v[k]).position : own;
-    corners[k] = to_clip(frame.view_projection, p);
+    const Vec3f p =
+        cell.morphing ? morph_vertex(cell.model->morph, cell.cell, v[k]).position : cell.own->positions[v[k]];
+    corners[k] = to_clip(projection, p);
   }
   return corners;
 }
 
-std::array<float, 3> clipped_weights(const Frame& frame, const DrawnCell& cell, const VertexIds& v,
-                                     const Viewport& viewport, SnappedPoint at) {
-  const std::array<ClipVertex, 3> corner = clip_corners(frame, cell, v);
+std::array<float, 3> clipped_weights(const DrawnCell& cell, const VertexIds& v, const Viewport& viewport,
+                                     SnappedPoint at) {
+  const std::array<ClipVertex, 3> corner = clip_corners(cell.model->view_projection, cell, v);
   // The ray through the pixel in coordinates (x, y, w): the weights solve sum of weight (x, y, w) = (nx, ny, 1) times
   // something.
   const double nx = at.x / static_cast<double>(viewport.half_width()) - 1,

@@ -1,6 +1,7 @@
 // The inner loops, compiled once per instruction set and chosen at run time. Every set gives the same bytes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -49,6 +50,9 @@ struct SetupLists {
   std::uint32_t small[room], large[room], clipped[room];
 };
 
+// Points shaded, by effect.
+using WorkCounts = std::array<std::uint64_t, effect_count>;
+
 // Stage 4: what is seen in a tile becomes colour and depth of the picture.
 struct ResolveJob {
   const Frame* frame = nullptr;
@@ -56,6 +60,7 @@ struct ResolveJob {
   const DrawnCells* drawn = nullptr;
   PixelRect rect;
   Image* image = nullptr;
+  WorkCounts* work = nullptr;
 };
 
 // For one number of samples a pixel.

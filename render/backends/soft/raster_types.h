@@ -10,7 +10,7 @@
 #include <span>
 
 #include "core/hierarchy/hierarchy.h"
-#include "render/camera.h"
+#include "render/frame.h"
 
 namespace lodestone::soft {
 
@@ -67,6 +67,8 @@ struct DrawnCell {
   std::uint8_t level = 0;
   bool morphing = false;  // false: lambda = 1 on the whole of it, neither lambdas nor parents are looked at
   TriangleNumber first_triangle = 0;
+  const ModelFrame* model = nullptr;
+  const Cell *own = nullptr, *coarser = nullptr;  // the cell; and its parent, where it morphs
   // Of the cell; the second and third where it morphs.
   const PackedNormal* normals = nullptr;
   const PackedNormal* coarser_normals = nullptr;

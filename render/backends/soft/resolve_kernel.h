@@ -1,172 +1,94 @@
 // Stage 4, a lane per pixel: colours of what the visibility buffer holds. Attributes are read here and nowhere before,
 // for what is seen alone.
 //
-// A *surface* is what the pixels of a group see: a triangle each and where on it, as weights of its corners. Stages
-// that need more than the weights fetch it themselves; what a frame does not call for is left out when the loop is
-// instantiated.
+// A frame shades in *steps*, one for each effect that any of its models calls for, in the order of the effects. A step
+// is skipped where no pixel of a group sees a model that calls for it.
 #pragma once
 
-#include <cstddef>
+#include <algorithm>
+#include <array>
 
 #include "core/base/prefetch.h"
-#include "render/backends/soft/clipped_weights.h"
-#include "render/backends/soft/kernels.h"
 #include "render/backends/soft/lanes.h"
+#include "render/backends/soft/surface_kernel.h"
+#include "render/effects/fog.h"
+#include "render/effects/head_light.h"
+#include "render/effects/level_tint.h"
+#include "render/effects/smooth_normals.h"
 #include "render/renderer.h"
 #include "render/shading.h"
 
 namespace lodestone::soft::LODESTONE_LANES {
 
-struct Surface {
-  const DrawnCell* cell[width];
-  const std::uint32_t* v[width];  // VertexIds
-  Float weight[3];                // perspective-correct, sum 1
-  bool morphing;                  // any of the cells
-};
+// Changes the surface in the lanes of the mask.
+using ShadingStep = void (*)(const ResolveJob& job, Surface& s, Int lanes);
 
-// Weights at (x, y), in subpixels, on the records of a group. Linear on the surface is linear in the window after
-// division by w: shares over w, in proportion. The share of a corner is the edge function of the opposite edge, exact
-// in double; their common factor does not matter.
-template <class RecordOf>
-[[gnu::always_inline]] inline void find_weights(const ResolveJob& job, const RecordOf& record, Int x, Int y,
-                                                Surface& s) {
-  static_assert(offsetof(TriangleRecord, z) == 24 && offsetof(TriangleRecord, inverse_w) == 36);
-  const auto quads = [&](int number) {
-    return load_quads([&](int k) { return reinterpret_cast<const float*>(&record(k)) + 4 * number; });
-  };
-  const Quads ab = quads(0), cz = quads(1), zw = quads(2);
-  const auto cross = [](Double ax, Double ay, Double bx, Double by) { return to_float(ax * by - ay * bx); };
-  const auto from_point = [](Float p, Int q) { return to_double(as_int(p) - q); };
-  const Double ax = from_point(ab.a, x), ay = from_point(ab.b, y), bx = from_point(ab.c, x), by = from_point(ab.d, y),
-               cx = from_point(cz.a, x), cy = from_point(cz.b, y);
-  const Float wa = cross(bx, by, cx, cy) * zw.b, wb = cross(cx, cy, ax, ay) * zw.c, wc = cross(ax, ay, bx, by) * zw.d;
-  const Float scale = 1.0f / ((wa + wb) + wc);
-  s.weight[0] = scale * wa, s.weight[1] = scale * wb, s.weight[2] = scale * wc;
-  for (unsigned clipped = bits(zw.b == 0.0f); clipped != 0; clipped &= clipped - 1) {
-    const int k = std::countr_zero(clipped);
-    const std::array<float, 3> w = clipped_weights(*job.frame, *s.cell[k], record(k).v, *job.viewport, {x[k], y[k]});
-    for (std::size_t i = 0; i < 3; ++i) s.weight[i][k] = w[i];
-  }
+// One normal for the whole triangle, for surfaces without smooth ones.
+inline void face_normals(const ResolveJob&, Surface& s, Int) {
+  const Points a = corner_positions(s, 0);
+  s.normal = cross(difference(corner_positions(s, 1), a), difference(corner_positions(s, 2), a));
 }
 
-// What the references stand for at (x, y), in subpixels. Fragments know where they are.
-[[gnu::always_inline]] inline Surface find_surface(const ResolveJob& job, const TileSources& sources, Int group, Int x,
-                                                   Int y) {
-  static_assert(offsetof(Fragment, weight_b) == 24 && sizeof(Fragment) == 32);
-  Surface s;
-  const Fragment* fragment[width]{};
-  const TriangleRecord* record[width]{};
-  const Fragment* any_fragment = nullptr;
-  const TriangleRecord* any_record = nullptr;
-  const Int is_record = group < 0;
-  std::uint32_t references[width];
-  store(references, group);
-  bool morphing = false;
-  for (int k = 0; k < width; ++k) {
-    TriangleNumber number;
-    if (Reference::is_record(references[k])) {
-      any_record = record[k] = &sources.record(references[k]);
-      number = record[k]->triangle;
-      s.v[k] = record[k]->v.data();
-    } else {
-      any_fragment = fragment[k] = &sources.fragment(references[k]);
-      number = fragment[k]->triangle;
-      s.v[k] = fragment[k]->v.data();
-    }
-    s.cell[k] = &job.drawn->cell_of(number);
-    morphing |= s.cell[k]->morphing;
-  }
-  s.morphing = morphing;
-  if (any_record) {
-    const auto of = [&](int k) -> const TriangleRecord& {
-      return Reference::is_record(references[k]) ? *record[k] : *any_record;
+class ShadingPlan {
+ public:
+  explicit ShadingPlan(const Frame& frame) {
+    const EffectSet called = frame.all_effects();
+    const auto add = [&](Effect effect, ShadingStep step) {
+      if (called.contains(effect)) steps_[count_++] = {effect, step};
     };
-    find_weights(job, of, x, y, s);
-    if (!any_fragment) return s;
+    add(Effect::smooth_normals, smooth_normals);
+    add(Effect::level_tint, level_tint);
+    add(Effect::head_light, head_light);
+    lit_ = count_;
+    add(Effect::fog, fog);
+    flat_ = needs_face_normals(frame);
+    ambient_ = frame.setting.lighting.ambient;
   }
-  const Quads q = load_quads([&](int k) {
-    const Fragment* f = Reference::is_record(references[k]) ? any_fragment : fragment[k];
-    return reinterpret_cast<const float*>(f) + 4;
-  });
-  const Float a = (1.0f - q.c) - q.d;
-  if (!any_record) {
-    s.weight[0] = a, s.weight[1] = q.c, s.weight[2] = q.d;
-  } else {
-    s.weight[0] = select(is_record, s.weight[0], a);
-    s.weight[1] = select(is_record, s.weight[1], q.c);
-    s.weight[2] = select(is_record, s.weight[2], q.d);
+
+  // Colour of the surfaces, each channel in [0, 1].
+  [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
+    s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.look.base_colour; });
+    s.light = all(0.0f);
+    if (flat_) face_normals(job, s, s.seen);
+    for (std::size_t k = 0; k < lit_; ++k) run(steps_[k], job, s);
+    s.colour = scaled(ambient_ + (1 - ambient_) * min(s.light, all(1.0f)), s.colour);
+    for (std::size_t k = lit_; k < count_; ++k) run(steps_[k], job, s);
+    return s.colour;
   }
-  return s;
-}
 
-// unpack_normal, lane by lane.
-[[gnu::always_inline]] inline Points unpacked(Int packed) {
-  const auto from_snorm16 = [](Int v) { return max(to_float(v) / 32767.0f, all(-1.0f)); };
-  const auto with_sign = [](Float v, Float sign) { return select(sign < 0.0f, -v, v); };
-  const Float u = from_snorm16((packed << 16) >> 16), v = from_snorm16(packed >> 16);
-  const Float z = 1.0f - abs(u) - abs(v);
-  const Int below = z < 0.0f;
-  const Float x = select(below, with_sign(1.0f - abs(v), u), u), y = select(below, with_sign(1.0f - abs(u), v), v);
-  const Float scale = 1.0f / sqrt(x * x + y * y + z * z);
-  return {scale * x, scale * y, scale * z};
-}
-
-// Normals of corner i, morphed as morph_vertex does.
-[[gnu::always_inline]] inline Points corner_normals(const Surface& s, std::size_t i) {
-  const auto packed = [](const PackedNormal& n) { return std::bit_cast<std::int32_t>(n); };
-  const Int own = gathered([&](int k) { return packed(s.cell[k]->normals[s.v[k][i]]); });
-  const Points n = unpacked(own);
-  if (!s.morphing) return n;
-  const auto coarser = [&](int k) {
-    const DrawnCell& cell = *s.cell[k];
-    return packed(cell.morphing ? cell.coarser_normals[cell.parents[s.v[k][i]]] : cell.normals[s.v[k][i]]);
+ private:
+  struct Step {
+    Effect effect{};
+    ShadingStep step = nullptr;
   };
-  const auto lambda = [&](int k) {
-    return std::bit_cast<std::int32_t>(s.cell[k]->morphing ? s.cell[k]->lambdas[s.v[k][i]] : 1.0f);
-  };
-  const Float l = as_float(gathered(lambda)), rest = 1.0f - l;
-  const Int is_own = l >= 1.0f;
-  if (bits(is_own) == all_lanes) return n;
-  const Points m = unpacked(gathered(coarser));
-  const Float x = l * n.x + rest * m.x, y = l * n.y + rest * m.y, z = l * n.z + rest * m.z;
-  const Float norm2 = x * x + y * y + z * z;
-  const Float scale = 1.0f / sqrt(norm2);
-  const Int is_coarser = ~is_own & ((l <= 0.0f) | ~(norm2 > 1e-12f));
-  const auto pick = [&](Float a, Float b, Float sum) { return select(is_own, a, select(is_coarser, b, scale * sum)); };
-  return {pick(n.x, m.x, x), pick(n.y, m.y, y), pick(n.z, m.z, z)};
-}
 
-[[gnu::always_inline]] inline Points interpolated_normals(const Surface& s) {
-  const Points a = corner_normals(s, 0), b = corner_normals(s, 1), c = corner_normals(s, 2);
-  const auto mix = [&](Float p, Float q, Float r) { return (s.weight[0] * p + s.weight[1] * q) + s.weight[2] * r; };
-  return {mix(a.x, b.x, c.x), mix(a.y, b.y, c.y), mix(a.z, b.z, c.z)};
-}
-
-// render/shading.h.
-inline Float brightness(const Points& n, Vec3f light) {
-  const Float norm2 = n.x * n.x + n.y * n.y + n.z * n.z;
-  const Float cosine = abs(n.x * light.x + n.y * light.y + n.z * light.z) / sqrt(max(norm2, all(shading::least_norm2)));
-  return shading::ambient + (1 - shading::ambient) * min(cosine, all(1.0f));
-}
-
-template <bool Tint>
-inline Points albedo(const Surface& s) {
-  if constexpr (!Tint) return {all(shading::albedo.x), all(shading::albedo.y), all(shading::albedo.z)};
-  Points p{};
-  for (int k = 0; k < width; ++k) {
-    const Vec3f tint = shading::albedo_of(s.cell[k]->level, true);
-    p.x[k] = tint.x, p.y[k] = tint.y, p.z[k] = tint.z;
+  static void run(const Step& step, const ResolveJob& job, Surface& s) {
+    const Int lanes = calling_for(s, step.effect);
+    const unsigned points = bits(lanes);
+    if (points == 0) return;
+    (*job.work)[static_cast<std::size_t>(step.effect)] += static_cast<unsigned>(std::popcount(points));
+    step.step(job, s, lanes);
   }
-  return p;
-}
 
-// Colour of the surfaces, each channel in [0, 1].
-template <bool Tint>
-inline Points shade(const ResolveJob& job, const Surface& s) {
-  const Float light = brightness(interpolated_normals(s), job.frame->light);
-  const Points colour = albedo<Tint>(s);
-  return {light * colour.x, light * colour.y, light * colour.z};
-}
+  // Lanes whose model calls for an effect.
+  static Int calling_for(const Surface& s, Effect effect) {
+    if (s.model) return s.model->effects.contains(effect) ? s.seen : all(0);
+    return s.seen & gathered([&](int k) { return s.cell[k]->model->effects.contains(effect) ? -1 : 0; });
+  }
+
+  // Some model is lit, and its normals are not all smooth.
+  static bool needs_face_normals(const Frame& frame) {
+    return std::ranges::any_of(frame.models, [](const ModelFrame& m) {
+      const bool lit = m.effects.contains_any({Effect::head_light, Effect::directional_light});
+      return lit && !(m.look.smooth && m.effects.contains(Effect::smooth_normals));
+    });
+  }
+
+  std::array<Step, effect_count> steps_{};
+  std::size_t count_ = 0, lit_ = 0;  // steps, and those before lights and albedo are brought together
+  bool flat_ = false;
+  float ambient_ = 0;
+};
 
 inline Int to_bytes(const Points& colour) {
   const auto byte = [](Float v) { return truncated(v * 255.0f + 0.5f); };
@@ -176,10 +98,11 @@ inline Int to_bytes(const Points& colour) {
 
 inline Int background() { return all(std::bit_cast<std::int32_t>(shading::background)); }
 
-template <int Samples, bool Tint>
+template <int Samples>
 struct GroupResolver {
   const ResolveJob& job;
   const TileBuffer<Samples>& tile;
+  const ShadingPlan& plan;
 
   // Colours as bytes of `width` pixels from (x, y) of the tile.
   Int operator()(int x, int y) const {
@@ -189,8 +112,9 @@ struct GroupResolver {
     if constexpr (Samples == 1) {
       const Int seen = load<Float>(&tile.depth[at]) < 1.0f;
       if (bits(seen) == 0) return background();
-      const Points colour = shade<Tint>(job, surface(at, 0, seen, px, py));
-      return select(seen, to_bytes(colour), background());
+      Surface s;
+      find(at, 0, seen, px, py, s);
+      return select(seen, to_bytes(plan.colour(job, s)), background());
     } else {
       return averaged(at, px, py);
     }
@@ -198,10 +122,12 @@ struct GroupResolver {
 
  private:
   // Of sample s, at (px, py). At least one lane is seen; the others repeat it.
-  [[gnu::always_inline]] Surface surface(std::size_t at, std::size_t s, Int seen, Int px, Int py) const {
+  [[gnu::always_inline]] void find(std::size_t at, std::size_t s, Int seen, Int px, Int py, Surface& surface) const {
     const std::uint32_t* references = &tile.reference[s * tile_pixels + at];
     const auto any = static_cast<std::int32_t>(references[std::countr_zero(bits(seen))]);
-    return find_surface(job, tile.sources, select(seen, load<Int>(references), all(any)), px, py);
+    surface.seen = seen;
+    surface.depth = load<Float>(&tile.depth[s * tile_pixels + at]);
+    find_surface(job, tile.sources, select(seen, load<Int>(references), all(any)), px, py, surface);
   }
 
   // Every triangle of a pixel is shaded once, at the centre where it covers all samples and at its first one elsewhere,
@@ -231,9 +157,10 @@ struct GroupResolver {
       if (covered == 0) continue;
       const Int whole = count == Samples;
       const SnappedPoint offset = sample_offsets<Samples>[s];
-      Surface seen_here = surface(at, s, first, px + (~whole & offset.x), py + (~whole & offset.y));
+      Surface seen_here;
+      find(at, s, first, px + (~whole & offset.x), py + (~whole & offset.y), seen_here);
       move_to_centre(at, bits(whole) & covered, seen_here);
-      const Points colour = shade<Tint>(job, seen_here);
+      const Points colour = plan.colour(job, seen_here);
       const Float weight = to_float(count) * part;
       const auto add = [&](Float& to, Float what) { to = select(first, to + weight * what, to); };
       add(sum.x, colour.x), add(sum.y, colour.y), add(sum.z, colour.z);
@@ -286,10 +213,11 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
   }
 }
 
-template <int Samples, bool Tint>
-void resolve_tile(const ResolveJob& job, const TileBuffer<Samples>& tile) {
+template <int Samples>
+void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const PixelRect& rect = job.rect;
-  const GroupResolver<Samples, Tint> resolve{job, tile};
+  const ShadingPlan plan(*job.frame);
+  const GroupResolver<Samples> resolve_group{job, tile, plan};
   const int columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
   for (int y = 0; y < rows; ++y) {
     if (y + 1 < rows) prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns));
@@ -299,18 +227,12 @@ void resolve_tile(const ResolveJob& job, const TileBuffer<Samples>& tile) {
                 static_cast<std::size_t>(columns) * sizeof(float));
     for (int x = 0; x < columns; x += width) {
       std::int32_t bytes[width];
-      store(bytes, resolve(x, y));
+      store(bytes, resolve_group(x, y));
       const int count = std::min(width, columns - x);
       std::memcpy(&job.image->rgba[4 * (pixel + static_cast<std::size_t>(x))], bytes,
                   static_cast<std::size_t>(count) * 4);
     }
   }
-}
-
-template <int Samples>
-void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
-  if (job.frame->tint_by_level) return resolve_tile<Samples, true>(job, tile);
-  resolve_tile<Samples, false>(job, tile);
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

@@ -50,7 +50,7 @@ class CellSetup {
   template <class Visit>
   void for_each_part(std::uint32_t triangle, const Visit& visit) const {
     const ClippedPolygon polygon =
-        clip(clip_corners(*context_.frame, cell_, triangles_[triangle].v), *context_.viewport);
+        clip(clip_corners(cell_.model->*context_.projection, cell_, triangles_[triangle].v), *context_.viewport);
     std::array<WindowVertex, 9> corners;
     for (std::size_t k = 0; k < polygon.view().size(); ++k) {
       if (!(polygon.corners[k].w > 0)) return;  // only a matrix that is no camera's

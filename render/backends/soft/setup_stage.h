@@ -9,9 +9,9 @@
 
 namespace lodestone::soft {
 
-// What all cells of a frame share.
+// What all cells of a pass share: the picture itself, or one from elsewhere.
 struct SetupContext {
-  const Frame* frame = nullptr;
+  ViewProjection ModelFrame::*projection = &ModelFrame::view_projection;
   const Viewport* viewport = nullptr;
   const TileGrid* grid = nullptr;
 };

@@ -1,0 +1,62 @@
+// Stages 1 and 2 for all cells of a pass: vertices to the window, triangles into the lists of tiles. The picture is one
+// pass; a shadow map, seen from the light, is another.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "parallel/scheduler.h"
+#include "render/backends/soft/kernels.h"
+#include "render/backends/soft/setup_stage.h"
+
+namespace lodestone::soft {
+
+// What of which models is drawn, and from where.
+struct GeometryPass {
+  std::vector<const ModelFrame*> models;
+  ViewProjection ModelFrame::*projection = &ModelFrame::view_projection;
+  const Selection* ModelFrame::*selection = &ModelFrame::selection;  // its visible cells
+  ImageSize size;
+};
+
+class GeometryStage {
+ public:
+  // One for each worker.
+  struct Workplace {
+    std::vector<WindowVertex> vertices;  // of the cell at hand
+    std::vector<DetailLimit> limits;     // near it
+    std::unique_ptr<SetupLists> lists = std::make_unique_for_overwrite<SetupLists>();
+    TileBins bins;
+  };
+
+  GeometryStage(Scheduler& scheduler, const Kernels& kernels)
+      : scheduler_(scheduler), kernels_(kernels), workers_(static_cast<std::size_t>(scheduler.workers())) {}
+
+  // Results stay until the next run; memory is kept for it.
+  void run(const GeometryPass& pass, int samples);
+
+  [[nodiscard]] DrawnCells drawn() const { return {cells_, cell_of_block_}; }
+  [[nodiscard]] std::span<const Workplace> workers() const { return workers_; }
+  [[nodiscard]] std::uint64_t triangles() const { return triangles_; }
+  [[nodiscard]] std::uint64_t morphing_vertices() const { return morphing_vertices_; }
+
+ private:
+  void gather(const GeometryPass& pass);
+  void add(const ModelFrame& model, const SelectedCell& selected);
+  void place_lambdas();
+  template <int Samples>
+  void process_cells(const GeometryPass& pass);
+  [[nodiscard]] VertexJob vertex_job(const SetupContext& context, const DrawnCell& drawn, Workplace& w) const;
+
+  Scheduler& scheduler_;
+  const Kernels& kernels_;
+  std::vector<Workplace> workers_;
+  std::vector<DrawnCell> cells_;
+  std::vector<std::uint32_t> cell_of_block_;  // DrawnCells
+  std::unique_ptr<float[]> lambdas_;          // of all cells that morph; only ever grows
+  std::size_t lambda_room_ = 0;
+  std::uint64_t triangles_ = 0, morphing_vertices_ = 0;
+};
+
+}  // namespace lodestone::soft

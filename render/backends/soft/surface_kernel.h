@@ -1,0 +1,185 @@
+// What the pixels of a group see, and how the stages of shading read the corners of it.
+//
+// A *surface* is a triangle for each pixel of the group and where on it, as weights of its corners. The stages of
+// shading (render/effects) fetch what they need of the corners themselves, for what is seen alone.
+#pragma once
+
+#include <cstddef>
+
+#include "render/backends/soft/clipped_weights.h"
+#include "render/backends/soft/kernels.h"
+#include "render/backends/soft/lanes.h"
+
+namespace lodestone::soft::LODESTONE_LANES {
+
+struct Surface {
+  const DrawnCell* cell[width];
+  const std::uint32_t* v[width];  // VertexIds
+  const ModelFrame* model;        // of all lanes, or null where they see several
+  bool morphing;                  // any of the cells
+  Int seen;                       // mask: the other lanes see nothing, and repeat one that does
+  Int x, y;                       // where, subpixels
+  Float weight[3];                // perspective-correct, sum 1
+  Float depth;                    // in the window, [0, 1]
+
+  // What the stages make of it.
+  Points normal;  // model space, of any length
+  Points colour;  // albedo, and in the end what the picture shows
+  Float light;    // sum of the lights that reach it
+};
+
+// A number of each lane's model.
+template <class Of>
+[[gnu::always_inline]] inline Float of_models(const Surface& s, const Of& of) {
+  if (s.model) return all(static_cast<float>(of(*s.model)));
+  Float values;
+  for (int k = 0; k < width; ++k) values[k] = of(*s.cell[k]->model);
+  return values;
+}
+template <class Of>
+[[gnu::always_inline]] inline Points vectors_of_models(const Surface& s, const Of& of) {
+  return {of_models(s, [&](const ModelFrame& m) { return of(m).x; }),
+          of_models(s, [&](const ModelFrame& m) { return of(m).y; }),
+          of_models(s, [&](const ModelFrame& m) { return of(m).z; })};
+}
+
+// Weights at (x, y), in subpixels, on the records of a group. Linear on the surface is linear in the window after
+// division by w: shares over w, in proportion. The share of a corner is the edge function of the opposite edge, exact
+// in double; their common factor does not matter.
+template <class RecordOf>
+[[gnu::always_inline]] inline void find_weights(const ResolveJob& job, const RecordOf& record, Int x, Int y,
+                                                Surface& s) {
+  static_assert(offsetof(TriangleRecord, z) == 24 && offsetof(TriangleRecord, inverse_w) == 36);
+  const auto quads = [&](int number) {
+    return load_quads([&](int k) { return reinterpret_cast<const float*>(&record(k)) + 4 * number; });
+  };
+  const Quads ab = quads(0), cz = quads(1), zw = quads(2);
+  const auto cross = [](Double ax, Double ay, Double bx, Double by) { return to_float(ax * by - ay * bx); };
+  const auto from_point = [](Float p, Int q) { return to_double(as_int(p) - q); };
+  const Double ax = from_point(ab.a, x), ay = from_point(ab.b, y), bx = from_point(ab.c, x), by = from_point(ab.d, y),
+               cx = from_point(cz.a, x), cy = from_point(cz.b, y);
+  const Float wa = cross(bx, by, cx, cy) * zw.b, wb = cross(cx, cy, ax, ay) * zw.c, wc = cross(ax, ay, bx, by) * zw.d;
+  const Float scale = 1.0f / ((wa + wb) + wc);
+  s.weight[0] = scale * wa, s.weight[1] = scale * wb, s.weight[2] = scale * wc;
+  for (unsigned clipped = bits(zw.b == 0.0f); clipped != 0; clipped &= clipped - 1) {
+    const int k = std::countr_zero(clipped);
+    const std::array<float, 3> w = clipped_weights(*s.cell[k], record(k).v, *job.viewport, {x[k], y[k]});
+    for (std::size_t i = 0; i < 3; ++i) s.weight[i][k] = w[i];
+  }
+}
+
+[[gnu::always_inline]] inline const ModelFrame* model_of_all(const ResolveJob& job, const Surface& s) {
+  const ModelFrame* first = s.cell[0]->model;
+  if (job.frame->models.size() == 1) return first;
+  for (int k = 1; k < width; ++k)
+    if (s.cell[k]->model != first) return nullptr;
+  return first;
+}
+
+// What the references stand for at (x, y), in subpixels. Fragments know where they are.
+[[gnu::always_inline]] inline void find_surface(const ResolveJob& job, const TileSources& sources, Int group, Int x,
+                                                Int y, Surface& s) {
+  static_assert(offsetof(Fragment, weight_b) == 24 && sizeof(Fragment) == 32);
+  s.x = x, s.y = y;
+  const Fragment* fragment[width]{};
+  const TriangleRecord* record[width]{};
+  const Fragment* any_fragment = nullptr;
+  const TriangleRecord* any_record = nullptr;
+  const Int is_record = group < 0;
+  std::uint32_t references[width];
+  store(references, group);
+  bool morphing = false;
+  for (int k = 0; k < width; ++k) {
+    TriangleNumber number;
+    if (Reference::is_record(references[k])) {
+      any_record = record[k] = &sources.record(references[k]);
+      number = record[k]->triangle;
+      s.v[k] = record[k]->v.data();
+    } else {
+      any_fragment = fragment[k] = &sources.fragment(references[k]);
+      number = fragment[k]->triangle;
+      s.v[k] = fragment[k]->v.data();
+    }
+    s.cell[k] = &job.drawn->cell_of(number);
+    morphing |= s.cell[k]->morphing;
+  }
+  s.morphing = morphing;
+  s.model = model_of_all(job, s);
+  if (any_record) {
+    const auto of = [&](int k) -> const TriangleRecord& {
+      return Reference::is_record(references[k]) ? *record[k] : *any_record;
+    };
+    find_weights(job, of, x, y, s);
+    if (!any_fragment) return;
+  }
+  const Quads q = load_quads([&](int k) {
+    const Fragment* f = Reference::is_record(references[k]) ? any_fragment : fragment[k];
+    return reinterpret_cast<const float*>(f) + 4;
+  });
+  const Float a = (1.0f - q.c) - q.d;
+  if (!any_record) {
+    s.weight[0] = a, s.weight[1] = q.c, s.weight[2] = q.d;
+  } else {
+    s.weight[0] = select(is_record, s.weight[0], a);
+    s.weight[1] = select(is_record, s.weight[1], q.c);
+    s.weight[2] = select(is_record, s.weight[2], q.d);
+  }
+}
+
+// Lambdas of corner i: 1 in cells that do not morph.
+[[gnu::always_inline]] inline Float corner_lambdas(const Surface& s, std::size_t i) {
+  return as_float(gathered([&](int k) {
+    return std::bit_cast<std::int32_t>(s.cell[k]->morphing ? s.cell[k]->lambdas[s.v[k][i]] : 1.0f);
+  }));
+}
+
+// Index of corner i in the coarser cell; only of cells that morph.
+[[gnu::always_inline]] inline std::uint32_t parent_of(const Surface& s, int k, std::size_t i) {
+  return s.cell[k]->parents[s.v[k][i]];
+}
+
+// A value of the surface from those of its corners.
+[[gnu::always_inline]] inline Float interpolated(const Surface& s, Float a, Float b, Float c) {
+  return (s.weight[0] * a + s.weight[1] * b) + s.weight[2] * c;
+}
+[[gnu::always_inline]] inline Points interpolated(const Surface& s, const Points& a, const Points& b, const Points& c) {
+  return {interpolated(s, a.x, b.x, c.x), interpolated(s, a.y, b.y, c.y), interpolated(s, a.z, b.z, c.z)};
+}
+
+// The drawn place of corner i, normalised model space: morph_position.
+[[gnu::always_inline]] inline Points corner_positions(const Surface& s, std::size_t i) {
+  Vec3f own[width], coarser[width];
+  for (int k = 0; k < width; ++k) {
+    own[k] = s.cell[k]->own->positions[s.v[k][i]];
+    coarser[k] = s.cell[k]->morphing ? s.cell[k]->coarser->positions[parent_of(s, k, i)] : own[k];
+  }
+  const Points w = load_points(own);
+  if (!s.morphing) return w;
+  const Float lambda = corner_lambdas(s, i), rest = 1.0f - lambda;
+  const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
+  const Points p = load_points(coarser);
+  const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
+  return {mix(w.x, p.x), mix(w.y, p.y), mix(w.z, p.z)};
+}
+
+// From the eye to the surface, in units of clip w. Depth is (z / w + 1) / 2 with z = (far + near) / (far - near) w -
+// 2 far near / (far - near).
+inline Float distances_from_eye(const ResolveJob& job, const Surface& s) {
+  const Lens& lens = job.frame->lens;
+  const Float w = lens.near * lens.far / (lens.far - s.depth * (lens.far - lens.near));
+  const Float at_x = (to_float(s.x) / job.viewport->half_width() - 1.0f) * lens.tan_x;
+  const Float at_y = (1.0f - to_float(s.y) / job.viewport->half_height()) * lens.tan_y;
+  return w * sqrt(1.0f + (at_x * at_x + at_y * at_y));
+}
+
+inline Points cross(const Points& a, const Points& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Points difference(const Points& a, const Points& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Float dot(const Points& a, const Points& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Points select(Int mask, const Points& yes, const Points& no) {
+  return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
+}
+inline Points scaled(Float factor, const Points& p) { return {factor * p.x, factor * p.y, factor * p.z}; }
+
+}  // namespace lodestone::soft::LODESTONE_LANES

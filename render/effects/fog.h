@@ -1,0 +1,51 @@
+// Fog: of what is d away from the eye a share exp(-density d) is seen, and of the fog's colour the rest. The background
+// keeps its colour.
+#pragma once
+
+#include "render/effects/effect_info.h"
+
+#ifdef LODESTONE_LANES
+#include "render/backends/soft/surface_kernel.h"
+#endif
+
+namespace lodestone::effects {
+
+inline constexpr EffectInfo fog{
+    .effect = Effect::fog,
+    .what = "what is far away fades",
+    .attributes = "",
+    .passes = "",
+    .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
+      return frame.setting.fog.density > 0 ? "the scene has fog" : "";
+    },
+    .glsl =
+        {
+            .fragment = R"(
+void fog(inout Surface s) {
+  if (!(frame.fog.w > 0.0)) return;
+  vec2 at = (2.0 * gl_FragCoord.xy / frame.size - 1.0) * frame.lens.xy;
+  float apart = sqrt(1.0 + dot(at, at)) / gl_FragCoord.w;
+  float share = exp(-frame.fog.w * apart);
+  s.colour = share * s.colour + (1.0 - share) * frame.fog.rgb;
+}
+)",
+        },
+};
+
+}  // namespace lodestone::effects
+
+#ifdef LODESTONE_LANES
+namespace lodestone::soft::LODESTONE_LANES {
+
+inline void fog(const ResolveJob& job, Surface& s, Int lanes) {
+  const Fog& fog = job.frame->setting.fog;
+  if (!(fog.density > 0)) return;
+  const Float apart = distances_from_eye(job, s);
+  Float share;
+  for (int k = 0; k < width; ++k) share[k] = std::exp(-fog.density * apart[k]);
+  const auto mix = [&](Float own, float other) { return select(lanes, share * own + (1.0f - share) * other, own); };
+  s.colour = {mix(s.colour.x, fog.colour.x), mix(s.colour.y, fog.colour.y), mix(s.colour.z, fog.colour.z)};
+}
+
+}  // namespace lodestone::soft::LODESTONE_LANES
+#endif

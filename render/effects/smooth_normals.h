@@ -1,0 +1,114 @@
+// Smooth normals: those of the corners, morphed as the corners are, interpolated over the triangle.
+#pragma once
+
+#include "render/effects/effect_info.h"
+
+#ifdef LODESTONE_LANES
+#include "render/backends/soft/surface_kernel.h"
+#endif
+
+namespace lodestone::effects {
+
+inline constexpr EffectInfo smooth_normals{
+    .effect = Effect::smooth_normals,
+    .what = "normals interpolated over each triangle",
+    .attributes = "normal",
+    .passes = "",
+    .called_for = [](const Frame& frame, const ModelFrame& m) -> std::string {
+      if (!m.look.smooth || !is_lit(frame.setting)) return {};
+      return "a light falls on a smooth surface";
+    },
+    .glsl =
+        {
+            // unpack_normal of core/hierarchy, morph_cell_normals of render/lod/morph.cpp
+            .vertex = R"(
+layout(location = 1) in ivec2 own_normal;
+layout(std430, binding = 1) readonly restrict buffer Normals { uint normals[]; };
+centroid out vec3 normal;  // with several samples a pixel, not outside the triangle
+
+float sign_not_zero(float v) { return v < 0.0 ? -1.0 : 1.0; }
+
+vec3 unpack_normal(ivec2 snorm) {
+  precise vec2 uv = max(vec2(snorm) / 32767.0, vec2(-1.0));
+  precise vec3 n = vec3(uv, 1.0 - abs(uv.x) - abs(uv.y));
+  if (n.z < 0.0)
+    n.xy = vec2((1.0 - abs(uv.y)) * sign_not_zero(uv.x), (1.0 - abs(uv.x)) * sign_not_zero(uv.y));
+  precise float size = sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+  precise vec3 unit = (1.0 / size) * n;
+  return unit;
+}
+
+vec3 morph_normal(float lambda, vec3 own, vec3 parent) {
+  if (lambda >= 1.0) return own;
+  precise vec3 sum = parent;
+  if (lambda > 0.0) sum = lambda * own + (1.0 - lambda) * parent;
+  precise float norm2 = sum.x * sum.x + sum.y * sum.y + sum.z * sum.z;
+  if (!(norm2 > 1e-12)) return parent;
+  precise vec3 unit = (1.0 / sqrt(norm2)) * sum;
+  return unit;
+}
+
+void smooth_normals() {
+  normal = unpack_normal(own_normal);
+  if (lambda < 1.0) {
+    ivec2 parent_normal = ivec2(int(normals[parent] << 16) >> 16, int(normals[parent]) >> 16);
+    normal = morph_normal(lambda, normal, unpack_normal(parent_normal));
+  }
+}
+)",
+            .fragment = R"(
+centroid in vec3 normal;
+void smooth_normals(inout Surface s) {
+  if (instance_flag(smooth_flag)) s.normal = normal;
+}
+)",
+        },
+};
+
+}  // namespace lodestone::effects
+
+#ifdef LODESTONE_LANES
+namespace lodestone::soft::LODESTONE_LANES {
+
+// unpack_normal, lane by lane.
+[[gnu::always_inline]] inline Points unpacked(Int packed) {
+  const auto from_snorm16 = [](Int v) { return max(to_float(v) / 32767.0f, all(-1.0f)); };
+  const auto with_sign = [](Float v, Float sign) { return select(sign < 0.0f, -v, v); };
+  const Float u = from_snorm16((packed << 16) >> 16), v = from_snorm16(packed >> 16);
+  const Float z = 1.0f - abs(u) - abs(v);
+  const Int below = z < 0.0f;
+  const Float x = select(below, with_sign(1.0f - abs(v), u), u), y = select(below, with_sign(1.0f - abs(u), v), v);
+  const Float scale = 1.0f / sqrt(x * x + y * y + z * z);
+  return {scale * x, scale * y, scale * z};
+}
+
+// Normals of corner i, morphed as morph_vertex does.
+[[gnu::always_inline]] inline Points corner_normals(const Surface& s, std::size_t i) {
+  const auto packed = [](const PackedNormal& n) { return std::bit_cast<std::int32_t>(n); };
+  const Int own = gathered([&](int k) { return packed(s.cell[k]->normals[s.v[k][i]]); });
+  const Points n = unpacked(own);
+  if (!s.morphing) return n;
+  const auto coarser = [&](int k) {
+    const DrawnCell& cell = *s.cell[k];
+    return packed(cell.morphing ? cell.coarser_normals[cell.parents[s.v[k][i]]] : cell.normals[s.v[k][i]]);
+  };
+  const Float l = corner_lambdas(s, i), rest = 1.0f - l;
+  const Int is_own = l >= 1.0f;
+  if (bits(is_own) == all_lanes) return n;
+  const Points m = unpacked(gathered(coarser));
+  const Float x = l * n.x + rest * m.x, y = l * n.y + rest * m.y, z = l * n.z + rest * m.z;
+  const Float norm2 = x * x + y * y + z * z;
+  const Float scale = 1.0f / sqrt(norm2);
+  const Int is_coarser = ~is_own & ((l <= 0.0f) | ~(norm2 > 1e-12f));
+  const auto pick = [&](Float a, Float b, Float sum) { return select(is_own, a, select(is_coarser, b, scale * sum)); };
+  return {pick(n.x, m.x, x), pick(n.y, m.y, y), pick(n.z, m.z, z)};
+}
+
+inline void smooth_normals(const ResolveJob&, Surface& s, Int lanes) {
+  const Points n = interpolated(s, corner_normals(s, 0), corner_normals(s, 1), corner_normals(s, 2));
+  const Int smooth = lanes & (of_models(s, [](const ModelFrame& m) { return m.look.smooth ? 1.0f : 0.0f; }) > 0.0f);
+  s.normal = bits(smooth) == all_lanes ? n : select(smooth, n, s.normal);
+}
+
+}  // namespace lodestone::soft::LODESTONE_LANES
+#endif
