@@ -22,8 +22,9 @@ inline constexpr Vec3f albedo{0.8f, 0.78f, 0.74f};
 // Squared length below which an interpolated normal counts as this long: opposite normals light like ambient only.
 inline constexpr float least_norm2 = 1e-12f;
 
-// What no triangle covers: opaque, as bytes.
-inline constexpr std::array<std::uint8_t, 4> background{24, 26, 30, 255};
+// What no triangle covers, unless a scene has another.
+inline constexpr Vec3f background{24.0f / 255, 26.0f / 255, 30.0f / 255};
+inline constexpr std::array<std::uint8_t, 4> background_bytes{24, 26, 30, 255};
 
 // By level with the effect level_tint, from the root on, repeating after the last. Neighbours differ in hue.
 inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},

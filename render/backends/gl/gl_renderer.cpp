@@ -124,7 +124,7 @@ class MultiDrawRenderer final : public GlRenderer {
     glBeginQuery(GL_TIME_ELAPSED, resources_->timer.name());
     set_state();
     resources_->target->bind();
-    resources_->target->clear();
+    resources_->target->clear(frame.setting.background);
     draw_commands();
     resources_->target->average();
     glEndQuery(GL_TIME_ELAPSED);

@@ -90,19 +90,20 @@ class ShadingPlan {
   float ambient_ = 0;
 };
 
+inline Points uniform(Vec3f v) { return {all(v.x), all(v.y), all(v.z)}; }
+
 inline Int to_bytes(const Points& colour) {
   const auto byte = [](Float v) { return truncated(v * 255.0f + 0.5f); };
   static_assert(std::endian::native == std::endian::little);
   return byte(colour.x) | byte(colour.y) << 8 | byte(colour.z) << 16 | static_cast<std::int32_t>(0xff00'0000u);
 }
 
-inline Int background() { return all(std::bit_cast<std::int32_t>(shading::background)); }
-
 template <int Samples>
 struct GroupResolver {
   const ResolveJob& job;
   const TileBuffer<Samples>& tile;
   const ShadingPlan& plan;
+  Int background;  // as bytes
 
   // Colours as bytes of `width` pixels from (x, y) of the tile.
   Int operator()(int x, int y) const {
@@ -111,10 +112,10 @@ struct GroupResolver {
               py = all((job.rect.y0 + y) * subpixels + subpixels / 2);
     if constexpr (Samples == 1) {
       const Int seen = load<Float>(&tile.depth[at]) < 1.0f;
-      if (bits(seen) == 0) return background();
+      if (bits(seen) == 0) return background;
       Surface s;
       find(at, 0, seen, px, py, s);
-      return select(seen, to_bytes(plan.colour(job, s)), background());
+      return select(seen, to_bytes(plan.colour(job, s)), background);
     } else {
       return averaged(at, px, py);
     }
@@ -140,12 +141,11 @@ struct GroupResolver {
       background_samples -= ~seen[s];
       number[s] = numbers(at, s, bits(seen[s]));
     }
-    if (bits(background_samples == Samples) == all_lanes) return background();
+    if (bits(background_samples == Samples) == all_lanes) return background;
     constexpr float part = 1.0f / Samples;
-    const auto& b = shading::background;
+    const Vec3f& b = job.frame->setting.background;
     const Float empty = to_float(background_samples) * part;
-    const auto channel = [&](std::size_t k) { return empty * (static_cast<float>(b[k]) / 255); };
-    Points sum{channel(0), channel(1), channel(2)};
+    Points sum{empty * b.x, empty * b.y, empty * b.z};
     for (std::size_t s = 0; s < Samples; ++s) {
       Int first = seen[s], count = all(0);
       for (std::size_t r = 0; r < Samples; ++r) {
@@ -217,7 +217,7 @@ template <int Samples>
 void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const PixelRect& rect = job.rect;
   const ShadingPlan plan(*job.frame);
-  const GroupResolver<Samples> resolve_group{job, tile, plan};
+  const GroupResolver<Samples> resolve_group{job, tile, plan, to_bytes(uniform(job.frame->setting.background))};
   const int columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
   for (int y = 0; y < rows; ++y) {
     if (y + 1 < rows) prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns));

@@ -128,9 +128,8 @@ template <class RecordOf>
 
 // Lambdas of corner i: 1 in cells that do not morph.
 [[gnu::always_inline]] inline Float corner_lambdas(const Surface& s, std::size_t i) {
-  return as_float(gathered([&](int k) {
-    return std::bit_cast<std::int32_t>(s.cell[k]->morphing ? s.cell[k]->lambdas[s.v[k][i]] : 1.0f);
-  }));
+  return as_float(gathered(
+      [&](int k) { return std::bit_cast<std::int32_t>(s.cell[k]->morphing ? s.cell[k]->lambdas[s.v[k][i]] : 1.0f); }));
 }
 
 // Index of corner i in the coarser cell; only of cells that morph.
