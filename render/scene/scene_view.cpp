@@ -107,7 +107,8 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
   const bool rests = camera_ && *camera_ == camera && config_ == config;
   if (rests && std::ranges::none_of(placed_, [](const Placed& p) { return p.open.resident != nullptr; })) return false;
   std::vector<PlacedBounds> bounds;
-  for (const Placed& placed : placed_) bounds.push_back({placed.in_picture, placed.open.hierarchy->cells.front().bounds});
+  for (const Placed& placed : placed_)
+    bounds.push_back({placed.in_picture, placed.open.hierarchy->cells.front().bounds});
   const View view(in_space(camera, origin_, unit_), bounds, config.size);  // may throw: nothing has changed yet
   camera_.reset();
   config_ = config;
@@ -122,7 +123,8 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
     model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
     model.view_projection = view.projection(placed.in_picture);
     model.towards_eye = view.towards_eye(placed.in_picture);
-    model.towards_light = to_float(placed.placement.rotated_back((1 / length(scene_.towards_light)) * scene_.towards_light));
+    model.towards_light =
+        to_float(placed.placement.rotated_back((1 / length(scene_.towards_light)) * scene_.towards_light));
     model.look = placed.look;
     if (placed.open.resident) {
       ResidentCells& resident = *placed.open.resident;
@@ -130,8 +132,8 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
       const Frustum frustum = frustum_of(model.view_projection);
       resident.update(placed.radii, model.morph.viewpoint, &frustum);
       model.morph.limits = resident.limits();
-      streamed = streamed || !resident.came().empty() || !resident.went().empty() ||
-                 !same_limits(before, resident.limits());
+      streamed =
+          streamed || !resident.came().empty() || !resident.went().empty() || !same_limits(before, resident.limits());
     }
   }
   camera_ = camera;

@@ -43,8 +43,8 @@ class SceneView {
   // Makes the frame of this camera. False when nothing has changed since the last call: then the frame is the same.
   bool look(const Camera& camera, const ViewConfig& config);
   [[nodiscard]] const Frame& frame() const { return frame_; }
-  // Of what is streamed: every model has all the detail that it asks for; bytes in memory; the rate of its limits, 0 for
-  // a model that is there as a whole.
+  // Of what is streamed: every model has all the detail that it asks for; bytes in memory; the rate of its limits, 0
+  // for a model that is there as a whole.
   [[nodiscard]] bool complete() const;
   [[nodiscard]] std::uint64_t resident_bytes() const;
   [[nodiscard]] float limit_rate(std::size_t model) const;
@@ -59,15 +59,15 @@ class SceneView {
   [[nodiscard]] const Similarity& placement(std::size_t model) const { return placed_[model].placement; }
   [[nodiscard]] const Radii& radii(std::size_t model) const { return placed_[model].radii; }
   [[nodiscard]] bool admissible() const;
-  [[nodiscard]] Sphere bounding_sphere() const;  // of all models
+  [[nodiscard]] Sphere bounding_sphere() const;        // of all models
   [[nodiscard]] double unit() const { return unit_; }  // scene lengths of one unit of clip w
 
  private:
   struct Placed {
     OpenModel open;
     std::uint32_t uploaded = 0;  // its number among those uploaded
-    Similarity placement;   // of normalised model space, in the scene
-    Similarity in_picture;  // the same in units of the picture, whose origin lies with the models
+    Similarity placement;        // of normalised model space, in the scene
+    Similarity in_picture;       // the same in units of the picture, whose origin lies with the models
     Look look;
     Radii radii;
     Selection selection, casters;
