@@ -4,17 +4,16 @@
 #include <cassert>
 
 #include "core/base/error.h"
+#include "render/look.h"
 
 namespace lodestone {
 namespace {
 
-// A model without colours of its own is plain; where it has some, they are shown as they are.
+// A model without colours of its own that are shown is plain; where it has some, they are shown as they are.
 Look look_of(const SceneModel& model, const Hierarchy& hierarchy) {
   Look look = model.look;
-  const bool coloured = (hierarchy.attributes.colours && look.vertex_colours) ||
-                        (look.textures && std::ranges::any_of(hierarchy.materials, [](const Material& m) {
-                           return m.texture != no_texture || m.base_colour != std::array<float, 4>{1, 1, 1, 1};
-                         }));
+  const bool coloured = (look.vertex_colours && hierarchy.attributes.colours) ||
+                        (look.textures && has_surface_colours(hierarchy));
   if (coloured) look.base_colour = {1, 1, 1};
   if (model.colour) look.base_colour = *model.colour;
   return look;

@@ -7,7 +7,9 @@
 
 #include "core/base/error.h"
 #include "render/effects/effect_info.h"
+#include "render/effects/texture_mapping.h"
 #include "render/shading.h"
+#include "render/textures/surface_textures.h"
 
 namespace lodestone {
 namespace {
@@ -221,6 +223,9 @@ struct EffectSource {
 };
 EffectSource effect_source(EffectSet effects) {
   EffectSource source;
+  if (effects.contains_any({Effect::texture, Effect::normal_map}))
+    source = {std::string(effects::mapping_vertex), "map_texture();\n  ", std::string(effects::mapping_fragment),
+              "map_texture();\n  ", ""};
   for (const EffectInfo& info : effect_infos()) {
     if (!effects.contains(info.effect)) continue;
     const std::string name = glsl_name(info.effect);
@@ -243,7 +248,10 @@ std::string frame_block_source() {
   for (const auto& [name, value] : {std::pair{"smooth_flag", smooth_flag},
                                     {"colours_flag", colours_flag},
                                     {"textures_flag", textures_flag},
-                                    {"normal_maps_flag", normal_maps_flag}})
+                                    {"normal_maps_flag", normal_maps_flag},
+                                    {"has_uv_flag", has_uv_flag},
+                                    {"has_materials_flag", has_materials_flag},
+                                    {"no_texture", no_texture}})
     flags += std::string("const uint ") + name + " = " + std::to_string(value) + "u;\n";
   return "#define LEVELS " + std::to_string(max_level + 1) + "\n" + frame_source + flags;
 }
@@ -290,11 +298,17 @@ GlVariant variant_of(const ModelFrame& model) {
   EffectSet effects{Effect::geomorph};
   for (const EffectInfo& info : effect_infos())
     if (!info.glsl.vertex.empty() || !info.glsl.fragment.empty()) effects.insert(info.effect);
+  effects = effects & model.effects;
+  // Neither do those that find nothing to show.
+  effects.set(Effect::vertex_colours, effects.contains(Effect::vertex_colours) && model.look.vertex_colours &&
+                                          model.morph.hierarchy->attributes.colours);
+  effects.set(Effect::texture, shows_textures(model));
+  effects.set(Effect::normal_map, shows_normal_maps(model));
   return {model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(),
-          model.effects.contains_any(lights) && !smooth, model.effects & effects};
+          model.effects.contains_any(lights) && !smooth, effects};
 }
 
-GlInstance instance_of(const ModelFrame& model) {
+GlInstance instance_of(const ModelFrame& model, std::uint32_t first_material) {
   GlInstance to;
   for (std::size_t i = 0; i < 16; ++i) {
     to.clip_rows[i / 4][i % 4] = model.view_projection.m[i];
@@ -312,6 +326,11 @@ GlInstance instance_of(const ModelFrame& model) {
   to.base_colour[3] = model.look.opacity;
   to.flags[0] = (model.look.smooth ? smooth_flag : 0) | (model.look.vertex_colours ? colours_flag : 0) |
                 (model.look.textures ? textures_flag : 0) | (model.look.normal_maps ? normal_maps_flag : 0);
+  const Hierarchy& hierarchy = *model.morph.hierarchy;
+  to.flags[0] |=
+      (hierarchy.attributes.uv ? has_uv_flag : 0) | (hierarchy.attributes.materials ? has_materials_flag : 0);
+  to.flags[1] = first_material;
+  to.flags[2] = hierarchy.materials.empty() ? 0 : 1;
   const Radii& radii = *model.morph.radii;
   for (std::size_t l = 0; l < radii.band_begin.size(); ++l) {
     to.levels[l].band_begin = radii.band_begin[l];

@@ -12,6 +12,10 @@
 #include "render/backends/soft/viewport.h"
 #include "render/lod/limits.h"
 
+namespace lodestone {
+class SurfaceTextures;
+}
+
 namespace lodestone::soft {
 
 // Stage 1: all vertices of a cell.
@@ -61,6 +65,7 @@ struct ResolveJob {
   PixelRect rect;
   Image* image = nullptr;
   WorkCounts* work = nullptr;
+  const SurfaceTextures* textures = nullptr;  // of the models
 };
 
 // For one number of samples a pixel.

@@ -14,7 +14,10 @@
 #include "render/effects/fog.h"
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
+#include "render/effects/normal_map.h"
 #include "render/effects/smooth_normals.h"
+#include "render/effects/texture.h"
+#include "render/effects/vertex_colours.h"
 #include "render/renderer.h"
 #include "render/shading.h"
 
@@ -37,6 +40,9 @@ class ShadingPlan {
       if (called.contains(effect)) steps_[count_++] = {effect, step};
     };
     add(Effect::smooth_normals, smooth_normals);
+    add(Effect::vertex_colours, vertex_colours);
+    add(Effect::texture, texture);
+    add(Effect::normal_map, normal_map);
     add(Effect::level_tint, level_tint);
     add(Effect::head_light, head_light);
     lit_ = count_;
@@ -49,6 +55,7 @@ class ShadingPlan {
   [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
     s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.look.base_colour; });
     s.light = all(0.0f);
+    s.is_mapped = false;
     if (flat_) face_normals(job, s, s.seen);
     for (std::size_t k = 0; k < lit_; ++k) run(steps_[k], job, s);
     s.colour = scaled(ambient_ + (1 - ambient_) * min(s.light, all(1.0f)), s.colour);

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
+#include "render/textures/surface_textures.h"
 
 namespace lodestone {
 namespace soft {
@@ -37,7 +38,10 @@ class SoftRenderer final : public Renderer {
 
   [[nodiscard]] std::string_view name() const override { return "soft"; }
   using Renderer::upload;
-  void upload(std::span<const Hierarchy* const> models) override { models_.assign(models.begin(), models.end()); }
+  void upload(std::span<const Hierarchy* const> models) override {
+    models_.assign(models.begin(), models.end());
+    textures_.set_models(models);
+  }
   [[nodiscard]] Image read_back() override { return image_; }
 
   FrameStats draw(const Frame& frame) override {
@@ -45,6 +49,8 @@ class SoftRenderer final : public Renderer {
     Stopwatch stage, total;
     FrameStats stats;
     resize(frame.size);
+    if (const std::size_t decoded = textures_.prepare(frame, scheduler_)) stats.work["decoded textures"] = decoded;
+    stats.warnings = textures_.take_warnings();
     geometry_.run(picture_pass(frame), frame.samples);
     stats.cells = geometry_.drawn().cells.size();
     stats.triangles = geometry_.triangles();
@@ -114,7 +120,7 @@ class SoftRenderer final : public Renderer {
           w.bins.triangles.for_each_run(k, [&](const TriangleRecord* first, const TriangleRecord* last) {
             kernels.draw_triangles(first, last, rect, tile);
           });
-        kernels.resolve({&frame, &viewport, &drawn, rect, &image_, &here.work}, tile);
+        kernels.resolve({&frame, &viewport, &drawn, rect, &image_, &here.work, &textures_}, tile);
       }
     });
   }
@@ -133,6 +139,7 @@ class SoftRenderer final : public Renderer {
   Scheduler& scheduler_;
   const Kernels& kernels_;
   std::vector<const Hierarchy*> models_;
+  SurfaceTextures textures_;
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
   Image image_;

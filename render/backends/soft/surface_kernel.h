@@ -12,6 +12,15 @@
 
 namespace lodestone::soft::LODESTONE_LANES {
 
+// Where the pixel lies on its textures (render/effects/texture_mapping.h).
+struct Mapping {
+  Float u, v;
+  Float u_x, v_x, u_y, v_y;  // differences to the next pixel to the right and downwards
+  Points normal;             // of the triangle, in the order of its corners, any length
+  Points along_u, along_v;   // gradients of u and v on it
+  Points away;               // along the line of sight, either way
+};
+
 struct Surface {
   const DrawnCell* cell[width];
   const std::uint32_t* v[width];  // VertexIds
@@ -23,9 +32,11 @@ struct Surface {
   Float depth;                    // in the window, [0, 1]
 
   // What the stages make of it.
-  Points normal;  // model space, of any length
-  Points colour;  // albedo, and in the end what the picture shows
-  Float light;    // sum of the lights that reach it
+  Points normal;    // model space, of any length
+  Points colour;    // albedo, and in the end what the picture shows
+  Float light;      // sum of the lights that reach it
+  Mapping mapping;  // once an effect has asked for it
+  bool is_mapped;
 };
 
 // A number of each lane's model.
