@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "render/effects/directional_light.h"
 #include "render/effects/fog.h"
 #include "render/effects/geomorph.h"
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
 #include "render/effects/smooth_normals.h"
+#include "render/effects/wireframe.h"
 
 namespace lodestone {
 
@@ -14,8 +16,8 @@ std::span<const EffectInfo, effect_count> effect_infos() {
   static const std::array<EffectInfo, effect_count> infos = [] {
     std::array<EffectInfo, effect_count> all{};
     for (std::size_t k = 0; k < effect_count; ++k) all[k].effect = static_cast<Effect>(k);
-    for (const EffectInfo& info :
-         {effects::geomorph, effects::smooth_normals, effects::level_tint, effects::head_light, effects::fog})
+    for (const EffectInfo& info : {effects::geomorph, effects::smooth_normals, effects::level_tint, effects::head_light,
+                                   effects::directional_light, effects::wireframe, effects::fog})
       all[static_cast<std::size_t>(info.effect)] = info;
     return all;
   }();

@@ -97,6 +97,8 @@ class SoftRenderer final : public Renderer {
 
   template <int Samples>
   void draw_tiles(const Frame& frame) {
+    eyes_.clear();
+    for (const ModelFrame& model : frame.models) eyes_.push_back(eye_of(model.view_projection));
     const Viewport viewport(frame.size);
     const TileGrid grid(frame.size);
     const DrawnCells drawn = geometry_.drawn();
@@ -114,7 +116,7 @@ class SoftRenderer final : public Renderer {
           w.bins.triangles.for_each_run(k, [&](const TriangleRecord* first, const TriangleRecord* last) {
             kernels.draw_triangles(first, last, rect, tile);
           });
-        kernels.resolve({&frame, &viewport, &drawn, rect, &image_, &here.work}, tile);
+        kernels.resolve({&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work}, tile);
       }
     });
   }
@@ -135,6 +137,7 @@ class SoftRenderer final : public Renderer {
   std::vector<const Hierarchy*> models_;
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
+  std::vector<Eye> eyes_;  // of the models of the frame
   Image image_;
 };
 
