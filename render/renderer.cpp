@@ -50,6 +50,8 @@ void check_frame(const Frame& frame, int largest_side) {
   check_not_negative("radius of ambient occlusion", setting.ambient_occlusion.radius);
   check_not_negative("strength of the head light", setting.lighting.head);
   check_not_negative("strength of the directional light", setting.lighting.directional.strength);
+  if (const int texels = setting.lighting.directional.shadow_texels; texels < 16 || texels > 8192)
+    throw InputError(describe("", "the frame", "a shadow map has 16 to 8192 texels a side"));
   check_not_negative("density of the fog", setting.fog.density);
 }
 

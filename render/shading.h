@@ -4,7 +4,8 @@
 //
 // the cosine of the head light being |n . l|, with n the normal interpolated perspective-correctly over the triangle
 // and normalised per pixel, l the unit vector towards the light. The absolute value lights both sides: open surfaces
-// have no wrong one. Colours go to bytes as round(255 colour), without a transfer curve.
+// have no wrong one. That of the directional light is max(0, n . l), with n turned to the side of the triangle that
+// faces the eye. Colours go to bytes as round(255 colour), without a transfer curve.
 #pragma once
 
 #include <array>
@@ -25,6 +26,10 @@ inline constexpr float least_norm2 = 1e-12f;
 // What no triangle covers, unless a scene has another.
 inline constexpr Vec3f background{24.0f / 255, 26.0f / 255, 30.0f / 255};
 inline constexpr std::array<std::uint8_t, 4> background_bytes{24, 26, 30, 255};
+
+// Edges of triangles with the effect wireframe: colour, and half their width in pixels.
+inline constexpr Vec3f wire_colour{0.05f, 0.06f, 0.08f};
+inline constexpr float wire_half_width = 0.75f;
 
 // By level with the effect level_tint, from the root on, repeating after the last. Neighbours differ in hue.
 inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/effects/directional_light.h"
 #include "render/effects/fog.h"
 #include "render/effects/geomorph.h"
 #include "render/effects/head_light.h"
@@ -10,6 +11,7 @@
 #include "render/effects/smooth_normals.h"
 #include "render/effects/texture.h"
 #include "render/effects/vertex_colours.h"
+#include "render/effects/wireframe.h"
 
 namespace lodestone {
 
@@ -19,7 +21,7 @@ std::span<const EffectInfo, effect_count> effect_infos() {
     for (std::size_t k = 0; k < effect_count; ++k) all[k].effect = static_cast<Effect>(k);
     for (const EffectInfo& info :
          {effects::geomorph, effects::smooth_normals, effects::vertex_colours, effects::texture, effects::normal_map,
-          effects::level_tint, effects::head_light, effects::fog})
+          effects::level_tint, effects::head_light, effects::directional_light, effects::wireframe, effects::fog})
       all[static_cast<std::size_t>(info.effect)] = info;
     return all;
   }();

@@ -15,9 +15,12 @@ namespace lodestone {
 
 // Parts of the programs of `gl`, empty where there is nothing to do. The declarations stand outside of main; `vertex`
 // is a function `void NAME()` and `fragment` a function `void NAME(inout Surface s)`, NAME as glsl_name() has it; they
-// are called in the order of the effects.
+// are called in the order of the effects. `geometry` is a function `void NAME()`, called for each corner of a triangle;
+// where an effect has one, what the vertex stage hands on goes through a geometry stage, which passes it on. For that,
+// and for it alone, declarations of what stages hand on stand on lines of their own: "flat out vec3 tint;".
 struct GlslCode {
   std::string_view vertex = {};
+  std::string_view geometry = {};
   std::string_view fragment = {};
 };
 

@@ -148,7 +148,9 @@ class MultiDrawRenderer final : public GlRenderer {
   [[nodiscard]] std::vector<Vec3f> capture(const Frame& frame) override {
     const CurrentContext current(*context_);
     FrameStats stats;
-    prepare(frame, stats);
+    Frame plain = frame;  // effects with a geometry stage do not change where vertices stand
+    for (ModelFrame& model : plain.models) model.effects.erase(Effect::wireframe);
+    prepare(plain, stats);
     std::vector<Vec3f> corners(static_cast<std::size_t>(3 * stats.triangles));
     if (corners.empty()) return corners;
 

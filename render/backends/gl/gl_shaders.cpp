@@ -6,8 +6,10 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "render/backends/gl/gl_varyings.h"
 #include "render/effects/effect_info.h"
 #include "render/effects/texture_mapping.h"
+#include "render/eye.h"
 #include "render/shading.h"
 #include "render/textures/surface_textures.h"
 
@@ -36,6 +38,7 @@ struct Instance {
   vec4 viewpoint;
   vec4 towards_eye;
   vec4 towards_light;
+  vec4 eye;
   vec4 base_colour;
   uvec4 flags;
   Level levels[LEVELS];
@@ -43,10 +46,13 @@ struct Instance {
 layout(std430, binding = 3) readonly restrict buffer Instances { Instance instances[]; };
 uint instance;  // whose vertex or pixel this is
 const float least_norm2 = 1e-12;
+const vec3 wire_colour = vec3(0.05, 0.06, 0.08);
+const float wire_half_width = 0.75;
 
 bool instance_flag(uint flag) { return (instances[instance].flags.x & flag) != 0u; }
 )";
-static_assert(shading::least_norm2 == 1e-12f);
+static_assert(shading::least_norm2 == 1e-12f && shading::wire_half_width == 0.75f &&
+              shading::wire_colour == Vec3f{0.05f, 0.06f, 0.08f});
 
 // distance_metric.h
 constexpr const char* euclidean_source = R"(
@@ -191,13 +197,14 @@ struct Surface {
   vec3 normal;  // model space, of any length
   vec3 colour;  // albedo, and in the end what the picture shows
   float light;  // sum of the lights that reach it
+  float directional;  // that of the directional light, in it
 };
 )";
 
 constexpr const char* fragment_main = R"(
 void main() {
   instance = drawn_instance;
-  Surface s = Surface(vec3(0.0, 0.0, 1.0), instances[instance].base_colour.rgb, 0.0);
+  Surface s = Surface(vec3(0.0, 0.0, 1.0), instances[instance].base_colour.rgb, 0.0, 0.0);
 #ifdef FACE_NORMALS
   s.normal = cross(dFdx(drawn_position), dFdy(drawn_position));
 #endif
@@ -219,7 +226,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
 
 // Code of the effects of a set, and their calls.
 struct EffectSource {
-  std::string vertex, vertex_calls, fragment, calls_before_light, calls_after_light;
+  std::string vertex, vertex_calls, geometry, geometry_calls, fragment, calls_before_light, calls_after_light;
 };
 EffectSource effect_source(EffectSet effects) {
   EffectSource source;
@@ -232,6 +239,10 @@ EffectSource effect_source(EffectSet effects) {
     if (!info.glsl.vertex.empty()) {
       source.vertex += info.glsl.vertex;
       source.vertex_calls += name + "();\n  ";
+    }
+    if (!info.glsl.geometry.empty()) {
+      source.geometry += info.glsl.geometry;
+      source.geometry_calls += "    " + name + "();\n";
     }
     if (!info.glsl.fragment.empty()) {
       source.fragment += info.glsl.fragment;
@@ -322,6 +333,9 @@ GlInstance instance_of(const ModelFrame& model, std::uint32_t first_material) {
   set(to.viewpoint, model.morph.viewpoint);
   set(to.towards_eye, model.towards_eye);
   set(to.towards_light, model.towards_light);
+  const Eye eye = eye_of(model.view_projection);
+  set(to.eye, eye.at);
+  to.eye[3] = eye.w;
   set(to.base_colour, model.look.base_colour);
   to.base_colour[3] = model.look.opacity;
   to.flags[0] = (model.look.smooth ? smooth_flag : 0) | (model.look.vertex_colours ? colours_flag : 0) |
@@ -362,12 +376,23 @@ GlProgram make_draw_program(GlVariant variant) {
   const std::string head = version_line + define(variant.limited, "LIMITED") +
                            define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
                            define(variant.face_normals, "FACE_NORMALS") + frame_block_source();
-  attach(program, GL_VERTEX_SHADER,
-         head + morph_source(variant) + vertex_head + source.vertex +
-             replaced(vertex_main, "EFFECTS", source.vertex_calls));
+  std::string vertex = vertex_head + source.vertex + replaced(vertex_main, "EFFECTS", source.vertex_calls);
   const std::string main = replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
                                     "EFFECTS_AFTER_LIGHT", source.calls_after_light);
-  attach(program, GL_FRAGMENT_SHADER, head + fragment_head + source.fragment + main);
+  std::string fragment = fragment_head + source.fragment + main;
+  if (!source.geometry.empty()) {
+    // Feedback would have to come from the geometry stage; nobody captures what these programs draw.
+    vertex = replaced(vertex, "layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) ", "");
+    const std::vector<GlVarying> from_vertices = varyings_of(vertex, "out"), own = varyings_of(source.geometry, "out");
+    std::vector<GlVarying> order = from_vertices;
+    order.insert(order.end(), own.begin(), own.end());
+    attach(program, GL_GEOMETRY_SHADER,
+           head + geometry_source(from_vertices, order, source.geometry, source.geometry_calls));
+    vertex = with_locations(vertex, "out", order);
+    fragment = with_locations(fragment, "in", order);
+  }
+  attach(program, GL_VERTEX_SHADER, head + morph_source(variant) + vertex);
+  attach(program, GL_FRAGMENT_SHADER, head + fragment);
   glLinkProgram(program.name());
   GLint linked = GL_FALSE;
   glGetProgramiv(program.name(), GL_LINK_STATUS, &linked);

@@ -68,6 +68,7 @@ struct GlInstance {
   float viewpoint[4] = {};
   float towards_eye[4] = {};
   float towards_light[4] = {};
+  float eye[4] = {};            // render/eye.h
   float base_colour[4] = {};    // w: opacity
   std::uint32_t flags[4] = {};  // flags, first entry of the model's materials, the one after it if there is any
   std::array<GlLevel, max_level + 1> levels{};
@@ -88,8 +89,8 @@ struct GlFrameUniforms {
 [[nodiscard]] GlFrameUniforms uniforms_of(const Frame& frame);
 
 // Draws triangles; every vertex also gives its morphed position to transform feedback buffer 0, so that what a test
-// captures comes from the program that draws. Throws UnsupportedError with the compiler's log when the driver refuses
-// it.
+// captures comes from the program that draws (not in programs with a geometry stage). Throws UnsupportedError with the
+// compiler's log when the driver refuses it.
 [[nodiscard]] GlProgram make_draw_program(GlVariant variant);
 
 }  // namespace lodestone

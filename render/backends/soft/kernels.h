@@ -10,6 +10,7 @@
 #include "render/backends/soft/soft_renderer.h"
 #include "render/backends/soft/tile_buffer.h"
 #include "render/backends/soft/viewport.h"
+#include "render/eye.h"
 #include "render/lod/limits.h"
 
 namespace lodestone {
@@ -62,6 +63,7 @@ struct ResolveJob {
   const Frame* frame = nullptr;
   const Viewport* viewport = nullptr;
   const DrawnCells* drawn = nullptr;
+  const Eye* eyes = nullptr;  // of the models of the frame
   PixelRect rect;
   Image* image = nullptr;
   WorkCounts* work = nullptr;

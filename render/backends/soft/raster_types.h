@@ -102,7 +102,7 @@ struct alignas(32) Fragment {
 // clipping has left corners are those of the part, vertices those of the whole, and inverse_w is 0.
 struct alignas(64) TriangleRecord {
   std::array<SnappedPoint, 3> corners;
-  std::array<float, 3> z, inverse_w;
+  std::array<float, 3> z{}, inverse_w{};
   VertexIds v{};
   TriangleNumber triangle = 0;
 };

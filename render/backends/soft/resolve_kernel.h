@@ -11,6 +11,7 @@
 #include "core/base/prefetch.h"
 #include "render/backends/soft/lanes.h"
 #include "render/backends/soft/surface_kernel.h"
+#include "render/effects/directional_light.h"
 #include "render/effects/fog.h"
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
@@ -18,6 +19,7 @@
 #include "render/effects/smooth_normals.h"
 #include "render/effects/texture.h"
 #include "render/effects/vertex_colours.h"
+#include "render/effects/wireframe.h"
 #include "render/renderer.h"
 #include "render/shading.h"
 
@@ -28,8 +30,7 @@ using ShadingStep = void (*)(const ResolveJob& job, Surface& s, Int lanes);
 
 // One normal for the whole triangle, for surfaces without smooth ones.
 inline void face_normals(const ResolveJob&, Surface& s, Int) {
-  const Points a = corner_positions(s, 0);
-  s.normal = cross(difference(corner_positions(s, 1), a), difference(corner_positions(s, 2), a));
+  s.normal = cross(difference(s.corner[1], s.corner[0]), difference(s.corner[2], s.corner[0]));
 }
 
 class ShadingPlan {
@@ -45,9 +46,12 @@ class ShadingPlan {
     add(Effect::normal_map, normal_map);
     add(Effect::level_tint, level_tint);
     add(Effect::head_light, head_light);
+    add(Effect::directional_light, directional_light);
     lit_ = count_;
+    add(Effect::wireframe, wireframe);
     add(Effect::fog, fog);
     flat_ = needs_face_normals(frame);
+    corners_ = flat_ || called.contains_any({Effect::directional_light, Effect::wireframe});
     ambient_ = frame.setting.lighting.ambient;
   }
 
@@ -56,6 +60,8 @@ class ShadingPlan {
     s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.look.base_colour; });
     s.light = all(0.0f);
     s.is_mapped = false;
+    if (corners_)
+      for (std::size_t i = 0; i < 3; ++i) s.corner[i] = corner_positions(s, i);
     if (flat_) face_normals(job, s, s.seen);
     for (std::size_t k = 0; k < lit_; ++k) run(steps_[k], job, s);
     s.colour = scaled(ambient_ + (1 - ambient_) * min(s.light, all(1.0f)), s.colour);
@@ -93,7 +99,7 @@ class ShadingPlan {
 
   std::array<Step, effect_count> steps_{};
   std::size_t count_ = 0, lit_ = 0;  // steps, and those before lights and albedo are brought together
-  bool flat_ = false;
+  bool flat_ = false, corners_ = false;
   float ambient_ = 0;
 };
 

@@ -103,6 +103,8 @@ class SoftRenderer final : public Renderer {
 
   template <int Samples>
   void draw_tiles(const Frame& frame) {
+    eyes_.clear();
+    for (const ModelFrame& model : frame.models) eyes_.push_back(eye_of(model.view_projection));
     const Viewport viewport(frame.size);
     const TileGrid grid(frame.size);
     const DrawnCells drawn = geometry_.drawn();
@@ -120,7 +122,7 @@ class SoftRenderer final : public Renderer {
           w.bins.triangles.for_each_run(k, [&](const TriangleRecord* first, const TriangleRecord* last) {
             kernels.draw_triangles(first, last, rect, tile);
           });
-        kernels.resolve({&frame, &viewport, &drawn, rect, &image_, &here.work, &textures_}, tile);
+        kernels.resolve({&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, &textures_}, tile);
       }
     });
   }
@@ -142,6 +144,7 @@ class SoftRenderer final : public Renderer {
   SurfaceTextures textures_;
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
+  std::vector<Eye> eyes_;  // of the models of the frame
   Image image_;
 };
 

@@ -31,11 +31,14 @@ struct Surface {
   Float weight[3];                // perspective-correct, sum 1
   Float depth;                    // in the window, [0, 1]
 
+  Points corner[3];  // drawn places of the corners, model space; only for frames that ask for them
+
   // What the stages make of it.
-  Points normal;    // model space, of any length
-  Points colour;    // albedo, and in the end what the picture shows
-  Float light;      // sum of the lights that reach it
-  Mapping mapping;  // once an effect has asked for it
+  Points normal;      // model space, of any length
+  Points colour;      // albedo, and in the end what the picture shows
+  Float light;        // sum of the lights that reach it
+  Float directional;  // that of the directional light, in it
+  Mapping mapping;    // once an effect has asked for it
   bool is_mapped;
 };
 
@@ -54,12 +57,12 @@ template <class Of>
           of_models(s, [&](const ModelFrame& m) { return of(m).z; })};
 }
 
-// Weights at (x, y), in subpixels, on the records of a group. Linear on the surface is linear in the window after
-// division by w: shares over w, in proportion. The share of a corner is the edge function of the opposite edge, exact
-// in double; their common factor does not matter.
+// Weights at (x, y), in subpixels, on the records of a group, in the lanes of `valid`. Linear on the surface is linear
+// in the window after division by w: shares over w, in proportion. The share of a corner is the edge function of the
+// opposite edge, exact in double; their common factor does not matter.
 template <class RecordOf>
-[[gnu::always_inline]] inline void find_weights(const ResolveJob& job, const RecordOf& record, Int x, Int y,
-                                                Surface& s) {
+[[gnu::always_inline]] inline void find_weights(const ResolveJob& job, const RecordOf& record, unsigned valid, Int x,
+                                                Int y, Surface& s) {
   static_assert(offsetof(TriangleRecord, z) == 24 && offsetof(TriangleRecord, inverse_w) == 36);
   const auto quads = [&](int number) {
     return load_quads([&](int k) { return reinterpret_cast<const float*>(&record(k)) + 4 * number; });
@@ -72,7 +75,7 @@ template <class RecordOf>
   const Float wa = cross(bx, by, cx, cy) * zw.b, wb = cross(cx, cy, ax, ay) * zw.c, wc = cross(ax, ay, bx, by) * zw.d;
   const Float scale = 1.0f / ((wa + wb) + wc);
   s.weight[0] = scale * wa, s.weight[1] = scale * wb, s.weight[2] = scale * wc;
-  for (unsigned clipped = bits(zw.b == 0.0f); clipped != 0; clipped &= clipped - 1) {
+  for (unsigned clipped = bits(zw.b == 0.0f) & valid; clipped != 0; clipped &= clipped - 1) {
     const int k = std::countr_zero(clipped);
     const std::array<float, 3> w = clipped_weights(*s.cell[k], record(k).v, *job.viewport, {x[k], y[k]});
     for (std::size_t i = 0; i < 3; ++i) s.weight[i][k] = w[i];
@@ -120,7 +123,7 @@ template <class RecordOf>
     const auto of = [&](int k) -> const TriangleRecord& {
       return Reference::is_record(references[k]) ? *record[k] : *any_record;
     };
-    find_weights(job, of, x, y, s);
+    find_weights(job, of, bits(is_record), x, y, s);
     if (!any_fragment) return;
   }
   const Quads q = load_quads([&](int k) {

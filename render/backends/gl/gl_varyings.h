@@ -1,0 +1,31 @@
+// What stages of a program hand on to each other, as the text of the effects declares it, and a geometry stage between
+// them that passes it on.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lodestone {
+
+// "flat out vec3 tint;"
+struct GlVarying {
+  std::string qualifiers;  // "flat "
+  std::string type, name;
+  friend bool operator==(const GlVarying&, const GlVarying&) = default;
+};
+
+// Those that lines of the source declare; `direction` is "in" or "out". Lines that begin with a layout are none.
+[[nodiscard]] std::vector<GlVarying> varyings_of(std::string_view source, std::string_view direction);
+
+// The source with locations for its varyings: the place in `order`, by name. Varyings of other names stay as they are.
+[[nodiscard]] std::string with_locations(std::string_view source, std::string_view direction,
+                                         const std::vector<GlVarying>& order);
+
+// A geometry stage that hands on what the vertex stage declares, and has code of its own: `declarations` with its own
+// varyings, `calls` for every corner.
+[[nodiscard]] std::string geometry_source(const std::vector<GlVarying>& from_vertices,
+                                          const std::vector<GlVarying>& order, std::string_view declarations,
+                                          std::string_view calls);
+
+}  // namespace lodestone
