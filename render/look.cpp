@@ -12,9 +12,8 @@ bool has_surface_colours(const Hierarchy& hierarchy) {
 }
 
 bool has_normal_maps(const Hierarchy& hierarchy) {
-  return hierarchy.attributes.uv && std::ranges::any_of(hierarchy.materials, [](const Material& m) {
-           return m.normal_map != no_texture;
-         });
+  return hierarchy.attributes.uv &&
+         std::ranges::any_of(hierarchy.materials, [](const Material& m) { return m.normal_map != no_texture; });
 }
 
 Look look_of(const Hierarchy& hierarchy) {

@@ -3,8 +3,8 @@
 // An object-space map holds them as they are, in the axes of the model. A tangent-space map holds them in the frame of
 // the surface: z is its normal, x the direction in which u grows, made perpendicular to the normal, y right-angled to
 // both, on the side where v falls (images are stored from the top: what is up in them is there). Directions of u and v
-// are those of the triangle as it is drawn, the same for every pixel of it: no tangents are stored (schueler2006). Where
-// a surface is flat-shaded, its normal is the one towards the eye.
+// are those of the triangle as it is drawn, the same for every pixel of it: no tangents are stored (schueler2006).
+// Where a surface is flat-shaded, its normal is the one towards the eye.
 #pragma once
 
 #include "render/effects/texture_mapping.h"
@@ -72,7 +72,8 @@ inline void normal_map(const ResolveJob& job, Surface& s, Int lanes) {
   Materials material;
   find_materials(job, s, material);
   const SurfaceTexture* of_lane[width];
-  lanes &= find_textures(job, [&](int k) { return material[k]->normal_map; }, bits(lanes), of_lane);
+  lanes &= find_textures(
+      job, [&](int k) { return material[k]->normal_map; }, bits(lanes), of_lane);
   if (bits(lanes) == 0) return;
   const Mapping& m = mapping_of(job, s);
   const Points texel = texels(of_lane, m);

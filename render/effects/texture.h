@@ -47,8 +47,8 @@ inline void texture(const ResolveJob& job, Surface& s, Int lanes) {
   };
   times(lanes, {base(&Vec3f::x), base(&Vec3f::y), base(&Vec3f::z)});
   const SurfaceTexture* of_lane[width];
-  const Int textured =
-      lanes & find_textures(job, [&](int k) { return material[k]->texture; }, bits(lanes), of_lane);
+  const Int textured = lanes & find_textures(
+                                   job, [&](int k) { return material[k]->texture; }, bits(lanes), of_lane);
   if (bits(textured) == 0) return;
   times(textured, scaled(all(1.0f / 255), texels(of_lane, mapping_of(job, s))));
 }

@@ -120,7 +120,7 @@ struct Coordinates {
     own[k] = uv.empty() ? Vec2f{} : uv[s.v[k][i]];
     coarser[k] = s.cell[k]->morphing && !uv.empty() ? s.cell[k]->coarser->attributes.uv[parent_of(s, k, i)] : own[k];
   }
-  const auto lanes = [](const Vec2f (&from)[width], float Vec2f::*component) {
+  const auto lanes = [](const Vec2f(&from)[width], float Vec2f::*component) {
     return as_float(gathered([&](int k) { return std::bit_cast<std::int32_t>(from[k].*component); }));
   };
   const Coordinates w{lanes(own, &Vec2f::x), lanes(own, &Vec2f::y)};
@@ -159,7 +159,8 @@ inline Mapping find_mapping(const ResolveJob& job, const Surface& s) {
   const Float at_x = to_float(s.x) / job.viewport->half_width() - 1.0f,
               at_y = 1.0f - to_float(s.y) / job.viewport->half_height();
   const Points row_x = difference(row_0, scaled(at_x, row_w)), row_y = difference(row_1, scaled(at_y, row_w));
-  const Points here{a.x + s.weight[1] * to_b.x + s.weight[2] * to_c.x, a.y + s.weight[1] * to_b.y + s.weight[2] * to_c.y,
+  const Points here{a.x + s.weight[1] * to_b.x + s.weight[2] * to_c.x,
+                    a.y + s.weight[1] * to_b.y + s.weight[2] * to_c.y,
                     a.z + s.weight[1] * to_b.z + s.weight[2] * to_c.z};
   const Float w = dot(row_w, here) + of_models(s, [](const ModelFrame& f) { return f.view_projection.m[15]; });
   m.away = cross(row_x, row_y);
@@ -194,7 +195,8 @@ inline Float wrapped(Float t, Int mode) {
 // Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border: neighbours are always there.
 [[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], Float u, Float v) {
   const Float x = u * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.width); })) + 0.5f,
-              y = v * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.height); })) + 0.5f;
+              y = v * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.height); })) +
+                  0.5f;
   const Int column = truncated(x), row = truncated(y);
   std::uint64_t above[width], below[width];
   for (int k = 0; k < width; ++k) {
@@ -203,7 +205,7 @@ inline Float wrapped(Float t, Int mode) {
     std::memcpy(&above[k], at, sizeof above[k]);
     std::memcpy(&below[k], at + stride, sizeof below[k]);
   }
-  const auto half = [](const std::uint64_t (&pairs)[width], int shift) {
+  const auto half = [](const std::uint64_t(&pairs)[width], int shift) {
     return gathered([&](int k) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(pairs[k] >> shift)); });
   };
   const Int a = half(above, 0), b = half(above, 32), c = half(below, 0), d = half(below, 32);
@@ -246,14 +248,14 @@ inline Points texels(const SurfaceTexture* const (&texture)[width], const Mappin
   const auto number = [&](const auto& of) {
     return gathered([&](int k) { return static_cast<std::int32_t>(of(*texture[k])); });
   };
-  const Float across = to_float(number([](const SurfaceTexture& t) { return t.levels.front().size.width; })),
-              down = to_float(number([](const SurfaceTexture& t) { return t.levels.front().size.height; }));
+  const Float across = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.width; })),
+              down = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.height; }));
   const auto square = [](Float x, Float y) { return x * x + y * y; };
   const Float extent2 = max(max(square(m.u_x * across, m.v_x * down), square(m.u_y * across, m.v_y * down)), all(1.0f));
   Float lod = to_float(as_int(extent2) - 0x3f80'0000) * (0.5f / 8388608);
   lod = min(lod, to_float(number([](const SurfaceTexture& t) { return t.levels.size() - 1; })));
-  const Float u = wrapped(m.u, number([](const SurfaceTexture& t) { return t.wrap_u; })),
-              v = wrapped(m.v, number([](const SurfaceTexture& t) { return t.wrap_v; }));
+  const Float u = wrapped(m.u, number([](const SurfaceTexture&t) { return t.wrap_u; })),
+              v = wrapped(m.v, number([](const SurfaceTexture&t) { return t.wrap_v; }));
   const Int finer = truncated(lod);
   const Float share = lod - to_float(finer);
   const MipLevel* level[width];

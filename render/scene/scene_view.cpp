@@ -12,8 +12,8 @@ namespace {
 // A model without colours of its own that are shown is plain; where it has some, they are shown as they are.
 Look look_of(const SceneModel& model, const Hierarchy& hierarchy) {
   Look look = model.look;
-  const bool coloured = (look.vertex_colours && hierarchy.attributes.colours) ||
-                        (look.textures && has_surface_colours(hierarchy));
+  const bool coloured =
+      (look.vertex_colours && hierarchy.attributes.colours) || (look.textures && has_surface_colours(hierarchy));
   if (coloured) look.base_colour = {1, 1, 1};
   if (model.colour) look.base_colour = *model.colour;
   return look;

@@ -31,8 +31,8 @@ struct MipLevel {
 // Where texel i is found among n, i any number.
 [[nodiscard]] std::uint32_t wrapped(std::int64_t i, std::uint32_t n, TextureWrap wrap);
 
-// Which space a normal map is in. The formats do not say, but its texels do: normals of a tangent-space map point out of
-// the surface, blue at least 128, those of an object-space map of a solid object everywhere. True where more than a
+// Which space a normal map is in. The formats do not say, but its texels do: normals of a tangent-space map point out
+// of the surface, blue at least 128, those of an object-space map of a solid object everywhere. True where more than a
 // sixteenth of the texels that are unit vectors points inwards.
 [[nodiscard]] bool is_object_space(const PixelImage& normal_map);
 

@@ -165,7 +165,8 @@ bool shows_textures(const ModelFrame& model) {
 }
 
 bool shows_normal_maps(const ModelFrame& model) {
-  return model.effects.contains(Effect::normal_map) && model.look.normal_maps && has_normal_maps(*model.morph.hierarchy);
+  return model.effects.contains(Effect::normal_map) && model.look.normal_maps &&
+         has_normal_maps(*model.morph.hierarchy);
 }
 
 }  // namespace lodestone

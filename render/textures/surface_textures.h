@@ -19,8 +19,8 @@
 namespace lodestone {
 
 struct TextureLimits {
-  std::uint32_t side = 8192;              // longest side of a texture, texels
-  std::uint64_t bytes = 512ull << 20;     // of all textures together, mip levels included
+  std::uint32_t side = 8192;           // longest side of a texture, texels
+  std::uint64_t bytes = 512ull << 20;  // of all textures together, mip levels included
 };
 
 struct SurfaceTexture {
@@ -30,7 +30,7 @@ struct SurfaceTexture {
 };
 
 struct SurfaceMaterial {
-  Vec3f base_colour{1, 1, 1};  // as the picture has it: in the sRGB encoding
+  Vec3f base_colour{1, 1, 1};                                   // as the picture has it: in the sRGB encoding
   std::uint32_t texture = no_texture, normal_map = no_texture;  // of SurfaceTextures
 };
 

@@ -146,7 +146,9 @@ inline EffectScene still_life(const std::string& name) {
   red.base_colour = {0.85f, 0.4f, 0.35f};
   green.base_colour = {0.45f, 0.75f, 0.45f};
   green.smooth = false;
-  scene.models = {{terrain, {-1, -1, -0.35}, 2, grey}, {torus, {-0.55, -0.5, 0.15}, 0.8, red}, {sphere, {0.1, 0.0, 0.0}, 0.6, green}};
+  scene.models = {{terrain, {-1, -1, -0.35}, 2, grey},
+                  {torus, {-0.55, -0.5, 0.15}, 0.8, red},
+                  {sphere, {0.1, 0.0, 0.0}, 0.6, green}};
   scene.eye = {0.9, -2.2, 1.3};
   scene.target = {0, 0, 0.1};
   scene.setting.lighting.head = 0.3f;

@@ -230,9 +230,11 @@ struct EffectSource {
 };
 EffectSource effect_source(EffectSet effects) {
   EffectSource source;
-  if (effects.contains_any({Effect::texture, Effect::normal_map}))
-    source = {std::string(effects::mapping_vertex), "map_texture();\n  ", std::string(effects::mapping_fragment),
-              "map_texture();\n  ", ""};
+  if (effects.contains_any({Effect::texture, Effect::normal_map})) {
+    source.vertex = effects::mapping_vertex;
+    source.fragment = effects::mapping_fragment;
+    source.vertex_calls = source.calls_before_light = "map_texture();\n  ";
+  }
   for (const EffectInfo& info : effect_infos()) {
     if (!effects.contains(info.effect)) continue;
     const std::string name = glsl_name(info.effect);

@@ -9,7 +9,8 @@ namespace lodestone {
 namespace {
 
 void set_filter(GLuint pages) {
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(pages, filter, GL_LINEAR);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(pages, filter, GL_LINEAR);
   for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTextureParameteri(pages, wrap, GL_CLAMP_TO_EDGE);
 }
 
@@ -55,10 +56,10 @@ void GlTextures::place(std::uint32_t texture) {
   for (const MipLevel& level : textures_.textures()[texture].levels) {
     const PagePlace at = packer_.add({level.stride(), level.rows()});
     places_.push_back(at);
-    levels_.push_back({{static_cast<float>(at.x + 1), static_cast<float>(at.y + 1),
-                        static_cast<float>(level.size.width), static_cast<float>(level.size.height)},
-                       {static_cast<float>(at.page), 1 / static_cast<float>(page.width),
-                        1 / static_cast<float>(page.height), 0}});
+    levels_.push_back(
+        {{static_cast<float>(at.x + 1), static_cast<float>(at.y + 1), static_cast<float>(level.size.width),
+          static_cast<float>(level.size.height)},
+         {static_cast<float>(at.page), 1 / static_cast<float>(page.width), 1 / static_cast<float>(page.height), 0}});
   }
 }
 
@@ -99,8 +100,7 @@ GlTextures::Map GlTextures::map_of(std::uint32_t texture) const {
   if (texture == no_texture || first_levels_[texture] == no_texture) return {};
   const SurfaceTexture& t = textures_.textures()[texture];
   return {first_levels_[texture], static_cast<std::uint32_t>(t.levels.size() - 1),
-          static_cast<std::uint32_t>(t.wrap_u) | static_cast<std::uint32_t>(t.wrap_v) << 2,
-          t.object_space ? 1u : 0u};
+          static_cast<std::uint32_t>(t.wrap_u) | static_cast<std::uint32_t>(t.wrap_v) << 2, t.object_space ? 1u : 0u};
 }
 
 void GlTextures::send_tables() {

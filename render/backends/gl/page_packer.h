@@ -1,4 +1,5 @@
-// Places of rectangles on pages of one size: shelf by shelf, each as high as the first rectangle on it. Knows no OpenGL.
+// Places of rectangles on pages of one size: shelf by shelf, each as high as the first rectangle on it. Knows no
+// OpenGL.
 #pragma once
 
 #include <cassert>
@@ -49,8 +50,8 @@ class PagePacker {
   std::vector<std::uint32_t> used_;  // height of the shelves, by page
 };
 
-// So large that any texture up to this size has room on one page with all its levels, the second in size and those after
-// it in a row below the first: nine tenths of it are used then.
+// So large that any texture up to this size has room on one page with all its levels, the second in size and those
+// after it in a row below the first: nine tenths of it are used then.
 [[nodiscard]] constexpr PixelSize page_for(PixelSize largest) {
   constexpr std::uint32_t borders = 2 * 16;  // of the levels
   return {largest.width + borders, largest.height + (largest.height + 1) / 2 + borders};
