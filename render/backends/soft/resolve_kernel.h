@@ -60,8 +60,7 @@ class ShadingPlan {
     s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.look.base_colour; });
     s.light = all(0.0f);
     s.is_mapped = false;
-    if (corners_)
-      for (std::size_t i = 0; i < 3; ++i) s.corner[i] = corner_positions(s, i);
+    if (corners_) find_corners(s);
     if (flat_) face_normals(job, s, s.seen);
     for (std::size_t k = 0; k < lit_; ++k) run(steps_[k], job, s);
     s.colour = scaled(ambient_ + (1 - ambient_) * min(s.light, all(1.0f)), s.colour);
