@@ -7,6 +7,8 @@
 #include "render/effects/geomorph.h"
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
+#include "render/effects/overdraw.h"
+#include "render/effects/shadow.h"
 #include "render/effects/smooth_normals.h"
 #include "render/effects/wireframe.h"
 
@@ -17,7 +19,8 @@ std::span<const EffectInfo, effect_count> effect_infos() {
     std::array<EffectInfo, effect_count> all{};
     for (std::size_t k = 0; k < effect_count; ++k) all[k].effect = static_cast<Effect>(k);
     for (const EffectInfo& info : {effects::geomorph, effects::smooth_normals, effects::level_tint, effects::head_light,
-                                   effects::directional_light, effects::wireframe, effects::fog})
+                                   effects::directional_light, effects::shadow, effects::wireframe, effects::fog,
+                                   effects::overdraw})
       all[static_cast<std::size_t>(info.effect)] = info;
     return all;
   }();

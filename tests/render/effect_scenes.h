@@ -178,7 +178,17 @@ inline std::vector<EffectScene> effect_scenes() {
   near.of_models.insert(Effect::fog);
   near.setting.fog.density = 0.3f;
   scenes.push_back(near);
-  for (const char* name : {"directional", "wireframe", "wireframe_near_plane"}) {
+  EffectScene count = detail::still_life("overdraw");
+  count.of_picture.insert(Effect::overdraw);
+  count.setting.overdraw = true;
+  scenes.push_back(count);
+  EffectScene shaded = detail::still_life("shadow");
+  shaded.of_models.insert(Effect::directional_light);
+  shaded.of_picture.insert(Effect::shadow);
+  shaded.setting.lighting.directional.shadows = true;
+  shaded.setting.lighting.directional.shadow_texels = 1024;
+  scenes.push_back(shaded);
+  for (const char* name : {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow"}) {
     EffectScene smooth = *std::ranges::find(scenes, name, &EffectScene::name);
     smooth.name += "_4x";
     smooth.samples = 4;

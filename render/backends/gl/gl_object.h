@@ -42,9 +42,11 @@ LODESTONE_GL_KIND(BufferKind, glCreateBuffers(1, &name), glDeleteBuffers(1, &nam
 LODESTONE_GL_KIND(VertexArrayKind, glCreateVertexArrays(1, &name), glDeleteVertexArrays(1, &name));
 LODESTONE_GL_KIND(FramebufferKind, glCreateFramebuffers(1, &name), glDeleteFramebuffers(1, &name));
 LODESTONE_GL_KIND(RenderbufferKind, glCreateRenderbuffers(1, &name), glDeleteRenderbuffers(1, &name));
+LODESTONE_GL_KIND(TextureKind, glCreateTextures(GL_TEXTURE_2D, 1, &name), glDeleteTextures(1, &name));
 LODESTONE_GL_KIND(TimerKind, glCreateQueries(GL_TIME_ELAPSED, 1, &name), glDeleteQueries(1, &name));
 LODESTONE_GL_KIND(PrimitiveCounterKind, glCreateQueries(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, 1, &name),
                   glDeleteQueries(1, &name));
+LODESTONE_GL_KIND(SampleCounterKind, glCreateQueries(GL_SAMPLES_PASSED, 1, &name), glDeleteQueries(1, &name));
 LODESTONE_GL_KIND(ProgramKind, name = glCreateProgram(), glDeleteProgram(name));
 #undef LODESTONE_GL_KIND
 
@@ -52,8 +54,10 @@ using GlBuffer = GlObject<BufferKind>;
 using GlVertexArray = GlObject<VertexArrayKind>;
 using GlFramebuffer = GlObject<FramebufferKind>;
 using GlRenderbuffer = GlObject<RenderbufferKind>;
+using GlTexture = GlObject<TextureKind>;
 using GlTimer = GlObject<TimerKind>;
 using GlPrimitiveCounter = GlObject<PrimitiveCounterKind>;
+using GlSampleCounter = GlObject<SampleCounterKind>;
 using GlProgram = GlObject<ProgramKind>;
 
 }  // namespace lodestone

@@ -54,6 +54,12 @@ struct SetupLists {
 // Points shaded, by effect.
 using WorkCounts = std::array<std::uint64_t, effect_count>;
 
+// The map of the directional light, rows from the top; depth null where there is none.
+struct ShadowView {
+  const float* depth = nullptr;
+  int texels = 0;  // a side
+};
+
 // Stage 4: what is seen in a tile becomes colour and depth of the picture.
 struct ResolveJob {
   const Frame* frame = nullptr;
@@ -63,6 +69,7 @@ struct ResolveJob {
   PixelRect rect;
   Image* image = nullptr;
   WorkCounts* work = nullptr;
+  ShadowView shadow{};
 };
 
 // For one number of samples a pixel.
@@ -77,6 +84,8 @@ struct SampleKernels {
 
 struct Kernels {
   void (*transform)(const VertexJob& job);
+  // Adds 1 to what is counted at each pixel of the tile whose centre a triangle covers, for a run of them.
+  void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect, std::int32_t* counts);
   SampleKernels<1> single;
   SampleKernels<4> multi;
 

@@ -8,7 +8,8 @@
 namespace lodestone::soft::avx2 {
 
 const Kernels kernels{
-    transform_cell, {setup_run<1>, draw_triangles<1>, resolve<1>}, {setup_run<4>, draw_triangles<4>, resolve<4>}};
+    transform_cell, count_triangles, {setup_run<1>, draw_triangles<1>, resolve<1>},
+    {setup_run<4>, draw_triangles<4>, resolve<4>}};
 
 }  // namespace lodestone::soft::avx2
 #endif

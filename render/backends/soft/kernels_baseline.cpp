@@ -6,6 +6,7 @@
 namespace lodestone::soft::baseline {
 
 const Kernels kernels{
-    transform_cell, {setup_run<1>, draw_triangles<1>, resolve<1>}, {setup_run<4>, draw_triangles<4>, resolve<4>}};
+    transform_cell, count_triangles, {setup_run<1>, draw_triangles<1>, resolve<1>},
+    {setup_run<4>, draw_triangles<4>, resolve<4>}};
 
 }  // namespace lodestone::soft::baseline

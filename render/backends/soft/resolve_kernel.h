@@ -15,6 +15,7 @@
 #include "render/effects/fog.h"
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
+#include "render/effects/shadow.h"
 #include "render/effects/smooth_normals.h"
 #include "render/effects/wireframe.h"
 #include "render/renderer.h"
@@ -35,12 +36,13 @@ class ShadingPlan {
   explicit ShadingPlan(const Frame& frame) {
     const EffectSet called = frame.all_effects();
     const auto add = [&](Effect effect, ShadingStep step) {
-      if (called.contains(effect)) steps_[count_++] = {effect, step};
+      if (called.contains(effect)) steps_[count_++] = {effect, effect, step};
     };
     add(Effect::smooth_normals, smooth_normals);
     add(Effect::level_tint, level_tint);
     add(Effect::head_light, head_light);
     add(Effect::directional_light, directional_light);
+    if (effects::has_shadow_pass(frame)) steps_[count_++] = {Effect::shadow, Effect::directional_light, shadow};
     lit_ = count_;
     add(Effect::wireframe, wireframe);
     add(Effect::fog, fog);
@@ -64,12 +66,12 @@ class ShadingPlan {
 
  private:
   struct Step {
-    Effect effect{};
+    Effect effect{}, of_model{};  // what it is, and what the models call for that get it
     ShadingStep step = nullptr;
   };
 
   static void run(const Step& step, const ResolveJob& job, Surface& s) {
-    const Int lanes = calling_for(s, step.effect);
+    const Int lanes = calling_for(s, step.of_model);
     const unsigned points = bits(lanes);
     if (points == 0) return;
     (*job.work)[static_cast<std::size_t>(step.effect)] += static_cast<unsigned>(std::popcount(points));

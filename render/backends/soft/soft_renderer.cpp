@@ -5,11 +5,17 @@
 #include "render/backends/soft/soft_renderer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <chrono>
+#include <optional>
 
 #include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
+#include "render/backends/soft/overdraw_tile.h"
+#include "render/backends/soft/shadow_map.h"
+#include "render/effects/overdraw.h"
+#include "render/effects/shadow.h"
 
 namespace lodestone {
 namespace soft {
@@ -45,11 +51,20 @@ class SoftRenderer final : public Renderer {
     Stopwatch stage, total;
     FrameStats stats;
     resize(frame.size);
-    geometry_.run(picture_pass(frame), frame.samples);
+    const bool overdraw = effects::counts_overdraw(frame);
+    if (!overdraw && effects::has_shadow_pass(frame)) {
+      if (!shadow_map_) shadow_map_.emplace(scheduler_, kernels_);
+      shadow_map_->draw(frame);
+      stats.work["shadow triangles"] = shadow_map_->triangles();
+      stats.milliseconds["shadow"] = stage.lap();
+    }
+    geometry_.run(picture_pass(frame), overdraw ? 1 : frame.samples);
     stats.cells = geometry_.drawn().cells.size();
     stats.triangles = geometry_.triangles();
     stats.milliseconds["geometry"] = stage.lap();
-    if (frame.samples == 1) {
+    if (overdraw) {
+      stats.work["covered samples"] = count_overdraw(frame);
+    } else if (frame.samples == 1) {
       draw_tiles<1>(frame);
     } else {
       draw_tiles<4>(frame);
@@ -95,8 +110,16 @@ class SoftRenderer final : public Renderer {
     image_.depth.resize(pixels);
   }
 
+  static void copy_depth(const TileBuffer<1>& tile, PixelRect rect, Image& to) {
+    for (int y = rect.y0; y < rect.y1; ++y)
+      std::copy_n(&tile.depth[static_cast<std::size_t>(y - rect.y0) * tile_size], rect.x1 - rect.x0,
+                  &to.depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(to.size.width) +
+                            static_cast<std::size_t>(rect.x0)]);
+  }
+
   template <int Samples>
   void draw_tiles(const Frame& frame) {
+    const ShadowView shadow = shadow_map_ ? shadow_map_->view() : ShadowView{};
     eyes_.clear();
     for (const ModelFrame& model : frame.models) eyes_.push_back(eye_of(model.view_projection));
     const Viewport viewport(frame.size);
@@ -108,17 +131,26 @@ class SoftRenderer final : public Renderer {
       for (std::size_t k = range.begin; k < range.end; ++k) {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
-        tile.clear();
-        for (const GeometryStage::Workplace& w : geometry_.workers())
-          w.bins.fragments.for_each_run(
-              k, [&](const Fragment* first, const Fragment* last) { tile.draw_fragments(first, last); });
-        for (const GeometryStage::Workplace& w : geometry_.workers())
-          w.bins.triangles.for_each_run(k, [&](const TriangleRecord* first, const TriangleRecord* last) {
-            kernels.draw_triangles(first, last, rect, tile);
-          });
-        kernels.resolve({&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work}, tile);
+        draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
+        kernels.resolve({&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, shadow}, tile);
       }
     });
+  }
+
+  // Instead of the picture; returns how many samples the triangles cover, each counted by itself.
+  std::uint64_t count_overdraw(const Frame& frame) {
+    const TileGrid grid(frame.size);
+    std::atomic<std::uint64_t> sum = 0;
+    scheduler_.for_chunks(grid.count(), 1, [&](ChunkRange range) {
+      TileBuffer<1>& tile = *workers_[static_cast<std::size_t>(scheduler_.worker_index())].single;
+      for (std::size_t k = range.begin; k < range.end; ++k) {
+        const PixelRect rect = grid.rect(k);
+        draw_tile<1>(kernels_, geometry_.workers(), k, rect, tile);
+        copy_depth(tile, rect, image_);
+        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, image_);
+      }
+    });
+    return sum;
   }
 
   void count_work(FrameStats& stats) {
@@ -137,6 +169,7 @@ class SoftRenderer final : public Renderer {
   std::vector<const Hierarchy*> models_;
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
+  std::optional<ShadowMap> shadow_map_;  // made when first used
   std::vector<Eye> eyes_;  // of the models of the frame
   Image image_;
 };
