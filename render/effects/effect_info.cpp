@@ -10,6 +10,7 @@
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/smooth_normals.h"
+#include "render/effects/transparency.h"
 #include "render/effects/wireframe.h"
 
 namespace lodestone {
@@ -20,7 +21,7 @@ std::span<const EffectInfo, effect_count> effect_infos() {
     for (std::size_t k = 0; k < effect_count; ++k) all[k].effect = static_cast<Effect>(k);
     for (const EffectInfo& info : {effects::geomorph, effects::smooth_normals, effects::level_tint, effects::head_light,
                                    effects::directional_light, effects::shadow, effects::wireframe, effects::fog,
-                                   effects::overdraw})
+                                   effects::transparency, effects::overdraw})
       all[static_cast<std::size_t>(info.effect)] = info;
     return all;
   }();

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "render/backends/gl/gl_commands.h"
 #include "render/backends/gl/gl_device.h"
+#include "render/backends/gl/gl_layers.h"
 #include "render/backends/gl/gl_overdraw.h"
 #include "render/backends/gl/gl_scene.h"
 #include "render/backends/gl/gl_sections.h"
@@ -17,6 +18,7 @@
 #include "render/backends/gl/gl_target.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
+#include "render/effects/transparency.h"
 #include "render/shading.h"
 
 namespace lodestone {
@@ -71,6 +73,7 @@ struct Resources {
   GlSections sections;
   std::optional<GlShadow> shadow;  // passes: made when first used
   std::optional<GlOverdraw> overdraw;
+  std::optional<GlLayers> layers;
   std::optional<GlScene> scene;
   std::optional<GlTarget> target;
 };
@@ -221,7 +224,8 @@ class MultiDrawRenderer final : public GlRenderer {
                       instances_.data(), GL_STREAM_DRAW);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, instances_block, resources_->instances.name());
     GlGeometry geometry{effects::counts_overdraw(frame) ? GlPass::count : GlPass::picture, &ModelFrame::selection, {}};
-    for (const ModelFrame& model : frame.models) geometry.models.push_back(&model);
+    for (const ModelFrame& model : frame.models)
+      if (geometry.pass == GlPass::count || !effects::is_transparent(frame, model)) geometry.models.push_back(&model);
     resources_->commands.set(frame, *resources_->scene, geometry);
     stats.milliseconds["upload"] = upload.milliseconds();
     stats.cells = resources_->commands.cells();
@@ -234,6 +238,19 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->target->bind();
     resources_->target->clear();
     resources_->commands.draw(*resources_->scene, use_program());
+    const auto transparent = [&](const ModelFrame& m) { return effects::is_transparent(frame, m); };
+    if (std::ranges::any_of(frame.models, transparent)) draw_layers(frame, stats);
+  }
+
+  void draw_layers(const Frame& frame, FrameStats& stats) {
+    resources_->sections.begin("transparency");
+    std::optional<GlLayers>& layers = resources_->layers;
+    if (!layers || !layers->fits(frame.size, frame.samples))
+      layers.emplace(frame.size, frame.samples, device_.max_storage_block_bytes);
+    layers->draw(frame, *resources_->scene, use_program(), *resources_->target, false);
+    stats.cells += layers->commands().cells();
+    stats.triangles += layers->commands().triangles();
+    if (layers->fragments() > 0) stats.work["transparency"] = layers->fragments();
   }
 
   void draw_shadow(const Frame& frame, FrameStats& stats) {

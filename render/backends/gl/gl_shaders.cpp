@@ -189,7 +189,6 @@ void main() {
 constexpr const char* fragment_head = R"(
 in vec3 drawn_position;
 flat in uint drawn_instance;
-layout(location = 0) out vec4 colour;
 
 struct Surface {
   vec3 normal;  // model space, of any length
@@ -209,12 +208,41 @@ void main() {
   EFFECTS_BEFORE_LIGHT
   s.colour *= frame.ambient + (1.0 - frame.ambient) * min(s.light, 1.0);
   EFFECTS_AFTER_LIGHT
-  colour = vec4(s.colour, 1.0);
+  OUTPUT
 }
 )";
 
 // The last effect that changes albedo, normal or light.
 constexpr Effect last_before_light = Effect::shadow;
+
+// What becomes of the colour. Layers go into the pixel's list (gl_layers.h); tests of depth come first there.
+constexpr const char* picture_output = "layout(location = 0) out vec4 colour;\n";
+constexpr const char* store_picture = "colour = vec4(s.colour, 1.0);";
+constexpr const char* layers_output = R"(
+layout(early_fragment_tests) in;
+layout(std430, binding = 6) restrict buffer Heads { uint count, width, heads[]; };
+layout(std430, binding = 7) restrict buffer Nodes { uint nodes[]; };
+)";
+constexpr const char* store_layer = R"(
+#ifdef MULTISAMPLED
+  const uint words = 7u;
+  vec2 slope = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z));
+#else
+  const uint words = 4u;
+#endif
+  uint number = atomicAdd(count, 1u), at = words * number;
+  if (at + words <= uint(nodes.length())) {
+    nodes[at] = atomicExchange(heads[uint(gl_FragCoord.y) * width + uint(gl_FragCoord.x)], number + 1u);
+    nodes[at + 1u] = floatBitsToUint(gl_FragCoord.z);
+    nodes[at + 2u] = packUnorm2x16(s.colour.rg);
+    nodes[at + 3u] = packUnorm2x16(vec2(s.colour.b, instances[instance].base_colour.w));
+#ifdef MULTISAMPLED
+    nodes[at + 4u] = floatBitsToUint(slope.x);
+    nodes[at + 5u] = floatBitsToUint(slope.y);
+    nodes[at + 6u] = uint(gl_SampleMaskIn[0]);
+#endif
+  }
+)";
 
 // Of the passes that look at no surface.
 constexpr const char* count_source = R"(
@@ -276,7 +304,7 @@ std::string morph_source(GlVariant variant) {
 
 GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
   GlVariant variant{model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(), false, {}, pass};
-  if (pass != GlPass::picture) {
+  if (pass == GlPass::shadow || pass == GlPass::count) {
     variant.effects = model.effects & EffectSet{Effect::geomorph};
     return variant;
   }
@@ -342,17 +370,20 @@ GlFrameUniforms uniforms_of(const Frame& frame) {
 GlProgram make_draw_program(GlVariant variant) {
   std::vector<GlStage> stages;
   const EffectSource source = effect_source(variant.effects);
-  const std::string head = define(variant.limited, "LIMITED") +
+  const std::string head = define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") + define(variant.limited, "LIMITED") +
                            define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
                            define(variant.face_normals, "FACE_NORMALS") + frame_block_source();
   std::string vertex = vertex_head + source.vertex +
                        replaced(replaced(vertex_main, "EFFECTS", source.vertex_calls), "CLIP_ROWS",
                                 variant.pass == GlPass::shadow ? "light_rows" : "clip_rows");
-  const std::string main = replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
-                                    "EFFECTS_AFTER_LIGHT", source.calls_after_light);
+  const bool layers = variant.pass == GlPass::layers || variant.pass == GlPass::layers_4x;
+  const std::string main = replaced(replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
+                                             "EFFECTS_AFTER_LIGHT", source.calls_after_light),
+                                    "OUTPUT", layers ? store_layer : store_picture);
   std::string fragment = variant.pass == GlPass::shadow  ? depth_source
                          : variant.pass == GlPass::count ? count_source
-                                                         : fragment_head + source.fragment + main;
+                                                         : (layers ? layers_output : picture_output) +
+                                                               std::string(fragment_head) + source.fragment + main;
   if (!source.geometry.empty()) {
     // Feedback would have to come from the geometry stage; nobody captures what these programs draw.
     vertex = replaced(vertex, "layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) ", "");

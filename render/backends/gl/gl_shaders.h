@@ -13,8 +13,8 @@
 
 namespace lodestone {
 
-// What becomes of the triangles: the picture, depths seen from the light, or a count.
-enum class GlPass : std::uint8_t { picture, shadow, count };
+// What becomes of the triangles: the picture, depths seen from the light, a count, or lists of layers.
+enum class GlPass : std::uint8_t { picture, shadow, count, layers, layers_4x };
 
 // A program is compiled for one blending function, one metric and one set of effects: software rasterizers execute both
 // sides of a branch.

@@ -12,10 +12,12 @@
 
 #include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
+#include "render/backends/soft/layers.h"
 #include "render/backends/soft/overdraw_tile.h"
 #include "render/backends/soft/shadow_map.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
+#include "render/effects/transparency.h"
 
 namespace lodestone {
 namespace soft {
@@ -58,9 +60,15 @@ class SoftRenderer final : public Renderer {
       stats.work["shadow triangles"] = shadow_map_->triangles();
       stats.milliseconds["shadow"] = stage.lap();
     }
-    geometry_.run(picture_pass(frame), overdraw ? 1 : frame.samples);
+    has_layers_ = false;
+    const bool layered = !overdraw && run_layers(frame);
+    geometry_.run(picture_pass(frame, !overdraw), overdraw ? 1 : frame.samples);
     stats.cells = geometry_.drawn().cells.size();
     stats.triangles = geometry_.triangles();
+    if (layered) {
+      stats.cells += layers_->drawn().cells.size();
+      stats.triangles += layers_->triangles();
+    }
     stats.milliseconds["geometry"] = stage.lap();
     if (overdraw) {
       stats.work["covered samples"] = count_overdraw(frame);
@@ -79,7 +87,9 @@ class SoftRenderer final : public Renderer {
   // One per worker; reused between frames.
   struct alignas(64) Workplace {
     std::unique_ptr<TileBuffer<1>> single = std::make_unique<TileBuffer<1>>();
-    std::unique_ptr<TileBuffer<4>> multi;  // made when first used
+    std::unique_ptr<TileBuffer<4>> multi;  // these are made when first used
+    std::unique_ptr<TileLayers<1>> single_layers;
+    std::unique_ptr<TileLayers<4>> multi_layers;
     WorkCounts work{};
 
     template <int Samples>
@@ -91,16 +101,41 @@ class SoftRenderer final : public Renderer {
         return *multi;
       }
     }
+    template <int Samples>
+    TileLayers<Samples>& layers() {
+      const auto made = [](auto& layers) -> auto& {
+        if (!layers) layers = std::make_unique<TileLayers<Samples>>();
+        return *layers;
+      };
+      if constexpr (Samples == 1)
+        return made(single_layers);
+      else
+        return made(multi_layers);
+    }
   };
 
-  [[nodiscard]] GeometryPass picture_pass(const Frame& frame) const {
+  // The opaque models, or all.
+  [[nodiscard]] GeometryPass picture_pass(const Frame& frame, bool opaque) const {
     GeometryPass pass;
     for (const ModelFrame& model : frame.models) {
       assert(model.selection && model.model < models_.size() && model.morph.hierarchy == models_[model.model]);
-      pass.models.push_back(&model);
+      if (!opaque || !effects::is_transparent(frame, model)) pass.models.push_back(&model);
     }
     pass.size = frame.size;
     return pass;
+  }
+
+  // The transparent models; are there any?
+  bool run_layers(const Frame& frame) {
+    GeometryPass pass;
+    for (const ModelFrame& model : frame.models)
+      if (effects::is_transparent(frame, model)) pass.models.push_back(&model);
+    pass.size = frame.size;
+    has_layers_ = !pass.models.empty();
+    if (!has_layers_) return false;
+    if (!layers_) layers_.emplace(scheduler_, kernels_);
+    layers_->run(pass, frame.samples);
+    return true;
   }
 
   void resize(ImageSize size) {
@@ -124,7 +159,7 @@ class SoftRenderer final : public Renderer {
     for (const ModelFrame& model : frame.models) eyes_.push_back(eye_of(model.view_projection));
     const Viewport viewport(frame.size);
     const TileGrid grid(frame.size);
-    const DrawnCells drawn = geometry_.drawn();
+    const DrawnCells drawn = geometry_.drawn(), transparent = has_layers_ ? layers_->drawn() : DrawnCells{};
     const SampleKernels<Samples>& kernels = kernels_.of<Samples>();
     scheduler_.for_chunks(grid.count(), 1, [&](ChunkRange range) {
       Workplace& here = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
@@ -132,7 +167,13 @@ class SoftRenderer final : public Renderer {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
-        kernels.resolve({&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, shadow}, tile);
+        ResolveJob job{&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, shadow};
+        if (has_layers_) {
+          ResolveJob of_layers = job;
+          of_layers.drawn = &transparent;
+          job.layers = here.template layers<Samples>().draw(kernels_, layers_->workers(), k, tile, of_layers);
+        }
+        (job.layers ? kernels.resolve_layered : kernels.resolve)(job, tile);
       }
     });
   }
@@ -159,7 +200,9 @@ class SoftRenderer final : public Renderer {
       for (std::size_t k = 0; k < effect_count; ++k) sum[k] += w.work[k];
       w.work = {};
     }
-    if (geometry_.morphing_vertices() > 0) stats.work["geomorph"] = geometry_.morphing_vertices();
+    const std::uint64_t morphing =
+        geometry_.morphing_vertices() + (has_layers_ ? layers_->morphing_vertices() : std::uint64_t{0});
+    if (morphing > 0) stats.work["geomorph"] = morphing;
     for (std::size_t k = 0; k < effect_count; ++k)
       if (sum[k] > 0) stats.work[std::string(effect_names[k])] = sum[k];
   }
@@ -169,7 +212,9 @@ class SoftRenderer final : public Renderer {
   std::vector<const Hierarchy*> models_;
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
-  std::optional<ShadowMap> shadow_map_;  // made when first used
+  std::optional<ShadowMap> shadow_map_;  // these are made when first used
+  std::optional<GeometryStage> layers_;  // of the transparent models
+  bool has_layers_ = false;              // this frame
   std::vector<Eye> eyes_;  // of the models of the frame
   Image image_;
 };
