@@ -11,6 +11,9 @@
 #include "render/effects/smooth_normals.h"
 #include "render/effects/texture.h"
 #include "render/effects/vertex_colours.h"
+#include "render/effects/overdraw.h"
+#include "render/effects/shadow.h"
+#include "render/effects/transparency.h"
 #include "render/effects/wireframe.h"
 
 namespace lodestone {
@@ -21,7 +24,8 @@ std::span<const EffectInfo, effect_count> effect_infos() {
     for (std::size_t k = 0; k < effect_count; ++k) all[k].effect = static_cast<Effect>(k);
     for (const EffectInfo& info :
          {effects::geomorph, effects::smooth_normals, effects::vertex_colours, effects::texture, effects::normal_map,
-          effects::level_tint, effects::head_light, effects::directional_light, effects::wireframe, effects::fog})
+          effects::level_tint, effects::head_light, effects::directional_light, effects::shadow, effects::wireframe,
+          effects::fog, effects::transparency, effects::overdraw})
       all[static_cast<std::size_t>(info.effect)] = info;
     return all;
   }();

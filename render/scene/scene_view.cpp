@@ -4,6 +4,7 @@
 #include <cassert>
 
 #include "core/base/error.h"
+#include "render/light_view.h"
 #include "render/look.h"
 
 namespace lodestone {
@@ -143,16 +144,56 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
   frame_.lens = view.lens();
   frame_.size = config.size;
   frame_.samples = config.samples;
-  for (std::size_t m = 0; m < placed_.size(); ++m) select(view, frame_.models[m], placed_[m]);
+  for (std::size_t m = 0; m < placed_.size(); ++m) select(frame_.models[m], placed_[m]);
+  if (frame_.setting.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);
   return changed_ = true;
 }
 
-void SceneView::select(const View&, ModelFrame& model, Placed& placed) {
+void SceneView::select(ModelFrame& model, Placed& placed) {
   const Frustum frustum = frustum_of(model.view_projection);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, {&frustum, false, model.morph.limits},
                placed.selection);
   model.selection = &placed.selection;
+  model.casters = nullptr;
+}
+
+// The shadow map goes round what is seen and what may throw a shadow on it. Casters are the same morphed surface as the
+// picture's, selected for the camera, culled by the light.
+void SceneView::see_from_light() {
+  std::vector<Vec3d> receivers, casters;
+  std::vector<ModelPlacement> placements;
+  for (const Placed& placed : placed_) {
+    const Similarity& s = placed.in_picture;
+    ModelPlacement& to = placements.emplace_back();
+    for (std::size_t row = 0; row < 3; ++row) {
+      const Vec3d r = s.scale * s.rotation[row];
+      to[4 * row] = r.x, to[4 * row + 1] = r.y, to[4 * row + 2] = r.z;
+    }
+    to[3] = s.translation.x, to[7] = s.translation.y, to[11] = s.translation.z;
+    const Hierarchy& hierarchy = *placed.open.hierarchy;
+    const auto add = [&](std::vector<Vec3d>& points, std::uint32_t cell, int level) {
+      const float margin = displacement_bound(hierarchy.sigma0, level);  // morphed vertices leave the bounds
+      Box3f box = hierarchy.cells[cell].bounds;
+      box.lo = box.lo - Vec3f{margin, margin, margin}, box.hi = box.hi + Vec3f{margin, margin, margin};
+      const std::array<Vec3d, 8> corners = corners_of(box, to);
+      points.insert(points.end(), corners.begin(), corners.end());
+    };
+    add(casters, 0, 0);
+    for (const SelectedCell& cell : placed.selection.cells)
+      if (cell.visible) add(receivers, cell.cell, cell.level);
+  }
+  const LightView light =
+      fit_light(scene_.towards_light, receivers, casters, frame_.setting.lighting.directional.shadow_texels);
+  for (std::size_t m = 0; m < placed_.size(); ++m) {
+    Placed& placed = placed_[m];
+    ModelFrame& model = frame_.models[m];
+    model.light_projection = light_projection(light, placements[m]);
+    const Frustum frustum = frustum_of(model.light_projection);
+    select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, {&frustum, false, model.morph.limits},
+                 placed.casters);
+    model.casters = &placed.casters;
+  }
 }
 
 bool SceneView::complete() const {

@@ -73,7 +73,8 @@ class SceneView {
     Selection selection, casters;
   };
   void place_models();
-  void select(const View& view, ModelFrame& model, Placed& placed);
+  void select(ModelFrame& model, Placed& placed);
+  void see_from_light();
   [[nodiscard]] RadiiConfig radii_config(const Camera& camera) const;
 
   Scene scene_;

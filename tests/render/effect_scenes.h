@@ -180,7 +180,32 @@ inline std::vector<EffectScene> effect_scenes() {
   near.of_models.insert(Effect::fog);
   near.setting.fog.density = 0.3f;
   scenes.push_back(near);
-  for (const char* name : {"directional", "wireframe", "wireframe_near_plane"}) {
+  EffectScene count = detail::still_life("overdraw");
+  count.of_picture.insert(Effect::overdraw);
+  count.setting.overdraw = true;
+  scenes.push_back(count);
+  EffectScene shaded = detail::still_life("shadow");
+  shaded.of_models.insert(Effect::directional_light);
+  shaded.of_picture.insert(Effect::shadow);
+  shaded.setting.lighting.directional.shadows = true;
+  shaded.setting.lighting.directional.shadow_texels = 1024;
+  scenes.push_back(shaded);
+  EffectScene glass = shaded;
+  glass.name = "transparency";
+  glass.of_picture.insert(Effect::transparency);
+  glass.models[1].look.opacity = 0.4f;
+  glass.models[2].look.opacity = 0.7f;
+  glass.models[2].offset = {-0.3, -0.5, 0.05};  // through the torus
+  scenes.push_back(glass);
+  EffectScene all_glass = glass;  // with fog and edges, all of it
+  all_glass.name = "transparency_all";
+  all_glass.models[0].look.opacity = 0.5f;
+  for (const Effect effect : {Effect::fog, Effect::wireframe}) all_glass.of_models.insert(effect);
+  all_glass.setting.fog.density = 0.25f;
+  all_glass.setting.wireframe = 0.4f;
+  scenes.push_back(all_glass);
+  for (const char* name : {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency",
+                           "transparency_all"}) {
     EffectScene smooth = *std::ranges::find(scenes, name, &EffectScene::name);
     smooth.name += "_4x";
     smooth.samples = 4;

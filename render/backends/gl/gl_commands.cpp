@@ -25,18 +25,18 @@ void replace(const GlBuffer& buffer, const std::vector<T>& values) {
 
 }  // namespace
 
-void GlCommands::set(const Frame& frame, const GlScene& scene) {
+void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry& geometry) {
   commands_.clear();
   records_.clear();
   multi_draws_.clear();
   limits_.clear();
   bucket_count_ = 0;
   cells_ = triangles_ = morphing_vertices_ = 0;
-  sort_into_pipelines(frame);
+  sort_into_pipelines(frame, geometry);
   for (std::size_t p = 0; p < pipelines_.size(); ++p)
     for (const ModelFrame* model : pipelines_[p].models) {
       const auto instance = static_cast<std::uint32_t>(model - frame.models.data());
-      for (const SelectedCell& selected : model->selection->cells)
+      for (const SelectedCell& selected : (model->*geometry.selection)->cells)
         if (selected.visible) add(*model, instance, scene, selected, p);
     }
   for (std::size_t k = 0; k < bucket_count_; ++k) {
@@ -53,13 +53,13 @@ void GlCommands::set(const Frame& frame, const GlScene& scene) {
   replace(limit_buffer_, limits_);
 }
 
-void GlCommands::sort_into_pipelines(const Frame& frame) {
+void GlCommands::sort_into_pipelines(const Frame& frame, const GlGeometry& geometry) {
   pipelines_.clear();
-  for (const ModelFrame& model : frame.models) {
-    const GlVariant variant = variant_of(model);
+  for (const ModelFrame* model : geometry.models) {
+    const GlVariant variant = variant_of(frame, *model, geometry.pass);
     auto found = std::ranges::find(pipelines_, variant, &GlPipeline::variant);
     if (found == pipelines_.end()) found = pipelines_.insert(found, {variant, {}, 0});
-    found->models.push_back(&model);
+    found->models.push_back(model);
   }
 }
 

@@ -35,11 +35,18 @@ struct GlMultiDraw {
   std::uint32_t first_command = 0, command_count = 0;
 };
 
+// What of which models of a frame a pass draws.
+struct GlGeometry {
+  GlPass pass = GlPass::picture;
+  const Selection* ModelFrame::*selection = &ModelFrame::selection;  // its visible cells
+  std::vector<const ModelFrame*> models;
+};
+
 class GlCommands {
  public:
-  // Commands for the visible cells of the frame's selections, sent to the device. Buffers are orphaned, so that a frame
+  // Commands for the visible cells of the models' selections, sent to the device. Buffers are orphaned, so that a frame
   // that is still being drawn keeps its own.
-  void set(const Frame& frame, const GlScene& scene);
+  void set(const Frame& frame, const GlScene& scene, const GlGeometry& geometry);
   // Draws them into whatever target is bound, in the order of pipelines(); calls use(pipeline) before each, which makes
   // its program current.
   void draw(const GlScene& scene, const std::function<void(const GlPipeline&)>& use) const;
@@ -56,7 +63,7 @@ class GlCommands {
     std::vector<GlDrawCommand> commands;
     std::vector<GlDrawRecord> records;
   };
-  void sort_into_pipelines(const Frame& frame);
+  void sort_into_pipelines(const Frame& frame, const GlGeometry& geometry);
   void add(const ModelFrame& model, std::uint32_t instance, const GlScene& scene, const SelectedCell& selected,
            std::size_t pipeline);
   Bucket& bucket(std::size_t pipeline, std::uint32_t group);

@@ -43,9 +43,11 @@ LODESTONE_GL_KIND(VertexArrayKind, glCreateVertexArrays(1, &name), glDeleteVerte
 LODESTONE_GL_KIND(FramebufferKind, glCreateFramebuffers(1, &name), glDeleteFramebuffers(1, &name));
 LODESTONE_GL_KIND(TextureArrayKind, glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name), glDeleteTextures(1, &name));
 LODESTONE_GL_KIND(RenderbufferKind, glCreateRenderbuffers(1, &name), glDeleteRenderbuffers(1, &name));
+LODESTONE_GL_KIND(TextureKind, glCreateTextures(GL_TEXTURE_2D, 1, &name), glDeleteTextures(1, &name));
 LODESTONE_GL_KIND(TimerKind, glCreateQueries(GL_TIME_ELAPSED, 1, &name), glDeleteQueries(1, &name));
 LODESTONE_GL_KIND(PrimitiveCounterKind, glCreateQueries(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, 1, &name),
                   glDeleteQueries(1, &name));
+LODESTONE_GL_KIND(SampleCounterKind, glCreateQueries(GL_SAMPLES_PASSED, 1, &name), glDeleteQueries(1, &name));
 LODESTONE_GL_KIND(ProgramKind, name = glCreateProgram(), glDeleteProgram(name));
 #undef LODESTONE_GL_KIND
 
@@ -54,8 +56,10 @@ using GlVertexArray = GlObject<VertexArrayKind>;
 using GlFramebuffer = GlObject<FramebufferKind>;
 using GlRenderbuffer = GlObject<RenderbufferKind>;
 using GlTextureArray = GlObject<TextureArrayKind>;
+using GlTexture = GlObject<TextureKind>;
 using GlTimer = GlObject<TimerKind>;
 using GlPrimitiveCounter = GlObject<PrimitiveCounterKind>;
+using GlSampleCounter = GlObject<SampleCounterKind>;
 using GlProgram = GlObject<ProgramKind>;
 
 }  // namespace lodestone

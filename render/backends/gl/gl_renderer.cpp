@@ -9,10 +9,17 @@
 #include "core/base/error.h"
 #include "render/backends/gl/gl_commands.h"
 #include "render/backends/gl/gl_device.h"
+#include "render/backends/gl/gl_layers.h"
+#include "render/backends/gl/gl_overdraw.h"
 #include "render/backends/gl/gl_scene.h"
+#include "render/backends/gl/gl_sections.h"
 #include "render/backends/gl/gl_shaders.h"
+#include "render/backends/gl/gl_shadow.h"
 #include "render/backends/gl/gl_target.h"
 #include "render/backends/gl/gl_textures.h"
+#include "render/effects/overdraw.h"
+#include "render/effects/shadow.h"
+#include "render/effects/transparency.h"
 #include "render/shading.h"
 
 namespace lodestone {
@@ -64,7 +71,10 @@ struct Resources {
   std::map<GlVariant, GlProgram> programs;
   GlCommands commands;
   GlBuffer uniforms, instances;
-  GlTimer timer;
+  GlSections sections;
+  std::optional<GlShadow> shadow;  // passes: made when first used
+  std::optional<GlOverdraw> overdraw;
+  std::optional<GlLayers> layers;
   std::optional<GlScene> scene;
   GlTextures textures;
   std::optional<GlTarget> target;
@@ -123,19 +133,22 @@ class MultiDrawRenderer final : public GlRenderer {
     prepare(frame, stats);
 
     const Stopwatch drawing;
-    glBeginQuery(GL_TIME_ELAPSED, resources_->timer.name());
     set_state();
-    resources_->target->bind();
-    resources_->target->clear(frame.setting.background);
-    draw_commands();
+    if (effects::counts_overdraw(frame)) {
+      draw_overdraw(frame, stats);
+    } else {
+      draw_picture(frame, stats);
+    }
+    resources_->sections.begin("picture");
     resources_->target->average();
-    glEndQuery(GL_TIME_ELAPSED);
-    GLuint64 nanoseconds = 0;
-    glGetQueryObjectui64v(resources_->timer.name(), GL_QUERY_RESULT, &nanoseconds);  // waits
+    resources_->sections.end();
+    double sum = 0;
+    for (const auto& [name, milliseconds] : resources_->sections.results(drawing.milliseconds())) {
+      if (name != "picture") stats.milliseconds[name] = milliseconds;
+      sum += milliseconds;
+    }
     check_memory("drawing");
-
-    // Frames of many triangles make llvmpipe forget when the query began; it then counts from the start of the machine.
-    stats.milliseconds["gpu"] = std::min(static_cast<double>(nanoseconds) * 1e-6, drawing.milliseconds());
+    stats.milliseconds["gpu"] = std::min(sum, drawing.milliseconds());
     stats.milliseconds["total"] = total.milliseconds();
     return stats;
   }
@@ -216,15 +229,54 @@ class MultiDrawRenderer final : public GlRenderer {
     glNamedBufferData(resources_->instances.name(), static_cast<GLsizeiptr>(instances_.size() * sizeof(GlInstance)),
                       instances_.data(), GL_STREAM_DRAW);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, instances_block, resources_->instances.name());
-    resources_->commands.set(frame, *resources_->scene);
+    GlGeometry geometry{effects::counts_overdraw(frame) ? GlPass::count : GlPass::picture, &ModelFrame::selection, {}};
+    for (const ModelFrame& model : frame.models)
+      if (geometry.pass == GlPass::count || !effects::is_transparent(frame, model)) geometry.models.push_back(&model);
+    resources_->commands.set(frame, *resources_->scene, geometry);
     stats.milliseconds["upload"] = upload.milliseconds();
     stats.cells = resources_->commands.cells();
     stats.triangles = resources_->commands.triangles();
   }
 
-  void draw_commands() {
-    resources_->commands.draw(*resources_->scene,
-                              [&](const GlPipeline& pipeline) { glUseProgram(program(pipeline.variant).name()); });
+  void draw_picture(const Frame& frame, FrameStats& stats) {
+    if (effects::has_shadow_pass(frame)) draw_shadow(frame, stats);
+    resources_->sections.begin("picture");
+    resources_->target->bind();
+    resources_->target->clear(frame.setting.background);
+    resources_->commands.draw(*resources_->scene, use_program());
+    const auto transparent = [&](const ModelFrame& m) { return effects::is_transparent(frame, m); };
+    if (std::ranges::any_of(frame.models, transparent)) draw_layers(frame, stats);
+  }
+
+  void draw_layers(const Frame& frame, FrameStats& stats) {
+    resources_->sections.begin("transparency");
+    std::optional<GlLayers>& layers = resources_->layers;
+    if (!layers || !layers->fits(frame.size, frame.samples))
+      layers.emplace(frame.size, frame.samples, device_.max_storage_block_bytes);
+    layers->draw(frame, *resources_->scene, use_program(), *resources_->target, false);
+    stats.cells += layers->commands().cells();
+    stats.triangles += layers->commands().triangles();
+    if (layers->fragments() > 0) stats.work["transparency"] = layers->fragments();
+  }
+
+  void draw_shadow(const Frame& frame, FrameStats& stats) {
+    resources_->sections.begin("shadow");
+    const int texels = frame.setting.lighting.directional.shadow_texels;
+    if (!resources_->shadow || resources_->shadow->texels() != texels) resources_->shadow.emplace(texels);
+    resources_->shadow->draw(frame, *resources_->scene, use_program());
+    stats.work["shadow triangles"] = resources_->shadow->triangles();
+  }
+
+  void draw_overdraw(const Frame& frame, FrameStats& stats) {
+    resources_->sections.begin("overdraw");
+    std::optional<GlOverdraw>& overdraw = resources_->overdraw;
+    if (!overdraw || overdraw->size() != frame.size) overdraw.emplace(frame.size);
+    stats.work["covered samples"] =
+        overdraw->draw(resources_->commands, *resources_->scene, use_program(), *resources_->target);
+  }
+
+  std::function<void(const GlPipeline&)> use_program() {
+    return [this](const GlPipeline& pipeline) { glUseProgram(program(pipeline.variant).name()); };
   }
 
   void make_target(const Frame& frame) {

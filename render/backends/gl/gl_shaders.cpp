@@ -4,19 +4,19 @@
 #include "render/backends/gl/gl_shaders.h"
 
 #include <utility>
+#include <vector>
 
-#include "core/base/error.h"
+#include "render/backends/gl/gl_program.h"
 #include "render/backends/gl/gl_varyings.h"
 #include "render/effects/effect_info.h"
 #include "render/effects/texture_mapping.h"
+#include "render/effects/shadow.h"
 #include "render/eye.h"
 #include "render/shading.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {
 namespace {
-
-constexpr const char* version_line = "#version 450 core\n";
 
 // What all stages and effects may read; see GlFrameUniforms and GlInstance.
 constexpr const char* frame_source = R"(
@@ -180,7 +180,7 @@ void main() {
   EFFECTS
   precise vec4 clip;
   for (int i = 0; i < 4; ++i) {
-    vec4 row = instances[instance].clip_rows[i];
+    vec4 row = instances[instance].CLIP_ROWS[i];
     clip[i] = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
   }
   gl_Position = clip;
@@ -191,7 +191,6 @@ void main() {
 constexpr const char* fragment_head = R"(
 in vec3 drawn_position;
 flat in uint drawn_instance;
-layout(location = 0) out vec4 colour;
 
 struct Surface {
   vec3 normal;  // model space, of any length
@@ -211,12 +210,48 @@ void main() {
   EFFECTS_BEFORE_LIGHT
   s.colour *= frame.ambient + (1.0 - frame.ambient) * min(s.light, 1.0);
   EFFECTS_AFTER_LIGHT
-  colour = vec4(s.colour, 1.0);
+  OUTPUT
 }
 )";
 
 // The last effect that changes albedo, normal or light.
 constexpr Effect last_before_light = Effect::shadow;
+
+// What becomes of the colour. Layers go into the pixel's list (gl_layers.h); tests of depth come first there.
+constexpr const char* picture_output = "layout(location = 0) out vec4 colour;\n";
+constexpr const char* store_picture = "colour = vec4(s.colour, 1.0);";
+constexpr const char* layers_output = R"(
+layout(early_fragment_tests) in;
+layout(std430, binding = 6) restrict buffer Heads { uint count, width, heads[]; };
+layout(std430, binding = 7) restrict buffer Nodes { uint nodes[]; };
+)";
+constexpr const char* store_layer = R"(
+#ifdef MULTISAMPLED
+  const uint words = 7u;
+  vec2 slope = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z));
+#else
+  const uint words = 4u;
+#endif
+  uint number = atomicAdd(count, 1u), at = words * number;
+  if (at + words <= uint(nodes.length())) {
+    nodes[at] = atomicExchange(heads[uint(gl_FragCoord.y) * width + uint(gl_FragCoord.x)], number + 1u);
+    nodes[at + 1u] = floatBitsToUint(gl_FragCoord.z);
+    nodes[at + 2u] = packUnorm2x16(s.colour.rg);
+    nodes[at + 3u] = packUnorm2x16(vec2(s.colour.b, instances[instance].base_colour.w));
+#ifdef MULTISAMPLED
+    nodes[at + 4u] = floatBitsToUint(slope.x);
+    nodes[at + 5u] = floatBitsToUint(slope.y);
+    nodes[at + 6u] = uint(gl_SampleMaskIn[0]);
+#endif
+  }
+)";
+
+// Of the passes that look at no surface.
+constexpr const char* count_source = R"(
+layout(location = 0) out float count;
+void main() { count = 1.0; }
+)";
+constexpr const char* depth_source = "void main() {}\n";
 
 std::string replaced(std::string text, std::string_view what, std::string_view by) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
@@ -269,33 +304,6 @@ std::string frame_block_source() {
   return "#define LEVELS " + std::to_string(max_level + 1) + "\n" + frame_source + flags;
 }
 
-std::string shader_log(GLuint shader) {
-  std::array<GLchar, 1024> log{};
-  glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return log.data();
-}
-
-std::string program_log(GLuint program) {
-  std::array<GLchar, 1024> log{};
-  glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return log.data();
-}
-
-// Compiles and attaches; the program keeps the shader alive.
-void attach(const GlProgram& program, GLenum stage, const std::string& source) {
-  const GLuint shader = glCreateShader(stage);
-  const char* text = source.c_str();
-  glShaderSource(shader, 1, &text, nullptr);
-  glCompileShader(shader);
-  GLint compiled = GL_FALSE;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-  const std::string log = compiled ? "" : shader_log(shader);
-  glAttachShader(program.name(), shader);
-  glDeleteShader(shader);
-  if (!compiled)
-    throw UnsupportedError(describe("", "OpenGL", "the driver refuses a shader: " + log, "use --backend soft"));
-}
-
 }  // namespace
 
 std::string morph_source(GlVariant variant) {
@@ -304,21 +312,29 @@ std::string morph_source(GlVariant variant) {
          share_source(variant.blend) + (variant.limited ? limited_source : unlimited_source) + morph_functions;
 }
 
-GlVariant variant_of(const ModelFrame& model) {
+GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
+  GlVariant variant{model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(), false, {}, pass};
+  if (pass == GlPass::shadow || pass == GlPass::count) {
+    variant.effects = model.effects & EffectSet{Effect::geomorph};
+    return variant;
+  }
   const EffectSet lights{Effect::head_light, Effect::directional_light};
   const bool smooth = model.look.smooth && model.effects.contains(Effect::smooth_normals);
   // Effects without code in the programs need no programs of their own.
-  EffectSet effects{Effect::geomorph};
+  EffectSet coded{Effect::geomorph};
   for (const EffectInfo& info : effect_infos())
-    if (!info.glsl.vertex.empty() || !info.glsl.fragment.empty()) effects.insert(info.effect);
-  effects = effects & model.effects;
+    if (!info.of_picture && !(info.glsl.vertex.empty() && info.glsl.fragment.empty())) coded.insert(info.effect);
+  variant.face_normals = model.effects.contains_any(lights) && !smooth;
+  variant.effects = model.effects & coded;
   // Neither do those that find nothing to show.
-  effects.set(Effect::vertex_colours, effects.contains(Effect::vertex_colours) && model.look.vertex_colours &&
-                                          model.morph.hierarchy->attributes.colours);
-  effects.set(Effect::texture, shows_textures(model));
-  effects.set(Effect::normal_map, shows_normal_maps(model));
-  return {model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(),
-          model.effects.contains_any(lights) && !smooth, effects};
+  variant.effects.set(Effect::vertex_colours, variant.effects.contains(Effect::vertex_colours) &&
+                                                  model.look.vertex_colours &&
+                                                  model.morph.hierarchy->attributes.colours);
+  variant.effects.set(Effect::texture, shows_textures(model));
+  variant.effects.set(Effect::normal_map, shows_normal_maps(model));
+  variant.effects.set(Effect::shadow,
+                      model.effects.contains(Effect::directional_light) && effects::has_shadow_pass(frame));
+  return variant;
 }
 
 GlInstance instance_of(const ModelFrame& model, std::uint32_t first_material) {
@@ -373,35 +389,36 @@ GlFrameUniforms uniforms_of(const Frame& frame) {
 }
 
 GlProgram make_draw_program(GlVariant variant) {
-  GlProgram program;
+  std::vector<GlStage> stages;
   const EffectSource source = effect_source(variant.effects);
-  const std::string head = version_line + define(variant.limited, "LIMITED") +
+  const std::string head = define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") + define(variant.limited, "LIMITED") +
                            define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
                            define(variant.face_normals, "FACE_NORMALS") + frame_block_source();
-  std::string vertex = vertex_head + source.vertex + replaced(vertex_main, "EFFECTS", source.vertex_calls);
-  const std::string main = replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
-                                    "EFFECTS_AFTER_LIGHT", source.calls_after_light);
-  std::string fragment = fragment_head + source.fragment + main;
+  std::string vertex = vertex_head + source.vertex +
+                       replaced(replaced(vertex_main, "EFFECTS", source.vertex_calls), "CLIP_ROWS",
+                                variant.pass == GlPass::shadow ? "light_rows" : "clip_rows");
+  const bool layers = variant.pass == GlPass::layers || variant.pass == GlPass::layers_4x;
+  const std::string main = replaced(replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
+                                             "EFFECTS_AFTER_LIGHT", source.calls_after_light),
+                                    "OUTPUT", layers ? store_layer : store_picture);
+  std::string fragment = variant.pass == GlPass::shadow  ? depth_source
+                         : variant.pass == GlPass::count ? count_source
+                                                         : (layers ? layers_output : picture_output) +
+                                                               std::string(fragment_head) + source.fragment + main;
   if (!source.geometry.empty()) {
     // Feedback would have to come from the geometry stage; nobody captures what these programs draw.
     vertex = replaced(vertex, "layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) ", "");
     const std::vector<GlVarying> from_vertices = varyings_of(vertex, "out"), own = varyings_of(source.geometry, "out");
     std::vector<GlVarying> order = from_vertices;
     order.insert(order.end(), own.begin(), own.end());
-    attach(program, GL_GEOMETRY_SHADER,
-           head + geometry_source(from_vertices, order, source.geometry, source.geometry_calls));
+    stages.push_back(
+        {GL_GEOMETRY_SHADER, head + geometry_source(from_vertices, order, source.geometry, source.geometry_calls)});
     vertex = with_locations(vertex, "out", order);
     fragment = with_locations(fragment, "in", order);
   }
-  attach(program, GL_VERTEX_SHADER, head + morph_source(variant) + vertex);
-  attach(program, GL_FRAGMENT_SHADER, head + fragment);
-  glLinkProgram(program.name());
-  GLint linked = GL_FALSE;
-  glGetProgramiv(program.name(), GL_LINK_STATUS, &linked);
-  if (!linked)
-    throw UnsupportedError(
-        describe("", "OpenGL", "the driver refuses a program: " + program_log(program.name()), "use --backend soft"));
-  return program;
+  stages.push_back({GL_VERTEX_SHADER, head + morph_source(variant) + vertex});
+  stages.push_back({GL_FRAGMENT_SHADER, head + fragment});
+  return link_program(stages);
 }
 
 }  // namespace lodestone

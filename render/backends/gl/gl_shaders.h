@@ -13,6 +13,9 @@
 
 namespace lodestone {
 
+// What becomes of the triangles: the picture, depths seen from the light, a count, or lists of layers.
+enum class GlPass : std::uint8_t { picture, shadow, count, layers, layers_4x };
+
 // A program is compiled for one blending function, one metric and one set of effects: software rasterizers execute both
 // sides of a branch.
 struct GlVariant {
@@ -21,9 +24,10 @@ struct GlVariant {
   bool limited = false;  // detail limits hold (render/lod/limits.h)
   bool face_normals = false;
   EffectSet effects;
+  GlPass pass = GlPass::picture;
   friend auto operator<=>(const GlVariant&, const GlVariant&) = default;
 };
-[[nodiscard]] GlVariant variant_of(const ModelFrame& model);
+[[nodiscard]] GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass);
 
 // Attributes of the vertex array.
 inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw_record = 3;

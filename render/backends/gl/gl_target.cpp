@@ -18,15 +18,23 @@ void flip_rows(std::vector<T>& pixels, std::size_t row, std::size_t rows) {
                      pixels.begin() + static_cast<std::ptrdiff_t>((rows - 1 - y) * row));
 }
 
+GlTexture make_plane(GLenum format, ImageSize size, int samples) {
+  GLuint name = 0;
+  glCreateTextures(samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE, 1, &name);
+  if (samples == 1)
+    glTextureStorage2D(name, 1, format, size.width, size.height);
+  else
+    glTextureStorage2DMultisample(name, samples, format, size.width, size.height, GL_TRUE);
+  return GlTexture(name);
+}
+
 }  // namespace
 
-GlTarget::Planes::Planes(ImageSize size, int samples) {
-  const GLsizei count = samples == 1 ? 0 : samples;
-  glNamedRenderbufferStorageMultisample(colour.name(), count, GL_RGBA8, size.width, size.height);
-  glNamedRenderbufferStorageMultisample(depth.name(), count, GL_DEPTH_COMPONENT32F, size.width, size.height);
+GlTarget::Planes::Planes(ImageSize size, int samples)
+    : colour(make_plane(GL_RGBA8, size, samples)), depth(make_plane(GL_DEPTH_COMPONENT32F, size, samples)) {
   check_memory("making the picture");
-  glNamedFramebufferRenderbuffer(framebuffer.name(), GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour.name());
-  glNamedFramebufferRenderbuffer(framebuffer.name(), GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth.name());
+  glNamedFramebufferTexture(framebuffer.name(), GL_COLOR_ATTACHMENT0, colour.name(), 0);
+  glNamedFramebufferTexture(framebuffer.name(), GL_DEPTH_ATTACHMENT, depth.name(), 0);
   assert(glCheckNamedFramebufferStatus(framebuffer.name(), GL_DRAW_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE);
 }
 
@@ -36,6 +44,11 @@ GlTarget::GlTarget(ImageSize size, int samples) : size_(size), samples_(samples)
 
 void GlTarget::bind() const {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, drawn_.framebuffer.name());
+  glViewport(0, 0, size_.width, size_.height);
+}
+
+void GlTarget::bind_result() const {
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, result().framebuffer.name());
   glViewport(0, 0, size_.width, size_.height);
 }
 
@@ -59,7 +72,7 @@ Image GlTarget::read() const {
   const auto width = static_cast<std::size_t>(size_.width), height = static_cast<std::size_t>(size_.height);
   image.rgba.resize(width * height * 4);
   image.depth.resize(width * height);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, (averaged_ ? *averaged_ : drawn_).framebuffer.name());
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, result().framebuffer.name());
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   for (const GLenum skipped : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_PACK_SWAP_BYTES})

@@ -19,13 +19,20 @@ class GlTarget {
   void clear(Vec3f background) const;  // and to depth 1
   void average() const;                // after drawing: the samples of each pixel; depth becomes that of one of them
   [[nodiscard]] Image read() const;
+  // Textures: depth as drawn, with all samples; and the averaged picture, with the framebuffer that draws into it.
+  [[nodiscard]] GLuint drawn_depth() const { return drawn_.depth.name(); }
+  [[nodiscard]] GLuint colour() const { return result().colour.name(); }
+  [[nodiscard]] GLuint depth() const { return result().depth.name(); }
+  void bind_result() const;
 
  private:
   struct Planes {
-    GlRenderbuffer colour, depth;
+    GlTexture colour, depth;
     GlFramebuffer framebuffer;
     Planes(ImageSize size, int samples);
   };
+  [[nodiscard]] const Planes& result() const { return averaged_ ? *averaged_ : drawn_; }
+
   ImageSize size_;
   int samples_;
   Planes drawn_;

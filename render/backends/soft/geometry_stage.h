@@ -59,4 +59,18 @@ class GeometryStage {
   std::uint64_t triangles_ = 0, morphing_vertices_ = 0;
 };
 
+// Stage 3 for tile number `number`: what of it is seen.
+template <int Samples>
+void draw_tile(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers, std::size_t number,
+               PixelRect rect, TileBuffer<Samples>& tile) {
+  tile.clear();
+  for (const GeometryStage::Workplace& w : workers)
+    w.bins.fragments.for_each_run(
+        number, [&](const Fragment* first, const Fragment* last) { tile.draw_fragments(first, last); });
+  for (const GeometryStage::Workplace& w : workers)
+    w.bins.triangles.for_each_run(number, [&](const TriangleRecord* first, const TriangleRecord* last) {
+      kernels.of<Samples>().draw_triangles(first, last, rect, tile);
+    });
+}
+
 }  // namespace lodestone::soft

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "render/backends/soft/bins.h"
 #include "render/backends/soft/raster_types.h"
@@ -58,6 +59,40 @@ struct SetupLists {
 // Points shaded, by effect.
 using WorkCounts = std::array<std::uint64_t, effect_count>;
 
+// The map of the directional light, rows from the top; depth null where there is none.
+struct ShadowView {
+  const float* depth = nullptr;
+  int texels = 0;  // a side
+};
+
+// A sample of a tile that a transparent triangle covers.
+struct LayerItem {
+  std::uint32_t sample = 0;  // as Fragment has it
+  float z = 0;
+  TriangleNumber triangle = 0;
+  std::uint32_t reference = 0;  // into the lists of the tile
+};
+
+// Growing, in memory that is used again.
+struct LayerList {
+  LayerItem* data = nullptr;
+  std::size_t count = 0, room = 0;
+
+  void push(const LayerItem& item) {
+    if (count == room) grow();
+    data[count++] = item;
+  }
+
+ private:
+  void grow();  // in layers.cpp: one copy, whatever instruction set the caller is compiled for
+  std::vector<LayerItem> items_;
+};
+
+// Light that the layers over the samples of a tile add, and the share of what is behind them that they let through.
+struct LayerLight {
+  float *red = nullptr, *green = nullptr, *blue = nullptr, *through = nullptr;
+};
+
 // Stage 4: what is seen in a tile becomes colour and depth of the picture.
 struct ResolveJob {
   const Frame* frame = nullptr;
@@ -68,6 +103,9 @@ struct ResolveJob {
   Image* image = nullptr;
   WorkCounts* work = nullptr;
   const SurfaceTextures* textures = nullptr;  // of the models
+  ShadowView shadow{};
+  const LayerLight* layers = nullptr;  // over the tile; only for resolve_layered
+  bool keeps_through = false;          // alpha tells how much of the opaque surfaces is seen; else 255
 };
 
 // For one number of samples a pixel.
@@ -78,10 +116,18 @@ struct SampleKernels {
   void (*draw_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
                          TileBuffer<Samples>& tile);
   void (*resolve)(const ResolveJob& job, const TileBuffer<Samples>& tile);
+  // Transparent surfaces: what of a run of triangles lies before the opaque ones, the first of them known as
+  // `reference`; a layer of them shaded; and the picture under the layers of the job.
+  void (*collect_layers)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
+                         const TileBuffer<Samples>& opaque, std::uint32_t reference, LayerList& found);
+  void (*shade_layer)(const ResolveJob& job, const TileBuffer<Samples>& layer, const LayerLight& light);
+  void (*resolve_layered)(const ResolveJob& job, const TileBuffer<Samples>& tile);
 };
 
 struct Kernels {
   void (*transform)(const VertexJob& job);
+  // Adds 1 to what is counted at each pixel of the tile whose centre a triangle covers, for a run of them.
+  void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect, std::int32_t* counts);
   SampleKernels<1> single;
   SampleKernels<4> multi;
 

@@ -59,16 +59,13 @@ inline bool is_narrow(const TriangleRecord& t) {
 template <int Samples, bool Narrow>
 class TriangleInTile {
  public:
-  TriangleInTile(const TriangleRecord& t, std::uint32_t reference, PixelRect rect, TileBuffer<Samples>& tile)
+  TriangleInTile(const TriangleRecord& t, PixelRect rect)
       : t_(t),
-        reference_(reference),
-        tile_(tile),
         box_(box_in_tile<Samples>(t, rect)),
         edges_{TileEdge(t.corners[0], t.corners[1], rect), TileEdge(t.corners[1], t.corners[2], rect),
                TileEdge(t.corners[2], t.corners[0], rect)},
         inverse_area_(1 / static_cast<float>(edges_[0].dx * (t.corners[2].y - t.corners[0].y) -
-                                             edges_[0].dy * (t.corners[2].x - t.corners[0].x))),
-        nearest_(std::min({t.z[0], t.z[1], t.z[2]})) {
+                                             edges_[0].dy * (t.corners[2].x - t.corners[0].x))) {
     for (std::size_t i = 0; i < 3; ++i) {
       const TileEdge& e = edges_[i];
       step_x_[i] = Narrow ? e.step_x * subpixels : e.step_x;
@@ -81,25 +78,29 @@ class TriangleInTile {
     }
   }
 
-  void draw() {
+  // Gives the covered samples to the target, by blocks of 8x8 pixels: see DepthTarget.
+  template <class Target>
+  void draw(Target& target) const {
     for (int y = box_.y0 & -block_size; y < box_.y1; y += block_size)
       for (int x = box_.x0 & -block_size; x < box_.x1; x += block_size) {
-        const auto number =
-            static_cast<std::size_t>((y / block_size) * TileBuffer<Samples>::blocks_per_row + x / block_size);
-        // Interpolated depth may be nearer than the nearest corner by a few roundings.
-        if (nearest_ - 4e-7f > tile_.farthest[number]) continue;
+        if (target.skips(x, y)) continue;
         bool changed = false;
-        for (std::size_t s = 0; s < Samples; ++s) changed |= draw_block(x, y, s);
-        if (changed && ++tile_.changes[number] == refresh_after) refresh(x, y, number);
+        for (std::size_t s = 0; s < Samples; ++s) changed |= draw_block(target, x, y, s);
+        if (changed) target.changed(x, y);
       }
+  }
+
+  // Of the lanes at (x, y), whose edge functions are ab and ca; by shares, as small triangles have it (setup_kernel.h).
+  [[nodiscard]] Float depths(int x, int y, std::size_t s, Int ab, Int ca) const {
+    const Float share_b = share(edges_[2], ca, x, y, s), share_c = share(edges_[0], ab, x, y, s);
+    return max((t_.z[0] + share_b * (t_.z[1] - t_.z[0])) + share_c * (t_.z[2] - t_.z[0]), all(0.0f));
   }
 
  private:
   static constexpr int block_size = TileBuffer<Samples>::block_size;
-  // Looking at a block costs about as much as drawing a few small triangles in it.
-  static constexpr std::uint8_t refresh_after = 8;
 
-  bool draw_block(int x, int y, std::size_t s) {
+  template <class Target>
+  bool draw_block(Target& target, int x, int y, std::size_t s) const {
     const int first = std::max(y, box_.y0), last = std::min(y + block_size, box_.y1);
     std::int32_t start[3];  // at (x, first)
     for (std::size_t i = 0; i < 3; ++i) {
@@ -113,7 +114,7 @@ class TriangleInTile {
       Int ab = start[0] + step_x_[0] * right, bc = start[1] + step_x_[1] * right, ca = start[2] + step_x_[2] * right;
       for (int row = first; row < last; ++row) {
         const Int inside = (ab | bc | ca) >= 0;
-        if (bits(inside)) changed |= draw_lanes(column, row, s, inside, ab, ca);
+        if (bits(inside)) changed |= target.cover(*this, column, row, s, inside, ab, ca);
         ab += step_y_[0], bc += step_y_[1], ca += step_y_[2];
       }
     }
@@ -129,10 +130,38 @@ class TriangleInTile {
     return to_float(exact) * inverse_area_;
   }
 
-  // Depth by shares, as small triangles have it (setup_kernel.h).
-  bool draw_lanes(int x, int y, std::size_t s, Int inside, Int ab, Int ca) {
-    const Float share_b = share(edges_[2], ca, x, y, s), share_c = share(edges_[0], ab, x, y, s);
-    const Float z = max((t_.z[0] + share_b * (t_.z[1] - t_.z[0])) + share_c * (t_.z[2] - t_.z[0]), all(0.0f));
+  const TriangleRecord& t_;
+  PixelRect box_;
+  TileEdge edges_[3];  // ab, bc, ca
+  std::int32_t step_x_[3], step_y_[3], reach_[3];
+  std::int32_t origin_[Samples][3];  // biased, at the samples of the tile's first pixel
+  float inverse_area_;
+};
+
+template <int Samples, class Target>
+inline void draw_record(const TriangleRecord& t, PixelRect rect, Target& target) {
+  if (is_narrow(t)) {
+    TriangleInTile<Samples, true>(t, rect).draw(target);
+  } else {
+    TriangleInTile<Samples, false>(t, rect).draw(target);
+  }
+}
+
+// Visibility: the nearest triangle stays.
+template <int Samples>
+class DepthTarget {
+ public:
+  DepthTarget(const TriangleRecord& t, std::uint32_t reference, TileBuffer<Samples>& tile)
+      : triangle_(t.triangle), reference_(reference), nearest_(std::min({t.z[0], t.z[1], t.z[2]})), tile_(tile) {}
+
+  // Is all of the triangle hidden in the block at (x, y)? Interpolated depth may be nearer than the nearest corner by a
+  // few roundings.
+  [[nodiscard]] bool skips(int x, int y) const { return nearest_ - 4e-7f > tile_.farthest[block(x, y)]; }
+
+  // Samples s of pixels from (x, y) on, in the lanes of `inside`; has anything changed?
+  template <class TriangleInThisTile>
+  bool cover(const TriangleInThisTile& t, int x, int y, std::size_t s, Int inside, Int ab, Int ca) {
+    const Float z = t.depths(x, y, s, ab, ca);
     const std::size_t at = s * tile_pixels + static_cast<std::size_t>(y * tile_size + x);
     const Float old_z = load<Float>(&tile_.depth[at]);
     Int wins = inside & (z < old_z);
@@ -144,13 +173,27 @@ class TriangleInTile {
     return true;
   }
 
+  void changed(int x, int y) {
+    const std::size_t number = block(x, y);
+    if (++tile_.changes[number] == refresh_after) refresh(x, y, number);
+  }
+
+ private:
+  static constexpr int block_size = TileBuffer<Samples>::block_size;
+  // Looking at a block costs about as much as drawing a few small triangles in it.
+  static constexpr std::uint8_t refresh_after = 8;
+
+  static std::size_t block(int x, int y) {
+    return static_cast<std::size_t>((y / block_size) * TileBuffer<Samples>::blocks_per_row + x / block_size);
+  }
+
   // Of the lanes of `ties` those whose triangle is drawn later than this one. Nothing is drawn at the background's
   // depth.
   [[nodiscard]] Int earlier(unsigned ties, std::size_t at) const {
     Int mask = all(0);
     for (int k = 0; k < width; ++k)
       if (ties >> k & 1 && tile_.depth[at + static_cast<std::size_t>(k)] < 1)
-        mask[k] = -(t_.triangle < tile_.sources.triangle(tile_.reference[at + static_cast<std::size_t>(k)]));
+        mask[k] = -(triangle_ < tile_.sources.triangle(tile_.reference[at + static_cast<std::size_t>(k)]));
     return mask;
   }
 
@@ -167,14 +210,10 @@ class TriangleInTile {
     tile_.changes[number] = 0;
   }
 
-  const TriangleRecord& t_;
+  TriangleNumber triangle_;
   std::uint32_t reference_;
+  float nearest_;
   TileBuffer<Samples>& tile_;
-  PixelRect box_;
-  TileEdge edges_[3];  // ab, bc, ca
-  std::int32_t step_x_[3], step_y_[3], reach_[3];
-  std::int32_t origin_[Samples][3];  // biased, at the samples of the tile's first pixel
-  float inverse_area_, nearest_;
 };
 
 template <int Samples>
@@ -183,12 +222,33 @@ void draw_triangles(const TriangleRecord* first, const TriangleRecord* last, Pix
   std::uint32_t own = Reference::record_bit | Reference::first_of_run(tile.sources.record_runs.size());
   tile.sources.record_runs.push_back(first);
   for (const TriangleRecord* t = first; t != last; ++t, ++own) {
-    if (is_narrow(*t)) {
-      TriangleInTile<Samples, true>(*t, own, rect, tile).draw();
-    } else {
-      TriangleInTile<Samples, false>(*t, own, rect, tile).draw();
-    }
+    DepthTarget<Samples> target(*t, own, tile);
+    draw_record<Samples>(*t, rect, target);
   }
+}
+
+// Overdraw: how many triangles cover the centre of a pixel.
+class CountTarget {
+ public:
+  explicit CountTarget(std::int32_t* counts) : counts_(counts) {}
+  [[nodiscard]] static bool skips(int, int) { return false; }
+  static void changed(int, int) {}
+
+  template <class TriangleInThisTile>
+  bool cover(const TriangleInThisTile&, int x, int y, std::size_t, Int inside, Int, Int) {
+    std::int32_t* at = counts_ + y * tile_size + x;
+    store(at, load<Int>(at) - inside);
+    return false;
+  }
+
+ private:
+  std::int32_t* counts_;
+};
+
+inline void count_triangles(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
+                            std::int32_t* counts) {
+  CountTarget target(counts);
+  for (const TriangleRecord* t = first; t != last; ++t) draw_record<1>(*t, rect, target);
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

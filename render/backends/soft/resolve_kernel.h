@@ -16,6 +16,7 @@
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
 #include "render/effects/normal_map.h"
+#include "render/effects/shadow.h"
 #include "render/effects/smooth_normals.h"
 #include "render/effects/texture.h"
 #include "render/effects/vertex_colours.h"
@@ -38,7 +39,7 @@ class ShadingPlan {
   explicit ShadingPlan(const Frame& frame) {
     const EffectSet called = frame.all_effects();
     const auto add = [&](Effect effect, ShadingStep step) {
-      if (called.contains(effect)) steps_[count_++] = {effect, step};
+      if (called.contains(effect)) steps_[count_++] = {effect, effect, step};
     };
     add(Effect::smooth_normals, smooth_normals);
     add(Effect::vertex_colours, vertex_colours);
@@ -47,6 +48,7 @@ class ShadingPlan {
     add(Effect::level_tint, level_tint);
     add(Effect::head_light, head_light);
     add(Effect::directional_light, directional_light);
+    if (effects::has_shadow_pass(frame)) steps_[count_++] = {Effect::shadow, Effect::directional_light, shadow};
     lit_ = count_;
     add(Effect::wireframe, wireframe);
     add(Effect::fog, fog);
@@ -70,12 +72,12 @@ class ShadingPlan {
 
  private:
   struct Step {
-    Effect effect{};
+    Effect effect{}, of_model{};  // what it is, and what the models call for that get it
     ShadingStep step = nullptr;
   };
 
   static void run(const Step& step, const ResolveJob& job, Surface& s) {
-    const Int lanes = calling_for(s, step.effect);
+    const Int lanes = calling_for(s, step.of_model);
     const unsigned points = bits(lanes);
     if (points == 0) return;
     (*job.work)[static_cast<std::size_t>(step.effect)] += static_cast<unsigned>(std::popcount(points));
@@ -115,7 +117,7 @@ struct GroupResolver {
   const ResolveJob& job;
   const TileBuffer<Samples>& tile;
   const ShadingPlan& plan;
-  Int background;  // as bytes
+  Int background = to_bytes(uniform(job.frame->setting.background));
 
   // Colours as bytes of `width` pixels from (x, y) of the tile.
   Int operator()(int x, int y) const {
@@ -129,7 +131,39 @@ struct GroupResolver {
       find(at, 0, seen, px, py, s);
       return select(seen, to_bytes(plan.colour(job, s)), background);
     } else {
-      return averaged(at, px, py);
+      return averaged(at, x, y);
+    }
+  }
+
+  // Calls visit(first, same, surface, colour) for the triangles that `width` pixels from (x, y) see, each shaded once in
+  // a pixel, at the centre where it covers all samples and at its first one elsewhere, so that nothing is read off
+  // outside a triangle. `same[r]` has the pixels of `first` where sample r sees it, too.
+  template <class Visit>
+  [[gnu::always_inline]] void for_each_triangle(int x, int y, const Visit& visit) const {
+    const std::size_t at = static_cast<std::size_t>(y * tile_size + x);
+    const Int px = (iota() + (job.rect.x0 + x)) * subpixels + subpixels / 2,
+              py = all((job.rect.y0 + y) * subpixels + subpixels / 2);
+    Int number[Samples], seen[Samples], same[Samples];
+    for (std::size_t s = 0; s < Samples; ++s) {
+      seen[s] = load<Float>(&tile.depth[s * tile_pixels + at]) < 1.0f;
+      if constexpr (Samples > 1) number[s] = numbers(at, s, bits(seen[s]));
+    }
+    for (std::size_t s = 0; s < Samples; ++s) {
+      Int first = seen[s], count = all(0);
+      for (std::size_t r = 0; r < Samples; ++r) {
+        same[r] = seen[r];
+        if constexpr (Samples > 1) same[r] &= number[r] == number[s];
+        if (r < s) first &= ~same[r];
+        count -= same[r];
+      }
+      const unsigned covered = bits(first);
+      if (covered == 0) continue;
+      const Int whole = count == Samples;
+      SnappedPoint offset = sample_offsets<Samples>[s];
+      Surface surface;
+      find(at, s, first, px + (~whole & offset.x), py + (~whole & offset.y), surface);
+      if constexpr (Samples > 1) move_to_centre(at, bits(whole) & covered, surface);
+      visit(first, same, surface, plan.colour(job, surface));
     }
   }
 
@@ -143,40 +177,23 @@ struct GroupResolver {
     find_surface(job, tile.sources, select(seen, load<Int>(references), all(any)), px, py, surface);
   }
 
-  // Every triangle of a pixel is shaded once, at the centre where it covers all samples and at its first one elsewhere,
-  // so that nothing is read off outside a triangle; each sample counts for a quarter.
-  Int averaged(std::size_t at, Int px, Int py) const {
-    Int number[Samples], seen[Samples];
+  // Each sample counts for a quarter.
+  Int averaged(std::size_t at, int x, int y) const {
     Int background_samples = all(0);
-    for (std::size_t s = 0; s < Samples; ++s) {
-      seen[s] = load<Float>(&tile.depth[s * tile_pixels + at]) < 1.0f;
-      background_samples -= ~seen[s];
-      number[s] = numbers(at, s, bits(seen[s]));
-    }
+    for (std::size_t s = 0; s < Samples; ++s)
+      background_samples -= ~(load<Float>(&tile.depth[s * tile_pixels + at]) < 1.0f);
     if (bits(background_samples == Samples) == all_lanes) return background;
     constexpr float part = 1.0f / Samples;
     const Vec3f& b = job.frame->setting.background;
     const Float empty = to_float(background_samples) * part;
     Points sum{empty * b.x, empty * b.y, empty * b.z};
-    for (std::size_t s = 0; s < Samples; ++s) {
-      Int first = seen[s], count = all(0);
-      for (std::size_t r = 0; r < Samples; ++r) {
-        const Int same = seen[r] & (number[r] == number[s]);
-        if (r < s) first &= ~same;
-        count -= same;
-      }
-      const unsigned covered = bits(first);
-      if (covered == 0) continue;
-      const Int whole = count == Samples;
-      const SnappedPoint offset = sample_offsets<Samples>[s];
-      Surface seen_here;
-      find(at, s, first, px + (~whole & offset.x), py + (~whole & offset.y), seen_here);
-      move_to_centre(at, bits(whole) & covered, seen_here);
-      const Points colour = plan.colour(job, seen_here);
+    for_each_triangle(x, y, [&](Int first, const Int* same, const Surface&, const Points& colour) {
+      Int count = all(0);
+      for (std::size_t r = 0; r < Samples; ++r) count -= same[r];
       const Float weight = to_float(count) * part;
       const auto add = [&](Float& to, Float what) { to = select(first, to + weight * what, to); };
       add(sum.x, colour.x), add(sum.y, colour.y), add(sum.z, colour.z);
-    }
+    });
     return to_bytes(sum);
   }
 
@@ -225,11 +242,11 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
   }
 }
 
-template <int Samples>
-void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
+// Depth, and colours as bytes of `width` pixels from (x, y) of the tile by colours(x, y), into the picture.
+template <int Samples, class Colours>
+[[gnu::always_inline]] inline void resolve_rows(const ResolveJob& job, const TileBuffer<Samples>& tile,
+                                                const Colours& colours) {
   const PixelRect& rect = job.rect;
-  const ShadingPlan plan(*job.frame);
-  const GroupResolver<Samples> resolve_group{job, tile, plan, to_bytes(uniform(job.frame->setting.background))};
   const int columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
   for (int y = 0; y < rows; ++y) {
     if (y + 1 < rows) prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns));
@@ -239,12 +256,18 @@ void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
                 static_cast<std::size_t>(columns) * sizeof(float));
     for (int x = 0; x < columns; x += width) {
       std::int32_t bytes[width];
-      store(bytes, resolve_group(x, y));
+      store(bytes, colours(x, y));
       const int count = std::min(width, columns - x);
       std::memcpy(&job.image->rgba[4 * (pixel + static_cast<std::size_t>(x))], bytes,
                   static_cast<std::size_t>(count) * 4);
     }
   }
+}
+
+template <int Samples>
+void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
+  const ShadingPlan plan(*job.frame);
+  resolve_rows(job, tile, GroupResolver<Samples>{job, tile, plan});
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

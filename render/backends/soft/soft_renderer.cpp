@@ -5,12 +5,20 @@
 #include "render/backends/soft/soft_renderer.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <chrono>
+#include <optional>
 
 #include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
 #include "render/textures/surface_textures.h"
+#include "render/backends/soft/layers.h"
+#include "render/backends/soft/overdraw_tile.h"
+#include "render/backends/soft/shadow_map.h"
+#include "render/effects/overdraw.h"
+#include "render/effects/shadow.h"
+#include "render/effects/transparency.h"
 
 namespace lodestone {
 namespace soft {
@@ -51,11 +59,26 @@ class SoftRenderer final : public Renderer {
     resize(frame.size);
     if (const std::size_t decoded = textures_.prepare(frame, scheduler_)) stats.work["decoded textures"] = decoded;
     stats.warnings = textures_.take_warnings();
-    geometry_.run(picture_pass(frame), frame.samples);
+    const bool overdraw = effects::counts_overdraw(frame);
+    if (!overdraw && effects::has_shadow_pass(frame)) {
+      if (!shadow_map_) shadow_map_.emplace(scheduler_, kernels_);
+      shadow_map_->draw(frame);
+      stats.work["shadow triangles"] = shadow_map_->triangles();
+      stats.milliseconds["shadow"] = stage.lap();
+    }
+    has_layers_ = false;
+    const bool layered = !overdraw && run_layers(frame);
+    geometry_.run(picture_pass(frame, !overdraw), overdraw ? 1 : frame.samples);
     stats.cells = geometry_.drawn().cells.size();
     stats.triangles = geometry_.triangles();
+    if (layered) {
+      stats.cells += layers_->drawn().cells.size();
+      stats.triangles += layers_->triangles();
+    }
     stats.milliseconds["geometry"] = stage.lap();
-    if (frame.samples == 1) {
+    if (overdraw) {
+      stats.work["covered samples"] = count_overdraw(frame);
+    } else if (frame.samples == 1) {
       draw_tiles<1>(frame);
     } else {
       draw_tiles<4>(frame);
@@ -70,7 +93,9 @@ class SoftRenderer final : public Renderer {
   // One per worker; reused between frames.
   struct alignas(64) Workplace {
     std::unique_ptr<TileBuffer<1>> single = std::make_unique<TileBuffer<1>>();
-    std::unique_ptr<TileBuffer<4>> multi;  // made when first used
+    std::unique_ptr<TileBuffer<4>> multi;  // these are made when first used
+    std::unique_ptr<TileLayers<1>> single_layers;
+    std::unique_ptr<TileLayers<4>> multi_layers;
     WorkCounts work{};
 
     template <int Samples>
@@ -82,16 +107,41 @@ class SoftRenderer final : public Renderer {
         return *multi;
       }
     }
+    template <int Samples>
+    TileLayers<Samples>& layers() {
+      const auto made = [](auto& layers) -> auto& {
+        if (!layers) layers = std::make_unique<TileLayers<Samples>>();
+        return *layers;
+      };
+      if constexpr (Samples == 1)
+        return made(single_layers);
+      else
+        return made(multi_layers);
+    }
   };
 
-  [[nodiscard]] GeometryPass picture_pass(const Frame& frame) const {
+  // The opaque models, or all.
+  [[nodiscard]] GeometryPass picture_pass(const Frame& frame, bool opaque) const {
     GeometryPass pass;
     for (const ModelFrame& model : frame.models) {
       assert(model.selection && model.model < models_.size() && model.morph.hierarchy == models_[model.model]);
-      pass.models.push_back(&model);
+      if (!opaque || !effects::is_transparent(frame, model)) pass.models.push_back(&model);
     }
     pass.size = frame.size;
     return pass;
+  }
+
+  // The transparent models; are there any?
+  bool run_layers(const Frame& frame) {
+    GeometryPass pass;
+    for (const ModelFrame& model : frame.models)
+      if (effects::is_transparent(frame, model)) pass.models.push_back(&model);
+    pass.size = frame.size;
+    has_layers_ = !pass.models.empty();
+    if (!has_layers_) return false;
+    if (!layers_) layers_.emplace(scheduler_, kernels_);
+    layers_->run(pass, frame.samples);
+    return true;
   }
 
   void resize(ImageSize size) {
@@ -101,30 +151,53 @@ class SoftRenderer final : public Renderer {
     image_.depth.resize(pixels);
   }
 
+  static void copy_depth(const TileBuffer<1>& tile, PixelRect rect, Image& to) {
+    for (int y = rect.y0; y < rect.y1; ++y)
+      std::copy_n(&tile.depth[static_cast<std::size_t>(y - rect.y0) * tile_size], rect.x1 - rect.x0,
+                  &to.depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(to.size.width) +
+                            static_cast<std::size_t>(rect.x0)]);
+  }
+
   template <int Samples>
   void draw_tiles(const Frame& frame) {
+    const ShadowView shadow = shadow_map_ ? shadow_map_->view() : ShadowView{};
     eyes_.clear();
     for (const ModelFrame& model : frame.models) eyes_.push_back(eye_of(model.view_projection));
     const Viewport viewport(frame.size);
     const TileGrid grid(frame.size);
-    const DrawnCells drawn = geometry_.drawn();
+    const DrawnCells drawn = geometry_.drawn(), transparent = has_layers_ ? layers_->drawn() : DrawnCells{};
     const SampleKernels<Samples>& kernels = kernels_.of<Samples>();
     scheduler_.for_chunks(grid.count(), 1, [&](ChunkRange range) {
       Workplace& here = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
       for (std::size_t k = range.begin; k < range.end; ++k) {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
-        tile.clear();
-        for (const GeometryStage::Workplace& w : geometry_.workers())
-          w.bins.fragments.for_each_run(
-              k, [&](const Fragment* first, const Fragment* last) { tile.draw_fragments(first, last); });
-        for (const GeometryStage::Workplace& w : geometry_.workers())
-          w.bins.triangles.for_each_run(k, [&](const TriangleRecord* first, const TriangleRecord* last) {
-            kernels.draw_triangles(first, last, rect, tile);
-          });
-        kernels.resolve({&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, &textures_}, tile);
+        draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
+        ResolveJob job{&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, &textures_, shadow};
+        if (has_layers_) {
+          ResolveJob of_layers = job;
+          of_layers.drawn = &transparent;
+          job.layers = here.template layers<Samples>().draw(kernels_, layers_->workers(), k, tile, of_layers);
+        }
+        (job.layers ? kernels.resolve_layered : kernels.resolve)(job, tile);
       }
     });
+  }
+
+  // Instead of the picture; returns how many samples the triangles cover, each counted by itself.
+  std::uint64_t count_overdraw(const Frame& frame) {
+    const TileGrid grid(frame.size);
+    std::atomic<std::uint64_t> sum = 0;
+    scheduler_.for_chunks(grid.count(), 1, [&](ChunkRange range) {
+      TileBuffer<1>& tile = *workers_[static_cast<std::size_t>(scheduler_.worker_index())].single;
+      for (std::size_t k = range.begin; k < range.end; ++k) {
+        const PixelRect rect = grid.rect(k);
+        draw_tile<1>(kernels_, geometry_.workers(), k, rect, tile);
+        copy_depth(tile, rect, image_);
+        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, image_);
+      }
+    });
+    return sum;
   }
 
   void count_work(FrameStats& stats) {
@@ -133,7 +206,9 @@ class SoftRenderer final : public Renderer {
       for (std::size_t k = 0; k < effect_count; ++k) sum[k] += w.work[k];
       w.work = {};
     }
-    if (geometry_.morphing_vertices() > 0) stats.work["geomorph"] = geometry_.morphing_vertices();
+    const std::uint64_t morphing =
+        geometry_.morphing_vertices() + (has_layers_ ? layers_->morphing_vertices() : std::uint64_t{0});
+    if (morphing > 0) stats.work["geomorph"] = morphing;
     for (std::size_t k = 0; k < effect_count; ++k)
       if (sum[k] > 0) stats.work[std::string(effect_names[k])] = sum[k];
   }
@@ -144,6 +219,9 @@ class SoftRenderer final : public Renderer {
   SurfaceTextures textures_;
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
+  std::optional<ShadowMap> shadow_map_;  // these are made when first used
+  std::optional<GeometryStage> layers_;  // of the transparent models
+  bool has_layers_ = false;              // this frame
   std::vector<Eye> eyes_;  // of the models of the frame
   Image image_;
 };
