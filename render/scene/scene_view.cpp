@@ -10,16 +10,6 @@
 namespace lodestone {
 namespace {
 
-// A model without colours of its own that are shown is plain; where it has some, they are shown as they are.
-Look look_of(const SceneModel& model, const Hierarchy& hierarchy) {
-  Look look = model.look;
-  const bool coloured =
-      (look.vertex_colours && hierarchy.attributes.colours) || (look.textures && has_surface_colours(hierarchy));
-  if (coloured) look.base_colour = {1, 1, 1};
-  if (model.colour) look.base_colour = *model.colour;
-  return look;
-}
-
 bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
   return std::ranges::equal(a, b, [](const DetailLimit& p, const DetailLimit& q) {
     return p.box.lo == q.box.lo && p.box.hi == q.box.hi && p.radius == q.radius;
@@ -41,7 +31,8 @@ SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_
     const Hierarchy& hierarchy = *models[m].hierarchy;
     if (hierarchy.cells.empty()) throw InputError(describe(scene.models[m].name, {}, "has nothing to draw"));
     placed.placement = placement_of(scene.models[m], hierarchy);
-    placed.look = look_of(scene.models[m], hierarchy);
+    placed.look = look_of(hierarchy, scene.models[m].look);
+    if (scene.models[m].colour) placed.look.base_colour = *scene.models[m].colour;
     // One that stands in several places is uploaded once.
     const auto same = std::ranges::find(placed_, models[m].hierarchy, [](const Placed& p) { return p.open.hierarchy; });
     placed.uploaded = same == placed_.end() ? uploaded++ : same->uploaded;

@@ -12,6 +12,8 @@ namespace {
 
 using namespace lodestone::test;
 
+const EffectRequest all_effects{EffectRequest::Kind::all, {}};
+
 std::vector<TexturedScene> textured_scenes() {
   static const auto torus = textured_torus(), coloured = textured_torus(true);
   static const auto bare = detail::shared(torus_mesh(96, 48), 3);
@@ -79,12 +81,12 @@ TEST_P(TexturedScenes, GlAgreesWithSoft) {
   keep_picture(scene().name + "_soft", reference);
   expect_conformance(image, reference);
   // All effects on: the same picture within the tolerance.
-  TexturedFrame all(scene(), Switched::all);
+  TexturedFrame all(scene(), all_effects);
   expect_conformance(all.draw(*gl), reference);
 }
 
 TEST_P(TexturedScenes, AllEffectsGiveThePictureOfThoseCalledFor) {
-  TexturedFrame planned(scene()), all(scene(), Switched::all);
+  TexturedFrame planned(scene()), all(scene(), all_effects);
   const auto soft = make_renderer("soft", *scheduler_);
   const Image image = planned.draw(*soft);
   EXPECT_TRUE(image.rgba == all.draw(*soft).rgba);

@@ -11,7 +11,7 @@
 #include "parallel/build.h"
 #include "parallel/prepare.h"
 #include "parallel/scheduler.h"
-#include "render/effects/effect_info.h"
+#include "render/effects/plan.h"
 #include "render/lod/radii.h"
 #include "render/look.h"
 #include "render/renderer.h"
@@ -115,12 +115,10 @@ struct TexturedScene {
   ImageSize size{320, 240};
 };
 
-enum class Switched { called_for, all, none };
-
 // A frame and all that it refers to. Everything visible is selected.
 class TexturedFrame {
  public:
-  explicit TexturedFrame(const TexturedScene& scene, Switched switched = Switched::called_for) {
+  explicit TexturedFrame(const TexturedScene& scene, const EffectRequest& request = {}) {
     frame.size = scene.size;
     frame.samples = scene.samples;
     frame.setting = scene.setting;
@@ -152,12 +150,7 @@ class TexturedFrame {
       select_cells(h, radii_[k], m.morph.viewpoint, {&frustum, false}, selections_[k]);
       m.selection = &selections_[k];
     }
-    for (ModelFrame& m : frame.models) {
-      m.effects = switched == Switched::all ? EffectSet::all() : EffectSet{};
-      if (switched != Switched::called_for) continue;
-      for (const EffectInfo& info : effect_infos())
-        m.effects.set(info.effect, !info.of_picture && info.called_for && !info.called_for(frame, m).empty());
-    }
+    plan_effects(frame, request);
   }
   TexturedFrame(const TexturedFrame&) = delete;
   TexturedFrame& operator=(const TexturedFrame&) = delete;
