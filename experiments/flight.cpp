@@ -92,6 +92,7 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
     row.drawn = scene.look(config.cameras[i], config.view);
     const double select = milliseconds_since(start);
     const FrameStats stats = scene.draw(renderer);
+    if (row.drawn) result.warnings.insert(result.warnings.end(), stats.warnings.begin(), stats.warnings.end());
     row.cells = stats.cells;
     row.triangles = stats.triangles;
     row.work = stats.work;

@@ -42,6 +42,7 @@ struct FlightResult {
   std::vector<FrameRow> frames;
   std::uint64_t open_edges_max = 0;
   double gap_max = 0, jump_over_bound_max = 0, milliseconds_median = 0;
+  std::vector<std::string> warnings;  // of the renderer
 };
 
 // Called after each frame has been drawn; read_back() of the renderer gives its picture.

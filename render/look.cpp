@@ -17,8 +17,8 @@ bool has_normal_maps(const Hierarchy& hierarchy) {
 }
 
 Look look_of(const Hierarchy& hierarchy, Look look) {
-  const bool coloured = (look.vertex_colours && hierarchy.attributes.colours) ||
-                        (look.textures && has_surface_colours(hierarchy));
+  const bool coloured =
+      (look.vertex_colours && hierarchy.attributes.colours) || (look.textures && has_surface_colours(hierarchy));
   if (coloured) look.base_colour = {1, 1, 1};
   return look;
 }

@@ -195,6 +195,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   });
   if (pictures) pictures->finish();
   progress.clear();
+  if (!common.quiet && common.json != "-") print_warnings(result.warnings);
   if (options.explain && common.json != "-") fmt::print("{}", to_text(plan, names_of(scene)));
 
   nlohmann::json json = to_json(result, config.measure, options.memory_budget > 0);

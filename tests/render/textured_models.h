@@ -41,7 +41,9 @@ inline Vec3f motley(float u, float v) {
   const bool field = (static_cast<int>(8 * u) + static_cast<int>(8 * v)) % 2 == 0;
   return {0.5f + 0.4f * std::sin(17 * u), field ? 0.8f : 0.3f, 0.5f + 0.4f * std::cos(11 * v + 3 * u)};
 }
-inline Vec3f stripes(float u, float v) { return std::sin(200 * u + 60 * v) > 0 ? Vec3f{1, 0.9f, 0.2f} : Vec3f{0, 0.2f, 0.5f}; }
+inline Vec3f stripes(float u, float v) {
+  return std::sin(200 * u + 60 * v) > 0 ? Vec3f{1, 0.9f, 0.2f} : Vec3f{0, 0.2f, 0.5f};
+}
 inline Vec3f as_colour(Vec3f n) { return 0.5f * (1 / length(n) * n) + Vec3f{0.5f, 0.5f, 0.5f}; }
 inline Vec3f bumps(float u, float v) { return as_colour({0.6f * std::sin(40 * u), 0.6f * std::sin(30 * v), 1}); }
 inline Vec3f every_direction(float u, float v) {
@@ -82,11 +84,10 @@ inline std::shared_ptr<const Hierarchy> textured_torus(bool coloured = false) {
       add({{{i, j}, {i + 1, j + 1}, {i, j + 1}}}, material);
     }
   using enum TextureWrap;
-  raw.textures = {as_texture("motley", painted({48, 40}, motley)),
-                  as_texture("clamped", painted({33, 65}, motley), mirror, clamp),
-                  as_texture("stripes", painted({256, 128}, stripes), repeat, mirror),
-                  as_texture("bumps", painted({64, 64}, bumps)),
-                  as_texture("directions", painted({64, 32}, every_direction))};
+  raw.textures = {
+      as_texture("motley", painted({48, 40}, motley)), as_texture("clamped", painted({33, 65}, motley), mirror, clamp),
+      as_texture("stripes", painted({256, 128}, stripes), repeat, mirror),
+      as_texture("bumps", painted({64, 64}, bumps)), as_texture("directions", painted({64, 32}, every_direction))};
   raw.materials = {{"motley", {1, 1, 1, 1}, 0, 3},
                    {"clamped", {1, 0.5f, 1, 1}, 1, 4},
                    {"plain", {0.6f, 0.1f, 0.05f, 1}, no_texture, no_texture},
@@ -96,7 +97,8 @@ inline std::shared_ptr<const Hierarchy> textured_torus(bool coloured = false) {
   BuildConfig config;
   config.cell_triangles = 400;
   config.strategy = Strategy::serial;
-  return std::make_shared<Hierarchy>(build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler), config, *scheduler));
+  return std::make_shared<Hierarchy>(
+      build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler), config, *scheduler));
 }
 
 struct TexturedModel {
@@ -142,8 +144,8 @@ class TexturedFrame {
       m.morph = {&h, &radii_[k], Blend::smoothstep, to_float(scene.eye) - model.offset};
       m.view_projection = vp;
       for (std::size_t r = 0; r < 4; ++r)
-        m.view_projection.m[4 * r + 3] += vp.m[4 * r] * model.offset.x + vp.m[4 * r + 1] * model.offset.y +
-                                          vp.m[4 * r + 2] * model.offset.z;
+        m.view_projection.m[4 * r + 3] +=
+            vp.m[4 * r] * model.offset.x + vp.m[4 * r + 1] * model.offset.y + vp.m[4 * r + 2] * model.offset.z;
       m.towards_eye = to_float((1 / length(back)) * back);
       m.look = model.look;
       const Frustum frustum = frustum_of(m.view_projection);
