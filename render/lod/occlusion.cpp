@@ -2,18 +2,9 @@
 
 namespace lodestone {
 
-Box3f drawn_bounds(const Hierarchy& hierarchy, const SelectedCell& cell) {
-  // A blend of two places may leave the box of both by a rounding.
-  const float margin = displacement_bound(hierarchy.sigma0, cell.level) + 1e-6f;
-  Box3f box = hierarchy.cells[cell.cell].bounds;
-  box.lo = {box.lo.x - margin, box.lo.y - margin, box.lo.z - margin};
-  box.hi = {box.hi.x + margin, box.hi.y + margin, box.hi.z + margin};
-  return box;
-}
-
-bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, const SelectedCell& cell,
+bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, std::uint32_t cell, int level,
                const ViewProjection& view_projection, ImageSize size) {
-  const auto box = screen_box(view_projection, drawn_bounds(hierarchy, cell), size);
+  const auto box = screen_box(view_projection, drawn_bounds(hierarchy, cell, level), size);
   return box && pyramid.hides(*box);
 }
 

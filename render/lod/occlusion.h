@@ -14,11 +14,8 @@
 
 namespace lodestone {
 
-// Where a selected cell may be drawn: B(C), grown as for culling by the frustum.
-[[nodiscard]] Box3f drawn_bounds(const Hierarchy& hierarchy, const SelectedCell& cell);
-
 // Does the pyramid hide all of a selected cell, whatever its vertices' lambda?
-[[nodiscard]] bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, const SelectedCell& cell,
+[[nodiscard]] bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, std::uint32_t cell, int level,
                              const ViewProjection& view_projection, ImageSize size);
 
 // Which cells of a hierarchy were hidden in the frame before.

@@ -144,10 +144,10 @@ TEST(Occlusion, WithoutHiddenCellsThePictureIsTheSame) {
     select_cells(h, radii, viewpoint(camera, h.transform), {&frustum, false}, selection);
     const auto draw = [&] {
       Frame frame;
-      frame.morph = {&h, &radii, Blend::smoothstep, viewpoint(camera, h.transform)};
-      frame.view_projection = vp;
+      frame.only().morph = {&h, &radii, Blend::smoothstep, viewpoint(camera, h.transform)};
+      frame.only().view_projection = vp;
       frame.size = size;
-      frame.selection = &selection;
+      frame.only().selection = &selection;
       renderer->draw(frame);
       return renderer->read_back();
     };
@@ -157,7 +157,8 @@ TEST(Occlusion, WithoutHiddenCellsThePictureIsTheSame) {
     fill_blocks(all.depth, size, pyramid);
     pyramid.build();
     const std::size_t before = selection.cells.size();
-    std::erase_if(selection.cells, [&](const SelectedCell& c) { return is_hidden(pyramid, h, c, vp, size); });
+    std::erase_if(selection.cells,
+                  [&](const SelectedCell& c) { return is_hidden(pyramid, h, c.cell, c.level, vp, size); });
     hidden += before - selection.cells.size();
     const Image rest = draw();
     EXPECT_TRUE(rest.rgba == all.rgba) << "view " << i;

@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <numeric>
 
 #include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
+#include "render/backends/soft/occlusion_stage.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {
@@ -51,16 +53,14 @@ class SoftRenderer final : public Renderer {
     resize(frame.size);
     if (const std::size_t decoded = textures_.prepare(frame, scheduler_)) stats.work["decoded textures"] = decoded;
     stats.warnings = textures_.take_warnings();
-    geometry_.run(picture_pass(frame), frame.samples);
+    geometry_.gather(picture_pass(frame));
     stats.cells = geometry_.drawn().cells.size();
     stats.triangles = geometry_.triangles();
-    stats.milliseconds["geometry"] = stage.lap();
-    if (frame.samples == 1) {
-      draw_tiles<1>(frame);
+    if (frame.culls_occluded()) {
+      draw_in_two_passes(frame, stage, stats);
     } else {
-      draw_tiles<4>(frame);
+      draw_cells(frame, geometry_.all(), stage, stats);
     }
-    stats.milliseconds["raster"] = stage.lap();
     stats.milliseconds["total"] = total.lap();
     count_work(stats);
     return stats;
@@ -101,6 +101,38 @@ class SoftRenderer final : public Renderer {
     image_.depth.resize(pixels);
   }
 
+  // Cells of the pass at hand, and the picture of all that has been processed of it, or some of its tiles.
+  void draw_cells(const Frame& frame, std::span<const std::uint32_t> cells, Stopwatch& stage, FrameStats& stats,
+                  bool again = false) {
+    const std::size_t tiles = TileGrid(frame.size).count();
+    if (again) touched_.mark(geometry_.workers(), tiles);
+    geometry_.process(picture_pass(frame), frame.samples, cells);
+    stats.milliseconds["geometry"] += stage.lap();
+    tiles_.resize(tiles);
+    std::iota(tiles_.begin(), tiles_.end(), 0u);
+    if (again) tiles_ = touched_.since_mark(geometry_.workers());
+    if (frame.samples == 1) {
+      draw_tiles<1>(frame);
+    } else {
+      draw_tiles<4>(frame);
+    }
+    stats.milliseconds["raster"] += stage.lap();
+  }
+
+  // Tiles that get something in the second pass are drawn as a whole once more.
+  void draw_in_two_passes(const Frame& frame, Stopwatch& stage, FrameStats& stats) {
+    const DrawnCells drawn = geometry_.drawn();
+    draw_cells(frame, occlusion_.first(frame, drawn), stage, stats);
+    const std::span<const std::uint32_t> second = occlusion_.second(frame, drawn);
+    stats.milliseconds["occlusion"] = stage.lap();
+    if (!second.empty()) draw_cells(frame, second, stage, stats, true);
+    occlusion_.finish(frame, drawn);
+    stats.milliseconds["occlusion"] += stage.lap();
+    stats.cells -= occlusion_.hidden_cells();
+    stats.triangles -= occlusion_.hidden_triangles();
+    if (occlusion_.hidden_cells() > 0) stats.work["hidden cells"] = occlusion_.hidden_cells();
+  }
+
   template <int Samples>
   void draw_tiles(const Frame& frame) {
     eyes_.clear();
@@ -109,9 +141,11 @@ class SoftRenderer final : public Renderer {
     const TileGrid grid(frame.size);
     const DrawnCells drawn = geometry_.drawn();
     const SampleKernels<Samples>& kernels = kernels_.of<Samples>();
-    scheduler_.for_chunks(grid.count(), 1, [&](ChunkRange range) {
+    const bool culls = frame.culls_occluded();
+    scheduler_.for_chunks(tiles_.size(), 1, [&](ChunkRange range) {
       Workplace& here = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
-      for (std::size_t k = range.begin; k < range.end; ++k) {
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        const std::size_t k = tiles_[i];
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         tile.clear();
@@ -123,6 +157,7 @@ class SoftRenderer final : public Renderer {
             kernels.draw_triangles(first, last, rect, tile);
           });
         kernels.resolve({&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, &textures_}, tile);
+        if (culls) occlusion_.take(tile, rect);
       }
     });
   }
@@ -145,6 +180,9 @@ class SoftRenderer final : public Renderer {
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
   std::vector<Eye> eyes_;  // of the models of the frame
+  OcclusionStage occlusion_;
+  TouchedTiles touched_;
+  std::vector<std::uint32_t> tiles_;  // to be drawn
   Image image_;
 };
 
