@@ -26,9 +26,7 @@ const Hierarchy& torus() {
   return small.hierarchy;
 }
 
-float number(std::mt19937& random, float lo, float hi) {
-  return std::uniform_real_distribution<float>(lo, hi)(random);
-}
+float number(std::mt19937& random, float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); }
 Vec3f point(std::mt19937& random, float lo, float hi) {
   return {number(random, lo, hi), number(random, lo, hi), number(random, lo, hi)};
 }
@@ -43,7 +41,8 @@ TEST(NormalCones, EightStatesBoundAllMorphStates) {
   std::mt19937 random(1);
   for (int i = 0; i < 2000; ++i) {
     std::array<Vec3d, 3> w, parent;
-    for (std::size_t k = 0; k < 3; ++k) w[k] = to_double(point(random, 0, 1)), parent[k] = to_double(point(random, 0, 1));
+    for (std::size_t k = 0; k < 3; ++k)
+      w[k] = to_double(point(random, 0, 1)), parent[k] = to_double(point(random, 0, 1));
     const Vec3d viewpoint = to_double(point(random, -1, 2));
     const auto at = [&](const std::array<double, 3>& lambda) {
       std::array<Vec3d, 3> n;
@@ -63,8 +62,7 @@ std::array<Vec3d, 3> morphed(const Hierarchy& h, const Cell& cell, const Triangl
   std::array<Vec3d, 3> p;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d w = to_double(cell.positions[t.v[k]]);
-    const Vec3d parent =
-        cell.parent == no_cell ? w : to_double(h.cells[cell.parent].positions[cell.parents[t.v[k]]]);
+    const Vec3d parent = cell.parent == no_cell ? w : to_double(h.cells[cell.parent].positions[cell.parents[t.v[k]]]);
     p[k] = double{lambda[k]} * w + (1.0 - double{lambda[k]}) * parent;
   }
   return p;
@@ -97,8 +95,7 @@ TEST(NormalCones, WhatTurnsItsBackIsSeenFromBehindInEveryMorphState) {
         EXPECT_TRUE(turns_its_back(cones.morphing(c), viewpoint, box));
         for (std::uint32_t k = 0; k < cell.child_count; ++k) {
           const std::uint32_t below = cell.first_child + k;
-          EXPECT_TRUE(turns_its_back(cones.morphing(below), viewpoint,
-                                     drawn_bounds(*h, below, h->level_of(below))));
+          EXPECT_TRUE(turns_its_back(cones.morphing(below), viewpoint, drawn_bounds(*h, below, h->level_of(below))));
         }
       }
     }
@@ -184,7 +181,7 @@ TEST(BackFaces, WhatIsCalledOutsideIsOutside) {
   }
   EXPECT_FALSE(OutsideSpace(sphere()).contains({0.5f, 0.5f, 0.5f}));
   EXPECT_FALSE(OutsideSpace(sphere()).contains({NAN, 0.5f, 0.5f}));
-  EXPECT_TRUE(OutsideSpace(torus()).contains({0.5f, 0.5f, -1})) ;
+  EXPECT_TRUE(OutsideSpace(torus()).contains({0.5f, 0.5f, -1}));
   EXPECT_FALSE(OutsideSpace({}).contains({0, 0, 0}));
 }
 
@@ -226,9 +223,9 @@ TEST(Selection, CullsByConesWhatTurnsItsBackAlone) {
       std::vector<Vec3f> p(cell.positions.size());
       morph_cell(morph, s.cell, p);
       for (const Triangle& t : cell.triangles)
-        ASSERT_GE(from_behind(to_double(morph.viewpoint), {to_double(p[t.v[0]]), to_double(p[t.v[1]]),
-                                                           to_double(p[t.v[2]])}),
-                  -1e-12);
+        ASSERT_GE(
+            from_behind(to_double(morph.viewpoint), {to_double(p[t.v[0]]), to_double(p[t.v[1]]), to_double(p[t.v[2]])}),
+            -1e-12);
     }
     for (const SelectedCell& s : left_out.cells) kept.push_back(s.cell);
     EXPECT_EQ(kept, visible);
