@@ -10,6 +10,9 @@
 namespace lodestone {
 namespace {
 
+// Wider cameras have near planes that reach far to the sides, where backs might be seen.
+constexpr double widest_culled = 2.6;  // radians
+
 bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
   return std::ranges::equal(a, b, [](const DetailLimit& p, const DetailLimit& q) {
     return p.box.lo == q.box.lo && p.box.hi == q.box.hi && p.radius == q.radius;
@@ -19,7 +22,7 @@ bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
-  return {size, 1, scene.radii, scene.blend, scene.setting, scene.effects};
+  return {size, 1, scene.radii, scene.blend, scene.setting, scene.effects, false};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {
@@ -135,6 +138,7 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
   frame_.lens = view.lens();
   frame_.size = config.size;
   frame_.samples = config.samples;
+  frame_.cull_occluded = config.cull_occluded;
   for (std::size_t m = 0; m < placed_.size(); ++m) select(frame_.models[m], placed_[m]);
   if (frame_.setting.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);
@@ -143,8 +147,10 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
 
 void SceneView::select(ModelFrame& model, Placed& placed) {
   const Frustum frustum = frustum_of(model.view_projection);
-  select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, {&frustum, false, model.morph.limits},
-               placed.selection);
+  SelectionConfig config{&frustum, false, model.morph.limits, nullptr};
+  const bool backs_show = placed.look.opacity < 1 || config_.setting.overdraw || camera_->vertical_fov > widest_culled;
+  if (placed.open.back_faces && !backs_show) config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint);
+  select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
   model.selection = &placed.selection;
   model.casters = nullptr;
 }

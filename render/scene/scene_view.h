@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/lod/back_faces.h"
 #include "render/lod/resident_cells.h"
 #include "render/renderer.h"
 #include "render/scene/scene.h"
@@ -16,8 +17,9 @@ namespace lodestone {
 
 // A model of the scene, opened. Both pointers outlive the view.
 struct OpenModel {
-  const Hierarchy* hierarchy = nullptr;  // drawn
-  ResidentCells* resident = nullptr;     // when it is streamed: its hierarchy() is the one that is drawn
+  const Hierarchy* hierarchy = nullptr;   // drawn
+  ResidentCells* resident = nullptr;      // when it is streamed: its hierarchy() is the one that is drawn
+  const BackFaces* back_faces = nullptr;  // to leave out what turns its back, where that cannot be seen
 };
 
 // What is seen of a scene, beside the camera.
@@ -28,6 +30,7 @@ struct ViewConfig {
   Blend blend = Blend::smoothstep;
   Setting setting;
   EffectRequest effects;
+  bool cull_occluded = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };
 [[nodiscard]] ViewConfig view_config(const Scene& scene, ImageSize size);  // as the scene asks for
