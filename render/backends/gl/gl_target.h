@@ -18,6 +18,7 @@ class GlTarget {
   void bind() const;                   // for drawing, viewport included
   void clear(Vec3f background) const;  // and to depth 1
   void average() const;                // after drawing: the samples of each pixel; depth becomes that of one of them
+  void copy_to(GLuint framebuffer) const;  // colours, the upper row first
   [[nodiscard]] Image read() const;
 
  private:
