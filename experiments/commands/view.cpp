@@ -63,13 +63,16 @@ void run(const ViewOptions& options, const CommonOptions& common) {
 
   const auto scheduler = make_scheduler(common);
   const viewer::ViewerResult result = viewer::run_viewer(config, *scheduler);
-  write_json(common, {{"backend", result.backend},
-                      {"device", result.device},
-                      {"uploads", result.uploads},
-                      {"selections", result.selections},
-                      {"draws", result.draws},
-                      {"window_frames", result.window_frames},
-                      {"files", result.files}});
+  const auto array = [](Vec3d v) { return nlohmann::json::array({v.x, v.y, v.z}); };
+  write_json(common,
+             {{"backend", result.backend},
+              {"device", result.device},
+              {"camera", {{"position", array(result.camera.position)}, {"target", array(result.camera.target)}}},
+              {"uploads", result.uploads},
+              {"selections", result.selections},
+              {"draws", result.draws},
+              {"window_frames", result.window_frames},
+              {"files", result.files}});
 }
 
 }  // namespace
@@ -86,8 +89,9 @@ void add_view(CLI::App& app) {
                   "In the window: left button orbits, right one pans, wheel zooms, a double click focuses; the panel "
                   "names the keys.\n",
                   common);
-  command.add_option("FILE", options->file,
-                     std::string("Hierarchy (.lode), or mesh: ") + mesh_formats + "; none waits for a file to be dropped");
+  command.add_option(
+      "FILE", options->file,
+      std::string("Hierarchy (.lode), or mesh: ") + mesh_formats + "; none waits for a file to be dropped");
   add_input_options(command, options->reading);
   command.add_option("--size", options->size, "Of the window, in pixels")->capture_default_str();
   command

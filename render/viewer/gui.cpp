@@ -1,9 +1,8 @@
 #include "render/viewer/gui.h"
 
-#include <imgui.h>
-
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
 
 namespace lodestone::viewer {
 

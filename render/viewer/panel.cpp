@@ -118,13 +118,16 @@ void edit_looks(ViewState& state, PanelRequests& requests) {
   ImGui::Checkbox("band", &settings.band);
   ImGui::SameLine(220);
   ImGui::Checkbox("boxes", &settings.boxes);
+  ImGui::Checkbox("wires", &settings.wireframe);
+  ImGui::SameLine(110);
+  ImGui::Checkbox("overdraw", &settings.overdraw);
+  ImGui::SameLine(220);
   bool smooth = settings.samples == 4;
   ImGui::Checkbox("4 samples", &smooth);
   settings.samples = smooth ? 4 : 1;
-  ImGui::SameLine(110);
   bool frozen = state.frozen;
   if (ImGui::Checkbox("freeze", &frozen)) requests.actions.push_back(Action::toggle_frozen);
-  ImGui::SameLine(220);
+  ImGui::SameLine(110);
   ImGui::Checkbox("split", &state.split);
   if (state.frozen) ImGui::TextDisabled("the selection is kept; tolerance and radii wait");
 }
@@ -165,7 +168,8 @@ void show_keys() {
   for (const ActionKey& key : action_keys())
     ImGui::Text("%-6s %.*s", key_name(key.key).c_str(), static_cast<int>(key.name.size()), key.name.data());
   ImGui::TextWrapped(
-      "left: orbit or look; right: pan; wheel: nearer, or speed of flight; double click: focus; W A S D Q E: fly, shift "
+      "left: orbit or look; right: pan; wheel: nearer, or speed of flight; double click: focus; W A S D Q E: fly, "
+      "shift "
       "faster; drop files to open them");
 }
 
@@ -230,7 +234,7 @@ void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& req
 }
 
 ImU32 colour_of(const Line& line, bool by_level) {
-  const Vec3f c = by_level ? shading::albedo_of(line.level, true) : Vec3f{1, 1, 1};
+  const Vec3f c = by_level ? shading::tint_of(line.level) : Vec3f{1, 1, 1};
   const float opacity = by_level ? 0.25f + 0.75f * line.nearness : 0.9f;
   return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, opacity});
 }

@@ -72,8 +72,8 @@ void project_box(const ViewProjection& vp, ImageSize size, const Box3f& box, int
   const glm::dmat4 m = to_glm(vp);
   std::array<glm::dvec4, 8> corners;
   for (std::size_t k = 0; k < 8; ++k)
-    corners[k] = m * glm::dvec4(k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y, k & 4 ? box.hi.z : box.lo.z,
-                                1);
+    corners[k] =
+        m * glm::dvec4(k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y, k & 4 ? box.hi.z : box.lo.z, 1);
   add_cube(corners, size, level, lines);
 }
 

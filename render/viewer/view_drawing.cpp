@@ -8,6 +8,8 @@
 namespace lodestone::viewer {
 namespace {
 
+constexpr float wire_opacity = 0.6f;
+
 class Stopwatch {
  public:
   [[nodiscard]] double milliseconds() const {
@@ -24,9 +26,8 @@ Vec3f head_light(const Camera& camera) {
 }
 
 bool equal(DetailLimits a, DetailLimits b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const DetailLimit& p, const DetailLimit& q) {
-    return p.box == q.box && p.radius == q.radius;
-  });
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const DetailLimit& p, const DetailLimit& q) { return p.box == q.box && p.radius == q.radius; });
 }
 
 }  // namespace
@@ -52,8 +53,8 @@ void ViewDrawing::upload() {
 }
 
 FrameKey ViewDrawing::key(const ViewState& state, std::size_t settings, ImageSize size) const {
-  FrameKey key{state.camera, state.settings[settings], state.metric, size,           state.frozen,
-               0,            load_revision_,           model_revision_, backend_revision_};
+  FrameKey key{state.camera,   state.settings[settings], state.metric,     size, state.frozen, 0,
+               load_revision_, model_revision_,          backend_revision_};
   if (state.frozen) key.freezes = state.freezes;
   key.settings.boxes = false;  // drawn over the picture
   return key;
@@ -66,9 +67,8 @@ void ViewDrawing::stream(const ViewState& state, const std::vector<View>& views)
   // The largest radius of each level that any of them asks for: what is limited for it is limited for all.
   Radii largest;
   for (const View& view : views) {
-    const Radii radii = make_radii(
-        resident.hierarchy(),
-        radii_config(state.settings[view.settings], state.metric, view.size, state.camera.vertical_fov));
+    const Radii radii = make_radii(resident.hierarchy(), radii_config(state.settings[view.settings], state.metric,
+                                                                      view.size, state.camera.vertical_fov));
     if (largest.select.empty()) largest = radii;
     for (std::size_t l = 0; l < radii.select.size(); ++l)
       largest.select[l] = std::max(largest.select[l], radii.select[l]);
@@ -78,7 +78,7 @@ void ViewDrawing::stream(const ViewState& state, const std::vector<View>& views)
                            })->size;
   const Frustum frustum = frustum_of(view_projection(state.camera, resident.hierarchy(), widest));
   resident.update(largest, viewpoint(state.camera, resident.hierarchy().transform), &frustum);
-  renderer_->refresh(resident.went(), resident.came());
+  renderer_->refresh(0, resident.went(), resident.came());
   const DetailLimits limits = resident.limits();
   streaming_ = !resident.went().empty() || !resident.came().empty() || !equal(limits, last_limits_);
   last_limits_.assign(limits.begin(), limits.end());
@@ -87,9 +87,7 @@ void ViewDrawing::stream(const ViewState& state, const std::vector<View>& views)
 
 bool ViewDrawing::complete() const { return !model_ || !model_->resident || model_->resident->complete(); }
 
-std::uint64_t ViewDrawing::resident_bytes() const {
-  return model_ && model_->resident ? model_->resident->bytes() : 0;
-}
+std::uint64_t ViewDrawing::resident_bytes() const { return model_ && model_->resident ? model_->resident->bytes() : 0; }
 
 void ViewDrawing::select(const ViewState& state, const ViewSettings& settings, const Camera& camera, ImageSize size,
                          Selected& out) {
@@ -112,8 +110,26 @@ MorphContext ViewDrawing::morph(const PerView& view) const {
   return {&model_->hierarchy(), &shown.radii, view.blend, shown.viewpoint, shown.limits};
 }
 
-const ViewReport& ViewDrawing::draw(const ViewState& state, std::size_t settings, ImageSize size,
-                                    ImageSize full_size) {
+Frame ViewDrawing::frame_of(const ViewState& state, const ViewSettings& settings, const PerView& view,
+                            ImageSize size) const {
+  Frame frame;
+  frame.size = size;
+  frame.samples = settings.samples;
+  frame.setting.level_tint = settings.tint ? 1.0f : 0.0f;
+  frame.setting.wireframe = settings.wireframe ? wire_opacity : 0.0f;
+  frame.setting.overdraw = settings.overdraw;
+  frame.effects.set(Effect::overdraw, settings.overdraw);
+  ModelFrame& model = frame.only();
+  model.morph = morph(view);
+  model.selection = &view.shown().selection;
+  model.view_projection = view.vp;
+  model.towards_eye = head_light(state.camera);
+  model.effects.set(Effect::level_tint, settings.tint);
+  model.effects.set(Effect::wireframe, settings.wireframe);
+  return frame;
+}
+
+const ViewReport& ViewDrawing::draw(const ViewState& state, std::size_t settings, ImageSize size, ImageSize full_size) {
   const Stopwatch total;
   PerView& view = views_[settings];
   const ViewSettings& wanted = state.settings[settings];
@@ -138,15 +154,7 @@ const ViewReport& ViewDrawing::draw(const ViewState& state, std::size_t settings
   view.report.visited = view.shown().selection.visited;
   view.report.admissible = view.shown().radii.admissible;
 
-  Frame frame;
-  frame.morph = morph(view);
-  frame.selection = &view.shown().selection;
-  frame.view_projection = vp;
-  frame.light = head_light(state.camera);
-  frame.size = size;
-  frame.samples = wanted.samples;
-  frame.tint_by_level = wanted.tint;
-  view.report.stats = renderer_->draw(frame);
+  view.report.stats = renderer_->draw(frame_of(state, wanted, view, size));
   ++counts_.draws;
   view.report.total_milliseconds = total.milliseconds();
   return view.report;

@@ -1,4 +1,5 @@
-// The frames of the viewer: selection, freezing, streaming, and the call of the backend. No window, no clock of its own.
+// The frames of the viewer: selection, freezing, streaming, and the call of the backend. No window, no clock of its
+// own.
 #pragma once
 
 #include <array>
@@ -96,6 +97,8 @@ class ViewDrawing {
   void upload();
   void select(const ViewState& state, const ViewSettings& settings, const Camera& camera, ImageSize size,
               Selected& out);
+  [[nodiscard]] Frame frame_of(const ViewState& state, const ViewSettings& settings, const PerView& view,
+                               ImageSize size) const;
   [[nodiscard]] MorphContext morph(const PerView& view) const;
 
   Scheduler& scheduler_;

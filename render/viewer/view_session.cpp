@@ -14,9 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr double message_seconds = 6, error_seconds = 20;
 
-bool is_camera_path(const fs::path& file) {
-  return file.extension() == ".json" && file.filename() != "tileset.json";
-}
+bool is_camera_path(const fs::path& file) { return file.extension() == ".json" && file.filename() != "tileset.json"; }
 
 }  // namespace
 
@@ -132,9 +130,7 @@ void ViewSession::advance(double now) {
   resolution.moved(now);
 }
 
-bool ViewSession::animated() const {
-  return navigation.flying(state) || transition_.moving() || player_.playing();
-}
+bool ViewSession::animated() const { return navigation.flying(state) || transition_.moving() || player_.playing(); }
 
 void ViewSession::focus_at(Point at, ImageSize window, double now) {
   for (const ViewRect& view : layout(state, window)) {
@@ -163,8 +159,8 @@ void ViewSession::save_screenshot(const Image& image, double now) {
 std::string ViewSession::free_name(const std::string& stem, const std::string& extension) const {
   for (int number = 1;; ++number) {
     const std::string digits = std::to_string(number);
-    const fs::path file = config_.folder / (stem + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') +
-                                            digits + extension);
+    const fs::path file =
+        config_.folder / (stem + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits + extension);
     std::error_code ignored;
     if (!fs::exists(fs::symlink_status(file, ignored))) return file.string();
   }

@@ -28,8 +28,8 @@ struct Message {
 struct SessionConfig {
   LoadConfig load;  // for every file; the path is replaced
   std::filesystem::path folder = ".";
-  std::function<void()> wake;                    // ModelLoader's
-  std::function<void(const std::string&)> say;   // may be empty
+  std::function<void()> wake;                   // ModelLoader's
+  std::function<void(const std::string&)> say;  // may be empty
 };
 
 class ViewSession {

@@ -17,9 +17,11 @@ struct ViewSettings {
   Blend blend = Blend::smoothstep;
   int samples = 1;  // a pixel: 1 or 4
 
-  bool tint = false;   // colour by level
-  bool band = false;   // colour by lambda, where vertices are on their way
-  bool boxes = false;  // of the cells that are drawn
+  bool tint = false;       // colour by level
+  bool band = false;       // colour by lambda, where vertices are on their way
+  bool boxes = false;      // of the cells that are drawn
+  bool wireframe = false;  // the edges of the triangles
+  bool overdraw = false;   // instead of the picture: how many triangles lie over each other
   friend bool operator==(const ViewSettings&, const ViewSettings&) = default;
 };
 

@@ -32,6 +32,8 @@ const std::vector<ActionKey>& action_keys() {
                                            {Action::toggle_tint, 'T', "tint by level"},
                                            {Action::toggle_band, 'M', "blending band"},
                                            {Action::toggle_boxes, 'B', "cell boxes"},
+                                           {Action::toggle_wireframe, 'G', "wireframe"},
+                                           {Action::toggle_overdraw, 'O', "overdraw"},
                                            {Action::coarser, '-', "coarser"},
                                            {Action::finer, '+', "finer"},
                                            {Action::screenshot, 'C', "screenshot"},
@@ -74,6 +76,12 @@ void apply(Action action, ViewState& state) {
       return;
     case Action::toggle_boxes:
       state.current().boxes = !state.current().boxes;
+      return;
+    case Action::toggle_wireframe:
+      state.current().wireframe = !state.current().wireframe;
+      return;
+    case Action::toggle_overdraw:
+      state.current().overdraw = !state.current().overdraw;
       return;
     case Action::choose_other:
       state.chosen = 1 - state.chosen;

@@ -38,8 +38,8 @@ struct ViewState {
   std::size_t chosen = 0;  // settings that keys and panel change
   DistanceMetric metric = DistanceMetric::euclidean;
 
-  bool frozen = false;   // the selection stays that of frozen_from, whatever the camera does
-  Camera frozen_from;    // the camera when it was frozen
+  bool frozen = false;        // the selection stays that of frozen_from, whatever the camera does
+  Camera frozen_from;         // the camera when it was frozen
   std::uint64_t freezes = 0;  // so far: tells one frozen selection from the next
 
   bool panel = true;
@@ -57,6 +57,8 @@ enum class Action : std::uint8_t {
   toggle_tint,
   toggle_band,
   toggle_boxes,
+  toggle_wireframe,
+  toggle_overdraw,
   choose_other,  // of the two settings
   coarser,       // tolerance or radius by a factor of 2^(1/2)
   finer,

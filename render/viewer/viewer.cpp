@@ -17,9 +17,9 @@
 namespace lodestone::viewer {
 namespace {
 
-constexpr double idle_wait = 0.2;         // seconds between two looks at the cancel flag
-constexpr double frame_period = 1 / 120.; // least, where nothing else slows frames down
-constexpr int settling_frames = 3;        // of the window after an event: the panel follows one frame behind
+constexpr double idle_wait = 0.2;          // seconds between two looks at the cancel flag
+constexpr double frame_period = 1 / 120.;  // least, where nothing else slows frames down
+constexpr int settling_frames = 3;         // of the window after an event: the panel follows one frame behind
 
 bool draws_in_software(const std::string& device) {
   for (const char* name : {"llvmpipe", "softpipe", "swrast", "SwiftShader"})
@@ -153,7 +153,11 @@ class Viewer {
     const LoadStatus status = loader.status();
     std::string title = loader.name();
     title += ": " + status.phase;
-    if (status.share) title += " " + std::to_string(static_cast<int>(*status.share * 100)) + " %";
+    if (status.share) {
+      title += ' ';
+      title += std::to_string(static_cast<int>(*status.share * 100));
+      title += " %";
+    }
     if (title == title_) return;
     title_ = title;
     window_.set_title(title + " - Lodestone");
@@ -331,8 +335,16 @@ class Viewer {
 
   ViewerResult result() const {
     const ViewDrawing::Counts& counts = session_.drawing().counts();
-    return {std::string(renderer_->name()), gl_ ? gl_->device() : "", counts.uploads, counts.selections,
-            counts.draws,                   window_frames_,           session_.written()};
+    ViewerResult result;
+    result.backend = std::string(renderer_->name());
+    if (gl_) result.device = gl_->device();
+    result.camera = session_.state.camera;
+    result.uploads = counts.uploads;
+    result.selections = counts.selections;
+    result.draws = counts.draws;
+    result.window_frames = window_frames_;
+    result.files = session_.written();
+    return result;
   }
 
   const ViewerConfig& config_;

@@ -14,11 +14,11 @@
 namespace lodestone::viewer {
 
 struct ViewerConfig {
-  LoadConfig load;              // its path is opened first; empty: the window waits for a file to be dropped
-  std::string backend = "auto"; // soft, gl, or the faster of the two: gl where a graphics card draws, soft elsewhere
-  ImageSize size;               // of the window
-  ViewState state;              // settings and switches to begin with; its cameras come from model and path
-  std::vector<Camera> path;     // a path to play, whose first camera is the one to begin with; may be empty
+  LoadConfig load;               // its path is opened first; empty: the window waits for a file to be dropped
+  std::string backend = "auto";  // soft, gl, or the faster of the two: gl where a graphics card draws, soft elsewhere
+  ImageSize size;                // of the window
+  ViewState state;               // settings and switches to begin with; its cameras come from model and path
+  std::vector<Camera> path;      // a path to play, whose first camera is the one to begin with; may be empty
   std::filesystem::path folder = ".";  // for screenshots and recorded paths
   const CancelFlag* cancel = nullptr;  // ends the viewer: looked at five times a second
   // Hears, in a line each, what a user should read even where there is no window any more: the fallback to soft, names
@@ -29,6 +29,7 @@ struct ViewerConfig {
 // What has happened, for who measures: nothing of it grows while nothing moves.
 struct ViewerResult {
   std::string backend, device;
+  Camera camera;                                         // the last one
   std::uint64_t uploads = 0, selections = 0, draws = 0;  // of the model, by the backend
   std::uint64_t window_frames = 0;                       // shown, those included that draw the panel alone
   std::vector<std::string> files;                        // written

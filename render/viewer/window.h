@@ -39,7 +39,8 @@ struct Event {
 
 class Window {
  public:
-  // Not more than one at a time, on the main thread. Throws UnsupportedError where there is no display or no OpenGL 3.2.
+  // Not more than one at a time, on the main thread. Throws UnsupportedError where there is no display or no
+  // OpenGL 3.2.
   Window(const std::string& title, ImageSize size);
   ~Window();
   Window(const Window&) = delete;
