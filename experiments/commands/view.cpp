@@ -68,6 +68,8 @@ void run(const ViewOptions& options, const CommonOptions& common) {
              {{"backend", result.backend},
               {"device", result.device},
               {"camera", {{"position", array(result.camera.position)}, {"target", array(result.camera.target)}}},
+              {"resident_bytes", result.resident_bytes},
+              {"complete", result.complete},
               {"uploads", result.uploads},
               {"selections", result.selections},
               {"draws", result.draws},

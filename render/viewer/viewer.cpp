@@ -19,6 +19,7 @@ namespace {
 
 constexpr double idle_wait = 0.2;          // seconds between two looks at the cancel flag
 constexpr double frame_period = 1 / 120.;  // least, where nothing else slows frames down
+constexpr double patience = 1;             // seconds without a new cell before looking for them becomes leisurely
 constexpr int settling_frames = 3;         // of the window after an event: the panel follows one frame behind
 
 bool draws_in_software(const std::string& device) {
@@ -133,20 +134,26 @@ class Viewer {
     const std::string name = session_.loader() ? session_.loader()->name() : "";
     try {
       if (session_.collect()) {
-        window_.set_title(name + " - Lodestone");
-        settling_ = settling_frames;
+        show_name();
         if (first) session_.offer_path(config_.path);
       }
     } catch (const Cancelled&) {
       session_.tell(name + ": not opened", false, now);
-      settling_ = settling_frames;
+      show_name();
     } catch (const Error& error) {
       // What the command line named must be there; what was dropped into the window may be anything.
       if (first && !config_.load.path.empty()) throw;
       session_.tell(error.what(), true, now);
-      settling_ = settling_frames;
+      show_name();
     }
     if (session_.loader()) show_progress(*session_.loader());
+  }
+
+  void show_name() {
+    const Model* model = session_.drawing().model();
+    title_ = model ? model->name + " - Lodestone" : "Lodestone";
+    window_.set_title(title_);
+    settling_ = settling_frames;
   }
 
   void show_progress(const ModelLoader& loader) {
@@ -158,9 +165,10 @@ class Viewer {
       title += std::to_string(static_cast<int>(*status.share * 100));
       title += " %";
     }
+    title += " - Lodestone";
     if (title == title_) return;
     title_ = title;
-    window_.set_title(title + " - Lodestone");
+    window_.set_title(title_);
     settling_ = std::max(settling_, 1);
   }
 
@@ -270,7 +278,11 @@ class Viewer {
     for (const ViewRect& view : layout(session_.state, size))
       views.push_back({view.settings, scaled(view.rect, session_.resolution.scale(now))});
     guarded([&] { session_.drawing().stream(session_.state, views); });
-    return streaming_ = session_.drawing().streaming();
+    const bool changed = session_.drawing().streaming();
+    if (changed) streamed_at_ = now;
+    // What is being loaded will be here soon; what the budget has no room for will not.
+    streaming_ = changed || (!session_.drawing().complete() && now - streamed_at_ < patience);
+    return changed;
   }
 
   void draw_views(ImageSize size, double scale) {
@@ -339,6 +351,8 @@ class Viewer {
     result.backend = std::string(renderer_->name());
     if (gl_) result.device = gl_->device();
     result.camera = session_.state.camera;
+    result.resident_bytes = session_.drawing().resident_bytes();
+    result.complete = session_.drawing().complete();
     result.uploads = counts.uploads;
     result.selections = counts.selections;
     result.draws = counts.draws;
@@ -356,7 +370,7 @@ class Viewer {
   GlRenderer* gl_ = nullptr;  // the renderer, where it is that one
   ViewSession session_;       // ends before the renderer that it draws with
   std::array<std::optional<FrameKey>, 2> shown_keys_;
-  double shown_scale_ = 1, shown_at_ = 0;
+  double shown_scale_ = 1, shown_at_ = 0, streamed_at_ = 0;
   bool lowered_ = false, streaming_ = false, had_message_ = false;
   int settling_ = settling_frames;
   std::string title_;

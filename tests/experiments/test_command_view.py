@@ -43,14 +43,17 @@ class Viewer:
              str(self.results)], cwd=case.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "DISPLAY": self.display.name, **(environment or {})})
         case.addCleanup(self.end)
-        self.window = until(lambda: self.running() and self.display.find("Lodestone"), "a window")
-        self.display.focus(self.window)
+        self.window = until(lambda: self.running() and self.focused(), "a window")
         self.display.away()
 
     def running(self):
         if self.process.poll() is not None:
             raise AssertionError(f"it ended: {self.process.communicate()}")
         return True
+
+    def focused(self):
+        window = self.display.find("Lodestone")
+        return window if window and self.display.focus(window) else None
 
     def end(self):
         if self.process.poll() is None:
@@ -234,7 +237,7 @@ class Steering(ViewCase):
         self.display.away()
         self.assertNotEqual(viewer.settled(), at_rest)
         camera = viewer.closed()["camera"]
-        self.assertAlmostEqual(math.dist(camera["target"], (0, 0, 0)), 1, delta=0.03)  # on the unit sphere
+        self.assertAlmostEqual(math.dist(camera["target"], (0, 0, 0)), 1, delta=0.15)  # on the dented sphere
         self.assertAlmostEqual(math.dist(camera["target"], camera["position"]),
                                math.dist(CAMERA["position"], camera["target"]) / 2, delta=1e-6)
 
@@ -255,8 +258,8 @@ class Steering(ViewCase):
         self.display.key("r")
         self.display.drag((300, 200), (400, 250))
         self.display.away()
-        viewer.press("r")
-        moved = viewer.picture()
+        moved = viewer.settled()
+        viewer.press("r")  # the window says where the path is
         viewer.press("Home")
         keys = json.loads((self.folder / "path001.json").read_text())["frames"]
         self.assertGreater(len(keys), 5)
@@ -414,19 +417,23 @@ class Files(ViewCase):
         self.assertEqual(viewer.closed()["uploads"], 1)
 
     def test_streaming(self):
-        """What has come in the end is what the whole file shows."""
-        camera = self.camera_file({**CAMERA, "position": [6, -4, 3]})
-        whole = self.view("--camera", camera, "--backend", "soft")
+        """What has come in the end is what the whole file shows; a budget that is too small is kept all the same."""
+        arguments = ("--camera", self.camera_file(), "--backend", "soft", "--pixel-error", 6)
+        whole = self.view(*arguments)
         shown = whole.picture()
-        whole.closed()
-        viewer = self.view("--camera", camera, "--backend", "soft", "--memory-budget", "300KiB")
+        self.assertEqual(whole.closed()["resident_bytes"], 0)
+        viewer = self.view(*arguments, "--memory-budget", "800KiB")
         self.assertEqual(viewer.settled(2), shown)
-        self.display.click(300, 200, number=4, times=12)
-        self.display.away()
-        near = viewer.settled(2)
-        self.assertNotEqual(near, shown)
         found = viewer.closed()
+        self.assertTrue(found["complete"])
+        self.assertTrue(0 < found["resident_bytes"] <= 800 * 1024)
         self.assertEqual(found["uploads"], 1)
+        viewer = self.view(*arguments[:-1], 0.2, "--memory-budget", "300KiB")
+        self.assertGreater(self.covered(viewer.settled(2)), 20000)
+        viewer.press("space", "x", "space")
+        found = viewer.closed()
+        self.assertFalse(found["complete"])
+        self.assertTrue(0 < found["resident_bytes"] <= 300 * 1024)
 
 
 class Troubles(ViewCase):
@@ -442,10 +449,10 @@ class Troubles(ViewCase):
         for backend in ("gl", "auto"):
             viewer = self.view("--camera", self.camera_file(), "--backend", backend,
                                environment={"MESA_GL_VERSION_OVERRIDE": "3.3"})
-            shown = viewer.picture()
+            expected = self.rendered("--backend", "soft")
+            until(lambda: viewer.picture() == expected, "the picture, once the line has gone")
             self.assertEqual(viewer.closed()["backend"], "soft")
             self.assertRegex(viewer.said, r"\Alodestone: OpenGL 4.5 is missing[^\n]*drawing by soft\n\Z")
-            self.assertEqual(shown, self.rendered("--backend", "soft"))
 
     def test_the_display_is_lost(self):
         viewer = self.view("--camera", self.camera_file())
