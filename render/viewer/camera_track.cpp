@@ -1,7 +1,6 @@
 #include "render/viewer/camera_track.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "render/viewer/camera_control.h"
@@ -22,8 +21,9 @@ void CameraRecorder::start(double now, const Camera& camera) {
 
 // The ticks up to now, at which the last camera was looking.
 void CameraRecorder::fill(double now) {
-  const double ticks = std::clamp((now - started_) * ticks_per_second, 0.0, static_cast<double>(most_keys - 1));
-  const std::size_t count = static_cast<std::size_t>(std::floor(ticks)) + 1;
+  const double ticks = (now - started_) * ticks_per_second;
+  if (!(ticks > 0)) return;
+  const std::size_t count = static_cast<std::size_t>(std::min(ticks, static_cast<double>(most_keys - 1))) + 1;
   if (count > keys_.size()) keys_.resize(count, last_);
 }
 
