@@ -65,9 +65,9 @@ void OpenScene::open(const SceneModel& model, const OpenSceneConfig& config, std
     return;
   }
   if (budget > 0)
-    throw InputError(describe(model.generate ? model.name : model.file, {}, "is a mesh, which cannot be streamed",
-                              "build a hierarchy of it first: lodestone build " +
-                                  (model.generate ? "MESH" : model.file) + " -o MODEL.lode"));
+    throw InputError(describe(
+        model.generate ? model.name : model.file, {}, "is a mesh, which cannot be streamed",
+        "build a hierarchy of it first: lodestone build " + (model.generate ? "MESH" : model.file) + " -o MODEL.lode"));
   if (model.generate) {
     source.whole.emplace(build(generate_mesh(*model.generate), model.name, config.cancel, scheduler));
     return;

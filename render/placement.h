@@ -15,9 +15,7 @@ struct Similarity {
   double scale = 1;                                                  // positive
   Vec3d translation;
 
-  [[nodiscard]] Vec3d rotated(Vec3d v) const {
-    return {dot(rotation[0], v), dot(rotation[1], v), dot(rotation[2], v)};
-  }
+  [[nodiscard]] Vec3d rotated(Vec3d v) const { return {dot(rotation[0], v), dot(rotation[1], v), dot(rotation[2], v)}; }
   [[nodiscard]] Vec3d rotated_back(Vec3d v) const {
     return v.x * rotation[0] + (v.y * rotation[1] + v.z * rotation[2]);
   }

@@ -12,7 +12,8 @@ namespace lodestone {
 namespace {
 
 struct ViewOptions {
-  std::string file, camera, backend = "auto", size = "1280x720", folder = ".";
+  std::vector<std::string> files;
+  std::string camera, backend = "auto", size = "1280x720", folder = ".";
   InputOptions reading;
   viewer::ViewerConfig config;
   viewer::ViewSettings settings;
@@ -46,13 +47,13 @@ viewer::ViewState first_state(const ViewOptions& options) {
 
 void run(const ViewOptions& options, const CommonOptions& common) {
   std::vector<FileArgument> inputs;
-  if (!options.file.empty()) inputs.push_back({"FILE", options.file});
+  for (const std::string& file : options.files) inputs.push_back({"FILE", file});
   if (!options.camera.empty()) inputs.push_back({"--camera", options.camera});
   check_files(common, inputs);
   viewer::ViewerConfig config = options.config;
-  config.load.path = options.file;
+  config.load.paths.assign(options.files.begin(), options.files.end());
   config.load.threads = common.threads;
-  config.load.reading = read_config(options.reading, {options.file});
+  config.load.reading = read_config(options.reading, options.files);
   config.backend = options.backend;
   config.size = window_size(options.size);
   config.state = first_state(options);
@@ -86,14 +87,15 @@ void add_view(CLI::App& app) {
       add_command(app, "view", "Look at a model in a window; a mesh is built for it, in memory",
                   "  lodestone view scan.lode\n"
                   "  lodestone view scan.ply --size 1600x900\n"
+                  "  lodestone view experiments/scenes/museum.toml\n"
                   "  lodestone view city.lode --memory-budget 512MiB\n"
                   "  lodestone view scan.lode --camera path.json --pixel-error 2\n"
                   "In the window: left button orbits, right one pans, wheel zooms, a double click focuses; the panel "
                   "names the keys.\n",
                   common);
-  command.add_option(
-      "FILE", options->file,
-      std::string("Hierarchy (.lode), or mesh: ") + mesh_formats + "; none waits for a file to be dropped");
+  command.add_option("FILE", options->files,
+                     std::string("Scene (.toml), or hierarchies (.lode) and meshes, shown together (") + mesh_formats +
+                         "); none waits for files to be dropped");
   add_input_options(command, options->reading);
   command.add_option("--size", options->size, "Of the window, in pixels")->capture_default_str();
   command

@@ -29,12 +29,12 @@ struct SceneModel {
   bool fill_voids = false;  // of a height grid, as ReadConfig has it
 
   Vec3d position;
-  Vec3d rotation;                   // degrees about x, then y, then z
-  double scale = 1;                 // positive
-  std::optional<double> extent;     // instead of a scale: the longest side of its bounds, once it is turned
+  Vec3d rotation;                // degrees about x, then y, then z
+  double scale = 1;              // positive
+  std::optional<double> extent;  // instead of a scale: the longest side of its bounds, once it is turned
   Anchor anchor = Anchor::origin;
   Look look;
-  std::optional<Vec3f> colour;      // look.base_colour; without it the usual one
+  std::optional<Vec3f> colour;  // look.base_colour; without it the usual one
 };
 
 // The camera's way: one of the usual ones, a file of key frames, or keys of its own.

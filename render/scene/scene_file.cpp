@@ -167,7 +167,8 @@ void read_effects(SceneTable& table, Scene& scene) {
   if (const toml::node* node = table.find("run")) {
     std::string names = node->value_or(std::string());
     if (const toml::array* array = node->as_array()) {
-      for (const toml::node& name : *array) names.append(names.empty() ? "" : ",").append(name.value_or(std::string("?")));
+      for (const toml::node& name : *array)
+        names.append(names.empty() ? "" : ",").append(name.value_or(std::string("?")));
       if (array->empty()) names = "none";
     }
     try {

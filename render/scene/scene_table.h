@@ -1,13 +1,14 @@
 // Reading tables of a TOML file: each key once, with its kind and range, and none that nobody asked for.
 #pragma once
 
+#include <toml++/toml.h>
+
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
-#include <toml++/toml.h>
 
 #include "core/base/error.h"
 #include "core/base/vec3.h"
@@ -80,8 +81,7 @@ class SceneTable {
       std::string known;
       for (const std::string& k : read_) known += (known.empty() ? "" : ", ") + k;
       throw InputError(describe(file_, "line " + std::to_string(key.source().begin.line),
-                                "unknown key '" + std::string(key.str()) + "'" +
-                                    (name_.empty() ? "" : " in " + name_),
+                                "unknown key '" + std::string(key.str()) + "'" + (name_.empty() ? "" : " in " + name_),
                                 "known are " + known));
     }
   }

@@ -1,6 +1,6 @@
 #include "render/viewer/band_tint.h"
 
-#include <optional>
+#include <vector>
 
 #include "render/viewer/projection.h"
 
@@ -12,6 +12,28 @@ constexpr float share = 0.65f;                                         // of the
 
 std::uint8_t mixed(std::uint8_t seen, float colour) {
   return static_cast<std::uint8_t>((1 - share) * static_cast<float>(seen) + share * colour + 0.5f);
+}
+
+// A model, and the way back from the picture to its space.
+struct Placed {
+  const MorphContext* morph;
+  Unprojection unproject;
+  Box3f bounds;  // grown by what vertices move
+  Placed(const ModelFrame& model, ImageSize size) : morph(&model.morph), unproject(model.view_projection, size) {
+    bounds = model.morph.hierarchy->cells.front().bounds;
+    const float margin = displacement_bound(model.morph.hierarchy->sigma0, 1) + 1e-3f;  // and by rounding
+    bounds.lo = bounds.lo - Vec3f{margin, margin, margin};
+    bounds.hi = bounds.hi + Vec3f{margin, margin, margin};
+  }
+};
+
+std::optional<float> lambda_at(const std::vector<Placed>& models, double x, double y, float depth) {
+  for (const Placed& model : models) {
+    const Vec3f p = to_float(model.unproject(x, y, depth));
+    if (!model.bounds.contains(p)) continue;
+    if (const auto lambda = band_lambda(*model.morph, p)) return lambda;
+  }
+  return {};
 }
 
 }  // namespace
@@ -26,8 +48,9 @@ std::optional<float> band_lambda(const MorphContext& morph, Vec3f p) {
   return {};
 }
 
-void tint_band(Image& image, const ViewProjection& vp, const MorphContext& morph, Scheduler& scheduler) {
-  const Unprojection unproject(vp, image.size);
+void tint_band(Image& image, const Frame& frame, Scheduler& scheduler) {
+  std::vector<Placed> models;
+  for (const ModelFrame& model : frame.models) models.emplace_back(model, image.size);
   const auto width = static_cast<std::size_t>(image.size.width), height = static_cast<std::size_t>(image.size.height);
   constexpr std::size_t rows = 16;
   scheduler.for_chunks(height, rows, [&](ChunkRange range) {
@@ -35,8 +58,8 @@ void tint_band(Image& image, const ViewProjection& vp, const MorphContext& morph
       for (std::size_t x = 0; x < width; ++x) {
         const std::size_t pixel = y * width + x;
         if (!(image.depth[pixel] < 1)) continue;
-        const Vec3d p = unproject(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, image.depth[pixel]);
-        const std::optional<float> lambda = band_lambda(morph, to_float(p));
+        const std::optional<float> lambda =
+            lambda_at(models, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, image.depth[pixel]);
         if (!lambda) continue;
         const Vec3f colour = *lambda * begin_colour + (1 - *lambda) * end_colour;
         std::uint8_t* rgb = &image.rgba[4 * pixel];

@@ -6,9 +6,11 @@
 // which is off by the displacement of the morph, at most sigma0 h_l / 2.
 #pragma once
 
+#include <optional>
+
 #include "parallel/scheduler.h"
+#include "render/frame.h"
 #include "render/image.h"
-#include "render/lod/morph.h"
 
 namespace lodestone::viewer {
 
@@ -16,7 +18,8 @@ namespace lodestone::viewer {
 [[nodiscard]] std::optional<float> band_lambda(const MorphContext& morph, Vec3f p);
 
 // Mixes the colour of the band into what is seen: blue where the band begins (lambda = 1), orange where it ends. The
-// background and what stands still keep their colour. `image` has depth; `vp` is that of its frame.
-void tint_band(Image& image, const ViewProjection& vp, const MorphContext& morph, Scheduler& scheduler);
+// background and what stands still keep their colour. `image` is the picture of the frame, with depth. Where several
+// models could be seen at a pixel, judging by their bounds, the first one in a band tells.
+void tint_band(Image& image, const Frame& frame, Scheduler& scheduler);
 
 }  // namespace lodestone::viewer

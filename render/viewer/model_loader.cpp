@@ -2,17 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
+#include <map>
 #include <utility>
 
 #include "core/hierarchy/family.h"
 #include "core/hierarchy/lode_format.h"
-#include "core/io/mesh_file.h"
 #include "parallel/cancelling_scheduler.h"
+#include "parallel/generate.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
 #include "parallel/save.h"
+#include "render/scene/scene_file.h"
 
 namespace lodestone::viewer {
 namespace {
@@ -26,6 +27,26 @@ std::uint64_t resident_bytes(const CellStream& stream) {
   return bytes;
 }
 
+bool is_hierarchy(const SceneModel& model) {
+  return !model.generate && (is_hierarchy_file(model.file) || std::filesystem::path(model.file).extension() == ".lode");
+}
+
+// Equal for models that are made of the same.
+std::string source_of(const SceneModel& model) {
+  if (!model.generate) return model.file + (model.fill_voids ? " filled" : "");
+  const GenerateConfig& g = *model.generate;
+  return "generated " + std::to_string(static_cast<int>(g.shape)) + ' ' + std::to_string(g.triangles) + ' ' +
+         std::to_string(g.seed);
+}
+
+std::string name_of_files(const std::vector<std::filesystem::path>& paths) {
+  if (paths.empty()) return {};
+  const std::filesystem::path& first = paths.front();
+  std::string name = (first.has_filename() ? first : first.parent_path()).filename().string();
+  if (paths.size() > 1) name += " and " + std::to_string(paths.size() - 1) + " more";
+  return name;
+}
+
 }  // namespace
 
 bool is_hierarchy_file(const std::filesystem::path& path) {
@@ -34,10 +55,35 @@ bool is_hierarchy_file(const std::filesystem::path& path) {
   return file.read(begin.data(), begin.size()) && begin == lode_magic;
 }
 
+// ---- what is opened ----
+
+bool Model::streamed() const {
+  return std::ranges::any_of(models, [](const OpenModel& m) { return m.resident != nullptr; });
+}
+
+std::uint64_t Model::resident_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const OpenModel& model : models) bytes += model.resident ? model.resident->bytes() : 0;
+  return bytes;
+}
+
+bool Model::complete() const {
+  return std::ranges::all_of(models, [](const OpenModel& m) { return !m.resident || m.resident->complete(); });
+}
+
+std::unique_ptr<Model> make_model(const std::string& name, Hierarchy hierarchy) {
+  auto model = std::make_unique<Model>();
+  model->name = name;
+  model->scene = scene_of(name);
+  model->sources.emplace_back().whole = std::move(hierarchy);
+  model->models.push_back({&*model->sources.back().whole, nullptr});
+  return model;
+}
+
+// ---- opening ----
+
 ModelLoader::ModelLoader(LoadConfig config, std::function<void()> wake)
-    : config_(std::move(config)), wake_(std::move(wake)) {
-  const std::filesystem::path file = config_.path.has_filename() ? config_.path : config_.path.parent_path();
-  name_ = file.filename().string();
+    : config_(std::move(config)), name_(name_of_files(config_.paths)), wake_(std::move(wake)) {
   job_ = std::make_unique<BackgroundJob>([this] { work(); }, wake_);
 }
 
@@ -69,33 +115,72 @@ void ModelLoader::work() {
   const std::unique_ptr<Scheduler> stopping = make_cancelling_scheduler(*scheduler, &cancel_);
   model_ = std::make_unique<Model>();
   model_->name = name_;
-  // What looks like a mesh by its name is one; what has no such name may be either, and the readers say what is wrong
-  // with a file that is neither.
-  if (is_hierarchy_file(config_.path) || config_.path.extension() == ".lode")
-    open_hierarchy(*stopping);
-  else
-    build(*stopping);
+  enter("opening");
+  read_scene();
+  choose_streaming();
+  std::map<std::string, Model::Source*> opened;
+  for (const SceneModel& model : model_->scene.models) {
+    if (cancel_) throw Cancelled{};
+    Model::Source*& source = opened[source_of(model)];
+    if (!source || source->resident) {  // what is loaded follows one place in the scene
+      source = &model_->sources.emplace_back();
+      open(model, *source, *stopping);
+    }
+    ResidentCells* const resident = source->resident ? &*source->resident : nullptr;
+    model_->models.push_back({resident ? &resident->hierarchy() : &*source->whole, resident});
+  }
   if (cancel_) throw Cancelled{};
 }
 
-void ModelLoader::open_hierarchy(Scheduler& scheduler) {
-  enter("loading");
-  Model& model = *model_;
-  model.stream.emplace(config_.path);
-  if (resident_bytes(*model.stream) > config_.memory_budget) {
-    model.resident.emplace(*model.stream, ResidencyConfig{.budget_bytes = config_.memory_budget});
-  } else {
-    model.stream.reset();
-    model.whole.emplace(load_lode(config_.path, scheduler));
+void ModelLoader::read_scene() {
+  const std::string first = config_.paths.front().string();
+  model_->is_scene_file = is_scene_file(first);
+  model_->scene = model_->is_scene_file ? lodestone::read_scene(first) : scene_of(first);
+  for (std::size_t i = 1; i < config_.paths.size() && !model_->is_scene_file; ++i) {
+    Scene other = scene_of(config_.paths[i].string());
+    model_->scene.models.push_back(std::move(other.models.front()));
   }
 }
 
-void ModelLoader::build(Scheduler& scheduler) {
+// All hierarchies of the scene together fit into the budget, or each has its share of it.
+void ModelLoader::choose_streaming() {
+  std::uint64_t bytes = 0, count = 0;
+  for (const SceneModel& model : model_->scene.models) {
+    if (!is_hierarchy(model)) continue;
+    bytes += resident_bytes(CellStream(model.file));
+    ++count;
+  }
+  budget_ = bytes > config_.memory_budget ? std::max<std::uint64_t>(config_.memory_budget / count, 1) : 0;
+}
+
+void ModelLoader::open(const SceneModel& model, Model::Source& source, Scheduler& scheduler) {
+  if (is_hierarchy(model)) {
+    enter("loading");
+    if (budget_ == 0) {
+      source.whole.emplace(load_lode(model.file, scheduler));
+      return;
+    }
+    source.stream.emplace(model.file);
+    source.resident.emplace(*source.stream, ResidencyConfig{.budget_bytes = budget_});
+    return;
+  }
+  if (model.generate) {
+    enter("generating");
+    source.whole.emplace(build(generate_mesh(*model.generate), model.name, scheduler));
+    return;
+  }
   enter("reading");
-  RawMesh raw = load_mesh(config_.path, scheduler, config_.reading);
+  ReadConfig reading = config_.reading;
+  reading.fill_voids = reading.fill_voids || model.fill_voids;
+  RawMesh raw = load_mesh(model.file, scheduler, reading);
+  model_->warnings.insert(model_->warnings.end(), raw.warnings.begin(), raw.warnings.end());
+  source.whole.emplace(build(std::move(raw), model.file, scheduler));
+}
+
+Hierarchy ModelLoader::build(RawMesh raw, const std::string& name, Scheduler& scheduler) {
   enter("welding");
   Repairs repairs;
-  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler, config_.path.string());
+  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler, name);
   enter("building", 0.0f);
   BuildConfig build = config_.build;
   build.cancel = &cancel_;
@@ -104,8 +189,9 @@ void ModelLoader::build(Scheduler& scheduler) {
     shown = share;
     enter("building", static_cast<float>(std::clamp(share, 0.0, 1.0)));
   };
-  model_->whole.emplace(build_hierarchy(std::move(mesh), build, scheduler));
-  model_->whole->provenance.repairs = repairs;
+  Hierarchy hierarchy = build_hierarchy(std::move(mesh), build, scheduler);
+  hierarchy.provenance.repairs = repairs;
+  return hierarchy;
 }
 
 }  // namespace lodestone::viewer

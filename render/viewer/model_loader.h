@@ -1,14 +1,16 @@
-// Opening a model while the window goes on: a .lode file is loaded or streamed, a mesh is built into a hierarchy in
-// memory. Nothing is written.
+// Opening a scene or model while the window goes on: hierarchies are loaded or streamed, meshes are built into
+// hierarchies in memory. Nothing is written.
 #pragma once
 
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/io/read_config.h"
 #include "parallel/background_job.h"
@@ -16,22 +18,38 @@
 #include "parallel/cell_stream.h"
 #include "parallel/scheduler.h"
 #include "render/lod/resident_cells.h"
+#include "render/scene/scene_view.h"
 
 namespace lodestone::viewer {
 
-// What the viewer looks at: a whole hierarchy, or what is there of a streamed one.
+// What the viewer looks at: a scene, its models opened.
 struct Model {
+  struct Source {
+    std::optional<CellStream> stream;
+    std::optional<ResidentCells> resident;
+    std::optional<Hierarchy> whole;
+  };
   std::string name;  // the file's, without its folder
-  std::optional<CellStream> stream;
-  std::optional<ResidentCells> resident;
-  std::optional<Hierarchy> whole;
-  [[nodiscard]] const Hierarchy& hierarchy() const { return whole ? *whole : resident->hierarchy(); }
+  Scene scene;
+  bool is_scene_file = false;  // it has lights and a camera of its own
+  std::list<Source> sources;   // do not move: others point to them
+  std::vector<OpenModel> models;
+  std::vector<std::string> warnings;
+
+  [[nodiscard]] const Hierarchy& hierarchy(std::size_t model = 0) const { return *models[model].hierarchy; }
+  [[nodiscard]] bool streamed() const;
+  // Of the cells in memory, of what is streamed.
+  [[nodiscard]] std::uint64_t resident_bytes() const;
+  [[nodiscard]] bool complete() const;
 };
+// A hierarchy alone, as a file of it would be opened.
+[[nodiscard]] std::unique_ptr<Model> make_model(const std::string& name, Hierarchy hierarchy);
 
 struct LoadConfig {
-  std::filesystem::path path;
+  // A scene (.toml), or hierarchies (.lode) and meshes, which then stand beside each other as they are.
+  std::vector<std::filesystem::path> paths;
   int threads = 0;  // as make_tbb_scheduler
-  // A file whose cells take more than this in memory is streamed, with this as its budget.
+  // Hierarchies whose cells take more than this in memory are streamed, with this as their budget.
   std::uint64_t memory_budget = std::uint64_t{2} << 30;
   ReadConfig reading{};  // of meshes
   BuildConfig build{};   // likewise; cancel and progress are the loader's own
@@ -61,8 +79,10 @@ class ModelLoader {
 
  private:
   void work();
-  void open_hierarchy(Scheduler& scheduler);
-  void build(Scheduler& scheduler);
+  void read_scene();
+  void choose_streaming();
+  void open(const SceneModel& model, Model::Source& source, Scheduler& scheduler);
+  [[nodiscard]] Hierarchy build(RawMesh raw, const std::string& name, Scheduler& scheduler);
   void enter(std::string phase, std::optional<float> share = {});
 
   LoadConfig config_;
@@ -70,7 +90,8 @@ class ModelLoader {
   std::function<void()> wake_;
   CancelFlag cancel_{false};
   mutable std::mutex mutex_;
-  LoadStatus status_;  // with the lock held
+  LoadStatus status_;         // with the lock held
+  std::uint64_t budget_ = 0;  // of each hierarchy that is streamed; 0: none is
   std::unique_ptr<Model> model_;
   std::unique_ptr<BackgroundJob> job_;  // the last member: it ends before what it uses
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "render/shading.h"
 
@@ -48,11 +49,25 @@ std::string key_name(char key) {
 }
 
 void show_model(const PanelFacts& facts, PanelRequests& requests) {
-  const Hierarchy& hierarchy = facts.model->hierarchy();
-  ImGui::Text("%s", facts.model->name.c_str());
-  ImGui::Text("%s triangles, %d levels, %s cells", count(hierarchy.provenance.input_triangles).c_str(),
-              hierarchy.finest() + 1, count(hierarchy.cells.size()).c_str());
-  ImGui::Text("sigma0 %.3g", static_cast<double>(hierarchy.sigma0));
+  const Model& model = *facts.model;
+  std::uint64_t triangles = 0, cells = 0;
+  int levels = 0;
+  std::pair sigma0{model.hierarchy().sigma0, model.hierarchy().sigma0};
+  for (const OpenModel& m : model.models) {
+    triangles += m.hierarchy->provenance.input_triangles;
+    cells += m.hierarchy->cells.size();
+    levels = std::max(levels, m.hierarchy->finest() + 1);
+    sigma0 = {std::min(sigma0.first, m.hierarchy->sigma0), std::max(sigma0.second, m.hierarchy->sigma0)};
+  }
+  ImGui::Text("%s", model.name.c_str());
+  if (model.models.size() > 1) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("%d models", static_cast<int>(model.models.size()));
+  }
+  ImGui::Text("%s triangles, %d levels, %s cells", count(triangles).c_str(), levels, count(cells).c_str());
+  ImGui::Text("sigma0 %s", sigma0.first == sigma0.second
+                               ? text("%.3g", sigma0.first).c_str()
+                               : (text("%.3g", sigma0.first) + " to " + text("%.3g", sigma0.second)).c_str());
   if (ImGui::BeginCombo("backend", facts.backend.c_str())) {
     for (const std::string& name : facts.backends)
       if (ImGui::Selectable(name.c_str(), name == facts.backend) && name != facts.backend) requests.backend = name;
@@ -90,7 +105,9 @@ void edit_kappa0(ViewSettings& settings, const Admissibility& found) {
 
 void edit_detail(const PanelFacts& facts, ViewState& state) {
   ViewSettings& settings = state.current();
-  const Admissibility found = admissibility(facts.model->hierarchy(), settings, state.metric);
+  std::vector<const Hierarchy*> models;
+  for (const OpenModel& model : facts.model->models) models.push_back(model.hierarchy);
+  const Admissibility found = admissibility(models, settings, state.metric);
   int by = settings.by_kappa0 ? 1 : 0;
   ImGui::RadioButton("tolerance in pixels", &by, 0);
   ImGui::SameLine();
@@ -149,13 +166,12 @@ void show_statistics(const PanelFacts& facts) {
   if (!facts.report) return;
   const ViewReport& report = *facts.report;
   ImGui::Text("%s triangles in %s cells", count(report.stats.triangles).c_str(), count(report.stats.cells).c_str());
-  ImGui::Text("%.1f ms, selection %.2f ms of %s cells", report.total_milliseconds, report.select_milliseconds,
-              count(report.visited).c_str());
+  ImGui::Text("%.1f ms, selection %.2f ms", report.total_milliseconds, report.select_milliseconds);
   for (const auto& [stage, milliseconds] : report.stats.milliseconds)
     if (stage != "total") ImGui::TextDisabled("  %s %.2f ms", stage.c_str(), milliseconds);
-  if (facts.model && facts.model->resident)
-    ImGui::Text("%.0f MB in memory%s", static_cast<double>(facts.resident_bytes) * 1e-6,
-                facts.complete ? "" : ", loading");
+  if (facts.model && facts.model->streamed())
+    ImGui::Text("%.0f MB in memory%s", static_cast<double>(facts.model->resident_bytes()) * 1e-6,
+                facts.model->complete() ? "" : ", more is missing");
   ImGui::Text("resolution %.0f %%", 100 * facts.scale);
   const std::vector<float>& times = facts.frame_milliseconds;
   const float highest = times.empty() ? 1 : *std::max_element(times.begin(), times.end());

@@ -21,8 +21,6 @@ struct PanelFacts {
   const ViewReport* report = nullptr;  // of the chosen settings' last frame
   std::vector<float> frame_milliseconds;
   double scale = 1;  // of the resolution
-  std::uint64_t resident_bytes = 0;
-  bool complete = true;
   bool recording = false, playing = false, has_path = false;
   std::optional<LoadStatus> loading;  // of the file that is being opened
   std::string loading_name;

@@ -80,12 +80,11 @@ Image read_window(ImageSize size) {
 }
 
 void clear_window(ImageSize size) {
-  const auto part = [](std::size_t k) { return static_cast<float>(shading::background[k]) / 255; };
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glViewport(0, 0, size.width, size.height);
   glDisable(GL_SCISSOR_TEST);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  glClearColor(part(0), part(1), part(2), 1);
+  glClearColor(shading::background.x, shading::background.y, shading::background.z, 1);
   glClear(GL_COLOR_BUFFER_BIT);
 }
 

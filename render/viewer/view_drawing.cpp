@@ -20,158 +20,116 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-Vec3f head_light(const Camera& camera) {
-  const Vec3d back = camera.position - camera.target;
-  return to_float((1 / length(back)) * back);
-}
-
-bool equal(DetailLimits a, DetailLimits b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const DetailLimit& p, const DetailLimit& q) { return p.box == q.box && p.radius == q.radius; });
-}
-
 }  // namespace
+
+ViewConfig view_config(const Scene& scene, const ViewState& state, std::size_t settings, ImageSize size) {
+  const ViewSettings& wanted = state.settings[settings];
+  ViewConfig config = lodestone::view_config(scene, size);
+  config.samples = wanted.samples;
+  config.radii = radii_config(wanted, state.metric, size, state.camera.vertical_fov);
+  config.radii.delta = scene.radii.delta;
+  config.blend = wanted.blend;
+  if (wanted.tint) config.setting.level_tint = 1;
+  if (wanted.wireframe) config.setting.wireframe = wire_opacity;
+  if (wanted.overdraw) config.setting.overdraw = true;
+  return config;
+}
 
 void ViewDrawing::set_renderer(Renderer* renderer) {
   renderer_ = renderer;
-  ++backend_revision_;
-  upload();
+  restart();
 }
 
 void ViewDrawing::set_model(Model* model) {
   model_ = model;
-  for (PerView& view : views_) view = {};
-  last_limits_.clear();
-  ++model_revision_;
-  upload();
+  try {
+    restart();
+  } catch (...) {
+    model_ = nullptr;
+    for (PerView& view : views_) view = {};
+    throw;
+  }
 }
 
-void ViewDrawing::upload() {
+// Nothing that was drawn before counts any more.
+void ViewDrawing::restart() {
+  for (PerView& view : views_) {
+    view = {};
+    if (model_) view.scene.emplace(model_->scene, model_->models);
+  }
   if (!ready()) return;
-  renderer_->upload(model_->hierarchy());
+  views_.front().scene->upload(*renderer_);
   ++counts_.uploads;
 }
 
-FrameKey ViewDrawing::key(const ViewState& state, std::size_t settings, ImageSize size) const {
-  FrameKey key{state.camera,   state.settings[settings], state.metric,     size, state.frozen, 0,
-               load_revision_, model_revision_,          backend_revision_};
-  if (state.frozen) key.freezes = state.freezes;
-  key.settings.boxes = false;  // drawn over the picture
-  return key;
+bool ViewDrawing::look(PerView& per_view, const Camera& camera, const ViewConfig& config,
+                       const std::vector<ViewConfig>& beside) {
+  const bool changed = per_view.scene->look(camera, config, beside);
+  if (changed && !per_view.frozen) ++counts_.selections;
+  return changed;
 }
 
-void ViewDrawing::stream(const ViewState& state, const std::vector<View>& views) {
-  streaming_ = false;
-  if (!ready() || !model_->resident || state.frozen || views.empty()) return;
-  ResidentCells& resident = *model_->resident;
-  // The largest radius of each level that any of them asks for: what is limited for it is limited for all.
-  Radii largest;
-  for (const View& view : views) {
-    const Radii radii = make_radii(resident.hierarchy(), radii_config(state.settings[view.settings], state.metric,
-                                                                      view.size, state.camera.vertical_fov));
-    if (largest.select.empty()) largest = radii;
-    for (std::size_t l = 0; l < radii.select.size(); ++l)
-      largest.select[l] = std::max(largest.select[l], radii.select[l]);
-  }
-  const ImageSize widest = std::max_element(views.begin(), views.end(), [](const View& a, const View& b) {
-                             return a.size.width * b.size.height < b.size.width * a.size.height;
-                           })->size;
-  const Frustum frustum = frustum_of(view_projection(state.camera, resident.hierarchy(), widest));
-  resident.update(largest, viewpoint(state.camera, resident.hierarchy().transform), &frustum);
-  renderer_->refresh(0, resident.went(), resident.came());
-  const DetailLimits limits = resident.limits();
-  streaming_ = !resident.went().empty() || !resident.came().empty() || !equal(limits, last_limits_);
-  last_limits_.assign(limits.begin(), limits.end());
-  if (streaming_) ++load_revision_;
+// What the frozen camera saw is selected, if it is not what was drawn last, and kept.
+void ViewDrawing::freeze(PerView& per_view, const ViewState& state, const View& view,
+                         const std::vector<ViewConfig>& beside) {
+  // What is there of a streamed scene was chosen for a selection that was frozen before: this one is made like it.
+  const PerView& other = &per_view == &views_[0] ? views_[1] : views_[0];
+  const bool alike = model_->streamed() && other.frozen && other.freezes == state.freezes;
+  const std::size_t settings = alike ? 1 - view.settings : view.settings;
+  const ViewConfig config = view_config(model_->scene, state, settings, view.full_size);
+  // The renderer hears of what has come and gone when it draws.
+  if (look(per_view, state.frozen_from, config, beside)) (void)per_view.scene->draw(*renderer_);
+  per_view.scene->freeze(true);
+  per_view.frozen = true;
+  per_view.freezes = state.freezes;
+  per_view.frozen_by.clear();
+  for (const ModelFrame& model : per_view.scene->frame().models) per_view.frozen_by.push_back(model.view_projection);
 }
 
-bool ViewDrawing::complete() const { return !model_ || !model_->resident || model_->resident->complete(); }
-
-std::uint64_t ViewDrawing::resident_bytes() const { return model_ && model_->resident ? model_->resident->bytes() : 0; }
-
-void ViewDrawing::select(const ViewState& state, const ViewSettings& settings, const Camera& camera, ImageSize size,
-                         Selected& out) {
-  const Hierarchy& hierarchy = model_->hierarchy();
-  out.radii = make_radii(hierarchy, radii_config(settings, state.metric, size, camera.vertical_fov));
-  out.viewpoint = viewpoint(camera, hierarchy.transform);
-  out.vp = view_projection(camera, hierarchy, size);
-  out.limits.clear();
-  if (model_->resident) {
-    const DetailLimits limits = model_->resident->limits();
-    out.limits.assign(limits.begin(), limits.end());
-  }
-  const Frustum frustum = frustum_of(out.vp);
-  select_cells(hierarchy, out.radii, out.viewpoint, {&frustum, false, out.limits}, out.selection);
-  ++counts_.selections;
-}
-
-MorphContext ViewDrawing::morph(const PerView& view) const {
-  const Selected& shown = view.shown();
-  return {&model_->hierarchy(), &shown.radii, view.blend, shown.viewpoint, shown.limits};
-}
-
-Frame ViewDrawing::frame_of(const ViewState& state, const ViewSettings& settings, const PerView& view,
-                            ImageSize size) const {
-  Frame frame;
-  frame.size = size;
-  frame.samples = settings.samples;
-  frame.setting.level_tint = settings.tint ? 1.0f : 0.0f;
-  frame.setting.wireframe = settings.wireframe ? wire_opacity : 0.0f;
-  frame.setting.overdraw = settings.overdraw;
-  frame.effects.set(Effect::overdraw, settings.overdraw);
-  ModelFrame& model = frame.only();
-  model.morph = morph(view);
-  model.selection = &view.shown().selection;
-  model.view_projection = view.vp;
-  model.towards_eye = head_light(state.camera);
-  model.effects.set(Effect::level_tint, settings.tint);
-  model.effects.set(Effect::wireframe, settings.wireframe);
-  return frame;
-}
-
-const ViewReport& ViewDrawing::draw(const ViewState& state, std::size_t settings, ImageSize size, ImageSize full_size) {
+bool ViewDrawing::draw(const ViewState& state, const View& view, const std::vector<View>& together) {
   const Stopwatch total;
-  PerView& view = views_[settings];
-  const ViewSettings& wanted = state.settings[settings];
-  // Before anything changes: it refuses cameras that cannot be drawn.
-  const ViewProjection vp = view_projection(state.camera, model_->hierarchy(), size);
-  if (!state.frozen) {
-    view.frozen.reset();
-    select(state, wanted, state.camera, size, view.live);
-  } else if (!view.frozen || view.freezes != state.freezes) {
-    view.frozen.emplace();
-    view.freezes = state.freezes;
-    // What of a streamed model is there was chosen for the settings that were shown: others are shown with those.
-    const PerView& other = views_[1 - settings];
-    if (model_->resident && other.frozen && other.freezes == state.freezes)
-      view.frozen = other.frozen;
-    else
-      select(state, wanted, state.frozen_from, full_size, *view.frozen);
+  PerView& per_view = views_[view.settings];
+  std::vector<ViewConfig> beside;
+  for (const View& other : together)
+    if (other.settings != view.settings)
+      beside.push_back(view_config(model_->scene, state, other.settings, other.size));
+  if (per_view.frozen && (!state.frozen || per_view.freezes != state.freezes)) {
+    per_view.scene->freeze(false);
+    per_view.frozen = false;
+    per_view.frozen_by.clear();
   }
-  view.vp = vp;
-  view.blend = wanted.blend;
-  view.report.select_milliseconds = total.milliseconds();
-  view.report.visited = view.shown().selection.visited;
-  view.report.admissible = view.shown().radii.admissible;
+  if (state.frozen && !per_view.frozen) freeze(per_view, state, view, beside);
 
-  view.report.stats = renderer_->draw(frame_of(state, wanted, view, size));
+  const ViewSettings& wanted = state.settings[view.settings];
+  const bool changed =
+      look(per_view, state.camera, view_config(model_->scene, state, view.settings, view.size), beside);
+  if (!changed && per_view.band == wanted.band) return false;
+  ViewReport& report = per_view.report;
+  report.select_milliseconds = total.milliseconds();
+  // The band is painted over a picture that the renderer may have no more.
+  report.stats = changed ? per_view.scene->draw(*renderer_) : renderer_->draw(per_view.scene->frame());
+  per_view.band = wanted.band;
+  report.selected = 0;
+  for (const ModelFrame& model : per_view.scene->frame().models) report.selected += model.selection->cells.size();
+  report.total_milliseconds = total.milliseconds();
   ++counts_.draws;
-  view.report.total_milliseconds = total.milliseconds();
-  return view.report;
+  return true;
 }
 
 void ViewDrawing::tint_band(std::size_t settings, Image& image) const {
-  const PerView& view = views_[settings];
-  viewer::tint_band(image, view.vp, morph(view), scheduler_);
+  viewer::tint_band(image, views_[settings].scene->frame(), scheduler_);
 }
 
 std::vector<Line> ViewDrawing::box_lines(std::size_t settings, ImageSize size) const {
   std::vector<Line> lines;
   if (!ready()) return lines;
-  const PerView& view = views_[settings];
-  for (const SelectedCell& selected : view.shown().selection.cells)
-    if (selected.visible)
-      project_box(view.vp, size, model_->hierarchy().cells[selected.cell].bounds, selected.level, lines);
+  for (const ModelFrame& model : frame(settings).models) {
+    if (!model.selection) continue;
+    for (const SelectedCell& selected : model.selection->cells)
+      if (selected.visible)
+        project_box(model.view_projection, size, model.morph.hierarchy->cells[selected.cell].bounds, selected.level,
+                    lines);
+  }
   normalise_nearness(lines);
   return lines;
 }
@@ -179,17 +137,22 @@ std::vector<Line> ViewDrawing::box_lines(std::size_t settings, ImageSize size) c
 std::vector<Line> ViewDrawing::frozen_lines(std::size_t settings, ImageSize size) const {
   std::vector<Line> lines;
   const PerView& view = views_[settings];
-  if (ready() && view.frozen) project_frustum(view.vp, size, view.frozen->vp, lines);
+  // All models share the picture's space: the first tells.
+  if (ready() && view.frozen)
+    project_frustum(frame(settings).models.front().view_projection, size, view.frozen_by.front(), lines);
   return lines;
 }
 
 std::optional<Vec3d> ViewDrawing::pick(const ViewState& state, std::size_t settings, ImageSize size, int x, int y) {
   if (!ready()) return {};
-  (void)draw(state, settings, size, size);
-  const auto point = viewer::pick(renderer_->read_back(), views_[settings].vp, x, y);
+  const PerView& view = views_[settings];
+  if (!draw(state, settings, size)) {
+    (void)renderer_->draw(view.scene->frame());
+    ++counts_.draws;
+  }
+  const auto point = viewer::pick(renderer_->read_back(), view.scene->frame().models.front().view_projection, x, y);
   if (!point) return {};
-  const Transform& transform = model_->hierarchy().transform;
-  return transform.origin + transform.scale * *point;
+  return view.scene->placement(0)(*point);
 }
 
 }  // namespace lodestone::viewer

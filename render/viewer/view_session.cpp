@@ -16,15 +16,38 @@ constexpr double message_seconds = 6, error_seconds = 20;
 
 bool is_camera_path(const fs::path& file) { return file.extension() == ".json" && file.filename() != "tileset.json"; }
 
+// A scene says how it is drawn; what was set by hand before stays.
+void take_settings(const Scene& scene, ViewState& state) {
+  for (ViewSettings& settings : state.settings) {
+    const ViewSettings untouched;
+    if (settings.pixel_error == untouched.pixel_error) settings.pixel_error = scene.radii.pixel_error;
+    if (settings.blend == untouched.blend) settings.blend = scene.blend;
+    if (scene.radii.kappa0 && !settings.by_kappa0) {
+      settings.by_kappa0 = true;
+      settings.kappa0 = *scene.radii.kappa0;
+      settings.rule = scene.radii.rule;
+    }
+    settings = sane(settings);
+  }
+}
+
+// The way of a scene, to be played. One that flies down to a surface has to know the surface, which a streamed model
+// does not.
+std::vector<Camera> way_through(const SceneView& scene, bool streamed) {
+  if (streamed && scene.scene().camera.path == "fly-in") return {};
+  return camera_path(scene);
+}
+
 }  // namespace
 
 ViewSession::ViewSession(SessionConfig config, Scheduler& scheduler)
     : config_(std::move(config)), drawing_(scheduler) {}
 
-void ViewSession::open(const fs::path& file, double now) {
+void ViewSession::open(const std::vector<fs::path>& files, double now) {
+  if (files.empty()) return;
   try {
-    if (is_camera_path(file)) {
-      play(read_camera_keys(file.string()), now);
+    if (is_camera_path(files.front())) {
+      play(read_camera_keys(files.front().string()), now);
       return;
     }
   } catch (const Error& error) {
@@ -33,20 +56,36 @@ void ViewSession::open(const fs::path& file, double now) {
   }
   loader_.reset();
   LoadConfig load = config_.load;
-  load.path = file;
+  load.paths = files;
   loader_ = std::make_unique<ModelLoader>(std::move(load), config_.wake);
 }
 
 bool ViewSession::collect() {
   if (!loader_ || !loader_->ended()) return false;
   const std::unique_ptr<ModelLoader> loader = std::move(loader_);
-  std::unique_ptr<Model> opened = loader->take();
-  drawing_.set_model(opened.get());  // the renderer lets go of the old one before it ends
-  model_ = std::move(opened);
-  stop_moving();
-  look_at(state, model_->hierarchy());
-  seen_ = drawable_ = state.camera;
+  show(loader->take());
   return true;
+}
+
+void ViewSession::show(std::unique_ptr<Model> model) {
+  try {
+    drawing_.set_model(model.get());  // the renderer lets go of the old one before it ends
+  } catch (const Error&) {
+    drawing_.set_model(model_.get());
+    throw;
+  }
+  model_ = std::move(model);
+  stop_moving();
+  path_.clear();
+  const Sphere all = drawing_.bounding_sphere();
+  Camera from = orbit_path(all, 1).front();
+  if (model_->is_scene_file) {
+    take_settings(model_->scene, state);
+    path_ = way_through(drawing_.scene_view(), model_->streamed());
+    if (!path_.empty()) from = path_.front();
+  }
+  look_at(state, all, from);
+  seen_ = drawable_ = state.camera;
 }
 
 void ViewSession::stop_moving() {

@@ -26,7 +26,7 @@ struct Message {
 };
 
 struct SessionConfig {
-  LoadConfig load;  // for every file; the path is replaced
+  LoadConfig load;  // for all files; the paths are replaced
   std::filesystem::path folder = ".";
   std::function<void()> wake;                   // ModelLoader's
   std::function<void(const std::string&)> say;  // may be empty
@@ -44,9 +44,9 @@ class ViewSession {
   [[nodiscard]] ViewDrawing& drawing() { return drawing_; }
   [[nodiscard]] const ViewDrawing& drawing() const { return drawing_; }
 
-  // Begins to open a file in the background, in place of one that is being opened. A camera path (.json that is no
-  // tileset) is read at once and played.
-  void open(const std::filesystem::path& file, double now);
+  // Begins to open files in the background, in place of what is being opened; several meshes and hierarchies are shown
+  // together. A camera path (.json that is no tileset) is read at once and played.
+  void open(const std::vector<std::filesystem::path>& files, double now);
   [[nodiscard]] const ModelLoader* loader() const { return loader_.get(); }
   // Shows the model that has been opened since; true when there is a new one. Throws what opening it threw.
   bool collect();
@@ -84,6 +84,7 @@ class ViewSession {
 
  private:
   [[nodiscard]] std::string free_name(const std::string& stem, const std::string& extension) const;
+  void show(std::unique_ptr<Model> model);
   void toggle_recording(double now);
   void stop_moving();
 

@@ -43,11 +43,14 @@ RadiiConfig radii_config(const ViewSettings& settings, DistanceMetric metric, Im
   return config;
 }
 
-Admissibility admissibility(const Hierarchy& hierarchy, const ViewSettings& settings, DistanceMetric metric) {
+Admissibility admissibility(std::span<const Hierarchy* const> models, const ViewSettings& settings,
+                            DistanceMetric metric) {
   const RadiiConfig config = radii_config(settings, metric, {}, Camera{}.vertical_fov);
   Admissibility result;
-  result.least_kappa0 = reach(hierarchy, metric) + 3 * config.delta;
-  result.admissible = make_radii(hierarchy, config).admissible;
+  for (const Hierarchy* model : models) {
+    result.least_kappa0 = std::max(result.least_kappa0, reach(*model, metric) + 3 * config.delta);
+    result.admissible = result.admissible && make_radii(*model, config).admissible;
+  }
   result.continuous = settings.blend != Blend::step;
   if (!result.admissible) result.remark = inadmissible(*config.kappa0, result.least_kappa0);
   if (!result.continuous) {

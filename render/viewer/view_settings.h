@@ -1,6 +1,7 @@
 // What one picture of the viewer is drawn with; a split screen has two of them.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "render/camera.h"
@@ -39,7 +40,7 @@ struct Admissibility {
   float least_kappa0 = 0;  // the uniform rule is admissible above it: rho + 3 delta
   std::string remark;      // what is wrong, and what would be right; empty when nothing is
 };
-[[nodiscard]] Admissibility admissibility(const Hierarchy& hierarchy, const ViewSettings& settings,
+[[nodiscard]] Admissibility admissibility(std::span<const Hierarchy* const> models, const ViewSettings& settings,
                                           DistanceMetric metric);
 
 }  // namespace lodestone::viewer

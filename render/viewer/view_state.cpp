@@ -7,11 +7,6 @@
 namespace lodestone::viewer {
 namespace {
 
-double extent(const Hierarchy& hierarchy) {
-  const Box3f& box = hierarchy.cells.front().bounds;
-  return hierarchy.transform.scale * length(to_double(box.hi - box.lo));
-}
-
 void scale_detail(ViewSettings& settings, float factor) {
   if (settings.by_kappa0)
     settings.kappa0 /= factor;
@@ -102,10 +97,9 @@ void apply(Action action, ViewState& state) {
   }
 }
 
-void look_at(ViewState& state, const Hierarchy& hierarchy) {
-  state.home = orbit_path(hierarchy, 1).front();
-  state.camera = state.home;
-  state.fly_speed = 0.25 * extent(hierarchy);
+void look_at(ViewState& state, const Sphere& all, const Camera& from) {
+  state.home = state.camera = from;
+  state.fly_speed = 0.5 * all.radius;
   state.frozen = false;
 }
 

@@ -83,8 +83,8 @@ struct ActionKey {
 // moving home gently, the end) is left to it.
 void apply(Action action, ViewState& state);
 
-// Starts to look at a model: home, speed, nothing frozen. The settings stay.
-void look_at(ViewState& state, const Hierarchy& hierarchy);
+// Starts to look at something new: camera, home, speed of flight, nothing frozen. The settings stay.
+void look_at(ViewState& state, const Sphere& all, const Camera& from);
 
 // Where the pictures lie in a window of this size, by settings: one, or two side by side with a line of
 // `split_gap` pixels between them. A rectangle without pixels is not drawn.

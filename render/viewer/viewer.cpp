@@ -47,7 +47,7 @@ class Viewer {
   ~Viewer() { on_display_lost({}); }
 
   ViewerResult run() {
-    if (!config_.load.path.empty()) session_.open(config_.load.path, Window::now());
+    session_.open(config_.load.paths, Window::now());
     while (!window_.closing()) {
       wait();
       if (config_.cancel && *config_.cancel) throw Cancelled{};
@@ -101,11 +101,14 @@ class Viewer {
     const double now = Window::now();
     collect(now);
     session_.advance(now);
-    std::vector<Event> events = window_.take_events();
+    const std::vector<Event> events = window_.take_events();
     const ImageSize size = window_.size();
-    if (!events.empty()) settling_ = settling_frames;
+    const bool message = session_.message(now) != nullptr;
+    if (!events.empty() || message != std::exchange(had_message_, message)) settling_ = settling_frames;
     if (size.width < 1 || size.height < 1) return hear_without_picture(events, now);
-    if (!something_to_show(size, now)) return;
+    // With nothing to say to the window, it is shown again only where a picture has changed.
+    const bool drawn = settling_ == 0 && draw_views(size, session_.resolution.scale(now));
+    if (settling_ == 0 && !drawn) return;
     settling_ = std::max(0, settling_ - 1);
 
     gui_.begin_frame();
@@ -114,7 +117,7 @@ class Viewer {
     session_.advance(now);
     const bool screenshot = session_.take_screenshot_request();
     if (!screenshot) show_panel(now);
-    guarded([&] { draw_views(size, screenshot ? 1 : session_.resolution.scale(now)); });
+    if (!drawn) (void)draw_views(size, screenshot ? 1 : session_.resolution.scale(now));
     show_views(size, !screenshot);
     clear_window(size);
     gui_.end_frame();
@@ -142,7 +145,7 @@ class Viewer {
       show_name();
     } catch (const Error& error) {
       // What the command line named must be there; what was dropped into the window may be anything.
-      if (first && !config_.load.path.empty()) throw;
+      if (first && !config_.load.paths.empty()) throw;
       session_.tell(error.what(), true, now);
       show_name();
     }
@@ -172,22 +175,13 @@ class Viewer {
     settling_ = std::max(settling_, 1);
   }
 
-  // Only then the window is drawn again.
-  bool something_to_show(ImageSize size, double now) {
-    const bool message = session_.message(now) != nullptr;
-    if (message != std::exchange(had_message_, message)) settling_ = settling_frames;
-    if (settling_ > 0 || session_.animated() || stream(size, now)) return true;
-    for (const ViewRect& view : layout(session_.state, size))
-      if (session_.drawing().ready() && shown_keys_[view.settings] != key(view, session_.resolution.scale(now)))
-        return true;
-    return false;
-  }
-
   void hear_without_picture(const std::vector<Event>& events, double now) {
     for (const Event& event : events)
-      if (event.kind == Event::Kind::drop && !event.files.empty()) session_.open(event.files.front(), now);
+      if (event.kind == Event::Kind::drop) drop(event, now);
     settling_ = 0;
   }
+
+  void drop(const Event& event, double now) { session_.open({event.files.begin(), event.files.end()}, now); }
 
   void hear(const Event& event, ImageSize size) {
     Navigation& navigation = session_.navigation;
@@ -213,7 +207,7 @@ class Viewer {
         (void)navigation.key(state, event.key, false, event.shift);
         return;
       case Event::Kind::drop:
-        if (!event.files.empty()) session_.open(event.files.front(), event.time);
+        drop(event, event.time);
         return;
       case Event::Kind::focus_lost:
         navigation.let_go();
@@ -243,8 +237,6 @@ class Viewer {
     if (drawing.ready()) facts.report = &drawing.report(state.chosen);
     facts.frame_milliseconds = session_.frame_times.in_order();
     facts.scale = shown_scale_;
-    facts.resident_bytes = drawing.resident_bytes();
-    facts.complete = drawing.complete();
     facts.recording = session_.recording();
     facts.playing = session_.playing();
     facts.has_path = session_.has_path();
@@ -268,62 +260,55 @@ class Viewer {
     return {side(rect.width), side(rect.height)};
   }
 
-  FrameKey key(const ViewRect& view, double scale) const {
-    return session_.drawing().key(session_.state, view.settings, scaled(view.rect, scale));
-  }
-
-  // Takes in what has been loaded; true when pictures change by it.
-  bool stream(ImageSize size, double now) {
+  // Draws what has changed; whether anything has.
+  bool draw_views(ImageSize size, double scale) {
+    if (!session_.drawing().ready()) return false;
+    const double begin = Window::now();
     std::vector<ViewDrawing::View> views;
     for (const ViewRect& view : layout(session_.state, size))
-      views.push_back({view.settings, scaled(view.rect, session_.resolution.scale(now))});
-    guarded([&] { session_.drawing().stream(session_.state, views); });
-    const bool changed = session_.drawing().streaming();
-    if (changed) streamed_at_ = now;
-    // What is being loaded will be here soon; what the budget has no room for will not.
-    streaming_ = changed || (!session_.drawing().complete() && now - streamed_at_ < patience);
-    return changed;
-  }
-
-  void draw_views(ImageSize size, double scale) {
-    if (!session_.drawing().ready()) return;
-    double milliseconds = 0;
-    for (const ViewRect& view : layout(session_.state, size)) {
-      const FrameKey wanted = key(view, scale);
-      if (shown_keys_[view.settings] == wanted) continue;
-      milliseconds += draw_view(view, wanted.size);
-      shown_keys_[view.settings] = wanted;
-    }
+      views.push_back({view.settings, scaled(view.rect, scale), view.rect.size()});
+    bool drawn = false;
+    guarded([&] {
+      for (const ViewDrawing::View& view : views) {
+        if (!session_.drawing().draw(session_.state, view, views)) continue;
+        keep_picture(view.settings, view.size);
+        drawn = true;
+      }
+      session_.accept_camera();
+    });
+    const double end = Window::now();
+    wait_for_cells(drawn, end);
     shown_scale_ = scale;
     lowered_ = scale < 1;
-    session_.accept_camera();
-    if (milliseconds <= 0) return;
-    settling_ = std::max(settling_, 1);  // the panel has been made before
-    session_.frame_times.add(milliseconds);
-    session_.resolution.drawn(scale, milliseconds);
+    if (!drawn) return false;
+    settling_ = std::max(settling_, 1);  // the panel may have been made before
+    session_.frame_times.add((end - begin) * 1e3);
+    session_.resolution.drawn(scale, (end - begin) * 1e3);
+    return true;
   }
 
-  // Milliseconds that it took.
-  double draw_view(const ViewRect& view, ImageSize size) {
-    const double begin = Window::now();
-    const ViewState& state = session_.state;
-    (void)session_.drawing().draw(state, view.settings, size, view.rect.size());
-    Picture& picture = pictures_[view.settings];
-    if (gl_ && !state.settings[view.settings].band) {
-      picture.copy_from(*gl_, size);
-    } else {
-      Image image = renderer_->read_back();
-      if (state.settings[view.settings].band) session_.drawing().tint_band(view.settings, image);
-      picture.set(image);
-    }
-    return (Window::now() - begin) * 1e3;
+  // What is being loaded will be here soon; what the budget has no room for will not.
+  void wait_for_cells(bool drawn, double now) {
+    if (drawn) streamed_at_ = now;
+    streaming_ = !session_.state.frozen && !session_.drawing().model()->complete() && now - streamed_at_ < patience;
+  }
+
+  // The renderer's picture, before it draws another.
+  void keep_picture(std::size_t settings, ImageSize size) {
+    Picture& picture = pictures_[settings];
+    const bool band = session_.state.settings[settings].band;
+    has_picture_[settings] = true;
+    if (gl_ && !band) return picture.copy_from(*gl_, size);
+    Image image = renderer_->read_back();
+    if (band) session_.drawing().tint_band(settings, image);
+    picture.set(image);
   }
 
   void show_views(ImageSize size, bool labels) {
     if (!session_.drawing().ready()) return;
     const ViewState& state = session_.state;
     for (const ViewRect& view : layout(state, size)) {
-      if (!shown_keys_[view.settings]) continue;
+      if (!has_picture_[view.settings]) continue;
       const Picture& picture = pictures_[view.settings];
       picture.fit(view.rect.size());
       const bool named = labels && state.split;
@@ -351,8 +336,10 @@ class Viewer {
     result.backend = std::string(renderer_->name());
     if (gl_) result.device = gl_->device();
     result.camera = session_.state.camera;
-    result.resident_bytes = session_.drawing().resident_bytes();
-    result.complete = session_.drawing().complete();
+    if (const Model* model = session_.drawing().model()) {
+      result.resident_bytes = model->resident_bytes();
+      result.complete = model->complete();
+    }
     result.uploads = counts.uploads;
     result.selections = counts.selections;
     result.draws = counts.draws;
@@ -369,7 +356,7 @@ class Viewer {
   std::unique_ptr<Renderer> renderer_;
   GlRenderer* gl_ = nullptr;  // the renderer, where it is that one
   ViewSession session_;       // ends before the renderer that it draws with
-  std::array<std::optional<FrameKey>, 2> shown_keys_;
+  std::array<bool, 2> has_picture_{};
   double shown_scale_ = 1, shown_at_ = 0, streamed_at_ = 0;
   bool lowered_ = false, streaming_ = false, had_message_ = false;
   int settling_ = settling_frames;

@@ -14,7 +14,7 @@
 namespace lodestone::viewer {
 
 struct ViewerConfig {
-  LoadConfig load;               // its path is opened first; empty: the window waits for a file to be dropped
+  LoadConfig load;               // its paths are opened first; none: the window waits for files to be dropped
   std::string backend = "auto";  // soft, gl, or the faster of the two: gl where a graphics card draws, soft elsewhere
   ImageSize size;                // of the window
   ViewState state;               // settings and switches to begin with; its cameras come from model and path

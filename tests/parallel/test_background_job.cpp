@@ -45,7 +45,9 @@ TEST(BackgroundJob, TheDestructorWaits) {
     });
   }
   EXPECT_TRUE(done);
-  { const BackgroundJob unheard([] { throw std::runtime_error("nobody asks"); }); }
+  {
+    const BackgroundJob unheard([] { throw std::runtime_error("nobody asks"); });
+  }
 }
 
 }  // namespace

@@ -25,7 +25,10 @@ std::vector<Wish> wishes() {
       {"unlit", [](Scene& s) { s.setting.lighting.ambient = 1; }},
       {"dark", [](Scene& s) { s.setting.lighting.head = 0; }},
       {"flat", [](Scene& s) { s.models[0].look.smooth = false; }},
-      {"coloured", [](Scene& s) { s.models[1].colour = Vec3f{0.2f, 0.7f, 1}; }},
+      {"coloured",
+       [](Scene& s) {
+         s.models[1].colour = Vec3f{0.2f, 0.7f, 1};
+       }},
       {"tinted", [](Scene& s) { s.setting.level_tint = 0.6f; }},
       {"foggy", [](Scene& s) { s.setting.fog.density = 0.3f; }},
       {"foggy_tinted_flat",
@@ -40,7 +43,9 @@ std::vector<Wish> wishes() {
 // A torus before a piece of terrain, turned and of another size.
 class TwoModels {
  public:
-  TwoModels() : torus_(test::small_hierarchy(test::torus_mesh(96, 48), 3)), hills_(test::small_hierarchy(test::terrain_mesh(48), 2)) {
+  TwoModels()
+      : torus_(test::small_hierarchy(test::torus_mesh(96, 48), 3)),
+        hills_(test::small_hierarchy(test::terrain_mesh(48), 2)) {
     scene.models.resize(2);
     scene.models[0].name = "torus";
     scene.models[1].name = "hills";
@@ -131,7 +136,8 @@ TEST(EffectPlan, PlansEachModelByItself) {
   EXPECT_FALSE(frame.models[0].effects.contains(Effect::smooth_normals));
   EXPECT_TRUE(frame.models[1].effects.contains(Effect::smooth_normals));
   const std::string text = to_text(explain_plan(frame), {"torus", "hills"});
-  EXPECT_NE(text.find("smooth-normals      runs  a light falls on a smooth surface (hills)"), std::string::npos) << text;
+  EXPECT_NE(text.find("smooth-normals      runs  a light falls on a smooth surface (hills)"), std::string::npos)
+      << text;
   EXPECT_NE(text.find("fog                 -     not called for"), std::string::npos) << text;
 }
 

@@ -1,18 +1,16 @@
-#include "render/placement.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "render/placement.h"
 
 namespace lodestone {
 namespace {
 
 void expect_near(Vec3d a, Vec3d b, double tolerance = 1e-12) { EXPECT_LE(length(a - b), tolerance * (1 + length(b))); }
 
-Similarity some_similarity() {
-  return {rotation_about_axes({20, -35, 110}), 2.5, {3, -4, 5}};
-}
+Similarity some_similarity() { return {rotation_about_axes({20, -35, 110}), 2.5, {3, -4, 5}}; }
 
 TEST(Placement, TurnsAboutXThenYThenZ) {
   const auto turned = [](Vec3d degrees, Vec3d v) {

@@ -1,5 +1,3 @@
-#include "render/scene/scene_file.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -7,13 +5,15 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "render/scene/scene_file.h"
 
 namespace lodestone {
 namespace {
 
 class SceneFile : public ::testing::Test {
  protected:
-  SceneFile() : folder_(std::filesystem::path(::testing::TempDir()) /
+  SceneFile()
+      : folder_(std::filesystem::path(::testing::TempDir()) /
                 ("lodestone_scene_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
     std::filesystem::create_directories(folder_);
   }
@@ -90,11 +90,8 @@ key = [{ position = [0, -5, 1], target = [0, 0, 0], up = [0, 1, 0], fov_degrees 
   EXPECT_EQ(statue.scale, 2);
   EXPECT_EQ(statue.anchor, Anchor::origin);
   EXPECT_EQ(statue.colour, (Vec3f{1, 0.5f, 0}));
-  EXPECT_EQ(statue.look, (Look{.opacity = 0.5f,
-                               .smooth = false,
-                               .vertex_colours = false,
-                               .textures = false,
-                               .normal_maps = false}));
+  EXPECT_EQ(statue.look,
+            (Look{.opacity = 0.5f, .smooth = false, .vertex_colours = false, .textures = false, .normal_maps = false}));
   EXPECT_EQ(ball.name, "ball");
   ASSERT_TRUE(ball.generate);
   EXPECT_EQ(ball.generate->triangles, 5000u);

@@ -1,9 +1,8 @@
 // Scenes before a camera: placement, sharing, and rest.
-#include "render/scene/scene_view.h"
-
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "render/scene/scene_view.h"
 #include "tests/render/conformance.h"
 
 namespace lodestone {

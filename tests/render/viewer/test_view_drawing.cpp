@@ -18,50 +18,50 @@ constexpr ImageSize size{160, 120};
 class Drawing : public testing::Test {
  protected:
   Drawing() {
-    model_.whole = test::small_hierarchy(test::torus_mesh(96, 48), 3).hierarchy;
     drawing_.set_renderer(renderer_.get());
-    drawing_.set_model(&model_);
-    look_at(state_, *model_.whole);
+    drawing_.set_model(model_.get());
+    look_at(state_, drawing_.bounding_sphere(), orbit_path(hierarchy(), 1).front());
     state_.current().by_kappa0 = true;
     state_.current().kappa0 = 1;
   }
-  const Hierarchy& hierarchy() const { return *model_.whole; }
+  const Hierarchy& hierarchy() const { return model_->hierarchy(); }
   Image draw(std::size_t settings = 0) {
-    (void)drawing_.draw(state_, settings, size, size);
+    (void)drawing_.draw(state_, settings, size);
     return renderer_->read_back();
   }
-  std::vector<std::uint32_t> cells() const {
+  const ModelFrame& shown(std::size_t settings = 0) const { return drawing_.frame(settings).only(); }
+  std::vector<std::uint32_t> cells(std::size_t settings = 0) const {
     std::vector<std::uint32_t> list;
-    for (const SelectedCell& s : drawing_.selection(0).cells) list.push_back(s.cell);
+    for (const SelectedCell& s : shown(settings).selection->cells) list.push_back(s.cell);
     return list;
   }
 
   std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
   std::unique_ptr<Renderer> renderer_ = make_renderer("soft", *scheduler_);
-  Model model_;
+  std::unique_ptr<Model> model_ = make_model("torus", test::small_hierarchy(test::torus_mesh(96, 48), 3).hierarchy);
   ViewDrawing drawing_{*scheduler_};
   ViewState state_;
 };
 
-TEST_F(Drawing, KeysTellWhatChangesThePicture) {
-  const FrameKey key = drawing_.key(state_, 0, size);
-  EXPECT_EQ(drawing_.key(state_, 0, size), key);
-  ViewState other = state_;
-  other.camera = orbit(other.camera, 0.1, 0);
-  EXPECT_NE(drawing_.key(other, 0, size), key);
-  other = state_;
-  other.settings[0].tint = true;
-  EXPECT_NE(drawing_.key(other, 0, size), key);
-  other = state_;
-  other.settings[0].boxes = true;  // lines over the picture
-  other.panel = false;
-  other.settings[1].tint = true;
-  EXPECT_EQ(drawing_.key(other, 0, size), key);
-  EXPECT_NE(drawing_.key(state_, 0, {80, 60}), key);
-  apply(Action::toggle_frozen, other);
-  EXPECT_NE(drawing_.key(other, 0, size), key);
-  drawing_.set_model(&model_);
-  EXPECT_NE(drawing_.key(state_, 0, size), key);
+TEST_F(Drawing, OnlyWhatChangesThePictureIsDrawn) {
+  EXPECT_TRUE(drawing_.draw(state_, 0, size));
+  EXPECT_FALSE(drawing_.draw(state_, 0, size));
+  state_.panel = false;
+  state_.settings[0].boxes = true;  // lines over the picture
+  state_.settings[1].tint = true;
+  EXPECT_FALSE(drawing_.draw(state_, 0, size));
+  EXPECT_EQ(drawing_.counts().draws, 1u);
+  EXPECT_EQ(drawing_.counts().selections, 1u);
+  state_.camera = orbit(state_.camera, 0.1, 0);
+  EXPECT_TRUE(drawing_.draw(state_, 0, size));
+  for (const Action action : {Action::toggle_tint, Action::toggle_band, Action::coarser, Action::toggle_frozen}) {
+    apply(action, state_);
+    EXPECT_TRUE(drawing_.draw(state_, 0, size)) << static_cast<int>(action);
+    EXPECT_FALSE(drawing_.draw(state_, 0, size)) << static_cast<int>(action);
+  }
+  EXPECT_TRUE(drawing_.draw(state_, 0, {80, 60}));
+  drawing_.set_model(model_.get());
+  EXPECT_TRUE(drawing_.draw(state_, 0, {80, 60}));
 }
 
 TEST_F(Drawing, AFrozenSelectionStays) {
@@ -86,14 +86,14 @@ TEST_F(Drawing, SettingsAreFrozenEachWithItsOwn) {
   state_.settings[1].kappa0 = 4;
   (void)draw(0);
   (void)draw(1);
-  const std::size_t coarse = drawing_.selection(0).cells.size(), fine = drawing_.selection(1).cells.size();
+  const std::size_t coarse = cells(0).size(), fine = cells(1).size();
   EXPECT_LT(coarse, fine);
   apply(Action::toggle_frozen, state_);
   state_.camera = dolly(state_.camera, 4);
   (void)draw(0);
   (void)draw(1);
-  EXPECT_EQ(drawing_.selection(0).cells.size(), coarse);
-  EXPECT_EQ(drawing_.selection(1).cells.size(), fine);
+  EXPECT_EQ(cells(0).size(), coarse);
+  EXPECT_EQ(cells(1).size(), fine);
 }
 
 TEST_F(Drawing, CamerasThatCannotBeDrawnChangeNothing) {
@@ -102,7 +102,7 @@ TEST_F(Drawing, CamerasThatCannotBeDrawnChangeNothing) {
   for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), 1e300}) {
     ViewState state = state_;
     state.camera.position.x = wrong;
-    EXPECT_THROW((void)drawing_.draw(state, 0, size, size), InputError);
+    EXPECT_THROW((void)drawing_.draw(state, 0, size), InputError);
     EXPECT_EQ(renderer_->read_back().rgba, before.rgba);
     EXPECT_EQ(cells(), selected);
   }
@@ -136,7 +136,7 @@ TEST_F(Drawing, PickingFindsTheSurface) {
 TEST_F(Drawing, BoxesOfTheDrawnCellsAreInThePicture) {
   (void)draw();
   const std::vector<Line> lines = drawing_.box_lines(0, size);
-  EXPECT_EQ(lines.size(), 12 * drawing_.selection(0).cells.size());  // the whole model is before the camera
+  EXPECT_EQ(lines.size(), 12 * cells().size());  // the whole model is before the camera
   float nearest = 0;
   for (const Line& line : lines) {
     EXPECT_GT(line.nearness, 0);
@@ -203,27 +203,35 @@ TEST_F(Drawing, TheBandTintKeepsWhatStandsStill) {
   EXPECT_EQ(tinted.depth, plain.depth);
   const auto parallel = make_tbb_scheduler(4);
   Image again = plain;
-  const Radii radii = make_radii(
-      hierarchy(), radii_config(state_.current(), state_.metric, size, state_.camera.vertical_fov));
-  tint_band(again, view_projection(state_.camera, hierarchy(), size),
-            {&hierarchy(), &radii, Blend::smoothstep, viewpoint(state_.camera, hierarchy().transform)}, *parallel);
+  tint_band(again, drawing_.frame(0), *parallel);
   EXPECT_EQ(again.rgba, tinted.rgba);
 }
 
 TEST_F(Drawing, CountsTellTheWork) {
   EXPECT_EQ(drawing_.counts().uploads, 1u);
-  (void)draw();
-  (void)draw();
-  EXPECT_EQ(drawing_.counts().draws, 2u);
-  EXPECT_EQ(drawing_.counts().selections, 2u);
-  apply(Action::toggle_frozen, state_);
   for (int i = 0; i < 3; ++i) (void)draw();
-  EXPECT_EQ(drawing_.counts().selections, 3u);
+  EXPECT_EQ(drawing_.counts().draws, 1u);
+  EXPECT_EQ(drawing_.counts().selections, 1u);
+  apply(Action::toggle_frozen, state_);
+  for (int i = 0; i < 3; ++i) {
+    state_.camera = orbit(state_.camera, 0.1, 0);
+    (void)draw();
+  }
+  EXPECT_EQ(drawing_.counts().draws, 4u);
+  EXPECT_EQ(drawing_.counts().selections, 1u);
   const auto other = make_renderer("null", *scheduler_);
   drawing_.set_renderer(other.get());
   EXPECT_EQ(drawing_.counts().uploads, 2u);
   drawing_.set_renderer(nullptr);
   EXPECT_FALSE(drawing_.ready());
+}
+
+TEST_F(Drawing, ModelsWithoutCellsLeaveNone) {
+  const auto empty = make_model("empty", Hierarchy{});
+  EXPECT_THROW(drawing_.set_model(empty.get()), InputError);
+  EXPECT_FALSE(drawing_.ready());
+  drawing_.set_model(model_.get());
+  EXPECT_TRUE(drawing_.draw(state_, 0, size));
 }
 
 }  // namespace

@@ -59,13 +59,13 @@ class Session : public testing::Test {
 
 TEST_F(Session, OpensHierarchiesAndMeshes) {
   EXPECT_FALSE(session_.collect());
-  session_.open(lode_, 0);
+  session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   EXPECT_EQ(session_.drawing().model()->name, "torus.lode");
   EXPECT_EQ(session_.drawing().model()->hierarchy().cells.size(), hierarchy_.cells.size());
   EXPECT_EQ(session_.state.camera, session_.state.home);
   EXPECT_GT(wakes_, 0);
-  session_.open(mesh_, 0);
+  session_.open({mesh_}, 0);
   ASSERT_TRUE(opened());
   EXPECT_EQ(session_.drawing().model()->hierarchy().provenance.input_triangles, 4u);
   EXPECT_EQ(session_.drawing().counts().uploads, 2u);
@@ -77,12 +77,12 @@ TEST_F(Session, LargeFilesStream) {
   small.load.memory_budget = 100'000;
   ViewSession session(small, *scheduler_);
   session.drawing().set_renderer(renderer_.get());
-  session.open(lode_, 0);
+  session.open({lode_}, 0);
   while (!session.loader()->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   ASSERT_TRUE(session.collect());
   ViewDrawing& drawing = session.drawing();
-  ASSERT_TRUE(drawing.model()->resident);
-  EXPECT_LE(drawing.resident_bytes(), 100'000u);
+  ASSERT_TRUE(drawing.model()->streamed());
+  EXPECT_LE(drawing.model()->resident_bytes(), 100'000u);
   // Frames while it loads: never a cell without its arrays, never more than allowed.
   session.state.settings[0].pixel_error = 4;
   for (int frame = 0; frame < 300; ++frame) {
@@ -90,41 +90,79 @@ TEST_F(Session, LargeFilesStream) {
     if (frame == 100) session.act(Action::toggle_frozen, 0);
     if (frame == 150) session.act(Action::toggle_frozen, 0);
     session.state.camera = orbit(session.state.camera, 0.02, 0);
-    drawing.stream(session.state, {{0, size}, {1, size}});
-    for (const std::size_t settings : {0u, 1u}) {
-      (void)drawing.draw(session.state, settings, size, size);
-      for (const SelectedCell& s : drawing.selection(settings).cells)
-        ASSERT_FALSE(drawing.model()->hierarchy().cells[s.cell].positions.empty());
+    const std::vector<ViewDrawing::View> views{{0, size, size}, {1, size, size}};
+    for (const ViewDrawing::View& view : views) {
+      if (frame >= 95 && frame < 110 && view.settings == 1) continue;  // not shown when the selection is frozen
+      (void)drawing.draw(session.state, view, views);
+      for (const SelectedCell& s : drawing.frame(view.settings).only().selection->cells)
+        ASSERT_FALSE(drawing.model()->hierarchy().cells[s.cell].positions.empty()) << frame;
     }
-    ASSERT_LE(drawing.resident_bytes(), 100'000u);
+    ASSERT_LE(drawing.model()->resident_bytes(), 100'000u);
   }
 }
 
+TEST_F(Session, ScenesBringTheirModelsLooksAndCamera) {
+  std::ofstream(folder_ / "two.toml") << R"(
+[detail]
+blend = "cosine"
+pixel_error = 3
+[camera]
+key = [{position = [9, 0, 1], target = [0, 0, 0]}, {position = [0, 9, 1], target = [0, 0, 0]}]
+[[model]]
+file = "torus.lode"
+[[model]]
+file = "tetrahedron.off"
+position = [3, 0, 0]
+)";
+  session_.open({folder_ / "two.toml"}, 0);
+  ASSERT_TRUE(opened());
+  EXPECT_EQ(session_.drawing().model()->models.size(), 2u);
+  EXPECT_EQ(session_.state.camera.position, (Vec3d{9, 0, 1}));
+  EXPECT_EQ(session_.state.current().pixel_error, 3);
+  EXPECT_EQ(session_.state.current().blend, Blend::cosine);
+  EXPECT_TRUE(session_.has_path());
+  EXPECT_TRUE(session_.drawing().draw(session_.state, 0, {160, 120}));
+  EXPECT_EQ(session_.drawing().report(0).stats.cells, session_.drawing().report(0).selected);
+  Image image = renderer_->read_back();
+  session_.drawing().tint_band(0, image);
+  EXPECT_FALSE(session_.drawing().box_lines(0, {160, 120}).empty());
+}
+
+TEST_F(Session, SeveralFilesAreShownTogether) {
+  session_.open({lode_, mesh_, lode_}, 0);
+  ASSERT_TRUE(opened());
+  const Model& model = *session_.drawing().model();
+  EXPECT_EQ(model.name, "torus.lode and 2 more");
+  ASSERT_EQ(model.models.size(), 3u);
+  EXPECT_EQ(model.sources.size(), 2u);  // what is named twice is opened once
+  EXPECT_EQ(model.models[0].hierarchy, model.models[2].hierarchy);
+}
+
 TEST_F(Session, WhatCannotBeOpenedIsSaidOnce) {
-  session_.open(folder_ / "missing.ply", 0);
+  session_.open({folder_ / "missing.ply"}, 0);
   EXPECT_THROW((void)opened(), FileError);
   EXPECT_FALSE(session_.collect());
   EXPECT_EQ(session_.loader(), nullptr);
   std::ofstream(folder_ / "broken.lode") << "nothing";
-  session_.open(folder_ / "broken.lode", 0);
+  session_.open({folder_ / "broken.lode"}, 0);
   EXPECT_THROW((void)opened(), InputError);
-  session_.open(lode_, 0);
+  session_.open({lode_}, 0);
   EXPECT_TRUE(opened());
 }
 
 TEST_F(Session, OpeningCanBeCancelledAndReplaced) {
-  session_.open(lode_, 0);
+  session_.open({lode_}, 0);
   session_.act(Action::stop, 0);
   EXPECT_THROW((void)opened(), Cancelled);
-  session_.open(lode_, 0);
-  session_.open(mesh_, 0);
+  session_.open({lode_}, 0);
+  session_.open({mesh_}, 0);
   ASSERT_TRUE(opened());
   EXPECT_EQ(session_.drawing().model()->name, "tetrahedron.off");
-  session_.open(lode_, 0);  // ends with the session
+  session_.open({lode_}, 0);  // ends with the session
 }
 
 TEST_F(Session, RecordedPathsAreWrittenAndPlayed) {
-  session_.open(lode_, 0);
+  session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   session_.act(Action::play, 0);
   EXPECT_NE(said_.back().find("nothing to play"), std::string::npos);
@@ -154,23 +192,23 @@ TEST_F(Session, RecordedPathsAreWrittenAndPlayed) {
 }
 
 TEST_F(Session, DroppedPathsPlayAndBadOnesAreSaid) {
-  session_.open(lode_, 0);
+  session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   const Camera camera{{3, 3, 3}, {0, 0, 0}};
   const std::string path = (folder_ / "way.json").string();
   write_camera_path(path, std::vector{camera});
-  session_.open(path, 5);
+  session_.open({path}, 5);
   session_.advance(5);
   EXPECT_EQ(session_.state.camera.position, camera.position);
   std::ofstream(folder_ / "bad.json") << "{\"frames\": [{\"position\": [NaN, 0, 0]}]}";
-  session_.open(folder_ / "bad.json", 6);
+  session_.open({folder_ / "bad.json"}, 6);
   EXPECT_NE(said_.back().find("bad.json"), std::string::npos);
   EXPECT_TRUE(session_.message(6)->error);
   EXPECT_EQ(session_.state.camera.position, camera.position);
 }
 
 TEST_F(Session, CamerasThatCannotBeDrawnAreTakenBack) {
-  session_.open(lode_, 0);
+  session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   const Camera good = session_.state.camera = orbit(session_.state.camera, 1, 0);
   session_.accept_camera();
@@ -207,7 +245,7 @@ TEST_F(Session, MessagesGo) {
 }
 
 TEST_F(Session, FocusFollowsTheSurface) {
-  session_.open(lode_, 0);
+  session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   const ImageSize window{322, 120};
   session_.state.split = true;
@@ -215,7 +253,7 @@ TEST_F(Session, FocusFollowsTheSurface) {
   EXPECT_FALSE(session_.animated());
   const ImageSize half{160, 120};
   const Image image = [&] {
-    (void)session_.drawing().draw(session_.state, 1, half, half);
+    (void)session_.drawing().draw(session_.state, 1, half);
     return renderer_->read_back();
   }();
   std::size_t hit = 0;
