@@ -13,6 +13,15 @@ namespace {
 // Wider cameras have near planes that reach far to the sides, where backs might be seen.
 constexpr double widest_culled = 2.6;  // radians
 
+// Of this camera's picture.
+RadiiConfig radii_config(const ViewConfig& config, const Camera& camera) {
+  RadiiConfig radii = config.radii;
+  radii.image_height = config.size.height;
+  radii.aspect = static_cast<float>(config.size.width) / static_cast<float>(config.size.height);
+  radii.vertical_fov = static_cast<float>(camera.vertical_fov);
+  return radii;
+}
+
 bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
   return std::ranges::equal(a, b, [](const DetailLimit& p, const DetailLimit& q) {
     return p.box.lo == q.box.lo && p.box.hi == q.box.hi && p.radius == q.radius;
@@ -89,46 +98,58 @@ void SceneView::upload(Renderer& renderer) const {
   renderer.upload(models);
 }
 
-RadiiConfig SceneView::radii_config(const Camera& camera) const {
-  RadiiConfig radii = config_.radii;
-  radii.image_height = config_.size.height;
-  radii.aspect = static_cast<float>(config_.size.width) / static_cast<float>(config_.size.height);
-  radii.vertical_fov = static_cast<float>(camera.vertical_fov);
-  return radii;
+void SceneView::freeze(bool frozen) {
+  frozen_ = frozen;
+  camera_.reset();
 }
 
-bool SceneView::look(const Camera& camera, const ViewConfig& config) {
+// Takes in what has been loaded and asks for what is missing; true when the frame changes by it.
+bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& camera,
+                       std::span<const ViewConfig> beside) {
+  ResidentCells& resident = *placed.open.resident;
+  // What is limited for the largest radius of a level is limited for all views.
+  Radii largest = placed.radii;
+  for (const ViewConfig& other : beside) {
+    const Radii radii = make_radii(resident.hierarchy(), radii_config(other, camera));
+    for (std::size_t l = 0; l < radii.select.size(); ++l)
+      largest.select[l] = std::max(largest.select[l], radii.select[l]);
+  }
+  const Frustum frustum = frustum_of(model.view_projection);
+  resident.update(largest, model.morph.viewpoint, &frustum);
+  const DetailLimits limits = resident.limits();
+  const bool same = resident.came().empty() && resident.went().empty() && same_limits(placed.limits, limits);
+  placed.limits.assign(limits.begin(), limits.end());
+  return !same;
+}
+
+bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside) {
   const bool rests = camera_ && *camera_ == camera && config_ == config;
-  if (rests && std::ranges::none_of(placed_, [](const Placed& p) { return p.open.resident != nullptr; })) return false;
+  const auto streamed_one = [](const Placed& p) { return p.open.resident != nullptr; };
+  if (rests && (frozen_ || std::ranges::none_of(placed_, streamed_one))) return false;
   std::vector<PlacedBounds> bounds;
   for (const Placed& placed : placed_)
     bounds.push_back({placed.in_picture, placed.open.hierarchy->cells.front().bounds});
   const View view(in_space(camera, origin_, unit_), bounds, config.size);  // may throw: nothing has changed yet
   camera_.reset();
   config_ = config;
-  if (!rests)
-    for (Placed& placed : placed_) placed.radii = make_radii(*placed.open.hierarchy, radii_config(camera));
+  if (!rests && !frozen_)
+    for (Placed& placed : placed_) placed.radii = make_radii(*placed.open.hierarchy, radii_config(config, camera));
 
   bool streamed = false;
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     Placed& placed = placed_[m];
     ModelFrame& model = frame_.models[m];
     model.model = placed.uploaded;
-    model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
     model.view_projection = view.projection(placed.in_picture);
     model.towards_eye = view.towards_eye(placed.in_picture);
     model.towards_light =
         to_float(placed.placement.rotated_back((1 / length(scene_.towards_light)) * scene_.towards_light));
     model.look = placed.look;
-    if (placed.open.resident) {
-      ResidentCells& resident = *placed.open.resident;
-      const std::vector<DetailLimit> before(resident.limits().begin(), resident.limits().end());
-      const Frustum frustum = frustum_of(model.view_projection);
-      resident.update(placed.radii, model.morph.viewpoint, &frustum);
-      model.morph.limits = resident.limits();
-      streamed =
-          streamed || !resident.came().empty() || !resident.went().empty() || !same_limits(before, resident.limits());
-    }
+    model.morph.blend = config.blend;
+    if (frozen_) continue;
+    model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
+    if (placed.open.resident) streamed = stream(placed, model, camera, beside) || streamed;
+    model.morph.limits = placed.limits;
   }
   camera_ = camera;
   if (rests && !streamed) return false;
@@ -139,7 +160,7 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
   frame_.size = config.size;
   frame_.samples = config.samples;
   frame_.cull_occluded = config.cull_occluded;
-  for (std::size_t m = 0; m < placed_.size(); ++m) select(frame_.models[m], placed_[m]);
+  for (std::size_t m = 0; m < placed_.size() && !frozen_; ++m) select(frame_.models[m], placed_[m]);
   if (frame_.setting.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);
   return changed_ = true;

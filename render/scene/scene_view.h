@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,12 @@ class SceneView {
   void upload(Renderer& renderer) const;
 
   // Makes the frame of this camera. False when nothing has changed since the last call: then the frame is the same.
-  bool look(const Camera& camera, const ViewConfig& config);
+  // `beside`: what other views of the same models ask for from this camera, each drawn in its turn: what is streamed is
+  // loaded for all of them.
+  bool look(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside = {});
+  // Until it is told otherwise, look() keeps the cells of the last frame as they were selected, radii and viewpoint
+  // included, and changes nothing of what is loaded: the camera goes on alone.
+  void freeze(bool frozen);
   [[nodiscard]] const Frame& frame() const { return frame_; }
   // Of what is streamed: every model has all the detail that it asks for; bytes in memory; the rate of its limits, 0
   // for a model that is there as a whole.
@@ -73,12 +79,14 @@ class SceneView {
     Similarity in_picture;       // the same in units of the picture, whose origin lies with the models
     Look look;
     Radii radii;
+    std::vector<DetailLimit> limits;  // of the frame
     Selection selection, casters;
   };
   void place_models();
   void select(ModelFrame& model, Placed& placed);
   void see_from_light();
-  [[nodiscard]] RadiiConfig radii_config(const Camera& camera) const;
+  [[nodiscard]] bool stream(Placed& placed, const ModelFrame& model, const Camera& camera,
+                            std::span<const ViewConfig> beside);
 
   Scene scene_;
   std::vector<Placed> placed_;
@@ -89,6 +97,7 @@ class SceneView {
   ViewConfig config_;
   Frame frame_;
   bool changed_ = false;  // since the last picture
+  bool frozen_ = false;
 };
 
 // The camera's way of the scene. Throws as read_camera_path does.
