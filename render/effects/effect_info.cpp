@@ -8,12 +8,12 @@
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
 #include "render/effects/normal_map.h"
-#include "render/effects/smooth_normals.h"
-#include "render/effects/texture.h"
-#include "render/effects/vertex_colours.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
+#include "render/effects/smooth_normals.h"
+#include "render/effects/texture.h"
 #include "render/effects/transparency.h"
+#include "render/effects/vertex_colours.h"
 #include "render/effects/wireframe.h"
 
 namespace lodestone {

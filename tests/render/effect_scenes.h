@@ -204,8 +204,8 @@ inline std::vector<EffectScene> effect_scenes() {
   all_glass.setting.fog.density = 0.25f;
   all_glass.setting.wireframe = 0.4f;
   scenes.push_back(all_glass);
-  for (const char* name : {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency",
-                           "transparency_all"}) {
+  for (const char* name :
+       {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency", "transparency_all"}) {
     EffectScene smooth = *std::ranges::find(scenes, name, &EffectScene::name);
     smooth.name += "_4x";
     smooth.samples = 4;

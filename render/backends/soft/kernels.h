@@ -127,7 +127,8 @@ struct SampleKernels {
 struct Kernels {
   void (*transform)(const VertexJob& job);
   // Adds 1 to what is counted at each pixel of the tile whose centre a triangle covers, for a run of them.
-  void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect, std::int32_t* counts);
+  void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
+                          std::int32_t* counts);
   SampleKernels<1> single;
   SampleKernels<4> multi;
 

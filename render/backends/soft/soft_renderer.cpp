@@ -8,19 +8,19 @@
 #include <atomic>
 #include <cassert>
 #include <chrono>
-#include <optional>
 #include <numeric>
+#include <optional>
 
 #include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
-#include "render/backends/soft/occlusion_stage.h"
-#include "render/textures/surface_textures.h"
 #include "render/backends/soft/layers.h"
+#include "render/backends/soft/occlusion_stage.h"
 #include "render/backends/soft/overdraw_tile.h"
 #include "render/backends/soft/shadow_map.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
+#include "render/textures/surface_textures.h"
 
 namespace lodestone {
 namespace soft {
@@ -260,7 +260,7 @@ class SoftRenderer final : public Renderer {
   std::optional<ShadowMap> shadow_map_;  // these are made when first used
   std::optional<GeometryStage> layers_;  // of the transparent models
   bool has_layers_ = false;              // this frame
-  std::vector<Eye> eyes_;  // of the models of the frame
+  std::vector<Eye> eyes_;                // of the models of the frame
   OcclusionStage occlusion_;
   TouchedTiles touched_;
   std::vector<std::uint32_t> tiles_;  // to be drawn
