@@ -5,7 +5,7 @@
 //
 //     lod = log2 max(|d(u width, v height)/dx|, |d(u width, v height)/dy|),  at least 0
 //
-// with the logarithm linear between powers of four (blinn1992: the bits of a float, read as an integer): at most 0.043
+// with the logarithm linear between powers of four (blinn1997: the bits of a float, read as an integer): at most 0.043
 // off, and the same everywhere. Between texels, and between the two nearest levels, colours are interpolated linearly
 // (williams1983).
 //
