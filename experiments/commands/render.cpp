@@ -161,6 +161,17 @@ nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed)
   return json;
 }
 
+// The backend asked for, or soft where this machine has no OpenGL; `why` says then what is missing.
+std::unique_ptr<Renderer> renderer_or_soft(const std::string& backend, Scheduler& scheduler, std::string& why) {
+  try {
+    return make_renderer(backend, scheduler);
+  } catch (const UnsupportedError& error) {
+    if (backend != "gl") throw;
+    why = error.what();
+    return make_renderer("soft", scheduler);
+  }
+}
+
 void run(const RenderOptions& options, const CommonOptions& common) {
   check_files(common, input_files(options));
   const CpuClock opening;
@@ -190,7 +201,12 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   SceneView view(scene, std::move(models));
   refuse_inadmissible(options, view);
   config.cameras = cameras(view, needs_wholes ? *opened.wholes().front() : view.hierarchy(0));
-  const auto renderer = make_renderer(options.backend, *scheduler);
+  std::string fallback;
+  const auto renderer = renderer_or_soft(options.backend, *scheduler, fallback);
+  if (!fallback.empty()) {
+    progress.clear();
+    fmt::print(stderr, "lodestone: {}; drawing with soft instead\n", fallback);
+  }
   std::optional<PictureWriter> pictures;
   const bool draws = options.backend != "null";
   if (draws && !options.output.empty()) pictures.emplace(options.output, config.cameras.size());
@@ -224,6 +240,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
                {"first_picture_seconds", first_picture},
                {"samples", config.view.samples},
                {"size", {config.view.size.width, config.view.size.height}}});
+  if (!fallback.empty()) json["fallback"] = fallback;
   write_json(common, json);
   if (common.quiet || common.json == "-") return;
   fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer->name(),
@@ -260,7 +277,8 @@ void add_render(CLI::App& app) {
   command.add_option("--samples", options->samples, "Samples a pixel; 4 smooths edges")
       ->check(CLI::IsMember({1, 4}))
       ->capture_default_str();
-  command.add_option("--backend", options->backend, "soft, gl or null")->capture_default_str();
+  command.add_option("--backend", options->backend, "soft, gl (soft where there is no OpenGL 4.5) or null")
+      ->capture_default_str();
   command.add_option("--pixel-error", options->pixel_error,
                      "Tolerance in pixels; 1 when neither this nor --kappa0 is given");
   command.add_option("--kappa0", options->kappa0, "Selection radius over cell size instead");
