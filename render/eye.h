@@ -5,8 +5,8 @@
 
 namespace lodestone {
 
-// The point at / w, or for w = 0 the direction `at` towards an eye infinitely far away. A point p lies on the eye's side
-// of the plane through a with normal n when dot(n, at - w a) > 0.
+// The point at / w, or for w = 0 the direction `at` towards an eye infinitely far away. A point p lies on the eye's
+// side of the plane through a with normal n when dot(n, at - w a) > 0.
 struct Eye {
   Vec3f at{0, 0, 1};
   float w = 0;

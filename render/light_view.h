@@ -9,8 +9,8 @@
 #include <array>
 #include <span>
 
-#include "core/base/vec3.h"
 #include "core/base/box3.h"
+#include "core/base/vec3.h"
 #include "render/camera.h"
 
 namespace lodestone {

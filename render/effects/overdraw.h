@@ -1,7 +1,7 @@
 // Overdraw: instead of the picture, how many triangles cover the centre of each pixel, hidden ones included, in the
-// colours of shading::overdraw_ramp. Counts are those of the fill rule: neighbours along an edge never count twice. With
-// four samples a pixel, too, it is the centre alone that counts. Depth is what it is without the effect and with one
-// sample.
+// colours of shading::overdraw_ramp. Counts are those of the fill rule: neighbours along an edge never count twice.
+// With four samples a pixel, too, it is the centre alone that counts. Depth is what it is without the effect and with
+// one sample.
 #pragma once
 
 #include "render/effects/effect_info.h"

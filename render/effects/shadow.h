@@ -3,8 +3,8 @@
 //
 // Against false shadows a point is moved off its triangle, towards the light, before it is looked up. A plane at an
 // angle t to the light needs k sin(t) of that to stay clear of itself k texels sideways: no bias grows without bound.
-// What the map does not show is lit. With several samples a pixel a triangle is looked up once in a pixel, as all of its
-// light is.
+// What the map does not show is lit. With several samples a pixel a triangle is looked up once in a pixel, as all of
+// its light is.
 #pragma once
 
 #include <algorithm>
@@ -41,8 +41,9 @@ inline constexpr EffectInfo shadow{
     .passes = "depth seen from the light",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
       const Lighting& l = frame.setting.lighting;
-      return l.directional.shadows && l.directional.strength > 0 && l.ambient < 1 ? "the directional light casts shadows"
-                                                                                  : "";
+      return l.directional.shadows && l.directional.strength > 0 && l.ambient < 1
+                 ? "the directional light casts shadows"
+                 : "";
     },
     .glsl =
         {
@@ -118,8 +119,8 @@ inline Float hidden_shares(const ShadowView& map, Float u, Float v, Float depth,
       const Int column = inside(left + i);
       const Float stored = as_float(gathered([&](int k) {
         if (!lanes[k]) return 0;
-        const std::size_t at =
-            static_cast<std::size_t>(row[k]) * static_cast<std::size_t>(map.texels) + static_cast<std::size_t>(column[k]);
+        const std::size_t at = static_cast<std::size_t>(row[k]) * static_cast<std::size_t>(map.texels) +
+                               static_cast<std::size_t>(column[k]);
         return std::bit_cast<std::int32_t>(map.depth[at]);
       }));
       in_row += select(stored < depth, weight(i, part_u), all(0.0f));

@@ -1,7 +1,7 @@
 // Transparency: models of opacity below 1 are drawn over the opaque ones, all of their layers in the order of their
 // depths, whatever order they are drawn in (an A-buffer: carpenter1984; on gl as lists: yang2010). Each layer is shaded
-// as an opaque surface is, fog included, and covers what is behind it by the opacity of its model. Of layers at the same
-// depth `soft` takes the one that is drawn earlier first. Every layer counts, however many there are.
+// as an opaque surface is, fog included, and covers what is behind it by the opacity of its model. Of layers at the
+// same depth `soft` takes the one that is drawn earlier first. Every layer counts, however many there are.
 //
 // The picture's depth stays that of the opaque surfaces. With several samples a pixel layers are sorted at each sample,
 // and shaded once a triangle.

@@ -146,7 +146,9 @@ inline EffectScene still_life(const std::string& name) {
   red.base_colour = {0.85f, 0.4f, 0.35f};
   green.base_colour = {0.45f, 0.75f, 0.45f};
   green.smooth = false;
-  scene.models = {{terrain, {-1, -1, -0.35}, 2, grey}, {torus, {-0.55, -0.5, 0.15}, 0.8, red}, {sphere, {0.1, 0.0, 0.0}, 0.6, green}};
+  scene.models = {{terrain, {-1, -1, -0.35}, 2, grey},
+                  {torus, {-0.55, -0.5, 0.15}, 0.8, red},
+                  {sphere, {0.1, 0.0, 0.0}, 0.6, green}};
   scene.eye = {0.9, -2.2, 1.3};
   scene.target = {0, 0, 0.1};
   scene.setting.lighting.head = 0.3f;
@@ -202,8 +204,20 @@ inline std::vector<EffectScene> effect_scenes() {
   all_glass.setting.fog.density = 0.25f;
   all_glass.setting.wireframe = 0.4f;
   scenes.push_back(all_glass);
+  EffectScene dark = detail::still_life("occlusion");
+  dark.of_picture.insert(Effect::ambient_occlusion);
+  dark.setting.lighting.ambient = 1;
+  dark.setting.ambient_occlusion = {1, 0.2f};
+  dark.models[1].offset.z = 0;
+  scenes.push_back(dark);
+  EffectScene everything = all_glass;
+  everything.name = "everything";
+  everything.models[0].look.opacity = 1;
+  everything.of_picture.insert(Effect::ambient_occlusion);
+  everything.setting.ambient_occlusion = {0.8f, 0.25f};
+  scenes.push_back(everything);
   for (const char* name : {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency",
-                           "transparency_all"}) {
+                           "transparency_all", "occlusion", "everything"}) {
     EffectScene smooth = *std::ranges::find(scenes, name, &EffectScene::name);
     smooth.name += "_4x";
     smooth.samples = 4;

@@ -93,10 +93,10 @@ GlLayers::GlLayers(ImageSize size, int samples, std::size_t max_bytes)
 void GlLayers::reserve(std::uint64_t nodes) {
   const std::uint64_t most = max_bytes_ / node_bytes_;
   if (nodes > most)
-    throw ResourceError(describe("", "OpenGL",
-                                 std::to_string(nodes) + " transparent fragments do not fit into " +
-                                     std::to_string(max_bytes_ >> 20) + " MiB",
-                                 "draw a smaller picture, or use --backend soft"));
+    throw ResourceError(describe(
+        "", "OpenGL",
+        std::to_string(nodes) + " transparent fragments do not fit into " + std::to_string(max_bytes_ >> 20) + " MiB",
+        "draw a smaller picture, or use --backend soft"));
   room_ = std::min(most, nodes + nodes / 4);
   glNamedBufferData(nodes_.name(), static_cast<GLsizeiptr>(room_ * node_bytes_), nullptr, GL_DYNAMIC_DRAW);
   check_memory("making the lists of layers");

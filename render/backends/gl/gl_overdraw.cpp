@@ -24,8 +24,8 @@ std::string ramp_source() {
   std::string colours;
   for (std::uint32_t n = 0; n <= shading::overdraw_most; ++n) {
     const Vec3f c = shading::overdraw_colour(n);
-    colours += (n ? ", vec3(" : "vec3(") + std::to_string(c.x) + ", " + std::to_string(c.y) + ", " +
-               std::to_string(c.z) + ")";
+    colours +=
+        (n ? ", vec3(" : "vec3(") + std::to_string(c.x) + ", " + std::to_string(c.y) + ", " + std::to_string(c.z) + ")";
   }
   const std::string most = std::to_string(shading::overdraw_most), count = std::to_string(shading::overdraw_most + 1);
   return "#define MOST " + most + "\nconst vec3 ramp[" + count + "] = vec3[" + count + "](" + colours + ");\n";
@@ -33,8 +33,7 @@ std::string ramp_source() {
 
 }  // namespace
 
-GlOverdraw::GlOverdraw(ImageSize size)
-    : size_(size), colours_(make_screen_program(ramp_source() + colours_source)) {
+GlOverdraw::GlOverdraw(ImageSize size) : size_(size), colours_(make_screen_program(ramp_source() + colours_source)) {
   glTextureStorage2D(counts_.name(), 1, GL_R32F, size.width, size.height);
   glTextureStorage2D(depth_.name(), 1, GL_DEPTH_COMPONENT32F, size.width, size.height);
   check_memory("making the overdraw count");

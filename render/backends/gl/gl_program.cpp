@@ -50,10 +50,11 @@ GlProgram link_program(std::span<const GlStage> stages) {
 
 GlProgram make_screen_program(std::string_view fragment_source) {
   const std::array<GlStage, 2> stages{
-      GlStage{GL_VERTEX_SHADER, "void main() {\n"
-                                "  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
-                                "  gl_Position = vec4(corner, 0.0, 1.0);\n"
-                                "}\n"},
+      GlStage{GL_VERTEX_SHADER,
+              "void main() {\n"
+              "  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
+              "  gl_Position = vec4(corner, 0.0, 1.0);\n"
+              "}\n"},
       GlStage{GL_FRAGMENT_SHADER, std::string(fragment_source)}};
   return link_program(stages);
 }

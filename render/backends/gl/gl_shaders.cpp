@@ -370,7 +370,8 @@ GlFrameUniforms uniforms_of(const Frame& frame) {
 GlProgram make_draw_program(GlVariant variant) {
   std::vector<GlStage> stages;
   const EffectSource source = effect_source(variant.effects);
-  const std::string head = define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") + define(variant.limited, "LIMITED") +
+  const std::string head = define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") +
+                           define(variant.limited, "LIMITED") +
                            define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
                            define(variant.face_normals, "FACE_NORMALS") + frame_block_source();
   std::string vertex = vertex_head + source.vertex +

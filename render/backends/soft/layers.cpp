@@ -41,8 +41,7 @@ void TileLayers<Samples>::collect(const Kernels& kernels, std::span<const Geomet
         if (f->z < opaque.depth[f->sample]) found_.push({f->sample, f->z, f->triangle, own});
     });
     w.bins.triangles.for_each_run(number, [&](const TriangleRecord* first, const TriangleRecord* last) {
-      const std::uint32_t own =
-          Reference::record_bit | Reference::first_of_run(layer_.sources.record_runs.size());
+      const std::uint32_t own = Reference::record_bit | Reference::first_of_run(layer_.sources.record_runs.size());
       layer_.sources.record_runs.push_back(first);
       kernels.of<Samples>().collect_layers(first, last, rect, opaque, own, found_);
     });

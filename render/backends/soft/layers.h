@@ -27,10 +27,10 @@ class TileLayers {
   void put_layer(std::size_t rank);
 
   LayerList found_;
-  std::vector<LayerItem> sorted_;                // by sample, then from the front
+  std::vector<LayerItem> sorted_;                   // by sample, then from the front
   std::array<std::uint32_t, samples + 1> first_{};  // in sorted_, by sample
-  TileBuffer<Samples> layer_;                    // one layer, as if it were opaque
-  std::vector<float> planes_;                    // of light_
+  TileBuffer<Samples> layer_;                       // one layer, as if it were opaque
+  std::vector<float> planes_;                       // of light_
   LayerLight light_;
 };
 

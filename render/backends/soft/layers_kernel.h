@@ -115,7 +115,9 @@ void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
       sum.z += as_float(first & as_int(share * colour.z));
     });
     const Int alpha = job.keeps_through ? truncated(min(all_through, all(1.0f)) * 255.0f + 0.5f) : all(255);
-    const auto most_one = [](const Points& p) { return Points{min(p.x, all(1.0f)), min(p.y, all(1.0f)), min(p.z, all(1.0f))}; };
+    const auto most_one = [](const Points& p) {
+      return Points{min(p.x, all(1.0f)), min(p.y, all(1.0f)), min(p.z, all(1.0f))};
+    };
     return (to_bytes(most_one(sum)) & 0x00ff'ffff) | alpha << 24;
   });
 }

@@ -38,8 +38,8 @@ std::uint64_t draw_overdraw(const Kernels& kernels, std::span<const GeometryStag
           static_cast<std::uint32_t>(counts[static_cast<std::size_t>((y - rect.y0) * tile_size + x - rect.x0)]);
       sum += count;
       const Pixel& colour = colours[std::min(count, shading::overdraw_most)];
-      const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.size.width) +
-                                static_cast<std::size_t>(x);
+      const std::size_t pixel =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(image.size.width) + static_cast<std::size_t>(x);
       std::copy(colour.begin(), colour.end(), &image.rgba[4 * pixel]);
     }
   return sum;

@@ -128,8 +128,8 @@ struct GroupResolver {
     }
   }
 
-  // Calls visit(first, same, surface, colour) for the triangles that `width` pixels from (x, y) see, each shaded once in
-  // a pixel, at the centre where it covers all samples and at its first one elsewhere, so that nothing is read off
+  // Calls visit(first, same, surface, colour) for the triangles that `width` pixels from (x, y) see, each shaded once
+  // in a pixel, at the centre where it covers all samples and at its first one elsewhere, so that nothing is read off
   // outside a triangle. `same[r]` has the pixels of `first` where sample r sees it, too.
   template <class Visit>
   [[gnu::always_inline]] void for_each_triangle(int x, int y, const Visit& visit) const {

@@ -1,4 +1,5 @@
-// What the directional light sees (render/effects/shadow.h): depths of the casters, by the stages that draw the picture.
+// What the directional light sees (render/effects/shadow.h): depths of the casters, by the stages that draw the
+// picture.
 #pragma once
 
 #include <memory>

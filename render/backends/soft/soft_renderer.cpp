@@ -15,6 +15,7 @@
 #include "render/backends/soft/layers.h"
 #include "render/backends/soft/overdraw_tile.h"
 #include "render/backends/soft/shadow_map.h"
+#include "render/effects/ambient_occlusion.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
@@ -78,6 +79,11 @@ class SoftRenderer final : public Renderer {
       draw_tiles<4>(frame);
     }
     stats.milliseconds["raster"] = stage.lap();
+    if (!overdraw && effects::has_occlusion_pass(frame)) {
+      occlude(frame);
+      stats.work["occlusion pixels"] = image_.depth.size();
+      stats.milliseconds["ambient occlusion"] = stage.lap();
+    }
     stats.milliseconds["total"] = total.lap();
     count_work(stats);
     return stats;
@@ -167,7 +173,8 @@ class SoftRenderer final : public Renderer {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
-        ResolveJob job{&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, shadow};
+        ResolveJob job{&frame,  &viewport,  &drawn, eyes_.data(), rect,
+                       &image_, &here.work, shadow, nullptr,      effects::has_occlusion_pass(frame)};
         if (has_layers_) {
           ResolveJob of_layers = job;
           of_layers.drawn = &transparent;
@@ -175,6 +182,13 @@ class SoftRenderer final : public Renderer {
         }
         (job.layers ? kernels.resolve_layered : kernels.resolve)(job, tile);
       }
+    });
+  }
+
+  void occlude(const Frame& frame) {
+    const effects::OcclusionJob job = effects::occlusion_job(frame);
+    scheduler_.for_chunks(static_cast<std::size_t>(frame.size.height), 16, [&](ChunkRange range) {
+      kernels_.occlude(job, static_cast<int>(range.begin), static_cast<int>(range.end), image_);
     });
   }
 
@@ -215,7 +229,7 @@ class SoftRenderer final : public Renderer {
   std::optional<ShadowMap> shadow_map_;  // these are made when first used
   std::optional<GeometryStage> layers_;  // of the transparent models
   bool has_layers_ = false;              // this frame
-  std::vector<Eye> eyes_;  // of the models of the frame
+  std::vector<Eye> eyes_;                // of the models of the frame
   Image image_;
 };
 
