@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/effects/ambient_occlusion.h"
 #include "render/effects/directional_light.h"
 #include "render/effects/fog.h"
 #include "render/effects/geomorph.h"
@@ -25,7 +26,7 @@ std::span<const EffectInfo, effect_count> effect_infos() {
     for (const EffectInfo& info :
          {effects::geomorph, effects::smooth_normals, effects::vertex_colours, effects::texture, effects::normal_map,
           effects::level_tint, effects::head_light, effects::directional_light, effects::shadow, effects::wireframe,
-          effects::fog, effects::transparency, effects::overdraw})
+          effects::fog, effects::transparency, effects::ambient_occlusion, effects::overdraw})
       all[static_cast<std::size_t>(info.effect)] = info;
     return all;
   }();

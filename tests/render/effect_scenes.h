@@ -204,8 +204,20 @@ inline std::vector<EffectScene> effect_scenes() {
   all_glass.setting.fog.density = 0.25f;
   all_glass.setting.wireframe = 0.4f;
   scenes.push_back(all_glass);
-  for (const char* name :
-       {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency", "transparency_all"}) {
+  EffectScene dark = detail::still_life("occlusion");
+  dark.of_picture.insert(Effect::ambient_occlusion);
+  dark.setting.lighting.ambient = 1;
+  dark.setting.ambient_occlusion = {1, 0.2f};
+  dark.models[1].offset.z = 0;
+  scenes.push_back(dark);
+  EffectScene everything = all_glass;
+  everything.name = "everything";
+  everything.models[0].look.opacity = 1;
+  everything.of_picture.insert(Effect::ambient_occlusion);
+  everything.setting.ambient_occlusion = {0.8f, 0.25f};
+  scenes.push_back(everything);
+  for (const char* name : {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency",
+                           "transparency_all", "occlusion", "everything"}) {
     EffectScene smooth = *std::ranges::find(scenes, name, &EffectScene::name);
     smooth.name += "_4x";
     smooth.samples = 4;

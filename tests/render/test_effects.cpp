@@ -80,7 +80,7 @@ TEST(Effects, ChangeNoBitWhereNothingIsAskedFor) {
     const DrawnScene drawn = draw_soft(all);
     EXPECT_TRUE(drawn.image.rgba == expected.rgba);
     EXPECT_TRUE(drawn.image.depth == expected.depth);
-    for (const char* work : {"shadow triangles", "transparency", "covered samples", "ambient-occlusion"})
+    for (const char* work : {"shadow triangles", "transparency", "covered samples", "occlusion pixels"})
       EXPECT_EQ(drawn.stats.work.count(work), 0u) << work;
   }
 }

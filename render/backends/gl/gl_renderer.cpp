@@ -10,6 +10,7 @@
 #include "render/backends/gl/gl_commands.h"
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_layers.h"
+#include "render/backends/gl/gl_occlusion.h"
 #include "render/backends/gl/gl_overdraw.h"
 #include "render/backends/gl/gl_scene.h"
 #include "render/backends/gl/gl_sections.h"
@@ -17,6 +18,7 @@
 #include "render/backends/gl/gl_shadow.h"
 #include "render/backends/gl/gl_target.h"
 #include "render/backends/gl/gl_textures.h"
+#include "render/effects/ambient_occlusion.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
@@ -75,6 +77,7 @@ struct Resources {
   std::optional<GlShadow> shadow;  // passes: made when first used
   std::optional<GlOverdraw> overdraw;
   std::optional<GlLayers> layers;
+  std::optional<GlOcclusion> occlusion;
   std::optional<GlScene> scene;
   GlTextures textures;
   std::optional<GlTarget> target;
@@ -141,6 +144,7 @@ class MultiDrawRenderer final : public GlRenderer {
     }
     resources_->sections.begin("picture");
     resources_->target->average();
+    if (!effects::counts_overdraw(frame) && effects::has_occlusion_pass(frame)) draw_occlusion(frame, stats);
     resources_->sections.end();
     double sum = 0;
     for (const auto& [name, milliseconds] : resources_->sections.results(drawing.milliseconds())) {
@@ -258,7 +262,7 @@ class MultiDrawRenderer final : public GlRenderer {
     std::optional<GlLayers>& layers = resources_->layers;
     if (!layers || !layers->fits(frame.size, frame.samples))
       layers.emplace(frame.size, frame.samples, device_.max_storage_block_bytes);
-    layers->draw(frame, *resources_->scene, use_program(), *resources_->target, false);
+    layers->draw(frame, *resources_->scene, use_program(), *resources_->target, effects::has_occlusion_pass(frame));
     stats.cells += layers->commands().cells();
     stats.triangles += layers->commands().triangles();
     if (layers->fragments() > 0) stats.work["transparency"] = layers->fragments();
@@ -270,6 +274,14 @@ class MultiDrawRenderer final : public GlRenderer {
     if (!resources_->shadow || resources_->shadow->texels() != texels) resources_->shadow.emplace(texels);
     resources_->shadow->draw(frame, *resources_->scene, use_program());
     stats.work["shadow triangles"] = resources_->shadow->triangles();
+  }
+
+  void draw_occlusion(const Frame& frame, FrameStats& stats) {
+    resources_->sections.begin("ambient occlusion");
+    if (!resources_->occlusion) resources_->occlusion.emplace();
+    resources_->occlusion->draw(frame, *resources_->target);
+    stats.work["occlusion pixels"] =
+        static_cast<std::uint64_t>(frame.size.width) * static_cast<std::uint64_t>(frame.size.height);
   }
 
   void draw_overdraw(const Frame& frame, FrameStats& stats) {

@@ -11,6 +11,7 @@
 #include "render/backends/soft/soft_renderer.h"
 #include "render/backends/soft/tile_buffer.h"
 #include "render/backends/soft/viewport.h"
+#include "render/effects/ambient_occlusion.h"
 #include "render/eye.h"
 #include "render/lod/limits.h"
 
@@ -129,6 +130,8 @@ struct Kernels {
   // Adds 1 to what is counted at each pixel of the tile whose centre a triangle covers, for a run of them.
   void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
                           std::int32_t* counts);
+  // Rows [first, last) of the picture.
+  void (*occlude)(const effects::OcclusionJob& job, int first, int last, Image& image);
   SampleKernels<1> single;
   SampleKernels<4> multi;
 

@@ -17,6 +17,7 @@
 #include "render/backends/soft/occlusion_stage.h"
 #include "render/backends/soft/overdraw_tile.h"
 #include "render/backends/soft/shadow_map.h"
+#include "render/effects/ambient_occlusion.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
@@ -86,6 +87,11 @@ class SoftRenderer final : public Renderer {
       draw_in_two_passes(frame, stage, stats);
     } else {
       draw_cells(frame, geometry_.all(), stage, stats);
+    }
+    if (!overdraw && effects::has_occlusion_pass(frame)) {
+      occlude(frame);
+      stats.work["occlusion pixels"] = image_.depth.size();
+      stats.milliseconds["ambient occlusion"] = stage.lap();
     }
     stats.milliseconds["total"] = total.lap();
     count_work(stats);
@@ -210,7 +216,8 @@ class SoftRenderer final : public Renderer {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
-        ResolveJob job{&frame, &viewport, &drawn, eyes_.data(), rect, &image_, &here.work, &textures_, shadow};
+        ResolveJob job{&frame,     &viewport,  &drawn, eyes_.data(), rect,   &image_,
+                       &here.work, &textures_, shadow, nullptr,      effects::has_occlusion_pass(frame)};
         if (has_layers_) {
           ResolveJob of_layers = job;
           of_layers.drawn = &transparent;
@@ -219,6 +226,13 @@ class SoftRenderer final : public Renderer {
         (job.layers ? kernels.resolve_layered : kernels.resolve)(job, tile);
         if (culls) occlusion_.take(tile, rect);
       }
+    });
+  }
+
+  void occlude(const Frame& frame) {
+    const effects::OcclusionJob job = effects::occlusion_job(frame);
+    scheduler_.for_chunks(static_cast<std::size_t>(frame.size.height), 16, [&](ChunkRange range) {
+      kernels_.occlude(job, static_cast<int>(range.begin), static_cast<int>(range.end), image_);
     });
   }
 
