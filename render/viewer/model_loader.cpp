@@ -99,6 +99,7 @@ LoadStatus ModelLoader::status() const {
 
 std::unique_ptr<Model> ModelLoader::take() {
   job_->finish();
+  if (cancel_) throw Cancelled{};  // it may have been ready just before
   return std::move(model_);
 }
 

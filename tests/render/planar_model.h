@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "render/textures/mip_chain.h"
-
 #include "tests/render/small_hierarchy.h"
 #include "tests/render/textured_models.h"
 #include "tests/test_meshes.h"

@@ -36,7 +36,8 @@ Differences compare(const Image& image, const PlaneView& view, double tolerance,
       if (!view.meet(x + 0.5, y + 0.5, p) || image.depth[at] == 1) continue;  // coarse levels are smaller
       const Vec3d wanted = expected(x + 0.5, y + 0.5, p);
       const std::uint8_t* rgba = &image.rgba[4 * at];
-      const double off = std::max({std::abs(rgba[0] - wanted.x), std::abs(rgba[1] - wanted.y), std::abs(rgba[2] - wanted.z)});
+      const double off =
+          std::max({std::abs(rgba[0] - wanted.x), std::abs(rgba[1] - wanted.y), std::abs(rgba[2] - wanted.z)});
       ++d.pixels;
       d.differing += off > tolerance;
       d.mean += off;
@@ -100,7 +101,8 @@ TEST_P(Sampling, ShowsTheTextureAtEachPoint) {
   const PlaneView view(frame.frame);
   const Plan& plan = s.plan;
   const Differences d = compare(image, view, 6, [&](double x, double y, Vec3d p) {
-    const double u = double{plan.u.x} * p.x + double{plan.u.y} * p.y, v = double{plan.v.x} * p.x + double{plan.v.y} * p.y;
+    const double u = double{plan.u.x} * p.x + double{plan.u.y} * p.y,
+                 v = double{plan.v.x} * p.x + double{plan.v.y} * p.y;
     return twin.sample(u, v, footprint(view, plan, s.size, x, y));
   });
   EXPECT_GT(d.pixels, 5000u);
@@ -127,8 +129,7 @@ TEST(VertexColours, AreInterpolatedAndMorphedWithThePosition) {
     scene.kappa0 = kappa0;
     TexturedFrame frame(scene);
     const Image image = frame.draw(*make_renderer("soft", *scheduler));
-    const Differences d =
-        compare(image, PlaneView(frame.frame), 1.01, [](double, double, Vec3d p) { return 255 * p; });
+    const Differences d = compare(image, PlaneView(frame.frame), 1.01, [](double, double, Vec3d p) { return 255 * p; });
     EXPECT_GT(d.pixels, 5000u);
     EXPECT_EQ(d.differing, 0u) << kappa0 << ": " << d.worst;
   }
@@ -167,7 +168,8 @@ TEST(NormalMap, TangentSpaceFollowsTheChart) {
         std::string why;
         const auto renderer = renderer_if_possible(backend, *scheduler, why);
         if (!renderer) continue;
-        const auto model = planar_model(0, plan, {as_texture("bumps", pixels)}, {{"bumpy", {1, 1, 1, 1}, no_texture, 0}});
+        const auto model =
+            planar_model(0, plan, {as_texture("bumps", pixels)}, {{"bumpy", {1, 1, 1, 1}, no_texture, 0}});
         TexturedScene scene = over_plane(model, {0.5, -0.4, 0.7}, {0.5, 0.5, 0});
         scene.setting.lighting.ambient = 0.1f;
         Look& look = scene.models[0].look;

@@ -72,7 +72,8 @@ TEST(Wrapped, IsWhatWalkingAlongTheImageGives) {
       std::int64_t repeated = i, mirrored = i;
       while (repeated < 0) repeated += n;
       while (repeated >= n) repeated -= n;
-      while (mirrored < 0 || mirrored >= n) mirrored = mirrored < 0 ? -1 - mirrored : 2 * std::int64_t{n} - 1 - mirrored;
+      while (mirrored < 0 || mirrored >= n)
+        mirrored = mirrored < 0 ? -1 - mirrored : 2 * std::int64_t{n} - 1 - mirrored;
       EXPECT_EQ(wrapped(i, n, repeat), repeated);
       EXPECT_EQ(wrapped(i, n, mirror), mirrored);
       EXPECT_EQ(wrapped(i, n, clamp), std::min<std::int64_t>(std::max<std::int64_t>(i, 0), n - 1));
@@ -119,7 +120,8 @@ class Textures : public ::testing::Test {
 };
 
 TEST_F(Textures, AreDecodedOnceWhenFirstShown) {
-  const std::vector<Texture> images{as_texture("a", painted({32, 32}, motley)), as_texture("b", painted({16, 8}, bumps))};
+  const std::vector<Texture> images{as_texture("a", painted({32, 32}, motley)),
+                                    as_texture("b", painted({16, 8}, bumps))};
   models_ = {planar_model(0, {}, images, {material(0, 1), material(0), material(no_texture, 1)})};
   models_.push_back(models_[0]);
   models_.push_back(planar_model(0, {}, images, {material(1, 1)}));
@@ -160,8 +162,8 @@ TEST_F(Textures, FitTheirLimits) {
 }
 
 TEST_F(Textures, ReducedOnesComeFromTheirCopies) {
-  auto model = std::make_shared<Hierarchy>(*planar_model(
-      0, {}, {as_texture("a", painted({256, 256}, motley))}, {material(0)}));
+  auto model =
+      std::make_shared<Hierarchy>(*planar_model(0, {}, {as_texture("a", painted({256, 256}, motley))}, {material(0)}));
   // A copy of another colour: it is seen where it is used.
   const Texture copy = as_texture("", painted({64, 64}, [](float, float) { return Vec3f{0, 1, 0}; }));
   model->texture_copies = {{0, 1, 128, 128, model->textures[0].bytes}, {0, 2, 64, 64, copy.bytes}};

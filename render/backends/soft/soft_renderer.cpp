@@ -216,8 +216,17 @@ class SoftRenderer final : public Renderer {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
-        ResolveJob job{&frame,     &viewport,  &drawn, eyes_.data(), rect,   &image_,
-                       &here.work, &textures_, shadow, nullptr,      effects::has_occlusion_pass(frame)};
+        ResolveJob job{&frame,
+                       &viewport,
+                       &drawn,
+                       eyes_.data(),
+                       rect,
+                       &image_,
+                       &here.work,
+                       &textures_,
+                       shadow,
+                       nullptr,
+                       effects::has_occlusion_pass(frame)};
         if (has_layers_) {
           ResolveJob of_layers = job;
           of_layers.drawn = &transparent;
