@@ -88,6 +88,8 @@ struct Frame {
   // Cells that others hide are left out: changes no picture, and pays where much is hidden. Ignored where an effect
   // shows what is behind something.
   bool cull_occluded = false;
+  // Backends that select cells on their device do so, instead of taking ModelFrame::selection: the same cells.
+  bool select_on_device = false;
   int samples = 1;  // a pixel: 1, or 4 averaged (multisampling: coverage and depth a sample, colour once a triangle)
 
   // The only model of a frame that has one.

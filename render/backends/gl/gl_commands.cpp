@@ -17,15 +17,9 @@ bool is_static(const ModelFrame& model, const SelectedCell& selected) {
          morph.radii->band_begin[selected.level];
 }
 
-// New storage every time: the driver gives the old one back when no draw reads it any more.
-template <class T>
-void replace(const GlBuffer& buffer, const std::vector<T>& values) {
-  glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(values.size() * sizeof(T)), values.data(), GL_STREAM_DRAW);
-}
-
 }  // namespace
 
-void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry& geometry) {
+void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry& geometry, GlStream& stream) {
   commands_.clear();
   records_.clear();
   multi_draws_.clear();
@@ -47,10 +41,9 @@ void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry&
     commands_.insert(commands_.end(), b.commands.begin(), b.commands.end());
     records_.insert(records_.end(), b.records.begin(), b.records.end());
   }
-  replace(command_buffer_, commands_);
-  replace(record_buffer_, records_);
-  if (limits_.empty()) limits_.emplace_back();  // no empty blocks in OpenGL
-  replace(limit_buffer_, limits_);
+  sent_commands_ = stream.write(std::span<const GlDrawCommand>(commands_));
+  sent_records_ = stream.write(std::span<const GlDrawRecord>(records_));
+  sent_limits_ = stream.write(std::span<const GlLimit>(limits_));
 }
 
 void GlCommands::sort_into_pipelines(const Frame& frame, const GlGeometry& geometry) {
@@ -103,13 +96,13 @@ void GlCommands::add(const ModelFrame& model, std::uint32_t instance, const GlSc
 }
 
 void GlCommands::draw(const GlScene& scene, const std::function<void(const GlPipeline&)>& use) const {
-  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, command_buffer_.name());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, limits_block, limit_buffer_.name());
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, sent_commands_.buffer);
+  sent_limits_.bind(GL_SHADER_STORAGE_BUFFER, limits_block);
   const GlPipeline* in_use = nullptr;
   for (const GlMultiDraw& multi : multi_draws_) {
     if (const GlPipeline* next = &pipelines_[multi.pipeline]; next != in_use) use(*(in_use = next));
-    scene.bind(multi.group, record_buffer_);
-    const std::uintptr_t offset = std::uintptr_t{multi.first_command} * sizeof(GlDrawCommand);
+    scene.bind(multi.group, sent_records_);
+    const std::uintptr_t offset = static_cast<std::uintptr_t>(sent_commands_.offset) + std::uintptr_t{multi.first_command} * sizeof(GlDrawCommand);
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset),
                                 static_cast<GLsizei>(multi.command_count), 0);
   }

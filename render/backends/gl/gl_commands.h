@@ -8,6 +8,7 @@
 
 #include "render/backends/gl/gl_scene.h"
 #include "render/backends/gl/gl_shaders.h"
+#include "render/backends/gl/gl_stream.h"
 #include "render/renderer.h"
 
 namespace lodestone {
@@ -44,9 +45,8 @@ struct GlGeometry {
 
 class GlCommands {
  public:
-  // Commands for the visible cells of the models' selections, sent to the device. Buffers are orphaned, so that a frame
-  // that is still being drawn keeps its own.
-  void set(const Frame& frame, const GlScene& scene, const GlGeometry& geometry);
+  // Commands for the visible cells of the models' selections, sent to the device.
+  void set(const Frame& frame, const GlScene& scene, const GlGeometry& geometry, GlStream& stream);
   // Draws them into whatever target is bound, in the order of pipelines(); calls use(pipeline) before each, which makes
   // its program current.
   void draw(const GlScene& scene, const std::function<void(const GlPipeline&)>& use) const;
@@ -76,7 +76,7 @@ class GlCommands {
   std::vector<GlMultiDraw> multi_draws_;
   std::vector<DetailLimit> near_;
   std::vector<GlLimit> limits_;
-  GlBuffer command_buffer_, record_buffer_, limit_buffer_;
+  GlRange sent_commands_, sent_records_, sent_limits_;
   std::uint64_t cells_ = 0, triangles_ = 0, morphing_vertices_ = 0;
 };
 

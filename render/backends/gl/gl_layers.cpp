@@ -102,7 +102,7 @@ void GlLayers::reserve(std::uint64_t nodes) {
   check_memory("making the lists of layers");
 }
 
-void GlLayers::collect(const GlScene& scene, const std::function<void(const GlPipeline&)>& use) {
+void GlLayers::collect(const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use) {
   const std::uint32_t none = 0, width = static_cast<std::uint32_t>(size_.width);
   glClearNamedBufferData(heads_.name(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
   glNamedBufferSubData(heads_.name(), 4, 4, &width);
@@ -115,12 +115,12 @@ void GlLayers::collect(const GlScene& scene, const std::function<void(const GlPi
   fragments_ = count;
 }
 
-void GlLayers::draw(const Frame& frame, const GlScene& scene, const std::function<void(const GlPipeline&)>& use,
+void GlLayers::draw(const Frame& frame, const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use,
                     const GlTarget& target, bool keeps_through) {
   GlGeometry geometry{samples_ == 1 ? GlPass::layers : GlPass::layers_4x, &ModelFrame::selection, {}};
   for (const ModelFrame& model : frame.models)
     if (effects::is_transparent(frame, model)) geometry.models.push_back(&model);
-  commands_.set(frame, scene, geometry);
+  commands_.set(frame, scene, geometry, stream);
   glDepthMask(GL_FALSE);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   collect(scene, use);

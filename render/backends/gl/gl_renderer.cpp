@@ -14,6 +14,7 @@
 #include "render/backends/gl/gl_overdraw.h"
 #include "render/backends/gl/gl_scene.h"
 #include "render/backends/gl/gl_sections.h"
+#include "render/backends/gl/gl_select.h"
 #include "render/backends/gl/gl_shaders.h"
 #include "render/backends/gl/gl_shadow.h"
 #include "render/backends/gl/gl_target.h"
@@ -72,7 +73,8 @@ void set_state() {
 struct Resources {
   std::map<GlVariant, GlProgram> programs;
   GlCommands commands;
-  GlBuffer uniforms, instances;
+  GlStream stream;
+  std::optional<GlSelector> selector;  // made when first used
   GlSections sections;
   std::optional<GlShadow> shadow;  // passes: made when first used
   std::optional<GlOverdraw> overdraw;
@@ -112,6 +114,8 @@ class MultiDrawRenderer final : public GlRenderer {
   void upload(std::span<const Hierarchy* const> models) override {
     const CurrentContext current(*context_);
     resources_->scene.reset();  // before the new one: the device need not hold both
+    resources_->selector.reset();
+    models_.assign(models.begin(), models.end());
     std::vector<GroupSize> expected;
     for (const Hierarchy* model : models) expected.push_back(size_of_all(*model));
     resources_->scene.emplace(models, device_.max_storage_block_bytes, expected);
@@ -133,26 +137,17 @@ class MultiDrawRenderer final : public GlRenderer {
     const Stopwatch total;
     FrameStats stats;
     make_target(frame);
-    prepare(frame, stats);
-
-    const Stopwatch drawing;
-    set_state();
-    if (effects::counts_overdraw(frame)) {
-      draw_overdraw(frame, stats);
+    resources_->stream.next_frame();
+    if (frame.select_on_device) {
+      Frame selected = frame;
+      const Stopwatch selecting;
+      selections_ = select_all(frame);
+      for (std::size_t m = 0; m < selected.models.size(); ++m) selected.models[m].selection = &selections_[m];
+      stats.milliseconds["device select"] = selecting.milliseconds();
+      draw_selected(selected, stats);
     } else {
-      draw_picture(frame, stats);
+      draw_selected(frame, stats);
     }
-    resources_->sections.begin("picture");
-    resources_->target->average();
-    if (!effects::counts_overdraw(frame) && effects::has_occlusion_pass(frame)) draw_occlusion(frame, stats);
-    resources_->sections.end();
-    double sum = 0;
-    for (const auto& [name, milliseconds] : resources_->sections.results(drawing.milliseconds())) {
-      if (name != "picture") stats.milliseconds[name] = milliseconds;
-      sum += milliseconds;
-    }
-    check_memory("drawing");
-    stats.milliseconds["gpu"] = std::min(sum, drawing.milliseconds());
     stats.milliseconds["total"] = total.milliseconds();
     return stats;
   }
@@ -172,6 +167,7 @@ class MultiDrawRenderer final : public GlRenderer {
     FrameStats stats;
     Frame plain = frame;  // effects with a geometry stage do not change where vertices stand
     for (ModelFrame& model : plain.models) model.effects.erase(Effect::wireframe);
+    resources_->stream.next_frame();
     prepare(plain, stats);
     std::vector<Vec3f> corners(static_cast<std::size_t>(3 * stats.triangles));
     if (corners.empty()) return corners;
@@ -210,6 +206,12 @@ class MultiDrawRenderer final : public GlRenderer {
     return corners;
   }
 
+  [[nodiscard]] std::vector<Selection> select(const Frame& frame) override {
+    const CurrentContext current(*context_);
+    resources_->stream.next_frame();
+    return select_all(frame);
+  }
+
   [[nodiscard]] std::size_t group_count() const override {
     return resources_->scene ? resources_->scene->group_count() : 0;
   }
@@ -218,13 +220,43 @@ class MultiDrawRenderer final : public GlRenderer {
   }
 
  private:
+  void draw_selected(const Frame& frame, FrameStats& stats) {
+    prepare(frame, stats);
+    const Stopwatch drawing;
+    set_state();
+    if (effects::counts_overdraw(frame)) {
+      draw_overdraw(frame, stats);
+    } else {
+      draw_picture(frame, stats);
+    }
+    resources_->sections.begin("picture");
+    resources_->target->average();
+    if (!effects::counts_overdraw(frame) && effects::has_occlusion_pass(frame)) draw_occlusion(frame, stats);
+    resources_->sections.end();
+    double sum = 0;
+    for (const auto& [name, milliseconds] : resources_->sections.results(drawing.milliseconds())) {
+      if (name != "picture") stats.milliseconds[name] = milliseconds;
+      sum += milliseconds;
+    }
+    check_memory("drawing");
+    stats.milliseconds["gpu"] = std::min(sum, drawing.milliseconds());
+  }
+
+  [[nodiscard]] std::vector<Selection> select_all(const Frame& frame) {
+    if (!resources_->selector) resources_->selector.emplace(models_);
+    std::vector<Selection> selections(frame.models.size());
+    for (std::size_t m = 0; m < selections.size(); ++m)
+      resources_->selector->select(frame.models[m], resources_->stream, selections[m]);
+    return selections;
+  }
+
   // Program, uniforms and commands of the frame.
   void prepare(const Frame& frame, FrameStats& stats) {
     assert(resources_->scene);
     const Stopwatch upload;
     const GlFrameUniforms uniforms = uniforms_of(frame);
-    glNamedBufferData(resources_->uniforms.name(), sizeof uniforms, &uniforms, GL_STREAM_DRAW);
-    glBindBufferBase(GL_UNIFORM_BUFFER, frame_block, resources_->uniforms.name());
+    GlStream& stream = resources_->stream;
+    stream.write(std::span(&uniforms, 1)).bind(GL_UNIFORM_BUFFER, frame_block);
     instances_.clear();
     for (const ModelFrame& model : frame.models) {
       assert(model.model < resources_->scene->model_count() &&
@@ -235,13 +267,11 @@ class MultiDrawRenderer final : public GlRenderer {
       stats.work["decoded textures"] = decoded;
     stats.warnings = resources_->textures.take_warnings();
     resources_->textures.bind();
-    glNamedBufferData(resources_->instances.name(), static_cast<GLsizeiptr>(instances_.size() * sizeof(GlInstance)),
-                      instances_.data(), GL_STREAM_DRAW);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, instances_block, resources_->instances.name());
+    stream.write(std::span<const GlInstance>(instances_)).bind(GL_SHADER_STORAGE_BUFFER, instances_block);
     GlGeometry geometry{effects::counts_overdraw(frame) ? GlPass::count : GlPass::picture, &ModelFrame::selection, {}};
     for (const ModelFrame& model : frame.models)
       if (geometry.pass == GlPass::count || !effects::is_transparent(frame, model)) geometry.models.push_back(&model);
-    resources_->commands.set(frame, *resources_->scene, geometry);
+    resources_->commands.set(frame, *resources_->scene, geometry, stream);
     stats.milliseconds["upload"] = upload.milliseconds();
     stats.cells = resources_->commands.cells();
     stats.triangles = resources_->commands.triangles();
@@ -262,7 +292,8 @@ class MultiDrawRenderer final : public GlRenderer {
     std::optional<GlLayers>& layers = resources_->layers;
     if (!layers || !layers->fits(frame.size, frame.samples))
       layers.emplace(frame.size, frame.samples, device_.max_storage_block_bytes);
-    layers->draw(frame, *resources_->scene, use_program(), *resources_->target, effects::has_occlusion_pass(frame));
+    layers->draw(frame, *resources_->scene, resources_->stream, use_program(), *resources_->target,
+                 effects::has_occlusion_pass(frame));
     stats.cells += layers->commands().cells();
     stats.triangles += layers->commands().triangles();
     if (layers->fragments() > 0) stats.work["transparency"] = layers->fragments();
@@ -272,7 +303,7 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->sections.begin("shadow");
     const int texels = frame.setting.lighting.directional.shadow_texels;
     if (!resources_->shadow || resources_->shadow->texels() != texels) resources_->shadow.emplace(texels);
-    resources_->shadow->draw(frame, *resources_->scene, use_program());
+    resources_->shadow->draw(frame, *resources_->scene, resources_->stream, use_program());
     stats.work["shadow triangles"] = resources_->shadow->triangles();
   }
 
@@ -314,7 +345,9 @@ class MultiDrawRenderer final : public GlRenderer {
   std::unique_ptr<Resources> resources_;
   std::unique_ptr<Scheduler> own_scheduler_;
   Scheduler* scheduler_;
+  std::vector<const Hierarchy*> models_;
   std::vector<GlInstance> instances_;
+  std::vector<Selection> selections_;  // made on the device
 };
 
 }  // namespace

@@ -31,6 +31,9 @@ class GlRenderer : public Renderer {
   // first. Nothing happens before the first picture.
   virtual void copy_to(unsigned framebuffer) = 0;
 
+  // What the device selects for each model of the frame: what select_cells does within the frustum.
+  [[nodiscard]] virtual std::vector<Selection> select(const Frame& frame) = 0;
+
   // How many sets of buffers the hierarchy takes: the multi-draws of a frame that shows all of it.
   [[nodiscard]] virtual std::size_t group_count() const = 0;
   // "llvmpipe (...), 4.5 (Core Profile) ..., EGL surfaceless"

@@ -98,9 +98,9 @@ GlScene::Group GlScene::make_group(GroupSize size, AttributeSet attributes) {
   return made;
 }
 
-void GlScene::bind(std::uint32_t group, const GlBuffer& records) const {
+void GlScene::bind(std::uint32_t group, const GlRange& records) const {
   const Group& g = groups_[group];
-  glVertexArrayVertexBuffer(g.vertex_array.name(), draw_record, records.name(), 0, sizeof(GlDrawRecord));
+  glVertexArrayVertexBuffer(g.vertex_array.name(), draw_record, records.buffer, records.offset, sizeof(GlDrawRecord));
   glBindVertexArray(g.vertex_array.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, positions_block, g.positions.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, normals_block, g.normals.name());

@@ -13,6 +13,7 @@
 #include "core/hierarchy/hierarchy.h"
 #include "render/backends/gl/gl_object.h"
 #include "render/backends/gl/gl_places.h"
+#include "render/backends/gl/gl_stream.h"
 
 namespace lodestone {
 
@@ -35,7 +36,7 @@ class GlScene {
   [[nodiscard]] std::size_t group_count() const { return groups_.size(); }
 
   // Binds the vertex array and the storage blocks of a group; draw records come from `records`.
-  void bind(std::uint32_t group, const GlBuffer& records) const;
+  void bind(std::uint32_t group, const GlRange& records) const;
 
  private:
   struct Group {

@@ -15,11 +15,11 @@ GlShadow::GlShadow(int texels) : texels_(texels) {
   glNamedFramebufferDrawBuffer(framebuffer_.name(), GL_NONE);
 }
 
-void GlShadow::draw(const Frame& frame, const GlScene& scene, const std::function<void(const GlPipeline&)>& use) {
+void GlShadow::draw(const Frame& frame, const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use) {
   GlGeometry geometry{GlPass::shadow, &ModelFrame::casters, {}};
   for (const ModelFrame& model : frame.models)
     if (model.casters) geometry.models.push_back(&model);
-  commands_.set(frame, scene, geometry);
+  commands_.set(frame, scene, geometry, stream);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_.name());
   glViewport(0, 0, texels_, texels_);
   const float farthest = 1;
