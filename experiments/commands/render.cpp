@@ -30,7 +30,7 @@ struct RenderOptions {
   int samples = 1;
   float beta = RadiiConfig{}.beta, delta = 0;
   bool allow_inadmissible = false, tint = false, no_metrics = false, explain = false, cull_occluded = false,
-       cull_back_faces = false, measure_screen = false;
+       cull_back_faces = false, measure_screen = false, select_on_device = false;
   std::uint64_t memory_budget = 0;  // bytes; 0: the whole file
 };
 
@@ -181,6 +181,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   config.view = view_config(scene, parse_size(options.size));
   config.view.samples = options.samples;
   config.view.cull_occluded = options.cull_occluded;
+  config.view.select_on_device = options.select_on_device;
   if (options.cull_back_faces && options.memory_budget > 0)
     throw InputError("--cull-back-faces looks at whole models, --memory-budget at parts of them; give one of them");
   config.measure = !common.json.empty() && !options.no_metrics;
@@ -306,6 +307,8 @@ void add_render(CLI::App& app) {
       ->type_name("BYTES");
   command.add_flag("--cull-occluded", options->cull_occluded,
                    "Leave out cells that others hide: the same pictures, sooner where much is hidden");
+  command.add_flag("--select-on-device", options->select_on_device,
+                   "Backend gl: select cells by a compute shader; the same cells");
   command.add_flag("--cull-back-faces", options->cull_back_faces,
                    "Leave out cells that turn their back, where the surface is closed and seen from outside");
   command.add_flag("--no-metrics", options->no_metrics, "With --json: times and counts only, no cracks and pops");

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/hierarchy/hierarchy.h"
+#include "render/frame.h"
 #include "render/lod/depth_pyramid.h"
-#include "render/lod/selection.h"
 
 namespace lodestone {
 
@@ -26,6 +26,7 @@ class HiddenCells {
   // What is noted from now on is of a new frame; what was noted since the last call is of the frame before.
   void next_frame() { ++frame_; }
   void note(std::uint32_t cell) { hidden_[cell] = frame_; }
+  [[nodiscard]] std::size_t size() const { return hidden_.size(); }
 
   // Was what covers the place of this cell hidden: the cell itself, the one above it, or all those below it? What was
   // out of view was not.
@@ -35,6 +36,30 @@ class HiddenCells {
   [[nodiscard]] bool was_hidden(std::uint32_t cell) const { return hidden_[cell] + 1 == frame_; }
   std::vector<std::uint32_t> hidden_;  // by cell: the frame that noted it last
   std::uint32_t frame_ = 2;            // nothing is noted of frame 1
+};
+
+// What backends keep from frame to frame. In a frame: begin(); draw the cells that do not wait; fill and build the
+// pyramid; draw those of the others that it does not hide; if there were any, fill and build again; ask whether it
+// hides what has been drawn, for the next frame. Models are counted as in Frame::models.
+class OcclusionCulling {
+ public:
+  // The frame must stay until the next call.
+  void begin(const Frame& frame);
+  [[nodiscard]] bool waits(std::size_t model, std::uint32_t cell) const {
+    return histories_[model].cells.were_there(*histories_[model].hierarchy, cell);
+  }
+  // What it hides is noted for the next frame.
+  [[nodiscard]] bool hides(std::size_t model, std::uint32_t cell, int level);
+  [[nodiscard]] DepthPyramid& pyramid() { return pyramid_; }
+
+ private:
+  struct History {
+    const Hierarchy* hierarchy = nullptr;
+    HiddenCells cells;
+  };
+  const Frame* frame_ = nullptr;
+  std::vector<History> histories_;  // by place in Frame::models
+  DepthPyramid pyramid_;
 };
 
 }  // namespace lodestone

@@ -18,7 +18,8 @@ namespace lodestone {
   return metric == DistanceMetric::euclidean ? std::sqrt(s) : s;
 }
 
-// The least float s >= 0, infinity included, for which holds(s). It must hold for infinity, and not cease to as s grows.
+// The least float s >= 0, infinity included, for which holds(s). It must hold for infinity, and not cease to as s
+// grows.
 template <class Holds>
 [[nodiscard]] float least_float(const Holds& holds) {
   std::uint32_t lo = 0, hi = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());

@@ -31,7 +31,7 @@ bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
-  return {size, 1, scene.radii, scene.blend, scene.setting, scene.effects, false};
+  return {size, 1, scene.radii, scene.blend, scene.setting, scene.effects, false, false};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {
@@ -160,6 +160,7 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<c
   frame_.size = config.size;
   frame_.samples = config.samples;
   frame_.cull_occluded = config.cull_occluded;
+  frame_.select_on_device = config.select_on_device && !frozen_;
   for (std::size_t m = 0; m < placed_.size() && !frozen_; ++m) select(frame_.models[m], placed_[m]);
   if (frame_.setting.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);

@@ -31,7 +31,7 @@ struct ViewConfig {
   Blend blend = Blend::smoothstep;
   Setting setting;
   EffectRequest effects;
-  bool cull_occluded = false;  // as in Frame
+  bool cull_occluded = false, select_on_device = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };
 [[nodiscard]] ViewConfig view_config(const Scene& scene, ImageSize size);  // as the scene asks for

@@ -102,7 +102,7 @@ void GlLayers::reserve(std::uint64_t nodes) {
   check_memory("making the lists of layers");
 }
 
-void GlLayers::collect(const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use) {
+void GlLayers::collect(const GlScene& scene, const std::function<void(const GlPipeline&)>& use) {
   const std::uint32_t none = 0, width = static_cast<std::uint32_t>(size_.width);
   glClearNamedBufferData(heads_.name(), GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &none);
   glNamedBufferSubData(heads_.name(), 4, 4, &width);

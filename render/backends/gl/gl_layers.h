@@ -27,7 +27,7 @@ class GlLayers {
 
  private:
   void reserve(std::uint64_t nodes);
-  void collect(const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use);
+  void collect(const GlScene& scene, const std::function<void(const GlPipeline&)>& use);
 
   ImageSize size_;
   int samples_;

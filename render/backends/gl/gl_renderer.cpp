@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/gl/gl_commands.h"
+#include "render/backends/gl/gl_culling.h"
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_layers.h"
 #include "render/backends/gl/gl_occlusion.h"
@@ -78,6 +79,7 @@ struct Resources {
   GlSections sections;
   std::optional<GlShadow> shadow;  // passes: made when first used
   std::optional<GlOverdraw> overdraw;
+  GlCulling culling;
   std::optional<GlLayers> layers;
   std::optional<GlOcclusion> occlusion;
   std::optional<GlScene> scene;
@@ -221,13 +223,17 @@ class MultiDrawRenderer final : public GlRenderer {
 
  private:
   void draw_selected(const Frame& frame, FrameStats& stats) {
-    prepare(frame, stats);
     const Stopwatch drawing;
     set_state();
-    if (effects::counts_overdraw(frame)) {
-      draw_overdraw(frame, stats);
+    if (frame.culls_occluded()) {
+      draw_in_two_parts(frame, stats);
     } else {
-      draw_picture(frame, stats);
+      prepare(frame, stats);
+      if (effects::counts_overdraw(frame)) {
+        draw_overdraw(frame, stats);
+      } else {
+        draw_picture(frame, stats);
+      }
     }
     resources_->sections.begin("picture");
     resources_->target->average();
@@ -272,9 +278,9 @@ class MultiDrawRenderer final : public GlRenderer {
     for (const ModelFrame& model : frame.models)
       if (geometry.pass == GlPass::count || !effects::is_transparent(frame, model)) geometry.models.push_back(&model);
     resources_->commands.set(frame, *resources_->scene, geometry, stream);
-    stats.milliseconds["upload"] = upload.milliseconds();
-    stats.cells = resources_->commands.cells();
-    stats.triangles = resources_->commands.triangles();
+    stats.milliseconds["upload"] += upload.milliseconds();
+    stats.cells += resources_->commands.cells();
+    stats.triangles += resources_->commands.triangles();
   }
 
   void draw_picture(const Frame& frame, FrameStats& stats) {
@@ -285,6 +291,28 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->commands.draw(*resources_->scene, use_program());
     const auto transparent = [&](const ModelFrame& m) { return effects::is_transparent(frame, m); };
     if (std::ranges::any_of(frame.models, transparent)) draw_layers(frame, stats);
+  }
+
+  void draw_in_two_parts(const Frame& frame, FrameStats& stats) {
+    GlCulling& culling = resources_->culling;
+    Frame part = frame;
+    const auto take = [&](const std::vector<Selection>& selections) {
+      for (std::size_t m = 0; m < selections.size(); ++m) part.models[m].selection = &selections[m];
+      prepare(part, stats);
+    };
+    take(culling.first(frame));
+    draw_picture(part, stats);
+    resources_->sections.begin("culling");
+    const std::vector<Selection>& second = culling.second(*resources_->target);
+    if (culling.has_second()) {
+      resources_->sections.begin("picture");
+      take(second);
+      resources_->target->bind();
+      resources_->commands.draw(*resources_->scene, use_program());
+      resources_->sections.begin("culling");
+    }
+    culling.finish(*resources_->target);
+    if (culling.hidden_cells() > 0) stats.work["hidden cells"] = culling.hidden_cells();
   }
 
   void draw_layers(const Frame& frame, FrameStats& stats) {

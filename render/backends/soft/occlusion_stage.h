@@ -30,18 +30,14 @@ class OcclusionStage {
   [[nodiscard]] std::uint64_t hidden_triangles() const { return hidden_triangles_; }
 
  private:
-  struct History {
-    const Hierarchy* hierarchy = nullptr;
-    HiddenCells cells;
-  };
-  void begin_histories(const Frame& frame);
-  [[nodiscard]] History& history_of(const Frame& frame, const DrawnCell& cell) {
-    return histories_[static_cast<std::size_t>(cell.model - frame.models.data())];
+  [[nodiscard]] static std::size_t model_of(const Frame& frame, const DrawnCell& cell) {
+    return static_cast<std::size_t>(cell.model - frame.models.data());
   }
-  [[nodiscard]] bool is_hidden(const DrawnCell& cell, ImageSize size) const;
+  [[nodiscard]] bool hides(const Frame& frame, const DrawnCell& cell) {
+    return culling_.hides(model_of(frame, cell), cell.cell, cell.level);
+  }
 
-  std::vector<History> histories_;  // by place in Frame::models
-  DepthPyramid pyramid_;
+  OcclusionCulling culling_;
   std::vector<std::uint32_t> first_, waiting_, second_;
   std::size_t hidden_ = 0;
   std::uint64_t hidden_triangles_ = 0;
