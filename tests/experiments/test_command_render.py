@@ -149,6 +149,34 @@ class Render(CommandCase):
         self.assertIn("OpenGL", found["fallback"])
         self.assertTrue((self.folder / "frames" / "frame0001.png").exists())
 
+    def frames_of(self, *arguments):
+        """The bytes of each frame's picture, and the rows."""
+        rows = self.results("render", hierarchy(), "--frames", 10, "--size", "320x180", "--pixel-error", 2, "-o",
+                            self.folder / "culled", *arguments)["frames"]
+        return [(self.folder / "culled" / f"frame{k:04}.png").read_bytes() for k in range(10)], rows
+
+    def test_culling_changes_no_picture(self):
+        """Neither what others hide nor what turns its back is missed, and the proof of the frames holds."""
+        expected, whole = self.frames_of()
+        for options in (["--cull-occluded"], ["--cull-back-faces"], ["--cull-occluded", "--cull-back-faces"]):
+            pictures, rows = self.frames_of(*options)
+            self.assertEqual(pictures, expected, options)
+            self.assertEqual([r["open_edges"] for r in rows], [0] * 10)
+            for row, all_of_it in zip(rows, whole):
+                self.assertLessEqual(row["triangles"], all_of_it["triangles"])
+        hidden = sum(r["work"].get("hidden cells", 0) for r in self.frames_of("--cull-occluded")[1])
+        self.assertGreater(hidden, 0)
+        self.refused("render", hierarchy(), "--cull-back-faces", "--memory-budget", "1MiB", "--backend", "null",
+                     names=["--cull-back-faces", "--memory-budget"])
+
+    def test_screen_error_stays_within_the_tolerance(self):
+        for tolerance in (0.5, 2):
+            found = self.results("render", hierarchy(), "--backend", "null", "--frames", 4, "--no-metrics",
+                                 "--pixel-error", tolerance, "--screen-error")
+            self.assertEqual(found["screen_error_max"], max(f.get("screen_error", 0) for f in found["frames"]))
+            self.assertLessEqual(found["screen_error_max"], tolerance)
+            self.assertGreater(found["screen_error_max"], 0)
+
     def test_streaming_keeps_its_budget(self):
         """Whatever has arrived in time: no crack, no pop, and never more bytes than allowed."""
         for backend, frames in (("null", 40), ("soft", 150)):

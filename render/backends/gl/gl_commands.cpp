@@ -102,7 +102,8 @@ void GlCommands::draw(const GlScene& scene, const std::function<void(const GlPip
   for (const GlMultiDraw& multi : multi_draws_) {
     if (const GlPipeline* next = &pipelines_[multi.pipeline]; next != in_use) use(*(in_use = next));
     scene.bind(multi.group, sent_records_);
-    const std::uintptr_t offset = static_cast<std::uintptr_t>(sent_commands_.offset) + std::uintptr_t{multi.first_command} * sizeof(GlDrawCommand);
+    const std::uintptr_t offset = static_cast<std::uintptr_t>(sent_commands_.offset) +
+                                  std::uintptr_t{multi.first_command} * sizeof(GlDrawCommand);
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset),
                                 static_cast<GLsizei>(multi.command_count), 0);
   }

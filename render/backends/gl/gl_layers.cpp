@@ -115,8 +115,8 @@ void GlLayers::collect(const GlScene& scene, const std::function<void(const GlPi
   fragments_ = count;
 }
 
-void GlLayers::draw(const Frame& frame, const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use,
-                    const GlTarget& target, bool keeps_through) {
+void GlLayers::draw(const Frame& frame, const GlScene& scene, GlStream& stream,
+                    const std::function<void(const GlPipeline&)>& use, const GlTarget& target, bool keeps_through) {
   GlGeometry geometry{samples_ == 1 ? GlPass::layers : GlPass::layers_4x, &ModelFrame::selection, {}};
   for (const ModelFrame& model : frame.models)
     if (effects::is_transparent(frame, model)) geometry.models.push_back(&model);

@@ -20,8 +20,8 @@ class GlLayers {
   [[nodiscard]] bool fits(ImageSize size, int samples) const { return size_ == size && samples_ == samples; }
   // Puts them over the target. The picture's alpha becomes the share of what is behind them that they let through if
   // `keeps_through`. Throws ResourceError when the lists do not fit.
-  void draw(const Frame& frame, const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use,
-            const GlTarget& target, bool keeps_through);
+  void draw(const Frame& frame, const GlScene& scene, GlStream& stream,
+            const std::function<void(const GlPipeline&)>& use, const GlTarget& target, bool keeps_through);
   [[nodiscard]] const GlCommands& commands() const { return commands_; }
   [[nodiscard]] std::uint64_t fragments() const { return fragments_; }
 

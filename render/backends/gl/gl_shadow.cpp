@@ -15,7 +15,8 @@ GlShadow::GlShadow(int texels) : texels_(texels) {
   glNamedFramebufferDrawBuffer(framebuffer_.name(), GL_NONE);
 }
 
-void GlShadow::draw(const Frame& frame, const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use) {
+void GlShadow::draw(const Frame& frame, const GlScene& scene, GlStream& stream,
+                    const std::function<void(const GlPipeline&)>& use) {
   GlGeometry geometry{GlPass::shadow, &ModelFrame::casters, {}};
   for (const ModelFrame& model : frame.models)
     if (model.casters) geometry.models.push_back(&model);

@@ -14,7 +14,8 @@ class GlShadow {
   explicit GlShadow(int texels);
   [[nodiscard]] int texels() const { return texels_; }
   // Binds the map for the programs that read it, too.
-  void draw(const Frame& frame, const GlScene& scene, GlStream& stream, const std::function<void(const GlPipeline&)>& use);
+  void draw(const Frame& frame, const GlScene& scene, GlStream& stream,
+            const std::function<void(const GlPipeline&)>& use);
   [[nodiscard]] std::uint64_t triangles() const { return commands_.triangles(); }
 
  private:
