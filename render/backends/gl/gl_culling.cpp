@@ -52,10 +52,10 @@ void main() {
 static_assert(DepthPyramid::block_size == 8);
 
 GlProgram make_program(bool several) {
-  const GlStage stage{GL_COMPUTE_SHADER,
-                      std::string(several ? "#extension GL_ARB_shader_texture_image_samples : require\n#define SEVERAL\n"
-                                          : "") +
-                          source};
+  const GlStage stage{
+      GL_COMPUTE_SHADER,
+      std::string(several ? "#extension GL_ARB_shader_texture_image_samples : require\n#define SEVERAL\n" : "") +
+          source};
   return link_program(std::span(&stage, 1));
 }
 

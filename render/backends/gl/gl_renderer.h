@@ -18,9 +18,10 @@ struct GlConfig {
   Scheduler* scheduler = nullptr;
 };
 
-// FrameStats::milliseconds: "upload" (CPU time of the frame's draw commands, made and sent), "gpu" (the device, first
-// clear to last pixel), of that "shadow", "transparency", "ambient occlusion" or "overdraw" where it has such a pass,
-// "total" (wall time of draw, which returns when the picture is done).
+// FrameStats::milliseconds: "device select" (when asked for, until its result is there), "culling" (with
+// Frame::cull_occluded: finding what is hidden), "upload" (CPU time of the frame's draw commands, made and sent), "gpu"
+// (the device, first clear to last pixel), of that "shadow", "transparency", "ambient occlusion" or "overdraw" where it
+// has such a pass, "total" (wall time of draw, which returns when the picture is done).
 class GlRenderer : public Renderer {
  public:
   // The morphed positions of the corners of all drawn triangles, three a triangle, by pipeline and group, as the vertex

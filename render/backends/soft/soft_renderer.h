@@ -17,8 +17,8 @@ struct SoftConfig {
   soft::InstructionSet instructions = soft::InstructionSet::best;
 };
 
-// FrameStats::milliseconds: "geometry" (vertices, and triangles into the lists of tiles), "raster" (visibility and
-// shading by tile), "total"; wall time.
+// FrameStats::milliseconds: "occlusion" (with Frame::cull_occluded: finding what is hidden), "geometry" (vertices, and
+// triangles into the lists of tiles), "raster" (visibility and shading by tile), "total"; wall time.
 //
 // The scheduler must outlive the renderer. Throws UnsupportedError where the processor lacks the instruction set.
 [[nodiscard]] std::unique_ptr<Renderer> make_soft_renderer(Scheduler& scheduler, const SoftConfig& config = {});
