@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 
 #include "core/base/error.h"
@@ -16,12 +17,6 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-// Towards the camera, in normalised space, which is the model's space up to a uniform scale.
-Vec3f head_light(const Camera& camera) {
-  const Vec3d back = camera.position - camera.target;
-  return to_float((1 / length(back)) * back);
 }
 
 // What measuring a frame needs to remember from the one before.
@@ -39,16 +34,16 @@ class Prover {
     Selection whole;
     select_cells(hierarchy_, *morph.radii, morph.viewpoint, {.limits = morph.limits}, whole);
     for (const SelectedCell& s : whole.cells) row.selected_triangles += hierarchy_.cells[s.cell].triangles.size();
-    row.open_edges = residual_edges(morph, whole, basis_, scheduler_, crack_scratch_).open_edges;
-    row.gap_max = vertex_gaps(morph, whole, basis_, scheduler_, crack_scratch_).gap_max;
+    row.open_edges += residual_edges(morph, whole, basis_, scheduler_, crack_scratch_).open_edges;
+    row.gap_max = std::max(row.gap_max, double{vertex_gaps(morph, whole, basis_, scheduler_, crack_scratch_).gap_max});
     if (previous_radii_) {
       MorphContext before = morph;
       before.viewpoint = previous_viewpoint_;
       before.radii = &*previous_radii_;
       before.limits = previous_limits_;
       const PopReport pop = largest_jump(before, previous_, morph, whole, scheduler_, limit_rate_);
-      row.max_jump = pop.max_jump;
-      row.jump_over_bound = pop.jump_over_bound;
+      row.max_jump = std::max(row.max_jump, double{pop.max_jump});
+      row.jump_over_bound = std::max(row.jump_over_bound, double{pop.jump_over_bound});
     }
     previous_ = std::move(whole);
     previous_viewpoint_ = morph.viewpoint;
@@ -77,61 +72,38 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-FlightResult fly(const Hierarchy& hierarchy, Renderer& renderer, const FlightConfig& config, Scheduler& scheduler,
+FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& config, Scheduler& scheduler,
                  const OnFrame& on_frame) {
   if (config.cameras.empty()) throw InputError("a flight needs at least one camera");
-  ResidentCells* const resident = config.resident;
-  const Hierarchy& drawn = resident ? resident->hierarchy() : hierarchy;
-  renderer.upload(drawn);
-  std::optional<Prover> prover;
-  if (config.measure) prover.emplace(hierarchy, resident ? resident->rate() : 0, scheduler);
+  scene.upload(renderer);
+  std::vector<std::unique_ptr<Prover>> provers;
+  for (std::size_t m = 0; config.measure && m < scene.model_count(); ++m) {
+    const Hierarchy& whole = config.measured.empty() ? scene.hierarchy(m) : *config.measured[m];
+    provers.push_back(std::make_unique<Prover>(whole, scene.limit_rate(m), scheduler));
+  }
 
   FlightResult result;
   result.admissible = true;
   std::vector<double> totals;
-  Selection visible;
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     if (config.cancel && *config.cancel) throw Cancelled{};
-    const Camera& camera = config.cameras[i];
-    RadiiConfig radii_config = config.radii;
-    radii_config.image_height = config.size.height;
-    radii_config.aspect = static_cast<float>(config.size.width) / static_cast<float>(config.size.height);
-    radii_config.vertical_fov = static_cast<float>(camera.vertical_fov);
-    const Radii radii = make_radii(drawn, radii_config);
-    result.admissible = result.admissible && radii.admissible;
-
     FrameRow row;
     const Clock::time_point start = Clock::now();
-    Frame frame;
-    frame.only().morph = {&drawn, &radii, config.blend, viewpoint(camera, drawn.transform)};
-    frame.only().view_projection = view_projection(camera, drawn, config.size);
-    frame.only().towards_eye = head_light(camera);
-    frame.size = config.size;
-    frame.samples = config.samples;
-    frame.setting.level_tint = config.tint_by_level ? 1.0f : 0.0f;
-    frame.only().effects.set(Effect::level_tint, config.tint_by_level);
-    const Frustum frustum = frustum_of(frame.only().view_projection);
-    if (resident) {
-      resident->update(radii, frame.only().morph.viewpoint, &frustum);
-      renderer.refresh(0, resident->went(), resident->came());
-      frame.only().morph.limits = resident->limits();
-      row.resident_bytes = resident->bytes();
-      row.complete = resident->complete();
-    }
-    const double stream = milliseconds_since(start);
-    select_cells(drawn, radii, frame.only().morph.viewpoint, {&frustum, false, frame.only().morph.limits}, visible);
-    frame.only().selection = &visible;
-    const double select = milliseconds_since(start) - stream;
-    const FrameStats stats = renderer.draw(frame);
+    row.drawn = scene.look(config.cameras[i], config.view);
+    const double select = milliseconds_since(start);
+    const FrameStats stats = scene.draw(renderer);
     row.cells = stats.cells;
     row.triangles = stats.triangles;
+    row.work = stats.work;
     row.milliseconds = stats.milliseconds;
     row.milliseconds["select"] = select;
-    if (resident) row.milliseconds["stream"] = stream;
     row.milliseconds["total"] = milliseconds_since(start);
+    row.resident_bytes = scene.resident_bytes();
+    row.complete = scene.complete();
     totals.push_back(row.milliseconds["total"]);
+    result.admissible = result.admissible && scene.admissible();
     if (on_frame) on_frame(i, renderer);
-    if (prover) prover->measure(frame.only().morph, row);
+    for (std::size_t m = 0; m < provers.size(); ++m) provers[m]->measure(scene.frame().models[m].morph, row);
 
     result.open_edges_max = std::max(result.open_edges_max, row.open_edges);
     result.gap_max = std::max(result.gap_max, row.gap_max);

@@ -8,6 +8,7 @@
 #include <glm/ext/matrix_clip_space.hpp>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/mat4x4.hpp>
+#include <limits>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -17,6 +18,7 @@ namespace {
 
 // Nearest distance of the near plane, over the extent of the bounds: what a float depth buffer still resolves.
 constexpr double least_near = 1e-4;
+constexpr double least_near_of_all = 1e-6;  // over the extent of all models
 // The bounds are float32 and so is the matrix: far lies this much, relatively, behind the last corner.
 constexpr double far_guard = 1e-3;
 
@@ -54,23 +56,43 @@ glm::dvec3 usable_up(const Camera& camera, glm::dvec3 forward) {
   return a.y <= a.z ? glm::dvec3{0, 1, 0} : glm::dvec3{0, 0, 1};
 }
 
+// The camera's distance from a model's box and how far the box reaches along the view, in the picture's units.
+struct Reach {
+  double to_box = 0, to_farthest_corner = 0, extent = 0;
+};
+Reach reach_of(const PlacedBounds& model, Vec3d eye_in_picture, Vec3d forward_in_picture) {
+  const Similarity& placement = model.placement;
+  const glm::dvec3 eye = to_glm(placement.inverse(eye_in_picture)),
+                   forward = to_glm(placement.rotated_back(forward_in_picture));
+  const glm::dvec3 lo = to_glm(to_double(model.bounds.lo)), hi = to_glm(to_double(model.bounds.hi));
+  Reach reach;
+  reach.extent = placement.scale * std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z, 1e-6});
+  reach.to_box = placement.scale * glm::length(glm::max(glm::max(lo - eye, eye - hi), glm::dvec3(0)));
+  // The corner of the box that is farthest along the view.
+  const glm::dvec3 corner{forward.x > 0 ? hi.x : lo.x, forward.y > 0 ? hi.y : lo.y, forward.z > 0 ? hi.z : lo.z};
+  reach.to_farthest_corner = placement.scale * glm::dot(corner - eye, forward);
+  return reach;
+}
+
+// Every point of a box inside the view has at least depth near, its farthest corner less than far.
 struct DepthRange {
   double near = 0, far = 0;
 };
-
-// Nothing of the box is cut: every point of it inside the view has at least depth near, its farthest corner less than
-// far. Only a camera inside the box or closer to it than least_near can lose something, in front of its lens.
-DepthRange depth_range(const Box3f& box, glm::dvec3 eye, glm::dvec3 forward, double tan_corner) {
-  const glm::dvec3 lo = to_glm(to_double(box.lo)), hi = to_glm(to_double(box.hi));
-  const double extent = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z, 1e-6});
-  const double to_box = glm::length(glm::max(glm::max(lo - eye, eye - hi), glm::dvec3(0)));
+DepthRange depth_range(std::span<const PlacedBounds> models, Vec3d eye, Vec3d forward, double tan_corner) {
   // A point seen at an angle t off the axis, at a distance of at least to_box, has a depth of at least to_box cos t.
   const double cos_corner = 1 / std::sqrt(1 + tan_corner * tan_corner);
-  DepthRange range;
-  range.near = std::max(0.5 * to_box * cos_corner, least_near * extent);
-  // The corner of the box that is farthest along the view.
-  const glm::dvec3 corner{forward.x > 0 ? hi.x : lo.x, forward.y > 0 ? hi.y : lo.y, forward.z > 0 ? hi.z : lo.z};
-  range.far = std::max(glm::dot(corner - eye, forward) * (1 + far_guard) + far_guard * extent, 2 * range.near);
+  DepthRange range{std::numeric_limits<double>::infinity(), 0};
+  double largest = 0;
+  for (const PlacedBounds& model : models) {
+    const Reach reach = reach_of(model, eye, forward);
+    if (reach.to_farthest_corner < 0 && models.size() > 1) continue;  // behind the eye
+    range.near = std::min(range.near, std::max(0.5 * reach.to_box * cos_corner, least_near * reach.extent));
+    range.far = std::max(range.far, reach.to_farthest_corner * (1 + far_guard) + far_guard * reach.extent);
+    largest = std::max(largest, reach.extent);
+  }
+  if (!(range.near < std::numeric_limits<double>::infinity())) range.near = 1;  // nothing before the eye
+  range.near = std::max(range.near, least_near_of_all * std::max(largest, range.far));
+  range.far = std::max(range.far, 2 * range.near);
   return range;
 }
 
@@ -92,21 +114,35 @@ Vec3f viewpoint(const Camera& camera, const Transform& transform) {
   return p;
 }
 
-ViewProjection view_projection(const Camera& camera, const Hierarchy& hierarchy, ImageSize size) {
+View::View(const Camera& camera, std::span<const PlacedBounds> models, ImageSize size)
+    : eye_(camera.position), vertical_fov_(camera.vertical_fov) {
   check(camera);
   if (size.width < 1 || size.height < 1) throw InputError("the image must have a positive size");
-  const Transform& transform = hierarchy.transform;
-  const glm::dvec3 eye = to_glm((1 / transform.scale) * (camera.position - transform.origin));
   // Not from normalised positions: the difference of two far points would lose the direction.
   const glm::dvec3 forward = direction(camera.position, camera.target);
-  const double aspect = static_cast<double>(size.width) / size.height;
-  const double tan_half = std::tan(camera.vertical_fov / 2);
-
-  const Box3f bounds = hierarchy.cells.empty() ? Box3f{{0, 0, 0}, {1, 1, 1}} : hierarchy.cells.front().bounds;
-  const DepthRange depth = depth_range(bounds, eye, forward, tan_half * std::sqrt(1 + aspect * aspect));
+  forward_ = {forward.x, forward.y, forward.z};
+  aspect_ = static_cast<double>(size.width) / size.height;
+  const double tan_half = std::tan(vertical_fov_ / 2);
+  const DepthRange depth = depth_range(models, eye_, forward_, tan_half * std::sqrt(1 + aspect_ * aspect_));
+  near_ = depth.near;
+  far_ = depth.far;
   const glm::dmat4 turn = glm::lookAt(glm::dvec3(0), forward, usable_up(camera, forward));
-  const glm::dmat4 view = glm::translate(turn, -eye);
-  const glm::dmat4 m = glm::perspectiveRH_NO(camera.vertical_fov, aspect, depth.near, depth.far) * view;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) turn_[static_cast<std::size_t>(4 * row + column)] = turn[column][row];
+}
+
+ViewProjection View::projection(const Similarity& placement) const {
+  glm::dmat4 turn(1);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) turn[column][row] = turn_[static_cast<std::size_t>(4 * row + column)];
+  // The model before the eye, and only then turned: the difference of far points is taken in double.
+  glm::dmat4 model(1);
+  for (int row = 0; row < 3; ++row) {
+    const Vec3d r = placement.scale * placement.rotation[static_cast<std::size_t>(row)];
+    model[0][row] = r.x, model[1][row] = r.y, model[2][row] = r.z;
+  }
+  model[3] = glm::dvec4(to_glm(placement.translation - eye_), 1);
+  const glm::dmat4 m = glm::perspectiveRH_NO(vertical_fov_, aspect_, near_, far_) * (turn * model);
 
   ViewProjection vp;
   for (int row = 0; row < 4; ++row)
@@ -114,6 +150,39 @@ ViewProjection view_projection(const Camera& camera, const Hierarchy& hierarchy,
       vp.m[static_cast<std::size_t>(4 * row + column)] = static_cast<float>(m[column][row]);
   if (!std::ranges::all_of(vp.m, [](float v) { return std::isfinite(v); })) throw too_far();
   return vp;
+}
+
+Vec3f View::viewpoint(const Similarity& placement) const {
+  const Vec3f p = to_float(placement.inverse(eye_));
+  if (!is_finite(p)) throw too_far();
+  return p;
+}
+
+Vec3f View::towards_eye(const Similarity& placement) const { return to_float(placement.rotated_back(-1 * forward_)); }
+
+Lens View::lens() const {
+  const double tan_y = std::tan(vertical_fov_ / 2);
+  return {static_cast<float>(tan_y * aspect_), static_cast<float>(tan_y), static_cast<float>(near_),
+          static_cast<float>(far_)};
+}
+
+Camera in_space(const Camera& camera, Vec3d origin, double unit) {
+  check(camera);
+  const glm::dvec3 forward = direction(camera.position, camera.target);
+  Camera there = camera;
+  there.position = (1 / unit) * (camera.position - origin);
+  // At least as far as coordinates are large: the difference keeps its direction.
+  const double step =
+      std::max({1.0, std::abs(there.position.x), std::abs(there.position.y), std::abs(there.position.z)});
+  there.target = there.position + step * Vec3d{forward.x, forward.y, forward.z};
+  if (!is_finite(there.position) || !is_finite(there.target)) throw too_far();
+  return there;
+}
+
+ViewProjection view_projection(const Camera& camera, const Hierarchy& hierarchy, ImageSize size) {
+  const PlacedBounds bounds{{}, hierarchy.cells.empty() ? Box3f{{0, 0, 0}, {1, 1, 1}} : hierarchy.cells.front().bounds};
+  return View(in_space(camera, hierarchy.transform.origin, hierarchy.transform.scale), std::span(&bounds, 1), size)
+      .projection({});
 }
 
 // Clip space is -w <= x, y, z <= w: each plane is a sum or difference of the last row and another (Gribb and Hartmann

@@ -78,19 +78,6 @@ Camera between(const Camera& a, const Camera& b, double t) {
 
 // ---- where to look and where to land ----
 
-struct Sphere {
-  Vec3d centre;
-  double radius = 1;
-};
-
-// Around the root's bounds, in model space.
-Sphere bounding_sphere(const Hierarchy& hierarchy) {
-  if (hierarchy.cells.empty()) throw InputError("a hierarchy without cells has nothing to look at");
-  const Box3f& box = hierarchy.cells.front().bounds;
-  const Vec3d lo = hierarchy.transform.to_model(box.lo), hi = hierarchy.transform.to_model(box.hi);
-  return {0.5 * (lo + hi), std::max(0.5 * length(hi - lo), 1e-6 * hierarchy.transform.scale)};
-}
-
 struct Ray {
   glm::dvec3 origin, direction;  // normalised model space; the direction of unit length
 };
@@ -182,6 +169,22 @@ Vec3d on_sphere(double azimuth, double elevation) {
 
 }  // namespace
 
+std::vector<Camera> resample_path(std::span<const Camera> keys, int frames, const std::string& keys_of) {
+  check_frames(frames);
+  if (keys.empty()) throw InputError(describe(keys_of, {}, "holds no camera"));
+  std::vector<Camera> path;
+  for (int i = 0; i < frames; ++i) {
+    const double at = frames == 1 ? 0 : static_cast<double>(i) * static_cast<double>(keys.size() - 1) / (frames - 1);
+    const auto key = std::min(static_cast<std::size_t>(at), keys.size() - 1);
+    const double t = at - static_cast<double>(key);
+    path.push_back(t == 0 ? keys[key] : between(keys[key], keys[key + 1], t));
+    if (path.back().position == path.back().target)
+      throw InputError(describe(keys_of, "between frames " + std::to_string(key) + " and " + std::to_string(key + 1),
+                                "the position passes through the target", "add a frame between them"));
+  }
+  return path;
+}
+
 std::vector<Camera> read_camera_path(const std::string& file, int frames) {
   check_frames(frames);
   const json document = parse(file);
@@ -190,18 +193,7 @@ std::vector<Camera> read_camera_path(const std::string& file, int frames) {
   std::vector<Camera> keys;
   for (const json& key : document["frames"]) keys.push_back(camera_from(key, file, keys.size()));
   if (keys.empty()) throw InputError(describe(file, {}, "\"frames\" is empty", "give at least one camera"));
-
-  std::vector<Camera> path;
-  for (int i = 0; i < frames; ++i) {
-    const double at = frames == 1 ? 0 : static_cast<double>(i) * static_cast<double>(keys.size() - 1) / (frames - 1);
-    const auto key = std::min(static_cast<std::size_t>(at), keys.size() - 1);
-    const double t = at - static_cast<double>(key);
-    path.push_back(t == 0 ? keys[key] : between(keys[key], keys[key + 1], t));
-    if (path.back().position == path.back().target)
-      throw InputError(describe(file, "between frames " + std::to_string(key) + " and " + std::to_string(key + 1),
-                                "the position passes through the target", "add a frame between them"));
-  }
-  return path;
+  return resample_path(keys, frames, file);
 }
 
 void write_camera_path(const std::string& file, std::span<const Camera> path) {
@@ -218,16 +210,26 @@ void write_camera_path(const std::string& file, std::span<const Camera> path) {
   out.commit();
 }
 
-std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames) {
+Sphere bounding_sphere(const Hierarchy& hierarchy) {
+  if (hierarchy.cells.empty()) throw InputError("a hierarchy without cells has nothing to look at");
+  const Box3f& box = hierarchy.cells.front().bounds;
+  const Vec3d lo = hierarchy.transform.to_model(box.lo), hi = hierarchy.transform.to_model(box.hi);
+  return {0.5 * (lo + hi), std::max(0.5 * length(hi - lo), 1e-6 * hierarchy.transform.scale)};
+}
+
+std::vector<Camera> orbit_path(const Sphere& sphere, int frames) {
   check_frames(frames);
   constexpr double elevation = 20 * degree;
-  const Sphere sphere = bounding_sphere(hierarchy);
   std::vector<Camera> path;
   for (int i = 0; i < frames; ++i) {
     const double azimuth = 2 * std::numbers::pi * i / frames;
     path.push_back({sphere.centre + 2 * sphere.radius * on_sphere(azimuth, elevation), sphere.centre});
   }
   return path;
+}
+
+std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames) {
+  return orbit_path(bounding_sphere(hierarchy), frames);
 }
 
 // The distance to the landing point falls by the same factor in every frame. The curve is flown while the camera is

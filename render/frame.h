@@ -56,9 +56,10 @@ struct Setting {
   Lighting lighting;
   Fog fog;
   AmbientOcclusion ambient_occlusion;
-  float level_tint = 0;   // share of the colour that tells the level, in [0, 1]
-  float wireframe = 0;    // opacity of the edges of triangles, in [0, 1]
-  bool overdraw = false;  // instead of the picture: how many triangles lie over each other in a pixel
+  float level_tint = 0;                    // share of the colour that tells the level, in [0, 1]
+  float wireframe = 0;                     // opacity of the edges of triangles, in [0, 1]
+  Vec3f background = shading::background;  // where no model is
+  bool overdraw = false;                   // instead of the picture: how many triangles lie over each other in a pixel
   friend bool operator==(const Setting&, const Setting&) = default;
 };
 
@@ -76,14 +77,6 @@ struct ModelFrame {
   // throw a shadow into the picture, in view or not.
   ViewProjection light_projection;
   const Selection* casters = nullptr;
-};
-
-// From window coordinates and depth back to distances: clip w is the depth along the view axis, in the units of w that
-// the matrices share. Half the picture's width and height are tan_x and tan_y at w = 1.
-struct Lens {
-  float tan_x = 1, tan_y = 1;
-  float near = 0.01f, far = 10;
-  friend bool operator==(const Lens&, const Lens&) = default;
 };
 
 struct Frame {

@@ -60,7 +60,9 @@ std::unique_ptr<Renderer> make_renderer(std::string_view backend, Scheduler& sch
   if (backend == "null") return make_null_renderer();
   if (backend == "gl") {
 #if LODESTONE_GL
-    return make_gl_renderer();
+    GlConfig config;
+    config.scheduler = &scheduler;
+    return make_gl_renderer(config);
 #else
     throw UnsupportedError("the gl backend was left out of this build; configure with LODESTONE_GL=ON, or use soft");
 #endif

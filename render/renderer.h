@@ -27,6 +27,8 @@ struct FrameStats {
   // What the effects did: points shaded by each of them ("fog"), and the work of their passes ("shadow triangles").
   // Nothing is listed of what was not called for.
   std::map<std::string, std::uint64_t> work;
+  // What is not drawn as the models have it ("texture ... cannot be decoded"), each in the first frame that shows it.
+  std::vector<std::string> warnings;
 };
 
 class Renderer {

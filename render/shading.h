@@ -23,8 +23,9 @@ inline constexpr Vec3f albedo{0.8f, 0.78f, 0.74f};
 // Squared length below which an interpolated normal counts as this long: opposite normals light like ambient only.
 inline constexpr float least_norm2 = 1e-12f;
 
-// What no triangle covers: opaque, as bytes.
-inline constexpr std::array<std::uint8_t, 4> background{24, 26, 30, 255};
+// What no triangle covers, unless a scene has another.
+inline constexpr Vec3f background{24.0f / 255, 26.0f / 255, 30.0f / 255};
+inline constexpr std::array<std::uint8_t, 4> background_bytes{24, 26, 30, 255};
 
 // Edges of triangles with the effect wireframe: colour, and half their width in pixels.
 inline constexpr Vec3f wire_colour{0.05f, 0.06f, 0.08f};
@@ -40,8 +41,8 @@ inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
                                                    {0.65f, 0.45f, 0.90f},
                                                    {0.90f, 0.50f, 0.75f}}};
 
-// With the effect overdraw, for 1 triangle over a pixel and every third more: between these colours linearly. None: the
-// background; from 16 on: white.
+// With the effect overdraw, for 1 triangle over a pixel and every third more: between these colours linearly; from 16
+// on: white. Where there is none the background stays.
 inline constexpr std::array<Vec3f, 6> overdraw_ramp{{{0.10f, 0.12f, 0.45f},
                                                      {0.05f, 0.50f, 0.75f},
                                                      {0.20f, 0.70f, 0.35f},
@@ -50,8 +51,8 @@ inline constexpr std::array<Vec3f, 6> overdraw_ramp{{{0.10f, 0.12f, 0.45f},
                                                      {0.70f, 0.05f, 0.20f}}};
 inline constexpr std::uint32_t overdraw_most = 16;
 
+// triangles at least 1.
 [[nodiscard]] constexpr Vec3f overdraw_colour(std::uint32_t triangles) {
-  if (triangles == 0) return (1.0f / 255) * Vec3f{float{background[0]}, float{background[1]}, float{background[2]}};
   if (triangles >= overdraw_most) return {1, 1, 1};
   const std::uint32_t lower = (triangles - 1) / 3, part = (triangles - 1) % 3;
   if (part == 0) return overdraw_ramp[lower];

@@ -1,52 +1,35 @@
-// lodestone render: a camera path over a hierarchy; pictures, times, and the proof of every frame.
+// lodestone render: a camera path through a scene; pictures, times, and the proof of every frame.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <system_error>
 
 #include "core/base/error.h"
 #include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
 #include "experiments/flight.h"
 #include "experiments/metrics/adversary.h"
+#include "experiments/open_scene.h"
+#include "experiments/picture_writer.h"
 #include "experiments/progress.h"
-#include "parallel/cell_stream.h"
 #include "parallel/cpu_clock.h"
-#include "parallel/save.h"
-#include "render/image.h"
-#include "render/lod/resident_cells.h"
+#include "render/effects/plan.h"
+#include "render/scene/scene_view.h"
 
 namespace lodestone {
 namespace {
 
 struct RenderOptions {
-  std::string file, camera = "fly-in", backend = "soft", blend_name = "smoothstep", radii = "per-level",
-                    metric = "euclidean", size = "1280x720", output;
-  int frames = 120, samples = 1;
+  std::string file, backend = "soft", radii = "per-level", metric = "euclidean", size = "1280x720", output;
+  // Instead of what the scene says.
+  std::optional<std::string> camera, blend_name, effects;
+  std::optional<int> frames;
   std::optional<float> kappa0, pixel_error;
+  int samples = 1;
   float beta = RadiiConfig{}.beta, delta = 0;
-  bool allow_inadmissible = false, tint = false, no_metrics = false;
+  bool allow_inadmissible = false, tint = false, no_metrics = false, explain = false;
   std::uint64_t memory_budget = 0;  // bytes; 0: the whole file
 };
-
-// The model: the whole file, or what is there of it.
-struct Model {
-  std::optional<CellStream> stream;
-  std::optional<ResidentCells> resident;
-  std::optional<Hierarchy> whole;
-  [[nodiscard]] const Hierarchy& hierarchy() const { return whole ? *whole : resident->hierarchy(); }
-};
-
-// A streamed model is measured on the whole one, and adversarial viewpoints need all of its vertices.
-void open_model(const RenderOptions& options, bool measured, Scheduler& scheduler, Model& model) {
-  if (options.memory_budget > 0) {
-    model.stream.emplace(options.file);
-    model.resident.emplace(*model.stream, ResidencyConfig{.budget_bytes = options.memory_budget});
-  }
-  if (!model.resident || measured || options.camera == "adversarial")
-    model.whole.emplace(load_lode(options.file, scheduler));
-}
 
 ImageSize parse_size(const std::string& text) {
   ImageSize size;
@@ -63,8 +46,8 @@ DistanceMetric parse_metric(const std::string& name) {
   throw InputError("--metric " + name + ": unknown; known are euclidean, chebyshev");
 }
 
-RadiiConfig radii_config(const RenderOptions& options) {
-  RadiiConfig config;
+RadiiConfig radii_config(const RenderOptions& options, const RadiiConfig& of_scene) {
+  RadiiConfig config = of_scene;
   if (options.kappa0 && options.pixel_error)
     throw InputError("--kappa0 and --pixel-error exclude each other; give one of them");
   if (options.radii != "per-level" && options.radii != "uniform")
@@ -72,7 +55,7 @@ RadiiConfig radii_config(const RenderOptions& options) {
   config.rule = options.radii == "uniform" ? RadiiRule::uniform : RadiiRule::per_level;
   config.metric = parse_metric(options.metric);
   config.kappa0 = options.kappa0;
-  config.pixel_error = options.pixel_error.value_or(1.0f);
+  if (options.pixel_error) config.pixel_error = *options.pixel_error;
   config.beta = options.beta;
   config.delta = options.delta;
   return config;
@@ -101,30 +84,60 @@ bool is_path_file(const std::string& camera) {
 
 std::vector<FileArgument> input_files(const RenderOptions& options) {
   std::vector<FileArgument> files{{"FILE", options.file}};
-  if (is_path_file(options.camera)) files.push_back({"--camera", options.camera});
+  if (options.camera && is_path_file(*options.camera)) files.push_back({"--camera", *options.camera});
   return files;
 }
 
-std::vector<Camera> cameras(const RenderOptions& options, const Hierarchy& hierarchy, const RadiiConfig& config) {
-  if (options.camera == "orbit") return orbit_path(hierarchy, options.frames);
-  if (options.camera == "fly-in") return fly_in_path(hierarchy, options.frames);
-  if (options.camera == "adversarial") return adversarial_cameras(hierarchy, config, options.frames);
-  return read_camera_path(options.camera, options.frames);
+// What the options change of the scene.
+void apply(const RenderOptions& options, Scene& scene) {
+  scene.radii = radii_config(options, scene.radii);
+  if (options.blend_name) scene.blend = blend(*options.blend_name);
+  if (options.effects) scene.effects = parse_effects(*options.effects);
+  if (options.tint) scene.setting.level_tint = 1;
+  if (options.frames) scene.camera.frames = *options.frames;
+  if (options.camera) scene.camera.path = *options.camera;
 }
 
-void refuse_inadmissible(const RenderOptions& options, const Hierarchy& hierarchy, const RadiiConfig& config) {
-  if (options.allow_inadmissible || make_radii(hierarchy, config).admissible) return;
-  const float rho = reach(hierarchy, config.metric);
-  throw InputError(describe(
-      options.file, "",
-      fmt::format("kappa0 = {} is inadmissible here: it must exceed {:.4f}", *config.kappa0, rho + 3 * config.delta),
-      "raise it, use --radii per-level, or see it crack with --allow-inadmissible"));
+std::vector<Camera> cameras(const SceneView& view, const Hierarchy& whole) {
+  const Scene& scene = view.scene();
+  if (scene.camera.path != "adversarial") return camera_path(view);
+  if (view.model_count() > 1) throw InputError("--camera adversarial is made for one model; this scene has several");
+  return adversarial_cameras(whole, scene.radii, scene.camera.frames);
+}
+
+void refuse_inadmissible(const RenderOptions& options, const SceneView& view) {
+  for (std::size_t m = 0; m < view.model_count() && !options.allow_inadmissible; ++m) {
+    const RadiiConfig& config = view.scene().radii;
+    if (make_radii(view.hierarchy(m), config).admissible) continue;
+    const float rho = reach(view.hierarchy(m), config.metric);
+    throw InputError(describe(
+        view.model_count() > 1 ? view.scene().models[m].name : options.file, "",
+        fmt::format("kappa0 = {} is inadmissible here: it must exceed {:.4f}", *config.kappa0, rho + 3 * config.delta),
+        "raise it, use --radii per-level, or see it crack with --allow-inadmissible"));
+  }
+}
+
+std::vector<std::string> names_of(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const SceneModel& model : scene.models) names.push_back(model.name);
+  return names;
+}
+
+nlohmann::json to_json(const std::vector<PlannedEffect>& plan, const std::vector<std::string>& names) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const PlannedEffect& planned : plan) {
+    nlohmann::json reasons = nlohmann::json::object();
+    for (const auto& [model, why] : planned.reasons) reasons[names[model]] = why;
+    rows.push_back({{"effect", name_of(planned.effect)}, {"runs", planned.runs}, {"reasons", reasons}});
+  }
+  return rows;
 }
 
 nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed) {
   nlohmann::json frames = nlohmann::json::array();
   for (const FrameRow& row : result.frames) {
     nlohmann::json frame{{"cells", row.cells}, {"triangles", row.triangles}, {"milliseconds", row.milliseconds}};
+    frame.update({{"work", row.work}, {"drawn", row.drawn}});
     if (streamed) frame.update({{"resident_bytes", row.resident_bytes}, {"complete", row.complete}});
     if (measured)
       frame.update({{"selected_triangles", row.selected_triangles},
@@ -143,97 +156,59 @@ nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed)
   return json;
 }
 
-// The frames on disk, and a sheet of some of them. Unless finish() is reached, the frames are removed again: a folder
-// holds a whole flight or nothing of it.
-class PictureWriter {
- public:
-  PictureWriter(std::string folder, std::size_t frames) : folder_(std::move(folder)), frames_(frames) {
-    std::error_code error;
-    created_ = std::filesystem::create_directories(folder_, error);
-    if (error)
-      throw FileError(
-          describe(folder_, "", "cannot create the folder: " + error.message(), "name a folder you may write to"));
-  }
-  PictureWriter(const PictureWriter&) = delete;
-  PictureWriter& operator=(const PictureWriter&) = delete;
-
-  ~PictureWriter() {
-    if (finished_) return;
-    std::error_code ignored;
-    for (const std::string& file : written_) std::filesystem::remove(file, ignored);
-    if (created_) std::filesystem::remove(folder_, ignored);
-  }
-
-  void operator()(std::size_t index, Renderer& renderer) {
-    Image image = renderer.read_back();
-    if (image.rgba.empty()) return;
-    const std::string file = fmt::format("{}/frame{:04}.png", folder_, index);
-    write_png(file, image);
-    written_.push_back(file);
-    constexpr std::size_t on_sheet = 12;
-    const std::size_t steps = std::min(frames_, on_sheet);
-    if (sheet_.size() < steps && index * (steps - 1) >= sheet_.size() * (frames_ - 1))
-      sheet_.push_back(std::move(image));
-  }
-
-  void finish() {
-    if (!sheet_.empty()) write_png(folder_ + "/contact.png", contact_sheet(sheet_));
-    finished_ = true;
-  }
-
- private:
-  std::string folder_;
-  std::size_t frames_;
-  std::vector<Image> sheet_;
-  std::vector<std::string> written_;
-  bool created_ = false, finished_ = false;
-};
-
 void run(const RenderOptions& options, const CommonOptions& common) {
+  check_files(common, input_files(options));
+  const CpuClock opening;
+  Scene scene = OpenScene::read(options.file);
+  apply(options, scene);
   FlightConfig config;
-  config.radii = radii_config(options);
-  config.blend = blend(options.blend_name);
-  config.size = parse_size(options.size);
-  config.samples = options.samples;
-  config.tint_by_level = options.tint;
+  config.view = view_config(scene, parse_size(options.size));
+  config.view.samples = options.samples;
   config.measure = !common.json.empty() && !options.no_metrics;
   config.cancel = &interrupt_flag();
-  check_files(common, input_files(options));
 
-  const CpuClock opening;
   const auto scheduler = make_scheduler(common);
-  Model model;
-  open_model(options, config.measure, *scheduler, model);
-  const Hierarchy& hierarchy = model.hierarchy();
-  config.resident = model.resident ? &*model.resident : nullptr;
-  refuse_inadmissible(options, hierarchy, config.radii);
-  config.cameras = cameras(options, hierarchy, config.radii);
+  Progress progress("rendering", common.quiet);
+  const bool needs_wholes = config.measure || scene.camera.path == "adversarial";
+  const OpenScene opened(scene, {options.memory_budget, needs_wholes, config.cancel}, *scheduler, progress);
+  if (!common.quiet && common.json != "-") print_warnings(opened.warnings());
+  if (options.memory_budget > 0) config.measured = opened.wholes();
+  SceneView view(scene, opened.models());
+  refuse_inadmissible(options, view);
+  config.cameras = cameras(view, needs_wholes ? *opened.wholes().front() : view.hierarchy(0));
   const auto renderer = make_renderer(options.backend, *scheduler);
   std::optional<PictureWriter> pictures;
   const bool draws = options.backend != "null";
   if (draws && !options.output.empty()) pictures.emplace(options.output, config.cameras.size());
 
-  Progress progress("rendering", common.quiet);
+  progress.phase("rendering");
   progress.measure(static_cast<double>(config.cameras.size()), "frames");
   double first_picture = 0;
-  const FlightResult result = fly(hierarchy, *renderer, config, *scheduler, [&](std::size_t index, Renderer& r) {
-    if (index == 0) first_picture = opening.elapsed().seconds;
-    if (pictures) (*pictures)(index, r);
+  std::vector<PlannedEffect> plan;
+  const FlightResult result = fly(view, *renderer, config, *scheduler, [&](std::size_t index, Renderer& r) {
+    if (index == 0) {
+      first_picture = opening.elapsed().seconds;
+      plan = explain_plan(view.frame());
+    }
+    if (pictures) pictures->add(index, r.read_back());
     progress.update(static_cast<double>(index + 1) / static_cast<double>(config.cameras.size()));
   });
   if (pictures) pictures->finish();
   progress.clear();
+  if (options.explain && common.json != "-") fmt::print("{}", to_text(plan, names_of(scene)));
 
-  nlohmann::json json = to_json(result, config.measure, model.resident.has_value());
+  nlohmann::json json = to_json(result, config.measure, options.memory_budget > 0);
   json.update({{"file", options.file},
                {"backend", renderer->name()},
-               {"camera", options.camera},
-               {"blend", options.blend_name},
+               {"camera", scene.camera.path.empty() ? "keys" : scene.camera.path},
+               {"blend", name_of(scene.blend)},
+               {"models", names_of(scene)},
+               {"effects", to_json(plan, names_of(scene))},
                {"metric", options.metric},
                {"radii", options.radii},
                {"first_picture_seconds", first_picture},
-               {"samples", config.samples},
-               {"size", {config.size.width, config.size.height}}});
+               {"samples", config.view.samples},
+               {"size", {config.view.size.width, config.view.size.height}}});
   write_json(common, json);
   if (common.quiet || common.json == "-") return;
   fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer->name(),
@@ -251,17 +226,20 @@ void add_render(CLI::App& app) {
   CLI::App& command =
       add_command(app, "render", "Draw a camera path; with --json, prove every frame free of cracks and pops",
                   "  lodestone render scan.lode --camera fly-in --frames 60 -o frames\n"
+                  "  lodestone render experiments/scenes/museum.toml --explain -o frames\n"
                   "  lodestone render city.lode --memory-budget 256MiB -o frames\n"
                   "  lodestone render scan.lode --backend null --kappa0 3 --radii uniform --json proof.json\n"
                   "  lodestone render scan.lode --camera adversarial --kappa0 1.5 --radii uniform "
                   "--allow-inadmissible --backend null --json cracks.json\n",
                   common);
-  command.add_option("FILE", options->file, "Hierarchy (.lode)")->required();
-  command.add_option("--camera", options->camera, "fly-in, orbit, adversarial, or a path file (.json)")
-      ->capture_default_str();
-  command.add_option("--frames", options->frames, "Number of frames")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+  command
+      .add_option("FILE", options->file,
+                  std::string("Hierarchy (.lode), scene (.toml), or a mesh that is built first (") + mesh_formats + ")")
+      ->required();
+  command.add_option("--camera", options->camera,
+                     "fly-in, orbit, adversarial, or a path file (.json); fly-in unless the scene says otherwise");
+  command.add_option("--frames", options->frames, "Number of frames; 120 unless the scene says otherwise")
+      ->check(CLI::Range(1, 1'000'000));
   command.add_option("--size", options->size, "Picture size")->capture_default_str();
   command.add_option("--samples", options->samples, "Samples a pixel; 4 smooths edges")
       ->check(CLI::IsMember({1, 4}))
@@ -272,14 +250,19 @@ void add_render(CLI::App& app) {
   command.add_option("--kappa0", options->kappa0, "Selection radius over cell size instead");
   command.add_option("--radii", options->radii, "per-level (always admissible) or uniform (the published rule)")
       ->capture_default_str();
-  command.add_option("--blend", options->blend_name, "linear, smoothstep, smootherstep, cosine, early, late or step")
-      ->capture_default_str();
+  command.add_option(
+      "--blend", options->blend_name,
+      "linear, smoothstep, smootherstep, cosine, early, late or step; smoothstep unless the scene says otherwise");
   command.add_option("--metric", options->metric, "euclidean or chebyshev")->capture_default_str();
   command.add_option("--beta", options->beta, "Least width of a morph band over the cell size")->capture_default_str();
   command.add_option("--delta", options->delta, "Guard for a selection stale by delta cell sizes")
       ->capture_default_str();
   command.add_flag("--allow-inadmissible", options->allow_inadmissible, "Draw although cracks are to be expected");
   command.add_flag("--tint", options->tint, "Colour by level");
+  command.add_option(
+      "--effects", options->effects,
+      "auto (those that the scene calls for), all, none, or names separated by commas: " + effect_list());
+  command.add_flag("--explain", options->explain, "Print which effects run, and why");
   command
       .add_option(
           "--memory-budget", options->memory_budget,

@@ -32,7 +32,8 @@ inline constexpr float occlusion_reach = 0.125f;
 [[nodiscard]] inline std::array<std::array<float, 2>, occlusion_points> occlusion_pattern() {
   std::array<std::array<float, 2>, occlusion_points> points;
   for (std::size_t k = 0; k < occlusion_points; ++k) {
-    const double radius = (static_cast<double>(k) + 0.5) / occlusion_points, angle = 2.399963229728653 * (static_cast<double>(k) + 0.25);
+    const double radius = (static_cast<double>(k) + 0.5) / occlusion_points,
+                 angle = 2.399963229728653 * (static_cast<double>(k) + 0.25);
     points[k] = {static_cast<float>(radius * std::cos(angle)), static_cast<float>(radius * std::sin(angle))};
   }
   return points;

@@ -82,17 +82,20 @@ namespace lodestone::soft::LODESTONE_LANES {
   return {scale * x, scale * y, scale * z};
 }
 
-// Normals of corner i, morphed as morph_vertex does.
-[[gnu::always_inline]] inline Points corner_normals(const Surface& s, std::size_t i) {
+// Morphed as morph_vertex does; of lane k that of vertex vertex_of(k) of cell cell_of(k).
+template <class CellOf, class VertexOf>
+[[gnu::always_inline]] inline Points morphed_normals(const CellOf& cell_of, const VertexOf& vertex_of, bool morphing) {
   const auto packed = [](const PackedNormal& n) { return std::bit_cast<std::int32_t>(n); };
-  const Int own = gathered([&](int k) { return packed(s.cell[k]->normals[s.v[k][i]]); });
-  const Points n = unpacked(own);
-  if (!s.morphing) return n;
+  const Points n = unpacked(gathered([&](int k) { return packed(cell_of(k).normals[vertex_of(k)]); }));
+  if (!morphing) return n;
   const auto coarser = [&](int k) {
-    const DrawnCell& cell = *s.cell[k];
-    return packed(cell.morphing ? cell.coarser_normals[cell.parents[s.v[k][i]]] : cell.normals[s.v[k][i]]);
+    const DrawnCell& cell = cell_of(k);
+    return packed(cell.morphing ? cell.coarser_normals[cell.parents[vertex_of(k)]] : cell.normals[vertex_of(k)]);
   };
-  const Float l = corner_lambdas(s, i), rest = 1.0f - l;
+  const auto lambda = [&](int k) {
+    return std::bit_cast<std::int32_t>(cell_of(k).morphing ? cell_of(k).lambdas[vertex_of(k)] : 1.0f);
+  };
+  const Float l = as_float(gathered(lambda)), rest = 1.0f - l;
   const Int is_own = l >= 1.0f;
   if (bits(is_own) == all_lanes) return n;
   const Points m = unpacked(gathered(coarser));
@@ -104,8 +107,22 @@ namespace lodestone::soft::LODESTONE_LANES {
   return {pick(n.x, m.x, x), pick(n.y, m.y, y), pick(n.z, m.z, z)};
 }
 
+[[gnu::always_inline]] inline Points corner_normals(const Surface& s, std::size_t i) {
+  return morphed_normals([&](int k) -> const DrawnCell& { return *s.cell[k]; }, [&](int k) { return s.v[k][i]; },
+                         s.morphing);
+}
+
+// Where the whole group sees one triangle, its corners share the lanes.
+[[gnu::always_inline]] inline Points interpolated_normals(const Surface& s) {
+  if (!s.one_triangle) return interpolated(s, corner_normals(s, 0), corner_normals(s, 1), corner_normals(s, 2));
+  const Points n = morphed_normals([&](int) -> const DrawnCell& { return *s.cell[0]; },
+                                   [&](int k) { return s.v[0][k < 3 ? k : 0]; }, s.morphing);
+  const auto corner = [&](int i) { return Points{all(n.x[i]), all(n.y[i]), all(n.z[i])}; };
+  return interpolated(s, corner(0), corner(1), corner(2));
+}
+
 inline void smooth_normals(const ResolveJob&, Surface& s, Int lanes) {
-  const Points n = interpolated(s, corner_normals(s, 0), corner_normals(s, 1), corner_normals(s, 2));
+  const Points n = interpolated_normals(s);
   const Int smooth = lanes & (of_models(s, [](const ModelFrame& m) { return m.look.smooth ? 1.0f : 0.0f; }) > 0.0f);
   s.normal = bits(smooth) == all_lanes ? n : select(smooth, n, s.normal);
 }

@@ -24,6 +24,7 @@ struct RadiiConfig {
   float aspect = 16.0f / 9.0f;  // width over height: the angle to the image corner
   float beta = 0.5f;            // least band width at level l over h_l; > 0
   float delta = 0;              // guard for a selection stale by delta h_l; >= 0
+  friend bool operator==(const RadiiConfig&, const RadiiConfig&) = default;
 };
 
 struct Radii {

@@ -2,6 +2,7 @@
 
 import json
 import os
+import pathlib
 import pty
 import re
 import signal
@@ -65,6 +66,60 @@ class Render(CommandCase):
     def assert_seamless_views(self, result):  # the camera leaps between adversarial views: jumps mean nothing
         self.assertTrue(result["admissible"])
         self.assertEqual(result["cracks"]["open_edges_max"], 0)
+
+    def test_scene_of_several_models(self):
+        (self.folder / "scene.toml").write_text(f"""
+            [[model]]
+            file = "{hierarchy()}"
+            [[model]]
+            generate = "torus"
+            triangles = 20000
+            position = [3, 0, 0]
+            rotation = [90, 0, 0]
+            [fog]
+            density = 0.05
+            [camera]
+            frames = 4
+        """)
+        result = self.results("render", "scene.toml", "--size", "160x120", "-o", "frames")
+        self.assert_seamless(result)
+        self.assertEqual(len(result["frames"]), 4)
+        self.assertEqual(result["models"], [pathlib.Path(hierarchy()).stem, "torus"])
+        plan = {row["effect"]: row for row in result["effects"]}
+        self.assertTrue(plan["fog"]["runs"])
+        self.assertEqual(plan["fog"]["reasons"]["torus"], "the scene has fog")
+        self.assertFalse(plan["texture"]["runs"])
+        for frame in result["frames"]:
+            self.assertGreater(frame["work"]["fog"], 0)
+            self.assertNotIn("texture", frame["work"])
+        everything = self.results("render", "scene.toml", "--size", "160x120", "--effects", "all", "-o", "all")
+        self.assertTrue(all(row["runs"] for row in everything["effects"]))
+        for frame in range(4):
+            name = f"frame{frame:04}.png"
+            self.assertEqual((self.folder / "frames" / name).read_bytes(), (self.folder / "all" / name).read_bytes())
+
+    def test_mesh_is_built_first(self):
+        built = self.fly("--camera", "orbit", frames=3)
+        mesh = self.fly("--camera", "orbit", frames=3, lode=model("sphere.ply"))
+        self.assertGreater(mesh["frames"][0]["triangles"], 0)
+        self.assertEqual(len(mesh["frames"]), len(built["frames"]))
+
+    def test_camera_at_rest_draws_once(self):
+        key = {"position": [3, 0, 1], "target": [0, 0, 0]}
+        (self.folder / "rest.json").write_text(json.dumps({"frames": [key]}))
+        frames = self.fly("--camera", "rest.json", frames=4, backend="soft")["frames"]
+        self.assertEqual([frame["drawn"] for frame in frames], [True, False, False, False])
+        self.assertGreater(frames[0]["triangles"], 0)
+        for frame in frames[1:]:
+            self.assertEqual((frame["triangles"], frame["work"]), (0, {}))
+
+    def test_explains_its_plan(self):
+        text = self.lodestone("render", hierarchy(), "--frames", 1, "--size", "64x48", "--explain")
+        self.assertRegex(text, r"(?m)^head-light +runs  a head light is on$")
+        self.assertRegex(text, r"(?m)^fog +-     not called for$")
+        text = self.lodestone("render", hierarchy(), "--frames", 1, "--size", "64x48", "--explain", "--effects", "fog")
+        self.assertRegex(text, r"(?m)^fog +runs  asked for, though nothing calls for it$")
+        self.assertRegex(text, r"(?m)^head-light +-     left out, though called for: a head light is on$")
 
     def pictures(self, backend):
         self.assert_seamless(self.fly("-o", "new/frames", backend=backend, frames=3))

@@ -104,8 +104,7 @@ class ObviousRenderer final : public Renderer {
     for (std::size_t s = 0; s < samples; ++s) seen_at[seen_[pixel * samples + s].triangle].push_back(s);
     Vec3d sum;
     for (const auto& [triangle, at] : seen_at) {
-      const auto& b = shading::background;
-      Vec3d colour{b[0] / 255.0, b[1] / 255.0, b[2] / 255.0};
+      Vec3d colour = to_double(frame.setting.background);
       soft::SnappedPoint p = sample(frame, pixel, at.front());
       if (at.size() == samples) {
         p.x = p.x / 256 * 256 + 128;

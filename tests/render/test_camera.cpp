@@ -237,7 +237,7 @@ TEST(CameraPath, OrbitGoesOnceAroundAtTwoRadii) {
     EXPECT_NEAR(step, length(path[1].position - path[0].position), 1e-6 * step);
   }
   EXPECT_THROW((void)orbit_path(h, 0), InputError);
-  EXPECT_THROW((void)orbit_path({}, 3), InputError);
+  EXPECT_THROW((void)orbit_path(Hierarchy{}, 3), InputError);
 }
 
 TEST(CameraPath, FlyInDescendsEvenlyAndNeverMeetsTheSurface) {

@@ -56,7 +56,7 @@ TEST_F(GlTest, PlateHasTheColourDepthAndPlaceThatTheFormulasSay) {
         ASSERT_EQ(pixel(image, x, y)[3], 255);
         ASSERT_NEAR(depth(image, x, y), left_bottom.z, 1e-6);
       } else {
-        ASSERT_EQ(pixel(image, x, y), shading::background) << x << " " << y;
+        ASSERT_EQ(pixel(image, x, y), shading::background_bytes) << x << " " << y;
         ASSERT_EQ(depth(image, x, y), 1);
       }
     }
@@ -112,8 +112,8 @@ TEST_F(GlTest, CulledCellsAreNeitherDrawnNorCounted) {
   const Image image = renderer_->read_back();
   EXPECT_EQ(stats.triangles, left);
   EXPECT_LT(stats.cells, whole.selection.cells.size());
-  EXPECT_NE(pixel(image, 60, 40), shading::background);
-  EXPECT_EQ(pixel(image, 100, 40), shading::background);
+  EXPECT_NE(pixel(image, 60, 40), shading::background_bytes);
+  EXPECT_EQ(pixel(image, 100, 40), shading::background_bytes);
 }
 
 TEST_F(GlTest, AnEmptySelectionGivesTheBackground) {
@@ -124,7 +124,7 @@ TEST_F(GlTest, AnEmptySelectionGivesTheBackground) {
   const FrameStats stats = renderer_->draw(whole.frame);
   EXPECT_EQ(stats.cells, 0u);
   EXPECT_EQ(stats.triangles, 0u);
-  EXPECT_EQ(pixel(renderer_->read_back(), 80, 40), shading::background);
+  EXPECT_EQ(pixel(renderer_->read_back(), 80, 40), shading::background_bytes);
   EXPECT_TRUE(renderer_->capture(whole.frame).empty());
 }
 

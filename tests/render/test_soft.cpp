@@ -162,7 +162,8 @@ TEST(Soft, EveryPixelOfAnEnclosingSurfaceIsDrawn) {
 TEST(Soft, NothingInViewIsBackground) {
   const DrawnScene drawn = draw_soft(scene("looking_away"));
   EXPECT_EQ(drawn.stats.cells, 0u);
-  for (std::size_t i = 0; i < drawn.image.rgba.size(); ++i) ASSERT_EQ(drawn.image.rgba[i], shading::background[i % 4]);
+  for (std::size_t i = 0; i < drawn.image.rgba.size(); ++i)
+    ASSERT_EQ(drawn.image.rgba[i], shading::background_bytes[i % 4]);
   EXPECT_TRUE(std::ranges::all_of(drawn.image.depth, [](float z) { return z == 1; }));
 }
 

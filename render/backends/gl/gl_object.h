@@ -41,6 +41,7 @@ class GlObject {
 LODESTONE_GL_KIND(BufferKind, glCreateBuffers(1, &name), glDeleteBuffers(1, &name));
 LODESTONE_GL_KIND(VertexArrayKind, glCreateVertexArrays(1, &name), glDeleteVertexArrays(1, &name));
 LODESTONE_GL_KIND(FramebufferKind, glCreateFramebuffers(1, &name), glDeleteFramebuffers(1, &name));
+LODESTONE_GL_KIND(TextureArrayKind, glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &name), glDeleteTextures(1, &name));
 LODESTONE_GL_KIND(RenderbufferKind, glCreateRenderbuffers(1, &name), glDeleteRenderbuffers(1, &name));
 LODESTONE_GL_KIND(TextureKind, glCreateTextures(GL_TEXTURE_2D, 1, &name), glDeleteTextures(1, &name));
 LODESTONE_GL_KIND(TimerKind, glCreateQueries(GL_TIME_ELAPSED, 1, &name), glDeleteQueries(1, &name));
@@ -55,6 +56,7 @@ using GlVertexArray = GlObject<VertexArrayKind>;
 using GlFramebuffer = GlObject<FramebufferKind>;
 using GlRenderbuffer = GlObject<RenderbufferKind>;
 using GlTexture = GlObject<TextureKind>;
+using GlTextureArray = GlObject<TextureArrayKind>;
 using GlTimer = GlObject<TimerKind>;
 using GlPrimitiveCounter = GlObject<PrimitiveCounterKind>;
 using GlSampleCounter = GlObject<SampleCounterKind>;

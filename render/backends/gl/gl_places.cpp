@@ -29,17 +29,25 @@ GroupSize cut(GroupSize wanted, GroupSize largest) {
   const auto indices = static_cast<std::uint64_t>(std::ceil(share * static_cast<double>(wanted.indices)));
   return {std::min(wanted.vertices, largest.vertices), std::min(indices, largest.indices)};
 }
+GroupSize sum(GroupSize a, GroupSize b) { return {a.vertices + b.vertices, a.indices + b.indices}; }
 GroupSize larger(GroupSize a, GroupSize b) {
   return {std::max(a.vertices, b.vertices), std::max(a.indices, b.indices)};
 }
 
 }  // namespace
 
-GlPlaces::GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_vertices, GroupSize expected)
-    : models_(std::move(models)),
-      largest_{std::min(max_vertices, addressable_vertices), max_indices},
-      expected_(expected) {
-  for (const Hierarchy* model : models_) places_.emplace_back(model->cells.size());
+GlPlaces::GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_vertices,
+                   const std::vector<GroupSize>& expected)
+    : models_(std::move(models)), largest_{std::min(max_vertices, addressable_vertices), max_indices} {
+  for (std::size_t m = 0; m < models_.size(); ++m) {
+    places_.emplace_back(models_[m]->cells.size());
+    AttributeSet attributes = models_[m]->attributes;
+    attributes.wedges = false;  // nothing of their own
+    auto kind = std::ranges::find(kinds_, attributes, &Kind::attributes);
+    if (kind == kinds_.end()) kind = kinds_.insert(kind, {attributes, {}});
+    kind_of_model_.push_back(static_cast<std::size_t>(kind - kinds_.begin()));
+    if (m < expected.size()) kind->expected = sum(kind->expected, expected[m]);
+  }
 }
 
 GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent) {
@@ -54,7 +62,7 @@ GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent
 
 const FamilyPlace& GlPlaces::add(FamilyId id) {
   const Hierarchy& hierarchy = *models_[id.model];
-  const FamilyPlace family = find_room(family_size(hierarchy, id.parent));
+  const FamilyPlace family = find_room(family_size(hierarchy, id.parent), kind_of_model_[id.model]);
   std::uint64_t vertex = family.first_vertex + vertices_of_parent(hierarchy, id.parent), index = family.first_index;
   const FamilyCells range = family_cells(hierarchy, id.parent);
   for (std::uint32_t c = range.begin; c < range.end; ++c) {
@@ -73,7 +81,16 @@ void GlPlaces::remove(FamilyId id) {
   families_.erase(id);
 }
 
-FamilyPlace GlPlaces::find_room(GroupSize size) {
+// As large as what is expected, or as all that there is.
+GroupSize GlPlaces::next_group(std::size_t kind) const {
+  if (kinds_[kind].expected.vertices > 0) return kinds_[kind].expected;
+  GroupSize wanted = least_group;
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (rooms_[g].kind == kind) wanted = sum(wanted, groups_[g]);
+  return wanted;
+}
+
+FamilyPlace GlPlaces::find_room(GroupSize size, std::size_t kind) {
   if (size.vertices > largest_.vertices || size.indices > largest_.indices)
     throw ResourceError(describe("", "OpenGL",
                                  "a cell's children and their parent exceed a storage block of " +
@@ -81,21 +98,18 @@ FamilyPlace GlPlaces::find_room(GroupSize size) {
                                  "build with smaller cells or use --backend soft"));
   for (std::uint32_t g = 0; g < groups_.size(); ++g) {
     Room& room = rooms_[g];
+    if (room.kind != kind) continue;
     const std::optional<std::uint64_t> vertex = room.vertices.allocate(size.vertices);
     if (!vertex) continue;
     if (const std::optional<std::uint64_t> index = room.indices.allocate(size.indices))
       return {g, *vertex, *index, size};
     room.vertices.release(*vertex, size.vertices);
   }
-  GroupSize wanted = expected_;
-  if (expected_.vertices == 0) {
-    wanted = least_group;
-    for (const GroupSize group : groups_) wanted = {wanted.vertices + group.vertices, wanted.indices + group.indices};
-  }
-  groups_.push_back(larger(size, cut(wanted, largest_)));
-  expected_ = {expected_.vertices - std::min(expected_.vertices, groups_.back().vertices),
-               expected_.indices - std::min(expected_.indices, groups_.back().indices)};
-  rooms_.push_back({RangeAllocator(groups_.back().vertices), RangeAllocator(groups_.back().indices)});
+  groups_.push_back(larger(size, cut(next_group(kind), largest_)));
+  GroupSize& expected = kinds_[kind].expected;
+  expected = {expected.vertices - std::min(expected.vertices, groups_.back().vertices),
+              expected.indices - std::min(expected.indices, groups_.back().indices)};
+  rooms_.push_back({RangeAllocator(groups_.back().vertices), RangeAllocator(groups_.back().indices), kind});
   return {static_cast<std::uint32_t>(groups_.size() - 1), *rooms_.back().vertices.allocate(size.vertices),
           *rooms_.back().indices.allocate(size.indices), size};
 }

@@ -43,10 +43,10 @@ struct FamilyId {
 
 class GlPlaces {
  public:
-  // For these models, which share the groups. No group has more than `max_vertices`. `expected` is what all families to
-  // come may take together: the first groups are made that large, as far as they may; what comes beyond doubles the
-  // room there is.
-  GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_vertices, GroupSize expected);
+  // For these models. Those with the same attributes share groups, and no group has attributes that its models lack.
+  // No group has more than `max_vertices`. `expected` is what all families of each model may take together, or empty:
+  // the first groups are made that large, as far as they may; what comes beyond doubles the room there is.
+  GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_vertices, const std::vector<GroupSize>& expected);
 
   // A place for a family whose arrays are there. A new group is appended to groups() when no other has room. Throws
   // ResourceError when the family exceeds the largest group.
@@ -55,15 +55,22 @@ class GlPlaces {
 
   [[nodiscard]] const CellPlace& place(std::uint32_t model, std::uint32_t cell) const { return places_[model][cell]; }
   [[nodiscard]] const std::vector<GroupSize>& groups() const { return groups_; }
+  [[nodiscard]] AttributeSet attributes(std::uint32_t group) const { return kinds_[rooms_[group].kind].attributes; }
 
   // What a family takes, the copy of its parent included.
   [[nodiscard]] static GroupSize family_size(const Hierarchy& hierarchy, std::uint32_t parent);
 
  private:
+  struct Kind {
+    AttributeSet attributes;
+    GroupSize expected;
+  };
   struct Room {
     RangeAllocator vertices, indices;
+    std::size_t kind = 0;
   };
-  [[nodiscard]] FamilyPlace find_room(GroupSize size);
+  [[nodiscard]] FamilyPlace find_room(GroupSize size, std::size_t kind);
+  [[nodiscard]] GroupSize next_group(std::size_t kind) const;
 
   struct FamilyHash {
     std::size_t operator()(FamilyId f) const {
@@ -72,7 +79,9 @@ class GlPlaces {
   };
 
   std::vector<const Hierarchy*> models_;
-  GroupSize largest_, expected_;
+  std::vector<Kind> kinds_;
+  std::vector<std::size_t> kind_of_model_;
+  GroupSize largest_;
   std::vector<GroupSize> groups_;
   std::vector<Room> rooms_;                     // of the groups
   std::vector<std::vector<CellPlace>> places_;  // by model, of all cells; of those that are there

@@ -17,6 +17,7 @@
 #include "render/backends/gl/gl_shaders.h"
 #include "render/backends/gl/gl_shadow.h"
 #include "render/backends/gl/gl_target.h"
+#include "render/backends/gl/gl_textures.h"
 #include "render/effects/ambient_occlusion.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
@@ -78,17 +79,20 @@ struct Resources {
   std::optional<GlLayers> layers;
   std::optional<GlOcclusion> occlusion;
   std::optional<GlScene> scene;
+  GlTextures textures;
   std::optional<GlTarget> target;
 };
 
 class MultiDrawRenderer final : public GlRenderer {
  public:
-  MultiDrawRenderer(std::unique_ptr<GlContext> context, const GlConfig& config) : context_(std::move(context)) {
+  MultiDrawRenderer(std::unique_ptr<GlContext> context, const GlConfig& config)
+      : context_(std::move(context)), scheduler_(config.scheduler) {
     const CurrentContext current(*context_);
     watch_errors();
     device_ = query_device();
     if (config.max_storage_block_bytes > 0)
       device_.max_storage_block_bytes = std::min(device_.max_storage_block_bytes, config.max_storage_block_bytes);
+    if (!scheduler_) scheduler_ = (own_scheduler_ = make_serial_scheduler()).get();
     resources_ = std::make_unique<Resources>();
   }
 
@@ -108,12 +112,10 @@ class MultiDrawRenderer final : public GlRenderer {
   void upload(std::span<const Hierarchy* const> models) override {
     const CurrentContext current(*context_);
     resources_->scene.reset();  // before the new one: the device need not hold both
-    GroupSize all;
-    for (const Hierarchy* model : models) {
-      const GroupSize size = size_of_all(*model);
-      all = {all.vertices + size.vertices, all.indices + size.indices};
-    }
-    resources_->scene.emplace(models, device_.max_storage_block_bytes, all);
+    std::vector<GroupSize> expected;
+    for (const Hierarchy* model : models) expected.push_back(size_of_all(*model));
+    resources_->scene.emplace(models, device_.max_storage_block_bytes, expected);
+    resources_->textures.set_models(models);
     for (std::uint32_t m = 0; m < models.size(); ++m)
       for (const std::uint32_t family : families_of(*models[m])) resources_->scene->add({m, family});
   }
@@ -222,8 +224,12 @@ class MultiDrawRenderer final : public GlRenderer {
     for (const ModelFrame& model : frame.models) {
       assert(model.model < resources_->scene->model_count() &&
              model.morph.hierarchy == &resources_->scene->hierarchy(model.model));
-      instances_.push_back(instance_of(model));
+      instances_.push_back(instance_of(model, resources_->textures.first_material(model.model)));
     }
+    if (const std::size_t decoded = resources_->textures.prepare(frame, *scheduler_))
+      stats.work["decoded textures"] = decoded;
+    stats.warnings = resources_->textures.take_warnings();
+    resources_->textures.bind();
     glNamedBufferData(resources_->instances.name(), static_cast<GLsizeiptr>(instances_.size() * sizeof(GlInstance)),
                       instances_.data(), GL_STREAM_DRAW);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, instances_block, resources_->instances.name());
@@ -240,7 +246,7 @@ class MultiDrawRenderer final : public GlRenderer {
     if (effects::has_shadow_pass(frame)) draw_shadow(frame, stats);
     resources_->sections.begin("picture");
     resources_->target->bind();
-    resources_->target->clear();
+    resources_->target->clear(frame.setting.background);
     resources_->commands.draw(*resources_->scene, use_program());
     const auto transparent = [&](const ModelFrame& m) { return effects::is_transparent(frame, m); };
     if (std::ranges::any_of(frame.models, transparent)) draw_layers(frame, stats);
@@ -275,6 +281,7 @@ class MultiDrawRenderer final : public GlRenderer {
 
   void draw_overdraw(const Frame& frame, FrameStats& stats) {
     resources_->sections.begin("overdraw");
+    resources_->target->clear(frame.setting.background);
     std::optional<GlOverdraw>& overdraw = resources_->overdraw;
     if (!overdraw || overdraw->size() != frame.size) overdraw.emplace(frame.size);
     stats.work["covered samples"] =
@@ -301,6 +308,8 @@ class MultiDrawRenderer final : public GlRenderer {
   std::unique_ptr<GlContext> context_;
   GlDevice device_;
   std::unique_ptr<Resources> resources_;
+  std::unique_ptr<Scheduler> own_scheduler_;
+  Scheduler* scheduler_;
   std::vector<GlInstance> instances_;
 };
 

@@ -14,6 +14,8 @@ struct GlConfig {
   // Bytes of the largest storage block; 0: what the driver allows. Smaller values cut the hierarchy into more groups,
   // one multi-draw each.
   std::size_t max_storage_block_bytes = 0;
+  // Whose workers decode textures; it must outlive the renderer. Null: the calling thread.
+  Scheduler* scheduler = nullptr;
 };
 
 // FrameStats::milliseconds: "upload" (CPU time of the frame's draw commands, made and sent), "gpu" (the device, first

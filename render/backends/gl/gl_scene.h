@@ -1,7 +1,8 @@
 // Hierarchies in the memory of the graphics device, or the parts of them that are there.
 //
 // Per vertex 20 bytes: position (three tightly packed floats, read as float[]), packed normal (one uint), parent (one
-// uint, local to the parent cell); per triangle 12 bytes. The vertices of a group are bound twice: as attributes for
+// uint, local to the parent cell); per triangle 12 bytes. Of models that have them also texture coordinates (two
+// floats), colour (four bytes) and material (one uint). The vertices of a group are bound twice: as attributes for
 // the vertex itself, as storage blocks for its parent.
 #pragma once
 
@@ -18,7 +19,8 @@ namespace lodestone {
 class GlScene {
  public:
   // Nothing is copied yet; the hierarchies must outlive the scene.
-  GlScene(std::span<const Hierarchy* const> models, std::size_t max_storage_block_bytes, GroupSize expected);
+  GlScene(std::span<const Hierarchy* const> models, std::size_t max_storage_block_bytes,
+          const std::vector<GroupSize>& expected);
 
   // Copies a family whose arrays its hierarchy has just got. Throws ResourceError when the memory of the device does
   // not suffice.
@@ -38,9 +40,11 @@ class GlScene {
  private:
   struct Group {
     GlBuffer positions, normals, parents, indices;
+    GlBuffer uv, colours, materials;  // empty where the models have none
+    AttributeSet attributes;
     GlVertexArray vertex_array;
   };
-  [[nodiscard]] static Group make_group(GroupSize size);
+  [[nodiscard]] static Group make_group(GroupSize size, AttributeSet attributes);
 
   std::vector<const Hierarchy*> models_;
   GlPlaces places_;

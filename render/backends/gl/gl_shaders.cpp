@@ -10,8 +10,10 @@
 #include "render/backends/gl/gl_varyings.h"
 #include "render/effects/effect_info.h"
 #include "render/effects/shadow.h"
+#include "render/effects/texture_mapping.h"
 #include "render/eye.h"
 #include "render/shading.h"
+#include "render/textures/surface_textures.h"
 
 namespace lodestone {
 namespace {
@@ -220,8 +222,8 @@ constexpr const char* picture_output = "layout(location = 0) out vec4 colour;\n"
 constexpr const char* store_picture = "colour = vec4(s.colour, 1.0);";
 constexpr const char* layers_output = R"(
 layout(early_fragment_tests) in;
-layout(std430, binding = 6) restrict buffer Heads { uint count, width, heads[]; };
-layout(std430, binding = 7) restrict buffer Nodes { uint nodes[]; };
+layout(std430, binding = 8) restrict buffer Heads { uint count, width, heads[]; };
+layout(std430, binding = 9) restrict buffer Nodes { uint nodes[]; };
 )";
 constexpr const char* store_layer = R"(
 #ifdef MULTISAMPLED
@@ -263,6 +265,11 @@ struct EffectSource {
 };
 EffectSource effect_source(EffectSet effects) {
   EffectSource source;
+  if (effects.contains_any({Effect::texture, Effect::normal_map})) {
+    source.vertex = effects::mapping_vertex;
+    source.fragment = effects::mapping_fragment;
+    source.vertex_calls = source.calls_before_light = "map_texture();\n  ";
+  }
   for (const EffectInfo& info : effect_infos()) {
     if (!effects.contains(info.effect)) continue;
     const std::string name = glsl_name(info.effect);
@@ -289,7 +296,10 @@ std::string frame_block_source() {
   for (const auto& [name, value] : {std::pair{"smooth_flag", smooth_flag},
                                     {"colours_flag", colours_flag},
                                     {"textures_flag", textures_flag},
-                                    {"normal_maps_flag", normal_maps_flag}})
+                                    {"normal_maps_flag", normal_maps_flag},
+                                    {"has_uv_flag", has_uv_flag},
+                                    {"has_materials_flag", has_materials_flag},
+                                    {"no_texture", no_texture}})
     flags += std::string("const uint ") + name + " = " + std::to_string(value) + "u;\n";
   return "#define LEVELS " + std::to_string(max_level + 1) + "\n" + frame_source + flags;
 }
@@ -316,12 +326,18 @@ GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
     if (!info.of_picture && !(info.glsl.vertex.empty() && info.glsl.fragment.empty())) coded.insert(info.effect);
   variant.face_normals = model.effects.contains_any(lights) && !smooth;
   variant.effects = model.effects & coded;
+  // Neither do those that find nothing to show.
+  variant.effects.set(Effect::vertex_colours, variant.effects.contains(Effect::vertex_colours) &&
+                                                  model.look.vertex_colours &&
+                                                  model.morph.hierarchy->attributes.colours);
+  variant.effects.set(Effect::texture, shows_textures(model));
+  variant.effects.set(Effect::normal_map, shows_normal_maps(model));
   variant.effects.set(Effect::shadow,
                       model.effects.contains(Effect::directional_light) && effects::has_shadow_pass(frame));
   return variant;
 }
 
-GlInstance instance_of(const ModelFrame& model) {
+GlInstance instance_of(const ModelFrame& model, std::uint32_t first_material) {
   GlInstance to;
   for (std::size_t i = 0; i < 16; ++i) {
     to.clip_rows[i / 4][i % 4] = model.view_projection.m[i];
@@ -342,6 +358,11 @@ GlInstance instance_of(const ModelFrame& model) {
   to.base_colour[3] = model.look.opacity;
   to.flags[0] = (model.look.smooth ? smooth_flag : 0) | (model.look.vertex_colours ? colours_flag : 0) |
                 (model.look.textures ? textures_flag : 0) | (model.look.normal_maps ? normal_maps_flag : 0);
+  const Hierarchy& hierarchy = *model.morph.hierarchy;
+  to.flags[0] |=
+      (hierarchy.attributes.uv ? has_uv_flag : 0) | (hierarchy.attributes.materials ? has_materials_flag : 0);
+  to.flags[1] = first_material;
+  to.flags[2] = hierarchy.materials.empty() ? 0 : 1;
   const Radii& radii = *model.morph.radii;
   for (std::size_t l = 0; l < radii.band_begin.size(); ++l) {
     to.levels[l].band_begin = radii.band_begin[l];

@@ -31,12 +31,19 @@ struct GlVariant {
 
 // Attributes of the vertex array.
 inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw_record = 3;
+// Where models have them; only in programs of effects that read them.
+inline constexpr GLuint own_uv = 4, own_colour = 5, own_material = 6;
 // Storage blocks: the vertices of the group again, to be read at the parent's place.
 inline constexpr GLuint positions_block = 0, normals_block = 1;
 // The frame's detail limits; only in the limited variant.
 inline constexpr GLuint limits_block = 2;
 // The models of the frame.
 inline constexpr GLuint instances_block = 3;
+// Attributes of the group again, as above.
+inline constexpr GLuint uv_block = 4, colours_block = 5;
+// Of all models (gl_textures.h).
+inline constexpr GLuint materials_block = 6, texture_levels_block = 7;
+inline constexpr GLuint texture_pages_unit = 4;
 // Uniform block.
 inline constexpr GLuint frame_block = 0;
 
@@ -65,12 +72,13 @@ struct GlInstance {
   float viewpoint[4] = {};
   float towards_eye[4] = {};
   float towards_light[4] = {};
-  float eye[4] = {};          // render/eye.h
-  float base_colour[4] = {};  // w: opacity
-  std::uint32_t flags[4] = {};
+  float eye[4] = {};            // render/eye.h
+  float base_colour[4] = {};    // w: opacity
+  std::uint32_t flags[4] = {};  // flags, first entry of the model's materials, the one after it if there is any
   std::array<GlLevel, max_level + 1> levels{};
 };
-inline constexpr std::uint32_t smooth_flag = 1, colours_flag = 2, textures_flag = 4, normal_maps_flag = 8;
+inline constexpr std::uint32_t smooth_flag = 1, colours_flag = 2, textures_flag = 4, normal_maps_flag = 8,
+                               has_uv_flag = 16, has_materials_flag = 32;
 
 // The uniform block, std140.
 struct GlFrameUniforms {
@@ -81,7 +89,7 @@ struct GlFrameUniforms {
   float directional_strength = 0, shadow_strength = 0, level_tint = 0, wireframe = 0;
 };
 
-[[nodiscard]] GlInstance instance_of(const ModelFrame& model);
+[[nodiscard]] GlInstance instance_of(const ModelFrame& model, std::uint32_t first_material);
 [[nodiscard]] GlFrameUniforms uniforms_of(const Frame& frame);
 
 // Draws triangles; every vertex also gives its morphed position to transform feedback buffer 0, so that what a test

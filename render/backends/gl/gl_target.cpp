@@ -5,7 +5,6 @@
 #include <cassert>
 
 #include "render/backends/gl/gl_device.h"
-#include "render/shading.h"
 
 namespace lodestone {
 namespace {
@@ -53,12 +52,10 @@ void GlTarget::bind_result() const {
   glViewport(0, 0, size_.width, size_.height);
 }
 
-void GlTarget::clear() const {
-  std::array<float, 4> background{};
-  std::transform(shading::background.begin(), shading::background.end(), background.begin(),
-                 [](std::uint8_t v) { return static_cast<float>(v) / 255; });
+void GlTarget::clear(Vec3f background) const {
+  const std::array<float, 4> colour{background.x, background.y, background.z, 1};
   const float farthest = 1;
-  glClearNamedFramebufferfv(drawn_.framebuffer.name(), GL_COLOR, 0, background.data());
+  glClearNamedFramebufferfv(drawn_.framebuffer.name(), GL_COLOR, 0, colour.data());
   glClearNamedFramebufferfv(drawn_.framebuffer.name(), GL_DEPTH, 0, &farthest);
 }
 

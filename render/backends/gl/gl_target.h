@@ -15,9 +15,9 @@ class GlTarget {
 
   [[nodiscard]] ImageSize size() const { return size_; }
   [[nodiscard]] int samples() const { return samples_; }
-  void bind() const;     // for drawing, viewport included
-  void clear() const;    // to the background of render/shading.h and depth 1
-  void average() const;  // after drawing: the samples of each pixel; depth becomes that of one of them
+  void bind() const;                   // for drawing, viewport included
+  void clear(Vec3f background) const;  // and to depth 1
+  void average() const;                // after drawing: the samples of each pixel; depth becomes that of one of them
   [[nodiscard]] Image read() const;
   // Textures: depth as drawn, with all samples; and the averaged picture, with the framebuffer that draws into it.
   [[nodiscard]] GLuint drawn_depth() const { return drawn_.depth.name(); }

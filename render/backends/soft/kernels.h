@@ -15,6 +15,10 @@
 #include "render/eye.h"
 #include "render/lod/limits.h"
 
+namespace lodestone {
+class SurfaceTextures;
+}
+
 namespace lodestone::soft {
 
 // Stage 1: all vertices of a cell.
@@ -99,6 +103,7 @@ struct ResolveJob {
   PixelRect rect;
   Image* image = nullptr;
   WorkCounts* work = nullptr;
+  const SurfaceTextures* textures = nullptr;  // of the models
   ShadowView shadow{};
   const LayerLight* layers = nullptr;  // over the tile; only for resolve_layered
   bool keeps_through = false;          // alpha tells how much of the opaque surfaces is seen; else 255

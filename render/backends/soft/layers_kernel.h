@@ -55,7 +55,7 @@ void collect_layers(const TriangleRecord* first, const TriangleRecord* last, Pix
 template <int Samples>
 void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const LayerLight& light) {
   const ShadingPlan plan(*job.frame);
-  const GroupResolver<Samples> group{job, layer, plan};
+  const GroupResolver<Samples> group{job, layer, plan, all(0)};
   const int columns = job.rect.x1 - job.rect.x0, rows = job.rect.y1 - job.rect.y0;
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; x += width) {
@@ -85,10 +85,9 @@ template <int Samples>
 void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const LayerLight& layers = *job.layers;
   const ShadingPlan plan(*job.frame);
-  const GroupResolver<Samples> group{job, tile, plan};
+  const GroupResolver<Samples> group{job, tile, plan, all(0)};
   constexpr float part = 1.0f / Samples;
-  const auto& b = shading::background;
-  const auto channel = [&](std::size_t k) { return static_cast<float>(b[k]) / 255; };
+  const Vec3f& b = job.frame->setting.background;
   resolve_rows(job, tile, [&](int x, int y) {
     const std::size_t at = static_cast<std::size_t>(y * tile_size + x);
     Points sum{all(0.0f), all(0.0f), all(0.0f)};
@@ -103,9 +102,9 @@ void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
       sum.y += part * load<Float>(layers.green + place);
       sum.z += part * load<Float>(layers.blue + place);
     }
-    sum.x += background_through * channel(0);
-    sum.y += background_through * channel(1);
-    sum.z += background_through * channel(2);
+    sum.x += background_through * b.x;
+    sum.y += background_through * b.y;
+    sum.z += background_through * b.z;
     group.for_each_triangle(x, y, [&](Int first, const Int* same, const Surface&, const Points& colour) {
       Float share = all(0.0f);
       for (std::size_t r = 0; r < Samples; ++r)

@@ -32,7 +32,8 @@ class Occlusion {
       const Points t{per_radius * (there.x - here.x), per_radius * (there.y - here.y), per_radius * (there.z - here.z)};
       const Float tt = (t.x * t.x + t.y * t.y) + t.z * t.z, tn = (t.x * n.x + t.y * n.y) + t.z * n.z;
       const Float near = max(1.0f - tt, all(0.0f));
-      const Float part = near * near * near * max((tn - effects::occlusion_bias) / (tt + effects::occlusion_epsilon), all(0.0f));
+      const Float part =
+          near * near * near * max((tn - effects::occlusion_bias) / (tt + effects::occlusion_epsilon), all(0.0f));
       sum += as_float(inside & as_int(part));
     }
     const Float occluded = min(sum * (5.0f / effects::occlusion_points), all(1.0f));
@@ -97,7 +98,8 @@ inline void occlude(const effects::OcclusionJob& job, int first, int last, Image
   const auto [columns, rows] = image.size;
   for (int y = first; y < last; ++y)
     for (int x = 0; x < columns; x += width) {
-      const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
+      const std::size_t at =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x);
       const auto count = static_cast<std::size_t>(std::min(width, columns - x));
       float depth[width];
       std::int32_t pixels[width]{};

@@ -15,8 +15,11 @@
 #include "render/effects/fog.h"
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
+#include "render/effects/normal_map.h"
 #include "render/effects/shadow.h"
 #include "render/effects/smooth_normals.h"
+#include "render/effects/texture.h"
+#include "render/effects/vertex_colours.h"
 #include "render/effects/wireframe.h"
 #include "render/renderer.h"
 #include "render/shading.h"
@@ -39,6 +42,9 @@ class ShadingPlan {
       if (called.contains(effect)) steps_[count_++] = {effect, effect, step};
     };
     add(Effect::smooth_normals, smooth_normals);
+    add(Effect::vertex_colours, vertex_colours);
+    add(Effect::texture, texture);
+    add(Effect::normal_map, normal_map);
     add(Effect::level_tint, level_tint);
     add(Effect::head_light, head_light);
     add(Effect::directional_light, directional_light);
@@ -55,8 +61,8 @@ class ShadingPlan {
   [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
     s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.look.base_colour; });
     s.light = all(0.0f);
-    if (corners_)
-      for (std::size_t i = 0; i < 3; ++i) s.corner[i] = corner_positions(s, i);
+    s.is_mapped = false;
+    if (corners_) find_corners(s);
     if (flat_) face_normals(job, s, s.seen);
     for (std::size_t k = 0; k < lit_; ++k) run(steps_[k], job, s);
     s.colour = scaled(ambient_ + (1 - ambient_) * min(s.light, all(1.0f)), s.colour);
@@ -98,19 +104,20 @@ class ShadingPlan {
   float ambient_ = 0;
 };
 
+inline Points uniform(Vec3f v) { return {all(v.x), all(v.y), all(v.z)}; }
+
 inline Int to_bytes(const Points& colour) {
   const auto byte = [](Float v) { return truncated(v * 255.0f + 0.5f); };
   static_assert(std::endian::native == std::endian::little);
   return byte(colour.x) | byte(colour.y) << 8 | byte(colour.z) << 16 | static_cast<std::int32_t>(0xff00'0000u);
 }
 
-inline Int background() { return all(std::bit_cast<std::int32_t>(shading::background)); }
-
 template <int Samples>
 struct GroupResolver {
   const ResolveJob& job;
   const TileBuffer<Samples>& tile;
   const ShadingPlan& plan;
+  Int background;  // as bytes
 
   // Colours as bytes of `width` pixels from (x, y) of the tile.
   Int operator()(int x, int y) const {
@@ -119,10 +126,10 @@ struct GroupResolver {
               py = all((job.rect.y0 + y) * subpixels + subpixels / 2);
     if constexpr (Samples == 1) {
       const Int seen = load<Float>(&tile.depth[at]) < 1.0f;
-      if (bits(seen) == 0) return background();
+      if (bits(seen) == 0) return background;
       Surface s;
       find(at, 0, seen, px, py, s);
-      return select(seen, to_bytes(plan.colour(job, s)), background());
+      return select(seen, to_bytes(plan.colour(job, s)), background);
     } else {
       return averaged(at, x, y);
     }
@@ -175,12 +182,11 @@ struct GroupResolver {
     Int background_samples = all(0);
     for (std::size_t s = 0; s < Samples; ++s)
       background_samples -= ~(load<Float>(&tile.depth[s * tile_pixels + at]) < 1.0f);
-    if (bits(background_samples == Samples) == all_lanes) return background();
+    if (bits(background_samples == Samples) == all_lanes) return background;
     constexpr float part = 1.0f / Samples;
-    const auto& b = shading::background;
+    const Vec3f& b = job.frame->setting.background;
     const Float empty = to_float(background_samples) * part;
-    const auto channel = [&](std::size_t k) { return empty * (static_cast<float>(b[k]) / 255); };
-    Points sum{channel(0), channel(1), channel(2)};
+    Points sum{empty * b.x, empty * b.y, empty * b.z};
     for_each_triangle(x, y, [&](Int first, const Int* same, const Surface&, const Points& colour) {
       Int count = all(0);
       for (std::size_t r = 0; r < Samples; ++r) count -= same[r];
@@ -261,7 +267,7 @@ template <int Samples, class Colours>
 template <int Samples>
 void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const ShadingPlan plan(*job.frame);
-  resolve_rows(job, tile, GroupResolver<Samples>{job, tile, plan});
+  resolve_rows(job, tile, GroupResolver<Samples>{job, tile, plan, to_bytes(uniform(job.frame->setting.background))});
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

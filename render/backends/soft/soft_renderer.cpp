@@ -19,6 +19,7 @@
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
+#include "render/textures/surface_textures.h"
 
 namespace lodestone {
 namespace soft {
@@ -46,7 +47,10 @@ class SoftRenderer final : public Renderer {
 
   [[nodiscard]] std::string_view name() const override { return "soft"; }
   using Renderer::upload;
-  void upload(std::span<const Hierarchy* const> models) override { models_.assign(models.begin(), models.end()); }
+  void upload(std::span<const Hierarchy* const> models) override {
+    models_.assign(models.begin(), models.end());
+    textures_.set_models(models);
+  }
   [[nodiscard]] Image read_back() override { return image_; }
 
   FrameStats draw(const Frame& frame) override {
@@ -54,6 +58,8 @@ class SoftRenderer final : public Renderer {
     Stopwatch stage, total;
     FrameStats stats;
     resize(frame.size);
+    if (const std::size_t decoded = textures_.prepare(frame, scheduler_)) stats.work["decoded textures"] = decoded;
+    stats.warnings = textures_.take_warnings();
     const bool overdraw = effects::counts_overdraw(frame);
     if (!overdraw && effects::has_shadow_pass(frame)) {
       if (!shadow_map_) shadow_map_.emplace(scheduler_, kernels_);
@@ -173,8 +179,17 @@ class SoftRenderer final : public Renderer {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
-        ResolveJob job{&frame,  &viewport,  &drawn, eyes_.data(), rect,
-                       &image_, &here.work, shadow, nullptr,      effects::has_occlusion_pass(frame)};
+        ResolveJob job{&frame,
+                       &viewport,
+                       &drawn,
+                       eyes_.data(),
+                       rect,
+                       &image_,
+                       &here.work,
+                       &textures_,
+                       shadow,
+                       nullptr,
+                       effects::has_occlusion_pass(frame)};
         if (has_layers_) {
           ResolveJob of_layers = job;
           of_layers.drawn = &transparent;
@@ -202,7 +217,7 @@ class SoftRenderer final : public Renderer {
         const PixelRect rect = grid.rect(k);
         draw_tile<1>(kernels_, geometry_.workers(), k, rect, tile);
         copy_depth(tile, rect, image_);
-        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, image_);
+        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, frame.setting.background, image_);
       }
     });
     return sum;
@@ -224,6 +239,7 @@ class SoftRenderer final : public Renderer {
   Scheduler& scheduler_;
   const Kernels& kernels_;
   std::vector<const Hierarchy*> models_;
+  SurfaceTextures textures_;
   GeometryStage geometry_;
   std::vector<Workplace> workers_;
   std::optional<ShadowMap> shadow_map_;  // these are made when first used

@@ -12,11 +12,21 @@
 
 namespace lodestone::soft::LODESTONE_LANES {
 
+// Where the pixel lies on its textures (render/effects/texture_mapping.h).
+struct Mapping {
+  Float u, v;
+  Float u_x, v_x, u_y, v_y;  // differences to the next pixel to the right and downwards
+  Points normal;             // of the triangle, in the order of its corners, any length
+  Points along_u, along_v;   // gradients of u and v on it
+  Points away;               // along the line of sight, either way
+};
+
 struct Surface {
   const DrawnCell* cell[width];
   const std::uint32_t* v[width];  // VertexIds
   const ModelFrame* model;        // of all lanes, or null where they see several
   bool morphing;                  // any of the cells
+  bool one_triangle;              // all lanes see the same one
   Int seen;                       // mask: the other lanes see nothing, and repeat one that does
   Int x, y;                       // where, subpixels
   Float weight[3];                // perspective-correct, sum 1
@@ -29,6 +39,8 @@ struct Surface {
   Points colour;      // albedo, and in the end what the picture shows
   Float light;        // sum of the lights that reach it
   Float directional;  // that of the directional light, in it
+  Mapping mapping;    // once an effect has asked for it
+  bool is_mapped;
 };
 
 // A number of each lane's model.
@@ -107,6 +119,7 @@ template <class RecordOf>
     morphing |= s.cell[k]->morphing;
   }
   s.morphing = morphing;
+  s.one_triangle = bits(group == group[0]) == all_lanes;
   s.model = model_of_all(job, s);
   if (any_record) {
     const auto of = [&](int k) -> const TriangleRecord& {
@@ -148,20 +161,44 @@ template <class RecordOf>
   return {interpolated(s, a.x, b.x, c.x), interpolated(s, a.y, b.y, c.y), interpolated(s, a.z, b.z, c.z)};
 }
 
-// The drawn place of corner i, normalised model space: morph_position.
-[[gnu::always_inline]] inline Points corner_positions(const Surface& s, std::size_t i) {
+// Drawn places, normalised model space, as morph_position has them; of lane k that of vertex vertex_of(k) of cell
+// cell_of(k).
+template <class CellOf, class VertexOf>
+[[gnu::always_inline]] inline Points morphed_positions(const CellOf& cell_of, const VertexOf& vertex_of,
+                                                       bool morphing) {
   Vec3f own[width], coarser[width];
+  Float lambda;
   for (int k = 0; k < width; ++k) {
-    own[k] = s.cell[k]->own->positions[s.v[k][i]];
-    coarser[k] = s.cell[k]->morphing ? s.cell[k]->coarser->positions[parent_of(s, k, i)] : own[k];
+    const DrawnCell& cell = cell_of(k);
+    const std::uint32_t v = vertex_of(k);
+    own[k] = cell.own->positions[v];
+    coarser[k] = cell.morphing ? cell.coarser->positions[cell.parents[v]] : own[k];
+    lambda[k] = cell.morphing ? cell.lambdas[v] : 1.0f;
   }
   const Points w = load_points(own);
-  if (!s.morphing) return w;
-  const Float lambda = corner_lambdas(s, i), rest = 1.0f - lambda;
+  if (!morphing) return w;
+  const Float rest = 1.0f - lambda;
   const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
   const Points p = load_points(coarser);
   const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
   return {mix(w.x, p.x), mix(w.y, p.y), mix(w.z, p.z)};
+}
+
+// Of corner i.
+[[gnu::always_inline]] inline Points corner_positions(const Surface& s, std::size_t i) {
+  return morphed_positions([&](int k) -> const DrawnCell& { return *s.cell[k]; }, [&](int k) { return s.v[k][i]; },
+                           s.morphing);
+}
+
+// Fills Surface::corner. Where the whole group sees one triangle, its corners share the lanes.
+[[gnu::always_inline]] inline void find_corners(Surface& s) {
+  if (!s.one_triangle) {
+    for (std::size_t i = 0; i < 3; ++i) s.corner[i] = corner_positions(s, i);
+    return;
+  }
+  const Points p = morphed_positions([&](int) -> const DrawnCell& { return *s.cell[0]; },
+                                     [&](int k) { return s.v[0][k < 3 ? k : 0]; }, s.morphing);
+  for (int i = 0; i < 3; ++i) s.corner[i] = {all(p.x[i]), all(p.y[i]), all(p.z[i])};
 }
 
 // From the eye to the surface, in units of clip w. Depth is (z / w + 1) / 2 with z = (far + near) / (far - near) w -

@@ -1,0 +1,273 @@
+// Where on its textures a surface lies, and what is read there: shared by texture and normal_map.
+//
+// Texture coordinates morph as positions do. How much of a texture a pixel covers follows from the differences of u and
+// v between it and its neighbours, and from them the level of detail:
+//
+//     lod = log2 max(|d(u width, v height)/dx|, |d(u width, v height)/dy|),  at least 0
+//
+// with the logarithm linear between powers of four (blinn1997: the bits of a float, read as an integer): at most 0.043
+// off, and the same everywhere. Between texels, and between the two nearest levels, colours are interpolated linearly
+// (williams1983).
+//
+// `gl` takes the differences of neighbouring pixels. `soft` derives them from the triangle: the ray through a
+// neighbouring pixel meets its plane at a place that is linear in the weights of the corners.
+#pragma once
+
+#include "render/effects/effect_info.h"
+
+#ifdef LODESTONE_LANES
+#include "render/backends/soft/surface_kernel.h"
+#include "render/textures/surface_textures.h"
+#endif
+
+namespace lodestone::effects {
+
+inline constexpr std::string_view mapping_vertex = R"(
+layout(location = 4) in vec2 own_uv;
+layout(location = 6) in uint own_material;
+layout(std430, binding = 4) readonly restrict buffer TextureCoordinates { float uvs[]; };
+centroid out vec2 uv;  // with several samples a pixel, not outside the triangle
+out vec2 centre_uv;
+flat out uint material;
+
+void map_texture() {
+  uv = own_uv;
+  if (lambda < 1.0 && instance_flag(has_uv_flag)) {
+    vec2 parent_uv = vec2(uvs[2u * parent], uvs[2u * parent + 1u]);
+    uv = lambda > 0.0 ? lambda * own_uv + (1.0 - lambda) * parent_uv : parent_uv;
+  }
+  centre_uv = uv;
+  uvec4 of_model = instances[instance].flags;
+  material = of_model.y + (instance_flag(has_materials_flag) ? own_material + 1u : of_model.z);
+}
+)";
+
+inline constexpr std::string_view mapping_fragment = R"(
+centroid in vec2 uv;
+in vec2 centre_uv;
+flat in uint material;
+
+// A texture: its first level, how many more there are, wrap modes, is it in object space.
+struct Material {
+  vec4 base_colour;
+  uvec4 colours, normals;
+};
+struct TextureLevel {
+  vec4 place;  // origin and size in its page, texels
+  vec4 page;   // its number, 1 / width and height of all pages
+};
+layout(std430, binding = 6) readonly restrict buffer Materials { Material materials[]; };
+layout(std430, binding = 7) readonly restrict buffer TextureLevels { TextureLevel texture_levels[]; };
+layout(binding = 4) uniform sampler2DArray texture_pages;
+
+vec2 uv_along_x, uv_along_y;  // differences between neighbouring pixels
+void map_texture() {
+  uv_along_x = dFdx(centre_uv);
+  uv_along_y = dFdy(centre_uv);
+}
+
+float wrapped(float t, uint mode) {
+  if (mode == 1u) return clamp(t, 0.0, 1.0);
+  if (mode == 0u) return t - floor(t);
+  t -= 2.0 * floor(0.5 * t);
+  return t > 1.0 ? 2.0 - t : t;
+}
+
+vec3 texel(uint level, vec2 at) {
+  TextureLevel l = texture_levels[level];
+  return textureLod(texture_pages, vec3((l.place.xy + at * l.place.zw) * l.page.yz, l.page.x), 0.0).rgb;
+}
+
+vec3 texel_of(uvec4 map) {
+  vec2 size = texture_levels[map.x].place.zw, along_x = uv_along_x * size, along_y = uv_along_y * size;
+  float extent2 = max(max(dot(along_x, along_x), dot(along_y, along_y)), 1.0);
+  float lod = float(floatBitsToInt(extent2) - 0x3f800000) * (0.5 / 8388608.0);
+  lod = min(lod, float(map.y));
+  uint level = uint(lod);
+  float share = lod - float(level);
+  vec2 at = vec2(wrapped(uv.x, map.z & 3u), wrapped(uv.y, map.z >> 2));
+  vec3 finer = texel(map.x + level, at);
+  return share > 0.0 ? mix(finer, texel(map.x + level + 1u, at), share) : finer;
+}
+)";
+
+}  // namespace lodestone::effects
+
+#ifdef LODESTONE_LANES
+namespace lodestone::soft::LODESTONE_LANES {
+
+// Materials of the lanes.
+using Materials = const SurfaceMaterial* [width];
+inline void find_materials(const ResolveJob& job, const Surface& s, Materials& to) {
+  for (int k = 0; k < width; ++k) {
+    const DrawnCell& cell = *s.cell[k];
+    const std::span<const SurfaceMaterial> of_model = job.textures->materials(cell.model->model);
+    const auto& numbers = cell.own->attributes.materials;
+    const std::size_t number = numbers.empty() ? (of_model.size() > 1) : numbers[s.v[k][0]] + std::uint32_t{1};
+    to[k] = &of_model[number];
+  }
+}
+
+struct Coordinates {
+  Float u, v;
+};
+
+// Of corner i, morphed as morph_vertex does. Zero in lanes whose model has none.
+[[gnu::always_inline]] inline Coordinates corner_coordinates(const Surface& s, std::size_t i) {
+  Vec2f own[width], coarser[width];
+  for (int k = 0; k < width; ++k) {
+    const std::span<const Vec2f> uv = s.cell[k]->own->attributes.uv;
+    own[k] = uv.empty() ? Vec2f{} : uv[s.v[k][i]];
+    coarser[k] = s.cell[k]->morphing && !uv.empty() ? s.cell[k]->coarser->attributes.uv[parent_of(s, k, i)] : own[k];
+  }
+  const auto lanes = [](const Vec2f(&from)[width], float Vec2f::*component) {
+    return as_float(gathered([&](int k) { return std::bit_cast<std::int32_t>(from[k].*component); }));
+  };
+  const Coordinates w{lanes(own, &Vec2f::x), lanes(own, &Vec2f::y)};
+  if (!s.morphing) return w;
+  const Coordinates p{lanes(coarser, &Vec2f::x), lanes(coarser, &Vec2f::y)};
+  const Float lambda = corner_lambdas(s, i), rest = 1.0f - lambda;
+  const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
+  const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
+  return {mix(w.u, p.u), mix(w.v, p.v)};
+}
+
+// The view projection's row r of each lane's model.
+[[gnu::always_inline]] inline Points projection_row(const Surface& s, std::size_t r) {
+  return {of_models(s, [&](const ModelFrame& m) { return m.view_projection.m[4 * r]; }),
+          of_models(s, [&](const ModelFrame& m) { return m.view_projection.m[4 * r + 1]; }),
+          of_models(s, [&](const ModelFrame& m) { return m.view_projection.m[4 * r + 2]; })};
+}
+
+inline Mapping find_mapping(const ResolveJob& job, const Surface& s) {
+  const Coordinates ta = corner_coordinates(s, 0), tb = corner_coordinates(s, 1), tc = corner_coordinates(s, 2);
+  const Points a = corner_positions(s, 0), to_b = difference(corner_positions(s, 1), a),
+               to_c = difference(corner_positions(s, 2), a);
+  Mapping m;
+  m.u = interpolated(s, ta.u, tb.u, tc.u), m.v = interpolated(s, ta.v, tb.v, tc.v);
+  // Gradients of the weights of b and c are in the plane and right-angled to the edge on which they vanish.
+  m.normal = cross(to_b, to_c);
+  const Float scale = 1.0f / dot(m.normal, m.normal);
+  const Points of_b = scaled(scale, cross(to_c, m.normal)), of_c = scaled(scale, cross(m.normal, to_b));
+  const auto gradient = [&](Float b, Float c) -> Points {
+    return {b * of_b.x + c * of_c.x, b * of_b.y + c * of_c.y, b * of_b.z + c * of_c.z};
+  };
+  m.along_u = gradient(tb.u - ta.u, tc.u - ta.u), m.along_v = gradient(tb.v - ta.v, tc.v - ta.v);
+  // A pixel's step d on the plane: row_x d = w 2 / width, row_y d = 0, with the rows of clip x and y minus what the
+  // pixel's window coordinates make of clip w's.
+  const Points row_w = projection_row(s, 3), row_0 = projection_row(s, 0), row_1 = projection_row(s, 1);
+  const Float at_x = to_float(s.x) / job.viewport->half_width() - 1.0f,
+              at_y = 1.0f - to_float(s.y) / job.viewport->half_height();
+  const Points row_x = difference(row_0, scaled(at_x, row_w)), row_y = difference(row_1, scaled(at_y, row_w));
+  const Points here{a.x + s.weight[1] * to_b.x + s.weight[2] * to_c.x,
+                    a.y + s.weight[1] * to_b.y + s.weight[2] * to_c.y,
+                    a.z + s.weight[1] * to_b.z + s.weight[2] * to_c.z};
+  const Float w = dot(row_w, here) + of_models(s, [](const ModelFrame& f) { return f.view_projection.m[15]; });
+  m.away = cross(row_x, row_y);
+  const Points side = cross(row_y, m.normal), up = cross(m.normal, row_x);
+  const Float step = w * static_cast<float>(subpixels) / dot(row_x, side);
+  const Float step_x = step / job.viewport->half_width(), step_y = -step / job.viewport->half_height();
+  m.u_x = step_x * dot(m.along_u, side), m.v_x = step_x * dot(m.along_v, side);
+  m.u_y = step_y * dot(m.along_u, up), m.v_y = step_y * dot(m.along_v, up);
+  return m;
+}
+
+// t - floor(t); 0 for numbers so large that they have no fraction, and for what is no number.
+inline Float fraction(Float t) {
+  constexpr float large = 8388608;
+  t = min(max(t, all(-large)), all(large));
+  const Float whole = to_float(truncated(t));
+  return t - (whole + as_float((whole > t) & as_int(all(-1.0f))));
+}
+
+inline Float wrapped(Float t, Int mode) {
+  const Int mirror = mode == static_cast<std::int32_t>(TextureWrap::mirror),
+            clamp = mode == static_cast<std::int32_t>(TextureWrap::clamp);
+  Float r = fraction(t);
+  if (bits(clamp) != 0) r = select(clamp, min(max(t, all(0.0f)), all(1.0f)), r);
+  if (bits(mirror) != 0) {
+    const Float twice = 2.0f * fraction(0.5f * t);
+    r = select(mirror, min(twice, 2.0f - twice), r);
+  }
+  return r;
+}
+
+// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border: neighbours are always there.
+[[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], Float u, Float v) {
+  const Float x = u * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.width); })) + 0.5f,
+              y = v * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.height); })) +
+                  0.5f;
+  const Int column = truncated(x), row = truncated(y);
+  std::uint64_t above[width], below[width];
+  for (int k = 0; k < width; ++k) {
+    const std::size_t stride = level[k]->stride();
+    const std::uint32_t* at = level[k]->texels.data() + static_cast<std::size_t>(row[k]) * stride + column[k];
+    std::memcpy(&above[k], at, sizeof above[k]);
+    std::memcpy(&below[k], at + stride, sizeof below[k]);
+  }
+  const auto half = [](const std::uint64_t(&pairs)[width], int shift) {
+    return gathered([&](int k) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(pairs[k] >> shift)); });
+  };
+  const Int a = half(above, 0), b = half(above, 32), c = half(below, 0), d = half(below, 32);
+  const Float along = x - to_float(column), down = y - to_float(row);
+  const auto channel = [&](int shift) {
+    const auto byte = [&](Int texel) { return to_float((texel >> shift) & 255); };
+    const Float upper = byte(a) + along * (byte(b) - byte(a)), lower = byte(c) + along * (byte(d) - byte(c));
+    return upper + down * (lower - upper);
+  };
+  return {channel(0), channel(8), channel(16)};
+}
+
+// Computed once for all effects of a pixel that ask for it.
+inline const Mapping& mapping_of(const ResolveJob& job, Surface& s) {
+  if (!s.is_mapped) s.mapping = find_mapping(job, s);
+  s.is_mapped = true;
+  return s.mapping;
+}
+
+// Textures of the lanes, by number_of(lane), which may be no_texture; returns where there is one. The other lanes, and
+// those not asked for, repeat one of these.
+template <class NumberOf>
+inline Int find_textures(const ResolveJob& job, const NumberOf& number_of, unsigned asked,
+                         const SurfaceTexture* (&to)[width]) {
+  std::int32_t there[width]{};
+  const SurfaceTexture* any = nullptr;
+  for (int k = 0; k < width; ++k) {
+    const std::uint32_t number = asked >> k & 1 ? number_of(k) : no_texture;
+    to[k] = number == no_texture ? nullptr : &job.textures->textures()[number];
+    there[k] = to[k] ? -1 : 0;
+    if (to[k]) any = to[k];
+  }
+  for (const SurfaceTexture*& t : to)
+    if (!t) t = any;
+  return load<Int>(there);
+}
+
+// What each lane's texture shows, 0 to 255. All lanes have one.
+inline Points texels(const SurfaceTexture* const (&texture)[width], const Mapping& m) {
+  const auto number = [&](const auto& of) {
+    return gathered([&](int k) { return static_cast<std::int32_t>(of(*texture[k])); });
+  };
+  const Float across = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.width; })),
+              down = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.height; }));
+  const auto square = [](Float x, Float y) { return x * x + y * y; };
+  const Float extent2 = max(max(square(m.u_x * across, m.v_x * down), square(m.u_y * across, m.v_y * down)), all(1.0f));
+  Float lod = to_float(as_int(extent2) - 0x3f80'0000) * (0.5f / 8388608);
+  lod = min(lod, to_float(number([](const SurfaceTexture& t) { return t.levels.size() - 1; })));
+  const Float u = wrapped(m.u, number([](const SurfaceTexture&t) { return t.wrap_u; })),
+              v = wrapped(m.v, number([](const SurfaceTexture&t) { return t.wrap_v; }));
+  const Int finer = truncated(lod);
+  const Float share = lod - to_float(finer);
+  const MipLevel* level[width];
+  for (int k = 0; k < width; ++k) level[k] = &texture[k]->levels[static_cast<std::size_t>(finer[k])];
+  const Points near = bilinear(level, u, v);
+  const Int between = share > 0.0f;
+  if (bits(between) == 0) return near;
+  for (int k = 0; k < width; ++k) level[k] += between[k] & 1;
+  const Points far = bilinear(level, u, v);
+  const auto mix = [&](Float a, Float b) { return a + share * (b - a); };
+  return {mix(near.x, far.x), mix(near.y, far.y), mix(near.z, far.z)};
+}
+
+}  // namespace lodestone::soft::LODESTONE_LANES
+#endif

@@ -1,0 +1,64 @@
+// A scene as plain data: models and where they stand, lights and effects, the camera's way through it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/mesh/generate.h"
+#include "render/camera.h"
+#include "render/effects/plan.h"
+#include "render/frame.h"
+#include "render/lod/radii.h"
+#include "render/placement.h"
+
+namespace lodestone {
+
+// What of a model is put at SceneModel::position.
+enum class Anchor : std::uint8_t {
+  origin,  // its own origin
+  centre,  // the middle of its bounds
+  base,    // the middle of the lower side of its bounds, once it is turned
+};
+
+struct SceneModel {
+  std::string name;  // for messages; unique in a scene
+  // A hierarchy (.lode), or a mesh that is built when the scene is opened; or made instead of read.
+  std::string file;
+  std::optional<GenerateConfig> generate;
+  bool fill_voids = false;  // of a height grid, as ReadConfig has it
+
+  Vec3d position;
+  Vec3d rotation;                // degrees about x, then y, then z
+  double scale = 1;              // positive
+  std::optional<double> extent;  // instead of a scale: the longest side of its bounds, once it is turned
+  Anchor anchor = Anchor::origin;
+  Look look;
+  std::optional<Vec3f> colour;  // look.base_colour; without it the usual one
+};
+
+// The camera's way: one of the usual ones, a file of key frames, or keys of its own.
+struct SceneCamera {
+  std::string path = "orbit";  // orbit, fly-in (to a model), a file; empty: the keys
+  std::string fly_to;          // name of a model; empty: the first
+  std::vector<Camera> keys;
+  int frames = 120;
+};
+
+struct Scene {
+  std::vector<SceneModel> models;
+  Setting setting;
+  Vec3d towards_light{0.4, -0.5, 0.8};  // the directional light; any length but zero
+  SceneCamera camera;
+  EffectRequest effects;
+  RadiiConfig radii;  // image size and field of view follow from the picture
+  Blend blend = Blend::smoothstep;
+};
+
+// From the normalised space of the model, with its transform and the bounds of its root, to the scene.
+[[nodiscard]] Similarity placement_of(const SceneModel& model, const Hierarchy& hierarchy);
+
+// A scene of one model as it is: where its file says, in units of the file.
+[[nodiscard]] Scene scene_of(const std::string& file);
+
+}  // namespace lodestone

@@ -1,0 +1,238 @@
+#include "render/scene/scene_file.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <utility>
+
+#include "render/scene/scene_table.h"
+
+namespace lodestone {
+namespace {
+
+constexpr double any = 1e30;        // bound of numbers without a range
+constexpr double positive = 1e-30;  // least of those above zero
+
+// One of a few names.
+template <class T, std::size_t N>
+void choice(SceneTable& table, const char* key, T& to, const std::array<std::pair<const char*, T>, N>& choices) {
+  const toml::node* node = table.find(key);
+  if (!node) return;
+  const std::string text = node->value_or(std::string());
+  std::string known;
+  for (const auto& [name, value] : choices) {
+    if (text == name) {
+      to = value;
+      return;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  table.fail(*node, key, "must be one of " + known);
+}
+
+// Calls read(table) where there is one of that name.
+template <class Read>
+void sub_table(SceneTable& parent, const char* key, const Read& read) {
+  const toml::node* node = parent.find(key);
+  if (!node) return;
+  if (!node->is_table()) parent.fail(*node, key, "must be a table, as [" + std::string(key) + "]");
+  SceneTable table(*node->as_table(), parent.file(), key);
+  read(table);
+  table.refuse_others();
+}
+
+template <class Read>
+void tables(SceneTable& parent, const char* key, const Read& read) {
+  const toml::node* node = parent.find(key);
+  if (!node) return;
+  const toml::array* array = node->as_array();
+  if (!array || !array->is_array_of_tables())
+    parent.fail(*node, key, "must be tables, each as [[" + std::string(key) + "]]");
+  std::size_t number = 0;
+  for (const toml::node& element : *array) {
+    SceneTable table(*element.as_table(), parent.file(), std::string(key) + " " + std::to_string(++number));
+    read(table, element);
+    table.refuse_others();
+  }
+}
+
+std::string beside(const std::string& scene, const std::string& file) {
+  return (std::filesystem::path(scene).parent_path() / file).lexically_normal().string();
+}
+
+void read_source(SceneTable& table, const toml::node& at, SceneModel& model) {
+  std::string shape_name;
+  table.text("file", model.file);
+  table.text("generate", shape_name);
+  std::int64_t triangles = 100'000, seed = 1;
+  table.integer("triangles", triangles, 12, 2'000'000'000);
+  table.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
+  if (model.file.empty() == shape_name.empty())
+    table.fail(at, "file", "or generate is needed, one of them, to say what the model is");
+  if (shape_name.empty()) {
+    if (table.has("triangles") || table.has("seed")) table.fail(at, "triangles", "and seed belong to generate");
+    model.file = beside(table.file(), model.file);
+    model.name = std::filesystem::path(model.file).stem().string();
+    return;
+  }
+  model.name = shape_name;
+  model.generate.emplace();
+  try {
+    model.generate->shape = shape(shape_name);
+  } catch (const InputError& error) {
+    table.fail(at, "generate", std::string("is wrong: ") + error.what());
+  }
+  model.generate->triangles = static_cast<std::uint64_t>(triangles);
+  model.generate->seed = static_cast<std::uint64_t>(seed);
+}
+
+void read_model(SceneTable& table, const toml::node& at, Scene& scene) {
+  SceneModel model;
+  read_source(table, at, model);
+  table.text("name", model.name);
+  if (std::ranges::find(scene.models, model.name, &SceneModel::name) != scene.models.end()) {
+    if (table.has("name")) table.fail(at, "name", "'" + model.name + "' is another model's already");
+    model.name += "-" + std::to_string(scene.models.size() + 1);
+  }
+  table.flag("fill_voids", model.fill_voids);
+  table.vector("position", model.position, -any, any);
+  table.vector("rotation", model.rotation, -any, any);
+  table.number("scale", model.scale, positive, any);
+  double extent = 0;
+  table.number("extent", extent, positive, any);
+  if (extent > 0) model.extent = extent;
+  if (extent > 0 && table.has("scale")) table.fail(*table.find("extent"), "extent", "and scale exclude each other");
+  choice(table, "anchor", model.anchor,
+         std::array{std::pair{"origin", Anchor::origin}, std::pair{"centre", Anchor::centre},
+                    std::pair{"base", Anchor::base}});
+  if (table.has("colour")) table.colour("colour", model.colour.emplace());
+  table.number("opacity", model.look.opacity, 0, 1);
+  choice(table, "shading", model.look.smooth, std::array{std::pair{"smooth", true}, std::pair{"flat", false}});
+  table.flag("vertex_colours", model.look.vertex_colours);
+  table.flag("textures", model.look.textures);
+  table.flag("normal_maps", model.look.normal_maps);
+  scene.models.push_back(std::move(model));
+}
+
+void read_lighting(SceneTable& table, Scene& scene) {
+  Lighting& lighting = scene.setting.lighting;
+  table.number("ambient", lighting.ambient, 0, 1);
+  table.number("head", lighting.head, 0, 100);
+  sub_table(table, "directional", [&](SceneTable& light) {
+    lighting.directional.strength = 1;
+    light.number("strength", lighting.directional.strength, 0, 100);
+    light.flag("shadows", lighting.directional.shadows);
+    light.vector("towards", scene.towards_light, -any, any);
+    if (length(scene.towards_light) == 0)
+      light.fail(*light.find("towards"), "towards", "must not be the zero vector: it is the way to the light");
+  });
+}
+
+void read_camera(SceneTable& table, Scene& scene) {
+  SceneCamera& camera = scene.camera;
+  std::int64_t frames = camera.frames;
+  table.text("path", camera.path);
+  table.text("fly_to", camera.fly_to);
+  table.integer("frames", frames, 1, 1'000'000);
+  camera.frames = static_cast<int>(frames);
+  tables(table, "key", [&](SceneTable& key, const toml::node& at) {
+    Camera c;
+    for (const char* needed : {"position", "target"})
+      if (!key.has(needed)) key.fail(at, needed, "is missing");
+    key.vector("position", c.position, -any, any);
+    key.vector("target", c.target, -any, any);
+    key.vector("up", c.up, -any, any);
+    double fov = c.vertical_fov * 180 / std::numbers::pi;
+    key.number("fov_degrees", fov, 0.001, 179.9);
+    c.vertical_fov = fov * std::numbers::pi / 180;
+    if (c.position == c.target) key.fail(at, "target", "is where the camera stands");
+    camera.keys.push_back(c);
+  });
+  const toml::node* path = table.find("path");
+  if (!camera.keys.empty()) {
+    if (path) table.fail(*path, "path", "and keys exclude each other");
+    camera.path.clear();
+  } else if (camera.path != "orbit" && camera.path != "fly-in") {
+    camera.path = beside(table.file(), camera.path);
+  }
+  if (!camera.fly_to.empty() && std::ranges::find(scene.models, camera.fly_to, &SceneModel::name) == scene.models.end())
+    table.fail(*table.find("fly_to"), "fly_to", "names no model of the scene");
+}
+
+void read_effects(SceneTable& table, Scene& scene) {
+  Setting& setting = scene.setting;
+  if (const toml::node* node = table.find("run")) {
+    std::string names = node->value_or(std::string());
+    if (const toml::array* array = node->as_array()) {
+      for (const toml::node& name : *array)
+        names.append(names.empty() ? "" : ",").append(name.value_or(std::string("?")));
+      if (array->empty()) names = "none";
+    }
+    try {
+      scene.effects = parse_effects(names);
+    } catch (const InputError& error) {
+      table.fail(*node, "run", std::string("is wrong: ") + error.what());
+    }
+  }
+  table.number("level_tint", setting.level_tint, 0, 1);
+  table.number("wireframe", setting.wireframe, 0, 1);
+  table.flag("overdraw", setting.overdraw);
+}
+
+void read_detail(SceneTable& table, Scene& scene) {
+  table.number("pixel_error", scene.radii.pixel_error, positive, 1e6);
+  std::string blend_name;
+  table.text("blend", blend_name);
+  try {
+    if (!blend_name.empty()) scene.blend = blend(blend_name);
+  } catch (const InputError& error) {
+    table.fail(*table.find("blend"), "blend", std::string("is wrong: ") + error.what());
+  }
+}
+
+toml::table parse(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw FileError(describe(file, {}, "cannot be opened for reading"));
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in && !in.eof()) throw FileError(describe(file, {}, "cannot be read"));
+  try {
+    return toml::parse(text.str(), file);
+  } catch (const toml::parse_error& error) {
+    throw InputError(describe(file, "line " + std::to_string(error.source().begin.line),
+                              "is not valid TOML: " + std::string(error.description())));
+  }
+}
+
+}  // namespace
+
+bool is_scene_file(const std::string& file) { return std::filesystem::path(file).extension() == ".toml"; }
+
+Scene read_scene(const std::string& file) {
+  const toml::table root = parse(file);
+  SceneTable table(root, file, "");
+  Scene scene;
+  tables(table, "model", [&](SceneTable& model, const toml::node& at) { read_model(model, at, scene); });
+  if (scene.models.empty()) throw InputError(describe(file, {}, "has no models", "add a [[model]] with a file"));
+  table.colour("background", scene.setting.background);
+  sub_table(table, "lighting", [&](SceneTable& t) { read_lighting(t, scene); });
+  sub_table(table, "fog", [&](SceneTable& t) {
+    t.colour("colour", scene.setting.fog.colour);
+    t.number("density", scene.setting.fog.density, 0, any);
+  });
+  sub_table(table, "ambient_occlusion", [&](SceneTable& t) {
+    scene.setting.ambient_occlusion.strength = 1;
+    t.number("strength", scene.setting.ambient_occlusion.strength, 0, 1);
+    t.number("radius", scene.setting.ambient_occlusion.radius, 0, any);
+  });
+  sub_table(table, "effects", [&](SceneTable& t) { read_effects(t, scene); });
+  sub_table(table, "detail", [&](SceneTable& t) { read_detail(t, scene); });
+  sub_table(table, "camera", [&](SceneTable& t) { read_camera(t, scene); });
+  table.refuse_others();
+  return scene;
+}
+
+}  // namespace lodestone

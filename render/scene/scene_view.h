@@ -1,0 +1,93 @@
+// A scene before a camera: what it takes from an opened scene and a camera to a frame that a backend can draw.
+//
+// Radii, selections and effects are made anew when the camera, the picture or the models have changed, and only then: a
+// camera at rest re-selects nothing, and draw() draws nothing again.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/lod/resident_cells.h"
+#include "render/renderer.h"
+#include "render/scene/scene.h"
+
+namespace lodestone {
+
+// A model of the scene, opened. Both pointers outlive the view.
+struct OpenModel {
+  const Hierarchy* hierarchy = nullptr;  // drawn
+  ResidentCells* resident = nullptr;     // when it is streamed: its hierarchy() is the one that is drawn
+};
+
+// What is seen of a scene, beside the camera.
+struct ViewConfig {
+  ImageSize size;
+  int samples = 1;
+  RadiiConfig radii;  // image height, field of view and aspect are taken from size and camera
+  Blend blend = Blend::smoothstep;
+  Setting setting;
+  EffectRequest effects;
+  friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
+};
+[[nodiscard]] ViewConfig view_config(const Scene& scene, ImageSize size);  // as the scene asks for
+
+class SceneView {
+ public:
+  // One opened model for each of the scene's. Throws InputError for a model without cells.
+  SceneView(const Scene& scene, std::vector<OpenModel> models);
+
+  // Sends the models to a renderer: to be called once for each, before draw().
+  void upload(Renderer& renderer) const;
+
+  // Makes the frame of this camera. False when nothing has changed since the last call: then the frame is the same.
+  bool look(const Camera& camera, const ViewConfig& config);
+  [[nodiscard]] const Frame& frame() const { return frame_; }
+  // Of what is streamed: every model has all the detail that it asks for; bytes in memory; the rate of its limits, 0
+  // for a model that is there as a whole.
+  [[nodiscard]] bool complete() const;
+  [[nodiscard]] std::uint64_t resident_bytes() const;
+  [[nodiscard]] float limit_rate(std::size_t model) const;
+
+  // Tells the renderer what streaming has brought and taken, and draws the frame, unless nothing has changed since the
+  // last picture of this view: then the statistics are empty.
+  FrameStats draw(Renderer& renderer);
+
+  [[nodiscard]] const Scene& scene() const { return scene_; }
+  [[nodiscard]] std::size_t model_count() const { return placed_.size(); }
+  [[nodiscard]] const Hierarchy& hierarchy(std::size_t model) const { return *placed_[model].open.hierarchy; }
+  [[nodiscard]] const Similarity& placement(std::size_t model) const { return placed_[model].placement; }
+  [[nodiscard]] const Radii& radii(std::size_t model) const { return placed_[model].radii; }
+  [[nodiscard]] bool admissible() const;
+  [[nodiscard]] Sphere bounding_sphere() const;        // of all models
+  [[nodiscard]] double unit() const { return unit_; }  // scene lengths of one unit of clip w
+
+ private:
+  struct Placed {
+    OpenModel open;
+    std::uint32_t uploaded = 0;  // its number among those uploaded
+    Similarity placement;        // of normalised model space, in the scene
+    Similarity in_picture;       // the same in units of the picture, whose origin lies with the models
+    Look look;
+    Radii radii;
+    Selection selection, casters;
+  };
+  void place_models();
+  void select(const View& view, ModelFrame& model, Placed& placed);
+  [[nodiscard]] RadiiConfig radii_config(const Camera& camera) const;
+
+  Scene scene_;
+  std::vector<Placed> placed_;
+  Vec3d origin_;
+  double unit_ = 1;
+
+  std::optional<Camera> camera_;
+  ViewConfig config_;
+  Frame frame_;
+  bool changed_ = false;  // since the last picture
+};
+
+// The camera's way of the scene. Throws as read_camera_path does.
+[[nodiscard]] std::vector<Camera> camera_path(const SceneView& view);
+
+}  // namespace lodestone

@@ -1,0 +1,94 @@
+#include "render/textures/mip_chain.h"
+
+#include <cmath>
+#include <utility>
+
+namespace lodestone {
+namespace {
+
+// Red, green and blue: grey is all three, alpha is left out.
+PixelImage three_channels(PixelImage image) {
+  if (image.channels == 3) return image;
+  PixelImage rgb{.size = image.size, .channels = 3, .pixels = {}};
+  const std::size_t pixels = image.pixels.size() / image.channels;
+  rgb.pixels.reserve(3 * pixels);
+  for (std::size_t p = 0; p < pixels; ++p)
+    for (std::size_t c = 0; c < 3; ++c) rgb.pixels.push_back(image.pixels[p * image.channels + c % image.channels]);
+  return rgb;
+}
+
+MipLevel bordered(const PixelImage& image, TextureWrap wrap_u, TextureWrap wrap_v) {
+  MipLevel level{image.size, {}};
+  level.texels.reserve(std::size_t{level.stride()} * level.rows());
+  const auto [width, height] = image.size;
+  const auto texel = [&](std::size_t row, std::uint32_t x) {
+    const std::uint8_t* p = &image.pixels[3 * (row + x)];
+    return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | 0xff00'0000u;
+  };
+  for (std::int64_t y = -1; y <= height; ++y) {
+    const std::size_t row = std::size_t{wrapped(y, height, wrap_v)} * width;
+    level.texels.push_back(texel(row, wrapped(-1, width, wrap_u)));
+    for (std::uint32_t x = 0; x < width; ++x) level.texels.push_back(texel(row, x));
+    level.texels.push_back(texel(row, wrapped(width, width, wrap_u)));
+  }
+  return level;
+}
+
+}  // namespace
+
+std::uint32_t wrapped(std::int64_t i, std::uint32_t n, TextureWrap wrap) {
+  const auto modulo = [i](std::int64_t m) { return ((i % m) + m) % m; };
+  std::int64_t at = 0;
+  switch (wrap) {
+    case TextureWrap::repeat:
+      at = modulo(n);
+      break;
+    case TextureWrap::clamp:
+      at = i < 0 ? 0 : i < n ? i : std::int64_t{n} - 1;
+      break;
+    case TextureWrap::mirror:
+      at = modulo(2 * std::int64_t{n});
+      if (at >= n) at = 2 * std::int64_t{n} - 1 - at;
+      break;
+  }
+  return static_cast<std::uint32_t>(at);
+}
+
+std::vector<MipLevel> make_mip_chain(PixelImage image, PixelMeaning meaning, TextureWrap wrap_u, TextureWrap wrap_v) {
+  image = three_channels(std::move(image));
+  std::vector<MipLevel> levels;
+  levels.push_back(bordered(image, wrap_u, wrap_v));
+  if (image.size == PixelSize{1, 1}) return levels;
+  LinearImage linear = to_linear(image, meaning);
+  image = {};
+  while (linear.size != PixelSize{1, 1}) {
+    linear = halve(linear);
+    levels.push_back(bordered(to_pixels(linear, meaning), wrap_u, wrap_v));
+  }
+  return levels;
+}
+
+bool is_object_space(const PixelImage& normal_map) {
+  if (normal_map.channels < 3) return false;
+  std::size_t units = 0, inwards = 0;
+  for (std::size_t p = 0; p < normal_map.pixels.size(); p += normal_map.channels) {
+    const auto component = [&](std::size_t c) { return static_cast<float>(normal_map.pixels[p + c]) / 127.5f - 1; };
+    const Vec3f n{component(0), component(1), component(2)};
+    if (std::abs(dot(n, n) - 1) > 0.5f) continue;  // between charts
+    ++units;
+    inwards += n.z < -0.1f;
+  }
+  return inwards > units / 16;
+}
+
+PixelImage placeholder_image() {
+  PixelImage image{.size = {64, 64}, .channels = 3, .pixels = {}};
+  for (std::uint32_t y = 0; y < 64; ++y)
+    for (std::uint32_t x = 0; x < 64; ++x) {
+      const std::uint8_t value = (x / 8 + y / 8) % 2 == 0 ? 255 : 0;
+      image.pixels.insert(image.pixels.end(), {value, 0, value});
+    }
+  return image;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,83 @@
+// Materials and textures of the models of a renderer, the same for every backend.
+//
+// A texture is decoded when a frame first shows it, once, whatever number of materials and models share it. How far
+// textures are reduced for their memory follows from the models alone, not from what is shown of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+#include "parallel/scheduler.h"
+#include "render/frame.h"
+#include "render/textures/mip_chain.h"
+
+namespace lodestone {
+
+struct TextureLimits {
+  std::uint32_t side = 8192;           // longest side of a texture, texels
+  std::uint64_t bytes = 512ull << 20;  // of all textures together, mip levels included
+};
+
+struct SurfaceTexture {
+  std::vector<MipLevel> levels;  // empty: not shown yet
+  TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
+  bool object_space = false;  // of a normal map
+};
+
+struct SurfaceMaterial {
+  Vec3f base_colour{1, 1, 1};                                   // as the picture has it: in the sRGB encoding
+  std::uint32_t texture = no_texture, normal_map = no_texture;  // of SurfaceTextures
+};
+
+class SurfaceTextures {
+ public:
+  // For these models, which must outlive it. Nothing is decoded yet.
+  void set_models(std::span<const Hierarchy* const> models, const TextureLimits& limits = {});
+
+  // Decodes what the models of the frame call for and is not there yet. Returns how many were decoded.
+  std::size_t prepare(const Frame& frame, Scheduler& scheduler);
+
+  // Of an uploaded model: the first for triangles without a material, then those of its hierarchy.
+  [[nodiscard]] std::span<const SurfaceMaterial> materials(std::uint32_t model) const { return materials_[model]; }
+  [[nodiscard]] std::span<const SurfaceTexture> textures() const { return textures_; }
+  // Room for any texture, those included that are not shown yet.
+  [[nodiscard]] PixelSize largest() const;
+  // Frees the texels of a texture that lies elsewhere now.
+  void release(std::uint32_t texture);
+
+  // What could not be shown as the models have it, since the last call.
+  [[nodiscard]] std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
+
+ private:
+  struct Source {
+    const Hierarchy* hierarchy = nullptr;
+    std::uint32_t texture = 0;
+    PixelMeaning meaning = PixelMeaning::colours;
+    PixelSize size;              // in its file; nothing: no image
+    std::uint32_t halvings = 0;  // by which it is reduced
+    bool decoded = false;
+    std::string refusal;  // why the placeholder is shown
+  };
+  void add_model(const Hierarchy& hierarchy);
+  [[nodiscard]] std::uint32_t source_of(const Hierarchy& hierarchy, std::uint32_t texture, PixelMeaning meaning);
+  void reduce(const TextureLimits& limits);
+  void decode(std::uint32_t texture);
+  void warn(std::uint32_t texture);
+
+  std::vector<const Hierarchy*> models_;
+  std::vector<std::vector<SurfaceMaterial>> materials_;
+  std::vector<Source> sources_;  // of textures_
+  std::vector<SurfaceTexture> textures_;
+  std::vector<std::string> warnings_;
+};
+
+// Does the frame's model show textures, or normal maps, that its hierarchy has?
+[[nodiscard]] bool shows_textures(const ModelFrame& model);
+[[nodiscard]] bool shows_normal_maps(const ModelFrame& model);
+
+}  // namespace lodestone

@@ -1,0 +1,176 @@
+// The planner, and that a plan changes no picture: what a scene does not call for may as well be left out.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "core/base/error.h"
+#include "render/effects/plan.h"
+#include "render/scene/scene_view.h"
+#include "tests/render/conformance.h"
+
+namespace lodestone {
+namespace {
+
+using test::renderer_if_possible;
+
+// What a scene asks for, by name.
+struct Wish {
+  std::string name;
+  std::function<void(Scene&)> apply;
+};
+
+std::vector<Wish> wishes() {
+  return {
+      {"plain", [](Scene&) {}},
+      {"unlit", [](Scene& s) { s.setting.lighting.ambient = 1; }},
+      {"dark", [](Scene& s) { s.setting.lighting.head = 0; }},
+      {"flat", [](Scene& s) { s.models[0].look.smooth = false; }},
+      {"coloured",
+       [](Scene& s) {
+         s.models[1].colour = Vec3f{0.2f, 0.7f, 1};
+       }},
+      {"tinted", [](Scene& s) { s.setting.level_tint = 0.6f; }},
+      {"foggy", [](Scene& s) { s.setting.fog.density = 0.3f; }},
+      {"foggy_tinted_flat",
+       [](Scene& s) {
+         s.setting.fog.density = 0.3f;
+         s.setting.level_tint = 1;
+         s.models[1].look.smooth = false;
+       }},
+  };
+}
+
+// A torus before a piece of terrain, turned and of another size.
+class TwoModels {
+ public:
+  TwoModels()
+      : torus_(test::small_hierarchy(test::torus_mesh(96, 48), 3)),
+        hills_(test::small_hierarchy(test::terrain_mesh(48), 2)) {
+    scene.models.resize(2);
+    scene.models[0].name = "torus";
+    scene.models[1].name = "hills";
+    scene.models[1].position = {0.4, 0.8, -0.7};
+    scene.models[1].rotation = {0, 20, 30};
+    scene.models[1].scale = 1.7;
+    scene.radii.kappa0 = 2;
+  }
+  [[nodiscard]] SceneView view() const { return {scene, {{&torus_.hierarchy}, {&hills_.hierarchy}}}; }
+
+  Scene scene;
+
+ private:
+  test::SmallHierarchy torus_, hills_;
+};
+
+struct Drawn {
+  Image image;
+  FrameStats stats;
+  Frame frame;
+};
+Drawn draw(const TwoModels& models, Renderer& renderer, int samples = 1) {
+  SceneView view = models.view();
+  view.upload(renderer);
+  ViewConfig config = view_config(models.scene, {200, 150});
+  config.samples = samples;
+  view.look(orbit_path(view.bounding_sphere(), 8)[5], config);
+  Drawn drawn;
+  drawn.stats = view.draw(renderer);
+  drawn.image = renderer.read_back();
+  drawn.frame = view.frame();
+  return drawn;
+}
+
+TEST(EffectPlan, NamesAndLists) {
+  EXPECT_EQ(parse_effects("auto"), EffectRequest{});
+  EXPECT_EQ(parse_effects("all").kind, EffectRequest::Kind::all);
+  EXPECT_TRUE(parse_effects("none").listed.empty());
+  EXPECT_EQ(parse_effects("fog,head-light").listed, (EffectSet{Effect::head_light, Effect::fog}));
+  for (const char* wrong : {"", "fog,", "Fog", "fog head-light", "bloom"})
+    EXPECT_THROW((void)parse_effects(wrong), InputError) << wrong;
+  for (std::size_t k = 0; k < effect_count; ++k) {
+    const auto effect = static_cast<Effect>(k);
+    EXPECT_EQ(effect_named(name_of(effect)), effect);
+    EXPECT_EQ(info_of(effect).effect, effect);
+  }
+}
+
+TEST(EffectPlan, PicturesOfAutoAndAllAreTheSame) {
+  const auto scheduler = make_tbb_scheduler(2);
+  const auto renderer = make_renderer("soft", *scheduler);
+  std::vector<Image> pictures;
+  for (const int samples : {1, 4})
+    for (const Wish& wish : wishes()) {
+      TwoModels models;
+      wish.apply(models.scene);
+      const Drawn planned = draw(models, *renderer, samples);
+      models.scene.effects.kind = EffectRequest::Kind::all;
+      const Drawn forced = draw(models, *renderer, samples);
+      EXPECT_TRUE(planned.image.rgba == forced.image.rgba) << wish.name;
+      EXPECT_TRUE(planned.image.depth == forced.image.depth) << wish.name;
+      for (const Image& other : pictures) EXPECT_FALSE(planned.image.rgba == other.rgba) << wish.name;
+      pictures.push_back(planned.image);
+    }
+}
+
+TEST(EffectPlan, WhatIsNotCalledForDoesNoWork) {
+  const auto scheduler = make_tbb_scheduler(2);
+  const auto renderer = make_renderer("soft", *scheduler);
+  for (const Wish& wish : wishes()) {
+    TwoModels models;
+    wish.apply(models.scene);
+    const Drawn drawn = draw(models, *renderer);
+    for (const PlannedEffect& planned : explain_plan(drawn.frame)) {
+      EXPECT_EQ(planned.runs, planned.called_for) << wish.name << " " << name_of(planned.effect);
+      const bool worked = drawn.stats.work.contains(std::string(name_of(planned.effect)));
+      EXPECT_EQ(worked, planned.runs) << wish.name << " " << name_of(planned.effect);
+    }
+  }
+}
+
+TEST(EffectPlan, PlansEachModelByItself) {
+  TwoModels models;
+  models.scene.models[0].look.smooth = false;
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  const Frame frame = draw(models, *renderer).frame;
+  EXPECT_FALSE(frame.models[0].effects.contains(Effect::smooth_normals));
+  EXPECT_TRUE(frame.models[1].effects.contains(Effect::smooth_normals));
+  const std::string text = to_text(explain_plan(frame), {"torus", "hills"});
+  EXPECT_NE(text.find("smooth-normals      runs  a light falls on a smooth surface (hills)"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("fog                 -     not called for"), std::string::npos) << text;
+}
+
+TEST(EffectPlan, ListsAreTakenAtTheirWord) {
+  TwoModels models;
+  models.scene.effects = parse_effects("fog,head-light");
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  const Drawn drawn = draw(models, *renderer);
+  for (const ModelFrame& model : drawn.frame.models)
+    EXPECT_EQ(model.effects, (EffectSet{Effect::head_light, Effect::fog}));
+  EXPECT_EQ(drawn.stats.work.size(), 2u);
+  const std::string text = to_text(explain_plan(drawn.frame), {"torus", "hills"});
+  EXPECT_NE(text.find("fog                 runs  asked for, though nothing calls for it"), std::string::npos) << text;
+  EXPECT_NE(text.find("smooth-normals      -     left out, though called for"), std::string::npos) << text;
+}
+
+TEST(EffectPlan, BackendsAgree) {
+  const auto scheduler = make_tbb_scheduler(2);
+  const auto soft = make_renderer("soft", *scheduler);
+  std::string why;
+  const auto gl = renderer_if_possible("gl", *scheduler, why);
+  if (!gl) GTEST_SKIP() << why;
+  for (const int samples : {1, 4})
+    for (const Wish& wish : wishes()) {
+      SCOPED_TRACE(wish.name);
+      TwoModels models;
+      wish.apply(models.scene);
+      test::expect_conformance(draw(models, *gl, samples).image, draw(models, *soft, samples).image);
+      models.scene.effects.kind = EffectRequest::Kind::all;
+      test::expect_conformance(draw(models, *gl, samples).image, draw(models, *soft, samples).image);
+    }
+}
+
+}  // namespace
+}  // namespace lodestone

@@ -1,0 +1,176 @@
+// Scenes before a camera: placement, sharing, and rest.
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "render/scene/scene_view.h"
+#include "tests/render/conformance.h"
+
+namespace lodestone {
+namespace {
+
+const Hierarchy& torus() {
+  static const test::SmallHierarchy made = test::small_hierarchy(test::torus_mesh(96, 48), 3);
+  return made.hierarchy;
+}
+
+Scene scene_of_one() {
+  Scene scene = scene_of("torus.lode");
+  scene.radii.kappa0 = 2;
+  return scene;
+}
+
+const Camera camera{{0.4, -0.9, 0.9}, {0.5, 0.5, 0.1}};
+constexpr ImageSize size{160, 120};
+
+Image draw(SceneView& view, const Camera& from, Renderer& renderer) {
+  view.upload(renderer);
+  EXPECT_TRUE(view.look(from, view_config(view.scene(), size)));
+  (void)view.draw(renderer);
+  return renderer.read_back();
+}
+
+TEST(SceneView, AModelAloneIsDrawnAsItIs) {
+  SceneView view(scene_of_one(), {{&torus()}});
+  (void)view.look(camera, view_config(view.scene(), size));
+  const ModelFrame& model = view.frame().only();
+  EXPECT_EQ(model.view_projection.m, view_projection(camera, torus(), size).m);
+  EXPECT_EQ(model.morph.viewpoint, viewpoint(camera, torus().transform));
+  EXPECT_EQ(view.unit(), torus().transform.scale);
+}
+
+// A scene and its camera turned, scaled and moved together: the same picture, but for rounding.
+TEST(SceneView, PlacementMovesNothingWithTheCamera) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView plain(scene_of_one(), {{&torus()}});
+  const Image expected = draw(plain, camera, *renderer);
+  for (const double scale : {1.0, 1e-6, 1e6}) {
+    const Similarity moved{rotation_about_axes({10, 20, 30}), scale, scale * Vec3d{5, -6, 1e4}};
+    Scene scene = scene_of_one();
+    scene.models[0].position = moved.translation;
+    scene.models[0].rotation = {10, 20, 30};
+    scene.models[0].scale = scale;
+    const Camera there{moved(camera.position), moved(camera.target), moved.rotated(camera.up), camera.vertical_fov};
+    SceneView view(scene, {{&torus()}});
+    test::expect_conformance(draw(view, there, *renderer), expected);
+  }
+}
+
+TEST(SceneView, AnchorsAndExtents) {
+  SceneModel model;
+  model.position = {1, 2, 3};
+  model.rotation = {90, 0, 0};
+  model.extent = 4;
+  model.anchor = Anchor::base;
+  const auto bounds = [&] {
+    const Similarity placed = placement_of(model, torus());
+    const Box3f& b = torus().cells[0].bounds;
+    const Vec3d p = placed(to_double(b.lo)), q = placed(to_double(b.hi));
+    return std::pair{Vec3d{std::min(p.x, q.x), std::min(p.y, q.y), std::min(p.z, q.z)},
+                     Vec3d{std::max(p.x, q.x), std::max(p.y, q.y), std::max(p.z, q.z)}};
+  };
+  auto [lo, hi] = bounds();
+  EXPECT_NEAR(std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z}), 4, 1e-9);
+  EXPECT_NEAR(lo.z, 3, 1e-9);
+  EXPECT_NEAR((lo.x + hi.x) / 2, 1, 1e-9);
+  model.anchor = Anchor::centre;
+  std::tie(lo, hi) = bounds();
+  EXPECT_NEAR((lo.z + hi.z) / 2, 3, 1e-9);
+  model = {};
+  EXPECT_EQ(placement_of(model, torus()), to_similarity(torus().transform));
+}
+
+// Far apart in size and place: none is cut, each is seen where it stands.
+TEST(SceneView, ModelsOfVeryDifferentSizes) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  Scene scene;
+  scene.models.resize(2);
+  scene.models[0].name = "small", scene.models[1].name = "large";
+  for (SceneModel& model : scene.models) model.anchor = Anchor::centre;
+  scene.models[0].extent = 0.02;
+  scene.models[1].extent = 1000;
+  scene.models[1].position = {0, 3000, 0};
+  SceneView view(scene, {{&torus()}, {&torus()}});
+  const Camera close{{0, -0.05, 0.02}, {0, 0, 0}};
+  const Image image = draw(view, close, *renderer);
+  view.look(close, view_config(scene, size));
+  EXPECT_EQ(view.frame().models[0].model, view.frame().models[1].model);  // uploaded once
+  const auto covered = [&](int y0, int y1) {
+    int count = 0;
+    for (int i = y0 * size.width; i < y1 * size.width; ++i) count += image.depth[static_cast<std::size_t>(i)] < 1;
+    return count;
+  };
+  Scene alone = scene;
+  alone.models.pop_back();
+  SceneView small(alone, {{&torus()}});
+  const Image without = draw(small, close, *renderer);
+  const auto seen_alone = std::ranges::count_if(without.depth, [](float z) { return z < 1; });
+  EXPECT_GT(seen_alone, 1000);
+  EXPECT_GT(covered(0, size.height), seen_alone + 500);  // the large one behind it
+}
+
+TEST(SceneView, ACameraAtRestDoesNothing) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene_of_one(), {{&torus()}});
+  view.upload(*renderer);
+  ViewConfig config = view_config(view.scene(), size);
+  EXPECT_TRUE(view.look(camera, config));
+  EXPECT_GT(view.draw(*renderer).triangles, 0u);
+  const Image before = renderer->read_back();
+  EXPECT_FALSE(view.look(camera, config));
+  const FrameStats rest = view.draw(*renderer);
+  EXPECT_EQ(rest.triangles, 0u);
+  EXPECT_TRUE(rest.work.empty());
+  EXPECT_TRUE(rest.milliseconds.empty());
+  EXPECT_EQ(renderer->read_back().rgba, before.rgba);
+  // Anything that may change the picture ends the rest.
+  config.setting.fog.density = 0.5f;
+  EXPECT_TRUE(view.look(camera, config));
+  EXPECT_FALSE(view.look(camera, config));
+  EXPECT_GT(view.draw(*renderer).triangles, 0u);  // asked for by the look before
+  Camera other = camera;
+  other.position.x += 1e-9;
+  EXPECT_TRUE(view.look(other, config));
+}
+
+TEST(SceneView, RefusesWhatCannotBeSeen) {
+  EXPECT_THROW((void)SceneView(scene_of_one(), {{std::make_unique<Hierarchy>().get()}}), InputError);
+  SceneView view(scene_of_one(), {{&torus()}});
+  const ViewConfig config = view_config(view.scene(), size);
+  ASSERT_TRUE(view.look(camera, config));
+  const auto matrix = view.frame().only().view_projection.m;
+  Camera nowhere = camera;
+  nowhere.position.y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)view.look(nowhere, config), InputError);
+  ViewConfig empty = config;
+  empty.size = {0, 120};
+  EXPECT_THROW((void)view.look(camera, empty), InputError);
+  ViewConfig wrong = config;
+  wrong.radii.beta = -1;
+  EXPECT_THROW((void)view.look(camera, wrong), InputError);
+  EXPECT_TRUE(view.look(camera, config));  // and it goes on
+  EXPECT_EQ(view.frame().only().view_projection.m, matrix);
+}
+
+TEST(CameraPathOfAScene, FollowsWhatTheSceneSays) {
+  Scene scene = scene_of_one();
+  scene.models[0].position = {100, 0, 0};
+  scene.camera = {"orbit", "", {}, 8};
+  const auto path_of = [&] { return camera_path(SceneView(scene, {{&torus()}})); };
+  for (const Camera& c : path_of()) EXPECT_NEAR(c.target.x - 100, bounding_sphere(torus()).centre.x, 1e-6);
+  scene.camera.path = "fly-in";
+  const std::vector<Camera> there = path_of(), here = fly_in_path(torus(), 8);
+  ASSERT_EQ(there.size(), here.size());
+  for (std::size_t k = 0; k < here.size(); ++k)
+    EXPECT_LE(length(there[k].position - here[k].position - Vec3d{100, 0, 0}), 1e-9);
+  scene.camera.path = "";
+  EXPECT_THROW((void)path_of(), InputError);
+  scene.camera.keys = {camera, {{3, 3, 3}, {0, 0, 0}}};
+  EXPECT_EQ(path_of().size(), 8u);
+  EXPECT_EQ(path_of().front(), camera);
+}
+
+}  // namespace
+}  // namespace lodestone
