@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "experiments/metrics/cracks.h"
 #include "experiments/metrics/pops.h"
+#include "experiments/metrics/screen_error.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
@@ -63,6 +64,16 @@ class Prover {
   std::vector<DetailLimit> previous_limits_;
 };
 
+// Of the surface in the frame, drawn or culled, from the full one.
+double measured_screen_error(const ModelFrame& model, ImageSize size, const Hierarchy& whole,
+                             const ScreenErrorBasis& basis, Scheduler& scheduler) {
+  MorphContext morph = model.morph;
+  morph.hierarchy = &whole;
+  Selection all;
+  select_cells(whole, *morph.radii, morph.viewpoint, {.limits = morph.limits}, all);
+  return screen_error(morph, all, model.view_projection, size, basis, scheduler).largest();
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -76,10 +87,14 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
                  const OnFrame& on_frame) {
   if (config.cameras.empty()) throw InputError("a flight needs at least one camera");
   scene.upload(renderer);
+  const auto whole = [&](std::size_t m) -> const Hierarchy& {
+    return config.measured.empty() ? scene.hierarchy(m) : *config.measured[m];
+  };
   std::vector<std::unique_ptr<Prover>> provers;
-  for (std::size_t m = 0; config.measure && m < scene.model_count(); ++m) {
-    const Hierarchy& whole = config.measured.empty() ? scene.hierarchy(m) : *config.measured[m];
-    provers.push_back(std::make_unique<Prover>(whole, scene.limit_rate(m), scheduler));
+  std::vector<ScreenErrorBasis> screens;
+  for (std::size_t m = 0; m < scene.model_count(); ++m) {
+    if (config.measure) provers.push_back(std::make_unique<Prover>(whole(m), scene.limit_rate(m), scheduler));
+    if (config.measure_screen) screens.emplace_back(whole(m));
   }
 
   FlightResult result;
@@ -92,6 +107,7 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
     row.drawn = scene.look(config.cameras[i], config.view);
     const double select = milliseconds_since(start);
     const FrameStats stats = scene.draw(renderer);
+    if (row.drawn) result.warnings.insert(result.warnings.end(), stats.warnings.begin(), stats.warnings.end());
     row.cells = stats.cells;
     row.triangles = stats.triangles;
     row.work = stats.work;
@@ -104,8 +120,12 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
     result.admissible = result.admissible && scene.admissible();
     if (on_frame) on_frame(i, renderer);
     for (std::size_t m = 0; m < provers.size(); ++m) provers[m]->measure(scene.frame().models[m].morph, row);
+    for (std::size_t m = 0; m < screens.size(); ++m)
+      row.screen_error = std::max(row.screen_error, measured_screen_error(scene.frame().models[m], config.view.size,
+                                                                          whole(m), screens[m], scheduler));
 
     result.open_edges_max = std::max(result.open_edges_max, row.open_edges);
+    result.screen_error_max = std::max(result.screen_error_max, row.screen_error);
     result.gap_max = std::max(result.gap_max, row.gap_max);
     result.jump_over_bound_max = std::max(result.jump_over_bound_max, row.jump_over_bound);
     result.frames.push_back(std::move(row));

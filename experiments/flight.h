@@ -18,6 +18,9 @@ struct FlightConfig {
   std::vector<Camera> cameras;
   ViewConfig view;
   bool measure = false;  // cracks and pops of every frame, over the whole partition, before culling
+  // The distance on the screen of every frame (metrics/screen_error.h), each model alone: 100 bytes per triangle,
+  // seconds a frame.
+  bool measure_screen = false;
   // The models as wholes, to be measured alone; those of the scene where this is empty. For streamed ones.
   std::vector<const Hierarchy*> measured;
   const CancelFlag* cancel = nullptr;
@@ -33,6 +36,7 @@ struct FrameRow {
   double gap_max = 0;                          // normalised units of the model
   double max_jump = 0;                         // against the frame before, normalised units
   double jump_over_bound = 0;                  // largest jump over its analytic bound
+  double screen_error = 0;                     // pixels, the largest of any model; only when measured
   std::uint64_t resident_bytes = 0;            // of payloads, of a streamed hierarchy
   bool complete = true;                        // the frame had all the detail that it asked for
 };
@@ -41,7 +45,8 @@ struct FlightResult {
   bool admissible = false;
   std::vector<FrameRow> frames;
   std::uint64_t open_edges_max = 0;
-  double gap_max = 0, jump_over_bound_max = 0, milliseconds_median = 0;
+  double gap_max = 0, jump_over_bound_max = 0, screen_error_max = 0, milliseconds_median = 0;
+  std::vector<std::string> warnings;  // of the renderer
 };
 
 // Called after each frame has been drawn; read_back() of the renderer gives its picture.

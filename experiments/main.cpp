@@ -74,6 +74,7 @@ int main(int argc, char** argv) {
   add_compare(app);
   add_render(app);
   add_export(app);
+  add_view(app);
   install_interrupt_handler();
   return run(app, argc, argv);
 }

@@ -78,6 +78,8 @@ class View {
 // Key frames of a JSON file ({"frames": [{"position": [x,y,z], "target": [...], "up": [...], "fov_degrees": 45}]});
 // the path is resampled to `frames` cameras at equal steps of the key parameter. Throws FileError / InputError.
 [[nodiscard]] std::vector<Camera> read_camera_path(const std::string& file, int frames);
+// The key frames alone.
+[[nodiscard]] std::vector<Camera> read_camera_keys(const std::string& file);
 void write_camera_path(const std::string& file, std::span<const Camera> path);
 
 struct Sphere {

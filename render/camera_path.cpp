@@ -185,15 +185,19 @@ std::vector<Camera> resample_path(std::span<const Camera> keys, int frames, cons
   return path;
 }
 
-std::vector<Camera> read_camera_path(const std::string& file, int frames) {
-  check_frames(frames);
+std::vector<Camera> read_camera_keys(const std::string& file) {
   const json document = parse(file);
   if (!document.is_object() || !document.contains("frames") || !document["frames"].is_array())
     throw InputError(describe(file, {}, "has no array \"frames\""));
   std::vector<Camera> keys;
   for (const json& key : document["frames"]) keys.push_back(camera_from(key, file, keys.size()));
   if (keys.empty()) throw InputError(describe(file, {}, "\"frames\" is empty", "give at least one camera"));
-  return resample_path(keys, frames, file);
+  return keys;
+}
+
+std::vector<Camera> read_camera_path(const std::string& file, int frames) {
+  check_frames(frames);
+  return resample_path(read_camera_keys(file), frames, file);
 }
 
 void write_camera_path(const std::string& file, std::span<const Camera> path) {

@@ -85,11 +85,18 @@ struct Frame {
   EffectSet effects;  // passes over the whole picture: shadow, ambient occlusion, transparency, overdraw
   Lens lens;          // for effects that need distances
   ImageSize size;
+  // Cells that others hide are left out: changes no picture, and pays where much is hidden. Ignored where an effect
+  // shows what is behind something.
+  bool cull_occluded = false;
   int samples = 1;  // a pixel: 1, or 4 averaged (multisampling: coverage and depth a sample, colour once a triangle)
 
   // The only model of a frame that has one.
   [[nodiscard]] ModelFrame& only() { return models.front(); }
   [[nodiscard]] const ModelFrame& only() const { return models.front(); }
+  // cull_occluded holds: neither transparency nor overdraw, which show what is behind.
+  [[nodiscard]] bool culls_occluded() const {
+    return cull_occluded && !all_effects().contains_any({Effect::transparency, Effect::overdraw});
+  }
   // Of any model, or of the whole picture.
   [[nodiscard]] EffectSet all_effects() const {
     EffectSet set = effects;

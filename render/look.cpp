@@ -16,9 +16,10 @@ bool has_normal_maps(const Hierarchy& hierarchy) {
          std::ranges::any_of(hierarchy.materials, [](const Material& m) { return m.normal_map != no_texture; });
 }
 
-Look look_of(const Hierarchy& hierarchy) {
-  Look look;
-  if (hierarchy.attributes.colours || has_surface_colours(hierarchy)) look.base_colour = {1, 1, 1};
+Look look_of(const Hierarchy& hierarchy, Look look) {
+  const bool coloured =
+      (look.vertex_colours && hierarchy.attributes.colours) || (look.textures && has_surface_colours(hierarchy));
+  if (coloured) look.base_colour = {1, 1, 1};
   return look;
 }
 

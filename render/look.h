@@ -10,8 +10,8 @@ namespace lodestone {
 [[nodiscard]] bool has_surface_colours(const Hierarchy& hierarchy);
 [[nodiscard]] bool has_normal_maps(const Hierarchy& hierarchy);
 
-// How a model looks when nobody says otherwise: in its own colours, those of vertices, materials and textures, where it
-// has any, times white; else in the plain albedo of render/shading.h.
-[[nodiscard]] Look look_of(const Hierarchy& hierarchy);
+// The look with the base colour that a model takes when nobody names one: white where the look shows colours of its
+// own, those of vertices, materials and textures, so that they are seen as they are; else as it is.
+[[nodiscard]] Look look_of(const Hierarchy& hierarchy, Look look = {});
 
 }  // namespace lodestone

@@ -51,7 +51,7 @@ inline constexpr std::array<Vec3f, 6> overdraw_ramp{{{0.10f, 0.12f, 0.45f},
                                                      {0.70f, 0.05f, 0.20f}}};
 inline constexpr std::uint32_t overdraw_most = 16;
 
-// triangles at least 1.
+// `triangles` at least 1.
 [[nodiscard]] constexpr Vec3f overdraw_colour(std::uint32_t triangles) {
   if (triangles >= overdraw_most) return {1, 1, 1};
   const std::uint32_t lower = (triangles - 1) / 3, part = (triangles - 1) % 3;

@@ -26,6 +26,8 @@ struct LinearImage {
 // Half the width and height, rounded down, but at least one pixel: each pixel is the mean over its share of the image,
 // which is 2 x 2 pixels where both are even, and takes in parts of pixels where one is odd.
 [[nodiscard]] LinearImage halve(const LinearImage& image);
+// halve(to_linear(image, meaning)), row by row: nothing as large as the image is made.
+[[nodiscard]] LinearImage halve(const PixelImage& image, PixelMeaning meaning);
 
 [[nodiscard]] constexpr PixelSize half_of(PixelSize size) {
   return {size.width > 1 ? size.width / 2 : 1, size.height > 1 ? size.height / 2 : 1};

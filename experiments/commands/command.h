@@ -59,5 +59,6 @@ void add_verify(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_render(CLI::App& app);
 void add_export(CLI::App& app);
+void add_view(CLI::App& app);
 
 }  // namespace lodestone

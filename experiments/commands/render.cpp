@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/error.h"
 #include "experiments/commands/command.h"
@@ -14,6 +15,7 @@
 #include "experiments/progress.h"
 #include "parallel/cpu_clock.h"
 #include "render/effects/plan.h"
+#include "render/lod/back_faces.h"
 #include "render/scene/scene_view.h"
 
 namespace lodestone {
@@ -27,7 +29,8 @@ struct RenderOptions {
   std::optional<float> kappa0, pixel_error;
   int samples = 1;
   float beta = RadiiConfig{}.beta, delta = 0;
-  bool allow_inadmissible = false, tint = false, no_metrics = false, explain = false;
+  bool allow_inadmissible = false, tint = false, no_metrics = false, explain = false, cull_occluded = false,
+       cull_back_faces = false, measure_screen = false;
   std::uint64_t memory_budget = 0;  // bytes; 0: the whole file
 };
 
@@ -138,6 +141,7 @@ nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed)
   for (const FrameRow& row : result.frames) {
     nlohmann::json frame{{"cells", row.cells}, {"triangles", row.triangles}, {"milliseconds", row.milliseconds}};
     frame.update({{"work", row.work}, {"drawn", row.drawn}});
+    if (row.screen_error > 0) frame["screen_error"] = row.screen_error;
     if (streamed) frame.update({{"resident_bytes", row.resident_bytes}, {"complete", row.complete}});
     if (measured)
       frame.update({{"selected_triangles", row.selected_triangles},
@@ -149,11 +153,23 @@ nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed)
   }
   nlohmann::json json{
       {"admissible", result.admissible}, {"frames", frames}, {"milliseconds_median", result.milliseconds_median}};
+  if (result.screen_error_max > 0) json["screen_error_max"] = result.screen_error_max;
   if (measured) {
     json["cracks"] = {{"open_edges_max", result.open_edges_max}, {"gap_max", result.gap_max}};
     json["pops"] = {{"jump_over_bound_max", result.jump_over_bound_max}};
   }
   return json;
+}
+
+// The backend asked for, or soft where this machine has no OpenGL; `why` says then what is missing.
+std::unique_ptr<Renderer> renderer_or_soft(const std::string& backend, Scheduler& scheduler, std::string& why) {
+  try {
+    return make_renderer(backend, scheduler);
+  } catch (const UnsupportedError& error) {
+    if (backend != "gl") throw;
+    why = error.what();
+    return make_renderer("soft", scheduler);
+  }
 }
 
 void run(const RenderOptions& options, const CommonOptions& common) {
@@ -164,19 +180,33 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   FlightConfig config;
   config.view = view_config(scene, parse_size(options.size));
   config.view.samples = options.samples;
+  config.view.cull_occluded = options.cull_occluded;
+  if (options.cull_back_faces && options.memory_budget > 0)
+    throw InputError("--cull-back-faces looks at whole models, --memory-budget at parts of them; give one of them");
   config.measure = !common.json.empty() && !options.no_metrics;
   config.cancel = &interrupt_flag();
 
   const auto scheduler = make_scheduler(common);
   Progress progress("rendering", common.quiet);
-  const bool needs_wholes = config.measure || scene.camera.path == "adversarial";
+  config.measure_screen = options.measure_screen;
+  const bool needs_wholes = config.measure || config.measure_screen || scene.camera.path == "adversarial";
   const OpenScene opened(scene, {options.memory_budget, needs_wholes, config.cancel}, *scheduler, progress);
   if (!common.quiet && common.json != "-") print_warnings(opened.warnings());
   if (options.memory_budget > 0) config.measured = opened.wholes();
-  SceneView view(scene, opened.models());
+  std::vector<OpenModel> models = opened.models();
+  std::map<const Hierarchy*, BackFaces> back_faces;
+  for (OpenModel& model : models)
+    if (options.cull_back_faces)
+      model.back_faces = &back_faces.try_emplace(model.hierarchy, *model.hierarchy, *scheduler).first->second;
+  SceneView view(scene, std::move(models));
   refuse_inadmissible(options, view);
   config.cameras = cameras(view, needs_wholes ? *opened.wholes().front() : view.hierarchy(0));
-  const auto renderer = make_renderer(options.backend, *scheduler);
+  std::string fallback;
+  const auto renderer = renderer_or_soft(options.backend, *scheduler, fallback);
+  if (!fallback.empty()) {
+    progress.clear();
+    fmt::print(stderr, "lodestone: {}; drawing with soft instead\n", fallback);
+  }
   std::optional<PictureWriter> pictures;
   const bool draws = options.backend != "null";
   if (draws && !options.output.empty()) pictures.emplace(options.output, config.cameras.size());
@@ -195,6 +225,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   });
   if (pictures) pictures->finish();
   progress.clear();
+  if (!common.quiet && common.json != "-") print_warnings(result.warnings);
   if (options.explain && common.json != "-") fmt::print("{}", to_text(plan, names_of(scene)));
 
   nlohmann::json json = to_json(result, config.measure, options.memory_budget > 0);
@@ -209,10 +240,12 @@ void run(const RenderOptions& options, const CommonOptions& common) {
                {"first_picture_seconds", first_picture},
                {"samples", config.view.samples},
                {"size", {config.view.size.width, config.view.size.height}}});
+  if (!fallback.empty()) json["fallback"] = fallback;
   write_json(common, json);
   if (common.quiet || common.json == "-") return;
   fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer->name(),
              result.milliseconds_median, pictures ? ", pictures in " + options.output : "");
+  if (config.measure_screen) fmt::print("screen error {:.3f} pixels at most\n", result.screen_error_max);
   if (config.measure)
     fmt::print("open edges {}, largest gap {:g}, largest jump {:.4f} of the analytic bound\n", result.open_edges_max,
                result.gap_max, result.jump_over_bound_max);
@@ -244,7 +277,8 @@ void add_render(CLI::App& app) {
   command.add_option("--samples", options->samples, "Samples a pixel; 4 smooths edges")
       ->check(CLI::IsMember({1, 4}))
       ->capture_default_str();
-  command.add_option("--backend", options->backend, "soft, gl or null")->capture_default_str();
+  command.add_option("--backend", options->backend, "soft, gl (soft where there is no OpenGL 4.5) or null")
+      ->capture_default_str();
   command.add_option("--pixel-error", options->pixel_error,
                      "Tolerance in pixels; 1 when neither this nor --kappa0 is given");
   command.add_option("--kappa0", options->kappa0, "Selection radius over cell size instead");
@@ -270,7 +304,13 @@ void add_render(CLI::App& app) {
           "(512MiB); no crack and no pop for what is missing, but frames depend on the speed of the disk")
       ->transform(CLI::AsSizeValue(false))
       ->type_name("BYTES");
+  command.add_flag("--cull-occluded", options->cull_occluded,
+                   "Leave out cells that others hide: the same pictures, sooner where much is hidden");
+  command.add_flag("--cull-back-faces", options->cull_back_faces,
+                   "Leave out cells that turn their back, where the surface is closed and seen from outside");
   command.add_flag("--no-metrics", options->no_metrics, "With --json: times and counts only, no cracks and pops");
+  command.add_flag("--screen-error", options->measure_screen,
+                   "Measure how far the drawn surface is from the full one on the screen, in pixels; seconds a frame");
   command.add_option("-o,--output", options->output, "Folder for the frames and contact.png");
   command.callback([options, common] { run(*options, *common); });
 }

@@ -13,6 +13,15 @@ bool outside(const Frustum& frustum, const Box3f& box, float margin) {
   return false;
 }
 
+Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level) {
+  // A blend of two places may leave the box of both by a rounding.
+  const float margin = displacement_bound(hierarchy.sigma0, level) + 1e-6f;
+  Box3f box = hierarchy.cells[cell].bounds;
+  box.lo = {box.lo.x - margin, box.lo.y - margin, box.lo.z - margin};
+  box.hi = {box.hi.x + margin, box.hi.y + margin, box.hi.z + margin};
+  return box;
+}
+
 namespace {
 
 // lambda = 1 on the whole box: its farthest corner is no farther than the begin of the band.
@@ -36,15 +45,23 @@ class Traversal {
     if (!visible && !config_.keep_culled) return;
     const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
                        limited_distance(radii_.metric, viewpoint_, cell.bounds, config_.limits) >= radii_.select[level];
+    const bool morphing = drawn && !is_static(radii_, level, viewpoint_, cell.bounds, config_.limits);
+    if (visible && config_.cones) visible = !turns_away(index, level, drawn, morphing);
+    if (!visible && !config_.keep_culled) return;
     if (drawn) {
-      out_.cells.push_back({index, static_cast<std::uint8_t>(level), visible,
-                            !is_static(radii_, level, viewpoint_, cell.bounds, config_.limits)});
+      out_.cells.push_back({index, static_cast<std::uint8_t>(level), visible, morphing});
       return;
     }
     for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1, visible);
   }
 
  private:
+  [[nodiscard]] bool turns_away(std::uint32_t index, std::size_t level, bool drawn, bool morphing) const {
+    const NormalCones& cones = *config_.cones;
+    const NormalCone& cone = !drawn ? cones.subtree(index) : morphing ? cones.morphing(index) : cones.still(index);
+    return cone.sine < 1 && turns_its_back(cone, viewpoint_, drawn_bounds(hierarchy_, index, static_cast<int>(level)));
+  }
+
   const Hierarchy& hierarchy_;
   const Radii& radii_;
   Vec3f viewpoint_;

@@ -7,6 +7,7 @@
 
 #include "core/hierarchy/hierarchy.h"
 #include "render/lod/limits.h"
+#include "render/lod/normal_cones.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
@@ -21,10 +22,13 @@ using Frustum = std::array<Plane, 6>;
 // Is the box, grown by `margin` on every side, entirely outside one of the planes?
 [[nodiscard]] bool outside(const Frustum& frustum, const Box3f& box, float margin);
 
+// B(C) grown by as much as morphing vertices of its level may leave it.
+[[nodiscard]] Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level);
+
 struct SelectedCell {
   std::uint32_t cell = 0;  // index in Hierarchy::cells
   std::uint8_t level = 0;
-  bool visible = true;   // false: selected, but culled by the frustum
+  bool visible = true;   // false: selected, but culled
   bool morphing = true;  // false: lambda = 1 on the whole box, the static path may draw it
 };
 
@@ -36,10 +40,12 @@ struct Selection {
 // A cell of level l is drawn iff its ancestors are not, and l = L or d(v_p, B(C)) >= r_l. Culling happens after that:
 // with B(C) grown by sigma0 h_l / 2, since morphed vertices leave B. A null frustum culls nothing; with one,
 // whole subtrees outside it are left out when `keep_culled` is false, and marked visible = false otherwise.
+// With cones so is what turns its back to the viewpoint; BackFaces says whether that can be seen.
 struct SelectionConfig {
   const Frustum* frustum = nullptr;
   bool keep_culled = true;  // list culled cells as the exact partition needs them (metrics); false: leave them out
   DetailLimits limits{};    // selects by d' instead of d; the morph must have the same ones
+  const NormalCones* cones = nullptr;
 };
 
 // `out` is reused between frames. The viewpoint is in normalised model space.

@@ -4,19 +4,22 @@
 #include <cassert>
 
 #include "core/base/error.h"
+#include "render/light_view.h"
 #include "render/look.h"
 
 namespace lodestone {
 namespace {
 
-// A model without colours of its own that are shown is plain; where it has some, they are shown as they are.
-Look look_of(const SceneModel& model, const Hierarchy& hierarchy) {
-  Look look = model.look;
-  const bool coloured =
-      (look.vertex_colours && hierarchy.attributes.colours) || (look.textures && has_surface_colours(hierarchy));
-  if (coloured) look.base_colour = {1, 1, 1};
-  if (model.colour) look.base_colour = *model.colour;
-  return look;
+// Wider cameras have near planes that reach far to the sides, where backs might be seen.
+constexpr double widest_culled = 2.6;  // radians
+
+// Of this camera's picture.
+RadiiConfig radii_config(const ViewConfig& config, const Camera& camera) {
+  RadiiConfig radii = config.radii;
+  radii.image_height = config.size.height;
+  radii.aspect = static_cast<float>(config.size.width) / static_cast<float>(config.size.height);
+  radii.vertical_fov = static_cast<float>(camera.vertical_fov);
+  return radii;
 }
 
 bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
@@ -28,7 +31,7 @@ bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
-  return {size, 1, scene.radii, scene.blend, scene.setting, scene.effects};
+  return {size, 1, scene.radii, scene.blend, scene.setting, scene.effects, false};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {
@@ -40,7 +43,8 @@ SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_
     const Hierarchy& hierarchy = *models[m].hierarchy;
     if (hierarchy.cells.empty()) throw InputError(describe(scene.models[m].name, {}, "has nothing to draw"));
     placed.placement = placement_of(scene.models[m], hierarchy);
-    placed.look = look_of(scene.models[m], hierarchy);
+    placed.look = look_of(hierarchy, scene.models[m].look);
+    if (scene.models[m].colour) placed.look.base_colour = *scene.models[m].colour;
     // One that stands in several places is uploaded once.
     const auto same = std::ranges::find(placed_, models[m].hierarchy, [](const Placed& p) { return p.open.hierarchy; });
     placed.uploaded = same == placed_.end() ? uploaded++ : same->uploaded;
@@ -94,46 +98,58 @@ void SceneView::upload(Renderer& renderer) const {
   renderer.upload(models);
 }
 
-RadiiConfig SceneView::radii_config(const Camera& camera) const {
-  RadiiConfig radii = config_.radii;
-  radii.image_height = config_.size.height;
-  radii.aspect = static_cast<float>(config_.size.width) / static_cast<float>(config_.size.height);
-  radii.vertical_fov = static_cast<float>(camera.vertical_fov);
-  return radii;
+void SceneView::freeze(bool frozen) {
+  frozen_ = frozen;
+  camera_.reset();
 }
 
-bool SceneView::look(const Camera& camera, const ViewConfig& config) {
+// Takes in what has been loaded and asks for what is missing; true when the frame changes by it.
+bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& camera,
+                       std::span<const ViewConfig> beside) {
+  ResidentCells& resident = *placed.open.resident;
+  // What is limited for the largest radius of a level is limited for all views.
+  Radii largest = placed.radii;
+  for (const ViewConfig& other : beside) {
+    const Radii radii = make_radii(resident.hierarchy(), radii_config(other, camera));
+    for (std::size_t l = 0; l < radii.select.size(); ++l)
+      largest.select[l] = std::max(largest.select[l], radii.select[l]);
+  }
+  const Frustum frustum = frustum_of(model.view_projection);
+  resident.update(largest, model.morph.viewpoint, &frustum);
+  const DetailLimits limits = resident.limits();
+  const bool same = resident.came().empty() && resident.went().empty() && same_limits(placed.limits, limits);
+  placed.limits.assign(limits.begin(), limits.end());
+  return !same;
+}
+
+bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside) {
   const bool rests = camera_ && *camera_ == camera && config_ == config;
-  if (rests && std::ranges::none_of(placed_, [](const Placed& p) { return p.open.resident != nullptr; })) return false;
+  const auto streamed_one = [](const Placed& p) { return p.open.resident != nullptr; };
+  if (rests && (frozen_ || std::ranges::none_of(placed_, streamed_one))) return false;
   std::vector<PlacedBounds> bounds;
   for (const Placed& placed : placed_)
     bounds.push_back({placed.in_picture, placed.open.hierarchy->cells.front().bounds});
   const View view(in_space(camera, origin_, unit_), bounds, config.size);  // may throw: nothing has changed yet
   camera_.reset();
   config_ = config;
-  if (!rests)
-    for (Placed& placed : placed_) placed.radii = make_radii(*placed.open.hierarchy, radii_config(camera));
+  if (!rests && !frozen_)
+    for (Placed& placed : placed_) placed.radii = make_radii(*placed.open.hierarchy, radii_config(config, camera));
 
   bool streamed = false;
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     Placed& placed = placed_[m];
     ModelFrame& model = frame_.models[m];
     model.model = placed.uploaded;
-    model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
     model.view_projection = view.projection(placed.in_picture);
     model.towards_eye = view.towards_eye(placed.in_picture);
     model.towards_light =
         to_float(placed.placement.rotated_back((1 / length(scene_.towards_light)) * scene_.towards_light));
     model.look = placed.look;
-    if (placed.open.resident) {
-      ResidentCells& resident = *placed.open.resident;
-      const std::vector<DetailLimit> before(resident.limits().begin(), resident.limits().end());
-      const Frustum frustum = frustum_of(model.view_projection);
-      resident.update(placed.radii, model.morph.viewpoint, &frustum);
-      model.morph.limits = resident.limits();
-      streamed =
-          streamed || !resident.came().empty() || !resident.went().empty() || !same_limits(before, resident.limits());
-    }
+    model.morph.blend = config.blend;
+    if (frozen_) continue;
+    model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
+    if (placed.open.resident) streamed = stream(placed, model, camera, beside) || streamed;
+    model.morph.limits = placed.limits;
   }
   camera_ = camera;
   if (rests && !streamed) return false;
@@ -143,16 +159,59 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config) {
   frame_.lens = view.lens();
   frame_.size = config.size;
   frame_.samples = config.samples;
-  for (std::size_t m = 0; m < placed_.size(); ++m) select(view, frame_.models[m], placed_[m]);
+  frame_.cull_occluded = config.cull_occluded;
+  for (std::size_t m = 0; m < placed_.size() && !frozen_; ++m) select(frame_.models[m], placed_[m]);
+  if (frame_.setting.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);
   return changed_ = true;
 }
 
-void SceneView::select(const View&, ModelFrame& model, Placed& placed) {
+void SceneView::select(ModelFrame& model, Placed& placed) {
   const Frustum frustum = frustum_of(model.view_projection);
-  select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, {&frustum, false, model.morph.limits},
-               placed.selection);
+  SelectionConfig config{&frustum, false, model.morph.limits, nullptr};
+  const bool backs_show = placed.look.opacity < 1 || config_.setting.overdraw || camera_->vertical_fov > widest_culled;
+  if (placed.open.back_faces && !backs_show) config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint);
+  select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
   model.selection = &placed.selection;
+  model.casters = nullptr;
+}
+
+// The shadow map goes round what is seen and what may throw a shadow on it. Casters are the same morphed surface as the
+// picture's, selected for the camera, culled by the light.
+void SceneView::see_from_light() {
+  std::vector<Vec3d> receivers, casters;
+  std::vector<ModelPlacement> placements;
+  for (const Placed& placed : placed_) {
+    const Similarity& s = placed.in_picture;
+    ModelPlacement& to = placements.emplace_back();
+    for (std::size_t row = 0; row < 3; ++row) {
+      const Vec3d r = s.scale * s.rotation[row];
+      to[4 * row] = r.x, to[4 * row + 1] = r.y, to[4 * row + 2] = r.z;
+    }
+    to[3] = s.translation.x, to[7] = s.translation.y, to[11] = s.translation.z;
+    const Hierarchy& hierarchy = *placed.open.hierarchy;
+    const auto add = [&](std::vector<Vec3d>& points, std::uint32_t cell, int level) {
+      const float margin = displacement_bound(hierarchy.sigma0, level);  // morphed vertices leave the bounds
+      Box3f box = hierarchy.cells[cell].bounds;
+      box.lo = box.lo - Vec3f{margin, margin, margin}, box.hi = box.hi + Vec3f{margin, margin, margin};
+      const std::array<Vec3d, 8> corners = corners_of(box, to);
+      points.insert(points.end(), corners.begin(), corners.end());
+    };
+    add(casters, 0, 0);
+    for (const SelectedCell& cell : placed.selection.cells)
+      if (cell.visible) add(receivers, cell.cell, cell.level);
+  }
+  const LightView light =
+      fit_light(scene_.towards_light, receivers, casters, frame_.setting.lighting.directional.shadow_texels);
+  for (std::size_t m = 0; m < placed_.size(); ++m) {
+    Placed& placed = placed_[m];
+    ModelFrame& model = frame_.models[m];
+    model.light_projection = light_projection(light, placements[m]);
+    const Frustum frustum = frustum_of(model.light_projection);
+    select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, {&frustum, false, model.morph.limits},
+                 placed.casters);
+    model.casters = &placed.casters;
+  }
 }
 
 bool SceneView::complete() const {

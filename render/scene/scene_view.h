@@ -5,9 +5,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "render/lod/back_faces.h"
 #include "render/lod/resident_cells.h"
 #include "render/renderer.h"
 #include "render/scene/scene.h"
@@ -16,8 +18,9 @@ namespace lodestone {
 
 // A model of the scene, opened. Both pointers outlive the view.
 struct OpenModel {
-  const Hierarchy* hierarchy = nullptr;  // drawn
-  ResidentCells* resident = nullptr;     // when it is streamed: its hierarchy() is the one that is drawn
+  const Hierarchy* hierarchy = nullptr;   // drawn
+  ResidentCells* resident = nullptr;      // when it is streamed: its hierarchy() is the one that is drawn
+  const BackFaces* back_faces = nullptr;  // to leave out what turns its back, where that cannot be seen
 };
 
 // What is seen of a scene, beside the camera.
@@ -28,6 +31,7 @@ struct ViewConfig {
   Blend blend = Blend::smoothstep;
   Setting setting;
   EffectRequest effects;
+  bool cull_occluded = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };
 [[nodiscard]] ViewConfig view_config(const Scene& scene, ImageSize size);  // as the scene asks for
@@ -41,7 +45,12 @@ class SceneView {
   void upload(Renderer& renderer) const;
 
   // Makes the frame of this camera. False when nothing has changed since the last call: then the frame is the same.
-  bool look(const Camera& camera, const ViewConfig& config);
+  // `beside`: what other views of the same models ask for from this camera, each drawn in its turn: what is streamed is
+  // loaded for all of them.
+  bool look(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside = {});
+  // Until it is told otherwise, look() keeps the cells of the last frame as they were selected, radii and viewpoint
+  // included, and changes nothing of what is loaded: the camera goes on alone.
+  void freeze(bool frozen);
   [[nodiscard]] const Frame& frame() const { return frame_; }
   // Of what is streamed: every model has all the detail that it asks for; bytes in memory; the rate of its limits, 0
   // for a model that is there as a whole.
@@ -70,11 +79,14 @@ class SceneView {
     Similarity in_picture;       // the same in units of the picture, whose origin lies with the models
     Look look;
     Radii radii;
+    std::vector<DetailLimit> limits;  // of the frame
     Selection selection, casters;
   };
   void place_models();
-  void select(const View& view, ModelFrame& model, Placed& placed);
-  [[nodiscard]] RadiiConfig radii_config(const Camera& camera) const;
+  void select(ModelFrame& model, Placed& placed);
+  void see_from_light();
+  [[nodiscard]] bool stream(Placed& placed, const ModelFrame& model, const Camera& camera,
+                            std::span<const ViewConfig> beside);
 
   Scene scene_;
   std::vector<Placed> placed_;
@@ -85,6 +97,7 @@ class SceneView {
   ViewConfig config_;
   Frame frame_;
   bool changed_ = false;  // since the last picture
+  bool frozen_ = false;
 };
 
 // The camera's way of the scene. Throws as read_camera_path does.

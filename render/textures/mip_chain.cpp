@@ -10,26 +10,27 @@ namespace {
 PixelImage three_channels(PixelImage image) {
   if (image.channels == 3) return image;
   PixelImage rgb{.size = image.size, .channels = 3, .pixels = {}};
-  const std::size_t pixels = image.pixels.size() / image.channels;
-  rgb.pixels.reserve(3 * pixels);
+  const std::size_t pixels = image.pixels.size() / image.channels, step = image.channels == 4 ? 1 : 0;
+  rgb.pixels.resize(3 * pixels);
   for (std::size_t p = 0; p < pixels; ++p)
-    for (std::size_t c = 0; c < 3; ++c) rgb.pixels.push_back(image.pixels[p * image.channels + c % image.channels]);
+    for (std::size_t c = 0; c < 3; ++c) rgb.pixels[3 * p + c] = image.pixels[p * image.channels + c * step];
   return rgb;
 }
 
 MipLevel bordered(const PixelImage& image, TextureWrap wrap_u, TextureWrap wrap_v) {
   MipLevel level{image.size, {}};
-  level.texels.reserve(std::size_t{level.stride()} * level.rows());
+  level.texels.resize(std::size_t{level.stride()} * level.rows());
   const auto [width, height] = image.size;
-  const auto texel = [&](std::size_t row, std::uint32_t x) {
-    const std::uint8_t* p = &image.pixels[3 * (row + x)];
-    return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | 0xff00'0000u;
-  };
+  std::uint32_t* to = level.texels.data();
   for (std::int64_t y = -1; y <= height; ++y) {
-    const std::size_t row = std::size_t{wrapped(y, height, wrap_v)} * width;
-    level.texels.push_back(texel(row, wrapped(-1, width, wrap_u)));
-    for (std::uint32_t x = 0; x < width; ++x) level.texels.push_back(texel(row, x));
-    level.texels.push_back(texel(row, wrapped(width, width, wrap_u)));
+    const std::uint8_t* row = &image.pixels[3 * std::size_t{wrapped(y, height, wrap_v)} * width];
+    const auto texel = [&](std::uint32_t x) {
+      const std::uint8_t* p = row + 3 * std::size_t{x};
+      return p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16 | 0xff00'0000u;
+    };
+    *to++ = texel(wrapped(-1, width, wrap_u));
+    for (std::uint32_t x = 0; x < width; ++x) *to++ = texel(x);
+    *to++ = texel(wrapped(width, width, wrap_u));
   }
   return level;
 }
@@ -59,11 +60,12 @@ std::vector<MipLevel> make_mip_chain(PixelImage image, PixelMeaning meaning, Tex
   std::vector<MipLevel> levels;
   levels.push_back(bordered(image, wrap_u, wrap_v));
   if (image.size == PixelSize{1, 1}) return levels;
-  LinearImage linear = to_linear(image, meaning);
+  LinearImage linear = halve(image, meaning);
   image = {};
-  while (linear.size != PixelSize{1, 1}) {
-    linear = halve(linear);
+  for (;;) {
     levels.push_back(bordered(to_pixels(linear, meaning), wrap_u, wrap_v));
+    if (linear.size == PixelSize{1, 1}) break;
+    linear = halve(linear);
   }
   return levels;
 }

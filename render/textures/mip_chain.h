@@ -24,7 +24,7 @@ struct MipLevel {
 };
 
 // From the image itself down to a single texel; the box filter of core/texture/downsample.h, each level from the
-// unrounded one before. Alpha is not shown and has no weight. Memory: 16 bytes per pixel while it is made, 5.4 after.
+// unrounded one before. Alpha is not shown and has no weight. Memory: 11 bytes per pixel while it is made, 5.4 after.
 [[nodiscard]] std::vector<MipLevel> make_mip_chain(PixelImage image, PixelMeaning meaning, TextureWrap wrap_u,
                                                    TextureWrap wrap_v);
 

@@ -1,6 +1,7 @@
 """What the tests of the command share: the program, a folder for each test, models made once, and one way to run it."""
 
 import json
+import os
 import pathlib
 import random
 import struct
@@ -26,8 +27,9 @@ def main(document):
         unittest.main(module="__main__", verbosity=2)
 
 
-def call(*arguments, cwd=None, timeout=120):
-    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, timeout=timeout, check=False)
+def call(*arguments, cwd=None, timeout=120, environment=None):
+    return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, timeout=timeout, check=False,
+                          env={**os.environ, **environment} if environment else None)
 
 
 class CommandCase(unittest.TestCase):

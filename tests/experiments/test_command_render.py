@@ -133,9 +133,21 @@ class Render(CommandCase):
 
     def test_gl_writes_pictures(self):
         probe = command_case.call("render", hierarchy(), "--frames", 1, "--size", "16x16", "--backend", "gl")
-        if probe.returncode != 0 and (b"OpenGL" in probe.stderr or b"EGL" in probe.stderr):
+        if b"drawing with soft instead" in probe.stderr:
             self.skipTest(probe.stderr.decode().strip())
         self.pictures("gl")
+
+    def test_without_opengl_soft_draws(self):
+        done = command_case.call("render", hierarchy(), "--frames", 2, "--size", "64x48", "--backend", "gl", "--json", "found.json",
+                                 "-o", "frames", cwd=self.folder, environment={"MESA_GL_VERSION_OVERRIDE": "3.3"})
+        if not done.stderr:
+            self.skipTest("the driver here is not Mesa's")
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stderr.decode(), r"\Alodestone: [^\n]*OpenGL[^\n]*; drawing with soft instead\n\Z")
+        found = json.loads((self.folder / "found.json").read_text())
+        self.assertEqual(found["backend"], "soft")
+        self.assertIn("OpenGL", found["fallback"])
+        self.assertTrue((self.folder / "frames" / "frame0001.png").exists())
 
     def test_streaming_keeps_its_budget(self):
         """Whatever has arrived in time: no crack, no pop, and never more bytes than allowed."""

@@ -113,7 +113,7 @@ TEST(GlPlaces, OneGroupWhereWhatIsExpectedFits) {
     const GroupSize size = GlPlaces::family_size(surface(), f);
     all = {all.vertices + size.vertices, all.indices + size.indices};
   }
-  GlPlaces places({&surface()}, all.vertices, all);
+  GlPlaces places({&surface()}, all.vertices, {all});
   for (const std::uint32_t f : families()) (void)places.add({0, f});
   ASSERT_EQ(places.groups().size(), 1u);
   EXPECT_EQ(places.groups()[0].vertices, all.vertices);

@@ -162,6 +162,11 @@ class MultiDrawRenderer final : public GlRenderer {
     return resources_->target ? resources_->target->read() : Image{};
   }
 
+  void copy_to(unsigned framebuffer) override {
+    const CurrentContext current(*context_);
+    if (resources_->target) resources_->target->copy_to(framebuffer);
+  }
+
   [[nodiscard]] std::vector<Vec3f> capture(const Frame& frame) override {
     const CurrentContext current(*context_);
     FrameStats stats;

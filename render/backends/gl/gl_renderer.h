@@ -27,6 +27,10 @@ class GlRenderer : public Renderer {
   // shader computed them: the same program as draw's. For verifiers; makes no picture.
   [[nodiscard]] virtual std::vector<Vec3f> capture(const Frame& frame) = 0;
 
+  // Copies the colours of the last picture into a framebuffer of the same context and at least its size, the upper row
+  // first. Nothing happens before the first picture.
+  virtual void copy_to(unsigned framebuffer) = 0;
+
   // How many sets of buffers the hierarchy takes: the multi-draws of a frame that shows all of it.
   [[nodiscard]] virtual std::size_t group_count() const = 0;
   // "llvmpipe (...), 4.5 (Core Profile) ..., EGL surfaceless"

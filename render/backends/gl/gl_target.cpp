@@ -66,6 +66,14 @@ void GlTarget::average() const {
                          height, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
 }
 
+void GlTarget::copy_to(GLuint framebuffer) const {
+  const auto [width, height] = size_;
+  const Planes& shown = averaged_ ? *averaged_ : drawn_;
+  glDisable(GL_SCISSOR_TEST);
+  glBlitNamedFramebuffer(shown.framebuffer.name(), framebuffer, 0, 0, width, height, 0, height, width, 0,
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
 Image GlTarget::read() const {
   Image image;
   image.size = size_;

@@ -18,6 +18,7 @@ class GlTarget {
   void bind() const;                   // for drawing, viewport included
   void clear(Vec3f background) const;  // and to depth 1
   void average() const;                // after drawing: the samples of each pixel; depth becomes that of one of them
+  void copy_to(GLuint framebuffer) const;  // colours, the upper row first
   [[nodiscard]] Image read() const;
   // Textures: depth as drawn, with all samples; and the averaged picture, with the framebuffer that draws into it.
   [[nodiscard]] GLuint drawn_depth() const { return drawn_.depth.name(); }

@@ -29,6 +29,9 @@ class Bins {
     *l.next++ = item;
   }
 
+  // Where the list's next item goes; null for an empty one. Another place as soon as something is appended.
+  [[nodiscard]] const T* end_of(std::size_t list) const { return lists_[list].next; }
+
   // Calls visit(first, last) for runs of the list's items, in no particular order of runs.
   template <class Visit>
   void for_each_run(std::size_t list, const Visit& visit) const {

@@ -1,17 +1,17 @@
 #include "render/backends/soft/geometry_stage.h"
 
 #include <cassert>
+#include <numeric>
 
 #include "core/base/error.h"
 
 namespace lodestone::soft {
 
-void GeometryStage::run(const GeometryPass& pass, int samples) {
-  gather(pass);
+void GeometryStage::process(const GeometryPass& pass, int samples, std::span<const std::uint32_t> cells) {
   if (samples == 1) {
-    process_cells<1>(pass);
+    process_cells<1>(pass, cells);
   } else {
-    process_cells<4>(pass);
+    process_cells<4>(pass, cells);
   }
 }
 
@@ -27,6 +27,13 @@ void GeometryStage::gather(const GeometryPass& pass) {
   if (cell_of_block_.size() > numbers)
     throw ResourceError("the selected cells have more than 2^32 triangles; raise the pixel error");
   place_lambdas();
+  all_.resize(cells_.size());
+  std::iota(all_.begin(), all_.end(), 0u);
+  const std::size_t tiles = TileGrid(pass.size).count();
+  for (Workplace& w : workers_) {
+    w.bins.fragments.reset(tiles);
+    w.bins.triangles.reset(tiles);
+  }
 }
 
 void GeometryStage::add(const ModelFrame& model, const SelectedCell& selected) {
@@ -68,22 +75,19 @@ void GeometryStage::place_lambdas() {
 
 // A cell's triangles right after its vertices: those are still in the cache.
 template <int Samples>
-void GeometryStage::process_cells(const GeometryPass& pass) {
+void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std::uint32_t> cells) {
   const Viewport viewport(pass.size);
   const TileGrid grid(pass.size);
   const SetupContext context{pass.projection, &viewport, &grid};
-  for (Workplace& w : workers_) {
-    w.bins.fragments.reset(grid.count());
-    w.bins.triangles.reset(grid.count());
-  }
-  scheduler_.for_chunks(cells_.size(), 1, [&](ChunkRange range) {
+  scheduler_.for_chunks(cells.size(), 1, [&](ChunkRange range) {
     Workplace& w = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
     for (std::size_t k = range.begin; k < range.end; ++k) {
-      const Cell& cell = *cells_[k].own;
+      const DrawnCell& drawn = cells_[cells[k]];
+      const Cell& cell = *drawn.own;
       if (w.vertices.size() < cell.positions.size()) w.vertices.resize(cell.positions.size());
-      const VertexJob job = vertex_job(context, cells_[k], w);
+      const VertexJob job = vertex_job(context, drawn, w);
       kernels_.transform(job);
-      setup_cell(context, kernels_.of<Samples>(), cells_[k], cell.triangles, w.vertices.data(), *w.lists, w.bins);
+      setup_cell(context, kernels_.of<Samples>(), drawn, cell.triangles, w.vertices.data(), *w.lists, w.bins);
     }
   });
 }

@@ -34,19 +34,26 @@ class GeometryStage {
       : scheduler_(scheduler), kernels_(kernels), workers_(static_cast<std::size_t>(scheduler.workers())) {}
 
   // Results stay until the next run; memory is kept for it.
-  void run(const GeometryPass& pass, int samples);
+  void run(const GeometryPass& pass, int samples) {
+    gather(pass);
+    process(pass, samples, all_);
+  }
+  // The two halves of a run: the cells of the pass, and some of them, as numbers in drawn(), processed. The second may
+  // be repeated with other cells.
+  void gather(const GeometryPass& pass);
+  void process(const GeometryPass& pass, int samples, std::span<const std::uint32_t> cells);
 
   [[nodiscard]] DrawnCells drawn() const { return {cells_, cell_of_block_}; }
+  [[nodiscard]] std::span<const std::uint32_t> all() const { return all_; }
   [[nodiscard]] std::span<const Workplace> workers() const { return workers_; }
   [[nodiscard]] std::uint64_t triangles() const { return triangles_; }
   [[nodiscard]] std::uint64_t morphing_vertices() const { return morphing_vertices_; }
 
  private:
-  void gather(const GeometryPass& pass);
   void add(const ModelFrame& model, const SelectedCell& selected);
   void place_lambdas();
   template <int Samples>
-  void process_cells(const GeometryPass& pass);
+  void process_cells(const GeometryPass& pass, std::span<const std::uint32_t> cells);
   [[nodiscard]] VertexJob vertex_job(const SetupContext& context, const DrawnCell& drawn, Workplace& w) const;
 
   Scheduler& scheduler_;
@@ -54,6 +61,7 @@ class GeometryStage {
   std::vector<Workplace> workers_;
   std::vector<DrawnCell> cells_;
   std::vector<std::uint32_t> cell_of_block_;  // DrawnCells
+  std::vector<std::uint32_t> all_;            // 0, 1, ...: the numbers of cells_
   std::unique_ptr<float[]> lambdas_;          // of all cells that morph; only ever grows
   std::size_t lambda_room_ = 0;
   std::uint64_t triangles_ = 0, morphing_vertices_ = 0;

@@ -55,7 +55,7 @@ void collect_layers(const TriangleRecord* first, const TriangleRecord* last, Pix
 template <int Samples>
 void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const LayerLight& light) {
   const ShadingPlan plan(*job.frame);
-  const GroupResolver<Samples> group{job, layer, plan, all(0)};
+  const GroupResolver<Samples> group{job, layer, plan};
   const int columns = job.rect.x1 - job.rect.x0, rows = job.rect.y1 - job.rect.y0;
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; x += width) {
@@ -85,9 +85,9 @@ template <int Samples>
 void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const LayerLight& layers = *job.layers;
   const ShadingPlan plan(*job.frame);
-  const GroupResolver<Samples> group{job, tile, plan, all(0)};
+  const GroupResolver<Samples> group{job, tile, plan};
   constexpr float part = 1.0f / Samples;
-  const Vec3f& b = job.frame->setting.background;
+  const Vec3f background = job.frame->setting.background;
   resolve_rows(job, tile, [&](int x, int y) {
     const std::size_t at = static_cast<std::size_t>(y * tile_size + x);
     Points sum{all(0.0f), all(0.0f), all(0.0f)};
@@ -102,9 +102,9 @@ void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
       sum.y += part * load<Float>(layers.green + place);
       sum.z += part * load<Float>(layers.blue + place);
     }
-    sum.x += background_through * b.x;
-    sum.y += background_through * b.y;
-    sum.z += background_through * b.z;
+    sum.x += background_through * background.x;
+    sum.y += background_through * background.y;
+    sum.z += background_through * background.z;
     group.for_each_triangle(x, y, [&](Int first, const Int* same, const Surface&, const Points& colour) {
       Float share = all(0.0f);
       for (std::size_t r = 0; r < Samples; ++r)

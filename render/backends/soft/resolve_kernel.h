@@ -117,7 +117,7 @@ struct GroupResolver {
   const ResolveJob& job;
   const TileBuffer<Samples>& tile;
   const ShadingPlan& plan;
-  Int background;  // as bytes
+  Int background = to_bytes(uniform(job.frame->setting.background));
 
   // Colours as bytes of `width` pixels from (x, y) of the tile.
   Int operator()(int x, int y) const {
@@ -267,7 +267,7 @@ template <int Samples, class Colours>
 template <int Samples>
 void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const ShadingPlan plan(*job.frame);
-  resolve_rows(job, tile, GroupResolver<Samples>{job, tile, plan, to_bytes(uniform(job.frame->setting.background))});
+  resolve_rows(job, tile, GroupResolver<Samples>{job, tile, plan});
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

@@ -57,7 +57,7 @@ class CellSetup {
       corners[k] = context_.viewport->snap(polygon.corners[k]);
     }
     for (std::size_t k = 2; k < polygon.view().size(); ++k) {
-      TriangleRecord r;
+      TriangleRecord r{};  // inverse_w = 0
       for (const auto& [to, from] : {std::pair{0u, std::size_t{0}}, {1u, k - 1}, {2u, k}}) {
         r.corners[to] = {corners[from].x, corners[from].y};
         r.z[to] = corners[from].z;

@@ -8,11 +8,13 @@
 #include <atomic>
 #include <cassert>
 #include <chrono>
+#include <numeric>
 #include <optional>
 
 #include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
 #include "render/backends/soft/layers.h"
+#include "render/backends/soft/occlusion_stage.h"
 #include "render/backends/soft/overdraw_tile.h"
 #include "render/backends/soft/shadow_map.h"
 #include "render/effects/ambient_occlusion.h"
@@ -69,22 +71,23 @@ class SoftRenderer final : public Renderer {
     }
     has_layers_ = false;
     const bool layered = !overdraw && run_layers(frame);
-    geometry_.run(picture_pass(frame, !overdraw), overdraw ? 1 : frame.samples);
+    geometry_.gather(picture_pass(frame, !overdraw));
     stats.cells = geometry_.drawn().cells.size();
     stats.triangles = geometry_.triangles();
     if (layered) {
       stats.cells += layers_->drawn().cells.size();
       stats.triangles += layers_->triangles();
     }
-    stats.milliseconds["geometry"] = stage.lap();
     if (overdraw) {
+      geometry_.process(picture_pass(frame, false), 1, geometry_.all());
+      stats.milliseconds["geometry"] = stage.lap();
       stats.work["covered samples"] = count_overdraw(frame);
-    } else if (frame.samples == 1) {
-      draw_tiles<1>(frame);
+      stats.milliseconds["raster"] = stage.lap();
+    } else if (frame.culls_occluded()) {
+      draw_in_two_passes(frame, stage, stats);
     } else {
-      draw_tiles<4>(frame);
+      draw_cells(frame, geometry_.all(), stage, stats);
     }
-    stats.milliseconds["raster"] = stage.lap();
     if (!overdraw && effects::has_occlusion_pass(frame)) {
       occlude(frame);
       stats.work["occlusion pixels"] = image_.depth.size();
@@ -164,6 +167,38 @@ class SoftRenderer final : public Renderer {
                             static_cast<std::size_t>(rect.x0)]);
   }
 
+  // Cells of the pass at hand, and the picture of all that has been processed of it, or some of its tiles.
+  void draw_cells(const Frame& frame, std::span<const std::uint32_t> cells, Stopwatch& stage, FrameStats& stats,
+                  bool again = false) {
+    const std::size_t tiles = TileGrid(frame.size).count();
+    if (again) touched_.mark(geometry_.workers(), tiles);
+    geometry_.process(picture_pass(frame, true), frame.samples, cells);
+    stats.milliseconds["geometry"] += stage.lap();
+    tiles_.resize(tiles);
+    std::iota(tiles_.begin(), tiles_.end(), 0u);
+    if (again) tiles_ = touched_.since_mark(geometry_.workers());
+    if (frame.samples == 1) {
+      draw_tiles<1>(frame);
+    } else {
+      draw_tiles<4>(frame);
+    }
+    stats.milliseconds["raster"] += stage.lap();
+  }
+
+  // Tiles that get something in the second pass are drawn as a whole once more.
+  void draw_in_two_passes(const Frame& frame, Stopwatch& stage, FrameStats& stats) {
+    const DrawnCells drawn = geometry_.drawn();
+    draw_cells(frame, occlusion_.first(frame, drawn), stage, stats);
+    const std::span<const std::uint32_t> second = occlusion_.second(frame, drawn);
+    stats.milliseconds["occlusion"] = stage.lap();
+    if (!second.empty()) draw_cells(frame, second, stage, stats, true);
+    occlusion_.finish(frame, drawn);
+    stats.milliseconds["occlusion"] += stage.lap();
+    stats.cells -= occlusion_.hidden_cells();
+    stats.triangles -= occlusion_.hidden_triangles();
+    if (occlusion_.hidden_cells() > 0) stats.work["hidden cells"] = occlusion_.hidden_cells();
+  }
+
   template <int Samples>
   void draw_tiles(const Frame& frame) {
     const ShadowView shadow = shadow_map_ ? shadow_map_->view() : ShadowView{};
@@ -173,9 +208,11 @@ class SoftRenderer final : public Renderer {
     const TileGrid grid(frame.size);
     const DrawnCells drawn = geometry_.drawn(), transparent = has_layers_ ? layers_->drawn() : DrawnCells{};
     const SampleKernels<Samples>& kernels = kernels_.of<Samples>();
-    scheduler_.for_chunks(grid.count(), 1, [&](ChunkRange range) {
+    const bool culls = frame.culls_occluded();
+    scheduler_.for_chunks(tiles_.size(), 1, [&](ChunkRange range) {
       Workplace& here = workers_[static_cast<std::size_t>(scheduler_.worker_index())];
-      for (std::size_t k = range.begin; k < range.end; ++k) {
+      for (std::size_t i = range.begin; i < range.end; ++i) {
+        const std::size_t k = tiles_[i];
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
@@ -196,6 +233,7 @@ class SoftRenderer final : public Renderer {
           job.layers = here.template layers<Samples>().draw(kernels_, layers_->workers(), k, tile, of_layers);
         }
         (job.layers ? kernels.resolve_layered : kernels.resolve)(job, tile);
+        if (culls) occlusion_.take(tile, rect);
       }
     });
   }
@@ -246,6 +284,9 @@ class SoftRenderer final : public Renderer {
   std::optional<GeometryStage> layers_;  // of the transparent models
   bool has_layers_ = false;              // this frame
   std::vector<Eye> eyes_;                // of the models of the frame
+  OcclusionStage occlusion_;
+  TouchedTiles touched_;
+  std::vector<std::uint32_t> tiles_;  // to be drawn
   Image image_;
 };
 

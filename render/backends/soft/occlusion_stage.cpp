@@ -1,0 +1,102 @@
+#include "render/backends/soft/occlusion_stage.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lodestone::soft {
+
+void OcclusionStage::begin_histories(const Frame& frame) {
+  histories_.resize(frame.models.size());
+  for (std::size_t m = 0; m < frame.models.size(); ++m) {
+    History& history = histories_[m];
+    const Hierarchy* const hierarchy = frame.models[m].morph.hierarchy;
+    if (std::exchange(history.hierarchy, hierarchy) != hierarchy) history.cells.reset(hierarchy->cells.size());
+    history.cells.next_frame();
+  }
+}
+
+std::span<const std::uint32_t> OcclusionStage::first(const Frame& frame, const DrawnCells& drawn) {
+  begin_histories(frame);
+  pyramid_.reset(frame.size);
+  first_.clear();
+  waiting_.clear();
+  hidden_ = hidden_triangles_ = 0;
+  for (std::uint32_t k = 0; k < drawn.cells.size(); ++k) {
+    const History& history = history_of(frame, drawn.cells[k]);
+    const bool waits = history.cells.were_there(*history.hierarchy, drawn.cells[k].cell);
+    (waits ? waiting_ : first_).push_back(k);
+  }
+  return first_;
+}
+
+template <int Samples>
+void OcclusionStage::take(const TileBuffer<Samples>& tile, PixelRect rect) {
+  constexpr int block = DepthPyramid::block_size;
+  static_assert(tile_size % block == 0);
+  const std::span<float> blocks = pyramid_.blocks();
+  for (int y = rect.y0; y < rect.y1; y += block)
+    for (int x = rect.x0; x < rect.x1; x += block) {
+      const int columns = std::min(block, rect.x1 - x), rows = std::min(block, rect.y1 - y);
+      float farthest = 0;
+      for (std::size_t s = 0; s < static_cast<std::size_t>(Samples); ++s)
+        for (int row = 0; row < rows; ++row) {
+          const float* depth =
+              &tile.depth[s * tile_pixels + static_cast<std::size_t>((y - rect.y0 + row) * tile_size + x - rect.x0)];
+          farthest = std::max(farthest, *std::max_element(depth, depth + columns));
+        }
+      blocks[static_cast<std::size_t>((y / block) * pyramid_.columns() + x / block)] = farthest;
+    }
+}
+
+bool OcclusionStage::is_hidden(const DrawnCell& cell, ImageSize size) const {
+  const ModelFrame& model = *cell.model;
+  return lodestone::is_hidden(pyramid_, *model.morph.hierarchy, cell.cell, cell.level, model.view_projection, size);
+}
+
+// What is hidden now stays so: later tiles are only nearer.
+std::span<const std::uint32_t> OcclusionStage::second(const Frame& frame, const DrawnCells& drawn) {
+  pyramid_.build();
+  second_.clear();
+  for (const std::uint32_t k : waiting_) {
+    const DrawnCell& cell = drawn.cells[k];
+    if (is_hidden(cell, frame.size)) {
+      history_of(frame, cell).cells.note(cell.cell);
+      ++hidden_;
+      hidden_triangles_ += cell.own->triangles.size();
+    } else {
+      second_.push_back(k);
+    }
+  }
+  return second_;
+}
+
+void OcclusionStage::finish(const Frame& frame, const DrawnCells& drawn) {
+  if (!second_.empty()) pyramid_.build();
+  for (const auto* cells : {&first_, &second_})
+    for (const std::uint32_t k : *cells)
+      if (const DrawnCell& cell = drawn.cells[k]; is_hidden(cell, frame.size))
+        history_of(frame, cell).cells.note(cell.cell);
+}
+
+void TouchedTiles::mark(std::span<const GeometryStage::Workplace> workers, std::size_t tiles) {
+  tiles_ = tiles;
+  ends_.clear();
+  for (const GeometryStage::Workplace& w : workers)
+    for (std::size_t t = 0; t < tiles; ++t) ends_.push_back(ends_of(w, t));
+}
+
+std::vector<std::uint32_t> TouchedTiles::since_mark(std::span<const GeometryStage::Workplace> workers) const {
+  std::vector<std::uint32_t> touched;
+  for (std::uint32_t t = 0; t < tiles_; ++t)
+    for (std::size_t w = 0; w < workers.size(); ++w)
+      if (ends_of(workers[w], t) != ends_[w * tiles_ + t]) {
+        touched.push_back(t);
+        break;
+      }
+  return touched;
+}
+
+template void OcclusionStage::take<1>(const TileBuffer<1>&, PixelRect);
+template void OcclusionStage::take<4>(const TileBuffer<4>&, PixelRect);
+
+}  // namespace lodestone::soft

@@ -1,0 +1,102 @@
+// Opening a scene or model while the window goes on: hierarchies are loaded or streamed, meshes are built into
+// hierarchies in memory. Nothing is written.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/read_config.h"
+#include "parallel/background_job.h"
+#include "parallel/build.h"
+#include "parallel/cell_stream.h"
+#include "parallel/scheduler.h"
+#include "render/lod/resident_cells.h"
+#include "render/scene/scene_view.h"
+
+namespace lodestone::viewer {
+
+// What the viewer looks at: a scene, its models opened.
+struct Model {
+  struct Source {
+    std::optional<CellStream> stream;
+    std::optional<ResidentCells> resident;
+    std::optional<Hierarchy> whole;
+  };
+  std::string name;  // the file's, without its folder
+  Scene scene;
+  bool is_scene_file = false;  // it has lights and a camera of its own
+  std::list<Source> sources;   // do not move: others point to them
+  std::vector<OpenModel> models;
+  std::vector<std::string> warnings;
+
+  [[nodiscard]] const Hierarchy& hierarchy(std::size_t model = 0) const { return *models[model].hierarchy; }
+  [[nodiscard]] bool streamed() const;
+  // Of the cells in memory, of what is streamed.
+  [[nodiscard]] std::uint64_t resident_bytes() const;
+  [[nodiscard]] bool complete() const;
+};
+// A hierarchy alone, as a file of it would be opened.
+[[nodiscard]] std::unique_ptr<Model> make_model(const std::string& name, Hierarchy hierarchy);
+
+struct LoadConfig {
+  // A scene (.toml), or hierarchies (.lode) and meshes, which then stand beside each other as they are.
+  std::vector<std::filesystem::path> paths;
+  int threads = 0;  // as make_tbb_scheduler
+  // Hierarchies whose cells take more than this in memory are streamed, with this as their budget.
+  std::uint64_t memory_budget = std::uint64_t{2} << 30;
+  ReadConfig reading{};  // of meshes
+  BuildConfig build{};   // likewise; cancel and progress are the loader's own
+};
+
+// How far it is.
+struct LoadStatus {
+  std::string phase;           // "reading", "welding", "building", "loading"
+  std::optional<float> share;  // of the phase, in [0, 1]; empty: not known
+};
+
+class ModelLoader {
+ public:
+  // Starts at once. `wake` is called, on other threads, when the status has changed.
+  ModelLoader(LoadConfig config, std::function<void()> wake);
+  // Cancels and waits: a build stops at the next block, a reader of text at the end of its file.
+  ~ModelLoader();
+  ModelLoader(const ModelLoader&) = delete;
+  ModelLoader& operator=(const ModelLoader&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] LoadStatus status() const;
+  [[nodiscard]] bool ended() const { return job_->ended(); }
+  void cancel() { cancel_ = true; }
+  // Waits for the end and hands out the model. Throws what opening it threw; Cancelled after cancel().
+  [[nodiscard]] std::unique_ptr<Model> take();
+
+ private:
+  void work();
+  void read_scene();
+  void choose_streaming();
+  void open(const SceneModel& model, Model::Source& source, Scheduler& scheduler);
+  [[nodiscard]] Hierarchy build(RawMesh raw, const std::string& name, Scheduler& scheduler);
+  void enter(std::string phase, std::optional<float> share = {});
+
+  LoadConfig config_;
+  std::string name_;
+  std::function<void()> wake_;
+  CancelFlag cancel_{false};
+  mutable std::mutex mutex_;
+  LoadStatus status_;         // with the lock held
+  std::uint64_t budget_ = 0;  // of each hierarchy that is streamed; 0: none is
+  std::unique_ptr<Model> model_;
+  std::unique_ptr<BackgroundJob> job_;  // the last member: it ends before what it uses
+};
+
+// Whether the file begins as a .lode file does. False for what cannot be opened.
+[[nodiscard]] bool is_hierarchy_file(const std::filesystem::path& path);
+
+}  // namespace lodestone::viewer

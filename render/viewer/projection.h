@@ -1,0 +1,45 @@
+// From pixels to the model and back: picking by depth, lines over the picture.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "render/camera.h"
+#include "render/image.h"
+
+namespace lodestone::viewer {
+
+// The inverse of a view projection: from a pixel and its depth to normalised model space.
+class Unprojection {
+ public:
+  // A matrix without an inverse gives points that are not finite.
+  Unprojection(const ViewProjection& vp, ImageSize size);
+  // x and y in pixels from the upper left corner (the middle of the first pixel is 0.5), depth in [0, 1].
+  [[nodiscard]] Vec3d operator()(double x, double y, double depth) const;
+
+ private:
+  std::array<double, 16> inverse_{};  // row-major
+  ImageSize size_;
+};
+
+// The point that is seen at a pixel of a picture with depth; empty for the background and outside the picture.
+[[nodiscard]] std::optional<Vec3d> pick(const Image& image, const ViewProjection& vp, int x, int y);
+
+// A line of a picture, in pixels; `nearness` in (0, 1], 1 the nearest end of all.
+struct Line {
+  float x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  float nearness = 1;
+  int level = 0;
+};
+
+// The twelve edges of a box, as far as they lie before the camera. Appended to `lines`, nearness left at 1 / depth.
+void project_box(const ViewProjection& vp, ImageSize size, const Box3f& box, int level, std::vector<Line>& lines);
+
+// The edges of what another camera sees: its near and far rectangles, and what joins them.
+void project_frustum(const ViewProjection& vp, ImageSize size, const ViewProjection& seen, std::vector<Line>& lines);
+
+// Brings nearness into (0, 1].
+void normalise_nearness(std::span<Line> lines);
+
+}  // namespace lodestone::viewer

@@ -1,0 +1,213 @@
+"""The viewer in a real window on a virtual display, driven by mouse and keyboard: what it shows and how it moves.
+
+usage: test_command_view.py PROGRAM. What the window shows is read from the memory of the X server.
+"""
+
+import json
+import math
+import os
+import pathlib
+import time
+
+import command_case
+from command_case import hierarchy
+from png import read_png
+from view_case import BACKGROUND, CAMERA, HEIGHT, SIZE, WIDTH, ViewCase, Viewer
+
+
+class Pictures(ViewCase):
+    def test_the_window_shows_what_render_draws(self):
+        for arguments in ((), ("--tint",), ("--samples", 4), ("--kappa0", 1.5, "--blend", "late"),
+                          ("--pixel-error", 4, "--metric", "chebyshev")):
+            viewer = self.view("--camera", self.camera_file(), "--backend", "soft", *arguments)
+            self.assertEqual(viewer.picture(), self.rendered("--backend", "soft", *arguments), arguments)
+            self.assertGreater(self.covered(viewer.picture()), 20000)
+            self.assertEqual(viewer.closed()["backend"], "soft")
+
+    def test_gl_draws_into_the_window(self):
+        self.with_gl()
+        viewer = self.view("--camera", self.camera_file(), "--backend", "gl", "--tint")
+        self.assertEqual(viewer.picture(), self.rendered("--backend", "gl", "--tint"))
+        banded = viewer.press("m")
+        self.assertNotEqual(banded, viewer.press("x"))
+        found = viewer.closed()
+        self.assertEqual(found["backend"], "gl")
+        self.assertIn("GLFW window", found["device"])
+
+    def test_a_camera_at_rest_costs_nothing(self):
+        viewer = self.view()
+
+        def ticks():
+            fields = pathlib.Path(f"/proc/{viewer.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+            return int(fields[11]) + int(fields[12])
+
+        viewer.settled(1)
+        before = ticks()
+        time.sleep(3)
+        self.assertLess(ticks() - before, 0.1 * os.sysconf("SC_CLK_TCK"))
+        found = viewer.closed()
+        self.assertEqual((found["uploads"], found["draws"], found["selections"]), (1, 1, 1))
+        self.assertLess(found["window_frames"], 60)
+
+    def test_the_window_changes_its_size(self):
+        viewer = self.view("--camera", self.camera_file(), "--backend", "soft")
+        whole = viewer.picture()
+        for size in ((1, 1), (2, 300), (300, 2)):
+            self.display.resize(viewer.window, *size)
+            viewer.settled()
+            viewer.press("x", "x", "b", "b", "space", "space")
+        self.display.resize(viewer.window, 400, 300)
+        viewer.settled()
+        self.assertEqual(self.display.grab(400, 300), self.rendered("--backend", "soft", size=(400, 300)))
+        self.display.resize(viewer.window, *SIZE)
+        self.assertEqual(viewer.settled(), whole)
+        viewer.closed()
+
+    def test_panel_marks_what_is_inadmissible(self):
+        red = bytes([255, 107, 92])
+
+        def marks(*arguments):
+            viewer = Viewer(self, hierarchy(), "--camera", self.camera_file(), *arguments)
+            viewer.wait_for(hierarchy().name)
+            picture = viewer.picture()
+            viewer.closed()
+            return sum(picture[i:i + 3] == red for i in range(0, len(picture), 3))
+
+        self.assertEqual(marks("--kappa0", 6, "--radii", "uniform"), 0)
+        self.assertGreater(marks("--kappa0", 0.5, "--radii", "uniform"), 20)
+        self.assertEqual(marks("--kappa0", 0.5), 0)
+        self.assertGreater(marks("--blend", "step"), 20)
+
+
+class Steering(ViewCase):
+    def test_the_mouse_moves_the_camera(self):
+        viewer = self.view()
+        seen = {viewer.picture()}
+        self.display.drag((300, 200), (400, 250))
+        self.display.away()
+        seen.add(viewer.settled())
+        self.display.drag((300, 200), (340, 240), number=3)
+        self.display.away()
+        seen.add(viewer.settled())
+        self.display.click(300, 200, number=4)
+        self.display.away()
+        seen.add(viewer.settled())
+        self.assertEqual(len(seen), 4)
+        home = viewer.press("Home")
+        self.assertIn(home, seen)
+        found = viewer.closed()
+        self.assertGreater(found["draws"], 4)
+        self.assertEqual(found["uploads"], 1)
+
+    def test_a_double_click_focuses_on_the_surface(self):
+        viewer = self.view("--camera", self.camera_file())
+        at_rest = viewer.picture()
+        self.display.click(5, 5, times=2)  # background
+        self.display.away()
+        self.assertEqual(viewer.settled(), at_rest)
+        self.display.click(WIDTH // 2 + 40, HEIGHT // 2 - 30, times=2)
+        self.display.away()
+        self.assertNotEqual(viewer.settled(), at_rest)
+        camera = viewer.closed()["camera"]
+        self.assertAlmostEqual(math.dist(camera["target"], (0, 0, 0)), 1, delta=0.15)  # on the dented sphere
+        self.assertAlmostEqual(math.dist(camera["target"], camera["position"]),
+                               math.dist(CAMERA["position"], camera["target"]) / 2, delta=1e-6)
+
+    def test_flying(self):
+        viewer = self.view("--camera", self.camera_file())
+        at_rest = viewer.press("Tab")
+        self.display.key("w", hold=0.4)
+        self.assertNotEqual(viewer.settled(), at_rest)
+        camera = viewer.closed()["camera"]
+        way = [b - a for a, b in zip(CAMERA["position"], camera["position"])]
+        towards = [t - p for t, p in zip(CAMERA["target"], CAMERA["position"])]
+        self.assertGreater(math.hypot(*way), 0.05)
+        cosine = sum(a * b for a, b in zip(way, towards)) / math.hypot(*way) / math.hypot(*towards)
+        self.assertAlmostEqual(cosine, 1, delta=1e-6)
+
+    def test_recorded_paths_play(self):
+        viewer = self.view("--camera", self.camera_file())
+        self.display.key("r")
+        self.display.drag((300, 200), (400, 250))
+        self.display.away()
+        moved = viewer.settled()
+        viewer.press("r")  # the window says where the path is
+        viewer.press("Home")
+        keys = json.loads((self.folder / "path001.json").read_text())["frames"]
+        self.assertGreater(len(keys), 5)
+        self.assertEqual([round(c, 9) for c in keys[0]["position"]], CAMERA["position"])
+        self.display.key("p")
+        time.sleep(len(keys) / 30)
+        viewer.press("Escape")
+        found = viewer.closed()
+        self.assertEqual(found["files"], ["./path001.json"])
+        for a, b in zip(found["camera"]["position"], keys[-1]["position"]):
+            self.assertAlmostEqual(a, b, delta=1e-9)
+        self.assertNotEqual(moved, self.rendered())
+        self.assertEqual(moved, self.rendered(camera=self.camera_file(keys[-1], name="last.json")))
+
+
+class Looks(ViewCase):
+    def test_switches_change_the_picture_and_back(self):
+        viewer = self.view("--camera", self.camera_file())
+        plain = viewer.picture()
+        for key in "tmbx":
+            self.assertNotEqual(viewer.press(key), plain, key)
+            self.assertEqual(viewer.press(key), plain, key)
+        self.assertNotEqual(viewer.press("minus", "minus", "minus", "minus", "minus", "minus"), plain)
+        viewer.closed()
+
+    def test_a_frozen_selection_stays(self):
+        viewer = self.view("--camera", self.camera_file(), "--tint", "--pixel-error", 0.3)
+        viewer.press("space")
+        self.display.drag((300, 200), (500, 250))
+        self.display.click(300, 200, number=5, times=8)
+        self.display.away()
+        frozen = viewer.settled()
+        thawed = viewer.press("space")
+        self.assertNotEqual(frozen, thawed)
+        found = viewer.closed()
+        # Of the first picture and of the last one; many more were drawn between them.
+        self.assertEqual(found["selections"], 2)
+        self.assertGreater(found["draws"], 5)
+
+    def test_split_screen_shows_two_settings(self):
+        viewer = self.view("--camera", self.camera_file())
+        both = viewer.press("x")
+        # The names of the settings stand in the upper right corners.
+        below = 3 * 320 * 40
+        left, right = self.half(both, False)[below:], self.half(both, True)[below:]
+        self.assertEqual(left, right)
+        self.assertEqual(self.column(both, 320), BACKGROUND * HEIGHT)
+        other = viewer.press("v", "t")
+        self.assertEqual(self.half(other, False)[below:], left)
+        self.assertNotEqual(self.half(other, True)[below:], right)
+        viewer.press("c")
+        width, height, saved = read_png(self.folder / "screenshot001.png")
+        self.assertEqual((width, height), SIZE)
+        self.assertEqual(self.half(saved, True), self.half_of_render("--tint"))
+        viewer.closed()
+
+    def half_of_render(self, *arguments):
+        return self.rendered(*arguments, size=(320, HEIGHT))
+
+    def test_screenshots(self):
+        viewer = self.view("--camera", self.camera_file(), "-o", self.folder)
+        plain = viewer.picture()
+        viewer.press("h", "c")
+        viewer.press("F12")
+        for name in ("screenshot001.png", "screenshot002.png"):
+            self.assertEqual(read_png(self.folder / name)[2], plain)
+        found = viewer.closed()
+        self.assertEqual([pathlib.Path(f).name for f in found["files"]], ["screenshot001.png", "screenshot002.png"])
+        self.assertIn("screenshot001.png", viewer.said)
+
+    def test_a_screenshot_that_cannot_be_written(self):
+        viewer = self.view("-o", self.folder / "nowhere")
+        viewer.press("c")
+        self.assertEqual(viewer.closed()["files"], [])
+        self.assertIn("nowhere", viewer.said)
+
+
+if __name__ == "__main__":
+    command_case.main(__doc__)
