@@ -43,7 +43,7 @@ Extent extent_of(std::span<const Vec3d> points, Vec3d axis) {
 
 void check(Vec3d towards_light, std::span<const Vec3d> receivers, std::span<const Vec3d> casters) {
   const auto finite = [](Vec3d p) { return is_finite(p); };
-  if (!is_finite(towards_light) || !(length(towards_light) > 0))
+  if (!is_finite(towards_light) || towards_light == Vec3d{})
     throw InputError(describe({}, "light", "its direction must be finite and not zero"));
   if (!std::ranges::all_of(receivers, finite) || !std::ranges::all_of(casters, finite))
     throw InputError(describe({}, "light", "what it falls on must be finite"));

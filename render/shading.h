@@ -41,8 +41,8 @@ inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
                                                    {0.65f, 0.45f, 0.90f},
                                                    {0.90f, 0.50f, 0.75f}}};
 
-// With the effect overdraw, for 1 triangle over a pixel and every third more: between these colours linearly. None: the
-// background; from 16 on: white.
+// With the effect overdraw, for 1 triangle over a pixel and every third more: between these colours linearly; from 16
+// on: white. Where there is none the background stays.
 inline constexpr std::array<Vec3f, 6> overdraw_ramp{{{0.10f, 0.12f, 0.45f},
                                                      {0.05f, 0.50f, 0.75f},
                                                      {0.20f, 0.70f, 0.35f},
@@ -51,8 +51,8 @@ inline constexpr std::array<Vec3f, 6> overdraw_ramp{{{0.10f, 0.12f, 0.45f},
                                                      {0.70f, 0.05f, 0.20f}}};
 inline constexpr std::uint32_t overdraw_most = 16;
 
+// `triangles` at least 1.
 [[nodiscard]] constexpr Vec3f overdraw_colour(std::uint32_t triangles) {
-  if (triangles == 0) return background;
   if (triangles >= overdraw_most) return {1, 1, 1};
   const std::uint32_t lower = (triangles - 1) / 3, part = (triangles - 1) % 3;
   if (part == 0) return overdraw_ramp[lower];

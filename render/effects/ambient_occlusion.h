@@ -24,7 +24,7 @@ namespace lodestone::effects {
 }
 
 inline constexpr std::size_t occlusion_points = 16;
-inline constexpr float occlusion_bias = 0.03f, occlusion_epsilon = 0.01f;
+inline constexpr float occlusion_bias = 0.05f, occlusion_epsilon = 0.05f;
 // No point lies farther off than this share of the picture's height: the radius is cut to what that is.
 inline constexpr float occlusion_reach = 0.125f;
 

@@ -13,15 +13,15 @@ namespace {
 // From the front to the back, each time the next one behind the last: lists are short, and nothing limits their length.
 // Equal layers, of one depth and colour, count as often as they are there.
 constexpr const char* over_source = R"(
-layout(std430, binding = 6) readonly restrict buffer Heads { uint count, width, heads[]; };
-layout(std430, binding = 7) readonly restrict buffer Nodes { uint nodes[]; };
+layout(std430, binding = 8) readonly restrict buffer Heads { uint count, width, heads[]; };
+layout(std430, binding = 9) readonly restrict buffer Nodes { uint nodes[]; };
 layout(location = 0) out vec4 result;  // light, and the share of what is behind that is let through
 
 bool before(uvec3 a, uvec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
 
 #ifdef MULTISAMPLED
 layout(binding = 9) uniform sampler2DMS opaque_depth;
-float limit;
+float limit;  // of the opaque surfaces
 bool is_here(uint node, out uvec3 key) {
   vec2 from_centre = gl_SamplePosition - 0.5;
   float depth = uintBitsToFloat(nodes[node + 1u]) + uintBitsToFloat(nodes[node + 4u]) * from_centre.x +
@@ -84,6 +84,13 @@ GlLayers::GlLayers(ImageSize size, int samples, std::size_t max_bytes)
       node_bytes_(words(samples) * sizeof(std::uint32_t)),
       max_bytes_(max_bytes),
       over_(make_screen_program(source(samples))) {
+  GLint blocks = 0;
+  glGetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &blocks);
+  if (blocks <= static_cast<GLint>(layer_nodes_block))
+    throw UnsupportedError(describe("", "OpenGL",
+                                    "transparent models take " + std::to_string(layer_nodes_block + 1) +
+                                        " storage blocks; the driver binds " + std::to_string(blocks),
+                                    "use --backend soft"));
   const auto pixels = static_cast<GLsizeiptr>(size.width) * size.height;
   glNamedBufferStorage(heads_.name(), (2 + pixels) * 4, nullptr, GL_DYNAMIC_STORAGE_BIT);
   check_memory("making the lists of layers");

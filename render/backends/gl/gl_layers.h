@@ -11,11 +11,11 @@
 namespace lodestone {
 
 // Storage blocks of the lists.
-inline constexpr GLuint layer_heads_block = 6, layer_nodes_block = 7;
+inline constexpr GLuint layer_heads_block = 8, layer_nodes_block = 9;
 
 class GlLayers {
  public:
-  // No list holds more than `max_bytes` in all.
+  // No list holds more than `max_bytes` in all. Throws UnsupportedError where the device binds too few storage blocks.
   GlLayers(ImageSize size, int samples, std::size_t max_bytes);
   [[nodiscard]] bool fits(ImageSize size, int samples) const { return size_ == size && samples_ == samples; }
   // Puts them over the target. The picture's alpha becomes the share of what is behind them that they let through if

@@ -15,20 +15,22 @@ layout(binding = 10) uniform sampler2D depth;
 layout(location = 0) out vec4 colour;
 void main() {
   ivec2 at = ivec2(gl_FragCoord.xy);
-  colour = vec4(ramp[min(int(texelFetch(counts, at, 0).r), MOST)], 1.0);
+  int count = int(texelFetch(counts, at, 0).r);
+  if (count == 0) discard;
+  colour = vec4(ramp[min(count, MOST) - 1], 1.0);
   gl_FragDepth = texelFetch(depth, at, 0).r;
 }
 )";
 
 std::string ramp_source() {
   std::string colours;
-  for (std::uint32_t n = 0; n <= shading::overdraw_most; ++n) {
+  for (std::uint32_t n = 1; n <= shading::overdraw_most; ++n) {
     const Vec3f c = shading::overdraw_colour(n);
-    colours +=
-        (n ? ", vec3(" : "vec3(") + std::to_string(c.x) + ", " + std::to_string(c.y) + ", " + std::to_string(c.z) + ")";
+    colours += (n > 1 ? ", vec3(" : "vec3(") + std::to_string(c.x) + ", " + std::to_string(c.y) + ", " +
+               std::to_string(c.z) + ")";
   }
-  const std::string most = std::to_string(shading::overdraw_most), count = std::to_string(shading::overdraw_most + 1);
-  return "#define MOST " + most + "\nconst vec3 ramp[" + count + "] = vec3[" + count + "](" + colours + ");\n";
+  const std::string most = std::to_string(shading::overdraw_most);
+  return "#define MOST " + most + "\nconst vec3 ramp[" + most + "] = vec3[" + most + "](" + colours + ");\n";
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ std::uint64_t GlOverdraw::draw(const GlCommands& commands, const GlScene& scene,
   glDisable(GL_BLEND);
   glEnable(GL_DEPTH_TEST);
 
-  target.bind();
+  target.bind();  // cleared
   glDepthFunc(GL_ALWAYS);
   glBindTextureUnit(9, counts_.name());
   glBindTextureUnit(10, depth_.name());

@@ -345,6 +345,7 @@ class MultiDrawRenderer final : public GlRenderer {
 
   void draw_overdraw(const Frame& frame, FrameStats& stats) {
     resources_->sections.begin("overdraw");
+    resources_->target->clear(frame.setting.background);
     std::optional<GlOverdraw>& overdraw = resources_->overdraw;
     if (!overdraw || overdraw->size() != frame.size) overdraw.emplace(frame.size);
     stats.work["covered samples"] =

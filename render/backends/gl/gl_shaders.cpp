@@ -222,8 +222,8 @@ constexpr const char* picture_output = "layout(location = 0) out vec4 colour;\n"
 constexpr const char* store_picture = "colour = vec4(s.colour, 1.0);";
 constexpr const char* layers_output = R"(
 layout(early_fragment_tests) in;
-layout(std430, binding = 6) restrict buffer Heads { uint count, width, heads[]; };
-layout(std430, binding = 7) restrict buffer Nodes { uint nodes[]; };
+layout(std430, binding = 8) restrict buffer Heads { uint count, width, heads[]; };
+layout(std430, binding = 9) restrict buffer Nodes { uint nodes[]; };
 )";
 constexpr const char* store_layer = R"(
 #ifdef MULTISAMPLED

@@ -255,7 +255,7 @@ class SoftRenderer final : public Renderer {
         const PixelRect rect = grid.rect(k);
         draw_tile<1>(kernels_, geometry_.workers(), k, rect, tile);
         copy_depth(tile, rect, image_);
-        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, image_);
+        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, frame.setting.background, image_);
       }
     });
     return sum;
