@@ -112,24 +112,41 @@ struct Coordinates {
   Float u, v;
 };
 
-// Of corner i, morphed as morph_vertex does. Zero in lanes whose model has none.
-[[gnu::always_inline]] inline Coordinates corner_coordinates(const Surface& s, std::size_t i) {
-  Vec2f own[width], coarser[width];
+// Morphed as morph_vertex does; of lane k those of vertex vertex_of(k) of cell cell_of(k). Zero where a model has none.
+template <class CellOf, class VertexOf>
+[[gnu::always_inline]] inline Coordinates morphed_coordinates(const CellOf& cell_of, const VertexOf& vertex_of,
+                                                              bool morphing) {
+  Float u, v, parent_u, parent_v, lambda;
   for (int k = 0; k < width; ++k) {
-    const std::span<const Vec2f> uv = s.cell[k]->own->attributes.uv;
-    own[k] = uv.empty() ? Vec2f{} : uv[s.v[k][i]];
-    coarser[k] = s.cell[k]->morphing && !uv.empty() ? s.cell[k]->coarser->attributes.uv[parent_of(s, k, i)] : own[k];
+    const DrawnCell& cell = cell_of(k);
+    const std::uint32_t vertex = vertex_of(k);
+    const bool mapped = !cell.own->attributes.uv.empty(), moves = mapped && cell.morphing;
+    const Vec2f own = mapped ? cell.own->attributes.uv[vertex] : Vec2f{};
+    const Vec2f coarser = moves ? cell.coarser->attributes.uv[cell.parents[vertex]] : own;
+    u[k] = own.x, v[k] = own.y;
+    parent_u[k] = coarser.x, parent_v[k] = coarser.y;
+    lambda[k] = moves ? cell.lambdas[vertex] : 1.0f;
   }
-  const auto lanes = [](const Vec2f(&from)[width], float Vec2f::*component) {
-    return as_float(gathered([&](int k) { return std::bit_cast<std::int32_t>(from[k].*component); }));
-  };
-  const Coordinates w{lanes(own, &Vec2f::x), lanes(own, &Vec2f::y)};
-  if (!s.morphing) return w;
-  const Coordinates p{lanes(coarser, &Vec2f::x), lanes(coarser, &Vec2f::y)};
-  const Float lambda = corner_lambdas(s, i), rest = 1.0f - lambda;
+  if (!morphing) return {u, v};
+  const Float rest = 1.0f - lambda;
   const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
   const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
-  return {mix(w.u, p.u), mix(w.v, p.v)};
+  return {mix(u, parent_u), mix(v, parent_v)};
+}
+
+// Of the three corners, which share the lanes where the whole group sees one triangle.
+inline std::array<Coordinates, 3> corner_coordinates(const Surface& s) {
+  std::array<Coordinates, 3> corner;
+  if (!s.one_triangle) {
+    for (std::size_t i = 0; i < 3; ++i)
+      corner[i] = morphed_coordinates([&](int k) -> const DrawnCell& { return *s.cell[k]; },
+                                      [&](int k) { return s.v[k][i]; }, s.morphing);
+    return corner;
+  }
+  const Coordinates c = morphed_coordinates([&](int) -> const DrawnCell& { return *s.cell[0]; },
+                                            [&](int k) { return s.v[0][k < 3 ? k : 0]; }, s.morphing);
+  for (std::size_t i = 0; i < 3; ++i) corner[i] = {all(c.u[i]), all(c.v[i])};
+  return corner;
 }
 
 // The view projection's row r of each lane's model.
@@ -139,10 +156,10 @@ struct Coordinates {
           of_models(s, [&](const ModelFrame& m) { return m.view_projection.m[4 * r + 2]; })};
 }
 
-inline Mapping find_mapping(const ResolveJob& job, const Surface& s) {
-  const Coordinates ta = corner_coordinates(s, 0), tb = corner_coordinates(s, 1), tc = corner_coordinates(s, 2);
-  const Points a = corner_positions(s, 0), to_b = difference(corner_positions(s, 1), a),
-               to_c = difference(corner_positions(s, 2), a);
+inline Mapping find_mapping(const ResolveJob& job, Surface& s) {
+  const auto [ta, tb, tc] = corner_coordinates(s);
+  if (!s.has_corners) find_corners(s);
+  const Points a = s.corner[0], to_b = difference(s.corner[1], a), to_c = difference(s.corner[2], a);
   Mapping m;
   m.u = interpolated(s, ta.u, tb.u, tc.u), m.v = interpolated(s, ta.v, tb.v, tc.v);
   // Gradients of the weights of b and c are in the plane and right-angled to the edge on which they vanish.

@@ -61,7 +61,7 @@ class ShadingPlan {
   [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
     s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.look.base_colour; });
     s.light = all(0.0f);
-    s.is_mapped = false;
+    s.is_mapped = s.has_corners = false;
     if (corners_) find_corners(s);
     if (flat_) face_normals(job, s, s.seen);
     for (std::size_t k = 0; k < lit_; ++k) run(steps_[k], job, s);

@@ -32,7 +32,8 @@ struct Surface {
   Float weight[3];                // perspective-correct, sum 1
   Float depth;                    // in the window, [0, 1]
 
-  Points corner[3];  // drawn places of the corners, model space; only for frames that ask for them
+  Points corner[3];  // drawn places of the corners, model space; once somebody has asked for them
+  bool has_corners;
 
   // What the stages make of it.
   Points normal;      // model space, of any length
@@ -192,6 +193,7 @@ template <class CellOf, class VertexOf>
 
 // Fills Surface::corner. Where the whole group sees one triangle, its corners share the lanes.
 [[gnu::always_inline]] inline void find_corners(Surface& s) {
+  s.has_corners = true;
   if (!s.one_triangle) {
     for (std::size_t i = 0; i < 3; ++i) s.corner[i] = corner_positions(s, i);
     return;
