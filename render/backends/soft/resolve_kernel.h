@@ -55,7 +55,11 @@ class ShadingPlan {
     flat_ = needs_face_normals(frame);
     corners_ = flat_ || called.contains_any({Effect::directional_light, Effect::wireframe});
     ambient_ = frame.setting.lighting.ambient;
+    mapped_ = called.contains_any({Effect::texture, Effect::normal_map});
   }
+
+  // Does a step read where surfaces lie on their textures?
+  [[nodiscard]] bool mapped() const { return mapped_; }
 
   // Colour of the surfaces, each channel in [0, 1].
   [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
@@ -100,7 +104,7 @@ class ShadingPlan {
 
   std::array<Step, effect_count> steps_{};
   std::size_t count_ = 0, lit_ = 0;  // steps, and those before lights and albedo are brought together
-  bool flat_ = false, corners_ = false;
+  bool flat_ = false, corners_ = false, mapped_ = false;
   float ambient_ = 0;
 };
 
@@ -225,9 +229,10 @@ struct GroupResolver {
   }
 };
 
-// Normals lie all over the memory; those of the next row are asked for while one is shaded.
+// Attributes lie all over the memory; those of the next row are asked for while one is shaded.
 template <int Samples>
-inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile, std::size_t y, std::size_t columns) {
+inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile, std::size_t y, std::size_t columns,
+                         bool mapped) {
   for (std::size_t x = 0; x < columns; ++x) {
     const std::size_t at = y * tile_size + x;
     if (tile.depth[at] == 1 || Reference::is_record(tile.reference[at])) continue;
@@ -235,6 +240,10 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
     const DrawnCell& cell = job.drawn->cell_of(fragment.triangle);
     for (const std::uint32_t v : fragment.v) {
       prefetch(cell.normals + v);
+      if (mapped && !cell.own->attributes.uv.empty()) {
+        prefetch(cell.own->positions.data() + v);
+        prefetch(cell.own->attributes.uv.data() + v);
+      }
       if (!cell.morphing) continue;
       prefetch(cell.parents + v);
       prefetch(cell.lambdas + v);
@@ -249,7 +258,8 @@ template <int Samples, class Colours>
   const PixelRect& rect = job.rect;
   const int columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
   for (int y = 0; y < rows; ++y) {
-    if (y + 1 < rows) prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns));
+    if (y + 1 < rows)
+      prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns), plan.mapped());
     const std::size_t pixel = static_cast<std::size_t>(rect.y0 + y) * static_cast<std::size_t>(job.image->size.width) +
                               static_cast<std::size_t>(rect.x0);
     std::memcpy(&job.image->depth[pixel], &tile.depth[static_cast<std::size_t>(y) * tile_size],
