@@ -116,22 +116,20 @@ struct Coordinates {
 template <class CellOf, class VertexOf>
 [[gnu::always_inline]] inline Coordinates morphed_coordinates(const CellOf& cell_of, const VertexOf& vertex_of,
                                                               bool morphing) {
-  Float u, v, parent_u, parent_v, lambda;
+  static constexpr Vec2f none{};
+  const float *own[width], *parent[width];
   for (int k = 0; k < width; ++k) {
     const DrawnCell& cell = cell_of(k);
     const std::uint32_t vertex = vertex_of(k);
-    const bool mapped = !cell.own->attributes.uv.empty(), moves = mapped && cell.morphing;
-    const Vec2f own = mapped ? cell.own->attributes.uv[vertex] : Vec2f{};
-    const Vec2f coarser = moves ? cell.coarser->attributes.uv[cell.parents[vertex]] : own;
-    u[k] = own.x, v[k] = own.y;
-    parent_u[k] = coarser.x, parent_v[k] = coarser.y;
-    lambda[k] = moves ? cell.lambdas[vertex] : 1.0f;
+    own[k] = cell.uv ? &cell.uv[vertex].x : &none.x;
+    parent[k] = cell.coarser_uv ? &cell.coarser_uv[cell.parents[vertex]].x : own[k];
   }
-  if (!morphing) return {u, v};
-  const Float rest = 1.0f - lambda;
+  const Quads q = load_pairs([&](int k) { return own[k]; }, [&](int k) { return parent[k]; });
+  if (!morphing) return {q.a, q.b};
+  const Float lambda = morphed_lambdas(cell_of, vertex_of), rest = 1.0f - lambda;
   const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
   const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
-  return {mix(u, parent_u), mix(v, parent_v)};
+  return {mix(q.a, q.c), mix(q.b, q.d)};
 }
 
 // Of the three corners, which share the lanes where the whole group sees one triangle.

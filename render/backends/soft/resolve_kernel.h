@@ -240,9 +240,9 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
     const DrawnCell& cell = job.drawn->cell_of(fragment.triangle);
     for (const std::uint32_t v : fragment.v) {
       prefetch(cell.normals + v);
-      if (mapped && !cell.own->attributes.uv.empty()) {
-        prefetch(cell.own->positions.data() + v);
-        prefetch(cell.own->attributes.uv.data() + v);
+      if (mapped && cell.uv) {
+        prefetch(cell.positions + v);
+        prefetch(cell.uv + v);
       }
       if (!cell.morphing) continue;
       prefetch(cell.parents + v);
