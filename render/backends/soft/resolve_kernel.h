@@ -55,11 +55,7 @@ class ShadingPlan {
     flat_ = needs_face_normals(frame);
     corners_ = flat_ || called.contains_any({Effect::directional_light, Effect::wireframe});
     ambient_ = frame.setting.lighting.ambient;
-    mapped_ = called.contains_any({Effect::texture, Effect::normal_map});
   }
-
-  // Does a step read where surfaces lie on their textures?
-  [[nodiscard]] bool mapped() const { return mapped_; }
 
   // Colour of the surfaces, each channel in [0, 1].
   [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
@@ -104,7 +100,7 @@ class ShadingPlan {
 
   std::array<Step, effect_count> steps_{};
   std::size_t count_ = 0, lit_ = 0;  // steps, and those before lights and albedo are brought together
-  bool flat_ = false, corners_ = false, mapped_ = false;
+  bool flat_ = false, corners_ = false;
   float ambient_ = 0;
 };
 
@@ -257,9 +253,10 @@ template <int Samples, class Colours>
                                                 const Colours& colours) {
   const PixelRect& rect = job.rect;
   const int columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
+  const bool mapped = job.frame->all_effects().contains_any({Effect::texture, Effect::normal_map});
   for (int y = 0; y < rows; ++y) {
     if (y + 1 < rows)
-      prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns), plan.mapped());
+      prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns), mapped);
     const std::size_t pixel = static_cast<std::size_t>(rect.y0 + y) * static_cast<std::size_t>(job.image->size.width) +
                               static_cast<std::size_t>(rect.x0);
     std::memcpy(&job.image->depth[pixel], &tile.depth[static_cast<std::size_t>(y) * tile_size],
