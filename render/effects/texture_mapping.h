@@ -112,24 +112,39 @@ struct Coordinates {
   Float u, v;
 };
 
-// Of corner i, morphed as morph_vertex does. Zero in lanes whose model has none.
-[[gnu::always_inline]] inline Coordinates corner_coordinates(const Surface& s, std::size_t i) {
-  Vec2f own[width], coarser[width];
+// Morphed as morph_vertex does; of lane k those of vertex vertex_of(k) of cell cell_of(k). Zero where a model has none.
+template <class CellOf, class VertexOf>
+[[gnu::always_inline]] inline Coordinates morphed_coordinates(const CellOf& cell_of, const VertexOf& vertex_of,
+                                                              bool morphing) {
+  static constexpr Vec2f none{};
+  const float *own[width], *parent[width];
   for (int k = 0; k < width; ++k) {
-    const std::span<const Vec2f> uv = s.cell[k]->own->attributes.uv;
-    own[k] = uv.empty() ? Vec2f{} : uv[s.v[k][i]];
-    coarser[k] = s.cell[k]->morphing && !uv.empty() ? s.cell[k]->coarser->attributes.uv[parent_of(s, k, i)] : own[k];
+    const DrawnCell& cell = cell_of(k);
+    const std::uint32_t vertex = vertex_of(k);
+    own[k] = cell.uv ? &cell.uv[vertex].x : &none.x;
+    parent[k] = cell.coarser_uv ? &cell.coarser_uv[cell.parents[vertex]].x : own[k];
   }
-  const auto lanes = [](const Vec2f(&from)[width], float Vec2f::*component) {
-    return as_float(gathered([&](int k) { return std::bit_cast<std::int32_t>(from[k].*component); }));
-  };
-  const Coordinates w{lanes(own, &Vec2f::x), lanes(own, &Vec2f::y)};
-  if (!s.morphing) return w;
-  const Coordinates p{lanes(coarser, &Vec2f::x), lanes(coarser, &Vec2f::y)};
-  const Float lambda = corner_lambdas(s, i), rest = 1.0f - lambda;
+  const Quads q = load_pairs([&](int k) { return own[k]; }, [&](int k) { return parent[k]; });
+  if (!morphing) return {q.a, q.b};
+  const Float lambda = morphed_lambdas(cell_of, vertex_of), rest = 1.0f - lambda;
   const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
   const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
-  return {mix(w.u, p.u), mix(w.v, p.v)};
+  return {mix(q.a, q.c), mix(q.b, q.d)};
+}
+
+// Of the three corners, which share the lanes where the whole group sees one triangle.
+inline std::array<Coordinates, 3> corner_coordinates(const Surface& s) {
+  std::array<Coordinates, 3> corner;
+  if (!s.one_triangle) {
+    for (std::size_t i = 0; i < 3; ++i)
+      corner[i] = morphed_coordinates([&](int k) -> const DrawnCell& { return *s.cell[k]; },
+                                      [&](int k) { return s.v[k][i]; }, s.morphing);
+    return corner;
+  }
+  const Coordinates c = morphed_coordinates([&](int) -> const DrawnCell& { return *s.cell[0]; },
+                                            [&](int k) { return s.v[0][k < 3 ? k : 0]; }, s.morphing);
+  for (std::size_t i = 0; i < 3; ++i) corner[i] = {all(c.u[i]), all(c.v[i])};
+  return corner;
 }
 
 // The view projection's row r of each lane's model.
@@ -139,10 +154,10 @@ struct Coordinates {
           of_models(s, [&](const ModelFrame& m) { return m.view_projection.m[4 * r + 2]; })};
 }
 
-inline Mapping find_mapping(const ResolveJob& job, const Surface& s) {
-  const Coordinates ta = corner_coordinates(s, 0), tb = corner_coordinates(s, 1), tc = corner_coordinates(s, 2);
-  const Points a = corner_positions(s, 0), to_b = difference(corner_positions(s, 1), a),
-               to_c = difference(corner_positions(s, 2), a);
+inline Mapping find_mapping(const ResolveJob& job, Surface& s) {
+  const auto [ta, tb, tc] = corner_coordinates(s);
+  if (!s.has_corners) find_corners(s);
+  const Points a = s.corner[0], to_b = difference(s.corner[1], a), to_c = difference(s.corner[2], a);
   Mapping m;
   m.u = interpolated(s, ta.u, tb.u, tc.u), m.v = interpolated(s, ta.v, tb.v, tc.v);
   // Gradients of the weights of b and c are in the plane and right-angled to the edge on which they vanish.
@@ -192,23 +207,38 @@ inline Float wrapped(Float t, Int mode) {
   return r;
 }
 
-// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border: neighbours are always there.
-[[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], Float u, Float v) {
-  const Float x = u * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.width); })) + 0.5f,
-              y = v * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.height); })) +
-                  0.5f;
-  const Int column = truncated(x), row = truncated(y);
-  std::uint64_t above[width], below[width];
-  for (int k = 0; k < width; ++k) {
-    const std::size_t stride = level[k]->stride();
-    const std::uint32_t* at = level[k]->texels.data() + static_cast<std::size_t>(row[k]) * stride + column[k];
-    std::memcpy(&above[k], at, sizeof above[k]);
-    std::memcpy(&below[k], at + stride, sizeof below[k]);
+template <class Thing>
+inline bool all_equal(const Thing* const (&of)[width]) {
+  bool equal = true;
+  for (int k = 1; k < width; ++k) equal &= of[k] == of[0];
+  return equal;
+}
+
+// Numbers of things that lanes have: of each its own, or, where all have the same, of one for all.
+template <class Thing>
+struct LaneThings {
+  const Thing* const (&of)[width];
+  bool same;
+
+  template <class Number>
+  [[gnu::always_inline]] Int operator()(const Number& number) const {
+    if (same) return all(static_cast<std::int32_t>(number(*of[0])));
+    return gathered([&](int k) { return static_cast<std::int32_t>(number(*of[k])); });
   }
-  const auto half = [](const std::uint64_t(&pairs)[width], int shift) {
-    return gathered([&](int k) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(pairs[k] >> shift)); });
-  };
-  const Int a = half(above, 0), b = half(above, 32), c = half(below, 0), d = half(below, 32);
+};
+
+// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border: neighbours are always there.
+[[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], bool same, Float u, Float v) {
+  const LaneThings<MipLevel> number{level, same};
+  const Float x = u * to_float(number([](const MipLevel&l) { return l.size.width; })) + 0.5f,
+              y = v * to_float(number([](const MipLevel&l) { return l.size.height; })) + 0.5f;
+  const Int column = truncated(x), row = truncated(y), stride = number([](const MipLevel&l) { return l.stride(); });
+  std::int32_t above[width], below[width];
+  store(above, wrapping_product(row, stride) + column);
+  store(below, load<Int>(above) + stride);
+  const Quads q = load_pairs([&](int k) { return level[k]->texels.data() + above[k]; },
+                             [&](int k) { return level[k]->texels.data() + below[k]; });
+  const Int a = as_int(q.a), b = as_int(q.b), c = as_int(q.c), d = as_int(q.d);
   const Float along = x - to_float(column), down = y - to_float(row);
   const auto channel = [&](int shift) {
     const auto byte = [&](Int texel) { return to_float((texel >> shift) & 255); };
@@ -245,9 +275,8 @@ inline Int find_textures(const ResolveJob& job, const NumberOf& number_of, unsig
 
 // What each lane's texture shows, 0 to 255. All lanes have one.
 inline Points texels(const SurfaceTexture* const (&texture)[width], const Mapping& m) {
-  const auto number = [&](const auto& of) {
-    return gathered([&](int k) { return static_cast<std::int32_t>(of(*texture[k])); });
-  };
+  bool same = all_equal(texture);
+  const LaneThings<SurfaceTexture> number{texture, same};
   const Float across = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.width; })),
               down = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.height; }));
   const auto square = [](Float x, Float y) { return x * x + y * y; };
@@ -256,15 +285,18 @@ inline Points texels(const SurfaceTexture* const (&texture)[width], const Mappin
   lod = min(lod, to_float(number([](const SurfaceTexture& t) { return t.levels.size() - 1; })));
   const Float u = wrapped(m.u, number([](const SurfaceTexture&t) { return t.wrap_u; })),
               v = wrapped(m.v, number([](const SurfaceTexture&t) { return t.wrap_v; }));
-  const Int finer = truncated(lod);
-  const Float share = lod - to_float(finer);
+  const Int finer = truncated(lod), between = lod > to_float(finer);
   const MipLevel* level[width];
-  for (int k = 0; k < width; ++k) level[k] = &texture[k]->levels[static_cast<std::size_t>(finer[k])];
-  const Points near = bilinear(level, u, v);
-  const Int between = share > 0.0f;
+  std::int32_t finer_of[width], next_of[width];
+  store(finer_of, finer);
+  store(next_of, between & 1);
+  for (int k = 0; k < width; ++k) level[k] = texture[k]->levels.data() + finer_of[k];
+  same &= bits(finer == finer_of[0]) == all_lanes;
+  const Points near = bilinear(level, same, u, v);
   if (bits(between) == 0) return near;
-  for (int k = 0; k < width; ++k) level[k] += between[k] & 1;
-  const Points far = bilinear(level, u, v);
+  for (int k = 0; k < width; ++k) level[k] += next_of[k];
+  const Points far = bilinear(level, same && bits(between) == all_lanes, u, v);
+  const Float share = lod - to_float(finer);
   const auto mix = [&](Float a, Float b) { return a + share * (b - a); };
   return {mix(near.x, far.x), mix(near.y, far.y), mix(near.z, far.z)};
 }
