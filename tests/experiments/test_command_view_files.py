@@ -10,7 +10,8 @@ import time
 
 import command_case
 from command_case import hierarchy, model, sphere
-from view_case import CAMERA, ViewCase, Viewer, until
+from png import read_png
+from view_case import CAMERA, HEIGHT, WIDTH, ViewCase, Viewer, until
 
 
 class Files(ViewCase):
@@ -81,6 +82,40 @@ class Files(ViewCase):
         self.assertEqual(found["uploads"], 2)
         for a, b in zip(found["camera"]["position"], CAMERA["position"]):
             self.assertAlmostEqual(a, b, delta=1e-9)
+
+    def test_scenes(self):
+        """The first picture is the first of `render`; what is wrong with a scene is a line."""
+        scene = self.write("two.toml", f'''
+            [[model]]
+            file = "{hierarchy()}"
+            colour = [0.9, 0.4, 0.3]
+            [[model]]
+            generate = "torus"
+            triangles = 2000
+            position = [1, -2, 0]
+            [lighting]
+            directional = {{ towards = [1, 0, 1], strength = 0.7 }}
+            [camera]
+            key = [{{ position = [5, -4, 3], target = [0, 0, 0] }}, {{ position = [4, 5, 3], target = [0, 0, 0] }}]
+            ''')
+        viewer = self.view("--backend", "soft", file=scene)
+        self.lodestone("render", scene, "--frames", 1, "--size", f"{WIDTH}x{HEIGHT}", "-o", "frames", "--quiet")
+        self.assertEqual(viewer.picture(), read_png(self.folder / "frames" / "frame0000.png")[2])
+        at_rest = viewer.picture()
+        self.display.key("p")
+        until(lambda: viewer.picture() != at_rest, "the scene's way")
+        self.display.drop(viewer.window, [self.write("wrong.toml", "[[model]]\nfile = 'a.lode'\nsize = 3\n")])
+        viewer.press("Escape")
+        viewer.closed()
+        self.assertIn("wrong.toml: line 3: unknown key 'size'", viewer.said)
+
+    def test_files_dropped_together_are_shown_together(self):
+        viewer = self.view()
+        box = model("box.ply", "generate", "box", "--triangles", 2000)
+        self.display.drop(viewer.window, [box, hierarchy()])
+        viewer.wait_for("box.ply and 1 more")
+        found = viewer.closed()
+        self.assertEqual(found["uploads"], 2)
 
     def test_an_empty_window_waits(self):
         viewer = Viewer(self, "--backend", "soft")
