@@ -73,7 +73,7 @@ class Viewer {
       renderer_ = std::move(gl);
       session_.drawing().set_renderer(renderer_.get());
     } catch (const UnsupportedError& error) {
-      session_.tell(std::string(error.what()) + "; drawing by soft", false, Window::now());
+      session_.tell(std::string(error.what()) + "; drawing with soft instead", false, Window::now());
       use_soft();
     }
   }

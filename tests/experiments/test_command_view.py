@@ -151,7 +151,7 @@ class Looks(ViewCase):
     def test_switches_change_the_picture_and_back(self):
         viewer = self.view("--camera", self.camera_file())
         plain = viewer.picture()
-        for key in "tmbgx":
+        for key in "tmbgox":
             self.assertNotEqual(viewer.press(key), plain, key)
             self.assertEqual(viewer.press(key), plain, key)
         self.assertNotEqual(viewer.press("minus", "minus", "minus", "minus", "minus", "minus"), plain)

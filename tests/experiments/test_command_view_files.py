@@ -163,7 +163,7 @@ class Troubles(ViewCase):
             expected = self.rendered("--backend", "soft")
             until(lambda: viewer.picture() == expected, "the picture, once the line has gone")
             self.assertEqual(viewer.closed()["backend"], "soft")
-            self.assertRegex(viewer.said, r"\Alodestone: OpenGL 4.5 is missing[^\n]*drawing by soft\n\Z")
+            self.assertRegex(viewer.said, r"\Alodestone: OpenGL 4.5 is missing[^\n]*drawing with soft instead\n\Z")
 
     def test_the_display_is_lost(self):
         viewer = self.view("--camera", self.camera_file())
