@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "render/effects/plan.h"
 #include "render/shading.h"
 
 namespace lodestone::viewer {
@@ -179,6 +180,17 @@ void show_statistics(const PanelFacts& facts) {
                    0, 1.2f * highest, {ImGui::GetContentRegionAvail().x, 60});
 }
 
+// Which effects the frame takes, and why.
+void show_effects(const PanelFacts& facts) {
+  if (!facts.frame || !ImGui::CollapsingHeader("effects")) return;
+  for (const PlannedEffect& planned : explain_plan(*facts.frame)) {
+    if (!planned.runs) continue;
+    ImGui::Text("%s", std::string(name_of(planned.effect)).c_str());
+    ImGui::SameLine(150);
+    ImGui::TextWrapped("%s", planned.reasons.empty() ? "asked for" : planned.reasons.front().why.c_str());
+  }
+}
+
 void show_keys() {
   if (!ImGui::CollapsingHeader("keys and mouse")) return;
   for (const ActionKey& key : action_keys())
@@ -243,6 +255,7 @@ void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& req
     show_camera(facts, state, requests);
     ImGui::Separator();
     show_statistics(facts);
+    show_effects(facts);
   }
   show_keys();
   ImGui::PopItemWidth();

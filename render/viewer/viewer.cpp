@@ -90,7 +90,7 @@ class Viewer {
   void wait() {
     const double now = Window::now();
     if (session_.animated() || streaming_ || settling_ > 0)
-      window_.wait(std::clamp(shown_at_ + frame_period - now, 0.0, frame_period));
+      window_.wait(std::clamp(stepped_at_ + frame_period - now, 0.0, frame_period));
     else if (lowered_)
       window_.wait(std::min(idle_wait, session_.resolution.until_rest(now)));
     else
@@ -98,7 +98,7 @@ class Viewer {
   }
 
   void step() {
-    const double now = Window::now();
+    const double now = stepped_at_ = Window::now();
     collect(now);
     session_.advance(now);
     const std::vector<Event> events = window_.take_events();
@@ -128,7 +128,6 @@ class Viewer {
     }
     window_.swap();
     ++window_frames_;
-    shown_at_ = Window::now();
   }
 
   // A file that was opened, or how far it is.
@@ -136,7 +135,7 @@ class Viewer {
     const bool first = !session_.drawing().model();
     const std::string name = session_.loader() ? session_.loader()->name() : "";
     try {
-      if (session_.collect()) {
+      if (session_.collect(now)) {
         show_name();
         if (first) session_.offer_path(config_.path);
       }
@@ -235,6 +234,7 @@ class Viewer {
     facts.backends = {"soft"};
     if (window_.missing_gl45().empty()) facts.backends.push_back("gl");
     if (drawing.ready()) facts.report = &drawing.report(state.chosen);
+    if (has_picture_[state.chosen] && drawing.ready()) facts.frame = &drawing.frame(state.chosen);
     facts.frame_milliseconds = session_.frame_times.in_order();
     facts.scale = shown_scale_;
     facts.recording = session_.recording();
@@ -272,6 +272,7 @@ class Viewer {
       for (const ViewDrawing::View& view : views) {
         if (!session_.drawing().draw(session_.state, view, views)) continue;
         keep_picture(view.settings, view.size);
+        session_.warn(session_.drawing().report(view.settings).stats.warnings, begin);
         drawn = true;
       }
       session_.accept_camera();
@@ -357,7 +358,7 @@ class Viewer {
   GlRenderer* gl_ = nullptr;  // the renderer, where it is that one
   ViewSession session_;       // ends before the renderer that it draws with
   std::array<bool, 2> has_picture_{};
-  double shown_scale_ = 1, shown_at_ = 0, streamed_at_ = 0;
+  double shown_scale_ = 1, stepped_at_ = 0, streamed_at_ = 0;
   bool lowered_ = false, streaming_ = false, had_message_ = false;
   int settling_ = settling_frames;
   std::string title_;
