@@ -231,10 +231,17 @@ const Message* ViewSession::message(double now) const {
   return message_ && now < message_->until ? &*message_ : nullptr;
 }
 
-void ViewSession::refuse_camera(const std::string& why, double now) {
+void ViewSession::refuse(const std::string& why, double now) {
   tell(why, true, now);
   stop_moving();
-  state.camera = state.camera == drawable_ ? state.home : drawable_;
+  if (state.camera != drawable_) {
+    state.camera = drawable_;
+  } else if (state.camera != state.home) {
+    state.camera = state.home;
+  } else {
+    drawing_.set_model(nullptr);
+    model_.reset();
+  }
 }
 
 }  // namespace lodestone::viewer

@@ -80,8 +80,9 @@ class ViewSession {
   // The last message, as long as it is shown.
   [[nodiscard]] const Message* message(double now) const;
   [[nodiscard]] const std::vector<std::string>& written() const { return written_; }
-  // Puts the camera back to the last one that could be drawn, and says why.
-  void refuse_camera(const std::string& why, double now);
+  // The views could not be drawn: the camera goes back to the last one that could be, then home; when it is not the
+  // camera, the model is given up.
+  void refuse(const std::string& why, double now);
   void accept_camera() { drawable_ = state.camera; }
 
  private:

@@ -72,7 +72,7 @@ class Viewer {
       gl_ = gl.get();
       renderer_ = std::move(gl);
       session_.drawing().set_renderer(renderer_.get());
-    } catch (const UnsupportedError& error) {
+    } catch (const Error& error) {  // no OpenGL 4.5, or not enough memory for the model
       session_.tell(std::string(error.what()) + "; drawing with soft instead", false, Window::now());
       use_soft();
     }
@@ -291,7 +291,8 @@ class Viewer {
   // What is being loaded will be here soon; what the budget has no room for will not.
   void wait_for_cells(bool drawn, double now) {
     if (drawn) streamed_at_ = now;
-    streaming_ = !session_.state.frozen && !session_.drawing().model()->complete() && now - streamed_at_ < patience;
+    const Model* model = session_.drawing().model();
+    streaming_ = model && !session_.state.frozen && !model->complete() && now - streamed_at_ < patience;
   }
 
   // The renderer's picture, before it draws another.
@@ -320,14 +321,14 @@ class Viewer {
     }
   }
 
-  // What cannot be drawn or loaded is a line; the window goes on with the last camera that could.
+  // What cannot be drawn or loaded is a line; the window goes on.
   template <class Body>
   void guarded(const Body& body) {
     try {
       body();
     } catch (const Error& error) {
-      session_.refuse_camera(error.what(), Window::now());
-      settling_ = settling_frames;
+      session_.refuse(error.what(), Window::now());
+      show_name();
     }
   }
 

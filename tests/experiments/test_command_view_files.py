@@ -189,6 +189,20 @@ class Troubles(ViewCase):
         self.assertIn("nan.json", viewer.said)
         self.assertIn("too far away", viewer.said)
 
+    def test_a_file_that_turns_out_to_be_altered(self):
+        """Streamed cells are checked when they are loaded."""
+        content = bytearray(hierarchy().read_bytes())
+        for at in range(len(content) // 2, len(content), 5000):
+            content[at] ^= 0x55
+        viewer = Viewer(self, self.write("altered.lode", content), "--memory-budget", "900KiB", "--pixel-error", 0.1)
+        until(lambda: viewer.running() and "altered" in viewer.title(), "the coarse model")
+        until(lambda: viewer.running() and viewer.title() == "Lodestone", "the model given up")
+        self.display.drop(viewer.window, [hierarchy()])
+        viewer.wait_for(hierarchy().name)
+        viewer.closed()
+        self.assertIn("altered.lode", viewer.said)
+        self.assertEqual(viewer.said.count("\n"), 1)
+
     def test_bad_arguments(self):
         for arguments in (("--size", "0x0"), ("--size", "wide"), ("--pixel-error", 0), ("--kappa0", -1),
                           ("--blend", "none"), ("--backend", "null"), ("--camera", "missing.json"),

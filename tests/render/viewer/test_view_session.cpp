@@ -213,11 +213,22 @@ TEST_F(Session, CamerasThatCannotBeDrawnAreTakenBack) {
   const Camera good = session_.state.camera = orbit(session_.state.camera, 1, 0);
   session_.accept_camera();
   session_.state.camera.position.x = 1e300;
-  session_.refuse_camera("too far", 1);
+  session_.refuse("too far", 1);
   EXPECT_EQ(session_.state.camera, good);
   EXPECT_EQ(said_.back(), "too far");
-  session_.refuse_camera("still", 1);
+  session_.refuse("still", 1);
   EXPECT_EQ(session_.state.camera, session_.state.home);
+  EXPECT_TRUE(session_.drawing().ready());
+}
+
+TEST_F(Session, ModelsThatCannotBeDrawnAreGivenUp) {
+  session_.open({lode_}, 0);
+  ASSERT_TRUE(opened());
+  session_.refuse("altered", 1);
+  EXPECT_FALSE(session_.drawing().ready());
+  EXPECT_TRUE(session_.message(1)->error);
+  session_.open({lode_}, 2);
+  EXPECT_TRUE(opened());
 }
 
 TEST_F(Session, ScreenshotsHaveFreeNames) {
