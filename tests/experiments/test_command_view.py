@@ -137,7 +137,7 @@ class Steering(ViewCase):
         self.assertGreater(len(keys), 5)
         self.assertEqual([round(c, 9) for c in keys[0]["position"]], CAMERA["position"])
         self.display.key("p")
-        time.sleep(len(keys) / 30)
+        time.sleep(len(keys) / 30 + 2)
         viewer.press("Escape")
         found = viewer.closed()
         self.assertEqual(found["files"], ["./path001.json"])
