@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "render/effects/plan.h"
 #include "render/shading.h"
 
 namespace lodestone::viewer {
@@ -146,7 +147,7 @@ void edit_looks(ViewState& state, PanelRequests& requests) {
   if (ImGui::Checkbox("freeze", &frozen)) requests.actions.push_back(Action::toggle_frozen);
   ImGui::SameLine(110);
   ImGui::Checkbox("split", &state.split);
-  if (state.frozen) ImGui::TextDisabled("the selection is kept; tolerance and radii wait");
+  if (state.frozen) ImGui::TextDisabled("frozen: tolerance and radii wait");
 }
 
 void show_camera(const PanelFacts& facts, const ViewState& state, PanelRequests& requests) {
@@ -177,6 +178,17 @@ void show_statistics(const PanelFacts& facts) {
   const float highest = times.empty() ? 1 : *std::max_element(times.begin(), times.end());
   ImGui::PlotLines("##times", times.data(), static_cast<int>(times.size()), 0, text("up to %.1f ms", highest).c_str(),
                    0, 1.2f * highest, {ImGui::GetContentRegionAvail().x, 60});
+}
+
+// Which effects the frame takes, and why.
+void show_effects(const PanelFacts& facts) {
+  if (!facts.frame || !ImGui::CollapsingHeader("effects")) return;
+  for (const PlannedEffect& planned : explain_plan(*facts.frame)) {
+    if (!planned.runs) continue;
+    ImGui::Text("%s", std::string(name_of(planned.effect)).c_str());
+    ImGui::SameLine(150);
+    ImGui::TextWrapped("%s", planned.reasons.empty() ? "asked for" : planned.reasons.front().why.c_str());
+  }
 }
 
 void show_keys() {
@@ -243,15 +255,17 @@ void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& req
     show_camera(facts, state, requests);
     ImGui::Separator();
     show_statistics(facts);
+    show_effects(facts);
   }
   show_keys();
   ImGui::PopItemWidth();
   ImGui::End();
 }
 
-ImU32 colour_of(const Line& line, bool by_level) {
+// `crowd` in (0, 1]: less where there are many lines, so that what they lie over is still seen.
+ImU32 colour_of(const Line& line, bool by_level, float crowd) {
   const Vec3f c = by_level ? shading::tint_of(line.level) : Vec3f{1, 1, 1};
-  const float opacity = by_level ? 0.25f + 0.75f * line.nearness : 0.9f;
+  const float opacity = by_level ? (0.25f + 0.75f * line.nearness) * crowd : 0.9f;
   return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, opacity});
 }
 
@@ -273,7 +287,9 @@ void draw_lines(std::span<const Line> lines, Rect rect, double pixels, bool by_l
   };
   const auto width = static_cast<float>(rect.width), height = static_cast<float>(rect.height);
   list.PushClipRect(at(0, 0), at(width, height), true);
-  for (const Line& line : lines) list.AddLine(at(line.x0, line.y0), at(line.x1, line.y1), colour_of(line, by_level));
+  const float crowd = std::clamp(1500 / static_cast<float>(lines.size() + 1), 0.2f, 1.0f);
+  for (const Line& line : lines)
+    list.AddLine(at(line.x0, line.y0), at(line.x1, line.y1), colour_of(line, by_level, crowd));
   list.PopClipRect();
 }
 

@@ -18,6 +18,7 @@ struct PanelFacts {
   const Model* model = nullptr;        // empty: none is open yet
   std::string backend, device;         // as the renderer names them
   std::vector<std::string> backends;   // that can be chosen
+  const Frame* frame = nullptr;        // of the chosen settings
   const ViewReport* report = nullptr;  // of the chosen settings' last frame
   std::vector<float> frame_milliseconds;
   double scale = 1;  // of the resolution

@@ -60,14 +60,14 @@ void ViewSession::open(const std::vector<fs::path>& files, double now) {
   loader_ = std::make_unique<ModelLoader>(std::move(load), config_.wake);
 }
 
-bool ViewSession::collect() {
+bool ViewSession::collect(double now) {
   if (!loader_ || !loader_->ended()) return false;
   const std::unique_ptr<ModelLoader> loader = std::move(loader_);
-  show(loader->take());
+  show(loader->take(), now);
   return true;
 }
 
-void ViewSession::show(std::unique_ptr<Model> model) {
+void ViewSession::show(std::unique_ptr<Model> model, double now) {
   try {
     drawing_.set_model(model.get());  // the renderer lets go of the old one before it ends
   } catch (const Error&) {
@@ -84,6 +84,7 @@ void ViewSession::show(std::unique_ptr<Model> model) {
     path_ = way_through(drawing_.scene_view(), model_->streamed());
     if (!path_.empty()) from = path_.front();
   }
+  warn(model_->warnings, now);
   look_at(state, all, from);
   seen_ = drawable_ = state.camera;
 }
@@ -159,7 +160,7 @@ void ViewSession::save_recording(double now) {
 }
 
 void ViewSession::advance(double now) {
-  navigation.advance(state, now - advanced_at_);
+  if (std::exchange(was_flying_, navigation.flying(state))) navigation.advance(state, now - advanced_at_);
   advanced_at_ = now;
   if (const auto camera = transition_.advance(now)) state.camera = *camera;
   if (const auto camera = player_.advance(now)) state.camera = *camera;
@@ -210,14 +211,37 @@ void ViewSession::tell(const std::string& text, bool error, double now) {
   if (config_.say) config_.say(text);
 }
 
+void ViewSession::warn(const std::vector<std::string>& warnings, double now) {
+  constexpr std::size_t most = 10;
+  if (warnings.empty()) return;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, warnings.size()); ++i) {
+    if (i > 0) text += '\n';
+    text += warnings[i];
+  }
+  if (warnings.size() > most) {
+    text += '\n';
+    text += std::to_string(warnings.size() - most);
+    text += " more of the kind";
+  }
+  tell(text, false, now);
+}
+
 const Message* ViewSession::message(double now) const {
   return message_ && now < message_->until ? &*message_ : nullptr;
 }
 
-void ViewSession::refuse_camera(const std::string& why, double now) {
+void ViewSession::refuse(const std::string& why, double now) {
   tell(why, true, now);
   stop_moving();
-  state.camera = state.camera == drawable_ ? state.home : drawable_;
+  if (state.camera != drawable_) {
+    state.camera = drawable_;
+  } else if (state.camera != state.home) {
+    state.camera = state.home;
+  } else {
+    drawing_.set_model(nullptr);
+    model_.reset();
+  }
 }
 
 }  // namespace lodestone::viewer

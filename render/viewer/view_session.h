@@ -49,7 +49,7 @@ class ViewSession {
   void open(const std::vector<std::filesystem::path>& files, double now);
   [[nodiscard]] const ModelLoader* loader() const { return loader_.get(); }
   // Shows the model that has been opened since; true when there is a new one. Throws what opening it threw.
-  bool collect();
+  bool collect(double now);
 
   void act(Action action, double now);
   void play(std::vector<Camera> path, double now);
@@ -75,16 +75,19 @@ class ViewSession {
   void save_screenshot(const Image& image, double now);
 
   void tell(const std::string& text, bool error, double now);
+  // What is wrong without being an error, such as a texture that is missing.
+  void warn(const std::vector<std::string>& warnings, double now);
   // The last message, as long as it is shown.
   [[nodiscard]] const Message* message(double now) const;
   [[nodiscard]] const std::vector<std::string>& written() const { return written_; }
-  // Puts the camera back to the last one that could be drawn, and says why.
-  void refuse_camera(const std::string& why, double now);
+  // The views could not be drawn: the camera goes back to the last one that could be, then home; when it is not the
+  // camera, the model is given up.
+  void refuse(const std::string& why, double now);
   void accept_camera() { drawable_ = state.camera; }
 
  private:
   [[nodiscard]] std::string free_name(const std::string& stem, const std::string& extension) const;
-  void show(std::unique_ptr<Model> model);
+  void show(std::unique_ptr<Model> model, double now);
   void toggle_recording(double now);
   void stop_moving();
 
@@ -99,6 +102,7 @@ class ViewSession {
   Camera seen_;               // at the last advance()
   Camera drawable_;
   double advanced_at_ = 0;
+  bool was_flying_ = false;  // at the last advance()
   bool screenshot_ = false;
   std::optional<Message> message_;
   std::vector<std::string> written_;

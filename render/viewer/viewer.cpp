@@ -72,8 +72,8 @@ class Viewer {
       gl_ = gl.get();
       renderer_ = std::move(gl);
       session_.drawing().set_renderer(renderer_.get());
-    } catch (const UnsupportedError& error) {
-      session_.tell(std::string(error.what()) + "; drawing by soft", false, Window::now());
+    } catch (const Error& error) {  // no OpenGL 4.5, or not enough memory for the model
+      session_.tell(std::string(error.what()) + "; drawing with soft instead", false, Window::now());
       use_soft();
     }
   }
@@ -90,7 +90,7 @@ class Viewer {
   void wait() {
     const double now = Window::now();
     if (session_.animated() || streaming_ || settling_ > 0)
-      window_.wait(std::clamp(shown_at_ + frame_period - now, 0.0, frame_period));
+      window_.wait(std::clamp(stepped_at_ + frame_period - now, 0.0, frame_period));
     else if (lowered_)
       window_.wait(std::min(idle_wait, session_.resolution.until_rest(now)));
     else
@@ -98,7 +98,7 @@ class Viewer {
   }
 
   void step() {
-    const double now = Window::now();
+    const double now = stepped_at_ = Window::now();
     collect(now);
     session_.advance(now);
     const std::vector<Event> events = window_.take_events();
@@ -128,7 +128,6 @@ class Viewer {
     }
     window_.swap();
     ++window_frames_;
-    shown_at_ = Window::now();
   }
 
   // A file that was opened, or how far it is.
@@ -136,7 +135,7 @@ class Viewer {
     const bool first = !session_.drawing().model();
     const std::string name = session_.loader() ? session_.loader()->name() : "";
     try {
-      if (session_.collect()) {
+      if (session_.collect(now)) {
         show_name();
         if (first) session_.offer_path(config_.path);
       }
@@ -235,6 +234,7 @@ class Viewer {
     facts.backends = {"soft"};
     if (window_.missing_gl45().empty()) facts.backends.push_back("gl");
     if (drawing.ready()) facts.report = &drawing.report(state.chosen);
+    if (has_picture_[state.chosen] && drawing.ready()) facts.frame = &drawing.frame(state.chosen);
     facts.frame_milliseconds = session_.frame_times.in_order();
     facts.scale = shown_scale_;
     facts.recording = session_.recording();
@@ -272,6 +272,7 @@ class Viewer {
       for (const ViewDrawing::View& view : views) {
         if (!session_.drawing().draw(session_.state, view, views)) continue;
         keep_picture(view.settings, view.size);
+        session_.warn(session_.drawing().report(view.settings).stats.warnings, begin);
         drawn = true;
       }
       session_.accept_camera();
@@ -290,7 +291,8 @@ class Viewer {
   // What is being loaded will be here soon; what the budget has no room for will not.
   void wait_for_cells(bool drawn, double now) {
     if (drawn) streamed_at_ = now;
-    streaming_ = !session_.state.frozen && !session_.drawing().model()->complete() && now - streamed_at_ < patience;
+    const Model* model = session_.drawing().model();
+    streaming_ = model && !session_.state.frozen && !model->complete() && now - streamed_at_ < patience;
   }
 
   // The renderer's picture, before it draws another.
@@ -319,14 +321,14 @@ class Viewer {
     }
   }
 
-  // What cannot be drawn or loaded is a line; the window goes on with the last camera that could.
+  // What cannot be drawn or loaded is a line; the window goes on.
   template <class Body>
   void guarded(const Body& body) {
     try {
       body();
     } catch (const Error& error) {
-      session_.refuse_camera(error.what(), Window::now());
-      settling_ = settling_frames;
+      session_.refuse(error.what(), Window::now());
+      show_name();
     }
   }
 
@@ -357,7 +359,7 @@ class Viewer {
   GlRenderer* gl_ = nullptr;  // the renderer, where it is that one
   ViewSession session_;       // ends before the renderer that it draws with
   std::array<bool, 2> has_picture_{};
-  double shown_scale_ = 1, shown_at_ = 0, streamed_at_ = 0;
+  double shown_scale_ = 1, stepped_at_ = 0, streamed_at_ = 0;
   bool lowered_ = false, streaming_ = false, had_message_ = false;
   int settling_ = settling_frames;
   std::string title_;

@@ -137,7 +137,7 @@ class Steering(ViewCase):
         self.assertGreater(len(keys), 5)
         self.assertEqual([round(c, 9) for c in keys[0]["position"]], CAMERA["position"])
         self.display.key("p")
-        time.sleep(len(keys) / 30)
+        time.sleep(len(keys) / 30 + 2)
         viewer.press("Escape")
         found = viewer.closed()
         self.assertEqual(found["files"], ["./path001.json"])
@@ -151,7 +151,7 @@ class Looks(ViewCase):
     def test_switches_change_the_picture_and_back(self):
         viewer = self.view("--camera", self.camera_file())
         plain = viewer.picture()
-        for key in "tmbx":
+        for key in "tmbgox":
             self.assertNotEqual(viewer.press(key), plain, key)
             self.assertEqual(viewer.press(key), plain, key)
         self.assertNotEqual(viewer.press("minus", "minus", "minus", "minus", "minus", "minus"), plain)

@@ -10,7 +10,8 @@ import time
 
 import command_case
 from command_case import hierarchy, model, sphere
-from view_case import CAMERA, ViewCase, Viewer, until
+from png import read_png
+from view_case import CAMERA, HEIGHT, WIDTH, ViewCase, Viewer, until
 
 
 class Files(ViewCase):
@@ -82,6 +83,40 @@ class Files(ViewCase):
         for a, b in zip(found["camera"]["position"], CAMERA["position"]):
             self.assertAlmostEqual(a, b, delta=1e-9)
 
+    def test_scenes(self):
+        """The first picture is the first of `render`; what is wrong with a scene is a line."""
+        scene = self.write("two.toml", f'''
+            [[model]]
+            file = "{hierarchy()}"
+            colour = [0.9, 0.4, 0.3]
+            [[model]]
+            generate = "torus"
+            triangles = 2000
+            position = [1, -2, 0]
+            [lighting]
+            directional = {{ towards = [1, 0, 1], strength = 0.7 }}
+            [camera]
+            key = [{{ position = [5, -4, 3], target = [0, 0, 0] }}, {{ position = [4, 5, 3], target = [0, 0, 0] }}]
+            ''')
+        viewer = self.view("--backend", "soft", file=scene)
+        self.lodestone("render", scene, "--frames", 1, "--size", f"{WIDTH}x{HEIGHT}", "-o", "frames", "--quiet")
+        self.assertEqual(viewer.picture(), read_png(self.folder / "frames" / "frame0000.png")[2])
+        at_rest = viewer.picture()
+        self.display.key("p")
+        until(lambda: viewer.picture() != at_rest, "the scene's way")
+        self.display.drop(viewer.window, [self.write("wrong.toml", "[[model]]\nfile = 'a.lode'\nsize = 3\n")])
+        viewer.press("Escape")
+        viewer.closed()
+        self.assertIn("wrong.toml: line 3: unknown key 'size'", viewer.said)
+
+    def test_files_dropped_together_are_shown_together(self):
+        viewer = self.view()
+        box = model("box.ply", "generate", "box", "--triangles", 2000)
+        self.display.drop(viewer.window, [box, hierarchy()])
+        viewer.wait_for("box.ply and 1 more")
+        found = viewer.closed()
+        self.assertEqual(found["uploads"], 2)
+
     def test_an_empty_window_waits(self):
         viewer = Viewer(self, "--backend", "soft")
         viewer.settled()
@@ -128,7 +163,7 @@ class Troubles(ViewCase):
             expected = self.rendered("--backend", "soft")
             until(lambda: viewer.picture() == expected, "the picture, once the line has gone")
             self.assertEqual(viewer.closed()["backend"], "soft")
-            self.assertRegex(viewer.said, r"\Alodestone: OpenGL 4.5 is missing[^\n]*drawing by soft\n\Z")
+            self.assertRegex(viewer.said, r"\Alodestone: OpenGL 4.5 is missing[^\n]*drawing with soft instead\n\Z")
 
     def test_the_display_is_lost(self):
         viewer = self.view("--camera", self.camera_file())
@@ -153,6 +188,20 @@ class Troubles(ViewCase):
         self.assertTrue(all(abs(c) < 10 for c in camera["position"]))
         self.assertIn("nan.json", viewer.said)
         self.assertIn("too far away", viewer.said)
+
+    def test_a_file_that_turns_out_to_be_altered(self):
+        """Streamed cells are checked when they are loaded."""
+        content = bytearray(hierarchy().read_bytes())
+        for at in range(len(content) // 2, len(content), 5000):
+            content[at] ^= 0x55
+        viewer = Viewer(self, self.write("altered.lode", content), "--memory-budget", "900KiB", "--pixel-error", 0.1)
+        until(lambda: viewer.running() and "altered" in viewer.title(), "the coarse model")
+        until(lambda: viewer.running() and viewer.title() == "Lodestone", "the model given up")
+        self.display.drop(viewer.window, [hierarchy()])
+        viewer.wait_for(hierarchy().name)
+        viewer.closed()
+        self.assertIn("altered.lode", viewer.said)
+        self.assertEqual(viewer.said.count("\n"), 1)
 
     def test_bad_arguments(self):
         for arguments in (("--size", "0x0"), ("--size", "wide"), ("--pixel-error", 0), ("--kappa0", -1),

@@ -99,11 +99,12 @@ class Viewer:
 class ViewCase(CommandCase):
     def setUp(self):
         super().setUp()
-        self.display = self.enterContext(Display()) if hasattr(self, "enterContext") else self.entered(Display())
-
-    def entered(self, context):
-        self.addCleanup(context.__exit__, None, None, None)
-        return context.__enter__()
+        probe = command_case.call("view", environment={"DISPLAY": "", "WAYLAND_DISPLAY": ""})
+        if b"left out of this build" in probe.stderr:
+            self.skipTest(probe.stderr.decode().strip())
+        display = Display()
+        self.display = display.__enter__()
+        self.addCleanup(display.__exit__, None, None, None)
 
     def camera_file(self, *cameras, name="camera.json"):
         return self.write(name, json.dumps({"frames": list(cameras) or [CAMERA]}))
@@ -134,5 +135,5 @@ class ViewCase(CommandCase):
 
     def with_gl(self):
         probe = command_case.call("render", hierarchy(), "--frames", 1, "--size", "16x16", "--backend", "gl")
-        if probe.returncode != 0:
+        if b"drawing with soft instead" in probe.stderr:
             self.skipTest(probe.stderr.decode().strip())

@@ -3,9 +3,7 @@
 By ctypes on libX11 and libXtst: nothing but the libraries themselves has to be installed.
 """
 
-import contextlib
 import ctypes
-import ctypes.util
 import os
 import pathlib
 import shutil
@@ -238,13 +236,3 @@ class Display:
             for channel in range(3):
                 picture[3 * width * y + channel:3 * width * (y + 1):3] = row[2 - channel::4]
         return bytes(picture)
-
-
-@contextlib.contextmanager
-def without_display():
-    before = os.environ.pop("DISPLAY", None)
-    try:
-        yield
-    finally:
-        if before is not None:
-            os.environ["DISPLAY"] = before

@@ -42,7 +42,7 @@ class Session : public testing::Test {
   // Waits as the window's loop does.
   bool opened() {
     while (session_.loader() && !session_.loader()->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    return session_.collect();
+    return session_.collect(0);
   }
 
   fs::path folder_ = fs::path(testing::TempDir()) /
@@ -58,7 +58,7 @@ class Session : public testing::Test {
 };
 
 TEST_F(Session, OpensHierarchiesAndMeshes) {
-  EXPECT_FALSE(session_.collect());
+  EXPECT_FALSE(session_.collect(0));
   session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   EXPECT_EQ(session_.drawing().model()->name, "torus.lode");
@@ -69,7 +69,7 @@ TEST_F(Session, OpensHierarchiesAndMeshes) {
   ASSERT_TRUE(opened());
   EXPECT_EQ(session_.drawing().model()->hierarchy().provenance.input_triangles, 4u);
   EXPECT_EQ(session_.drawing().counts().uploads, 2u);
-  EXPECT_FALSE(session_.collect());
+  EXPECT_FALSE(session_.collect(0));
 }
 
 TEST_F(Session, LargeFilesStream) {
@@ -79,7 +79,7 @@ TEST_F(Session, LargeFilesStream) {
   session.drawing().set_renderer(renderer_.get());
   session.open({lode_}, 0);
   while (!session.loader()->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  ASSERT_TRUE(session.collect());
+  ASSERT_TRUE(session.collect(0));
   ViewDrawing& drawing = session.drawing();
   ASSERT_TRUE(drawing.model()->streamed());
   EXPECT_LE(drawing.model()->resident_bytes(), 100'000u);
@@ -141,7 +141,7 @@ TEST_F(Session, SeveralFilesAreShownTogether) {
 TEST_F(Session, WhatCannotBeOpenedIsSaidOnce) {
   session_.open({folder_ / "missing.ply"}, 0);
   EXPECT_THROW((void)opened(), FileError);
-  EXPECT_FALSE(session_.collect());
+  EXPECT_FALSE(session_.collect(0));
   EXPECT_EQ(session_.loader(), nullptr);
   std::ofstream(folder_ / "broken.lode") << "nothing";
   session_.open({folder_ / "broken.lode"}, 0);
@@ -213,11 +213,22 @@ TEST_F(Session, CamerasThatCannotBeDrawnAreTakenBack) {
   const Camera good = session_.state.camera = orbit(session_.state.camera, 1, 0);
   session_.accept_camera();
   session_.state.camera.position.x = 1e300;
-  session_.refuse_camera("too far", 1);
+  session_.refuse("too far", 1);
   EXPECT_EQ(session_.state.camera, good);
   EXPECT_EQ(said_.back(), "too far");
-  session_.refuse_camera("still", 1);
+  session_.refuse("still", 1);
   EXPECT_EQ(session_.state.camera, session_.state.home);
+  EXPECT_TRUE(session_.drawing().ready());
+}
+
+TEST_F(Session, ModelsThatCannotBeDrawnAreGivenUp) {
+  session_.open({lode_}, 0);
+  ASSERT_TRUE(opened());
+  session_.refuse("altered", 1);
+  EXPECT_FALSE(session_.drawing().ready());
+  EXPECT_TRUE(session_.message(1)->error);
+  session_.open({lode_}, 2);
+  EXPECT_TRUE(opened());
 }
 
 TEST_F(Session, ScreenshotsHaveFreeNames) {
@@ -235,6 +246,29 @@ TEST_F(Session, ScreenshotsHaveFreeNames) {
   session_.save_screenshot(Image{}, 0);  // an empty picture, where no file can be written either
   fs::permissions(folder_, fs::perms::owner_all);
   EXPECT_TRUE(session_.message(0)->error);
+}
+
+TEST_F(Session, MissingTexturesAreSaid) {
+  std::ofstream(folder_ / "bare.mtl") << "newmtl skin\nmap_Kd nowhere.png\n";
+  std::ofstream(folder_ / "bare.obj") << "mtllib bare.mtl\nusemtl skin\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                         "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n";
+  session_.open({folder_ / "bare.obj"}, 0);
+  ASSERT_TRUE(opened());
+  ASSERT_FALSE(said_.empty());
+  EXPECT_NE(said_.back().find("nowhere.png"), std::string::npos) << said_.back();
+}
+
+TEST_F(Session, FlightBeginsWithoutALeap) {
+  session_.open({lode_}, 0);
+  ASSERT_TRUE(opened());
+  session_.advance(0);
+  session_.state.steering = Steering::fly;
+  const Camera before = session_.state.camera;
+  (void)session_.navigation.key(session_.state, 'W', true, false);
+  session_.advance(10);  // the window slept so long
+  EXPECT_EQ(session_.state.camera, before);
+  session_.advance(10.1);
+  EXPECT_NEAR(length(session_.state.camera.position - before.position), 0.1 * session_.state.fly_speed, 1e-9);
 }
 
 TEST_F(Session, MessagesGo) {
