@@ -39,8 +39,10 @@ inline void texture(const ResolveJob& job, Surface& s, Int lanes) {
   if (bits(lanes) == 0) return;
   Materials material;
   find_materials(job, s, material);
+  const LaneThings<SurfaceMaterial> number{material, all_equal(material)};
   const auto base = [&](float Vec3f::*channel) {
-    return as_float(gathered([&](int k) { return std::bit_cast<std::int32_t>(material[k]->base_colour.*channel); }));
+    return as_float(
+        number([&](const SurfaceMaterial& m) { return std::bit_cast<std::int32_t>(m.base_colour.*channel); }));
   };
   const auto times = [&](Int where, const Points& factor) {
     s.colour = select(where, {s.colour.x * factor.x, s.colour.y * factor.y, s.colour.z * factor.z}, s.colour);

@@ -116,22 +116,20 @@ struct Coordinates {
 template <class CellOf, class VertexOf>
 [[gnu::always_inline]] inline Coordinates morphed_coordinates(const CellOf& cell_of, const VertexOf& vertex_of,
                                                               bool morphing) {
-  Float u, v, parent_u, parent_v, lambda;
+  static constexpr Vec2f none{};
+  const float *own[width], *parent[width];
   for (int k = 0; k < width; ++k) {
     const DrawnCell& cell = cell_of(k);
     const std::uint32_t vertex = vertex_of(k);
-    const bool mapped = !cell.own->attributes.uv.empty(), moves = mapped && cell.morphing;
-    const Vec2f own = mapped ? cell.own->attributes.uv[vertex] : Vec2f{};
-    const Vec2f coarser = moves ? cell.coarser->attributes.uv[cell.parents[vertex]] : own;
-    u[k] = own.x, v[k] = own.y;
-    parent_u[k] = coarser.x, parent_v[k] = coarser.y;
-    lambda[k] = moves ? cell.lambdas[vertex] : 1.0f;
+    own[k] = cell.uv ? &cell.uv[vertex].x : &none.x;
+    parent[k] = cell.coarser_uv ? &cell.coarser_uv[cell.parents[vertex]].x : own[k];
   }
-  if (!morphing) return {u, v};
-  const Float rest = 1.0f - lambda;
+  const Quads q = load_pairs([&](int k) { return own[k]; }, [&](int k) { return parent[k]; });
+  if (!morphing) return {q.a, q.b};
+  const Float lambda = morphed_lambdas(cell_of, vertex_of), rest = 1.0f - lambda;
   const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
   const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
-  return {mix(u, parent_u), mix(v, parent_v)};
+  return {mix(q.a, q.c), mix(q.b, q.d)};
 }
 
 // Of the three corners, which share the lanes where the whole group sees one triangle.
@@ -209,23 +207,38 @@ inline Float wrapped(Float t, Int mode) {
   return r;
 }
 
-// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border: neighbours are always there.
-[[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], Float u, Float v) {
-  const Float x = u * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.width); })) + 0.5f,
-              y = v * to_float(gathered([&](int k) { return static_cast<std::int32_t>(level[k]->size.height); })) +
-                  0.5f;
-  const Int column = truncated(x), row = truncated(y);
-  std::uint64_t above[width], below[width];
-  for (int k = 0; k < width; ++k) {
-    const std::size_t stride = level[k]->stride();
-    const std::uint32_t* at = level[k]->texels.data() + static_cast<std::size_t>(row[k]) * stride + column[k];
-    std::memcpy(&above[k], at, sizeof above[k]);
-    std::memcpy(&below[k], at + stride, sizeof below[k]);
+template <class Thing>
+inline bool all_equal(const Thing* const (&of)[width]) {
+  bool equal = true;
+  for (int k = 1; k < width; ++k) equal &= of[k] == of[0];
+  return equal;
+}
+
+// Numbers of things that lanes have: of each its own, or, where all have the same, of one for all.
+template <class Thing>
+struct LaneThings {
+  const Thing* const (&of)[width];
+  bool same;
+
+  template <class Number>
+  [[gnu::always_inline]] Int operator()(const Number& number) const {
+    if (same) return all(static_cast<std::int32_t>(number(*of[0])));
+    return gathered([&](int k) { return static_cast<std::int32_t>(number(*of[k])); });
   }
-  const auto half = [](const std::uint64_t(&pairs)[width], int shift) {
-    return gathered([&](int k) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(pairs[k] >> shift)); });
-  };
-  const Int a = half(above, 0), b = half(above, 32), c = half(below, 0), d = half(below, 32);
+};
+
+// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border: neighbours are always there.
+[[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], bool same, Float u, Float v) {
+  const LaneThings<MipLevel> number{level, same};
+  const Float x = u * to_float(number([](const MipLevel&l) { return l.size.width; })) + 0.5f,
+              y = v * to_float(number([](const MipLevel&l) { return l.size.height; })) + 0.5f;
+  const Int column = truncated(x), row = truncated(y), stride = number([](const MipLevel&l) { return l.stride(); });
+  std::int32_t above[width], below[width];
+  store(above, wrapping_product(row, stride) + column);
+  store(below, load<Int>(above) + stride);
+  const Quads q = load_pairs([&](int k) { return level[k]->texels.data() + above[k]; },
+                             [&](int k) { return level[k]->texels.data() + below[k]; });
+  const Int a = as_int(q.a), b = as_int(q.b), c = as_int(q.c), d = as_int(q.d);
   const Float along = x - to_float(column), down = y - to_float(row);
   const auto channel = [&](int shift) {
     const auto byte = [&](Int texel) { return to_float((texel >> shift) & 255); };
@@ -262,9 +275,8 @@ inline Int find_textures(const ResolveJob& job, const NumberOf& number_of, unsig
 
 // What each lane's texture shows, 0 to 255. All lanes have one.
 inline Points texels(const SurfaceTexture* const (&texture)[width], const Mapping& m) {
-  const auto number = [&](const auto& of) {
-    return gathered([&](int k) { return static_cast<std::int32_t>(of(*texture[k])); });
-  };
+  bool same = all_equal(texture);
+  const LaneThings<SurfaceTexture> number{texture, same};
   const Float across = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.width; })),
               down = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.height; }));
   const auto square = [](Float x, Float y) { return x * x + y * y; };
@@ -273,15 +285,18 @@ inline Points texels(const SurfaceTexture* const (&texture)[width], const Mappin
   lod = min(lod, to_float(number([](const SurfaceTexture& t) { return t.levels.size() - 1; })));
   const Float u = wrapped(m.u, number([](const SurfaceTexture&t) { return t.wrap_u; })),
               v = wrapped(m.v, number([](const SurfaceTexture&t) { return t.wrap_v; }));
-  const Int finer = truncated(lod);
-  const Float share = lod - to_float(finer);
+  const Int finer = truncated(lod), between = lod > to_float(finer);
   const MipLevel* level[width];
-  for (int k = 0; k < width; ++k) level[k] = &texture[k]->levels[static_cast<std::size_t>(finer[k])];
-  const Points near = bilinear(level, u, v);
-  const Int between = share > 0.0f;
+  std::int32_t finer_of[width], next_of[width];
+  store(finer_of, finer);
+  store(next_of, between & 1);
+  for (int k = 0; k < width; ++k) level[k] = texture[k]->levels.data() + finer_of[k];
+  same &= bits(finer == finer_of[0]) == all_lanes;
+  const Points near = bilinear(level, same, u, v);
   if (bits(between) == 0) return near;
-  for (int k = 0; k < width; ++k) level[k] += between[k] & 1;
-  const Points far = bilinear(level, u, v);
+  for (int k = 0; k < width; ++k) level[k] += next_of[k];
+  const Points far = bilinear(level, same && bits(between) == all_lanes, u, v);
+  const Float share = lod - to_float(finer);
   const auto mix = [&](Float a, Float b) { return a + share * (b - a); };
   return {mix(near.x, far.x), mix(near.y, far.y), mix(near.z, far.z)};
 }

@@ -45,11 +45,15 @@ void GeometryStage::add(const ModelFrame& model, const SelectedCell& selected) {
   drawn.level = selected.level;
   drawn.own = &cell;
   drawn.first_triangle = static_cast<TriangleNumber>(cell_of_block_.size() << numbers_per_block_bits);
+  drawn.positions = cell.positions.data();
   drawn.normals = cell.normals.data();
+  if (hierarchy.attributes.uv) drawn.uv = cell.attributes.uv.data();
   drawn.morphing = selected.morphing && cell.parent != no_cell && model.effects.contains(Effect::geomorph);
   if (drawn.morphing) {
     drawn.coarser = &hierarchy.cells[cell.parent];
+    drawn.coarser_positions = drawn.coarser->positions.data();
     drawn.coarser_normals = drawn.coarser->normals.data();
+    if (hierarchy.attributes.uv) drawn.coarser_uv = drawn.coarser->attributes.uv.data();
     drawn.parents = cell.parents.data();
     morphing_vertices_ += cell.positions.size();
   }

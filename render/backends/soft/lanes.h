@@ -235,6 +235,32 @@ template <class At>
   return transposed(pair(0), pair(1), pair(2), pair(3));
 }
 
+// Columns of the two values that upper(lane) points to and the two that lower(lane) does, anywhere.
+template <class Upper, class Lower>
+[[gnu::always_inline]] inline Quads load_pairs(const Upper& upper, const Lower& lower) {
+#if defined(__SSE2__)
+  const auto both = [&](int k) {
+    const auto first = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(upper(k))));
+    return _mm_loadh_pi(first, reinterpret_cast<const __m64*>(lower(k)));
+  };
+#endif
+#if defined(__AVX2__)
+  const auto row = [&](int k) -> Float {
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(both(k)), both(k + 4), 1);
+  };
+#elif defined(__SSE2__)
+  const auto row = [&](int k) -> Float { return both(k); };
+#else
+  const auto row = [&](int k) {
+    Float r;
+    std::memcpy(&r, upper(k), 8);
+    std::memcpy(reinterpret_cast<char*>(&r) + 8, lower(k), 8);
+    return r;
+  };
+#endif
+  return transposed(row(0), row(1), row(2), row(3));
+}
+
 // The vertices that at(lane) points to.
 template <class At>
 [[gnu::always_inline]] inline Vertices load_vertices(const At& at) {

@@ -69,7 +69,10 @@ struct DrawnCell {
   TriangleNumber first_triangle = 0;
   const ModelFrame* model = nullptr;
   const Cell *own = nullptr, *coarser = nullptr;  // the cell; and its parent, where it morphs
-  // Of the cell; the second and third where it morphs.
+  // Of the vertices of the cell, and of its parent where it morphs; texture coordinates where the model has some.
+  const Vec3f *positions = nullptr, *coarser_positions = nullptr;
+  const Vec2f *uv = nullptr, *coarser_uv = nullptr;
+  // Likewise, and the vertices' parents.
   const PackedNormal* normals = nullptr;
   const PackedNormal* coarser_normals = nullptr;
   const std::uint32_t* parents = nullptr;

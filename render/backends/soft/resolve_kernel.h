@@ -225,9 +225,10 @@ struct GroupResolver {
   }
 };
 
-// Normals lie all over the memory; those of the next row are asked for while one is shaded.
+// Attributes lie all over the memory; those of the next row are asked for while one is shaded.
 template <int Samples>
-inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile, std::size_t y, std::size_t columns) {
+inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile, std::size_t y, std::size_t columns,
+                         bool mapped) {
   for (std::size_t x = 0; x < columns; ++x) {
     const std::size_t at = y * tile_size + x;
     if (tile.depth[at] == 1 || Reference::is_record(tile.reference[at])) continue;
@@ -235,6 +236,10 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
     const DrawnCell& cell = job.drawn->cell_of(fragment.triangle);
     for (const std::uint32_t v : fragment.v) {
       prefetch(cell.normals + v);
+      if (mapped && cell.uv) {
+        prefetch(cell.positions + v);
+        prefetch(cell.uv + v);
+      }
       if (!cell.morphing) continue;
       prefetch(cell.parents + v);
       prefetch(cell.lambdas + v);
@@ -248,8 +253,10 @@ template <int Samples, class Colours>
                                                 const Colours& colours) {
   const PixelRect& rect = job.rect;
   const int columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
+  const bool mapped = job.frame->all_effects().contains_any({Effect::texture, Effect::normal_map});
   for (int y = 0; y < rows; ++y) {
-    if (y + 1 < rows) prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns));
+    if (y + 1 < rows)
+      prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns), mapped);
     const std::size_t pixel = static_cast<std::size_t>(rect.y0 + y) * static_cast<std::size_t>(job.image->size.width) +
                               static_cast<std::size_t>(rect.x0);
     std::memcpy(&job.image->depth[pixel], &tile.depth[static_cast<std::size_t>(y) * tile_size],

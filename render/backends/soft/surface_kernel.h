@@ -162,25 +162,36 @@ template <class RecordOf>
   return {interpolated(s, a.x, b.x, c.x), interpolated(s, a.y, b.y, c.y), interpolated(s, a.z, b.z, c.z)};
 }
 
+// Lambdas of vertices vertex_of(k) of cells cell_of(k): 1 in cells that do not morph.
+template <class CellOf, class VertexOf>
+[[gnu::always_inline]] inline Float morphed_lambdas(const CellOf& cell_of, const VertexOf& vertex_of) {
+  return as_float(gathered([&](int k) {
+    const DrawnCell& cell = cell_of(k);
+    return std::bit_cast<std::int32_t>(cell.morphing ? cell.lambdas[vertex_of(k)] : 1.0f);
+  }));
+}
+
 // Drawn places, normalised model space, as morph_position has them; of lane k that of vertex vertex_of(k) of cell
 // cell_of(k).
 template <class CellOf, class VertexOf>
 [[gnu::always_inline]] inline Points morphed_positions(const CellOf& cell_of, const VertexOf& vertex_of,
                                                        bool morphing) {
-  Vec3f own[width], coarser[width];
-  Float lambda;
+  const float *own[width], *parent[width];
   for (int k = 0; k < width; ++k) {
     const DrawnCell& cell = cell_of(k);
     const std::uint32_t v = vertex_of(k);
-    own[k] = cell.own->positions[v];
-    coarser[k] = cell.morphing ? cell.coarser->positions[cell.parents[v]] : own[k];
-    lambda[k] = cell.morphing ? cell.lambdas[v] : 1.0f;
+    own[k] = &cell.positions[v].x;
+    parent[k] = cell.morphing ? &cell.coarser_positions[cell.parents[v]].x : own[k];
   }
-  const Points w = load_points(own);
+  const auto points = [](const float* const(&at)[width]) -> Points {
+    const Quads q = load_pairs([&](int k) { return at[k]; }, [&](int k) { return at[k] + 1; });
+    return {q.a, q.b, q.d};
+  };
+  const Points w = points(own);
   if (!morphing) return w;
-  const Float rest = 1.0f - lambda;
+  const Float lambda = morphed_lambdas(cell_of, vertex_of), rest = 1.0f - lambda;
   const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
-  const Points p = load_points(coarser);
+  const Points p = points(parent);
   const auto mix = [&](Float a, Float b) { return select(is_own, a, select(is_coarser, b, lambda * a + rest * b)); };
   return {mix(w.x, p.x), mix(w.y, p.y), mix(w.z, p.z)};
 }
