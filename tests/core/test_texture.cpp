@@ -105,6 +105,20 @@ TEST(Downsample, IsTheMeanOverEachPixelsShare) {
       }
 }
 
+// Row by row, no image of floats as large as it: the same.
+TEST(Downsample, OfPixelsIsThatOfTheirNumbers) {
+  for (const std::uint32_t channels : {1u, 3u, 4u})
+    for (const PixelSize size : {PixelSize{1, 1}, PixelSize{2, 2}, PixelSize{7, 4}, PixelSize{6, 5}, PixelSize{1, 9}})
+      for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals}) {
+        PixelImage image{.size = size, .channels = channels, .pixels = {}};
+        for (std::size_t i = 0; i < std::size_t{size.width} * size.height * channels; ++i)
+          image.pixels.push_back(static_cast<std::uint8_t>(91 * i + 5));
+        const LinearImage quick = halve(image, meaning), slow = halve(to_linear(image, meaning));
+        EXPECT_EQ(quick.size, slow.size);
+        EXPECT_EQ(quick.values, slow.values);
+      }
+}
+
 TEST(Downsample, BytesComeBack) {
   for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals}) {
     PixelImage grey{.size = {256, 1}, .channels = 1, .pixels = {}};

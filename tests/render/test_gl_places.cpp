@@ -120,6 +120,21 @@ TEST(GlPlaces, OneGroupWhereWhatIsExpectedFits) {
   EXPECT_EQ(places.groups()[0].indices, all.indices);
 }
 
+// A model without attributes costs no memory for those of another.
+TEST(GlPlaces, GroupsAreForModelsWithTheSameAttributes) {
+  Hierarchy coloured = surface(), textured = surface();
+  coloured.attributes.colours = true;
+  textured.attributes.uv = textured.attributes.wedges = true;
+  GlPlaces places({&surface(), &coloured, &textured, &surface(), &coloured}, 1'000'000, {});
+  for (std::uint32_t m = 0; m < 5; ++m) {
+    const std::uint32_t group = places.add({m, no_cell}).group;
+    EXPECT_EQ(group, m % 3);
+    EXPECT_EQ(places.attributes(group).colours, m % 3 == 1);
+    EXPECT_EQ(places.attributes(group).uv, m % 3 == 2);
+  }
+  EXPECT_EQ(places.groups().size(), 3u);
+}
+
 TEST(GlPlaces, AFamilyThatFitsNowhereIsRefused) {
   const auto add_all = [](std::uint64_t limit) {
     GlPlaces places({&surface()}, limit, {});

@@ -110,6 +110,29 @@ TEST_P(TexturedScenes, CountOnlyWhatIsCalledFor) {
   EXPECT_TRUE(frame.stats.warnings.empty());
 }
 
+// In a colour that nobody overlooks, and said once.
+TEST(MissingTextures, AreDrawnMarkedWithAWarning) {
+  auto model = std::make_shared<Hierarchy>(*textured_torus());
+  for (Texture& texture : model->textures) texture.bytes.resize(texture.bytes.size() / 2);
+  TexturedScene scene{"missing", {{model, {}, look_of(*model)}}};
+  scene.setting.lighting.ambient = 1;
+  const auto scheduler = make_serial_scheduler();
+  for (const char* backend : {"soft", "gl"}) {
+    std::string why;
+    const auto renderer = renderer_if_possible(backend, *scheduler, why);
+    if (!renderer) continue;
+    TexturedFrame frame(scene);
+    const Image image = frame.draw(*renderer);
+    ASSERT_EQ(frame.stats.warnings.size(), 3u) << backend;
+    EXPECT_NE(frame.stats.warnings[0].find("'motley'"), std::string::npos) << frame.stats.warnings[0];
+    EXPECT_TRUE(renderer->draw(frame.frame).warnings.empty());
+    std::size_t magenta = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4)
+      magenta += image.rgba[i] > 200 && image.rgba[i + 1] < 30 && image.rgba[i + 2] > 200;
+    EXPECT_GT(magenta, 500u) << backend;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, TexturedScenes, ::testing::Range(std::size_t{0}, textured_scenes().size()),
                          [](const auto& instance) { return textured_scenes()[instance.param].name; });
 
