@@ -1,10 +1,10 @@
 // What colours, textures and normal maps of a surface cost: the same frame with an effect and without it, in turn, so
 // that whatever else the machine does falls on both alike.
 //
-// Arguments: backend (0: soft, 1: gl), effect, kappa0 in thousandths (a large one: nothing morphs). A terrain of 300,000
-// triangles fills most of 1280x720; its four textures of 1024 x 1024, repeated, come in bands. Counters: milliseconds a
-// frame without the effect and what it adds to them, of processor time and wall time; points it shaded, and nanoseconds
-// of processor time for each.
+// Arguments: backend (0: soft, 1: gl), effect, kappa0 in thousandths (a large one: nothing morphs). A terrain of
+// 300,000 triangles fills most of 1280x720; its four textures of 1024 x 1024, repeated, come in bands. Counters:
+// milliseconds a frame without the effect and what it adds to them, of processor time and wall time; points it shaded,
+// and nanoseconds of processor time for each.
 #include <benchmark/benchmark.h>
 
 #include <array>
@@ -120,7 +120,10 @@ void BM_Effect(benchmark::State& state) {
   if (points > 0) state.counters["points"] = points;
   if (points > 0) state.counters["ns_per_point"] = (cpu[1] - cpu[0]) / frames * 1e6 / points;
 }
-BENCHMARK(BM_Effect)->ArgsProduct({{0, 1}, {0, 1, 2}, {12'000, 1'000'000'000}})->Unit(benchmark::kMillisecond)->Iterations(20);
+BENCHMARK(BM_Effect)
+    ->ArgsProduct({{0, 1}, {0, 1, 2}, {12'000, 1'000'000'000}})
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(20);
 
 }  // namespace
 }  // namespace lodestone
