@@ -60,7 +60,7 @@ GltfMaterial GltfMaterials::read(const JsonView& source) {
     for (std::size_t i = 0; i < 4; ++i)
       material.base_colour[i] = colour[i] > 0 ? static_cast<float>(std::min(colour[i], 1.0)) : 0.0f;
     if (const std::optional<JsonView> info = colours->find(texture)) {
-      material.texture = read_texture(*info);
+      set_colour_texture(material, read_texture(*info));
       read_uv_map(*info, result);
     }
   }

@@ -44,7 +44,7 @@ std::uint32_t ObjMaterials::use(const std::string& name, const std::string& plac
       return textures_.add_file(statement->file, place + ": " + library + ": " + statement->place, statement->wraps);
     };
     material.base_colour = source.colour;
-    material.texture = texture(source.texture);
+    if (source.texture) set_colour_texture(material, texture(source.texture));
     material.normal_map = texture(source.normal_map);
   }
   mesh_->materials.push_back(std::move(material));

@@ -295,8 +295,11 @@ void share_corners(RawMesh& mesh, FaceCoordinates&& coordinates) {
 // A material for each texture that the header names.
 void add_materials(const PlyHeader& header, const ByteReader& input, RawMesh& mesh) {
   TextureSet textures(mesh, input);
-  for (const std::string& name : header.textures)
-    mesh.materials.push_back({.name = name, .texture = textures.add_file(name, "header")});
+  for (const std::string& name : header.textures) {
+    Material& material = mesh.materials.emplace_back();
+    material.name = name;
+    set_colour_texture(material, textures.add_file(name, "header"));
+  }
 }
 
 template <class Source>

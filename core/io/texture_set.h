@@ -1,6 +1,7 @@
 // The textures of a mesh, each image file once.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -16,6 +17,15 @@ namespace lodestone {
 struct TextureWraps {
   TextureWrap u = TextureWrap::repeat, v = TextureWrap::repeat;
 };
+
+// What a material shows that names a texture for its colour which cannot be had: a plain magenta, which nobody takes
+// for the model's own.
+inline constexpr std::array<float, 4> missing_texture_colour{1, 0, 1, 1};
+// `texture`: as a TextureSet gives it for the material's colour.
+inline void set_colour_texture(Material& material, std::uint32_t texture) {
+  material.texture = texture;
+  if (texture == no_texture) material.base_colour = missing_texture_colour;
+}
 
 // Adds to mesh.textures; what cannot be had is a warning and no_texture, for the surface is sound without it.
 class TextureSet {

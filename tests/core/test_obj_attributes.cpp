@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/io/texture_set.h"
 #include "tests/core/io_test_util.h"
 #include "tests/test_data.h"
 
@@ -126,6 +127,7 @@ TEST_F(ObjMaterialsTest, WhatIsMissingIsAWarningAndTheSurfaceStays) {
   expect_warning(textures, {"m.obj: line 12", "t.mtl: line 2", "'no.jpg'", "cannot be found"});
   expect_warning(textures, {"t.mtl: line 4", "'text.png'", "no PNG, JPEG"});
   EXPECT_EQ(textures.warnings.size(), 2u);
+  for (const Material& material : textures.materials) EXPECT_EQ(material.base_colour, missing_texture_colour);
   EXPECT_TRUE(textures.textures.empty());
 
   folder_.write("bad.mtl", "newmtl m\nKd red\n");

@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "core/io/texture_set.h"
 #include "tests/core/io_test_util.h"
 
 namespace lodestone {
@@ -147,6 +148,7 @@ TEST_F(PlyTextures, MissingImagesAreWarnings) {
   expect_warning(mesh, {"file: header", "'a.png'", "cannot be found"});
   EXPECT_EQ(mesh.wedges.material, (std::vector<std::uint32_t>{0, 1, no_material}));
   EXPECT_EQ(mesh.materials[0].texture, no_texture);
+  EXPECT_EQ(mesh.materials[0].base_colour, missing_texture_colour);
 }
 
 TEST(DracoAttributes, PointsAreWedges) {
