@@ -1,6 +1,4 @@
 // Where lights and eyes are: the fit of the shadow map, and the point a projection looks from.
-#include "render/light_view.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "render/eye.h"
+#include "render/light_view.h"
 #include "tests/render/effect_scenes.h"
 
 namespace lodestone {
@@ -19,7 +18,8 @@ std::vector<Vec3d> some_points(std::uint32_t seed, int count, Vec3d centre, doub
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> in(-size, size);
   std::vector<Vec3d> points;
-  for (int k = 0; k < count; ++k) points.push_back({centre.x + in(random), centre.y + in(random), centre.z + in(random)});
+  for (int k = 0; k < count; ++k)
+    points.push_back({centre.x + in(random), centre.y + in(random), centre.z + in(random)});
   return points;
 }
 
@@ -31,7 +31,8 @@ Vec3d in_clip(const ViewProjection& vp, Vec3d p) {
 }
 
 TEST(LightView, HoldsWhatItIsFittedTo) {
-  for (const Vec3d direction : {Vec3d{0, 0, 1}, Vec3d{0, 0, -3}, Vec3d{1, 0, 0}, Vec3d{0.3, -0.5, 0.8}, Vec3d{1e-200, 2e-200, 0}})
+  for (const Vec3d direction :
+       {Vec3d{0, 0, 1}, Vec3d{0, 0, -3}, Vec3d{1, 0, 0}, Vec3d{0.3, -0.5, 0.8}, Vec3d{1e-200, 2e-200, 0}})
     for (std::uint32_t seed = 0; seed < 20; ++seed) {
       const std::vector<Vec3d> receivers = some_points(seed, 10, {5, -3, 1}, 2),
                                casters = some_points(seed + 100, 10, {5, -3, 4}, 6);
@@ -93,7 +94,8 @@ TEST(LightView, PlacesModels) {
   const LightView view = fit_light({0, 0, 1}, receivers, {}, 256);
   const ModelPlacement twice{2, 0, 0, 99, 0, 2, 0, -1, 0, 0, 2, -1};
   const Vec3d model{0.25, 0.5, 0.75}, world{99.5, 0, 0.5};
-  const Vec3d a = in_clip(light_projection(view, twice), model), b = in_clip(light_projection(view, no_placement), world);
+  const Vec3d a = in_clip(light_projection(view, twice), model),
+              b = in_clip(light_projection(view, no_placement), world);
   EXPECT_NEAR(a.x, b.x, 1e-4);
   EXPECT_NEAR(a.y, b.y, 1e-4);
   EXPECT_NEAR(a.z, b.z, 1e-4);
