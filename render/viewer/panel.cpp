@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -92,9 +93,11 @@ void edit_blend(ViewSettings& settings) {
 
 // kappa0 and its rule; red where the guarantee does not hold.
 void edit_kappa0(ViewSettings& settings, const Admissibility& found) {
-  if (!found.admissible) ImGui::PushStyleColor(ImGuiCol_FrameBg, ImVec4{0.45f, 0.12f, 0.1f, 1});
+  constexpr std::array frames{ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive};
+  if (!found.admissible)
+    for (const ImGuiCol_ frame : frames) ImGui::PushStyleColor(frame, ImVec4{0.45f, 0.12f, 0.1f, 1});
   ImGui::SliderFloat("kappa0", &settings.kappa0, 0.25f, 32, "%.3f", ImGuiSliderFlags_Logarithmic);
-  if (!found.admissible) ImGui::PopStyleColor();
+  if (!found.admissible) ImGui::PopStyleColor(static_cast<int>(frames.size()));
   int rule = settings.rule == RadiiRule::uniform ? 1 : 0;
   ImGui::RadioButton("per level", &rule, 0);
   ImGui::SameLine();

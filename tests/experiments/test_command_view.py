@@ -63,20 +63,46 @@ class Pictures(ViewCase):
         self.assertEqual(viewer.settled(), whole)
         viewer.closed()
 
-    def test_panel_marks_what_is_inadmissible(self):
+    def marks(self, picture):
+        """Pixels in the colour of what is inadmissible."""
         red = bytes([255, 107, 92])
+        return sum(picture[i:i + 3] == red for i in range(0, len(picture), 3))
 
-        def marks(*arguments):
-            viewer = Viewer(self, hierarchy(), "--camera", self.camera_file(), *arguments)
-            viewer.wait_for(hierarchy().name)
-            picture = viewer.picture()
+    def with_panel(self, *arguments):
+        viewer = Viewer(self, hierarchy(), "--camera", self.camera_file(), *arguments)
+        viewer.wait_for(hierarchy().name)
+        return viewer
+
+    def test_panel_marks_what_is_inadmissible(self):
+        for arguments, marked in ((("--kappa0", 6, "--radii", "uniform"), False),
+                                  (("--kappa0", 0.5, "--radii", "uniform"), True),
+                                  (("--kappa0", 0.5), False), (("--blend", "step"), True)):
+            viewer = self.with_panel(*arguments)
+            self.assertEqual(self.marks(viewer.picture()) > 20, marked, arguments)
             viewer.closed()
-            return sum(picture[i:i + 3] == red for i in range(0, len(picture), 3))
 
-        self.assertEqual(marks("--kappa0", 6, "--radii", "uniform"), 0)
-        self.assertGreater(marks("--kappa0", 0.5, "--radii", "uniform"), 20)
-        self.assertEqual(marks("--kappa0", 0.5), 0)
-        self.assertGreater(marks("--blend", "step"), 20)
+    def test_the_panel_is_used_by_mouse(self):
+        """Where its buttons are is known; what they do is seen."""
+        viewer = self.with_panel()
+        kappa0, uniform, slider, levels = (190, 146), (120, 192), 169, (26, 318)
+        for button in (kappa0, uniform):
+            self.display.drag(button, button, steps=1, rest=0.5)
+        self.display.away()
+        self.assertEqual(self.marks(viewer.settled()), 0)
+        right = self.beside_panel(viewer.picture())
+        self.display.drag((90, slider), (24, slider), rest=0.5)
+        self.display.away()
+        coarse = viewer.settled()
+        self.assertGreater(self.marks(coarse), 20)
+        self.assertNotEqual(self.beside_panel(coarse), right)
+        self.display.drag(levels, levels, steps=1, rest=0.5)
+        self.display.away()
+        self.assertNotEqual(self.beside_panel(viewer.settled()), self.beside_panel(coarse))
+        found = viewer.closed()
+        self.assertEqual(found["camera"]["position"], CAMERA["position"])  # drags over the panel are the panel's
+
+    def beside_panel(self, picture):
+        return b"".join(picture[3 * (y * WIDTH + 350):3 * (y + 1) * WIDTH] for y in range(HEIGHT))
 
 
 class Steering(ViewCase):

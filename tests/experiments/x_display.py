@@ -169,12 +169,16 @@ class Display:
             self.button(number, True)
             self.button(number, False)
 
-    def drag(self, start, end, number=1, steps=6):
+    def drag(self, start, end, number=1, steps=6, rest=0.0):
+        """With a rest before anything else happens: a panel looks at the pointer once a frame."""
         self.move(*start)
+        time.sleep(rest)
         self.button(number, True)
         for i in range(1, steps + 1):
             self.move(*(a + (b - a) * i / steps for a, b in zip(start, end)))
+        time.sleep(rest)
         self.button(number, False)
+        time.sleep(rest)
 
     def away(self):
         """The pointer is part of the screen: out of the way."""
