@@ -1,0 +1,233 @@
+// An advancing front from seam to seam: the incremental side of ball pivoting (bernardini1999) with the Delaunay choice
+// of the third vertex, restricted to the borders of pieces that are there already (turk1994 zips by clipping instead).
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <queue>
+#include <unordered_map>
+
+#include "render/reconstruct/seam_mesh.h"
+
+namespace lodestone {
+namespace {
+
+struct Point2 {
+  float x = 0, y = 0;
+};
+inline Point2 operator-(Point2 a, Point2 b) { return {a.x - b.x, a.y - b.y}; }
+inline float cross2(Point2 a, Point2 b) { return a.x * b.y - a.y * b.x; }
+
+// A plane to judge a new triangle in.
+class Plane {
+ public:
+  Plane(Vec3f origin, Vec3f normal) : origin_(origin), n_(normal) {
+    const Vec3f aside = std::abs(n_.x) < 0.6f ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0};
+    u_ = cross(n_, aside);
+    u_ = (1 / length(u_)) * u_;
+    v_ = cross(n_, u_);
+  }
+  [[nodiscard]] Point2 at(Vec3f p) const { return {dot(p - origin_, u_), dot(p - origin_, v_)}; }
+  [[nodiscard]] float height(Vec3f p) const { return dot(p - origin_, n_); }
+  [[nodiscard]] Vec3f normal() const { return n_; }
+
+ private:
+  Vec3f origin_, n_, u_, v_;
+};
+
+// Counter-clockwise angle from a to b, in [0, 2 pi).
+float turn(Point2 a, Point2 b) {
+  const float angle = std::atan2(cross2(a, b), a.x * b.x + a.y * b.y);
+  return angle < 0 ? angle + 6.2831853f : angle;
+}
+
+class VertexGrid {
+ public:
+  explicit VertexGrid(float side) : side_(side) {}
+  void insert(std::uint32_t v, Vec3f p) { cells_[key(cell(p))].push_back(v); }
+  template <class Visit>
+  void for_near(Vec3f p, float radius, const Visit& visit) const {
+    const auto lo = cell({p.x - radius, p.y - radius, p.z - radius}), hi = cell({p.x + radius, p.y + radius, p.z + radius});
+    for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
+      for (std::int64_t y = lo[1]; y <= hi[1]; ++y)
+        for (std::int64_t x = lo[0]; x <= hi[0]; ++x)
+          if (const auto at = cells_.find(key({x, y, z})); at != cells_.end())
+            for (const std::uint32_t v : at->second) visit(v);
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  [[nodiscard]] Cell cell(Vec3f p) const {
+    return {static_cast<std::int64_t>(std::floor(p.x / side_)), static_cast<std::int64_t>(std::floor(p.y / side_)),
+            static_cast<std::int64_t>(std::floor(p.z / side_))};
+  }
+  [[nodiscard]] static std::uint64_t key(const Cell& c) {
+    const auto part = [](std::int64_t v) { return static_cast<std::uint64_t>(v) & 0x1F'FFFF; };
+    return part(c[0]) | part(c[1]) << 21 | part(c[2]) << 42;
+  }
+  float side_;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
+};
+
+struct Proposal {
+  float radius = 0;  // of the circumscribed circle
+  std::uint32_t a = 0, b = 0, c = 0;
+  friend bool operator<(const Proposal& s, const Proposal& t) {  // the queue gives the largest first
+    return s.radius != t.radius ? s.radius > t.radius : s.a != t.a ? s.a > t.a : s.b > t.b;
+  }
+};
+
+class Zipper {
+ public:
+  Zipper(SeamMesh& seam, const ZipConfig& config)
+      : s_(seam), config_(config), reach_(config.reach * config.spacing), grid_(0.7f * reach_) {}
+
+  std::size_t run() {
+    collect();
+    std::size_t added = 0;
+    while (!queue_.empty()) {
+      const Proposal best = queue_.top();
+      queue_.pop();
+      if (!s_.is_border(best.a, best.b)) continue;
+      Proposal now;
+      if (!propose(best.a, best.b, now)) continue;
+      if (now.radius > best.radius * 1.001f) {  // something came in between
+        queue_.push(now);
+        continue;
+      }
+      if (s_.mesh.add(now.b, now.a, now.c) == EditMesh::none) continue;
+      ++added;
+      push(now.a, now.c), push(now.c, now.b);
+    }
+    return added;
+  }
+
+ private:
+  void collect() {
+    for (std::uint32_t v = 0; v < s_.mesh.vertex_count(); ++v) {
+      bool border = false;
+      for (const EditMesh::Gap& gap : s_.mesh.gaps(v)) {
+        if (gap.next == EditMesh::none || !s_.is_border(v, gap.next)) continue;
+        border = true;
+        if (config_.rims || !(s_.rim[v] && s_.rim[gap.next])) push(v, gap.next);
+      }
+      if (border) grid_.insert(v, s_.position[v]);
+    }
+  }
+
+  void push(std::uint32_t a, std::uint32_t b) {
+    Proposal p;
+    if (s_.is_border(a, b) && propose(a, b, p)) queue_.push(p);
+  }
+
+  // The best triangle at the border edge a -> b.
+  bool propose(std::uint32_t a, std::uint32_t b, Proposal& result) {
+    const Vec3f pa = s_.position[a], pb = s_.position[b], middle = 0.5f * (pa + pb);
+    near_.clear();
+    choices_.clear();
+    grid_.for_near(middle, reach_, [&](std::uint32_t v) {
+      const Vec3f d = s_.position[v] - middle;
+      if (dot(d, d) > reach_ * reach_) return;
+      near_.push_back(v);
+      if (v == a || v == b) return;
+      const Vec3f ca = pa - s_.position[v], cb = pb - s_.position[v];
+      const float scale = std::sqrt(dot(ca, ca) * dot(cb, cb));
+      choices_.push_back({scale > 0 ? dot(ca, cb) / scale : 1.0f, v});
+    });
+    std::sort(choices_.begin(), choices_.end());  // the largest angle first
+    for (const auto& [cosine, c] : choices_) {
+      const float sine = std::sqrt(std::max(1 - cosine * cosine, 0.0f));
+      const float radius = sine > 0 ? 0.5f * length(pb - pa) / sine : reach_ * 2;
+      if (radius > reach_ || !fits(a, b, c)) continue;
+      result = {radius, a, b, c};
+      return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool fits(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    if (s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, b) != EditMesh::none) return false;
+    Vec3f mean = s_.normal[a] + s_.normal[b] + s_.normal[c];
+    const float norm = length(mean);
+    if (!(norm > 0.3f)) return false;
+    mean = (1 / norm) * mean;
+    const Vec3f area = area_vector(s_, b, a, c);
+    if (!(dot(area, mean) > config_.least_cosine * length(area)) || !(dot(area, area) > 0)) return false;
+    // Between the mean of the normals and that of the triangle itself, both fans and the new triangle are seen well.
+    Vec3f up = mean + (1 / length(area)) * area;
+    up = (1 / length(up)) * up;
+    const Plane plane(s_.position[c], up);
+    return has_room(plane, a, b, c) && is_free(plane, a, b, c);
+  }
+
+  // Whether the corners' gaps hold the triangle.
+  [[nodiscard]] bool has_room(const Plane& plane, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const auto direction = [&](std::uint32_t from, std::uint32_t to) {
+      return plane.at(s_.position[to]) - plane.at(s_.position[from]);
+    };
+    // From `previous` counter-clockwise to `next` it is empty.
+    const auto place = [&](std::uint32_t v, const EditMesh::Gap& gap, std::uint32_t x) {
+      return x == gap.previous ? 0.0f : turn(direction(v, gap.previous), direction(v, x));
+    };
+    const auto width = [&](std::uint32_t v, const EditMesh::Gap& gap) {
+      if (gap.next == gap.previous) return 6.2831853f;
+      return turn(direction(v, gap.previous), direction(v, gap.next));
+    };
+    bool room = false;
+    for (const EditMesh::Gap& gap : s_.mesh.gaps(a))
+      if (gap.next == b) room = c == gap.previous || place(a, gap, c) < width(a, gap);
+    if (!room) return false;
+    room = false;
+    for (const EditMesh::Gap& gap : s_.mesh.gaps(b))
+      if (gap.previous == a) room = c == gap.next || place(b, gap, c) < width(b, gap);
+    if (!room) return false;
+    for (const EditMesh::Gap& gap : s_.mesh.gaps(c)) {
+      if (gap.next == EditMesh::none || !s_.is_border(c, gap.next)) continue;
+      const float all = width(c, gap), to_b = place(c, gap, b), to_a = a == gap.next ? all : place(c, gap, a);
+      if (to_b < to_a && to_a <= all) return true;
+    }
+    return false;
+  }
+
+  // Whether no other vertex lies in the triangle and no border crosses its new edges.
+  [[nodiscard]] bool is_free(const Plane& plane, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const Point2 qa = plane.at(s_.position[a]), qb = plane.at(s_.position[b]), qc = plane.at(s_.position[c]);
+    const float depth = 1.5f * config_.spacing;
+    const auto beside = [&](std::uint32_t v) {
+      return std::abs(plane.height(s_.position[v])) < depth && dot(s_.normal[v], plane.normal()) > 0;
+    };
+    const auto crosses = [&](Point2 p, Point2 q, Point2 r, Point2 t) {
+      return (cross2(q - p, r - p) > 0) != (cross2(q - p, t - p) > 0) &&
+             (cross2(t - r, p - r) > 0) != (cross2(t - r, q - r) > 0);
+    };
+    for (const std::uint32_t v : near_) {
+      const bool corner = v == a || v == b || v == c;
+      const Point2 q = plane.at(s_.position[v]);
+      if (!corner) {
+        if (!beside(v)) continue;
+        if (cross2(qa - qb, q - qb) > 0 && cross2(qc - qa, q - qa) > 0 && cross2(qb - qc, q - qc) > 0) return false;
+      }
+      for (const EditMesh::Gap& gap : s_.mesh.gaps(v)) {
+        const std::uint32_t w = gap.next;
+        if (w == EditMesh::none || !beside(w)) continue;
+        const Point2 r = plane.at(s_.position[w]);
+        if (v != a && v != c && w != a && w != c && crosses(qa, qc, q, r)) return false;
+        if (v != b && v != c && w != b && w != c && crosses(qb, qc, q, r)) return false;
+      }
+    }
+    return true;
+  }
+
+  SeamMesh& s_;
+  const ZipConfig& config_;
+  float reach_;
+  VertexGrid grid_;
+  std::priority_queue<Proposal> queue_;
+  std::vector<std::uint32_t> near_;
+  std::vector<std::pair<float, std::uint32_t>> choices_;
+};
+
+}  // namespace
+
+std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config) { return Zipper(seam, config).run(); }
+
+}  // namespace lodestone
