@@ -96,6 +96,7 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
             {"hole_triangles", r.stitch.hole_triangles},
             {"holes_open", r.stitch.holes_open},
             {"open_length", r.stitch.open_length * scale},
+            {"crumbs", r.stitch.crumbs},
             {"vertices_split", r.stitch.vertices_split},
             {"collapsed", r.stitch.collapsed},
             {"flipped", r.stitch.flipped}}},
@@ -241,6 +242,7 @@ void add_reconstruct(CLI::App& app) {
   command.add_option("--slack", config.slack, "A jump of so many pixel spacings is bridged anyway")->capture_default_str();
   command.add_option("--sharp", config.sharp_degrees, "Angle in degrees from which sharp features are recovered; 0: none")->capture_default_str();
   command.add_option("--fill", config.longest_hole, "Fill holes up to this perimeter, in pixel spacings")->capture_default_str();
+  command.add_flag("!--no-condense", config.condense, "Draw the maps at the resolution itself, not at twice that");
   command.add_flag("!--no-extend", config.extend, "Do not extend borders to the silhouette");
   command.add_flag("!--no-parts", config.separate_parts, "Connect parts of the mesh that share no vertex, too");
   command.add_flag("--measure", options->measure, "Measure the distance from the input, both ways");

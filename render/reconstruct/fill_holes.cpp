@@ -142,6 +142,28 @@ FillResult fill_holes(SeamMesh& seam, const FillConfig& config) {
   return result;
 }
 
+std::size_t drop_crumbs(SeamMesh& seam, std::size_t least_triangles) {
+  std::vector<std::uint8_t> reached(seam.mesh.triangle_count(), 0);
+  std::vector<std::uint32_t> piece;
+  std::size_t dropped = 0;
+  for (std::uint32_t first = 0; first < seam.mesh.triangle_count(); ++first) {
+    if (!seam.mesh.alive(first) || reached[first]) continue;
+    piece.assign(1, first);
+    reached[first] = 1;
+    bool goes_on = false;  // outside of this part of the mesh
+    for (std::size_t k = 0; k < piece.size(); ++k)
+      for (const std::uint32_t v : seam.mesh.triangle(piece[k]).v) {
+        goes_on |= seam.frozen[v] != 0;
+        for (const std::uint32_t t : seam.mesh.around(v))
+          if (!reached[t]) reached[t] = 1, piece.push_back(t);
+      }
+    if (goes_on || piece.size() >= least_triangles) continue;
+    for (const std::uint32_t t : piece) seam.mesh.remove(t);
+    dropped += piece.size();
+  }
+  return dropped;
+}
+
 std::size_t split_vertices(SeamMesh& seam) {
   std::size_t added = 0;
   const std::size_t count = seam.mesh.vertex_count();

@@ -28,6 +28,7 @@ struct MergedMesh {
 struct MergeConfig {
   OwnershipConfig ownership;
   bool closed = false;           // the surface has no border: outlines are holes, too
+  std::size_t least_piece = 20;  // separate pieces of fewer triangles are left out
   float longest_hole = 48;       // perimeter of holes that are filled, in spacings; 0: none
 };
 
@@ -36,6 +37,7 @@ struct StitchReport {
   std::size_t zipped = 0;          // triangles between pieces
   std::size_t holes_filled = 0, hole_triangles = 0, holes_open = 0;
   double open_length = 0;          // of all borders that are left, normalised units
+  std::size_t crumbs = 0;          // triangles of pieces that were left out
   std::size_t vertices_split = 0;  // where surfaces touched in a vertex
   std::size_t collapsed = 0, flipped = 0;
   StageTime own, zip;              // choosing and gathering; from zipping on

@@ -10,6 +10,7 @@
 #include "core/mesh/edge_census.h"
 #include "parallel/cpu_clock.h"
 #include "render/position_map/map_renderer.h"
+#include "render/reconstruct/condense_map.h"
 #include "render/reconstruct/gather.h"
 #include "render/reconstruct/label_parts.h"
 
@@ -51,24 +52,58 @@ EdgeCensus census_of(const IndexedMesh& mesh) {
   return count_edges(welded, mesh.positions.size());
 }
 
-void prepare_map(PositionMap& map, const ReconstructConfig& config) {
+// What was filled may be connected with everything around it.
+void allow_links(const PositionMap& map, std::span<const std::uint32_t> filled, std::vector<std::uint8_t>& links) {
+  const auto width = static_cast<std::uint32_t>(map.view.width);
+  for (const std::uint32_t i : filled) {
+    links[i] = link_all;
+    if (i >= 1) links[i - 1] |= link_right | link_across;
+    if (i >= width) links[i - width] |= link_down | link_across;
+    if (i >= width + 1) links[i - width - 1] |= link_diagonal;
+  }
+}
+
+void prepare_map(PositionMap& map, std::vector<std::uint8_t>& links, const ReconstructConfig& config) {
   if (map.normal.empty()) estimate_normals(map);
-  if (config.extend) extend_to_silhouette(map, config.max_slope);
+  if (!config.extend) return;
+  const std::vector<std::uint32_t> filled = extend_to_silhouette(map, config.max_slope);
+  if (!links.empty()) allow_links(map, filled, links);
+}
+
+// The map of a view, condensed from a finer one where that is wanted.
+void draw_map(MapRenderer& renderer, const MapView& view, const ReconstructConfig& config, DrawnMaps& drawn,
+              Scheduler& scheduler) {
+  const MapChannels channels{config.attributes, config.attributes};
+  if (!config.condense) {
+    drawn.maps.push_back(renderer.draw(view, channels));
+    drawn.links.emplace_back();
+    return;
+  }
+  const PositionMap fine = renderer.draw(finer_view(view), channels);
+  CondensedMap condensed = condensed_like(fine, view);
+  CondenseConfig condense_config;
+  condense_config.connect = {config.max_slope, config.slack, drawn.oriented, drawn.parts, {}};
+  scheduler.for_chunks(static_cast<std::size_t>(view.height), block_rows, [&](ChunkRange range) {
+    condense_rows(fine, condense_config, static_cast<int>(range.begin), static_cast<int>(range.end), condensed);
+  });
+  drawn.maps.push_back(std::move(condensed.map));
+  drawn.links.push_back(std::move(condensed.links));
 }
 
 std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& config, ReconstructReport& report,
                                     Scheduler& scheduler) {
   scheduler.for_chunks(drawn.maps.size(), 1,
-                       [&](ChunkRange range) { prepare_map(drawn.maps[range.index], config); });
+                       [&](ChunkRange range) { prepare_map(drawn.maps[range.index], drawn.links[range.index], config); });
   std::vector<MergeView> views(drawn.maps.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
     views[v].map = &drawn.maps[v];
     views[v].mesh.cells.resize(drawn.maps[v].view.pixels());
   }
-  const ConnectConfig connect_config{config.max_slope, config.slack, drawn.oriented, drawn.parts};
   std::atomic<std::uint64_t> triangles{0}, seen{0};
   for_blocks(row_blocks(views), scheduler, [&](const RowBlock& block, std::size_t) {
     MergeView& view = views[block.view];
+    const ConnectConfig connect_config{config.max_slope, config.slack, drawn.oriented, drawn.parts,
+                                       drawn.links[block.view]};
     connect_rows(*view.map, connect_config, block.first, block.last, view.mesh);
     std::uint64_t own = 0, own_seen = 0;
     const auto width = static_cast<std::size_t>(view.map->view.width);
@@ -111,7 +146,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   const Box3f box = box_of(mesh);
   const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
   for (const Vec3d& direction : report.views.directions)
-    drawn.maps.push_back(renderer->draw(view_towards(box, direction, config), {config.attributes, config.attributes}));
+    draw_map(*renderer, view_towards(box, direction, config), config, drawn, scheduler);
   report.draw = draw_clock.elapsed();
   return drawn;
 }

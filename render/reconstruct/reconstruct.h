@@ -26,6 +26,7 @@ struct ReconstructConfig {
   ViewChoice views;
   float max_slope = 8;         // depth over width, see ConnectConfig
   float slack = 1;             // pixel spacings, likewise
+  bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
   bool extend = true;          // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
   float longest_hole = 48;     // spacings, see MergeConfig
@@ -56,6 +57,7 @@ struct Reconstruction {
 // The two halves of it: maps drawn here or read from files (map_files.h), and a mesh from maps.
 struct DrawnMaps {
   std::vector<PositionMap> maps;
+  std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
   bool closed = false;
   bool oriented = true;              // neighbouring triangles agree on what is outside
   std::vector<std::uint32_t> parts;  // of the triangles; empty: one

@@ -54,8 +54,10 @@ struct FillResult {
 };
 FillResult fill_holes(SeamMesh& seam, const FillConfig& config);
 
-// Removes triangles that hold together by nothing but a vertex, so that what is left has one fan per vertex: vertices of
-// several fans become several vertices. Returns how many were added.
+// Removes pieces of fewer triangles that hang together with nothing else. Returns how many triangles went.
+std::size_t drop_crumbs(SeamMesh& seam, std::size_t least_triangles);
+
+// Vertices of several fans of triangles become several vertices. Returns how many were added.
 std::size_t split_vertices(SeamMesh& seam);
 
 struct TidyConfig {

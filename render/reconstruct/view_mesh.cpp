@@ -7,44 +7,48 @@
 namespace lodestone {
 namespace {
 
-// What connecting needs to know of the pixels of a row.
-struct RowSlopes {
-  std::vector<float> right, down;  // change of depth to the next pixel in the tangent plane, at most max_slope spacings
-  std::vector<float> depth, slack;
-  std::vector<std::uint32_t> kind;  // pixels of different kinds are never connected; no_triangle: nothing is seen
+// What connecting needs to know of a pixel.
+struct Corner {
+  float depth = 0;
+  float right = 0, down = 0;  // change of depth to the next pixel in the tangent plane, at most max_slope spacings
+  float slack = 0;
+  std::uint32_t kind = no_triangle;  // pixels of different kinds are never connected; no_triangle: nothing is seen
 };
 
-class RowReader {
+class CornerReader {
  public:
-  RowReader(const PositionMap& map, const ConnectConfig& config) : map_(map), config_(config) {}
+  CornerReader(const PositionMap& map, const ConnectConfig& config)
+      : map_(map),
+        config_(config),
+        right_(to_float(map.view.right)),
+        up_(to_float(map.view.up)),
+        forward_(to_float(map.view.forward)),
+        pixel_(static_cast<float>(map.view.pixel)),
+        central_(map.view.projection == Projection::perspective) {}
 
-  void read(int y, RowSlopes& row) const {
+  [[nodiscard]] Corner read(std::size_t i) const {
+    const float depth = map_.depth[i];
+    const Vec3f n = map_.normal[i];
+    const Vec3f ray = central_ ? ray_at(i) : forward_;
+    const float h = central_ ? pixel_ * depth : pixel_, facing = dot(n, ray), limit = config_.max_slope * h;
+    // A triangle that is seen from its edge, or has no normal, tells nothing.
+    const float scale = facing != 0 ? h / facing : 0;
+    return {depth, std::clamp(-scale * dot(n, right_), -limit, limit), std::clamp(scale * dot(n, up_), -limit, limit),
+            config_.slack * h, kind_of(map_.triangle[i], facing)};
+  }
+
+  void read_row(int y, std::vector<Corner>& row) const {
     const auto width = static_cast<std::size_t>(map_.view.width);
-    row.right.resize(width), row.down.resize(width), row.depth.resize(width), row.slack.resize(width);
-    row.kind.resize(width);
-    const std::size_t first = static_cast<std::size_t>(y) * width;
-    const bool central = map_.view.projection == Projection::perspective;
-    const Vec3f r = to_float(map_.view.right), u = to_float(map_.view.up), f = to_float(map_.view.forward);
-    const auto pixel = static_cast<float>(map_.view.pixel);
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::size_t i = first + x;
-      const float depth = map_.depth[i];
-      const Vec3f n = map_.normal[i];
-      Vec3f ray = f;
-      if (central) ray = to_float(ray_through(map_.view, static_cast<double>(x) + 0.5, y + 0.5).direction);
-      const float h = central ? pixel * depth : pixel, facing = dot(n, ray);
-      const float limit = config_.max_slope * h;
-      // A triangle that is seen from its edge, or has no normal, tells nothing: its slopes are taken as the steepest.
-      const float scale = facing != 0 ? h / facing : 0;
-      row.right[x] = std::clamp(-scale * dot(n, r), -limit, limit);
-      row.down[x] = std::clamp(scale * dot(n, u), -limit, limit);
-      row.depth[x] = depth;
-      row.slack[x] = config_.slack * h;
-      row.kind[x] = kind_of(map_.triangle[i], facing);
-    }
+    row.resize(width);
+    for (std::size_t x = 0; x < width; ++x) row[x] = read(static_cast<std::size_t>(y) * width + x);
   }
 
  private:
+  [[nodiscard]] Vec3f ray_at(std::size_t i) const {
+    const auto width = static_cast<std::size_t>(map_.view.width);
+    return to_float(
+        ray_through(map_.view, static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5).direction);
+  }
   // The part, and whether it is the inside that is seen.
   [[nodiscard]] std::uint32_t kind_of(std::uint32_t triangle, float facing) const {
     if (triangle == no_triangle) return no_triangle;
@@ -54,6 +58,9 @@ class RowReader {
 
   const PositionMap& map_;
   const ConnectConfig& config_;
+  Vec3f right_, up_, forward_;
+  float pixel_;
+  bool central_;
 };
 
 // Whether depth may change by `jump` where the slopes at the two ends predict `a` and `b`.
@@ -63,15 +70,6 @@ inline bool is_smooth(float jump, float a, float b, float slack) {
   return (jump >= lo - tolerance) & (jump <= hi + tolerance);
 }
 
-struct Corner {
-  float depth, right, down, slack;
-  std::uint32_t kind;
-};
-
-inline Corner corner_of(const RowSlopes& row, std::size_t x) {
-  return {row.depth[x], row.right[x], row.down[x], row.slack[x], row.kind[x]};
-}
-
 // (dx, dy): the step from a to b, in pixels.
 inline bool are_connected(const Corner& a, const Corner& b, float dx, float dy) {
   return (a.kind == b.kind) & (a.kind != no_triangle) &
@@ -79,11 +77,16 @@ inline bool are_connected(const Corner& a, const Corner& b, float dx, float dy) 
                    std::max(a.slack, b.slack) * (dx != 0 && dy != 0 ? 1.4142f : 1.0f));
 }
 
-std::uint8_t cell_of(const Corner& p, const Corner& q, const Corner& r, const Corner& s) {
-  const bool pq = are_connected(p, q, 1, 0), rs = are_connected(r, s, 1, 0), pr = are_connected(p, r, 0, 1),
-             qs = are_connected(q, s, 0, 1);
+// `links`: what is allowed between p and q, r and s, p and r, q and s, p and s, q and r.
+struct CellLinks {
+  bool pq = true, rs = true, pr = true, qs = true, ps = true, qr = true;
+};
+
+std::uint8_t cell_of(const Corner& p, const Corner& q, const Corner& r, const Corner& s, const CellLinks& links) {
+  const bool pq = links.pq & are_connected(p, q, 1, 0), rs = links.rs & are_connected(r, s, 1, 0),
+             pr = links.pr & are_connected(p, r, 0, 1), qs = links.qs & are_connected(q, s, 0, 1);
   if (pq + rs + pr + qs < 2) return 0;
-  const bool ps = are_connected(p, s, 1, 1), qr = are_connected(q, r, -1, 1);
+  const bool ps = links.ps & are_connected(p, s, 1, 1), qr = links.qr & are_connected(q, r, -1, 1);
   constexpr unsigned prs = cell_prs, psq = cell_psq, prq = cell_prq, rsq = cell_rsq;
   const unsigned first = (pr & rs & ps ? prs : 0u) | (ps & qs & pq ? psq : 0u);
   const unsigned second = (pr & qr & pq ? prq : 0u) | (rs & qs & qr ? rsq : 0u);
@@ -101,24 +104,34 @@ std::uint8_t cell_of(const Corner& p, const Corner& q, const Corner& r, const Co
 
 }  // namespace
 
+bool are_connected(const PositionMap& map, const ConnectConfig& config, std::size_t a, std::size_t b, int dx, int dy) {
+  const CornerReader reader(map, config);
+  return are_connected(reader.read(a), reader.read(b), static_cast<float>(dx), static_cast<float>(dy));
+}
+
 void connect_rows(const PositionMap& map, const ConnectConfig& config, int first, int last, ViewMesh& mesh) {
   const auto width = static_cast<std::size_t>(map.view.width);
-  const RowReader reader(map, config);
-  RowSlopes above, below;
-  reader.read(first, above);
+  const CornerReader reader(map, config);
+  std::vector<Corner> above, below;
+  reader.read_row(first, above);
   for (int y = first; y < last; ++y) {
     std::uint8_t* cells = mesh.cells.data() + static_cast<std::size_t>(y) * width;
     if (y + 1 == map.view.height) {
       std::fill(cells, cells + width, std::uint8_t{0});
       return;
     }
-    reader.read(y + 1, below);
-    Corner p = corner_of(above, 0), r = corner_of(below, 0);
+    reader.read_row(y + 1, below);
+    const std::uint8_t* links = config.links.empty() ? nullptr : config.links.data() + static_cast<std::size_t>(y) * width;
     for (std::size_t x = 0; x + 1 < width; ++x) {
-      const Corner q = corner_of(above, x + 1), s = corner_of(below, x + 1);
+      const Corner &p = above[x], &q = above[x + 1], &r = below[x], &s = below[x + 1];
       const int seen = (p.kind != no_triangle) + (q.kind != no_triangle) + (r.kind != no_triangle) + (s.kind != no_triangle);
-      cells[x] = seen < 3 ? 0 : cell_of(p, q, r, s);
-      p = q, r = s;
+      CellLinks allowed;
+      if (links) {
+        const std::uint8_t here = links[x];
+        allowed = {(here & link_right) != 0,     (links[x + width] & link_right) != 0, (here & link_down) != 0,
+                   (links[x + 1] & link_down) != 0, (here & link_diagonal) != 0,       (here & link_across) != 0};
+      }
+      cells[x] = seen < 3 ? 0 : cell_of(p, q, r, s, allowed);
     }
     cells[width - 1] = 0;
     std::swap(above, below);

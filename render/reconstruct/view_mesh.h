@@ -27,7 +27,17 @@ struct ConnectConfig {
   bool oriented = true;  // the mesh's triangles agree on what is outside: never connect an outside with an inside
   // Of each triangle of the mesh, parts that are never connected with each other; empty: all is one.
   std::span<const std::uint32_t> parts{};
+  // Of each pixel, which neighbours a finer map has found it connected with (LinkBits, condense_map.h); empty: not known.
+  std::span<const std::uint8_t> links{};
 };
+
+// From a pixel to the one at its right, the one below, the one right of that; and from its right one to the one below.
+enum LinkBits : std::uint8_t { link_right = 1, link_down = 2, link_diagonal = 4, link_across = 8, link_all = 15 };
+
+// Whether two pixels of a map are connected, `b` being (dx, dy) pixels away from `a`, at most one in each direction. The
+// definition, pixel by pixel; connect_rows keeps what it finds for a whole row.
+[[nodiscard]] bool are_connected(const PositionMap& map, const ConnectConfig& config, std::size_t a, std::size_t b, int dx,
+                                 int dy);
 
 enum CellBits : std::uint8_t { cell_prs = 1, cell_psq = 2, cell_prq = 4, cell_rsq = 8, cell_triangles = 15, cell_turned = 16 };
 
