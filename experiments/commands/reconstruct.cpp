@@ -243,7 +243,7 @@ void add_reconstruct(CLI::App& app) {
   command.add_option("--sharp", config.sharp_degrees, "Angle in degrees from which sharp features are recovered; 0: none")->capture_default_str();
   command.add_option("--fill", config.longest_hole, "Fill holes up to this perimeter, in pixel spacings")->capture_default_str();
   command.add_flag("!--no-condense", config.condense, "Draw the maps at the resolution itself, not at twice that");
-  command.add_flag("!--no-extend", config.extend, "Do not extend borders to the silhouette");
+  command.add_flag("--extend", config.extend, "Extend borders to the silhouette: for single views, and parts of a pixel's width");
   command.add_flag("!--no-parts", config.separate_parts, "Connect parts of the mesh that share no vertex, too");
   command.add_flag("--measure", options->measure, "Measure the distance from the input, both ways");
   add_input_options(command, options->reading);

@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 #include "render/position_map/rasterize_map.h"
-#if defined(LODESTONE_GL) && __has_include("render/backends/gl/gl_position_map.h")
+#ifdef LODESTONE_GL
 #include "render/backends/gl/gl_position_map.h"
 #endif
 
@@ -29,7 +29,7 @@ std::unique_ptr<MapRenderer> make_map_renderer(std::string_view backend, const I
                                                Scheduler& scheduler) {
   if (backend == "soft") return std::make_unique<SoftMapRenderer>(mesh, scheduler);
   if (backend == "gl") {
-#if defined(LODESTONE_GL) && __has_include("render/backends/gl/gl_position_map.h")
+#ifdef LODESTONE_GL
     return make_gl_map_renderer(mesh, scheduler);
 #else
     throw UnsupportedError("--backend gl: this program was built without OpenGL; use --backend soft");

@@ -73,6 +73,8 @@ void zip(SeamMesh& seam, const MergeConfig& config, StitchReport& report) {
   const auto spacing = static_cast<float>(config.ownership.reference_spacing);
   const TidyConfig tidy{.spacing = spacing};
   report.zipped = zip_seams(seam, {.spacing = spacing, .rims = config.closed});
+  // What is left are ends of thin parts, where the surface turns back within a sample or two.
+  report.zipped += zip_seams(seam, {.spacing = spacing, .least_cosine = -0.5f, .rims = config.closed});
   report.vertices_split = split_vertices(seam);
   const FillResult filled =
       fill_holes(seam, {.spacing = spacing, .longest = config.longest_hole, .rims = config.closed});

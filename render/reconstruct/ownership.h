@@ -21,7 +21,7 @@ namespace lodestone {
 struct OwnershipConfig {
   double reference_spacing = 1;  // of samples: distances are judged in this unit; normalised units, > 0
   int spread = 6;                // rounds of averaging with connected neighbours
-  int least_island = 40;         // pieces of fewer triangles go to the next best view
+  int least_island = 1;          // pieces of fewer triangles go to the next best view
   std::span<const std::uint32_t> parts{};  // as in ConnectConfig: no view owns a point of another part
 };
 

@@ -27,9 +27,9 @@ struct ReconstructConfig {
   float max_slope = 8;         // depth over width, see ConnectConfig
   float slack = 1;             // pixel spacings, likewise
   bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
-  bool extend = true;          // boundaries to the silhouette
+  bool extend = false;         // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
-  float longest_hole = 48;     // spacings, see MergeConfig
+  float longest_hole = 16;     // spacings, see MergeConfig
   float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
   bool attributes = false;     // texture coordinates, colours, materials
 };

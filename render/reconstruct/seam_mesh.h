@@ -33,8 +33,8 @@ struct SeamMesh {
 
 struct ZipConfig {
   float spacing = 0;        // of the samples, the unit of the following; > 0
-  float reach = 3.5f;       // a new triangle's circumscribed circle has at most this radius
-  float least_cosine = 0.1f;  // between a new triangle and the mean of the normals at its corners
+  float reach = 2.5f;       // a new triangle's circumscribed circle has at most this radius
+  float least_cosine = 0.2f;  // between a new triangle and the normals at its corners; above -1
   bool rims = false;        // also between outlines: the input is closed
 };
 // Adds triangles from border edge to border vertex, roundest first, until nothing fits: of all vertices that an edge can

@@ -146,43 +146,45 @@ class Zipper {
 
   [[nodiscard]] bool fits(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     if (s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, b) != EditMesh::none) return false;
-    Vec3f mean = s_.normal[a] + s_.normal[b] + s_.normal[c];
-    const float norm = length(mean);
-    if (!(norm > 0.3f)) return false;
-    mean = (1 / norm) * mean;
     const Vec3f area = area_vector(s_, b, a, c);
-    if (!(dot(area, mean) > config_.least_cosine * length(area)) || !(dot(area, area) > 0)) return false;
-    // Between the mean of the normals and that of the triangle itself, both fans and the new triangle are seen well.
-    Vec3f up = mean + (1 / length(area)) * area;
-    up = (1 / length(up)) * up;
-    const Plane plane(s_.position[c], up);
-    return has_room(plane, a, b, c) && is_free(plane, a, b, c);
+    const float size = length(area);
+    if (!(size > 0)) return false;
+    const Vec3f normal = (1 / size) * area;
+    for (const std::uint32_t v : {a, b, c})
+      if (!(dot(normal, s_.normal[v]) > config_.least_cosine)) return false;
+    return has_room(normal, a, b, c) && is_free(Plane(s_.position[c], normal), a, b, c);
+  }
+
+  // Half way between the fan at a vertex and the new triangle both are seen well.
+  [[nodiscard]] Plane plane_at(std::uint32_t v, Vec3f normal) const {
+    const Vec3f up = s_.normal[v] + normal;
+    return {s_.position[v], (1 / length(up)) * up};
   }
 
   // Whether the corners' gaps hold the triangle.
-  [[nodiscard]] bool has_room(const Plane& plane, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    const auto direction = [&](std::uint32_t from, std::uint32_t to) {
-      return plane.at(s_.position[to]) - plane.at(s_.position[from]);
+  [[nodiscard]] bool has_room(Vec3f normal, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    const auto angle = [&](const Plane& plane, std::uint32_t from, std::uint32_t to) {
+      return turn(plane.at(s_.position[from]), plane.at(s_.position[to]));
     };
     // From `previous` counter-clockwise to `next` it is empty.
-    const auto place = [&](std::uint32_t v, const EditMesh::Gap& gap, std::uint32_t x) {
-      return x == gap.previous ? 0.0f : turn(direction(v, gap.previous), direction(v, x));
+    const auto place = [&](const Plane& plane, const EditMesh::Gap& gap, std::uint32_t x) {
+      return x == gap.previous ? 0.0f : angle(plane, gap.previous, x);
     };
-    const auto width = [&](std::uint32_t v, const EditMesh::Gap& gap) {
-      if (gap.next == gap.previous) return 6.2831853f;
-      return turn(direction(v, gap.previous), direction(v, gap.next));
+    const auto width = [&](const Plane& plane, const EditMesh::Gap& gap) {
+      return gap.next == gap.previous ? 6.2831853f : angle(plane, gap.previous, gap.next);
     };
     bool room = false;
+    const Plane at_a = plane_at(a, normal), at_b = plane_at(b, normal), at_c = plane_at(c, normal);
     for (const EditMesh::Gap& gap : s_.mesh.gaps(a))
-      if (gap.next == b) room = c == gap.previous || place(a, gap, c) < width(a, gap);
+      if (gap.next == b) room = c == gap.previous || place(at_a, gap, c) < width(at_a, gap);
     if (!room) return false;
     room = false;
     for (const EditMesh::Gap& gap : s_.mesh.gaps(b))
-      if (gap.previous == a) room = c == gap.next || place(b, gap, c) < width(b, gap);
+      if (gap.previous == a) room = c == gap.next || place(at_b, gap, c) < width(at_b, gap);
     if (!room) return false;
     for (const EditMesh::Gap& gap : s_.mesh.gaps(c)) {
       if (gap.next == EditMesh::none || !s_.is_border(c, gap.next)) continue;
-      const float all = width(c, gap), to_b = place(c, gap, b), to_a = a == gap.next ? all : place(c, gap, a);
+      const float all = width(at_c, gap), to_b = place(at_c, gap, b), to_a = a == gap.next ? all : place(at_c, gap, a);
       if (to_b < to_a && to_a <= all) return true;
     }
     return false;
@@ -191,7 +193,7 @@ class Zipper {
   // Whether no other vertex lies in the triangle and no border crosses its new edges.
   [[nodiscard]] bool is_free(const Plane& plane, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     const Point2 qa = plane.at(s_.position[a]), qb = plane.at(s_.position[b]), qc = plane.at(s_.position[c]);
-    const float depth = 1.5f * config_.spacing;
+    const float depth = 0.8f * config_.spacing;
     const auto beside = [&](std::uint32_t v) {
       return std::abs(plane.height(s_.position[v])) < depth && dot(s_.normal[v], plane.normal()) > 0;
     };
