@@ -38,7 +38,8 @@ ViewChoice view_choice(const std::string& text) {
     choice.most = choice.least = 6;
     return choice;
   }
-  if (text.empty() || text.size() > 3 || text.find_first_not_of("0123456789") != std::string::npos || std::stoi(text) < 1)
+  if (text.empty() || text.size() > 3 || text.find_first_not_of("0123456789") != std::string::npos ||
+      std::stoi(text) < 1)
     throw InputError("--views: '" + text + "' is none of faces, auto or a number from 1 to 999");
   choice.most = choice.least = std::stoi(text);
   return choice;
@@ -115,7 +116,8 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
 std::string level_name(const std::string& output, int level) {
   if (level == 0) return output;
   const std::filesystem::path path(output);
-  return (path.parent_path() / (path.stem().string() + "." + std::to_string(level) + path.extension().string())).string();
+  return (path.parent_path() / (path.stem().string() + "." + std::to_string(level) + path.extension().string()))
+      .string();
 }
 
 RawMesh original_space(const IndexedMesh& mesh) {
@@ -189,17 +191,21 @@ class ReconstructRun {
     if (options_.measure) {
       progress_.phase("comparing");
       const MeshDistance d = compare_meshes(original_space(mesh_), result.mesh, {}, scheduler);
-      row["distance"] = {{"diagonal", d.diagonal}, {"from_input", to_json(d.forward)}, {"to_input", to_json(d.backward)}};
-      distances = fmt::format(", rms {:.4f} / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal", 100 * d.forward.rms / d.diagonal,
-                              100 * d.backward.rms / d.diagonal, 100 * d.forward.max / d.diagonal, 100 * d.backward.max / d.diagonal);
+      row["distance"] = {
+          {"diagonal", d.diagonal}, {"from_input", to_json(d.forward)}, {"to_input", to_json(d.backward)}};
+      distances = fmt::format(", rms {:.4f} / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal",
+                              100 * d.forward.rms / d.diagonal, 100 * d.backward.rms / d.diagonal,
+                              100 * d.forward.max / d.diagonal, 100 * d.backward.max / d.diagonal);
     }
     if (common_.quiet || common_.json == "-") return row;
     progress_.clear();
     const ReconstructReport& r = result.report;
-    fmt::print("{}: {} triangles at {:.0f} pixels from {} views; {}{}, slivers {:.2f} %, covered {:.2f} of {:.2f} %{}\n", output,
-               quality.triangles, resolution, r.views.directions.size(), quality.manifold() ? "manifold" : "not manifold",
-               quality.closed() ? ", closed" : fmt::format(", {} border edges", quality.border_edges),
-               100 * quality.sliver_share(), 100 * r.views.covered, 100 * r.views.visible, distances);
+    fmt::print(
+        "{}: {} triangles at {:.0f} pixels from {} views; {}{}, slivers {:.2f} %, covered {:.2f} of {:.2f} %{}\n",
+        output, quality.triangles, resolution, r.views.directions.size(),
+        quality.manifold() ? "manifold" : "not manifold",
+        quality.closed() ? ", closed" : fmt::format(", {} border edges", quality.border_edges),
+        100 * quality.sliver_share(), 100 * r.views.covered, 100 * r.views.visible, distances);
     return row;
   }
 
@@ -223,27 +229,41 @@ void add_reconstruct(CLI::App& app) {
                                   common);
   command.add_option("IN", options->input, std::string("Mesh: ") + mesh_formats)->required();
   command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .stl or .glb")->required();
-  command.add_option("--views", options->views, "faces: the six of the bounding box; auto: and more by uncovered area; or how many")
+  command
+      .add_option("--views", options->views,
+                  "faces: the six of the bounding box; auto: and more by uncovered area; or how many")
       ->capture_default_str();
   CLI::Option* resolution =
-      command.add_option("--resolution", config.resolution, "Pixels along the longest side of the bounding box")->capture_default_str();
-  CLI::Option* distance = command.add_option(
-      "--distance", options->distance, "Instead: one sample a pixel as seen from so far (model units, 45 degrees, 1080 rows)");
+      command.add_option("--resolution", config.resolution, "Pixels along the longest side of the bounding box")
+          ->capture_default_str();
+  CLI::Option* distance =
+      command.add_option("--distance", options->distance,
+                         "Instead: one sample a pixel as seen from so far (model units, 45 degrees, 1080 rows)");
   CLI::Option* triangles = command.add_option("--triangles", options->triangles, "Instead: about so many triangles");
   resolution->excludes(distance)->excludes(triangles);
   distance->excludes(triangles);
-  command.add_option("--merge", options->merge, "stitch: one surface; concatenate: the views' meshes side by side")->capture_default_str();
+  command.add_option("--merge", options->merge, "stitch: one surface; concatenate: the views' meshes side by side")
+      ->capture_default_str();
   command.add_option("--backend", config.backend, "soft or gl")->capture_default_str();
-  command.add_option("--projection", options->projection, "orthographic or perspective (from four radii away)")->capture_default_str();
-  command.add_option("--levels", options->levels, "So many meshes, each at half the resolution of the one before; OUT.1.ply and so on")
+  command.add_option("--projection", options->projection, "orthographic or perspective (from four radii away)")
+      ->capture_default_str();
+  command
+      .add_option("--levels", options->levels,
+                  "So many meshes, each at half the resolution of the one before; OUT.1.ply and so on")
       ->check(CLI::Range(1, 12))
       ->capture_default_str();
-  command.add_option("--max-slope", config.max_slope, "Depth over width between connected pixels")->capture_default_str();
-  command.add_option("--slack", config.slack, "A jump of so many pixel spacings is bridged anyway")->capture_default_str();
-  command.add_option("--sharp", config.sharp_degrees, "Angle in degrees from which sharp features are recovered; 0: none")->capture_default_str();
-  command.add_option("--fill", config.longest_hole, "Fill holes up to this perimeter, in pixel spacings")->capture_default_str();
+  command.add_option("--max-slope", config.max_slope, "Depth over width between connected pixels")
+      ->capture_default_str();
+  command.add_option("--slack", config.slack, "A jump of so many pixel spacings is bridged anyway")
+      ->capture_default_str();
+  command
+      .add_option("--sharp", config.sharp_degrees, "Angle in degrees from which sharp features are recovered; 0: none")
+      ->capture_default_str();
+  command.add_option("--fill", config.longest_hole, "Fill holes up to this perimeter, in pixel spacings")
+      ->capture_default_str();
   command.add_flag("!--no-condense", config.condense, "Draw the maps at the resolution itself, not at twice that");
-  command.add_flag("--extend", config.extend, "Extend borders to the silhouette: for single views, and parts of a pixel's width");
+  command.add_flag("--extend", config.extend,
+                   "Extend borders to the silhouette: for single views, and parts of a pixel's width");
   command.add_flag("!--no-parts", config.separate_parts, "Connect parts of the mesh that share no vertex, too");
   command.add_flag("--measure", options->measure, "Measure the distance from the input, both ways");
   add_input_options(command, options->reading);

@@ -56,15 +56,15 @@ class Corners {
 
  private:
   static bool share_edge(const Triangle& s, const Triangle& t, std::uint32_t v) {
-    return std::any_of(s.v.begin(), s.v.end(), [&](std::uint32_t w) {
-      return w != v && std::find(t.v.begin(), t.v.end(), w) != t.v.end();
-    });
+    return std::any_of(s.v.begin(), s.v.end(),
+                       [&](std::uint32_t w) { return w != v && std::find(t.v.begin(), t.v.end(), w) != t.v.end(); });
   }
   std::span<const Triangle> triangles_;
   std::vector<std::uint32_t> first_, listed_;
 };
 
-double length_of_borders(std::span<const Vec3d> positions, std::span<const Triangle> triangles, const Corners& corners) {
+double length_of_borders(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
+                         const Corners& corners) {
   double sum = 0;
   for (const Triangle& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -97,7 +97,8 @@ std::uint64_t count_components(const Corners& corners, std::span<const Triangle>
 
 MeshQuality measure_quality(std::span<const Vec3d> positions, std::span<const Triangle> all) {
   std::vector<Triangle> triangles;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(triangles), [](const Triangle& t) { return !is_degenerate(t); });
+  std::copy_if(all.begin(), all.end(), std::back_inserter(triangles),
+               [](const Triangle& t) { return !is_degenerate(t); });
   MeshQuality quality;
   quality.triangles = triangles.size();
   for (const Triangle& t : triangles) add_shape(positions[t.v[0]], positions[t.v[1]], positions[t.v[2]], quality);

@@ -14,7 +14,8 @@ Vec3d normalised(Vec3d v) { return (1 / length(v)) * v; }
 std::array<Vec3d, 8> corners_of(const Box3f& box) {
   std::array<Vec3d, 8> corners;
   for (unsigned k = 0; k < 8; ++k)
-    corners[k] = to_double(Vec3f{k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y, k & 4 ? box.hi.z : box.lo.z});
+    corners[k] =
+        to_double(Vec3f{k & 1 ? box.hi.x : box.lo.x, k & 2 ? box.hi.y : box.lo.y, k & 4 ? box.hi.z : box.lo.z});
   return corners;
 }
 
@@ -29,7 +30,8 @@ void aim(MapView& view, Vec3d forward) {
 int side_for(double extent, int margin) {
   const double pixels = std::ceil(extent) + 2.0 * margin;
   if (!(pixels <= largest_map_side))
-    throw InputError(describe("view", "", "a picture of more than " + std::to_string(largest_map_side) + " pixels a side",
+    throw InputError(describe("view", "",
+                              "a picture of more than " + std::to_string(largest_map_side) + " pixels a side",
                               "ask for a lower resolution"));
   return static_cast<int>(pixels);
 }
@@ -81,9 +83,9 @@ MapView perspective_view(const Box3f& box, Vec3d eye, double pixel, int margin) 
 
 void check_view(const MapView& view, const std::string& name) {
   if (view.width < 1 || view.height < 1 || view.width > largest_map_side || view.height > largest_map_side)
-    throw InputError(describe(name, "", "a picture of " + std::to_string(view.width) + "x" + std::to_string(view.height) +
-                                            " pixels",
-                              "give 1 to " + std::to_string(largest_map_side) + " a side"));
+    throw InputError(
+        describe(name, "", "a picture of " + std::to_string(view.width) + "x" + std::to_string(view.height) + " pixels",
+                 "give 1 to " + std::to_string(largest_map_side) + " a side"));
   if (!is_finite(view.eye) || !(view.pixel > 0) || !std::isfinite(view.pixel))
     throw InputError(describe(name, "", "the eye or the size of a pixel is no finite number"));
   const std::array<Vec3d, 3> axes{view.right, view.up, -1.0 * view.forward};

@@ -16,10 +16,10 @@ enum class Projection : std::uint8_t { orthographic, perspective };
 // distance from the eye along `forward`.
 struct MapView {
   Projection projection = Projection::orthographic;
-  Vec3d eye;                                                // orthographic: the centre of the picture at depth 0
-  Vec3d right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};     // of unit length, pairwise perpendicular
-  double pixel = 1.0 / 256;                                 // side of a pixel; perspective: at depth 1
-  int width = 0, height = 0;                                // pixels
+  Vec3d eye;                                             // orthographic: the centre of the picture at depth 0
+  Vec3d right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};  // of unit length, pairwise perpendicular
+  double pixel = 1.0 / 256;                              // side of a pixel; perspective: at depth 1
+  int width = 0, height = 0;                             // pixels
   friend bool operator==(const MapView&, const MapView&) = default;
 
   [[nodiscard]] std::size_t pixels() const {
@@ -61,8 +61,8 @@ struct Ray {
 inline constexpr int largest_map_side = 16384;
 [[nodiscard]] MapView orthographic_view(const Box3f& box, Vec3d forward, double pixel, int margin = 2);
 
-// From an eye outside of the box towards its centre, with pixels of side `pixel` there; likewise. Throws InputError, too,
-// where the eye is so near that a corner of the box is not in front of it.
+// From an eye outside of the box towards its centre, with pixels of side `pixel` there; likewise. Throws InputError,
+// too, where the eye is so near that a corner of the box is not in front of it.
 [[nodiscard]] MapView perspective_view(const Box3f& box, Vec3d eye, double pixel, int margin = 2);
 
 // Throws InputError, naming `name`, for a view without pixels or with too many, of numbers that are not finite, of a

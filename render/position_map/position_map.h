@@ -23,7 +23,7 @@ struct PositionMap {
   std::vector<Vec3f> position;          // normalised model space
   std::vector<std::uint32_t> triangle;  // of the mesh that was drawn; no_triangle: nothing is seen
   std::vector<float> depth;             // along view.forward, normalised units
-  std::vector<Vec3f> normal;            // of the triangle, of unit length or zero, on the side that the mesh calls outside
+  std::vector<Vec3f> normal;  // of the triangle, of unit length or zero, on the side that the mesh calls outside
   std::vector<Vec2f> uv;
   std::vector<Rgba8> colour;
 

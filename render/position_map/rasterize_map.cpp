@@ -80,8 +80,7 @@ class MapRasterizer {
     std::size_t sum = 0;
     for (std::size_t tile = 0; tile < tiles_; ++tile) {
       first_[tile] = sum;
-      for (std::size_t chunk = 0; chunk < chunks; ++chunk)
-        sum += std::exchange(place[chunk * tiles_ + tile], sum);
+      for (std::size_t chunk = 0; chunk < chunks; ++chunk) sum += std::exchange(place[chunk * tiles_ + tile], sum);
     }
     first_[tiles_] = sum;
     listed_.resize(sum);
@@ -103,8 +102,8 @@ class MapRasterizer {
       for (int x = rect.x0; x <= rect.x1; ++x) {
         const std::uint32_t seen = sight.triangle[static_cast<std::size_t>((y - y0) * tile_size + x - x0)];
         if (seen == no_triangle) continue;
-        const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) +
-                              static_cast<std::size_t>(x);
+        const std::size_t i =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + static_cast<std::size_t>(x);
         map.triangle[i] = seen;
         resolve_pixel(mesh_, i, map);
       }
@@ -150,7 +149,9 @@ void check_in_front(const IndexedMesh& mesh, const MapView& view) {
 SnappedVertex snap_to_window(const MapView& view, Vec3f position) {
   const WindowPoint w = project(view, to_double(position));
   static constexpr double limit = 1 << 29;
-  const auto snap = [](double v) { return static_cast<std::int32_t>(std::nearbyint(std::clamp(v * 256, -limit, limit))); };
+  const auto snap = [](double v) {
+    return static_cast<std::int32_t>(std::nearbyint(std::clamp(v * 256, -limit, limit)));
+  };
   return {snap(w.x), snap(w.y), view.projection == Projection::perspective ? -1 / w.depth : w.depth};
 }
 

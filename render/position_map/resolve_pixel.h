@@ -1,9 +1,10 @@
-// What a pixel gets once it is known which triangle it sees: the same operations, in double precision, on every backend.
+// What a pixel gets once it is known which triangle it sees: the same operations, in double precision, on every
+// backend.
 //
-// The weights of the corners are those of the point where the ray through the pixel's centre meets the triangle's plane:
-// volumes of the tetrahedra between the ray and two corners, which serve parallel and central projection alike. A centre
-// that lies outside by a part of a subpixel (vertices are snapped for coverage) is taken to the border of the triangle:
-// a map holds points of the surface and no others.
+// The weights of the corners are those of the point where the ray through the pixel's centre meets the triangle's
+// plane: volumes of the tetrahedra between the ray and two corners, which serve parallel and central projection alike.
+// A centre that lies outside by a part of a subpixel (vertices are snapped for coverage) is taken to the border of the
+// triangle: a map holds points of the surface and no others.
 #pragma once
 
 #include <array>

@@ -47,7 +47,8 @@ std::vector<SurfacePoint> sample_surface(const IndexedMesh& mesh, std::uint64_t 
 float cosine_in(const PositionMap& map, const SurfacePoint& sample) {
   const WindowPoint w = project(map.view, sample.point);
   if (!(w.x >= 0) || !(w.y >= 0) || !(w.x < map.view.width) || !(w.y < map.view.height)) return 0;
-  const std::size_t i = static_cast<std::size_t>(w.y) * static_cast<std::size_t>(map.view.width) + static_cast<std::size_t>(w.x);
+  const std::size_t i =
+      static_cast<std::size_t>(w.y) * static_cast<std::size_t>(map.view.width) + static_cast<std::size_t>(w.x);
   if (!map.sees(i)) return 0;
   const auto cosine = static_cast<float>(std::abs(dot(to_double(sample.normal), map.view.forward)));
   const double behind = w.depth - double{map.depth[i]};
@@ -63,8 +64,7 @@ std::vector<Cosines> look(const IndexedMesh& mesh, const std::vector<SurfacePoin
   for (const Vec3f& p : mesh.positions) box.extend(p);
   std::vector<Cosines> seen(directions.size());
   for (std::size_t k = 0; k < directions.size(); ++k) {
-    const PositionMap map =
-        rasterize_map(mesh, orthographic_view(box, directions[k], 1.0 / resolution), {}, scheduler);
+    const PositionMap map = rasterize_map(mesh, orthographic_view(box, directions[k], 1.0 / resolution), {}, scheduler);
     seen[k].resize(samples.size());
     for (std::size_t s = 0; s < samples.size(); ++s) seen[k][s] = cosine_in(map, samples[s]);
   }
@@ -73,9 +73,7 @@ std::vector<Cosines> look(const IndexedMesh& mesh, const std::vector<SurfacePoin
 
 }  // namespace
 
-std::vector<Vec3d> face_directions() {
-  return {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0}};
-}
+std::vector<Vec3d> face_directions() { return {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0}}; }
 
 std::vector<Vec3d> sphere_directions(int count) {
   std::vector<Vec3d> directions;

@@ -16,12 +16,12 @@
 namespace lodestone {
 
 struct ViewChoice {
-  int most = 30;                   // views in all
-  int least = 6;                   // the faces, of which the first are taken unconditionally; fewer: greedy from the start
-  double coverage = 0.9995;        // of what the candidates can cover: enough
-  double least_gain = 0.0002;      // of the area: a view that covers less is not worth drawing
-  float least_cosine = 0.5f;       // between surface and view: below, an area is seen but not covered
-  int candidates = 128;            // directions besides the faces
+  int most = 30;               // views in all
+  int least = 6;               // the faces, of which the first are taken unconditionally; fewer: greedy from the start
+  double coverage = 0.9995;    // of what the candidates can cover: enough
+  double least_gain = 0.0002;  // of the area: a view that covers less is not worth drawing
+  float least_cosine = 0.5f;   // between surface and view: below, an area is seen but not covered
+  int candidates = 128;        // directions besides the faces
   std::uint64_t samples = 40'000;  // of the surface
   int resolution = 320;            // pixels along the box's longest side, of the candidates' maps
 };

@@ -52,8 +52,8 @@ bool is_outline(const SeamMesh& seam, const Loop& loop) {
   return std::all_of(loop.begin(), loop.end(), [&](std::uint32_t v) { return seam.rim[v] != 0; });
 }
 
-// Ears are cut where the new triangle is roundest and turned least against the normals. Where none fits, a new vertex in
-// the middle takes the rest.
+// Ears are cut where the new triangle is roundest and turned least against the normals. Where none fits, a new vertex
+// in the middle takes the rest.
 class HoleFiller {
  public:
   HoleFiller(SeamMesh& seam, Loop loop) : s_(seam), loop_(std::move(loop)) {}

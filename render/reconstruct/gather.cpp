@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/reconstruct/condense_map.h"
+
 namespace lodestone {
 namespace {
 
@@ -24,7 +26,9 @@ bool is_vertex(const Around& a) {
 // Whether triangles fill the corner of each cell.
 bool is_surrounded(const Around& a) {
   constexpr unsigned first = cell_prs | cell_psq, second = cell_prq | cell_rsq;
-  const auto full = [](unsigned cell, unsigned pair, unsigned single) { return (cell & pair) == pair || (cell & single); };
+  const auto full = [](unsigned cell, unsigned pair, unsigned single) {
+    return (cell & pair) == pair || (cell & single);
+  };
   return full(a.p, first, cell_prq) && full(a.q, second, cell_psq) && full(a.r, second, cell_prs) &&
          full(a.s, first, cell_rsq);
 }
@@ -89,7 +93,8 @@ Gathered gather(std::span<const MergeView> views, CellChoice cells, Scheduler& s
   std::vector<std::size_t> vertices(blocks.size() + 1, 0), triangles(blocks.size() + 1, 0);
   const auto for_pixels = [&](const RowBlock& block, const auto& visit) {
     const std::size_t width = width_of(views[block.view]);
-    for (std::size_t i = static_cast<std::size_t>(block.first) * width; i < static_cast<std::size_t>(block.last) * width; ++i)
+    for (std::size_t i = static_cast<std::size_t>(block.first) * width;
+         i < static_cast<std::size_t>(block.last) * width; ++i)
       visit(i);
   };
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t k) {
@@ -102,14 +107,15 @@ Gathered gather(std::span<const MergeView> views, CellChoice cells, Scheduler& s
   for (std::size_t k = 0; k < blocks.size(); ++k) vertices[k + 1] += vertices[k], triangles[k + 1] += triangles[k];
   MergedMesh& mesh = result.mesh;
   mesh.position.resize(vertices.back()), mesh.normal.resize(vertices.back()), mesh.view.resize(vertices.back());
-  mesh.pixel.resize(vertices.back()), mesh.triangles.resize(triangles.back());
+  mesh.pixel.resize(vertices.back()), mesh.feature.resize(vertices.back()), mesh.triangles.resize(triangles.back());
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t k) {
     const MergeView& view = views[block.view];
     std::size_t next = vertices[k];
     for_pixels(block, [&](std::size_t i) {
       if (!is_vertex(cells_around(cells(view), i, width_of(view)))) return;
       result.number[block.view][i] = static_cast<std::uint32_t>(next);
-      mesh.position[next] = view.map->position[i];
+      mesh.position[next] = view.vertex.empty() ? view.map->position[i] : view.vertex[i];
+      mesh.feature[next] = !view.links.empty() && (view.links[i] & on_feature) != 0;
       mesh.normal[next] = view.map->normal[i];
       mesh.view[next] = static_cast<ViewNumber>(block.view);
       mesh.pixel[next] = static_cast<std::uint32_t>(i);
@@ -134,7 +140,8 @@ Gathered gather(std::span<const MergeView> views, CellChoice cells, Scheduler& s
 CutOut cut_out_seams(std::span<const MergeView> views, Gathered& gathered, Scheduler& scheduler) {
   MergedMesh& mesh = gathered.mesh;
   std::vector<std::vector<std::uint8_t>> flags(views.size());
-  scheduler.for_chunks(views.size(), 1, [&](ChunkRange range) { flags[range.index] = border_flags(views[range.index]); });
+  scheduler.for_chunks(views.size(), 1,
+                       [&](ChunkRange range) { flags[range.index] = border_flags(views[range.index]); });
   const auto flag = [&](std::uint32_t v) { return flags[mesh.view[v]][mesh.pixel[v]]; };
   CutOut part;
   std::vector<std::uint32_t> local(mesh.position.size(), EditMesh::none);
@@ -177,6 +184,7 @@ void put_back(const CutOut& part, MergedMesh& mesh) {
     mesh.normal.push_back(part.seam.normal[k]);
     mesh.view.push_back(no_view);
     mesh.pixel.push_back(0);
+    mesh.feature.push_back(0);
   }
   for (std::uint32_t t = 0; t < part.seam.mesh.triangle_count(); ++t) {
     if (!part.seam.mesh.alive(t)) continue;

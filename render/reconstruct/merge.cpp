@@ -62,9 +62,11 @@ void drop_unused_vertices(MergedMesh& mesh) {
     if (number[v] == 0) continue;
     mesh.position[next] = mesh.position[v], mesh.normal[next] = mesh.normal[v];
     mesh.view[next] = mesh.view[v], mesh.pixel[next] = mesh.pixel[v];
+    mesh.feature[next] = mesh.feature[v];
     number[v] = next++;
   }
   mesh.position.resize(next), mesh.normal.resize(next), mesh.view.resize(next), mesh.pixel.resize(next);
+  mesh.feature.resize(next);
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t.v) v = number[v];
 }

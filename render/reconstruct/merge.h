@@ -22,6 +22,7 @@ struct MergedMesh {
   // Where each vertex was seen; no_view: between samples, made while merging.
   std::vector<ViewNumber> view;
   std::vector<std::uint32_t> pixel;
+  std::vector<std::uint8_t> feature;  // stands on a sharp edge or corner already
   std::vector<Triangle> triangles;
 };
 
@@ -33,14 +34,14 @@ struct MergeConfig {
 };
 
 struct StitchReport {
-  std::size_t islands = 0;         // pixels of pieces that were too small
-  std::size_t zipped = 0;          // triangles between pieces
+  std::size_t islands = 0;  // pixels of pieces that were too small
+  std::size_t zipped = 0;   // triangles between pieces
   std::size_t holes_filled = 0, hole_triangles = 0, holes_open = 0;
   double open_length = 0;          // of all borders that are left, normalised units
   std::size_t crumbs = 0;          // triangles of pieces that were left out
   std::size_t vertices_split = 0;  // where surfaces touched in a vertex
   std::size_t collapsed = 0, flipped = 0;
-  StageTime own, zip;              // choosing and gathering; from zipping on
+  StageTime own, zip;  // choosing and gathering; from zipping on
 };
 
 // The triangles of all view meshes. Same bytes for any number of workers, as below.

@@ -39,7 +39,8 @@ bool weights_in_cell(std::uint8_t cell, float u, float v, float (&w)[4]) {
   return true;
 }
 
-ViewNumber owner_of(std::span<const MergeView> views, std::size_t number, std::size_t i, const OwnershipConfig& config) {
+ViewNumber owner_of(std::span<const MergeView> views, std::size_t number, std::size_t i,
+                    const OwnershipConfig& config) {
   const PositionMap& map = *views[number].map;
   float best = views[number].score[i] * rank_factor(number);
   std::size_t owner = number;
@@ -72,7 +73,8 @@ void score_rows(const MergeView& view, const OwnershipConfig& config, int first,
 }
 
 void spread_rows(const MergeView& view, int first, int last, std::span<const float> from, std::span<float> to) {
-  const std::size_t width = static_cast<std::size_t>(view.map->view.width), height = static_cast<std::size_t>(view.map->view.height);
+  const std::size_t width = static_cast<std::size_t>(view.map->view.width),
+                    height = static_cast<std::size_t>(view.map->view.height);
   const std::vector<std::uint8_t>& cells = view.mesh.cells;
   for (auto y = static_cast<std::size_t>(first); y < static_cast<std::size_t>(last); ++y)
     for (std::size_t x = 0; x < width; ++x) {
@@ -84,8 +86,10 @@ void spread_rows(const MergeView& view, int first, int last, std::span<const flo
       const std::uint8_t here = cells[i], above = y > 0 ? cells[i - width] : 0, before = x > 0 ? cells[i - 1] : 0;
       add((here & (cell_psq | cell_prq)) || (above & (cell_prs | cell_rsq)), std::min(i + 1, width * height - 1));
       add((here & (cell_prs | cell_prq)) || (before & (cell_psq | cell_rsq)), std::min(i + width, width * height - 1));
-      if (x > 0) add((before & (cell_psq | cell_prq)) || (y > 0 && (cells[i - width - 1] & (cell_prs | cell_rsq))), i - 1);
-      if (y > 0) add((above & (cell_prs | cell_prq)) || (x > 0 && (cells[i - width - 1] & (cell_psq | cell_rsq))), i - width);
+      if (x > 0)
+        add((before & (cell_psq | cell_prq)) || (y > 0 && (cells[i - width - 1] & (cell_prs | cell_rsq))), i - 1);
+      if (y > 0)
+        add((above & (cell_prs | cell_prq)) || (x > 0 && (cells[i - width - 1] & (cell_psq | cell_rsq))), i - width);
       to[i] = sum / weight;
     }
 }
@@ -116,7 +120,8 @@ float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel
   if (least < 0 || dot(mean, from.normal[pixel]) < 0) return -1;
   if (!config.parts.empty()) {
     // All corners of a triangle are of one part.
-    const std::size_t any = *std::find_if(corner, corner + 4, [&](const std::size_t& c) { return weight[&c - corner] > 0; });
+    const std::size_t any =
+        *std::find_if(corner, corner + 4, [&](const std::size_t& c) { return weight[&c - corner] > 0; });
     if (config.parts[map.triangle[any]] != config.parts[from.triangle[pixel]]) return -1;
   }
   // Off the surface by so much, measured across it; where it is steep the depth says little.
@@ -133,15 +138,15 @@ void own_rows(std::span<MergeView> views, std::size_t number, const OwnershipCon
     view.owner[i] = view.map->sees(i) ? owner_of(views, number, i, config) : no_view;
 }
 
-void own_dropped_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first, int last) {
+void own_dropped_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first,
+                      int last) {
   MergeView& view = views[number];
   const PositionMap& map = *view.map;
   const auto width = static_cast<std::size_t>(map.view.width);
   for (std::size_t i = static_cast<std::size_t>(first) * width; i < static_cast<std::size_t>(last) * width; ++i) {
     const ViewNumber owner = view.owner[i];
     if (owner == no_view) continue;
-    const float score =
-        owner == number ? view.score[i] : score_at(views[owner], map, i, config);
+    const float score = owner == number ? view.score[i] : score_at(views[owner], map, i, config);
     if (score < 0) view.owner[i] = owner_of(views, number, i, config);
   }
 }
@@ -178,12 +183,12 @@ std::size_t drop_islands(MergeView& view, std::size_t number, const OwnershipCon
   };
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.kept[i])
-      for_triangles_of_cell(view.kept[i], i, width, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        unite(a, b), unite(b, c);
-      });
+      for_triangles_of_cell(view.kept[i], i, width,
+                            [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { unite(a, b), unite(b, c); });
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.kept[i])
-      for_triangles_of_cell(view.kept[i], i, width, [&](std::uint32_t a, std::uint32_t, std::uint32_t) { ++triangles[find(a)]; });
+      for_triangles_of_cell(view.kept[i], i, width,
+                            [&](std::uint32_t a, std::uint32_t, std::uint32_t) { ++triangles[find(a)]; });
   std::size_t dropped = 0;
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.owner[i] == number && view.score[i] >= 0 &&

@@ -63,11 +63,14 @@ void allow_links(const PositionMap& map, std::span<const std::uint32_t> filled, 
   }
 }
 
-void prepare_map(PositionMap& map, std::vector<std::uint8_t>& links, const ReconstructConfig& config) {
+void prepare_map(DrawnMaps& drawn, std::size_t view, const ReconstructConfig& config) {
+  PositionMap& map = drawn.maps[view];
   if (map.normal.empty()) estimate_normals(map);
   if (!config.extend) return;
   const std::vector<std::uint32_t> filled = extend_to_silhouette(map, config.max_slope);
-  if (!links.empty()) allow_links(map, filled, links);
+  if (drawn.links[view].empty()) return;
+  allow_links(map, filled, drawn.links[view]);
+  for (const std::uint32_t i : filled) drawn.vertices[view][i] = map.position[i];
 }
 
 // The map of a view, condensed from a finer one where that is wanted.
@@ -77,6 +80,7 @@ void draw_map(MapRenderer& renderer, const MapView& view, const ReconstructConfi
   if (!config.condense) {
     drawn.maps.push_back(renderer.draw(view, channels));
     drawn.links.emplace_back();
+    drawn.vertices.emplace_back();
     return;
   }
   const PositionMap fine = renderer.draw(finer_view(view), channels);
@@ -88,15 +92,17 @@ void draw_map(MapRenderer& renderer, const MapView& view, const ReconstructConfi
   });
   drawn.maps.push_back(std::move(condensed.map));
   drawn.links.push_back(std::move(condensed.links));
+  drawn.vertices.push_back(std::move(condensed.vertex));
 }
 
 std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& config, ReconstructReport& report,
                                     Scheduler& scheduler) {
-  scheduler.for_chunks(drawn.maps.size(), 1,
-                       [&](ChunkRange range) { prepare_map(drawn.maps[range.index], drawn.links[range.index], config); });
+  scheduler.for_chunks(drawn.maps.size(), 1, [&](ChunkRange range) { prepare_map(drawn, range.index, config); });
   std::vector<MergeView> views(drawn.maps.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
     views[v].map = &drawn.maps[v];
+    views[v].vertex = drawn.vertices[v];
+    views[v].links = drawn.links[v];
     views[v].mesh.cells.resize(drawn.maps[v].view.pixels());
   }
   std::atomic<std::uint64_t> triangles{0}, seen{0};
@@ -107,7 +113,8 @@ std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& c
     connect_rows(*view.map, connect_config, block.first, block.last, view.mesh);
     std::uint64_t own = 0, own_seen = 0;
     const auto width = static_cast<std::size_t>(view.map->view.width);
-    for (std::size_t i = static_cast<std::size_t>(block.first) * width; i < static_cast<std::size_t>(block.last) * width; ++i) {
+    for (std::size_t i = static_cast<std::size_t>(block.first) * width;
+         i < static_cast<std::size_t>(block.last) * width; ++i) {
       own += static_cast<std::uint64_t>(__builtin_popcount(view.mesh.cells[i] & cell_triangles));
       own_seen += view.map->sees(i);
     }

@@ -19,7 +19,8 @@ namespace lodestone {
 enum class MergeKind : std::uint8_t { concatenate, stitch };
 
 struct ReconstructConfig {
-  double resolution = 256;  // pixels along the longest side of the bounding box; the spacing of the samples is its inverse
+  double resolution =
+      256;  // pixels along the longest side of the bounding box; the spacing of the samples is its inverse
   MergeKind merge = MergeKind::stitch;
   Projection projection = Projection::orthographic;
   std::string backend = "soft";
@@ -36,12 +37,12 @@ struct ReconstructConfig {
 
 struct ReconstructReport {
   ChosenViews views;
-  double spacing = 0;               // normalised units
+  double spacing = 0;                  // normalised units
   std::uint64_t pixels = 0, seen = 0;  // of all maps
   std::uint64_t view_triangles = 0;    // of all view meshes
   StitchReport stitch;
   SharpenReport sharpen;
-  bool closed = false;              // the input has no border
+  bool closed = false;  // the input has no border
   StageTime choose, draw, connect, merge, sharpen_time, attributes;
 };
 
@@ -58,6 +59,7 @@ struct Reconstruction {
 struct DrawnMaps {
   std::vector<PositionMap> maps;
   std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
+  std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
   bool closed = false;
   bool oriented = true;              // neighbouring triangles agree on what is outside
   std::vector<std::uint32_t> parts;  // of the triangles; empty: one

@@ -32,14 +32,14 @@ struct SeamMesh {
 [[nodiscard]] float aspect_of(Vec3f a, Vec3f b, Vec3f c);
 
 struct ZipConfig {
-  float spacing = 0;        // of the samples, the unit of the following; > 0
-  float reach = 2.5f;       // a new triangle's circumscribed circle has at most this radius
+  float spacing = 0;          // of the samples, the unit of the following; > 0
+  float reach = 2.5f;         // a new triangle's circumscribed circle has at most this radius
   float least_cosine = 0.2f;  // between a new triangle and the normals at its corners; above -1
-  bool rims = false;        // also between outlines: the input is closed
+  bool rims = false;          // also between outlines: the input is closed
 };
-// Adds triangles from border edge to border vertex, roundest first, until nothing fits: of all vertices that an edge can
-// see the one that it subtends the largest angle at, which is the Delaunay triangle in the plane. A triangle must lie in
-// the gaps of all its corners, contain no vertex and cross no border. Returns how many were added.
+// Adds triangles from border edge to border vertex, roundest first, until nothing fits: of all vertices that an edge
+// can see the one that it subtends the largest angle at, which is the Delaunay triangle in the plane. A triangle must
+// lie in the gaps of all its corners, contain no vertex and cross no border. Returns how many were added.
 std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config);
 
 struct FillConfig {
@@ -62,8 +62,8 @@ std::size_t split_vertices(SeamMesh& seam);
 
 struct TidyConfig {
   float spacing = 0;
-  float shortest = 0.5f;      // edges below this are collapsed, in spacings
-  float worst_aspect = 20;    // triangles beyond this are flipped or collapsed away where that makes none worse
+  float shortest = 0.5f;    // edges below this are collapsed, in spacings
+  float worst_aspect = 20;  // triangles beyond this are flipped or collapsed away where that makes none worse
   int rounds = 4;
 };
 struct TidyResult {

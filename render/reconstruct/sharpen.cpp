@@ -53,7 +53,7 @@ class Sharpener {
 
  private:
   [[nodiscard]] bool is_chamfer(std::uint32_t a, std::uint32_t b) const {
-    return dot(m_.normal[a], m_.normal[b]) < least_;
+    return !m_.feature[a] && !m_.feature[b] && dot(m_.normal[a], m_.normal[b]) < least_;
   }
 
   // Triangles with a chamfer edge, ascending.
@@ -78,6 +78,7 @@ class Sharpener {
     m_.normal.push_back(norm > 0 ? (1 / norm) * normal : Vec3f{});
     m_.view.push_back(no_view);
     m_.pixel.push_back(0);
+    m_.feature.push_back(1);
     return static_cast<std::uint32_t>(m_.position.size() - 1);
   }
 
@@ -145,7 +146,12 @@ class Sharpener {
       return put(t, {{{v[0], m[0], m[2]}}, {{v[1], m[1], m[0]}}, {{v[2], m[2], m[1]}}, {{m[0], m[1], m[2]}}});
     const std::uint32_t c = add_vertex(p, normals[0] + normals[1] + normals[2]);
     ++report_.corners;
-    put(t, {{{v[0], m[0], c}}, {{m[0], v[1], c}}, {{v[1], m[1], c}}, {{m[1], v[2], c}}, {{v[2], m[2], c}}, {{m[2], v[0], c}}});
+    put(t, {{{v[0], m[0], c}},
+            {{m[0], v[1], c}},
+            {{v[1], m[1], c}},
+            {{m[1], v[2], c}},
+            {{v[2], m[2], c}},
+            {{m[2], v[0], c}}});
   }
 
   [[nodiscard]] float distance2(std::uint32_t a, std::uint32_t b) const {

@@ -74,7 +74,8 @@ class Tidier {
     std::size_t common = 0;
     for (const std::uint32_t t : s_.mesh.around(a))
       for (const std::uint32_t w : s_.mesh.triangle(t).v)
-        if (w != a && w != b && s_.mesh.at(a, w) == t) common += s_.mesh.at(b, w) != EditMesh::none || s_.mesh.at(w, b) != EditMesh::none;
+        if (w != a && w != b && s_.mesh.at(a, w) == t)
+          common += s_.mesh.at(b, w) != EditMesh::none || s_.mesh.at(w, b) != EditMesh::none;
     if (common != 2) return false;
     float old_worst = 0, new_worst = 0;
     moved_.clear();

@@ -121,15 +121,17 @@ void connect_rows(const PositionMap& map, const ConnectConfig& config, int first
       return;
     }
     reader.read_row(y + 1, below);
-    const std::uint8_t* links = config.links.empty() ? nullptr : config.links.data() + static_cast<std::size_t>(y) * width;
+    const std::uint8_t* links =
+        config.links.empty() ? nullptr : config.links.data() + static_cast<std::size_t>(y) * width;
     for (std::size_t x = 0; x + 1 < width; ++x) {
       const Corner &p = above[x], &q = above[x + 1], &r = below[x], &s = below[x + 1];
-      const int seen = (p.kind != no_triangle) + (q.kind != no_triangle) + (r.kind != no_triangle) + (s.kind != no_triangle);
+      const int seen =
+          (p.kind != no_triangle) + (q.kind != no_triangle) + (r.kind != no_triangle) + (s.kind != no_triangle);
       CellLinks allowed;
       if (links) {
         const std::uint8_t here = links[x];
-        allowed = {(here & link_right) != 0,     (links[x + width] & link_right) != 0, (here & link_down) != 0,
-                   (links[x + 1] & link_down) != 0, (here & link_diagonal) != 0,       (here & link_across) != 0};
+        allowed = {(here & link_right) != 0,        (links[x + width] & link_right) != 0, (here & link_down) != 0,
+                   (links[x + 1] & link_down) != 0, (here & link_diagonal) != 0,          (here & link_across) != 0};
       }
       cells[x] = seen < 3 ? 0 : cell_of(p, q, r, s, allowed);
     }
@@ -157,7 +159,9 @@ void list_triangles(const ViewMesh& mesh, int width, int first, int last, std::v
 void estimate_normals(PositionMap& map) {
   const int width = map.view.width, height = map.view.height;
   map.normal.assign(map.view.pixels(), Vec3f{});
-  const auto index = [&](int x, int y) { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x); };
+  const auto index = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  };
   // To the neighbour at (dx, dy) or from the one at the other side, whichever jumps less; zero without either.
   const auto difference = [&](int x, int y, int dx, int dy) {
     Vec3d best;
@@ -185,7 +189,9 @@ void estimate_normals(PositionMap& map) {
 
 std::vector<std::uint32_t> extend_to_silhouette(PositionMap& map, float max_slope) {
   const int width = map.view.width, height = map.view.height;
-  const auto index = [&](int x, int y) { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x); };
+  const auto index = [&](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  };
   struct Fill {
     std::uint32_t pixel, from;
     Vec3f position;

@@ -46,7 +46,8 @@ class VertexGrid {
   void insert(std::uint32_t v, Vec3f p) { cells_[key(cell(p))].push_back(v); }
   template <class Visit>
   void for_near(Vec3f p, float radius, const Visit& visit) const {
-    const auto lo = cell({p.x - radius, p.y - radius, p.z - radius}), hi = cell({p.x + radius, p.y + radius, p.z + radius});
+    const auto lo = cell({p.x - radius, p.y - radius, p.z - radius}),
+               hi = cell({p.x + radius, p.y + radius, p.z + radius});
     for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
       for (std::int64_t y = lo[1]; y <= hi[1]; ++y)
         for (std::int64_t x = lo[0]; x <= hi[0]; ++x)

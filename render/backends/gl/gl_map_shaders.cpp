@@ -1,4 +1,5 @@
-// `precise` keeps the operations of map_view.h and resolve_pixel.h as they are written there: equal bits on both backends.
+// `precise` keeps the operations of map_view.h and resolve_pixel.h as they are written there: equal bits on both
+// backends.
 #include "render/backends/gl/gl_map_shaders.h"
 
 #include <array>
@@ -140,7 +141,8 @@ void attach(const GlProgram& program, GLenum stage, const std::string& source) {
   glAttachShader(program.name(), shader);
   glDeleteShader(shader);
   if (!compiled)
-    throw UnsupportedError(describe("", "OpenGL", std::string("the driver refuses a shader of position maps: ") + log.data(),
+    throw UnsupportedError(describe("", "OpenGL",
+                                    std::string("the driver refuses a shader of position maps: ") + log.data(),
                                     "use --backend soft"));
 }
 
@@ -157,7 +159,9 @@ GlProgram linked(const std::string& vertex, const std::string& fragment) {
 
 }  // namespace
 
-GlProgram make_map_sight_program() { return linked(std::string(common_source) + sight_vertex_source, sight_fragment_source); }
+GlProgram make_map_sight_program() {
+  return linked(std::string(common_source) + sight_vertex_source, sight_fragment_source);
+}
 GlProgram make_map_resolve_program() {
   return linked(resolve_vertex_source, std::string(common_source) + resolve_fragment_source);
 }

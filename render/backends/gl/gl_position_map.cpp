@@ -58,7 +58,8 @@ struct MapTargets {
 
 class GlMapRenderer final : public MapRenderer {
  public:
-  explicit GlMapRenderer(const IndexedMesh& mesh) : mesh_(mesh), context_(make_headless_context()), current_(*context_) {
+  explicit GlMapRenderer(const IndexedMesh& mesh)
+      : mesh_(mesh), context_(make_headless_context()), current_(*context_) {
     watch_errors();
     device_ = query_device();
     sight_ = make_map_sight_program();
@@ -74,8 +75,9 @@ class GlMapRenderer final : public MapRenderer {
   PositionMap draw(const MapView& view, MapChannels channels) override {
     check_view(view);
     if (std::max(view.width, view.height) > device_.max_target_size)
-      throw UnsupportedError(describe("", "OpenGL", "a map of " + std::to_string(view.width) + "x" +
-                                                        std::to_string(view.height) + " pixels is larger than its pictures",
+      throw UnsupportedError(describe("", "OpenGL",
+                                      "a map of " + std::to_string(view.width) + "x" + std::to_string(view.height) +
+                                          " pixels is larger than its pictures",
                                       "use --backend soft or a lower resolution"));
     const Range range = depth_range(view);
     PositionMap map = empty_map(mesh_, view, channels);
@@ -105,7 +107,8 @@ class GlMapRenderer final : public MapRenderer {
     for (const Vec3f& p : mesh_.positions) {
       const double depth = view.depth(to_double(p));
       if (view.projection == Projection::perspective && !(depth > 0))
-        throw InputError(describe("view", "", "a vertex is not in front of the eye", "move the eye away from the model"));
+        throw InputError(
+            describe("view", "", "a vertex is not in front of the eye", "move the eye away from the model"));
       const double z = view.projection == Projection::perspective ? -1 / depth : depth;
       lo = std::min(lo, z), hi = std::max(hi, z);
     }
@@ -119,7 +122,8 @@ class GlMapRenderer final : public MapRenderer {
     for (GLuint k = 0; k < 4; ++k) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, k, buffers[k]);
     glBindVertexArray(array_.name());
     glViewport(0, 0, view.width, view.height);
-    for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_SCISSOR_TEST, GL_MULTISAMPLE, GL_PRIMITIVE_RESTART}) glDisable(off);
+    for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_SCISSOR_TEST, GL_MULTISAMPLE, GL_PRIMITIVE_RESTART})
+      glDisable(off);
   }
 
   void set_view(GLuint program, const MapView& view) const {

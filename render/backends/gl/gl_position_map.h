@@ -1,5 +1,5 @@
-// Position maps by OpenGL: which triangle a pixel sees is found by the depth test, and a second pass fills float targets
-// with what resolve_pixel.h computes, in double precision, so that the bytes are those of the soft rasterizer.
+// Position maps by OpenGL: which triangle a pixel sees is found by the depth test, and a second pass fills float
+// targets with what resolve_pixel.h computes, in double precision, so that the bytes are those of the soft rasterizer.
 #pragma once
 
 #include <memory>
