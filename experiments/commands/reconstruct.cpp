@@ -11,11 +11,14 @@
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/metrics/mesh_quality.h"
+#include "experiments/metrics/surface_coverage.h"
 #include "experiments/progress.h"
 #include "parallel/compare.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
+#include "render/position_map/map_files.h"
+#include "render/reconstruct/resample_attributes.h"
 
 namespace lodestone {
 namespace {
@@ -29,6 +32,7 @@ struct ReconstructOptions {
   std::uint64_t triangles = 0;
   int levels = 1;
   bool measure = false;
+  std::string map_format = "exr";
 };
 
 ViewChoice view_choice(const std::string& text) {
@@ -53,6 +57,9 @@ ReconstructConfig config_of(const ReconstructOptions& options) {
   config.merge = options.merge == "stitch" ? MergeKind::stitch : MergeKind::concatenate;
   if (options.projection != "orthographic" && options.projection != "perspective")
     throw InputError("--projection: '" + options.projection + "' is neither orthographic nor perspective");
+  if (options.map_format != "exr" && options.map_format != "pfm")
+    throw InputError("--map-format: '" + options.map_format + "' is neither exr nor pfm");
+  config.keep_maps = !options.maps.empty();
   config.projection = options.projection == "perspective" ? Projection::perspective : Projection::orthographic;
   return config;
 }
@@ -109,7 +116,8 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
             {"merge", to_json(r.merge)},
             {"merge_own", to_json(r.stitch.own)},
             {"merge_zip", to_json(r.stitch.zip)},
-            {"sharpen", to_json(r.sharpen_time)}}}};
+            {"sharpen", to_json(r.sharpen_time)},
+            {"attributes", to_json(r.attributes)}}}};
 }
 
 // "out.ply" is "out.2.ply" for level 2.
@@ -135,29 +143,23 @@ class ReconstructRun {
   void run() {
     check_output();
     const auto scheduler = make_scheduler(common_);
-    progress_.phase("reading");
-    ReadConfig reading = read_config(options_.reading, {options_.input});
-    reading.attributes = config_.attributes;
-    const CpuClock read_clock;
-    Repairs repairs;
-    mesh_ = prepare_mesh(load_mesh(options_.input, *scheduler, reading), repairs, *scheduler, options_.input);
-    const StageTime read = read_clock.elapsed();
-    check_interrupt();
-    if (options_.distance > 0) config_.resolution = resolution_at_distance(mesh_, options_.distance);
-    nlohmann::json levels = nlohmann::json::array();
-    for (int level = 0; level < options_.levels; ++level) {
-      levels.push_back(make_level(level, *scheduler));
-      check_interrupt();
+    nlohmann::json levels = nlohmann::json::array(), result = {{"input", options_.input}};
+    if (is_map_set(options_.input)) {
+      levels.push_back(from_maps(*scheduler));
+    } else {
+      result.update(read(*scheduler));
+      if (options_.distance > 0) config_.resolution = resolution_at_distance(mesh_, options_.distance);
+      for (int level = 0; level < options_.levels; ++level) {
+        levels.push_back(make_level(level, *scheduler));
+        check_interrupt();
+      }
     }
     progress_.clear();
-    write_json(common_, {{"input", options_.input},
-                         {"triangles", mesh_.triangles.size()},
-                         {"repairs", to_json(repairs)},
-                         {"merge", options_.merge},
-                         {"backend", config_.backend},
-                         {"read", to_json(read)},
-                         {"levels", levels},
-                         {"peak_bytes", peak_resident_bytes()}});
+    result.update({{"merge", options_.merge},
+                   {"backend", config_.backend},
+                   {"levels", levels},
+                   {"peak_bytes", peak_resident_bytes()}});
+    write_json(common_, result);
   }
 
  private:
@@ -166,6 +168,32 @@ class ReconstructRun {
     for (int level = 0; level < options_.levels; ++level)
       outputs.push_back({"--output", level_name(options_.output, level)});
     check_files(common_, {{"IN", options_.input}}, outputs);
+  }
+
+  nlohmann::json read(Scheduler& scheduler) {
+    progress_.phase("reading");
+    ReadConfig reading = read_config(options_.reading, {options_.input});
+    reading.attributes = config_.attributes;
+    const CpuClock clock;
+    Repairs repairs;
+    mesh_ = prepare_mesh(load_mesh(options_.input, scheduler, reading), repairs, scheduler, options_.input);
+    check_interrupt();
+    return {{"triangles", mesh_.triangles.size()}, {"repairs", to_json(repairs)}, {"read", to_json(clock.elapsed())}};
+  }
+
+  nlohmann::json from_maps(Scheduler& scheduler) {
+    if (options_.measure || options_.distance > 0 || options_.triangles > 0 || options_.levels > 1 ||
+        config_.keep_maps || config_.attributes)
+      throw InputError(describe(options_.input, "", "position maps know no surface to measure, sample or draw again",
+                                "leave out --measure, --distance, --triangles, --levels, --maps and --attributes"));
+    progress_.phase("reading");
+    Reconstruction result;
+    DrawnMaps drawn = drawn_maps(read_map_set(options_.input), result.report);
+    const Transform transform = drawn.maps.front().transform;
+    progress_.phase("reconstructing");
+    result.mesh = mesh_from_maps(drawn, nullptr, config_, result.report, scheduler);
+    config_.resolution = 1 / result.report.spacing;
+    return finish(result, transform, options_.output, scheduler);
   }
 
   nlohmann::json make_level(int level, Scheduler& scheduler) {
@@ -177,36 +205,54 @@ class ReconstructRun {
     } else {
       result = reconstruct(mesh_, config_, scheduler);
     }
-    const double resolution = config_.resolution;
+    nlohmann::json row = finish(result, mesh_.transform, level_name(options_.output, level), scheduler);
+    if (config_.keep_maps && level == 0)
+      write_map_set(options_.maps, result.maps, result.report.closed, result.report.oriented,
+                    options_.map_format == "exr" ? MapFormat::exr : MapFormat::pfm);
     config_.resolution /= 2;
-    const std::string output = level_name(options_.output, level);
-    if (result.mesh.triangles.empty())
-      throw InputError(describe(options_.input, "", "no view sees two neighbouring samples of a surface",
-                                "give a higher --resolution"));
-    write_mesh(output, view_of(result.mesh));
-    const MeshQuality quality = measure_quality(result.mesh.positions, result.mesh.triangles);
-    nlohmann::json row = to_json(result.report, mesh_.transform.scale);
-    row["file"] = output, row["resolution"] = resolution, row["mesh"] = to_json(quality);
-    std::string distances;
-    if (options_.measure) {
-      progress_.phase("comparing");
-      const MeshDistance d = compare_meshes(original_space(mesh_), result.mesh, {}, scheduler);
-      row["distance"] = {
-          {"diagonal", d.diagonal}, {"from_input", to_json(d.forward)}, {"to_input", to_json(d.backward)}};
-      distances = fmt::format(", rms {:.4f} / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal",
-                              100 * d.forward.rms / d.diagonal, 100 * d.backward.rms / d.diagonal,
-                              100 * d.forward.max / d.diagonal, 100 * d.backward.max / d.diagonal);
-    }
-    if (common_.quiet || common_.json == "-") return row;
-    progress_.clear();
-    const ReconstructReport& r = result.report;
-    fmt::print(
-        "{}: {} triangles at {:.0f} pixels from {} views; {}{}, slivers {:.2f} %, covered {:.2f} of {:.2f} %{}\n",
-        output, quality.triangles, resolution, r.views.directions.size(),
-        quality.manifold() ? "manifold" : "not manifold",
-        quality.closed() ? ", closed" : fmt::format(", {} border edges", quality.border_edges),
-        100 * quality.sliver_share(), 100 * r.views.covered, 100 * r.views.visible, distances);
     return row;
+  }
+
+  // Writes the mesh and says what it is like.
+  nlohmann::json finish(const Reconstruction& result, const Transform& transform, const std::string& output,
+                        Scheduler& scheduler) {
+    if (result.mesh.triangles.empty())
+      throw InputError(describe(options_.input, "", "no view sees three neighbouring samples of a surface",
+                                "give a higher --resolution"));
+    const RawMesh split = split_wedges(result.mesh);
+    write_mesh(output, view_of(split));
+    const MeshQuality quality = measure_quality(result.mesh.positions, result.mesh.triangles);
+    nlohmann::json row = to_json(result.report, transform.scale);
+    row["file"] = output, row["resolution"] = config_.resolution, row["mesh"] = to_json(quality);
+    row["wedges"] = split.positions.size();
+    std::string line;
+    if (options_.measure) line = measure(result, row, scheduler);
+    print(result, quality, output, line);
+    return row;
+  }
+
+  // Distances both ways, and the share of the visible surface that has the new one within a sample's spacing.
+  std::string measure(const Reconstruction& result, nlohmann::json& row, Scheduler& scheduler) {
+    progress_.phase("comparing");
+    const MeshDistance d = compare_meshes(original_space(mesh_), result.mesh, {}, scheduler);
+    row["distance"] = {{"diagonal", d.diagonal}, {"from_input", to_json(d.forward)}, {"to_input", to_json(d.backward)}};
+    const ReconstructReport& r = result.report;
+    const double covered = coverage(r.views.visible_points, result.mesh, mesh_.transform, r.spacing, scheduler);
+    row["coverage"] = covered;
+    const double percent = d.diagonal > 0 ? 100 / d.diagonal : 0;
+    return fmt::format(", coverage {:.2f} %, rms {:.4f} / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal",
+                       100 * covered, d.forward.rms * percent, d.backward.rms * percent, d.forward.max * percent,
+                       d.backward.max * percent);
+  }
+
+  void print(const Reconstruction& result, const MeshQuality& quality, const std::string& output,
+             const std::string& line) {
+    if (common_.quiet || common_.json == "-") return;
+    progress_.clear();
+    fmt::print("{}: {} triangles at {:.0f} pixels; {}{}, slivers {:.2f} %, {} holes filled{}\n", output,
+               quality.triangles, config_.resolution, quality.manifold() ? "manifold" : "not manifold",
+               quality.closed() ? ", closed" : fmt::format(", {} border edges", quality.border_edges),
+               100 * quality.sliver_share(), result.report.stitch.holes_filled, line);
   }
 
   const ReconstructOptions& options_;
@@ -222,12 +268,17 @@ void add_reconstruct(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
   const auto options = std::make_shared<ReconstructOptions>();
   ReconstructConfig& config = options->config;
-  CLI::App& command = add_command(app, "reconstruct", "Make LOD meshes from rendered position maps",
-                                  "  lodestone reconstruct scan.ply -o lod.ply --resolution 256 --measure\n"
-                                  "  lodestone reconstruct scan.ply -o lod.ply --triangles 20000 --json report.json\n"
-                                  "  lodestone reconstruct scan.ply -o lod.ply --merge concatenate --views faces\n",
-                                  common);
-  command.add_option("IN", options->input, std::string("Mesh: ") + mesh_formats)->required();
+  CLI::App& command = add_command(
+      app, "reconstruct", "Make LOD meshes from rendered position maps",
+      "  lodestone reconstruct scan.ply -o lod.ply --resolution 256 --measure\n"
+      "  lodestone reconstruct scan.ply -o lod.ply --triangles 20000 --json report.json\n"
+      "  lodestone reconstruct scan.ply -o lod.ply --merge concatenate --views faces\n"
+      "  lodestone reconstruct scan.ply -o lod.ply --maps maps && lodestone reconstruct maps -o again.ply\n",
+      common);
+  command
+      .add_option("IN", options->input,
+                  std::string("Mesh: ") + mesh_formats + "; or position maps: a views.json or its folder")
+      ->required();
   command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .stl or .glb")->required();
   command
       .add_option("--views", options->views,
@@ -265,6 +316,13 @@ void add_reconstruct(CLI::App& app) {
   command.add_flag("--extend", config.extend,
                    "Extend borders to the silhouette: for single views, and parts of a pixel's width");
   command.add_flag("!--no-parts", config.separate_parts, "Connect parts of the mesh that share no vertex, too");
+  command.add_flag("--attributes", config.attributes,
+                   "Resample texture coordinates, colours and normals, too; .glb keeps all of them");
+  CLI::Option* maps =
+      command.add_option("--maps", options->maps, "Folder to write the position maps to, with a views.json");
+  command.add_option("--map-format", options->map_format, "exr (all channels) or pfm (positions)")
+      ->capture_default_str()
+      ->needs(maps);
   command.add_flag("--measure", options->measure, "Measure the distance from the input, both ways");
   add_input_options(command, options->reading);
   command.callback([options, common] { ReconstructRun(*options, *common).run(); });

@@ -92,14 +92,15 @@ ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Sche
   const std::vector<Cosines> seen = look(mesh, samples, directions, choice.resolution, scheduler);
 
   const double whole = std::max<double>(1, static_cast<double>(samples.size()));
+  ChosenViews chosen;
   std::size_t visible = 0, coverable = 0;
   for (std::size_t s = 0; s < samples.size(); ++s) {
     float best = 0;
     for (const Cosines& c : seen) best = std::max(best, c[s]);
+    if (best > 0) chosen.visible_points.push_back(samples[s].point);
     visible += best > 0, coverable += best >= choice.least_cosine;
   }
 
-  ChosenViews chosen;
   std::vector<std::uint8_t> covered(samples.size(), 0), taken(directions.size(), 0);
   std::size_t count = 0;
   const auto gain = [&](std::size_t k) {

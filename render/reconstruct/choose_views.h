@@ -30,6 +30,7 @@ struct ChosenViews {
   std::vector<Vec3d> directions;  // in which the views look, of unit length
   // Shares of the area, by samples: seen by any candidate at all; covered by any; covered by those chosen.
   double visible = 0, coverable = 0, covered = 0;
+  std::vector<Vec3d> visible_points;  // samples that some candidate sees, normalised model space
 };
 
 [[nodiscard]] std::vector<Vec3d> face_directions();

@@ -13,6 +13,7 @@
 #include "render/reconstruct/condense_map.h"
 #include "render/reconstruct/gather.h"
 #include "render/reconstruct/label_parts.h"
+#include "render/reconstruct/resample_attributes.h"
 
 namespace lodestone {
 namespace {
@@ -125,6 +126,14 @@ std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& c
   return views;
 }
 
+// The triangle that each vertex saw.
+std::vector<std::uint32_t> sources_of(const MergedMesh& merged, std::span<const PositionMap> maps) {
+  std::vector<std::uint32_t> source(merged.position.size(), no_source);
+  for (std::size_t v = 0; v < source.size(); ++v)
+    if (merged.view[v] != no_view) source[v] = maps[merged.view[v]].triangle[merged.pixel[v]];
+  return source;
+}
+
 RawMesh to_raw(const MergedMesh& merged, const Transform& transform) {
   RawMesh raw;
   raw.positions.reserve(merged.position.size());
@@ -144,7 +153,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   drawn.closed = census.border == 0;
   drawn.oriented = census.inconsistent == 0;
   if (config.separate_parts) drawn.parts = label_parts(mesh);
-  report.closed = drawn.closed;
+  report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution;
   report.views = choose_views(mesh, config.views, scheduler);
   report.choose = choose_clock.elapsed();
@@ -158,7 +167,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   return drawn;
 }
 
-RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* /*mesh*/, const ReconstructConfig& config,
+RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
                        ReconstructReport& report, Scheduler& scheduler) {
   check_config(config);
   if (drawn.maps.empty()) return {};
@@ -184,12 +193,41 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* /*mesh*/, const Reco
   if (config.merge == MergeKind::stitch && config.sharp_degrees > 0)
     report.sharpen = sharpen(merged, {static_cast<float>(report.spacing), config.sharp_degrees}, scheduler);
   report.sharpen_time = sharpen_clock.elapsed();
-  return to_raw(merged, drawn.maps.front().transform);
+
+  RawMesh raw = to_raw(merged, drawn.maps.front().transform);
+  if (config.attributes && mesh) {
+    const CpuClock attributes_clock;
+    resample_attributes(*mesh, sources_of(merged, drawn.maps), raw);
+    report.attributes = attributes_clock.elapsed();
+  }
+  return raw;
+}
+
+DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report) {
+  DrawnMaps drawn;
+  drawn.maps = std::move(set.maps);
+  drawn.links.resize(drawn.maps.size());
+  drawn.vertices.resize(drawn.maps.size());
+  drawn.closed = report.closed = set.closed;
+  drawn.oriented = set.oriented;
+  // The middle one of the views' spacings in the middle of what they see.
+  std::vector<double> spacings;
+  for (const PositionMap& map : drawn.maps) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < map.depth.size(); ++i)
+      if (map.sees(i)) sum += map.depth[i], ++count;
+    if (count > 0) spacings.push_back(map.view.spacing(sum / static_cast<double>(count)));
+  }
+  std::sort(spacings.begin(), spacings.end());
+  report.spacing = spacings.empty() ? 1 : spacings[spacings.size() / 2];
+  return drawn;
 }
 
 Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& config, Scheduler& scheduler) {
   Reconstruction result;
   DrawnMaps drawn = draw_maps(mesh, config, result.report, scheduler);
+  if (config.keep_maps) result.maps = drawn.maps;
   result.mesh = mesh_from_maps(drawn, &mesh, config, result.report, scheduler);
   return result;
 }

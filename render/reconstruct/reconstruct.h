@@ -9,7 +9,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler.h"
 #include "parallel/stage_time.h"
-#include "render/position_map/position_map.h"
+#include "render/position_map/map_files.h"
 #include "render/reconstruct/choose_views.h"
 #include "render/reconstruct/merge.h"
 #include "render/reconstruct/sharpen.h"
@@ -30,9 +30,10 @@ struct ReconstructConfig {
   bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
   bool extend = false;         // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
-  float longest_hole = 16;     // spacings, see MergeConfig
+  float longest_hole = 48;     // spacings, see MergeConfig
   float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
-  bool attributes = false;     // texture coordinates, colours, materials
+  bool attributes = false;     // texture coordinates, colours, normals, materials
+  bool keep_maps = false;      // in the result
 };
 
 struct ReconstructReport {
@@ -42,13 +43,15 @@ struct ReconstructReport {
   std::uint64_t view_triangles = 0;    // of all view meshes
   StitchReport stitch;
   SharpenReport sharpen;
-  bool closed = false;  // the input has no border
+  bool closed = false;    // the input has no border
+  bool oriented = false;  // and its triangles agree on what is outside
   StageTime choose, draw, connect, merge, sharpen_time, attributes;
 };
 
 struct Reconstruction {
   RawMesh mesh;  // in the space of the model
   ReconstructReport report;
+  std::vector<PositionMap> maps;  // where they were to be kept
 };
 
 // Throws InputError for a config out of range. A model of which nothing is seen gives a mesh without triangles.
@@ -66,6 +69,8 @@ struct DrawnMaps {
 };
 [[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
                                   Scheduler& scheduler);
+// Maps that were read; the report gets their spacing.
+[[nodiscard]] DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report);
 // `mesh`: what the maps show, for its attributes; null: not known. The maps are extended, and get normals, in place.
 [[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
                                      ReconstructReport& report, Scheduler& scheduler);
