@@ -96,12 +96,15 @@ class ExrReader {
   ExrReader(Imf::InputFile& file, const std::string& name) : file_(file), box_(file.header().dataWindow()) {
     const auto width = std::int64_t{box_.max.x} - box_.min.x + 1, height = std::int64_t{box_.max.y} - box_.min.y + 1;
     if (width < 1 || height < 1 || width > largest_map_side || height > largest_map_side)
-      throw InputError(describe(name, "", "an image of " + std::to_string(width) + "x" + std::to_string(height) + " pixels"));
+      throw InputError(
+          describe(name, "", "an image of " + std::to_string(width) + "x" + std::to_string(height) + " pixels"));
     width_ = static_cast<int>(width), height_ = static_cast<int>(height);
   }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  [[nodiscard]] bool has(const char* channel) const { return file_.header().channels().findChannel(channel) != nullptr; }
+  [[nodiscard]] bool has(const char* channel) const {
+    return file_.header().channels().findChannel(channel) != nullptr;
+  }
 
   // Empty without such a channel.
   template <class T>

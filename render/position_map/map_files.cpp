@@ -88,9 +88,10 @@ void complete_map(PositionMap& map, const std::string& name) {
     astray += !(std::abs(dx) <= 1) || !(std::abs(dy) <= 1);
   }
   if (2 * astray > seen)
-    throw InputError(describe(name, "", std::to_string(astray) + " of " + std::to_string(seen) +
-                                            " positions do not lie on the rays of the view",
-                              "check eye, directions and pixel of the view, and that row 0 is on top"));
+    throw InputError(describe(
+        name, "",
+        std::to_string(astray) + " of " + std::to_string(seen) + " positions do not lie on the rays of the view",
+        "check eye, directions and pixel of the view, and that row 0 is on top"));
 }
 
 void write_map_set(const std::filesystem::path& folder, std::span<const PositionMap> maps, bool closed, bool oriented,

@@ -28,12 +28,14 @@ enum class MapFormat : std::uint8_t { exr, pfm };
 void write_exr_map(const std::filesystem::path& path, const PositionMap& map);
 void write_pfm_map(const std::filesystem::path& path, const PositionMap& map);
 
-// A map as its file has it, for a view whose width and height are taken from the file. Where the file has no depths they
-// are computed, where it has no triangles a pixel that sees something sees triangle 0; normals may be missing. Throws
-// FileError when the file cannot be read, InputError when it is no such image, has no positions, is larger than
+// A map as its file has it, for a view whose width and height are taken from the file. Where the file has no depths
+// they are computed, where it has no triangles a pixel that sees something sees triangle 0; normals may be missing.
+// Throws FileError when the file cannot be read, InputError when it is no such image, has no positions, is larger than
 // largest_map_side, or when most positions do not lie within a pixel of the rays of the view.
-[[nodiscard]] PositionMap read_exr_map(const std::filesystem::path& path, const MapView& view, const Transform& transform);
-[[nodiscard]] PositionMap read_pfm_map(const std::filesystem::path& path, const MapView& view, const Transform& transform);
+[[nodiscard]] PositionMap read_exr_map(const std::filesystem::path& path, const MapView& view,
+                                       const Transform& transform);
+[[nodiscard]] PositionMap read_pfm_map(const std::filesystem::path& path, const MapView& view,
+                                       const Transform& transform);
 
 struct MapSet {
   std::vector<PositionMap> maps;

@@ -34,7 +34,8 @@ PfmHeader parse_header(std::string_view text, const std::string& name) {
   const auto number = [&](auto& value) {
     const std::string_view w = word();
     const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
-    if (w.empty() || error != std::errc{} || end != w.data() + w.size()) fail(name, "is no portable float map: the header is malformed");
+    if (w.empty() || error != std::errc{} || end != w.data() + w.size())
+      fail(name, "is no portable float map: the header is malformed");
   };
   if (word() != "PF") fail(name, "is no portable float map of three channels (PF)");
   PfmHeader header;

@@ -16,7 +16,8 @@ namespace lodestone {
 inline constexpr std::uint32_t no_triangle = 0xFFFF'FFFFu;
 
 // Every array has one entry per pixel, row by row from the top, or none at all where the map does not have it.
-// `position` and `triangle` are always there. A pixel where nothing is seen is zero but for its triangle.
+// `triangle` and `depth` are always there, and all but the cheapest maps have `position` and `normal`. A pixel where
+// nothing is seen is zero but for its triangle.
 struct PositionMap {
   MapView view;
   Transform transform;                  // from normalised to model space
@@ -31,9 +32,10 @@ struct PositionMap {
   friend bool operator==(const PositionMap&, const PositionMap&) = default;
 };
 
-// What is drawn besides position, triangle, depth and normal.
+// What is drawn besides triangle and depth.
 struct MapChannels {
   bool uv = false, colour = false;  // where the mesh has them
+  bool surface = true;              // position and normal
 };
 
 }  // namespace lodestone

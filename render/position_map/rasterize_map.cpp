@@ -105,7 +105,12 @@ class MapRasterizer {
         const std::size_t i =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.width) + static_cast<std::size_t>(x);
         map.triangle[i] = seen;
-        resolve_pixel(mesh_, i, map);
+        if (!map.position.empty()) {
+          resolve_pixel(mesh_, i, map);
+          continue;
+        }
+        const double z = sight.z[static_cast<std::size_t>((y - y0) * tile_size + x - x0)];
+        map.depth[i] = static_cast<float>(view_.projection == Projection::perspective ? -1 / z : z);
       }
   }
 

@@ -74,10 +74,9 @@ inline void resolve_pixel(const IndexedMesh& mesh, std::size_t i, PositionMap& m
   map.view = view;
   map.transform = mesh.transform;
   const std::size_t n = view.pixels();
-  map.position.resize(n);
   map.triangle.assign(n, no_triangle);
   map.depth.resize(n);
-  map.normal.resize(n);
+  if (channels.surface) map.position.resize(n), map.normal.resize(n);
   if (channels.uv && !mesh.wedges.uv.empty()) map.uv.resize(n);
   if (channels.colour && !mesh.wedges.colour.empty()) map.colour.resize(n, Rgba8{0, 0, 0, 0});
   return map;

@@ -64,9 +64,12 @@ std::vector<Cosines> look(const IndexedMesh& mesh, const std::vector<SurfacePoin
   for (const Vec3f& p : mesh.positions) box.extend(p);
   std::vector<Cosines> seen(directions.size());
   for (std::size_t k = 0; k < directions.size(); ++k) {
-    const PositionMap map = rasterize_map(mesh, orthographic_view(box, directions[k], 1.0 / resolution), {}, scheduler);
+    const PositionMap map =
+        rasterize_map(mesh, orthographic_view(box, directions[k], 1.0 / resolution), {.surface = false}, scheduler);
     seen[k].resize(samples.size());
-    for (std::size_t s = 0; s < samples.size(); ++s) seen[k][s] = cosine_in(map, samples[s]);
+    scheduler.for_chunks(samples.size(), 4096, [&](ChunkRange range) {
+      for (std::size_t s = range.begin; s < range.end; ++s) seen[k][s] = cosine_in(map, samples[s]);
+    });
   }
   return seen;
 }
@@ -103,11 +106,6 @@ ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Sche
 
   std::vector<std::uint8_t> covered(samples.size(), 0), taken(directions.size(), 0);
   std::size_t count = 0;
-  const auto gain = [&](std::size_t k) {
-    std::size_t sum = 0;
-    for (std::size_t s = 0; s < samples.size(); ++s) sum += !covered[s] && seen[k][s] >= choice.least_cosine;
-    return sum;
-  };
   const auto take = [&](std::size_t k) {
     taken[k] = 1;
     chosen.directions.push_back(directions[k]);
@@ -119,9 +117,15 @@ ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Sche
   while (static_cast<int>(chosen.directions.size()) < choice.most &&
          (static_cast<int>(chosen.directions.size()) < choice.least ||
           static_cast<double>(count) < choice.coverage * static_cast<double>(coverable))) {
+    std::vector<std::size_t> gain(directions.size(), 0);
+    scheduler.for_chunks(directions.size(), 4, [&](ChunkRange range) {
+      for (std::size_t k = range.begin; k < range.end; ++k)
+        for (std::size_t s = 0; s < samples.size() && !taken[k]; ++s)
+          gain[k] += !covered[s] && seen[k][s] >= choice.least_cosine;
+    });
     std::size_t best = directions.size(), most = 0;
     for (std::size_t k = 0; k < directions.size(); ++k)
-      if (const std::size_t g = taken[k] ? 0 : gain(k); g > most) most = g, best = k;
+      if (gain[k] > most) most = gain[k], best = k;
     if (best == directions.size() || (static_cast<double>(most) < choice.least_gain * whole &&
                                       static_cast<int>(chosen.directions.size()) >= choice.least))
       break;

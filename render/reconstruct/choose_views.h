@@ -21,9 +21,9 @@ struct ViewChoice {
   double coverage = 0.9995;    // of what the candidates can cover: enough
   double least_gain = 0.0002;  // of the area: a view that covers less is not worth drawing
   float least_cosine = 0.5f;   // between surface and view: below, an area is seen but not covered
-  int candidates = 128;        // directions besides the faces
-  std::uint64_t samples = 40'000;  // of the surface
-  int resolution = 320;            // pixels along the box's longest side, of the candidates' maps
+  int candidates = 96;         // directions besides the faces
+  std::uint64_t samples = 30'000;  // of the surface
+  int resolution = 256;            // pixels along the box's longest side, of the candidates' maps
 };
 
 struct ChosenViews {

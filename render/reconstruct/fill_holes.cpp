@@ -99,6 +99,7 @@ class HoleFiller {
     s_.normal.push_back(norm > 0 ? (1 / norm) * normal : Vec3f{});
     s_.frozen.push_back(0);
     s_.rim.push_back(0);
+    s_.part.push_back(s_.part[loop_.front()]);
     std::size_t added = 0;
     for (std::size_t i = 0; i < loop_.size(); ++i) added += s_.mesh.add(after(i), loop_[i], centre) != EditMesh::none;
     return added;
@@ -177,6 +178,7 @@ std::size_t split_vertices(SeamMesh& seam) {
       seam.normal.push_back(seam.normal[v]);
       seam.frozen.push_back(0);
       seam.rim.push_back(seam.rim[v]);
+      seam.part.push_back(seam.part[v]);
       for (const std::uint32_t t : fan) {
         Triangle moved = seam.mesh.triangle(t);
         std::replace(moved.v.begin(), moved.v.end(), v, own);

@@ -137,7 +137,8 @@ Gathered gather(std::span<const MergeView> views, CellChoice cells, Scheduler& s
   return result;
 }
 
-CutOut cut_out_seams(std::span<const MergeView> views, Gathered& gathered, Scheduler& scheduler) {
+CutOut cut_out_seams(std::span<const MergeView> views, std::span<const std::uint32_t> parts, Gathered& gathered,
+                     Scheduler& scheduler) {
   MergedMesh& mesh = gathered.mesh;
   std::vector<std::vector<std::uint8_t>> flags(views.size());
   scheduler.for_chunks(views.size(), 1,
@@ -162,6 +163,7 @@ CutOut cut_out_seams(std::span<const MergeView> views, Gathered& gathered, Sched
   SeamMesh& seam = part.seam;
   const std::size_t count = part.vertex.size();
   seam.position.resize(count), seam.normal.resize(count), seam.frozen.resize(count), seam.rim.resize(count);
+  seam.part.resize(count);
   seam.mesh = EditMesh(count);
   scheduler.for_chunks(count, 4096, [&](ChunkRange range) {
     for (std::size_t k = range.begin; k < range.end; ++k) {
@@ -170,6 +172,7 @@ CutOut cut_out_seams(std::span<const MergeView> views, Gathered& gathered, Sched
       seam.normal[k] = surface_normal(views[mesh.view[v]], mesh.pixel[v]);
       seam.frozen[k] = !(flag(v) & beside_border);
       seam.rim[k] = (flag(v) & on_rim) != 0;
+      seam.part[k] = parts.empty() ? 0 : parts[views[mesh.view[v]].map->triangle[mesh.pixel[v]]];
     }
   });
   for (const Triangle& t : cut) seam.mesh.add(t.v[0], t.v[1], t.v[2]);

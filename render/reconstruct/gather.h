@@ -33,12 +33,14 @@ struct Gathered {
 };
 [[nodiscard]] Gathered gather(std::span<const MergeView> views, CellChoice cells, Scheduler& scheduler);
 
-// The part of the gathered mesh within two pixels of a border, taken out of it.
+// What is within two pixels of a border in the gathered mesh, taken out of it. `parts`: of the model's triangles, or
+// empty.
 struct CutOut {
   SeamMesh seam;
   std::vector<std::uint32_t> vertex;  // of the merged mesh, for each of the seam mesh
 };
-[[nodiscard]] CutOut cut_out_seams(std::span<const MergeView> views, Gathered& gathered, Scheduler& scheduler);
+[[nodiscard]] CutOut cut_out_seams(std::span<const MergeView> views, std::span<const std::uint32_t> parts,
+                                   Gathered& gathered, Scheduler& scheduler);
 // Puts it back: triangles behind those that stayed, new vertices behind the old ones, unused ones dropped.
 void put_back(const CutOut& part, MergedMesh& mesh);
 

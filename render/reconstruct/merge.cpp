@@ -75,14 +75,15 @@ void zip(SeamMesh& seam, const MergeConfig& config, StitchReport& report) {
   const auto spacing = static_cast<float>(config.ownership.reference_spacing);
   const TidyConfig tidy{.spacing = spacing};
   report.zipped = zip_seams(seam, {.spacing = spacing, .rims = config.closed});
-  // What is left are ends of thin parts, where the surface turns back within a sample or two.
-  report.zipped += zip_seams(seam, {.spacing = spacing, .least_cosine = -0.5f, .rims = config.closed});
+  // What is left of a solid are ends of thin parts, where the surface turns back within a sample or two.
+  if (config.closed || !config.border.empty())
+    report.zipped += zip_seams(seam, {.spacing = spacing, .least_cosine = -0.5f, .rims = config.closed});
   report.vertices_split = split_vertices(seam);
   const FillResult filled =
       fill_holes(seam, {.spacing = spacing, .longest = config.longest_hole, .rims = config.closed});
   report.holes_filled = filled.filled, report.hole_triangles = filled.triangles, report.holes_open = filled.open;
   report.open_length = filled.open_length;
-  report.crumbs = drop_crumbs(seam, config.least_piece);
+  report.crumbs = drop_crumbs(seam, config.closed ? config.least_solid : config.least_piece);
   const TidyResult tidied = tidy_seams(seam, tidy);
   report.collapsed = tidied.collapsed, report.flipped = tidied.flipped;
   report.vertices_split += split_vertices(seam);
@@ -101,7 +102,9 @@ MergedMesh stitch(std::span<MergeView> views, const MergeConfig& config, StitchR
   Gathered gathered = gather(views, kept_cells, scheduler);
   report.own = own_clock.elapsed();
   const CpuClock zip_clock;
-  CutOut part = cut_out_seams(views, gathered, scheduler);
+  CutOut part = cut_out_seams(views, config.ownership.parts, gathered, scheduler);
+  if (!config.border.empty())
+    mark_rims(config.border, 1.5f * static_cast<float>(config.ownership.reference_spacing), part.seam);
   zip(part.seam, config, report);
   put_back(part, gathered.mesh);
   drop_unused_vertices(gathered.mesh);

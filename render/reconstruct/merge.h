@@ -28,8 +28,11 @@ struct MergedMesh {
 
 struct MergeConfig {
   OwnershipConfig ownership;
-  bool closed = false;           // the surface has no border: outlines are holes, too
-  std::size_t least_piece = 20;  // separate pieces of fewer triangles are left out
+  bool closed = false;  // the surface has no border: outlines are holes, too
+  // Where the surface ends. Empty, and not closed: it may end wherever a view sees it end.
+  std::span<const Vec3f> border{};
+  std::size_t least_piece = 3,
+              least_solid = 20;  // separate pieces of fewer triangles are left out; the latter if closed
   float longest_hole = 48;       // perimeter of holes that are filled, in spacings; 0: none
 };
 

@@ -155,6 +155,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   if (config.separate_parts) drawn.parts = label_parts(mesh);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution;
+  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 / config.resolution);
   report.views = choose_views(mesh, config.views, scheduler);
   report.choose = choose_clock.elapsed();
 
@@ -184,6 +185,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merge.ownership.reference_spacing = report.spacing;
     merge.ownership.parts = drawn.parts;
     merge.closed = drawn.closed;
+    merge.border = drawn.border;
     merge.longest_hole = config.longest_hole;
     merged = stitch(views, merge, report.stitch, scheduler);
   }

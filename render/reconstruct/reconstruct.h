@@ -66,6 +66,7 @@ struct DrawnMaps {
   bool closed = false;
   bool oriented = true;              // neighbouring triangles agree on what is outside
   std::vector<std::uint32_t> parts;  // of the triangles; empty: one
+  std::vector<Vec3f> border;         // where the surface ends, normalised; empty: nowhere, or not known
 };
 [[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
                                   Scheduler& scheduler);

@@ -97,7 +97,8 @@ class Resampler {
     if (!(area2 > 0)) return {1, 0, 0};
     const double b = dot(cross(ap, ac), n) / area2, c = dot(cross(ab, ap), n) / area2;
     constexpr double most = 8;
-    if (!(std::abs(b) <= most && std::abs(c) <= most && std::abs(1 - b - c) <= most)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    if (!(std::abs(b) <= most && std::abs(c) <= most && std::abs(1 - b - c) <= most))
+      return {1.0 / 3, 1.0 / 3, 1.0 / 3};
     return {1 - b - c, b, c};
   }
 
@@ -151,7 +152,8 @@ RawMesh split_wedges(const RawMesh& mesh) {
   RawMesh split = mesh;
   split.positions.assign(wedge_count(mesh), Vec3d{});
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) split.positions[mesh.wedges.corners[t].v[k]] = mesh.positions[mesh.triangles[t].v[k]];
+    for (std::size_t k = 0; k < 3; ++k)
+      split.positions[mesh.wedges.corners[t].v[k]] = mesh.positions[mesh.triangles[t].v[k]];
   split.triangles = mesh.wedges.corners;
   split.wedges.corners.clear();
   return split;

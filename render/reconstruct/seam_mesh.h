@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/vec3.h"
@@ -16,6 +17,7 @@ struct SeamMesh {
   std::vector<std::uint8_t> frozen;
   // Rim: at the outline of what its view sees, not where another view takes over.
   std::vector<std::uint8_t> rim;
+  std::vector<std::uint32_t> part;  // of the model: nothing is zipped from one to another
   EditMesh mesh{0};
 
   [[nodiscard]] bool is_border(std::uint32_t a, std::uint32_t b) const {
@@ -30,6 +32,9 @@ struct SeamMesh {
 
 // Longest edge over the height above it: 1.15 for an equilateral triangle; infinite without area.
 [[nodiscard]] float aspect_of(Vec3f a, Vec3f b, Vec3f c);
+
+// Where it is known where the surface ends: rims are the vertices within `distance` of these points and no others.
+void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam);
 
 struct ZipConfig {
   float spacing = 0;          // of the samples, the unit of the following; > 0

@@ -1,12 +1,11 @@
 // An advancing front from seam to seam: the incremental side of ball pivoting (bernardini1999) with the Delaunay choice
 // of the third vertex, restricted to the borders of pieces that are there already (turk1994 zips by clipping instead).
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <queue>
-#include <unordered_map>
 
 #include "render/reconstruct/seam_mesh.h"
+#include "render/reconstruct/vertex_grid.h"
 
 namespace lodestone {
 namespace {
@@ -40,35 +39,6 @@ float turn(Point2 a, Point2 b) {
   return angle < 0 ? angle + 6.2831853f : angle;
 }
 
-class VertexGrid {
- public:
-  explicit VertexGrid(float side) : side_(side) {}
-  void insert(std::uint32_t v, Vec3f p) { cells_[key(cell(p))].push_back(v); }
-  template <class Visit>
-  void for_near(Vec3f p, float radius, const Visit& visit) const {
-    const auto lo = cell({p.x - radius, p.y - radius, p.z - radius}),
-               hi = cell({p.x + radius, p.y + radius, p.z + radius});
-    for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
-      for (std::int64_t y = lo[1]; y <= hi[1]; ++y)
-        for (std::int64_t x = lo[0]; x <= hi[0]; ++x)
-          if (const auto at = cells_.find(key({x, y, z})); at != cells_.end())
-            for (const std::uint32_t v : at->second) visit(v);
-  }
-
- private:
-  using Cell = std::array<std::int64_t, 3>;
-  [[nodiscard]] Cell cell(Vec3f p) const {
-    return {static_cast<std::int64_t>(std::floor(p.x / side_)), static_cast<std::int64_t>(std::floor(p.y / side_)),
-            static_cast<std::int64_t>(std::floor(p.z / side_))};
-  }
-  [[nodiscard]] static std::uint64_t key(const Cell& c) {
-    const auto part = [](std::int64_t v) { return static_cast<std::uint64_t>(v) & 0x1F'FFFF; };
-    return part(c[0]) | part(c[1]) << 21 | part(c[2]) << 42;
-  }
-  float side_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
-};
-
 struct Proposal {
   float radius = 0;  // of the circumscribed circle
   std::uint32_t a = 0, b = 0, c = 0;
@@ -80,7 +50,10 @@ struct Proposal {
 class Zipper {
  public:
   Zipper(SeamMesh& seam, const ZipConfig& config)
-      : s_(seam), config_(config), reach_(config.reach * config.spacing), grid_(0.7f * reach_) {}
+      : s_(seam), config_(config), reach_(config.reach * config.spacing), grid_(reach_) {
+    gaps_.resize(seam.mesh.vertex_count());
+    known_.resize(seam.mesh.vertex_count(), 0);
+  }
 
   std::size_t run() {
     collect();
@@ -97,6 +70,7 @@ class Zipper {
       }
       if (s_.mesh.add(now.b, now.a, now.c) == EditMesh::none) continue;
       ++added;
+      known_[now.a] = known_[now.b] = known_[now.c] = 0;
       push(now.a, now.c), push(now.c, now.b);
     }
     return added;
@@ -106,7 +80,7 @@ class Zipper {
   void collect() {
     for (std::uint32_t v = 0; v < s_.mesh.vertex_count(); ++v) {
       bool border = false;
-      for (const EditMesh::Gap& gap : s_.mesh.gaps(v)) {
+      for (const EditMesh::Gap& gap : gaps(v)) {
         if (gap.next == EditMesh::none || !s_.is_border(v, gap.next)) continue;
         border = true;
         if (config_.rims || !(s_.rim[v] && s_.rim[gap.next])) push(v, gap.next);
@@ -118,6 +92,12 @@ class Zipper {
   void push(std::uint32_t a, std::uint32_t b) {
     Proposal p;
     if (s_.is_border(a, b) && propose(a, b, p)) queue_.push(p);
+  }
+
+  // The gaps of a vertex change only when a triangle comes to it.
+  [[nodiscard]] const std::vector<EditMesh::Gap>& gaps(std::uint32_t v) const {
+    if (!known_[v]) gaps_[v] = s_.mesh.gaps(v), known_[v] = 1;
+    return gaps_[v];
   }
 
   // The best triangle at the border edge a -> b.
@@ -146,7 +126,8 @@ class Zipper {
   }
 
   [[nodiscard]] bool fits(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    if (s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, b) != EditMesh::none) return false;
+    if (s_.part[a] != s_.part[c] || s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, b) != EditMesh::none)
+      return false;
     const Vec3f area = area_vector(s_, b, a, c);
     const float size = length(area);
     if (!(size > 0)) return false;
@@ -176,14 +157,14 @@ class Zipper {
     };
     bool room = false;
     const Plane at_a = plane_at(a, normal), at_b = plane_at(b, normal), at_c = plane_at(c, normal);
-    for (const EditMesh::Gap& gap : s_.mesh.gaps(a))
+    for (const EditMesh::Gap& gap : gaps(a))
       if (gap.next == b) room = c == gap.previous || place(at_a, gap, c) < width(at_a, gap);
     if (!room) return false;
     room = false;
-    for (const EditMesh::Gap& gap : s_.mesh.gaps(b))
+    for (const EditMesh::Gap& gap : gaps(b))
       if (gap.previous == a) room = c == gap.next || place(at_b, gap, c) < width(at_b, gap);
     if (!room) return false;
-    for (const EditMesh::Gap& gap : s_.mesh.gaps(c)) {
+    for (const EditMesh::Gap& gap : gaps(c)) {
       if (gap.next == EditMesh::none || !s_.is_border(c, gap.next)) continue;
       const float all = width(at_c, gap), to_b = place(at_c, gap, b), to_a = a == gap.next ? all : place(at_c, gap, a);
       if (to_b < to_a && to_a <= all) return true;
@@ -209,7 +190,7 @@ class Zipper {
         if (!beside(v)) continue;
         if (cross2(qa - qb, q - qb) > 0 && cross2(qc - qa, q - qa) > 0 && cross2(qb - qc, q - qc) > 0) return false;
       }
-      for (const EditMesh::Gap& gap : s_.mesh.gaps(v)) {
+      for (const EditMesh::Gap& gap : gaps(v)) {
         const std::uint32_t w = gap.next;
         if (w == EditMesh::none || !beside(w)) continue;
         const Point2 r = plane.at(s_.position[w]);
@@ -225,11 +206,25 @@ class Zipper {
   float reach_;
   VertexGrid grid_;
   std::priority_queue<Proposal> queue_;
+  mutable std::vector<std::vector<EditMesh::Gap>> gaps_;
+  mutable std::vector<std::uint8_t> known_;
   std::vector<std::uint32_t> near_;
   std::vector<std::pair<float, std::uint32_t>> choices_;
 };
 
 }  // namespace
+
+void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam) {
+  VertexGrid grid(distance);
+  for (std::uint32_t k = 0; k < border.size(); ++k) grid.insert(k, border[k]);
+  for (std::uint32_t v = 0; v < seam.position.size(); ++v) {
+    seam.rim[v] = 0;
+    grid.for_near(seam.position[v], distance, [&](std::uint32_t k) {
+      const Vec3f d = border[k] - seam.position[v];
+      if (dot(d, d) <= distance * distance) seam.rim[v] = 1;
+    });
+  }
+}
 
 std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config) { return Zipper(seam, config).run(); }
 

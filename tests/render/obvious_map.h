@@ -25,12 +25,14 @@ inline PositionMap obvious_map(const IndexedMesh& mesh, const MapView& view, Map
   PositionMap map = empty_map(mesh, view, channels);
   for (int y = 0; y < view.height; ++y)
     for (int x = 0; x < view.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(x);
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(view.width) + static_cast<std::size_t>(x);
       double nearest = std::numeric_limits<double>::infinity();
       for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
         SnappedVertex v[3];
         for (std::size_t k = 0; k < 3; ++k) v[k] = snap_to_window(view, mesh.positions[mesh.triangles[t].v[k]]);
-        const std::int64_t area = std::int64_t{v[1].x - v[0].x} * (v[2].y - v[0].y) - std::int64_t{v[1].y - v[0].y} * (v[2].x - v[0].x);
+        const std::int64_t area =
+            std::int64_t{v[1].x - v[0].x} * (v[2].y - v[0].y) - std::int64_t{v[1].y - v[0].y} * (v[2].x - v[0].x);
         if (area == 0) continue;
         if (area < 0) std::swap(v[1], v[2]);
         if (!obviously_covers(v, 256 * x + 128, 256 * y + 128)) continue;
@@ -53,7 +55,8 @@ inline Box3f box_of(const IndexedMesh& mesh) {
 }
 
 // n x n squares on each face of a box.
-inline void add_box(Vec3d lo, Vec3d hi, std::uint32_t n, std::vector<Vec3d>& positions, std::vector<Triangle>& triangles) {
+inline void add_box(Vec3d lo, Vec3d hi, std::uint32_t n, std::vector<Vec3d>& positions,
+                    std::vector<Triangle>& triangles) {
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) {
       const auto first = static_cast<std::uint32_t>(positions.size());
@@ -62,7 +65,8 @@ inline void add_box(Vec3d lo, Vec3d hi, std::uint32_t n, std::vector<Vec3d>& pos
           double at[3];
           at[axis] = side;
           at[(axis + 1) % 3] = double(i) / n, at[(axis + 2) % 3] = double(j) / n;
-          positions.push_back({lo.x + at[0] * (hi.x - lo.x), lo.y + at[1] * (hi.y - lo.y), lo.z + at[2] * (hi.z - lo.z)});
+          positions.push_back(
+              {lo.x + at[0] * (hi.x - lo.x), lo.y + at[1] * (hi.y - lo.y), lo.z + at[2] * (hi.z - lo.z)});
         }
       for (std::uint32_t j = 0; j < n; ++j)
         for (std::uint32_t i = 0; i < n; ++i) {

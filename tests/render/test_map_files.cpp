@@ -25,12 +25,15 @@ class MapFiles : public ::testing::Test {
       mesh.wedges.colour.push_back({1, 2, static_cast<std::uint8_t>(200 * p.z), 255});
     }
     const auto serial = make_serial_scheduler();
-    for (const MapView& view : {orthographic_view(box_of(mesh), {0.1, -0.4, 0.7}, 1.0 / 50), perspective_view(box_of(mesh), {2, 2, 2}, 1.0 / 40)})
+    for (const MapView& view : {orthographic_view(box_of(mesh), {0.1, -0.4, 0.7}, 1.0 / 50),
+                                perspective_view(box_of(mesh), {2, 2, 2}, 1.0 / 40)})
       maps_.push_back(rasterize_map(mesh, view, {true, true}, *serial));
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  void write(const std::string& name, const std::string& bytes) const { std::ofstream(folder_ / name, std::ios::binary) << bytes; }
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+  }
   [[nodiscard]] std::string read(const std::string& name) const {
     std::ifstream file(folder_ / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
@@ -79,7 +82,9 @@ TEST_F(MapFiles, PfmOfTheOtherByteOrderIsRead) {
   const std::size_t scale = bytes.find("-1.0\n");
   ASSERT_NE(scale, std::string::npos);
   std::string swapped = bytes.substr(0, scale) + "1.0\n";
-  for (std::size_t at = scale + 5; at < bytes.size(); at += 4) swapped += std::string(bytes.rbegin() + static_cast<std::ptrdiff_t>(bytes.size() - at - 4), bytes.rbegin() + static_cast<std::ptrdiff_t>(bytes.size() - at));
+  for (std::size_t at = scale + 5; at < bytes.size(); at += 4)
+    swapped += std::string(bytes.rbegin() + static_cast<std::ptrdiff_t>(bytes.size() - at - 4),
+                           bytes.rbegin() + static_cast<std::ptrdiff_t>(bytes.size() - at));
   write("b.pfm", swapped);
   EXPECT_EQ(read_pfm_map(folder_ / "b.pfm", maps_[0].view, {}).position, maps_[0].position);
 }

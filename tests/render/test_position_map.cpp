@@ -68,8 +68,7 @@ TEST(PositionMap, OfEquallyNearTrianglesSeesTheFirst) {
   mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());  // coincident surfaces
   const auto serial = make_serial_scheduler();
   const PositionMap map = rasterize_map(mesh, orthographic_view(box_of(mesh), {0, 0, -1}, 1.0 / 64), {}, *serial);
-  for (std::size_t i = 0; i < map.triangle.size(); ++i)
-    EXPECT_TRUE(!map.sees(i) || map.triangle[i] < once.size());
+  for (std::size_t i = 0; i < map.triangle.size(); ++i) EXPECT_TRUE(!map.sees(i) || map.triangle[i] < once.size());
 }
 
 TEST(PositionMap, OfASurfaceSeenFromItsEdgeIsEmpty) {
@@ -116,7 +115,8 @@ TEST(PositionMap, OfTwiceTheResolutionHasEveryOtherPixelInPlace) {
 // Skips, saying what is missing, where OpenGL cannot be had.
 TEST(PositionMap, IsTheSameFromOpenGl) {
   const auto serial = make_serial_scheduler();
-  for (const IndexedMesh& mesh : {coloured(sphere_mesh(5)), coloured(terrain_mesh(40, 0.3)), coloured(torus_mesh(30, 17))}) {
+  for (const IndexedMesh& mesh :
+       {coloured(sphere_mesh(5)), coloured(terrain_mesh(40, 0.3)), coloured(torus_mesh(30, 17))}) {
     std::unique_ptr<MapRenderer> gl;
     try {
       gl = make_map_renderer("gl", mesh, *serial);

@@ -95,7 +95,8 @@ TEST(ViewMesh, DoesNotBreakOnASteepSlope) {
 }
 
 TEST(ViewMesh, TakesTheDiagonalThatBridgesLess) {
-  PositionMap map = empty_map(terrain_mesh(2), {Projection::orthographic, {0, 0, 2}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 1, 2, 2}, {});
+  PositionMap map =
+      empty_map(terrain_mesh(2), {Projection::orthographic, {0, 0, 2}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}, 1, 2, 2}, {});
   const float depth[2][4]{{1, 1, 1, 1.4f}, {1, 1.4f, 1, 1}};  // p q r s: the odd one is s, then q
   for (std::size_t k = 0; k < 2; ++k) {
     for (std::size_t i = 0; i < 4; ++i) {
@@ -122,8 +123,7 @@ TEST(ViewMesh, NeverConnectsPartsThatAbut) {
   config.parts = parts;
   const std::vector<Triangle> triangles = triangles_of(map, config);
   EXPECT_EQ(joined - triangles.size(), 2u * 31);  // the column of cells between them
-  for (const Triangle& t : triangles)
-    EXPECT_EQ(parts[map.triangle[t.v[0]]], parts[map.triangle[t.v[1]]]);
+  for (const Triangle& t : triangles) EXPECT_EQ(parts[map.triangle[t.v[0]]], parts[map.triangle[t.v[1]]]);
 }
 
 TEST(ViewMesh, IsTheSameInPieces) {
@@ -131,7 +131,8 @@ TEST(ViewMesh, IsTheSameInPieces) {
   const ViewMesh whole = connect(map, {});
   ViewMesh pieces;
   pieces.cells.resize(whole.cells.size());
-  for (const auto& [first, last] : {std::pair{7, 23}, {0, 7}, {23, map.view.height}}) connect_rows(map, {}, first, last, pieces);
+  for (const auto& [first, last] : {std::pair{7, 23}, {0, 7}, {23, map.view.height}})
+    connect_rows(map, {}, first, last, pieces);
   EXPECT_EQ(whole.cells, pieces.cells);
 }
 
