@@ -120,7 +120,10 @@ void stitch_faces(benchmark::State& state) { merge_faces(state, MergeKind::stitc
 void concatenate_faces(benchmark::State& state) { merge_faces(state, MergeKind::concatenate); }
 
 BENCHMARK(rasterize)->ArgsProduct({{256, 512, 1024, 2048, 4096}, {1, 2}})->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(connect_only)->ArgsProduct({{256, 512, 1024, 2048, 4096}, {1, 2}})->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(connect_only)
+    ->ArgsProduct({{256, 512, 1024, 2048, 4096}, {1, 2}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 BENCHMARK(view_mesh)->Arg(256)->Arg(512)->Arg(1024)->Arg(2048)->Arg(4096)->Unit(benchmark::kMillisecond);
 BENCHMARK(condense)->Arg(256)->Arg(1024)->Unit(benchmark::kMillisecond);
 BENCHMARK(concatenate_faces)->ArgsProduct({{256, 1024}, {1, 2}})->Unit(benchmark::kMillisecond)->UseManualTime();

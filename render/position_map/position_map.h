@@ -1,4 +1,4 @@
-// What one view sees of a model, pixel by pixel: its object-space positions as a float image (deng: see
+// What one view sees of a model, pixel by pixel: its object-space positions as a float image (after Deng et al., see
 // docs/decisions/0020), and what else belongs to them.
 #pragma once
 

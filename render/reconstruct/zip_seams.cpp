@@ -1,5 +1,6 @@
 // An advancing front from seam to seam: the incremental side of ball pivoting (bernardini1999) with the Delaunay choice
-// of the third vertex, restricted to the borders of pieces that are there already (turk1994 zips by clipping instead).
+// of the third vertex, restricted to the borders of pieces that are there already (turklevoy1994 zips by clipping
+// instead).
 #include <algorithm>
 #include <cmath>
 #include <queue>
