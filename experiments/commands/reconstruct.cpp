@@ -288,9 +288,12 @@ void add_reconstruct(CLI::App& app) {
       command.add_option("--resolution", config.resolution, "Pixels along the longest side of the bounding box")
           ->capture_default_str();
   CLI::Option* distance =
-      command.add_option("--distance", options->distance,
-                         "Instead: one sample a pixel as seen from so far (model units, 45 degrees, 1080 rows)");
-  CLI::Option* triangles = command.add_option("--triangles", options->triangles, "Instead: about so many triangles");
+      command
+          .add_option("--distance", options->distance,
+                      "Instead: one sample a pixel as seen from so far (model units, 45 degrees, 1080 rows)")
+          ->check(CLI::PositiveNumber);
+  CLI::Option* triangles = command.add_option("--triangles", options->triangles, "Instead: about so many triangles")
+                               ->check(CLI::PositiveNumber);
   resolution->excludes(distance)->excludes(triangles);
   distance->excludes(triangles);
   command.add_option("--merge", options->merge, "stitch: one surface; concatenate: the views' meshes side by side")

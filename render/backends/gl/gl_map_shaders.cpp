@@ -5,12 +5,12 @@
 #include <array>
 #include <string>
 
-#include "core/base/error.h"
+#include "render/backends/gl/gl_program.h"
 
 namespace lodestone {
 namespace {
 
-constexpr const char* common_source = R"(#version 450 core
+constexpr const char* common_source = R"(
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 1) readonly buffer Triangles { uint triangles[]; };
 layout(location = 0) uniform dvec3 eye;
@@ -52,15 +52,9 @@ void main() {
 }
 )";
 
-constexpr const char* sight_fragment_source = R"(#version 450 core
+constexpr const char* sight_fragment_source = R"(
 layout(location = 0) out uint triangle;
 void main() { triangle = uint(gl_PrimitiveID); }
-)";
-
-constexpr const char* resolve_vertex_source = R"(#version 450 core
-void main() {
-  gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, 0.0, 1.0);
-}
 )";
 
 constexpr const char* resolve_fragment_source = R"(
@@ -129,41 +123,16 @@ void main() {
 }
 )";
 
-void attach(const GlProgram& program, GLenum stage, const std::string& source) {
-  const GLuint shader = glCreateShader(stage);
-  const char* text = source.c_str();
-  glShaderSource(shader, 1, &text, nullptr);
-  glCompileShader(shader);
-  GLint compiled = GL_FALSE;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-  std::array<GLchar, 1024> log{};
-  if (!compiled) glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  glAttachShader(program.name(), shader);
-  glDeleteShader(shader);
-  if (!compiled)
-    throw UnsupportedError(describe("", "OpenGL",
-                                    std::string("the driver refuses a shader of position maps: ") + log.data(),
-                                    "use --backend soft"));
-}
-
-GlProgram linked(const std::string& vertex, const std::string& fragment) {
-  GlProgram program;
-  attach(program, GL_VERTEX_SHADER, vertex);
-  attach(program, GL_FRAGMENT_SHADER, fragment);
-  glLinkProgram(program.name());
-  GLint done = GL_FALSE;
-  glGetProgramiv(program.name(), GL_LINK_STATUS, &done);
-  if (!done) throw UnsupportedError("OpenGL: the driver refuses a program of position maps; use --backend soft");
-  return program;
-}
-
 }  // namespace
 
 GlProgram make_map_sight_program() {
-  return linked(std::string(common_source) + sight_vertex_source, sight_fragment_source);
+  const std::array<GlStage, 2> stages{GlStage{GL_VERTEX_SHADER, std::string(common_source) + sight_vertex_source},
+                                      GlStage{GL_FRAGMENT_SHADER, sight_fragment_source}};
+  return link_program(stages);
 }
+
 GlProgram make_map_resolve_program() {
-  return linked(resolve_vertex_source, std::string(common_source) + resolve_fragment_source);
+  return make_screen_program(std::string(common_source) + resolve_fragment_source);
 }
 
 }  // namespace lodestone

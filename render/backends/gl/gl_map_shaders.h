@@ -25,7 +25,7 @@ inline constexpr GLuint map_position_target = 0, map_normal_target = 1, map_uv_t
 // First program: the number of the nearest triangle into an R32UI target. Vertices are snapped to 1/256 pixel in double
 // precision; row 0 of the map is row 0 of the target. Throw UnsupportedError where the driver refuses a program.
 [[nodiscard]] GlProgram make_map_sight_program();
-// Second program: resolve_pixel.h for the triangles that texture unit 0 holds; draw three vertices without arrays.
+// Second program: resolve_pixel.h for the triangles that texture unit 0 holds; draw_screen (gl_program.h).
 [[nodiscard]] GlProgram make_map_resolve_program();
 
 }  // namespace lodestone

@@ -12,6 +12,7 @@
 #include "render/backends/gl/gl_context.h"
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_map_shaders.h"
+#include "render/backends/gl/gl_program.h"
 #include "render/position_map/resolve_pixel.h"
 
 namespace lodestone {
@@ -156,7 +157,7 @@ class GlMapRenderer final : public MapRenderer {
     glDisable(GL_DEPTH_TEST);
     glBindTextureUnit(0, targets.triangle.name());
     glUseProgram(resolve_.name());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    draw_screen(nothing_);
   }
 
   static void read_back(PositionMap& map, const MapTargets& targets) {
@@ -187,7 +188,7 @@ class GlMapRenderer final : public MapRenderer {
   GlDevice device_;
   GlProgram sight_{0}, resolve_{0};
   GlBuffer positions_, triangles_, uv_, colour_;
-  GlVertexArray array_;
+  GlVertexArray array_, nothing_;
 };
 
 }  // namespace
