@@ -54,7 +54,8 @@ class Reconstruct(CommandCase):
         report = self.results("reconstruct", sphere(), "-o", "lod.ply", "--resolution", 40, "--merge", "concatenate",
                               "--views", "faces")
         level = report["levels"][0]
-        self.assertEqual((level["views"], level["mesh"]["components"]), (6, 6))
+        self.assertEqual(level["views"], 6)
+        self.assertGreaterEqual(level["mesh"]["components"], 6)
         self.assertEqual(level["mesh"]["triangles"], level["view_triangles"])
 
     def test_refusals(self):
