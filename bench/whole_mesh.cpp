@@ -1,6 +1,7 @@
-// Simplifies a whole mesh at once with another library: what the levels of a hierarchy are compared with.
+// Simplifies a whole mesh at once, with another library or with our own kernels: what the levels of a hierarchy and
+// reconstructed meshes are compared with.
 //
-// usage: whole_mesh meshoptimizer|openmesh TRIANGLES IN OUT.ply
+// usage: whole_mesh meshoptimizer|openmesh|quadric|cluster TRIANGLES IN OUT.ply
 //
 // Reads and cleans the mesh as `lodestone build` does, keeps nothing in place, and prints triangles and seconds of CPU
 // time of the simplification alone.
@@ -11,6 +12,7 @@
 
 #include "bench/peers.h"
 #include "core/io/mesh_writer.h"
+#include "core/simplify/simplifier.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/load.h"
 #include "parallel/prepare.h"
@@ -18,10 +20,28 @@
 namespace lodestone::bench {
 namespace {
 
+// One block without a bound worth the name.
+PeerMesh simplify_with(SimplifierKind kind, const PeerMesh& mesh, std::size_t triangles) {
+  const std::vector<std::uint8_t> free(mesh.positions.size(), 0);
+  const auto simplifier = make_simplifier(kind);
+  SimplifyInput input{.positions = mesh.positions, .triangles = mesh.triangles, .locked = free};
+  input.max_displacement = 1;
+  input.target_triangles = triangles;
+  const SimplifyResult& result = simplifier->simplify(input);
+  PeerMesh left{result.positions, {}, {}};
+  for (const Triangle& t : mesh.triangles) {
+    const Triangle image{{result.parent[t.v[0]], result.parent[t.v[1]], result.parent[t.v[2]]}};
+    if (!is_degenerate(image)) left.triangles.push_back(image);
+  }
+  return left;
+}
+
 PeerMesh simplify(const std::string& peer, const PeerMesh& mesh, std::size_t triangles) {
   if (peer == "meshoptimizer") return simplify_with_meshoptimizer(mesh, triangles);
   if (peer == "openmesh") return simplify_with_openmesh(mesh, triangles);
-  throw std::invalid_argument("unknown peer '" + peer + "'; known are meshoptimizer, openmesh");
+  if (peer == "quadric") return simplify_with(SimplifierKind::quadric, mesh, triangles);
+  if (peer == "cluster") return simplify_with(SimplifierKind::cluster, mesh, triangles);
+  throw std::invalid_argument("unknown peer '" + peer + "'; known are meshoptimizer, openmesh, quadric, cluster");
 }
 
 void run(const std::string& peer, std::size_t triangles, const std::string& in, const std::string& out) {
@@ -44,7 +64,7 @@ void run(const std::string& peer, std::size_t triangles, const std::string& in, 
 
 int main(int argc, char** argv) {
   if (argc != 5) {
-    std::cerr << "usage: whole_mesh meshoptimizer|openmesh TRIANGLES IN OUT.ply\n";
+    std::cerr << "usage: whole_mesh meshoptimizer|openmesh|quadric|cluster TRIANGLES IN OUT.ply\n";
     return 2;
   }
   try {

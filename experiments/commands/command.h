@@ -60,5 +60,6 @@ void add_compare(CLI::App& app);
 void add_render(CLI::App& app);
 void add_export(CLI::App& app);
 void add_view(CLI::App& app);
+void add_reconstruct(CLI::App& app);
 
 }  // namespace lodestone

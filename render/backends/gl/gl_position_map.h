@@ -1,0 +1,15 @@
+// Position maps by OpenGL: which triangle a pixel sees is found by the depth test, and a second pass fills float
+// targets with what resolve_pixel.h computes, in double precision, so that the bytes are those of the soft rasterizer.
+#pragma once
+
+#include <memory>
+
+#include "render/position_map/map_renderer.h"
+
+namespace lodestone {
+
+// As make_map_renderer. Positions and triangles must fit into storage blocks of the driver (128 MiB each on llvmpipe:
+// ten million triangles).
+[[nodiscard]] std::unique_ptr<MapRenderer> make_gl_map_renderer(const IndexedMesh& mesh, Scheduler& scheduler);
+
+}  // namespace lodestone

@@ -1,0 +1,154 @@
+#include "render/position_map/map_files.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/base/error.h"
+#include "core/io/atomic_file.h"
+#include "render/position_map/read_map.h"
+
+namespace lodestone {
+namespace {
+
+using nlohmann::json;
+
+json to_json(Vec3d v) { return json::array({v.x, v.y, v.z}); }
+
+Vec3d vector_of(const json& value) {
+  if (!value.is_array() || value.size() != 3) throw std::runtime_error("three numbers were expected");
+  return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
+}
+
+json to_json(const MapView& view, const std::string& file) {
+  return {{"file", file},
+          {"projection", view.projection == Projection::perspective ? "perspective" : "orthographic"},
+          {"eye", to_json(view.eye)},
+          {"right", to_json(view.right)},
+          {"up", to_json(view.up)},
+          {"forward", to_json(view.forward)},
+          {"pixel", view.pixel},
+          {"width", view.width},
+          {"height", view.height}};
+}
+
+MapView view_of(const json& value) {
+  MapView view;
+  const std::string projection = value.value("projection", "orthographic");
+  if (projection != "orthographic" && projection != "perspective")
+    throw std::runtime_error("projection '" + projection + "' is neither orthographic nor perspective");
+  view.projection = projection == "perspective" ? Projection::perspective : Projection::orthographic;
+  view.eye = vector_of(value.at("eye"));
+  view.right = vector_of(value.at("right"));
+  view.up = vector_of(value.at("up"));
+  view.forward = vector_of(value.at("forward"));
+  view.pixel = value.at("pixel").get<double>();
+  view.width = view.height = 1;  // the file tells
+  return view;
+}
+
+Transform transform_of(const json& list) {
+  Transform transform;
+  if (!list.contains("transform")) return transform;
+  transform.origin = vector_of(list.at("transform").at("origin"));
+  transform.scale = list.at("transform").at("scale").get<double>();
+  if (!is_finite(transform.origin) || !(transform.scale > 0) || !std::isfinite(transform.scale))
+    throw std::runtime_error("the transform is not finite or has no scale");
+  return transform;
+}
+
+std::filesystem::path list_path(const std::filesystem::path& path) {
+  return std::filesystem::is_directory(path) ? path / "views.json" : path;
+}
+
+}  // namespace
+
+void complete_map(PositionMap& map, const std::string& name) {
+  check_view(map.view, name);
+  const std::size_t n = map.view.pixels(), width = static_cast<std::size_t>(map.view.width);
+  if (map.triangle.empty()) map.triangle.assign(n, 0);
+  const bool measure = map.depth.empty();
+  map.depth.resize(n);
+  std::size_t seen = 0, astray = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!is_finite(map.position[i])) map.triangle[i] = no_triangle;
+    if (!map.sees(i)) {
+      map.position[i] = {}, map.depth[i] = 0;
+      if (!map.normal.empty()) map.normal[i] = {};
+      if (!map.uv.empty()) map.uv[i] = {};
+      if (!map.colour.empty()) map.colour[i] = {0, 0, 0, 0};
+      continue;
+    }
+    const WindowPoint w = project(map.view, to_double(map.position[i]));
+    if (measure || !std::isfinite(map.depth[i])) map.depth[i] = static_cast<float>(w.depth);
+    if (!map.normal.empty() && !is_finite(map.normal[i])) map.normal[i] = {};
+    ++seen;
+    const double dx = w.x - (static_cast<double>(i % width) + 0.5), dy = w.y - (static_cast<double>(i / width) + 0.5);
+    astray += !(std::abs(dx) <= 1) || !(std::abs(dy) <= 1);
+  }
+  if (2 * astray > seen)
+    throw InputError(describe(
+        name, "",
+        std::to_string(astray) + " of " + std::to_string(seen) + " positions do not lie on the rays of the view",
+        "check eye, directions and pixel of the view, and that row 0 is on top"));
+}
+
+void write_map_set(const std::filesystem::path& folder, std::span<const PositionMap> maps, bool closed, bool oriented,
+                   MapFormat format) {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) throw FileError(describe(folder.string(), "", "cannot be made: " + failed.message()));
+  json views = json::array();
+  for (std::size_t k = 0; k < maps.size(); ++k) {
+    std::string number = std::to_string(k);
+    number.insert(0, 3 - std::min<std::size_t>(3, number.size()), '0');
+    const std::string name = "view" + number + (format == MapFormat::exr ? ".exr" : ".pfm");
+    format == MapFormat::exr ? write_exr_map(folder / name, maps[k]) : write_pfm_map(folder / name, maps[k]);
+    views.push_back(to_json(maps[k].view, name));
+  }
+  const Transform transform = maps.empty() ? Transform{} : maps.front().transform;
+  const json list = {{"transform", {{"origin", to_json(transform.origin)}, {"scale", transform.scale}}},
+                     {"closed", closed},
+                     {"oriented", oriented},
+                     {"views", views}};
+  AtomicFile file(folder / "views.json");
+  const std::string text = list.dump(1) + "\n";
+  file.write(std::as_bytes(std::span(text)));
+  file.commit();
+}
+
+MapSet read_map_set(const std::filesystem::path& path) {
+  const std::filesystem::path file = list_path(path);
+  std::ifstream stream(file);
+  if (!stream) throw FileError(describe(file.string(), "", "cannot be opened"));
+  MapSet set;
+  try {
+    const json list = json::parse(stream);
+    const Transform transform = transform_of(list);
+    set.closed = list.value("closed", false), set.oriented = list.value("oriented", false);
+    for (const json& entry : list.at("views")) {
+      const std::filesystem::path image = file.parent_path() / entry.at("file").get<std::string>();
+      const MapView view = view_of(entry);
+      check_view(view, image.string());
+      set.maps.push_back(image.extension() == ".pfm" ? read_pfm_map(image, view, transform)
+                                                     : read_exr_map(image, view, transform));
+    }
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw InputError(describe(file.string(), "", std::string("is no list of views: ") + error.what()));
+  }
+  if (set.maps.empty()) throw InputError(describe(file.string(), "", "lists no view"));
+  return set;
+}
+
+bool is_map_set(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return path.filename() == "views.json" ||
+         (std::filesystem::is_directory(path, ignored) && std::filesystem::exists(path / "views.json", ignored));
+}
+
+}  // namespace lodestone

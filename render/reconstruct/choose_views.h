@@ -1,0 +1,42 @@
+// From where a model is looked at: the six faces of its box, and what else its uncovered area asks for.
+//
+// Everything that can be seen from outside is seen by some parallel projection, so candidates are directions: the six
+// faces and a sphere of others. Each is drawn once at a low resolution, which tells what it sees of the surface's
+// samples and how steeply; then views are taken greedily, each time the one that newly covers the most area.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/mesh/indexed_mesh.h"
+#include "parallel/scheduler.h"
+#include "render/position_map/position_map.h"
+
+namespace lodestone {
+
+struct ViewChoice {
+  int most = 30;               // views in all
+  int least = 6;               // the faces, of which the first are taken unconditionally; fewer: greedy from the start
+  double coverage = 0.9995;    // of what the candidates can cover: enough
+  double least_gain = 0.0002;  // of the area: a view that covers less is not worth drawing
+  float least_cosine = 0.5f;   // between surface and view: below, an area is seen but not covered
+  int candidates = 96;         // directions besides the faces
+  std::uint64_t samples = 30'000;  // of the surface
+  int resolution = 256;            // pixels along the box's longest side, of the candidates' maps
+};
+
+struct ChosenViews {
+  std::vector<Vec3d> directions;  // in which the views look, of unit length
+  // Shares of the area, by samples: seen by any candidate at all; covered by any; covered by those chosen.
+  double visible = 0, coverable = 0, covered = 0;
+  std::vector<Vec3d> visible_points;  // samples that some candidate sees, normalised model space
+};
+
+[[nodiscard]] std::vector<Vec3d> face_directions();
+// Evenly spread over the sphere (a Fibonacci lattice).
+[[nodiscard]] std::vector<Vec3d> sphere_directions(int count);
+
+[[nodiscard]] ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler);
+
+}  // namespace lodestone

@@ -1,0 +1,57 @@
+// A part of a triangle mesh that is being changed: the triangles around seams and holes.
+//
+// Vertices are numbers into arrays that somebody else holds; each knows the triangles around it, so that the triangle
+// at a directed edge is found by looking at a handful. Everything is manifold along edges at all times: a directed edge
+// belongs to one triangle at most, or add() refuses. Fans that only meet in a vertex are allowed, until they are split.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mesh/triangle.h"
+
+namespace lodestone {
+
+class EditMesh {
+ public:
+  static constexpr std::uint32_t none = 0xFFFF'FFFFu;
+
+  explicit EditMesh(std::size_t vertices) : around_(vertices) {}
+
+  [[nodiscard]] std::uint32_t add_vertex() {
+    around_.emplace_back();
+    return static_cast<std::uint32_t>(around_.size() - 1);
+  }
+  // The new triangle's number; none when two corners are equal or one of its directed edges is taken.
+  std::uint32_t add(std::uint32_t a, std::uint32_t b, std::uint32_t c);
+  void remove(std::uint32_t triangle);
+
+  [[nodiscard]] std::size_t vertex_count() const { return around_.size(); }
+  [[nodiscard]] std::size_t triangle_count() const { return triangles_.size(); }  // also removed ones
+  [[nodiscard]] bool alive(std::uint32_t t) const { return triangles_[t].v[0] != none; }
+  [[nodiscard]] const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
+  [[nodiscard]] std::span<const std::uint32_t> around(std::uint32_t v) const { return around_[v]; }
+
+  // The triangle that runs from a to b; none without one.
+  [[nodiscard]] std::uint32_t at(std::uint32_t a, std::uint32_t b) const;
+  [[nodiscard]] bool is_border(std::uint32_t a, std::uint32_t b) const { return at(a, b) != none && at(b, a) == none; }
+  // The corner of t that is neither a nor b.
+  [[nodiscard]] std::uint32_t opposite(std::uint32_t t, std::uint32_t a, std::uint32_t b) const;
+
+  // A gap at a vertex: between the border edge that leaves it and the one that arrives, going round outside of the
+  // triangles of one fan.
+  struct Gap {
+    std::uint32_t next = none, previous = none;  // v -> next and previous -> v are border edges
+  };
+  [[nodiscard]] std::vector<Gap> gaps(std::uint32_t v) const;
+  // The border edge that follows a -> b round the hole that it belongs to: b -> result. a -> b must be a border edge.
+  [[nodiscard]] std::uint32_t next_on_border(std::uint32_t a, std::uint32_t b) const;
+
+ private:
+  std::vector<Triangle> triangles_;
+  std::vector<std::vector<std::uint32_t>> around_;
+};
+
+}  // namespace lodestone

@@ -1,0 +1,18 @@
+// What a mesh as a whole tells: its parts that share no vertex, and where it ends.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+// A number for each triangle, equal within a part; all parts of less than `least_share` of the triangles together are
+// number 0: what is torn into many pieces is one surface to whoever looks at it. Empty when all is one part.
+[[nodiscard]] std::vector<std::uint32_t> label_parts(const IndexedMesh& mesh, double least_share = 0.01);
+
+// Points on the border edges of the mesh, at most `spacing` apart (normalised units), both ends included.
+[[nodiscard]] std::vector<Vec3f> border_points(const IndexedMesh& mesh, double spacing);
+
+}  // namespace lodestone

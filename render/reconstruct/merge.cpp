@@ -1,0 +1,115 @@
+#include "render/reconstruct/merge.h"
+
+#include <algorithm>
+
+#include "parallel/cpu_clock.h"
+#include "render/reconstruct/gather.h"
+
+namespace lodestone {
+namespace {
+
+void score_views(std::span<MergeView> views, const OwnershipConfig& config, Scheduler& scheduler) {
+  const std::vector<RowBlock> blocks = row_blocks(views);
+  std::vector<std::vector<float>> before(views.size());
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    views[v].score.resize(views[v].map->view.pixels());
+    before[v].resize(views[v].score.size());
+  }
+  for_blocks(blocks, scheduler, [&](const RowBlock& b, std::size_t) {
+    score_rows(views[b.view], config, b.first, b.last, views[b.view].score);
+  });
+  for (int round = 0; round < config.spread; ++round) {
+    for (std::size_t v = 0; v < views.size(); ++v) std::swap(before[v], views[v].score);
+    for_blocks(blocks, scheduler, [&](const RowBlock& b, std::size_t) {
+      spread_rows(views[b.view], b.first, b.last, before[b.view], views[b.view].score);
+    });
+  }
+}
+
+void keep_views(std::span<MergeView> views, std::span<const RowBlock> blocks, Scheduler& scheduler) {
+  for_blocks(blocks, scheduler,
+             [&](const RowBlock& b, std::size_t) { keep_rows(views[b.view], b.view, b.first, b.last); });
+}
+
+std::size_t own_views(std::span<MergeView> views, const OwnershipConfig& config, Scheduler& scheduler) {
+  const std::vector<RowBlock> blocks = row_blocks(views);
+  for (MergeView& view : views) {
+    view.owner.resize(view.map->view.pixels());
+    view.kept.resize(view.map->view.pixels());
+  }
+  for_blocks(blocks, scheduler,
+             [&](const RowBlock& b, std::size_t) { own_rows(views, b.view, config, b.first, b.last); });
+  keep_views(views, blocks, scheduler);
+  // Owners that are left when all small pieces have been given up by all views at once.
+  std::vector<std::size_t> dropped(views.size());
+  scheduler.for_chunks(views.size(), 1, [&](ChunkRange range) {
+    dropped[range.index] = drop_islands(views[range.index], range.index, config);
+  });
+  for_blocks(blocks, scheduler,
+             [&](const RowBlock& b, std::size_t) { own_dropped_rows(views, b.view, config, b.first, b.last); });
+  keep_views(views, blocks, scheduler);
+  std::size_t sum = 0;
+  for (const std::size_t n : dropped) sum += n;
+  return sum;
+}
+
+void drop_unused_vertices(MergedMesh& mesh) {
+  std::vector<std::uint32_t> number(mesh.position.size(), 0);
+  for (const Triangle& t : mesh.triangles)
+    for (const std::uint32_t v : t.v) number[v] = 1;
+  std::uint32_t next = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == 0) continue;
+    mesh.position[next] = mesh.position[v], mesh.normal[next] = mesh.normal[v];
+    mesh.view[next] = mesh.view[v], mesh.pixel[next] = mesh.pixel[v];
+    mesh.feature[next] = mesh.feature[v];
+    number[v] = next++;
+  }
+  mesh.position.resize(next), mesh.normal.resize(next), mesh.view.resize(next), mesh.pixel.resize(next);
+  mesh.feature.resize(next);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t.v) v = number[v];
+}
+
+void zip(SeamMesh& seam, const MergeConfig& config, StitchReport& report) {
+  const auto spacing = static_cast<float>(config.ownership.reference_spacing);
+  const TidyConfig tidy{.spacing = spacing};
+  report.zipped = zip_seams(seam, {.spacing = spacing, .rims = config.closed});
+  // What is left of a solid are ends of thin parts, where the surface turns back within a sample or two.
+  if (config.closed || !config.border.empty())
+    report.zipped += zip_seams(seam, {.spacing = spacing, .least_cosine = -0.5f, .rims = config.closed});
+  report.vertices_split = split_vertices(seam);
+  const FillResult filled =
+      fill_holes(seam, {.spacing = spacing, .longest = config.longest_hole, .rims = config.closed});
+  report.holes_filled = filled.filled, report.hole_triangles = filled.triangles, report.holes_open = filled.open;
+  report.open_length = filled.open_length;
+  report.crumbs = drop_crumbs(seam, config.closed ? config.least_solid : config.least_piece);
+  const TidyResult tidied = tidy_seams(seam, tidy);
+  report.collapsed = tidied.collapsed, report.flipped = tidied.flipped;
+  report.vertices_split += split_vertices(seam);
+}
+
+}  // namespace
+
+MergedMesh concatenate(std::span<const MergeView> views, Scheduler& scheduler) {
+  return std::move(gather(views, all_cells, scheduler).mesh);
+}
+
+MergedMesh stitch(std::span<MergeView> views, const MergeConfig& config, StitchReport& report, Scheduler& scheduler) {
+  const CpuClock own_clock;
+  score_views(views, config.ownership, scheduler);
+  report.islands = own_views(views, config.ownership, scheduler);
+  Gathered gathered = gather(views, kept_cells, scheduler);
+  report.own = own_clock.elapsed();
+  const CpuClock zip_clock;
+  CutOut part = cut_out_seams(views, config.ownership.parts, gathered, scheduler);
+  if (!config.border.empty())
+    mark_rims(config.border, 1.5f * static_cast<float>(config.ownership.reference_spacing), part.seam);
+  zip(part.seam, config, report);
+  put_back(part, gathered.mesh);
+  drop_unused_vertices(gathered.mesh);
+  report.zip = zip_clock.elapsed();
+  return std::move(gathered.mesh);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,56 @@
+// From view meshes to one mesh.
+//
+// `concatenate` puts them side by side (the published baseline): where views overlap, so does the mesh. `stitch` keeps
+// each piece of the surface from the view that samples it best (ownership.h), zips the seams (seam_mesh.h), fills the
+// small holes that are left, and tidies what lies around.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/mesh/triangle.h"
+#include "parallel/scheduler.h"
+#include "parallel/stage_time.h"
+#include "render/reconstruct/ownership.h"
+
+namespace lodestone {
+
+struct MergedMesh {
+  std::vector<Vec3f> position;  // normalised model space
+  std::vector<Vec3f> normal;    // of the surface there, as the maps say
+  // Where each vertex was seen; no_view: between samples, made while merging.
+  std::vector<ViewNumber> view;
+  std::vector<std::uint32_t> pixel;
+  std::vector<std::uint8_t> feature;  // stands on a sharp edge or corner already
+  std::vector<Triangle> triangles;
+};
+
+struct MergeConfig {
+  OwnershipConfig ownership;
+  bool closed = false;  // the surface has no border: outlines are holes, too
+  // Where the surface ends. Empty, and not closed: it may end wherever a view sees it end.
+  std::span<const Vec3f> border{};
+  std::size_t least_piece = 3,
+              least_solid = 20;  // separate pieces of fewer triangles are left out; the latter if closed
+  float longest_hole = 48;       // perimeter of holes that are filled, in spacings; 0: none
+};
+
+struct StitchReport {
+  std::size_t islands = 0;  // pixels of pieces that were too small
+  std::size_t zipped = 0;   // triangles between pieces
+  std::size_t holes_filled = 0, hole_triangles = 0, holes_open = 0;
+  double open_length = 0;          // of all borders that are left, normalised units
+  std::size_t crumbs = 0;          // triangles of pieces that were left out
+  std::size_t vertices_split = 0;  // where surfaces touched in a vertex
+  std::size_t collapsed = 0, flipped = 0;
+  StageTime own, zip;  // choosing and gathering; from zipping on
+};
+
+// The triangles of all view meshes. Same bytes for any number of workers, as below.
+[[nodiscard]] MergedMesh concatenate(std::span<const MergeView> views, Scheduler& scheduler);
+// Fills score, owner and kept of the views.
+[[nodiscard]] MergedMesh stitch(std::span<MergeView> views, const MergeConfig& config, StitchReport& report,
+                                Scheduler& scheduler);
+
+}  // namespace lodestone

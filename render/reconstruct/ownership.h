@@ -1,0 +1,64 @@
+// Which view keeps which piece of the surface: the one that samples it best.
+//
+// The score of a pixel is the density of samples around it: the cosine between the surface and the view over the area
+// of a pixel. It is nothing at the border of a view mesh and is spread among connected pixels, so that it falls off
+// before a silhouette and does not follow every wrinkle. The score of a point is then, in every view, a function of the
+// point alone, nearly: interpolated in the cell of the view mesh that lies at the point, if one does. The owner is the
+// view of the highest score, and all views that see a point agree on it but for a pixel or so along the seams. Views
+// are ranked a little besides, so that a plane that two of them see equally well is not torn.
+//
+// Kernels: rows of one view, no threads.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/reconstruct/view_mesh.h"
+
+namespace lodestone {
+
+struct OwnershipConfig {
+  double reference_spacing = 1;            // of samples: distances are judged in this unit; normalised units, > 0
+  int spread = 6;                          // rounds of averaging with connected neighbours
+  int least_island = 1;                    // pieces of fewer triangles go to the next best view
+  std::span<const std::uint32_t> parts{};  // as in ConnectConfig: no view owns a point of another part
+};
+
+using ViewNumber = std::uint16_t;
+inline constexpr ViewNumber no_view = 0xFFFF;
+
+// A view as the merge sees it.
+struct MergeView {
+  const PositionMap* map = nullptr;
+  std::span<const Vec3f> vertex{};        // where the vertex of each pixel stands; empty: where the map says
+  std::span<const std::uint8_t> links{};  // on_feature (condense_map.h), or empty
+  ViewMesh mesh;
+  std::vector<float> score;        // one per pixel; below 0: not to be owned by this view
+  std::vector<ViewNumber> owner;   // one per pixel; no_view where nothing is seen
+  std::vector<std::uint8_t> kept;  // cells of which only the triangles are left that this view owns
+};
+
+// Before spreading, for rows [first, last) of the score.
+void score_rows(const MergeView& view, const OwnershipConfig& config, int first, int last, std::span<float> score);
+// One round of averaging, from `from` to `to`.
+void spread_rows(const MergeView& view, int first, int last, std::span<const float> from, std::span<float> to);
+
+// The score that a view has at a point that another map sees, interpolated; negative where its mesh is not at the
+// point.
+[[nodiscard]] float score_at(const MergeView& view, const PositionMap& map, std::size_t pixel,
+                             const OwnershipConfig& config);
+
+// Owners of the pixels of rows [first, last) of view `number`.
+void own_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first, int last);
+// The same after islands were dropped, for pixels whose owner has given them up.
+void own_dropped_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first,
+                      int last);
+// Triangles whose three corners the view owns.
+void keep_rows(MergeView& view, std::size_t number, int first, int last);
+
+// Owned pixels of pieces that are too small, of view `number`, get a score of -1: who else sees them may have them.
+// Returns how many.
+std::size_t drop_islands(MergeView& view, std::size_t number, const OwnershipConfig& config);
+
+}  // namespace lodestone

@@ -1,0 +1,266 @@
+#include "render/reconstruct/reconstruct.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/mesh/edge_census.h"
+#include "parallel/cpu_clock.h"
+#include "render/position_map/map_renderer.h"
+#include "render/reconstruct/condense_map.h"
+#include "render/reconstruct/gather.h"
+#include "render/reconstruct/label_parts.h"
+#include "render/reconstruct/resample_attributes.h"
+
+namespace lodestone {
+namespace {
+
+void check_config(const ReconstructConfig& config) {
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) throw InputError(what);
+  };
+  require(config.resolution >= 2 && config.resolution <= largest_map_side, "resolution: give 2 to 16384 pixels");
+  require(config.max_slope > 0 && std::isfinite(config.max_slope), "max slope: give a number above 0");
+  require(config.slack >= 0 && std::isfinite(config.slack), "slack: give a number of pixels, 0 or more");
+  require(config.sharp_degrees >= 0 && config.sharp_degrees < 180, "sharp: give an angle from 0 to below 180 degrees");
+  require(config.views.most >= 1 && config.views.most <= 1000, "views: give 1 to 1000");
+}
+
+Box3f box_of(const IndexedMesh& mesh) {
+  Box3f box;
+  for (const Vec3f& p : mesh.positions) box.extend(p);
+  return box;
+}
+
+MapView view_towards(const Box3f& box, Vec3d direction, const ReconstructConfig& config) {
+  const double spacing = 1 / config.resolution;
+  if (config.projection == Projection::orthographic) return orthographic_view(box, direction, spacing);
+  // Four radii away nearer parts are sampled at most two thirds denser than farther ones.
+  const Vec3d lo = to_double(box.lo), hi = to_double(box.hi);
+  const Vec3d eye = 0.5 * (lo + hi) - (2 * length(hi - lo) / length(direction)) * direction;
+  return perspective_view(box, eye, spacing);
+}
+
+// Edges by position: where wedges are apart their edges are not.
+EdgeCensus census_of(const IndexedMesh& mesh) {
+  if (mesh.wedges.vertex.empty()) return count_edges(mesh.triangles, mesh.positions.size());
+  std::vector<Triangle> welded = mesh.triangles;
+  for (Triangle& t : welded)
+    for (std::uint32_t& v : t.v) v = mesh.wedges.vertex[v];
+  return count_edges(welded, mesh.positions.size());
+}
+
+// What was filled may be connected with everything around it.
+void allow_links(const PositionMap& map, std::span<const std::uint32_t> filled, std::vector<std::uint8_t>& links) {
+  const auto width = static_cast<std::uint32_t>(map.view.width);
+  for (const std::uint32_t i : filled) {
+    links[i] = link_all;
+    if (i >= 1) links[i - 1] |= link_right | link_across;
+    if (i >= width) links[i - width] |= link_down | link_across;
+    if (i >= width + 1) links[i - width - 1] |= link_diagonal;
+  }
+}
+
+void prepare_map(DrawnMaps& drawn, std::size_t view, const ReconstructConfig& config) {
+  PositionMap& map = drawn.maps[view];
+  if (map.normal.empty()) estimate_normals(map);
+  if (!config.extend) return;
+  const std::vector<std::uint32_t> filled = extend_to_silhouette(map, config.max_slope);
+  if (drawn.links[view].empty()) return;
+  allow_links(map, filled, drawn.links[view]);
+  for (const std::uint32_t i : filled) drawn.vertices[view][i] = map.position[i];
+}
+
+// The map of a view, condensed from a finer one where that is wanted.
+void draw_map(MapRenderer& renderer, const MapView& view, const ReconstructConfig& config, DrawnMaps& drawn,
+              Scheduler& scheduler) {
+  const MapChannels channels{config.attributes, config.attributes};
+  if (!config.condense) {
+    drawn.maps.push_back(renderer.draw(view, channels));
+    drawn.links.emplace_back();
+    drawn.vertices.emplace_back();
+    return;
+  }
+  const PositionMap fine = renderer.draw(finer_view(view), channels);
+  CondensedMap condensed = condensed_like(fine, view);
+  CondenseConfig condense_config;
+  condense_config.connect = {config.max_slope, config.slack, drawn.oriented, drawn.parts, {}};
+  scheduler.for_chunks(static_cast<std::size_t>(view.height), block_rows, [&](ChunkRange range) {
+    condense_rows(fine, condense_config, static_cast<int>(range.begin), static_cast<int>(range.end), condensed);
+  });
+  drawn.maps.push_back(std::move(condensed.map));
+  drawn.links.push_back(std::move(condensed.links));
+  drawn.vertices.push_back(std::move(condensed.vertex));
+}
+
+std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& config, ReconstructReport& report,
+                                    Scheduler& scheduler) {
+  scheduler.for_chunks(drawn.maps.size(), 1, [&](ChunkRange range) { prepare_map(drawn, range.index, config); });
+  std::vector<MergeView> views(drawn.maps.size());
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    views[v].map = &drawn.maps[v];
+    views[v].vertex = drawn.vertices[v];
+    views[v].links = drawn.links[v];
+    views[v].mesh.cells.resize(drawn.maps[v].view.pixels());
+  }
+  std::atomic<std::uint64_t> triangles{0}, seen{0};
+  for_blocks(row_blocks(views), scheduler, [&](const RowBlock& block, std::size_t) {
+    MergeView& view = views[block.view];
+    const ConnectConfig connect_config{config.max_slope, config.slack, drawn.oriented, drawn.parts,
+                                       drawn.links[block.view]};
+    connect_rows(*view.map, connect_config, block.first, block.last, view.mesh);
+    std::uint64_t own = 0, own_seen = 0;
+    const auto width = static_cast<std::size_t>(view.map->view.width);
+    for (std::size_t i = static_cast<std::size_t>(block.first) * width;
+         i < static_cast<std::size_t>(block.last) * width; ++i) {
+      own += static_cast<std::uint64_t>(__builtin_popcount(view.mesh.cells[i] & cell_triangles));
+      own_seen += view.map->sees(i);
+    }
+    triangles += own, seen += own_seen;
+  });
+  report.view_triangles = triangles, report.seen = seen;
+  for (const PositionMap& map : drawn.maps) report.pixels += map.view.pixels();
+  return views;
+}
+
+// The triangle that each vertex saw.
+std::vector<std::uint32_t> sources_of(const MergedMesh& merged, std::span<const PositionMap> maps) {
+  std::vector<std::uint32_t> source(merged.position.size(), no_source);
+  for (std::size_t v = 0; v < source.size(); ++v)
+    if (merged.view[v] != no_view) source[v] = maps[merged.view[v]].triangle[merged.pixel[v]];
+  return source;
+}
+
+RawMesh to_raw(const MergedMesh& merged, const Transform& transform) {
+  RawMesh raw;
+  raw.positions.reserve(merged.position.size());
+  for (const Vec3f& p : merged.position) raw.positions.push_back(transform.to_model(p));
+  raw.triangles = merged.triangles;
+  return raw;
+}
+
+}  // namespace
+
+DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
+                    Scheduler& scheduler) {
+  check_config(config);
+  const CpuClock choose_clock;
+  const EdgeCensus census = census_of(mesh);
+  DrawnMaps drawn;
+  drawn.closed = census.border == 0;
+  drawn.oriented = census.inconsistent == 0;
+  if (config.separate_parts) drawn.parts = label_parts(mesh);
+  report.closed = drawn.closed, report.oriented = drawn.oriented;
+  report.spacing = 1 / config.resolution;
+  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 / config.resolution);
+  report.views = choose_views(mesh, config.views, scheduler);
+  report.choose = choose_clock.elapsed();
+
+  const CpuClock draw_clock;
+  const Box3f box = box_of(mesh);
+  const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
+  for (const Vec3d& direction : report.views.directions)
+    draw_map(*renderer, view_towards(box, direction, config), config, drawn, scheduler);
+  report.draw = draw_clock.elapsed();
+  return drawn;
+}
+
+RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
+                       ReconstructReport& report, Scheduler& scheduler) {
+  check_config(config);
+  if (drawn.maps.empty()) return {};
+  const CpuClock connect_clock;
+  std::vector<MergeView> views = connect_maps(drawn, config, report, scheduler);
+  report.connect = connect_clock.elapsed();
+
+  const CpuClock merge_clock;
+  MergedMesh merged;
+  if (config.merge == MergeKind::concatenate) {
+    merged = concatenate(views, scheduler);
+  } else {
+    MergeConfig merge;
+    merge.ownership.reference_spacing = report.spacing;
+    merge.ownership.parts = drawn.parts;
+    merge.closed = drawn.closed;
+    merge.border = drawn.border;
+    merge.longest_hole = config.longest_hole;
+    merged = stitch(views, merge, report.stitch, scheduler);
+  }
+  report.merge = merge_clock.elapsed();
+
+  const CpuClock sharpen_clock;
+  if (config.merge == MergeKind::stitch && config.sharp_degrees > 0)
+    report.sharpen = sharpen(merged, {static_cast<float>(report.spacing), config.sharp_degrees}, scheduler);
+  report.sharpen_time = sharpen_clock.elapsed();
+
+  RawMesh raw = to_raw(merged, drawn.maps.front().transform);
+  if (config.attributes && mesh) {
+    const CpuClock attributes_clock;
+    resample_attributes(*mesh, sources_of(merged, drawn.maps), raw);
+    report.attributes = attributes_clock.elapsed();
+  }
+  return raw;
+}
+
+DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report) {
+  DrawnMaps drawn;
+  drawn.maps = std::move(set.maps);
+  drawn.links.resize(drawn.maps.size());
+  drawn.vertices.resize(drawn.maps.size());
+  drawn.closed = report.closed = set.closed;
+  drawn.oriented = set.oriented;
+  // The middle one of the views' spacings in the middle of what they see.
+  std::vector<double> spacings;
+  for (const PositionMap& map : drawn.maps) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < map.depth.size(); ++i)
+      if (map.sees(i)) sum += map.depth[i], ++count;
+    if (count > 0) spacings.push_back(map.view.spacing(sum / static_cast<double>(count)));
+  }
+  std::sort(spacings.begin(), spacings.end());
+  report.spacing = spacings.empty() ? 1 : spacings[spacings.size() / 2];
+  return drawn;
+}
+
+Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& config, Scheduler& scheduler) {
+  Reconstruction result;
+  DrawnMaps drawn = draw_maps(mesh, config, result.report, scheduler);
+  if (config.keep_maps) result.maps = drawn.maps;
+  result.mesh = mesh_from_maps(drawn, &mesh, config, result.report, scheduler);
+  return result;
+}
+
+Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConfig config, std::uint64_t triangles,
+                                        Scheduler& scheduler) {
+  double area = 0;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3d a = to_double(mesh.positions[t.v[0]]), b = to_double(mesh.positions[t.v[1]]),
+                c = to_double(mesh.positions[t.v[2]]);
+    area += 0.5 * length(cross(b - a, c - a));
+  }
+  const auto wanted = static_cast<double>(triangles);
+  // Two triangles a pixel, on surfaces that are tilted by a third on the average.
+  config.resolution = std::clamp(std::sqrt(wanted * 1.25 / (2 * std::max(area, 1e-9))), 4.0, 8192.0);
+  Reconstruction best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < 4; ++round) {
+    Reconstruction tried = reconstruct(mesh, config, scheduler);
+    const auto made = static_cast<double>(std::max<std::size_t>(tried.mesh.triangles.size(), 1));
+    if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
+    if (least < 0.02) break;
+    config.resolution = std::clamp(config.resolution * std::sqrt(wanted / made), 2.0, double{largest_map_side} / 2);
+  }
+  return best;
+}
+
+double resolution_at_distance(const IndexedMesh& mesh, double distance, int rows) {
+  if (!(distance > 0) || !std::isfinite(distance)) throw InputError("distance: give a number above 0, in model units");
+  const double pixel = 2 * distance * std::tan(std::numbers::pi / 8) / rows;
+  return std::clamp(mesh.transform.scale / pixel, 2.0, double{largest_map_side} / 2);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,87 @@
+// LOD meshes from position maps: draw a model from several views, connect neighbouring pixels, merge the views.
+// docs/decisions/0020 says where this follows Deng et al. and where not.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/mesh/indexed_mesh.h"
+#include "parallel/scheduler.h"
+#include "parallel/stage_time.h"
+#include "render/position_map/map_files.h"
+#include "render/reconstruct/choose_views.h"
+#include "render/reconstruct/merge.h"
+#include "render/reconstruct/sharpen.h"
+
+namespace lodestone {
+
+enum class MergeKind : std::uint8_t { concatenate, stitch };
+
+struct ReconstructConfig {
+  double resolution =
+      256;  // pixels along the longest side of the bounding box; the spacing of the samples is its inverse
+  MergeKind merge = MergeKind::stitch;
+  Projection projection = Projection::orthographic;
+  std::string backend = "soft";
+  ViewChoice views;
+  float max_slope = 8;         // depth over width, see ConnectConfig
+  float slack = 1;             // pixel spacings, likewise
+  bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
+  bool extend = false;         // boundaries to the silhouette
+  bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
+  float longest_hole = 48;     // spacings, see MergeConfig
+  float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
+  bool attributes = false;     // texture coordinates, colours, normals, materials
+  bool keep_maps = false;      // in the result
+};
+
+struct ReconstructReport {
+  ChosenViews views;
+  double spacing = 0;                  // normalised units
+  std::uint64_t pixels = 0, seen = 0;  // of all maps
+  std::uint64_t view_triangles = 0;    // of all view meshes
+  StitchReport stitch;
+  SharpenReport sharpen;
+  bool closed = false;    // the input has no border
+  bool oriented = false;  // and its triangles agree on what is outside
+  StageTime choose, draw, connect, merge, sharpen_time, attributes;
+};
+
+struct Reconstruction {
+  RawMesh mesh;  // in the space of the model
+  ReconstructReport report;
+  std::vector<PositionMap> maps;  // where they were to be kept
+};
+
+// Throws InputError for a config out of range. A model of which nothing is seen gives a mesh without triangles.
+[[nodiscard]] Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& config,
+                                         Scheduler& scheduler);
+
+// The two halves of it: maps drawn here or read from files (map_files.h), and a mesh from maps.
+struct DrawnMaps {
+  std::vector<PositionMap> maps;
+  std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
+  std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
+  bool closed = false;
+  bool oriented = true;              // neighbouring triangles agree on what is outside
+  std::vector<std::uint32_t> parts;  // of the triangles; empty: one
+  std::vector<Vec3f> border;         // where the surface ends, normalised; empty: nowhere, or not known
+};
+[[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
+                                  Scheduler& scheduler);
+// Maps that were read; the report gets their spacing.
+[[nodiscard]] DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report);
+// `mesh`: what the maps show, for its attributes; null: not known. The maps are extended, and get normals, in place.
+[[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
+                                     ReconstructReport& report, Scheduler& scheduler);
+
+// The resolution that makes about `triangles`: found by trying, from what the area suggests.
+[[nodiscard]] Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConfig config,
+                                                      std::uint64_t triangles, Scheduler& scheduler);
+
+// One sample per pixel of a screen of `rows` rows and a vertical field of view of 45 degrees, seen from `distance` in
+// model units.
+[[nodiscard]] double resolution_at_distance(const IndexedMesh& mesh, double distance, int rows = 1080);
+
+}  // namespace lodestone

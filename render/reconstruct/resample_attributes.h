@@ -1,0 +1,23 @@
+// Texture coordinates, colours and normals for a mesh that was made of position maps.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+inline constexpr std::uint32_t no_source = 0xFFFF'FFFFu;
+
+// `source`: for each vertex of `mesh`, the triangle of `from` that its pixel saw, or no_source. What a triangle of
+// `from` has at its corners is linear on it; a vertex gets what that gives at its place, which is near. A triangle
+// across a seam of the texture takes all its corners from the chart of one of them, so that texture never runs
+// backwards through an atlas; vertices on seams have several wedges, then. Materials and textures are those of `from`.
+// `mesh` is in the space of the model; its wedges are replaced. A vertex without source gets that of a neighbour.
+void resample_attributes(const IndexedMesh& from, std::vector<std::uint32_t> source, RawMesh& mesh);
+
+// One vertex per wedge, for files that know no other way: positions repeat.
+[[nodiscard]] RawMesh split_wedges(const RawMesh& mesh);
+
+}  // namespace lodestone

@@ -1,0 +1,79 @@
+// The surface around the seams between views, while it is zipped, filled and tidied.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/vec3.h"
+#include "render/reconstruct/edit_mesh.h"
+
+namespace lodestone {
+
+struct SeamMesh {
+  std::vector<Vec3f> position, normal;  // per vertex; normals of unit length or zero
+  // Frozen: triangles outside of this part use the vertex, too. Its triangles are not all here, so it does not move,
+  // and edges between two such vertices are no borders, whatever they look like.
+  std::vector<std::uint8_t> frozen;
+  // Rim: at the outline of what its view sees, not where another view takes over.
+  std::vector<std::uint8_t> rim;
+  std::vector<std::uint32_t> part;  // of the model: nothing is zipped from one to another
+  EditMesh mesh{0};
+
+  [[nodiscard]] bool is_border(std::uint32_t a, std::uint32_t b) const {
+    return !(frozen[a] && frozen[b]) && mesh.is_border(a, b);
+  }
+};
+
+// Of a triangle, doubled area as length.
+[[nodiscard]] inline Vec3f area_vector(const SeamMesh& s, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  return cross(s.position[b] - s.position[a], s.position[c] - s.position[a]);
+}
+
+// Longest edge over the height above it: 1.15 for an equilateral triangle; infinite without area.
+[[nodiscard]] float aspect_of(Vec3f a, Vec3f b, Vec3f c);
+
+// Where it is known where the surface ends: rims are the vertices within `distance` of these points and no others.
+void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam);
+
+struct ZipConfig {
+  float spacing = 0;          // of the samples, the unit of the following; > 0
+  float reach = 2.5f;         // a new triangle's circumscribed circle has at most this radius
+  float least_cosine = 0.2f;  // between a new triangle and the normals at its corners; above -1
+  bool rims = false;          // also between outlines: the input is closed
+};
+// Adds triangles from border edge to border vertex, roundest first, until nothing fits: of all vertices that an edge
+// can see the one that it subtends the largest angle at, which is the Delaunay triangle in the plane. A triangle must
+// lie in the gaps of all its corners, contain no vertex and cross no border. Returns how many were added.
+std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config);
+
+struct FillConfig {
+  float spacing = 0;
+  float longest = 48;  // perimeter of what is filled, in spacings
+  bool rims = false;   // also holes that are outlines all round
+};
+struct FillResult {
+  std::size_t filled = 0, triangles = 0;  // holes, and what they took
+  std::size_t open = 0;                   // holes that are left
+  double open_length = 0;                 // their borders, normalised units
+};
+FillResult fill_holes(SeamMesh& seam, const FillConfig& config);
+
+// Removes pieces of fewer triangles that hang together with nothing else. Returns how many triangles went.
+std::size_t drop_crumbs(SeamMesh& seam, std::size_t least_triangles);
+
+// Vertices of several fans of triangles become several vertices. Returns how many were added.
+std::size_t split_vertices(SeamMesh& seam);
+
+struct TidyConfig {
+  float spacing = 0;
+  float shortest = 0.5f;    // edges below this are collapsed, in spacings
+  float worst_aspect = 20;  // triangles beyond this are flipped or collapsed away where that makes none worse
+  int rounds = 4;
+};
+struct TidyResult {
+  std::size_t collapsed = 0, flipped = 0;
+};
+TidyResult tidy_seams(SeamMesh& seam, const TidyConfig& config);
+
+}  // namespace lodestone

@@ -1,0 +1,78 @@
+"""`lodestone reconstruct`: what it writes, what it says, what it refuses. usage: FILE PROGRAM"""
+
+import json
+
+import command_case
+from command_case import CommandCase, sphere
+
+
+class Reconstruct(CommandCase):
+    def test_a_closed_surface_stays_closed(self):
+        report = self.results("reconstruct", sphere(), "-o", "lod.ply", "--resolution", 48, "--measure")
+        level = report["levels"][0]
+        self.assertTrue(level["mesh"]["manifold"] and level["mesh"]["closed"])
+        self.assertEqual(level["mesh"]["euler"], 2)
+        self.assertGreater(level["coverage"], 0.995)
+        self.assertLess(level["mesh"]["sliver_share"], 0.02)
+        for direction in ("from_input", "to_input"):
+            self.assertLess(level["distance"][direction]["rms"], 0.002 * level["distance"]["diagonal"])
+        for stage in ("views", "draw", "connect", "merge", "sharpen"):
+            self.assertGreaterEqual(level["stages"][stage]["seconds"], 0)
+        info = self.results("info", "lod.ply")
+        self.assertEqual(info["triangles"], level["mesh"]["triangles"])
+
+    def test_levels_halve_the_resolution(self):
+        report = self.results("reconstruct", sphere(), "-o", "lod.obj", "--resolution", 64, "--levels", 3)
+        triangles = [level["mesh"]["triangles"] for level in report["levels"]]
+        self.assertEqual([level["resolution"] for level in report["levels"]], [64, 32, 16])
+        for finer, coarser in zip(triangles, triangles[1:]):
+            self.assertTrue(3 < finer / coarser < 5, triangles)
+        self.assertEqual(self.listing_names(), {"lod.obj", "lod.1.obj", "lod.2.obj", "results.json"})
+
+    def listing_names(self):
+        return {path.name for path in self.folder.iterdir()}
+
+    def test_triangles_and_distance_set_the_resolution(self):
+        made = self.results("reconstruct", sphere(), "-o", "lod.ply", "--triangles", 5000)["levels"][0]
+        self.assertAlmostEqual(made["mesh"]["triangles"], 5000, delta=250)
+        near = self.results("reconstruct", sphere(), "-o", "lod.ply", "--distance", 60)["levels"][0]
+        far = self.results("reconstruct", sphere(), "-o", "lod.ply", "--distance", 120)["levels"][0]
+        self.assertAlmostEqual(near["resolution"] / far["resolution"], 2, places=6)
+
+    def test_maps_come_back(self):
+        for form in ("exr", "pfm"):
+            self.lodestone("reconstruct", sphere(), "-o", "lod.ply", "--resolution", 40, "--maps", form, "--map-format", form,
+                           "--no-condense", "--sharp", 0)
+            views = json.loads((self.folder / form / "views.json").read_text())
+            self.assertEqual(len(views["views"]), len(list((self.folder / form).glob("view*." + form))))
+            again = self.results("reconstruct", form, "-o", "again.ply", "--sharp", 0)["levels"][0]
+            self.assertTrue(again["mesh"]["manifold"] and again["mesh"]["closed"])
+        distance = self.results("compare", "lod.ply", "again.ply")
+        self.assertLess(distance["forward"]["rms"], 1e-3 * distance["diagonal"])
+
+    def test_concatenation_overlaps(self):
+        report = self.results("reconstruct", sphere(), "-o", "lod.ply", "--resolution", 40, "--merge", "concatenate",
+                              "--views", "faces")
+        level = report["levels"][0]
+        self.assertEqual(level["views"], 6)
+        self.assertGreaterEqual(level["mesh"]["components"], 6)
+        self.assertEqual(level["mesh"]["triangles"], level["view_triangles"])
+
+    def test_refusals(self):
+        for wrong, names in [
+            (["--views", "none"], ["--views"]), (["--merge", "glue"], ["--merge"]), (["--backend", "null"], ["null"]),
+            (["--resolution", "1"], ["resolution"]), (["--resolution", "100000"], ["resolution"]),
+            (["--projection", "round"], ["--projection"]), (["--distance", "-1"], ["distance"]),
+            (["--resolution", "64", "--triangles", "9"], ["--triangles"]), (["--map-format", "png"], ["--map"]),
+            (["--sharp", "200"], ["sharp"]), (["--levels", "0"], ["--levels"]),
+        ]:
+            self.refused("reconstruct", sphere(), "-o", "lod.ply", *wrong, names=names)
+        self.refused("reconstruct", sphere(), "-o", sphere(), names=["sphere.ply"])
+        self.refused("reconstruct", "missing.ply", "-o", "lod.ply", names=["missing.ply"])
+        (self.folder / "views.json").write_text("{}")
+        self.refused("reconstruct", "views.json", "-o", "lod.ply", names=["views.json"])
+        self.refused("reconstruct", "views.json", "-o", "lod.ply", "--measure", names=["--measure"])
+
+
+if __name__ == "__main__":
+    command_case.main(__doc__)
