@@ -1,5 +1,6 @@
 // Geometry and attributes: hoppe1999's quadric, which takes an attribute as a linear function on each triangle. Centred
-// at the vertex and at its values, in 32-bit floats, and per wedge: each chart around a vertex has a quadric of its own.
+// at the vertex and at its values, in 32-bit floats, and per wedge: each chart around a vertex has a quadric of its
+// own.
 #include <algorithm>
 #include <cmath>
 #include <limits>

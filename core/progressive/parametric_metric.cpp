@@ -54,8 +54,8 @@ class ParametricMetric final : public CollapseMetric {
     for (std::uint32_t k = 0; k < ring.size; ++k) {
       Collapse c{.vertex = v, .target = ring.ids[k]};
       const float way = length(rings_->position(c.target) - rings_->position(v));
-      ranks[k] = rings_->follows_wedges(c) ? deviation_[v] + step(c) + 1e-6f * way
-                                           : std::numeric_limits<float>::infinity();
+      ranks[k] =
+          rings_->follows_wedges(c) ? deviation_[v] + step(c) + 1e-6f * way : std::numeric_limits<float>::infinity();
     }
   }
 
