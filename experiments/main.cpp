@@ -75,6 +75,8 @@ int main(int argc, char** argv) {
   add_render(app);
   add_export(app);
   add_view(app);
+  add_progressive(app);
+  add_lod(app);
   install_interrupt_handler();
   return run(app, argc, argv);
 }

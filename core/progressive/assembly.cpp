@@ -67,8 +67,24 @@ void Assembly::order() {
     if (!lists) return add(v, e);
     for (const Id w : lists->of(v)) add(w, e);
   };
-  for (Id v = 0; v < rings_.vertex_count(); ++v)
-    if (!gone[v] && (rings_.is_used(v) || sequence_.parents[v] != no_id)) add_vertex(v, error);
+  // Copies of one vertex do not stand together, where they would look like its wedges.
+  std::vector<Id> waiting;
+  const auto is_like_last = [&](Id v) {
+    return !wedges_.empty() && rings_.position(rings_.vertex_of(wedges_.back())) == rings_.position(v);
+  };
+  for (Id v = 0; v < rings_.vertex_count(); ++v) {
+    if (gone[v] || (!rings_.is_used(v) && sequence_.parents[v] == no_id)) continue;
+    if (is_like_last(v)) {
+      waiting.push_back(v);
+      continue;
+    }
+    add_vertex(v, error);
+    if (!waiting.empty() && !is_like_last(waiting.back())) {
+      add_vertex(waiting.back(), error);
+      waiting.pop_back();
+    }
+  }
+  for (const Id v : waiting) add_vertex(v, error);
   out_.base_vertices = static_cast<std::uint32_t>(wedges_.size());
   for (std::size_t k = sequence_.records.size(); k-- > 0;)
     add_vertex(sequence_.records[k].vertex, sequence_.records[k].error);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace lodestone::progressive {
@@ -14,8 +15,9 @@ constexpr std::uint32_t spare = 2;  // neighbours that a ring has room for beyon
 // Corners that start or end at one neighbour, of triangles that share the edge to it.
 struct EdgeCorner {
   std::uint32_t corner = 0;
-  bool forward = false;  // the triangle runs from the lower id to the higher one
-  double angle = 0;      // around the edge, from the lower id to the higher one
+  bool forward = false;  // the triangle runs from the lower end to the higher one
+  double angle = 0;      // around the edge, from the lower end to the higher one
+  Vec3f third;           // its corner opposite the edge
 };
 
 // Any two vectors that make a right-handed frame with the axis; the same for the same axis.
@@ -25,6 +27,15 @@ std::pair<Vec3d, Vec3d> frame_around(Vec3d axis) {
                                                                                                    : Vec3d{0, 0, 1};
   const Vec3d first = cross(axis, other);
   return {first, cross(axis, first)};
+}
+
+// By coordinates: what is decided with it does not depend on how vertices are numbered.
+bool is_lower(Vec3f a, Vec3f b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+
+bool comes_before(const EdgeCorner& a, const EdgeCorner& b) {
+  if (a.angle != b.angle) return a.angle < b.angle;
+  if (!(a.third == b.third)) return is_lower(a.third, b.third);
+  return a.forward < b.forward;
 }
 
 // Pairs triangles of an edge that bound the same solid: it begins behind a backward triangle and ends at a forward one.
@@ -137,23 +148,23 @@ void RingMesh::chain_any(Id vertex, std::vector<Cut>& cuts) {
     const Id other = from->first;
     const auto to = std::find_if(from, edges.end(), [&](const auto& e) { return e.first != other; });
     const bool plain = to - from == 1 || (to - from == 2 && (from->second + (from + 1)->second) % 2 == 1);
-    if (!plain && vertex < other) ++cut_edges_;
-    const Vec3d origin = to_double(positions_[std::min(vertex, other)]);
-    const Vec3d axis = to_double(positions_[std::max(vertex, other)]) - origin;
+    const bool lower = is_lower(positions_[vertex], positions_[other]);
+    if (!plain && lower) ++cut_edges_;
+    const Vec3d origin = to_double(positions_[lower ? vertex : other]);
+    const Vec3d axis = to_double(positions_[lower ? other : vertex]) - origin;
     const auto [x, y] = frame_around(axis);
     std::vector<EdgeCorner> around;
     for (auto e = from; e != to; ++e) {
       const std::uint32_t corner = corners[e->second / 2];
       const bool ends = e->second % 2 == 1;
-      const Vec3d third = to_double(positions_[ends ? start_of(corner) : end_of(corner)]) - origin;
-      const double angle = std::atan2(dot(third, y) / std::max(length(axis), 1e-30), dot(third, x));
-      around.push_back({e->second / 2, (vertex < other) != ends, angle});
+      const Vec3f third = positions_[ends ? start_of(corner) : end_of(corner)];
+      const Vec3d out = to_double(third) - origin;
+      const double angle = std::atan2(dot(out, y) / std::max(length(axis), 1e-30), dot(out, x));
+      around.push_back({e->second / 2, lower != ends, angle, third});
     }
-    std::sort(around.begin(), around.end(), [&](const EdgeCorner& a, const EdgeCorner& b) {
-      return a.angle != b.angle ? a.angle < b.angle : corners[a.corner] / 3 < corners[b.corner] / 3;
-    });
+    std::sort(around.begin(), around.end(), comes_before);
     for (const auto& [back, forth] : pair_brackets(around)) {
-      const auto [ending, starting] = vertex < other ? std::pair(back, forth) : std::pair(forth, back);
+      const auto [ending, starting] = lower ? std::pair(back, forth) : std::pair(forth, back);
       next[ending] = starting, before[starting] = ending;
     }
     from = to;

@@ -60,5 +60,7 @@ void add_compare(CLI::App& app);
 void add_render(CLI::App& app);
 void add_export(CLI::App& app);
 void add_view(CLI::App& app);
+void add_progressive(CLI::App& app);
+void add_lod(CLI::App& app);
 
 }  // namespace lodestone

@@ -1,4 +1,5 @@
-// Progressive meshes: what is promised of them on sound, open, seamed, cut and broken surfaces, for any number of threads.
+// Progressive meshes: what is promised of them on sound, open, seamed, cut and broken surfaces, for any number of
+// threads.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -115,8 +116,8 @@ TEST(ProgressiveMesh, LevelsByTrianglesAndByError) {
     EXPECT_TRUE(level == out.base_vertices || finder.error_of(level - 1) > error);
   }
   EXPECT_EQ(finder.error_of(out.vertex_count()), 0);
-  EXPECT_EQ(finder.vertices_for_error(0), out.vertex_count() - static_cast<std::uint32_t>(std::count(
-                                              out.errors.begin(), out.errors.end(), 0.0f)));
+  EXPECT_EQ(finder.vertices_for_error(0),
+            out.vertex_count() - static_cast<std::uint32_t>(std::count(out.errors.begin(), out.errors.end(), 0.0f)));
 }
 
 TEST(ProgressiveMesh, SameBytesForAnyNumberOfThreads) {
@@ -172,12 +173,12 @@ TEST(ProgressiveMesh, TinyAndBrokenInput) {
   };
   const std::vector<Vec3d> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::vector<IndexedMesh> meshes{
-      normal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}),                   // a triangle
-      normal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}),        // with its back
-      normal(corners, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}),            // a tetrahedron
-      normal(corners, {{0, 1, 2}, {0, 1, 3}}),                                  // turned against each other
-      normal(corners, {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}, {1, 0, 2}}),            // an edge of four
-      normal({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}),                   // without area
+      normal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}),             // a triangle
+      normal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}),  // with its back
+      normal(corners, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}),      // a tetrahedron
+      normal(corners, {{0, 1, 2}, {0, 1, 3}}),                            // turned against each other
+      normal(corners, {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}, {1, 0, 2}}),      // an edge of four
+      normal({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}),             // without area
       normal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 5, 0}, {6, 5, 0}, {5, 6, 0}}, {{0, 1, 2}, {3, 4, 5}})};
   for (const IndexedMesh& mesh : meshes)
     for (const MetricKind metric : {MetricKind::quadric, MetricKind::attribute_quadric}) {
