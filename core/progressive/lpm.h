@@ -28,11 +28,12 @@ struct LpmBytes {
   std::size_t base = 0;      // header and base: what has to be there before anything can be drawn
 };
 
-// Throws InputError for a mesh whose vertices cannot be taken back one by one, which `lodestone progressive` never makes.
+// Throws InputError for a mesh whose vertices cannot be taken back one by one, which `lodestone progressive` never
+// makes.
 [[nodiscard]] LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config = {});
 
-// `prefix`: a file that ends early gives what there is, at least the base. Otherwise, and for whatever is damaged, throws
-// InputError naming the place; UnsupportedError for a newer version.
+// `prefix`: a file that ends early gives what there is, at least the base. Otherwise, and for whatever is damaged,
+// throws InputError naming the place; UnsupportedError for a newer version.
 [[nodiscard]] ProgressiveMesh read_lpm(ByteReader& input, bool prefix = false);
 
 }  // namespace lodestone

@@ -15,7 +15,8 @@ constexpr const char* damaged = "the file is damaged";
 
 std::uint32_t word_at(std::span<const char> bytes, std::size_t at) {
   std::uint32_t value = 0;
-  for (std::size_t k = 0; k < 4; ++k) value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + k])) << (8 * k);
+  for (std::size_t k = 0; k < 4; ++k)
+    value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at + k])) << (8 * k);
   return value;
 }
 
@@ -42,7 +43,8 @@ class Frames {
   };
   [[nodiscard]] Frame next() {
     if (!has_next()) fail("the file ends early");
-    const std::uint32_t length = word_at(bytes_, at_), crc = word_at(bytes_, at_ + 4), vertices = word_at(bytes_, at_ + 8);
+    const std::uint32_t length = word_at(bytes_, at_), crc = word_at(bytes_, at_ + 4),
+                        vertices = word_at(bytes_, at_ + 8);
     at_ += 12;
     return {take(length, crc), vertices};
   }
@@ -127,7 +129,8 @@ class LpmDecoder {
     const float step = 1.0f / static_cast<float>(1u << header_.settings.position_bits);
     for (std::size_t g = 0; g < mesh_.stars.size(); ++g) {
       const auto& p = values_.positions[g];
-      const Vec3f position{static_cast<float>(p[0]) * step, static_cast<float>(p[1]) * step, static_cast<float>(p[2]) * step};
+      const Vec3f position{static_cast<float>(p[0]) * step, static_cast<float>(p[1]) * step,
+                           static_cast<float>(p[2]) * step};
       const float error = std::bit_cast<float>(static_cast<std::uint32_t>(values_.errors[g]) << 16);
       out.positions.insert(out.positions.end(), mesh_.stars[g].wedges, position);
       out.errors.insert(out.errors.end(), mesh_.stars[g].wedges, error);
@@ -142,7 +145,8 @@ class LpmDecoder {
     out.wedges.textures = std::move(header_.textures);
     out.triangles = mesh_.triangles();
     for (const std::uint32_t m : out.wedges.material)
-      if (m != no_material && m >= out.wedges.materials.size()) frames_.fail("a vertex has a material that is not there");
+      if (m != no_material && m >= out.wedges.materials.size())
+        frames_.fail("a vertex has a material that is not there");
     check_progressive(out, name_);
     const std::vector<std::uint32_t> groups = group_starts(out);
     std::vector<std::uint32_t> births;

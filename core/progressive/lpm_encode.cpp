@@ -64,7 +64,8 @@ class SplitRecorder {
       if (ring.size == 0) fail_order();
       SplitMesh::Star star{{}, ring.open != 0, groups_.start[g], groups_.size(g, mesh_.base_vertices)};
       for (std::uint32_t k = 0; k < ring.size; ++k)  // the last of an open star has no sector
-        star.spokes.push_back({groups_.number[ring.ids[k]], k < ring.sectors() ? wedge(groups_.start[g], k) : star.first_wedge});
+        star.spokes.push_back(
+            {groups_.number[ring.ids[k]], k < ring.sectors() ? wedge(groups_.start[g], k) : star.first_wedge});
       base.stars.push_back(std::move(star));
     }
     base.wedge_count = mesh_.base_vertices;
@@ -89,7 +90,8 @@ class SplitRecorder {
     const std::uint32_t count = groups_.size(groups_.number[v], mesh_.vertex_count());
     split.parents.assign(mesh_.parents.begin() + v, mesh_.parents.begin() + v + count);
     const std::uint32_t first = split.side == SplitMesh::Side::front ? 0 : c.at;
-    for (std::uint32_t n = 0, k = first; n < ring.sectors(); ++n, k = ring.next(k)) split.sectors.push_back(wedge(v, k) - v);
+    for (std::uint32_t n = 0, k = first; n < ring.sectors(); ++n, k = ring.next(k))
+      split.sectors.push_back(wedge(v, k) - v);
     if (split.side != SplitMesh::Side::front) split.wedge_a = across(ring.ids[ring.next(c.at)], v);
     if (split.side != SplitMesh::Side::back) split.wedge_b = across(ring.ids[ring.previous(c.at)], u);
     const bool front = split.side == SplitMesh::Side::front;
@@ -111,8 +113,8 @@ class SplitRecorder {
 LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config) {
   LpmHeader h;
   const WedgeAttributes& wedges = mesh.wedges;
-  h.settings = {config.position_bits, config.uv_bits, groups.start.size() < mesh.positions.size(), !wedges.uv.empty(),
-                !wedges.colour.empty(), !wedges.material.empty()};
+  h.settings = {config.position_bits, config.uv_bits,         groups.start.size() < mesh.positions.size(),
+                !wedges.uv.empty(),   !wedges.colour.empty(), !wedges.material.empty()};
   h.vertices = mesh.vertex_count();
   h.groups = static_cast<std::uint32_t>(groups.start.size());
   h.base_groups = groups.base;
@@ -143,7 +145,8 @@ LatticeValues quantize(const ProgressiveMesh& mesh, const Groups& groups, const 
   }
   const auto step = [](double x, double low, double size) { return size > 0 ? (x - low) / size : 0; };
   for (const Vec2f uv : mesh.wedges.uv)
-    values.uv.push_back({nearest(step(uv.x, h.uv_low[0], h.uv_step[0])), nearest(step(uv.y, h.uv_low[1], h.uv_step[1]))});
+    values.uv.push_back(
+        {nearest(step(uv.x, h.uv_low[0], h.uv_step[0])), nearest(step(uv.y, h.uv_low[1], h.uv_step[1]))});
   values.colours = mesh.wedges.colour;
   values.materials = mesh.wedges.material;
   return values;

@@ -45,9 +45,10 @@ json to_json(const LpmHeader& h) {
                          {"texture", texture_index(m.texture)},
                          {"normalMap", texture_index(m.normal_map)}});
   for (const Texture& t : h.textures)
-    textures.push_back({{"name", t.name},
-                        {"type", t.media_type},
-                        {"wrap", {wraps[static_cast<std::size_t>(t.wrap_u)], wraps[static_cast<std::size_t>(t.wrap_v)]}}});
+    textures.push_back(
+        {{"name", t.name},
+         {"type", t.media_type},
+         {"wrap", {wraps[static_cast<std::size_t>(t.wrap_u)], wraps[static_cast<std::size_t>(t.wrap_v)]}}});
   return {{"version", 1},
           {"vertices", h.vertices},
           {"groups", h.groups},
@@ -74,8 +75,8 @@ LpmHeader read_header(const JsonView& json) {
   h.groups = count_of(json.at("groups"));
   h.base_groups = count_of(json.at("baseGroups"));
   if (h.base_groups > h.groups || h.groups > h.vertices) json.fail("counts that contradict each other");
-  h.settings = {bits_of(json.at("positionBits")), bits_of(json.at("uvBits")), json.at("wedges").boolean(),
-                json.at("uv").boolean(), json.at("colours").boolean(), json.at("materialIds").boolean()};
+  h.settings = {bits_of(json.at("positionBits")), bits_of(json.at("uvBits")),   json.at("wedges").boolean(),
+                json.at("uv").boolean(),          json.at("colours").boolean(), json.at("materialIds").boolean()};
   h.uv_low = json.at("uvLow").numbers<2>();
   h.uv_step = json.at("uvStep").numbers<2>();
   const auto origin = json.at("origin").numbers<3>();
@@ -84,8 +85,11 @@ LpmHeader read_header(const JsonView& json) {
   const JsonView textures = json.at("textures"), materials = json.at("materials");
   for (std::size_t k = 0; k < textures.size(); ++k) {
     const JsonView t = textures.at(k), wrap = t.at("wrap");
-    h.textures.push_back({t.string_or("name", ""), t.at("type").string(), read_wrap(wrap.at(std::size_t{0})),
-                          read_wrap(wrap.at(std::size_t{1})), {}});
+    h.textures.push_back({t.string_or("name", ""),
+                          t.at("type").string(),
+                          read_wrap(wrap.at(std::size_t{0})),
+                          read_wrap(wrap.at(std::size_t{1})),
+                          {}});
   }
   for (std::size_t k = 0; k < materials.size(); ++k) {
     const JsonView m = materials.at(k);

@@ -21,12 +21,13 @@ struct ProgressiveFileSize {
   std::size_t base = 0;      // what has to be there before something can be drawn; all of a .glb
 };
 
-// By the extension, in any case; complete or not at all. Throws UnsupportedError for other extensions, FileError when it
-// cannot be written.
+// By the extension, in any case; complete or not at all. Throws UnsupportedError for other extensions, FileError when
+// it cannot be written.
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
                                      const ProgressiveFileConfig& config = {});
 
-// By the first bytes. `prefix`: of an .lpm that ends early, what there is. Throws FileError, InputError naming the place.
+// By the first bytes. `prefix`: of an .lpm that ends early, what there is. Throws FileError, InputError naming the
+// place.
 [[nodiscard]] ProgressiveMesh load_progressive(const std::filesystem::path& path, bool prefix = false);
 
 // The same from bytes.

@@ -16,17 +16,17 @@ using nlohmann::json;
 void add_node(GlbBuilder& glb, const Transform& t) {
   glb.root["scene"] = 0;
   glb.root["scenes"] = {{{"nodes", {0}}}};
-  glb.root["nodes"] = {{{"mesh", 0},
-                        {"translation", {t.origin.x, t.origin.y, t.origin.z}},
-                        {"scale", {t.scale, t.scale, t.scale}}}};
+  glb.root["nodes"] = {
+      {{"mesh", 0}, {"translation", {t.origin.x, t.origin.y, t.origin.z}}, {"scale", {t.scale, t.scale, t.scale}}}};
 }
 
 // Unsigned integers of 32 bits are no attributes in glTF: 16 bits where they do, else floats, exact up to 2^24.
 std::size_t add_parents(GlbBuilder& glb, const std::vector<std::uint32_t>& parents) {
-  if (parents.size() <= 0xffff) return glb.add_vertex_shorts(std::vector<std::uint16_t>(parents.begin(), parents.end()));
+  if (parents.size() <= 0xffff)
+    return glb.add_vertex_shorts(std::vector<std::uint16_t>(parents.begin(), parents.end()));
   if (parents.size() > std::size_t{1} << 24)
-    throw ResourceError(describe("", "", std::to_string(parents.size()) + " vertices, more than glTF can number",
-                                 "write a .lpm file"));
+    throw ResourceError(
+        describe("", "", std::to_string(parents.size()) + " vertices, more than glTF can number", "write a .lpm file"));
   const std::vector<float> numbers(parents.begin(), parents.end());
   return glb.add_accessor(std::span(numbers), GltfComponent::floats, "SCALAR", GltfTarget::vertices);
 }

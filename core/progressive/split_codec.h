@@ -81,7 +81,7 @@ class SplitCodec {
 
   [[noreturn]] static void fail() { throw InputError("the splits contradict each other"); }
 
-  static std::uint32_t bits_for(std::uint32_t count) { 
+  static std::uint32_t bits_for(std::uint32_t count) {
     return count < 2 ? 0 : static_cast<std::uint32_t>(std::bit_width(count - 1));
   }
 
@@ -169,7 +169,8 @@ class SplitCodec {
       finish_wedges(s, star);
       return;
     }
-    const std::uint32_t count = count_[std::min(u.wedges, 3u)].code(coder, static_cast<std::uint32_t>(s.parents.size()));
+    const std::uint32_t count =
+        count_[std::min(u.wedges, 3u)].code(coder, static_cast<std::uint32_t>(s.parents.size()));
     if (count == 0 || count > most_wedges) fail();
     s.parents.resize(count);
     for (std::uint32_t& p : s.parents) p = u.first_wedge + code_local(coder, u.wedges, p - u.first_wedge, from_);

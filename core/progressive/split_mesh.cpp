@@ -8,7 +8,8 @@ bool SplitMesh::fits(const Split& s) const {
   if (s.parent >= stars.size()) return false;
   const Star& u = stars[s.parent];
   const std::size_t size = u.spokes.size();
-  if (s.side == Side::inside) return size >= 2 && s.at < size && (u.open ? s.at + s.between + 1 < size : s.between + 2 <= size);
+  if (s.side == Side::inside)
+    return size >= 2 && s.at < size && (u.open ? s.at + s.between + 1 < size : s.between + 2 <= size);
   return u.open && s.between + 1 <= size && (s.side == Side::front ? s.at == s.between : s.at + s.between + 1 == size);
 }
 

@@ -31,7 +31,11 @@ struct SplitMesh {
     }
   };
 
-  enum class Side : std::uint32_t { inside = 0, back = 1, front = 2 };  // of an open star, where the new vertex comes in
+  enum class Side : std::uint32_t {
+    inside = 0,
+    back = 1,
+    front = 2
+  };  // of an open star, where the new vertex comes in
 
   // The vertex comes out of `parent` and takes the `between` spokes behind the spoke `at` of it (in front of it, for
   // Side::front).

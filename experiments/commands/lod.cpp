@@ -87,10 +87,11 @@ void add_lod(CLI::App& app) {
   command.add_option("IN", options->input, "Progressive mesh (.lpm or .glb of `lodestone progressive`)")->required();
   CLI::Option* vertices = command.add_option("--vertices", options->vertices, "At most so many vertices");
   CLI::Option* triangles = command.add_option("--triangles", options->triangles, "At most so many triangles");
-  CLI::Option* error = command
-                           .add_option("--error", options->error,
-                                       "The coarsest level whose estimated error is at most this, in units of the model")
-                           ->check(CLI::NonNegativeNumber);
+  CLI::Option* error =
+      command
+          .add_option("--error", options->error,
+                      "The coarsest level whose estimated error is at most this, in units of the model")
+          ->check(CLI::NonNegativeNumber);
   vertices->excludes(triangles)->excludes(error);
   triangles->excludes(error);
   command.add_flag("--prefix", options->prefix, "Accept an .lpm that ends early: what there is of it");

@@ -116,12 +116,10 @@ void add_progressive(CLI::App& app) {
   command.add_option("--base", options->config.base_triangles, "Triangles to stop at; 0: when nothing can collapse")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command
-      .add_option("--position-bits", options->file.lpm.position_bits, ".lpm: steps over the model are 2 to so many")
+  command.add_option("--position-bits", options->file.lpm.position_bits, ".lpm: steps over the model are 2 to so many")
       ->check(CLI::Range(4, 20))
       ->capture_default_str();
-  command
-      .add_option("--uv-bits", options->file.lpm.uv_bits, ".lpm: the same over the texture coordinates")
+  command.add_option("--uv-bits", options->file.lpm.uv_bits, ".lpm: the same over the texture coordinates")
       ->check(CLI::Range(4, 20))
       ->capture_default_str();
   command.add_flag("--compress", options->file.compress_glb, ".glb: by EXT_meshopt_compression, without loss");
