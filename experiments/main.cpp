@@ -77,6 +77,7 @@ int main(int argc, char** argv) {
   add_view(app);
   add_progressive(app);
   add_lod(app);
+  add_page(app);
   install_interrupt_handler();
   return run(app, argc, argv);
 }

@@ -73,8 +73,9 @@ class CellEncoder {
     const Cell& parent = hierarchy_.cells[cell_.parent];
     attributes_["_PARENT"] =
         add_values([&](std::uint32_t v) { return parent.positions[cell_.parents[v]]; }, GltfComponent::floats, "VEC3");
-    attributes_["_PARENTNORMAL"] = add_values([&](std::uint32_t v) { return unpack_normal(parent.normals[cell_.parents[v]]); },
-                                              GltfComponent::floats, "VEC3");
+    attributes_["_PARENTNORMAL"] =
+        add_values([&](std::uint32_t v) { return unpack_normal(parent.normals[cell_.parents[v]]); },
+                   GltfComponent::floats, "VEC3");
   }
 
   [[nodiscard]] std::uint32_t material_of(const Triangle& t) const {

@@ -62,5 +62,6 @@ void add_export(CLI::App& app);
 void add_view(CLI::App& app);
 void add_progressive(CLI::App& app);
 void add_lod(CLI::App& app);
+void add_page(CLI::App& app);
 
 }  // namespace lodestone

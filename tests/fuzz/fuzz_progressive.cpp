@@ -12,7 +12,9 @@
 
 namespace {
 
-void set_word(std::vector<char>& bytes, std::size_t at, std::uint32_t value) { std::memcpy(bytes.data() + at, &value, 4); }
+void set_word(std::vector<char>& bytes, std::size_t at, std::uint32_t value) {
+  std::memcpy(bytes.data() + at, &value, 4);
+}
 
 void mend_checksums(std::vector<char>& bytes) {
   std::size_t at = 16, length_at = 8, crc_at = 12;

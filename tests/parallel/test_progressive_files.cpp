@@ -101,7 +101,8 @@ TEST(ProgressiveGlb, ComesBackBitForBit) {
 }
 
 TEST(ProgressiveGlb, RefusesGltfWithoutParents) {
-  const std::string text = R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]})";
+  const std::string text =
+      R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]})";
   ByteReader input({text.data(), text.size()}, "plain.gltf");
   try {
     (void)read_progressive_glb(input);

@@ -15,6 +15,8 @@ const ask = async (url) => {
   return answer;
 };
 
+const isGlb = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'glTF';
+
 class Page {
   constructor() {
     this.renderer = new THREE.WebGLRenderer({canvas: $('view'), antialias: true, preserveDrawingBuffer: true});
@@ -97,7 +99,7 @@ class Page {
 
   async openBytes(bytes, name) {
     const view = new ProgressiveView(name, this.renderer.capabilities.getMaxAnisotropy());
-    if (name.toLowerCase().endsWith('.glb')) {
+    if (isGlb(bytes)) {
       await view.setMesh(await readProgressiveGlb(bytes, name));
     } else {
       const decoder = new LpmDecoder(name);
