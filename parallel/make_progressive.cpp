@@ -6,6 +6,7 @@
 #include <deque>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -21,8 +22,8 @@ using progressive::RingArena;
 using progressive::RingMesh;
 
 constexpr std::size_t vertex_grain = 4096;
-constexpr std::size_t region_vertices = 4000;  // of a region, about
-constexpr std::size_t whole_triangles = 8000;  // collapsed as one
+constexpr std::size_t region_vertices = 1500;  // of a region, about
+constexpr std::size_t whole_triangles = 6000;  // collapsed as one
 constexpr double round_share = 0.7;            // of the vertices rank low enough to go in a round
 
 // Cubes of a grid, shifted from round to round.
@@ -123,11 +124,17 @@ class Builder {
     std::vector<std::vector<CollapseRecord>> records(regions_.size());
     const std::size_t first_arena = arenas_.size();
     arenas_.resize(first_arena + regions_.size());
+    // The largest first, so that no worker is left with one at the end.
+    std::vector<std::size_t> turn(regions_.size());
+    std::iota(turn.begin(), turn.end(), std::size_t{0});
+    const auto size = [&](std::size_t r) { return regions_[r].second - regions_[r].first; };
+    std::stable_sort(turn.begin(), turn.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
     scheduler_.for_chunks(regions_.size(), 1, [&](ChunkRange c) {
+      const std::size_t r = turn[c.index];
       std::vector<Id> free;
-      for (std::size_t k = regions_[c.index].first; k < regions_[c.index].second; ++k)
+      for (std::size_t k = regions_[r].first; k < regions_[r].second; ++k)
         if (is_inside(sorted_[k])) free.push_back(sorted_[k]);
-      records[c.index] = collapser_->run({.vertices = free, .most_rank = limit}, arenas_[first_arena + c.index]);
+      records[r] = collapser_->run({.vertices = free, .most_rank = limit}, arenas_[first_arena + r]);
     });
     for (const auto& part : records) append(part);
     std::stable_sort(records_.begin() + static_cast<std::ptrdiff_t>(sorted_records_), records_.end(),

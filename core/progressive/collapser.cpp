@@ -58,9 +58,9 @@ void Collapser::start(std::size_t begin, std::size_t end) {
     if (rings_.is_used(static_cast<Id>(v))) look(static_cast<Id>(v));
 }
 
-// Whether a triangle around v that stays would turn by 78 degrees or more, or lose its area.
+// Whether a triangle around v that stays would turn by 60 degrees or more, or lose its area.
 bool Collapser::turns(const Collapse& c) const {
-  constexpr float least_cosine = 0.2f;
+  constexpr float least_cosine = 0.5f;
   const Ring& ring = rings_.ring(c.vertex);
   const Vec3f from = rings_.position(c.vertex), to = rings_.position(c.target);
   for (std::uint32_t k = 0; k < ring.sectors(); ++k) {

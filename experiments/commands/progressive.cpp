@@ -6,6 +6,7 @@
 #include "core/progressive/progressive_file.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
+#include "experiments/metrics/progressive_cracks.h"
 #include "experiments/progress.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/load.h"
@@ -21,6 +22,7 @@ struct ProgressiveOptions {
   ProgressiveConfig config;
   ProgressiveFileConfig file;
   bool no_attributes = false, no_normals = false;
+  std::uint32_t check_levels = 0;
 };
 
 // By kilobytes of geometry, so that textures do not hide what vertices cost.
@@ -60,8 +62,11 @@ void run(const ProgressiveOptions& options, const CommonOptions& common) {
   progress.clear();
   const auto faces = static_cast<double>(mesh.triangles.size());
   const LevelFinder levels(made);
+  nlohmann::json cracks;
+  if (options.check_levels > 0) cracks = residual_edges_of_levels(made, options.check_levels);
   write_json(common, {{"input", options.input},
                       {"output", options.output},
+                      {"residual_edges", cracks},
                       {"metric", options.metric},
                       {"triangles", made.triangles.size()},
                       {"vertices", made.vertex_count()},
@@ -90,6 +95,7 @@ void run(const ProgressiveOptions& options, const CommonOptions& common) {
   if (report.cut_vertices > 0)
     fmt::print("cut apart where it is no manifold: {} edges, {} vertices copied\n", report.cut_edges,
                report.cut_vertices);
+  if (options.check_levels > 0) fmt::print("residual edges at {} levels: {}\n", options.check_levels, cracks.dump());
   print_warnings(warnings);
 }
 
@@ -126,6 +132,8 @@ void add_progressive(CLI::App& app) {
   command.add_flag("--no-attributes", options->no_attributes, "Leave out what the mesh has besides its shape");
   command.add_flag("--no-normals", options->no_normals,
                    "Leave out its normals, which make every edge a seam where faces are shaded flat");
+  command.add_option("--check-levels", options->check_levels, "Count cracks (residual edges) at so many levels")
+      ->check(CLI::Range(0, 1000));
   add_input_options(command, options->reading);
   command.callback([options, common] { run(*options, *common); });
 }

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import os
 import pathlib
 import subprocess
 import unittest
@@ -22,7 +23,8 @@ def progressive(name="sphere.lpm", mesh=None, *options):
 class Progressive(CommandCase):
     def test_results(self):
         for name in ("out.lpm", "out.glb"):
-            result = self.results("progressive", sphere(), "-o", name, "--base", 500)
+            result = self.results("progressive", sphere(), "-o", name, "--base", 500, "--check-levels", 20)
+            self.assertEqual(result["residual_edges"], 0)
             size = (self.folder / name).stat().st_size
             self.assertEqual((result["bytes"], result["vertices"]), (size, result["triangles"] // 2 + 2))
             self.assertIn(result["base_triangles"], (500, 501))
@@ -107,6 +109,38 @@ class Progressive(CommandCase):
         for way in ("forward", "backward"):
             self.assertLess(result[way]["rms"], 0.00070 * result["diagonal"])
             self.assertLess(result[way]["max"], 0.0034 * result["diagonal"])
+
+
+class Page(CommandCase):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "bundle").mkdir()
+        for name in ("page.js", "index.html", "page.css"):
+            self.write(f"bundle/{name}", name)
+        os.environ["LODESTONE_PAGE"] = str(self.folder / "bundle")
+        self.addCleanup(os.environ.pop, "LODESTONE_PAGE")
+
+    def test_models_of_every_kind(self):
+        self.lodestone("export", command_case.hierarchy(), "--tiles", "town", "--morph")
+        result = self.results("page", sphere(), progressive(), progressive("sphere.glb"), command_case.hierarchy(), "town",
+                              "-o", "page")
+        models = json.loads((self.folder / "page/models.json").read_text())
+        self.assertEqual(models, result["models"])
+        self.assertEqual([m["kind"] for m in models], ["progressive"] * 3 + ["tiles"] * 2)
+        self.assertEqual(len({m["name"] for m in models}), 5)
+        for m in models:
+            self.assertTrue((self.folder / "page" / m["url"]).is_file(), m)
+        self.assertEqual((self.folder / "page/page.js").read_text(), "page.js")
+
+    def test_refusals(self):
+        self.refused("page", "none.ply", "-o", "page", names=["none.ply"])
+        self.refused("page", sphere(), "-o", "bundle", names=["bundle"])
+        self.refused("page", sphere(), "-o", "", names=["--output"])
+        self.refused("page", sphere(), "-o", "page", "--metric", "length", names=["length"])
+        self.write("bad.lpm", progressive().read_bytes()[:-5])
+        self.refused("page", "bad.lpm", "-o", "page", names=["bad.lpm"])
+        os.environ["LODESTONE_PAGE"] = str(self.folder / "nothing")
+        self.refused("page", sphere(), "-o", "page", names=["page.js", "LODESTONE_PAGE"])
 
 
 class Refusals(CommandCase):
