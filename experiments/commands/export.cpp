@@ -101,7 +101,7 @@ void add_export(CLI::App& app) {
       command.add_option("--tiles", options->tiles,
                          "Folder to write instead, new or empty: a 3D Tiles 1.1 tileset with a tile (.glb) per cell");
   CLI::Option* morph = command.add_flag("--morph", options->morph,
-                                        "With --tiles: also the place of every vertex's parent (attribute _PARENT), "
+                                        "With --tiles: also place and normal of every vertex's parent (_PARENT, _PARENTNORMAL), "
                                         "and the figures for morphing in extras");
   tiles->excludes(output)->excludes(level);
   morph->needs(tiles);
