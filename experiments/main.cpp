@@ -76,6 +76,9 @@ int main(int argc, char** argv) {
   add_export(app);
   add_view(app);
   add_reconstruct(app);
+  add_progressive(app);
+  add_lod(app);
+  add_page(app);
   install_interrupt_handler();
   return run(app, argc, argv);
 }

@@ -12,15 +12,6 @@ using nlohmann::json;
 
 constexpr std::uint32_t unseen = 0xffff'ffffu;
 
-// Light as 16 bits: the bytes in the sRGB encoding come back exactly.
-using LinearColour = std::array<std::uint16_t, 4>;
-
-LinearColour linear_colour(Rgba8 c) {
-  const auto wide = [](float light) { return static_cast<std::uint16_t>(light * 65535 + 0.5f); };
-  const std::array<float, 256>& linear = linear_of_srgb();
-  return {wide(linear[c.r]), wide(linear[c.g]), wide(linear[c.b]), static_cast<std::uint16_t>(c.a * 257)};
-}
-
 class CellEncoder {
  public:
   CellEncoder(const Hierarchy& hierarchy, std::uint32_t cell, bool morph)
@@ -82,6 +73,9 @@ class CellEncoder {
     const Cell& parent = hierarchy_.cells[cell_.parent];
     attributes_["_PARENT"] =
         add_values([&](std::uint32_t v) { return parent.positions[cell_.parents[v]]; }, GltfComponent::floats, "VEC3");
+    attributes_["_PARENTNORMAL"] =
+        add_values([&](std::uint32_t v) { return unpack_normal(parent.normals[cell_.parents[v]]); },
+                   GltfComponent::floats, "VEC3");
   }
 
   [[nodiscard]] std::uint32_t material_of(const Triangle& t) const {

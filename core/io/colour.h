@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "core/base/vec2.h"
+#include "core/mesh/attributes.h"
 
 namespace lodestone {
 
@@ -25,6 +26,19 @@ namespace lodestone {
 [[nodiscard]] const std::array<float, 256>& linear_of_srgb();
 [[nodiscard]] inline double srgb_to_linear(double value) {
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+// Light as 16 bits: the bytes in the sRGB encoding come back exactly.
+using LinearColour = std::array<std::uint16_t, 4>;
+[[nodiscard]] inline LinearColour linear_colour(Rgba8 c) {
+  const auto wide = [](float light) { return static_cast<std::uint16_t>(light * 65535 + 0.5f); };
+  const std::array<float, 256>& linear = linear_of_srgb();
+  return {wide(linear[c.r]), wide(linear[c.g]), wide(linear[c.b]), static_cast<std::uint16_t>(c.a * 257)};
+}
+// Back, from light in [0, 1].
+[[nodiscard]] inline Rgba8 colour_of_linear(double r, double g, double b, double a) {
+  return {unit_to_byte(linear_to_srgb(r)), unit_to_byte(linear_to_srgb(g)), unit_to_byte(linear_to_srgb(b)),
+          unit_to_byte(a)};
 }
 
 // Texture coordinates that count from the lower left corner of the image, as in OBJ, PLY and bare Draco files.

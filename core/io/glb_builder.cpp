@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/io/gltf_meshopt.h"
 
 namespace lodestone {
 namespace {
@@ -21,6 +22,26 @@ void add_once(json& names, const char* name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
+// Header, JSON and binary chunk.
+std::vector<std::byte> pack(const json& root, std::span<const std::byte> binary) {
+  std::string text = root.dump(-1, ' ', false, json::error_handler_t::replace);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::uint64_t total = 12 + 8 + text.size() + 8 + binary.size();
+  if (total > std::numeric_limits<std::uint32_t>::max())
+    throw ResourceError(describe("", "", "more than 4 GiB, which a .glb file cannot hold", "export a coarser level"));
+  const auto word = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
+  const std::array<std::uint32_t, 5> head{0x46546c67u, 2, word(total), word(text.size()), 0x4e4f534au};
+  const std::array<std::uint32_t, 2> chunk{word(binary.size()), 0x004e4942u};
+  std::vector<std::byte> out(total);
+  std::byte* to = out.data();
+  const auto append = [&](std::span<const std::byte> bytes) { to = std::copy(bytes.begin(), bytes.end(), to); };
+  append(std::as_bytes(std::span(head)));
+  append(std::as_bytes(std::span(text)));
+  append(std::as_bytes(std::span(chunk)));
+  append(binary);
+  return out;
+}
+
 }  // namespace
 
 std::size_t GlbBuilder::add_view(std::span<const std::byte> bytes, GltfTarget target) {
@@ -31,6 +52,13 @@ std::size_t GlbBuilder::add_view(std::span<const std::byte> bytes, GltfTarget ta
   if (target != GltfTarget::none) view["target"] = static_cast<int>(target);
   root["bufferViews"].push_back(std::move(view));
   return root["bufferViews"].size() - 1;
+}
+
+std::size_t GlbBuilder::add_vertex_shorts(std::span<const std::uint16_t> items) {
+  const std::vector<std::uint32_t> wide(items.begin(), items.end());
+  const std::size_t at = add_accessor(std::span(wide), GltfComponent::unsigned_short, "SCALAR", GltfTarget::vertices);
+  root["bufferViews"][root["accessors"][at]["bufferView"].get<std::size_t>()]["byteStride"] = sizeof(std::uint32_t);
+  return at;
 }
 
 std::size_t GlbBuilder::add_positions(std::span<const Vec3f> positions) {
@@ -89,22 +117,48 @@ void GlbBuilder::add_texture(const Texture& t, json image) {
 
 std::vector<std::byte> GlbBuilder::finish() {
   root["buffers"] = {{{"byteLength", binary_.size()}}};
-  std::string text = root.dump(-1, ' ', false, json::error_handler_t::replace);
-  text.resize((text.size() + 3) / 4 * 4, ' ');
-  const std::uint64_t total = 12 + 8 + text.size() + 8 + binary_.size();
-  if (total > std::numeric_limits<std::uint32_t>::max())
-    throw ResourceError(describe("", "", "more than 4 GiB, which a .glb file cannot hold", "export a coarser level"));
-  const auto word = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
-  const std::array<std::uint32_t, 5> head{0x46546c67u, 2, word(total), word(text.size()), 0x4e4f534au};
-  const std::array<std::uint32_t, 2> chunk{word(binary_.size()), 0x004e4942u};
-  std::vector<std::byte> out(total);
-  std::byte* to = out.data();
-  const auto append = [&](std::span<const std::byte> bytes) { to = std::copy(bytes.begin(), bytes.end(), to); };
-  append(std::as_bytes(std::span(head)));
-  append(std::as_bytes(std::span(text)));
-  append(std::as_bytes(std::span(chunk)));
-  append(binary_);
-  return out;
+  return pack(root, binary_);
+}
+
+// Buffer 0 is the file's, buffer 1 what it decompresses to.
+std::vector<std::byte> GlbBuilder::finish_compressed() {
+  constexpr const char* extension = "EXT_meshopt_compression";
+  std::vector<std::byte> packed;
+  std::vector<const json*> accessor_of(root["bufferViews"].size(), nullptr);
+  for (const json& accessor : root["accessors"]) accessor_of[accessor["bufferView"].get<std::size_t>()] = &accessor;
+  for (std::size_t k = 0; k < accessor_of.size(); ++k) {
+    json& view = root["bufferViews"][k];
+    if (accessor_of[k] != nullptr) {
+      compress_view(view, *accessor_of[k], packed);
+    } else {  // an image
+      const auto from = binary_.begin() + view["byteOffset"].get<std::ptrdiff_t>();
+      view["byteOffset"] = packed.size();
+      packed.insert(packed.end(), from, from + view["byteLength"].get<std::ptrdiff_t>());
+    }
+    packed.resize((packed.size() + 3) / 4 * 4);
+  }
+  root["buffers"] = {{{"byteLength", packed.size()}},
+                     {{"byteLength", binary_.size()}, {"extensions", {{extension, {{"fallback", true}}}}}}};
+  add_once(root["extensionsUsed"], extension);
+  add_once(root["extensionsRequired"], extension);
+  return pack(root, packed);
+}
+
+void GlbBuilder::compress_view(json& view, const json& accessor, std::vector<std::byte>& packed) const {
+  const bool indices = view["target"] == static_cast<int>(GltfTarget::indices);
+  const std::size_t length = view["byteLength"], count = accessor["count"],
+                    stride = length / std::max<std::size_t>(count, 1);
+  const auto bytes = std::span(binary_).subspan(view["byteOffset"].get<std::size_t>(), length);
+  const std::vector<std::byte> result = compress_meshopt(bytes, count, stride, indices);
+  view["buffer"] = 1;
+  if (!indices) view["byteStride"] = stride;
+  view["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0},
+                                                   {"byteOffset", packed.size()},
+                                                   {"byteLength", result.size()},
+                                                   {"byteStride", stride},
+                                                   {"count", count},
+                                                   {"mode", indices ? "INDICES" : "ATTRIBUTES"}};
+  packed.insert(packed.end(), result.begin(), result.end());
 }
 
 }  // namespace lodestone

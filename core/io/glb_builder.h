@@ -34,6 +34,8 @@ class GlbBuilder {
                                  {"type", type}});
     return root["accessors"].size() - 1;
   }
+  // Unsigned integers of 16 bits per vertex, each at a multiple of four bytes as vertices have to be.
+  std::size_t add_vertex_shorts(std::span<const std::uint16_t> items);
   // Positions with their least and largest values, as the specification asks for.
   std::size_t add_positions(std::span<const Vec3f> positions);
   // Indices of 16 bits where these can name all vertices.
@@ -48,8 +50,11 @@ class GlbBuilder {
   // The file: header, JSON padded with spaces, binary chunk padded with zeros (12.3.3 and 4.4 of the specification).
   // Throws ResourceError for more than 4 GiB.
   [[nodiscard]] std::vector<std::byte> finish();
+  // With the views of accessors compressed (EXT_meshopt_compression), without loss and in their order.
+  [[nodiscard]] std::vector<std::byte> finish_compressed();
 
  private:
+  void compress_view(nlohmann::json& view, const nlohmann::json& accessor, std::vector<std::byte>& packed) const;
   void add_texture(const Texture& texture, nlohmann::json image);
 
   std::vector<std::byte> binary_;

@@ -3,6 +3,8 @@
 
 #include <meshoptimizer.h>
 
+#include <cstring>
+#include <limits>
 #include <string>
 
 #include "core/io/text_scanner.h"
@@ -65,6 +67,24 @@ std::vector<char> decompress_meshopt(const JsonView& extension, std::span<const 
   if (error != 0) extension.fail("cannot be decoded", damaged);
   if (mode == "ATTRIBUTES") unfilter(extension, extension.string_or("filter", "NONE"), bytes, count, stride);
   return bytes;
+}
+
+std::vector<std::byte> compress_meshopt(std::span<const std::byte> bytes, std::size_t count, std::size_t stride,
+                                        bool indices) {
+  std::vector<std::byte> out;
+  const auto to = [&] { return reinterpret_cast<unsigned char*>(out.data()); };
+  if (indices) {
+    std::vector<unsigned int> ids(count);
+    for (std::size_t k = 0; k < count; ++k) std::memcpy(&ids[k], bytes.data() + k * stride, stride);
+    meshopt_encodeIndexVersion(1);  // what the extension asks for
+    out.resize(meshopt_encodeIndexSequenceBound(count, std::numeric_limits<unsigned>::max()));
+    out.resize(meshopt_encodeIndexSequence(to(), out.size(), ids.data(), count));
+  } else {
+    meshopt_encodeVertexVersion(0);
+    out.resize(meshopt_encodeVertexBufferBound(count, stride));
+    out.resize(meshopt_encodeVertexBuffer(to(), out.size(), bytes.data(), count, stride));
+  }
+  return out;
 }
 
 }  // namespace lodestone

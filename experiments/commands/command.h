@@ -61,5 +61,8 @@ void add_render(CLI::App& app);
 void add_export(CLI::App& app);
 void add_view(CLI::App& app);
 void add_reconstruct(CLI::App& app);
+void add_progressive(CLI::App& app);
+void add_lod(CLI::App& app);
+void add_page(CLI::App& app);
 
 }  // namespace lodestone

@@ -100,9 +100,10 @@ void add_export(CLI::App& app) {
   CLI::Option* tiles =
       command.add_option("--tiles", options->tiles,
                          "Folder to write instead, new or empty: a 3D Tiles 1.1 tileset with a tile (.glb) per cell");
-  CLI::Option* morph = command.add_flag("--morph", options->morph,
-                                        "With --tiles: also the place of every vertex's parent (attribute _PARENT), "
-                                        "and the figures for morphing in extras");
+  CLI::Option* morph =
+      command.add_flag("--morph", options->morph,
+                       "With --tiles: also place and normal of every vertex's parent (_PARENT, _PARENTNORMAL), "
+                       "and the figures for morphing in extras");
   tiles->excludes(output)->excludes(level);
   morph->needs(tiles);
   command.callback([options, common, output, tiles] {

@@ -1,0 +1,46 @@
+// From a sequence of collapses to a progressive mesh.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/progressive/collapser.h"
+#include "core/progressive/progressive_mesh.h"
+
+namespace lodestone::progressive {
+
+// Collapses in the order in which they happened; parents as of Collapser::parents().
+struct CollapseSequence {
+  std::vector<CollapseRecord> records;
+  std::span<const Id> parents;
+  std::size_t base_triangles = 0;  // at least so many are to be left: collapses beyond are taken back
+};
+
+// The steps, in this order; those with a range may run side by side. Mesh and rings have to stay alive.
+class Assembly {
+ public:
+  Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence);
+
+  void order();
+  void gather(std::size_t begin, std::size_t end);  // of vertex_count()
+  void find_groups();
+  void map_triangles(std::size_t begin, std::size_t end);  // of the mesh
+  [[nodiscard]] ProgressiveMesh finish();
+
+  [[nodiscard]] std::size_t vertex_count() const { return wedges_.size(); }
+
+ private:
+  struct WedgeLists;
+  void cut_sequence();
+  void make_room();
+
+  const IndexedMesh& mesh_;
+  const RingMesh& rings_;
+  CollapseSequence sequence_;
+  std::vector<Id> wedges_, number_;  // of the rings, by new number; the other way
+  ProgressiveMesh out_;
+  std::vector<std::uint32_t> groups_, births_;
+};
+
+}  // namespace lodestone::progressive

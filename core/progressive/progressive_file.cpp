@@ -1,0 +1,59 @@
+#include "core/progressive/progressive_file.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "core/base/error.h"
+#include "core/io/atomic_file.h"
+#include "core/progressive/progressive_glb.h"
+
+namespace lodestone {
+namespace {
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+std::size_t image_bytes(const ProgressiveMesh& mesh) {
+  std::size_t bytes = 0;
+  for (const Texture& t : mesh.wedges.textures) bytes += t.bytes.size();
+  return bytes;
+}
+
+}  // namespace
+
+ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
+                                     const ProgressiveFileConfig& config) {
+  const std::string extension = lower_extension(path);
+  std::vector<std::byte> bytes;
+  ProgressiveFileSize size;
+  if (extension == ".lpm") {
+    LpmBytes lpm = encode_lpm(mesh, config.lpm);
+    size = {lpm.bytes.size(), lpm.geometry, lpm.base};
+    bytes = std::move(lpm.bytes);
+  } else if (extension == ".glb") {
+    bytes = encode_progressive_glb(mesh, config.compress_glb);
+    size = {bytes.size(), bytes.size() - image_bytes(mesh), bytes.size()};
+  } else {
+    throw UnsupportedError(describe(path.string(), "", "progressive meshes are not written to '" + extension + "'",
+                                    "give a name that ends in .lpm or .glb"));
+  }
+  AtomicFile file(path);
+  file.write(bytes);
+  file.commit();
+  return size;
+}
+
+ProgressiveMesh read_progressive(ByteReader& input, bool prefix) {
+  return input.window(4).starts_with("glTF") ? read_progressive_glb(input) : read_lpm(input, prefix);
+}
+
+ProgressiveMesh load_progressive(const std::filesystem::path& path, bool prefix) {
+  ByteReader input(path);
+  return read_progressive(input, prefix);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,193 @@
+// lodestone page: a folder that any web server shows, with models in it.
+#include <fmt/core.h>
+
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/io/atomic_file.h"
+#include "core/io/atomic_folder.h"
+#include "core/progressive/progressive_file.h"
+#include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
+#include "experiments/progress.h"
+#include "parallel/load.h"
+#include "parallel/make_progressive.h"
+#include "parallel/prepare.h"
+#include "parallel/save.h"
+#include "parallel/save_tiles.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PageOptions {
+  std::vector<std::string> inputs;
+  std::string output, metric = "quadric";
+  InputOptions reading;
+};
+
+// The bundled page: $LODESTONE_PAGE, or where it was built.
+fs::path page_folder() {
+  const char* given = std::getenv("LODESTONE_PAGE");
+  const fs::path folder = given != nullptr ? given : LODESTONE_PAGE_DIR;
+  for (const char* name : {"page.js", "index.html", "page.css"})
+    if (!fs::exists(folder / name))
+      throw FileError(describe((folder / name).string(), "", "the bundled page is not there",
+                               "run scripts/setup and build, or set LODESTONE_PAGE to its folder"));
+  return folder;
+}
+
+std::string extension_of(const fs::path& path) { return path.extension().string(); }
+
+bool is_tileset(const fs::path& path) {
+  return path.filename() == "tileset.json" || (fs::is_directory(path) && fs::exists(path / "tileset.json"));
+}
+
+bool is_progressive_glb(const fs::path& path) {
+  if (extension_of(path) != ".glb") return false;
+  try {
+    (void)load_progressive(path);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+void copy_in(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy(from, to, fs::copy_options::recursive, error);
+  if (error) throw FileError(describe(from.string(), "", "cannot be copied: " + error.message()));
+}
+
+class PageWriter {
+ public:
+  PageWriter(const PageOptions& options, Scheduler& scheduler, AtomicFolder& folder)
+      : options_(options), scheduler_(scheduler), folder_(folder) {}
+
+  nlohmann::json write() {
+    const fs::path page = page_folder();
+    for (const char* name : {"page.js", "index.html", "page.css"}) copy_in(page / name, folder_.path() / name);
+    folder_.add_folder("models");
+    for (const std::string& input : options_.inputs) add(input);
+    AtomicFile list(folder_.path() / "models.json");
+    const std::string text = models_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    list.write(std::as_bytes(std::span(text)));
+    list.commit();
+    return models_;
+  }
+
+ private:
+  // A file name that is not taken yet, and safe in a URL.
+  std::string name_for(const fs::path& input) {
+    fs::path stem =
+        is_tileset(input) && input.filename() == "tileset.json" ? input.parent_path().filename() : input.stem();
+    std::string name;
+    for (const char c : stem.string()) name += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
+    if (name.empty()) name = "model";
+    std::string free = name;
+    for (int k = 2; !taken_.insert(free).second; ++k) free = name + "_" + std::to_string(k);
+    return free;
+  }
+
+  void add(const std::string& input) {
+    check_interrupt();
+    if (!fs::exists(input)) throw FileError(describe(input, "", "cannot be opened: no such file"));
+    const std::string name = name_for(input);
+    const auto list = [&](const std::string& file, const char* kind) {
+      models_.push_back({{"name", name}, {"url", "models/" + file}, {"kind", kind}});
+    };
+    if (is_tileset(input)) {
+      copy_in(fs::is_directory(input) ? fs::path(input) : fs::path(input).parent_path(),
+              folder_.path() / "models" / name);
+      list(name + "/tileset.json", "tiles");
+    } else if (extension_of(input) == ".lode") {
+      export_tiles(input, name);
+      list(name + "/tileset.json", "tiles");
+    } else if (extension_of(input) == ".lpm" || is_progressive_glb(input)) {
+      (void)load_progressive(input);  // what is damaged is refused here, not in the browser
+      copy_in(input, folder_.path() / "models" / (name + extension_of(input)));
+      list(name + extension_of(input), "progressive");
+    } else {
+      make(input, folder_.path() / "models" / (name + ".lpm"));
+      list(name + ".lpm", "progressive");
+    }
+  }
+
+  void export_tiles(const std::string& input, const std::string& name) {
+    const Hierarchy hierarchy = load_lode(input, scheduler_);
+    AtomicFolder tiles(folder_.path() / "models" / name);
+    SaveTilesConfig config;
+    config.tileset.morph = true;
+    config.cancel = &interrupt_flag();
+    (void)save_tiles(hierarchy, tiles, scheduler_, config);
+    tiles.commit();
+  }
+
+  void make(const std::string& input, const fs::path& output) {
+    Repairs repairs;
+    RawMesh raw = load_mesh(input, scheduler_, read_config(options_.reading, {input}));
+    const bool textured = !raw.wedges.uv.empty();
+    const IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler_, input);
+    ProgressiveConfig config;
+    config.metric = progressive::metric_kind(options_.metric);
+    if (config.metric == progressive::MetricKind::parametric && !textured)
+      config.metric = progressive::MetricKind::quadric;
+    ProgressiveReport report;
+    (void)save_progressive(make_progressive(mesh, config, scheduler_, report), output);
+  }
+
+  const PageOptions& options_;
+  Scheduler& scheduler_;
+  AtomicFolder& folder_;
+  std::set<std::string> taken_;
+  nlohmann::json models_ = nlohmann::json::array();
+};
+
+void run(const PageOptions& options, const CommonOptions& common) {
+  if (options.output.empty()) throw InputError("--output: the folder name is empty");
+  (void)progressive::metric_kind(options.metric);
+  std::vector<FileArgument> inputs;
+  for (const std::string& input : options.inputs) inputs.push_back({"IN", input});
+  check_files(common, inputs);
+  (void)interrupt_flag();  // the folder is removed when interrupted
+  AtomicFolder folder(options.output);
+  const auto scheduler = make_scheduler(common);
+  Progress progress("making", common.quiet);
+  progress.phase("making");
+  const nlohmann::json models = PageWriter(options, *scheduler, folder).write();
+  check_interrupt();
+  folder.commit();
+  progress.clear();
+  write_json(common, {{"folder", options.output}, {"models", models}});
+  if (!common.quiet && common.json != "-")
+    fmt::print("{}: a page with {} models; show it with scripts/page {} or any web server\n", options.output,
+               models.size(), options.output);
+}
+
+}  // namespace
+
+void add_page(CLI::App& app) {
+  const auto common = std::make_shared<CommonOptions>();
+  const auto options = std::make_shared<PageOptions>();
+  CLI::App& command = add_command(app, "page", "Write a static web page that shows models at any level",
+                                  "  lodestone page scan.ply statue.obj -o page\n"
+                                  "  lodestone page scan.lpm city.lode tileset -o page\n",
+                                  common);
+  command
+      .add_option("IN", options->inputs,
+                  std::string("Models: progressive (.lpm, .glb), hierarchies (.lode), tilesets of `lodestone export "
+                              "--tiles --morph`, or meshes to make progressive: ") +
+                      mesh_formats)
+      ->required();
+  command.add_option("-o,--output", options->output, "Folder to write, new or empty")->required();
+  command.add_option("--metric", options->metric, "Of meshes that are made progressive, as of `lodestone progressive`")
+      ->capture_default_str();
+  add_input_options(command, options->reading);
+  command.callback([options, common] { run(*options, *common); });
+}
+
+}  // namespace lodestone

@@ -1,0 +1,121 @@
+// .lpm files as they arrive (core/progressive/lpm.h): feed bytes, take a mesh whenever there is more of it.
+import {RangeDecoder} from './range_decoder.js';
+import {SplitCodec} from './split_codec.js';
+import {SplitMesh} from './split_mesh.js';
+
+const MAGIC = 'LODELPM1';
+
+const crcTable = Uint32Array.from({length: 256}, (_, n) => {
+  for (let k = 0; k < 8; ++k) n = n & 1 ? 0xedb88320 ^ (n >>> 1) : n >>> 1;
+  return n >>> 0;
+});
+
+export function crc32(bytes) {
+  let crc = 0xffffffff;
+  for (const b of bytes) crc = crcTable[(crc ^ b) & 255] ^ (crc >>> 8);
+  return ~crc >>> 0;
+}
+
+export class LpmDecoder {
+  constructor(name = 'the file') {
+    this.name = name;
+    this.bytes = new Uint8Array(0);
+    this.at = 0;
+    this.header = null;
+    this.textures = [];
+    this.splits = new SplitMesh();
+    this.values = {positions: [], errors: [], uv: [], colours: [], materials: []};
+  }
+
+  get complete() {
+    return this.header !== null && this.splits.stars.length === this.header.groups &&
+           this.textures.length === this.header.textures.length;
+  }
+  get groups() { return this.splits.stars.length; }
+
+  // Returns whether there is more of the mesh than before. Throws for what is damaged or foreign.
+  push(bytes) {
+    const joined = new Uint8Array(this.bytes.length - this.at + bytes.length);
+    joined.set(this.bytes.subarray(this.at));
+    joined.set(bytes, this.bytes.length - this.at);
+    this.bytes = joined;
+    this.at = 0;
+    if (this.header === null && !this.readHeader()) return false;
+    const before = this.groups + this.textures.length;
+    for (let frame = this.nextFrame(); frame !== null; frame = this.nextFrame()) this.readFrame(frame);
+    return this.groups + this.textures.length > before;
+  }
+
+  word(at) {
+    return new DataView(this.bytes.buffer, this.bytes.byteOffset).getUint32(at, true);
+  }
+
+  take(length, crc) {
+    const part = this.bytes.subarray(this.at, this.at + length);
+    if (crc32(part) !== crc) throw new Error(`${this.name}: the checksum is wrong; the file is damaged`);
+    this.at += length;
+    return part;
+  }
+
+  readHeader() {
+    const seen = Math.min(8, this.bytes.length);
+    if (String.fromCharCode(...this.bytes.subarray(0, seen)) !== MAGIC.slice(0, seen))
+      throw new Error(`${this.name}: is no progressive mesh (.lpm)`);
+    if (this.bytes.length < 16 || this.bytes.length < 16 + this.word(8)) return false;
+    const length = this.word(8), crc = this.word(12);
+    this.at = 16;
+    this.header = JSON.parse(new TextDecoder().decode(this.take(length, crc)));
+    if (this.header.version !== 1) throw new Error(`${this.name}: version ${this.header.version} is not known`);
+    this.codec = new SplitCodec(this.header, this.splits, this.values);
+    return true;
+  }
+
+  nextFrame() {
+    const left = this.bytes.length - this.at;
+    if (this.complete || left < 12 || left - 12 < this.word(this.at)) return null;
+    const length = this.word(this.at), crc = this.word(this.at + 4), vertices = this.word(this.at + 8);
+    this.at += 12;
+    return {bytes: this.take(length, crc), vertices};
+  }
+
+  readFrame({bytes, vertices}) {
+    const {header, splits, codec} = this, now = this.groups;
+    if (now === header.groups) {
+      this.textures.push(bytes.slice());
+      return;
+    }
+    const coder = new RangeDecoder(bytes);
+    if (now === 0) {
+      codec.decodeBase(coder, header.baseGroups);
+      this.baseVertices = splits.wedgeCount;
+    } else {
+      const count = Math.min(Math.min(Math.max(now >> 1, 256), 16384), header.groups - now);
+      for (let k = 0; k < count; ++k) codec.decode(coder);
+    }
+    if (splits.wedgeCount !== vertices) throw new Error(`${this.name}: the splits do not add up; the file is damaged`);
+  }
+
+  // What there is so far, as levels.js takes it.
+  mesh() {
+    const {header, splits, values} = this, count = splits.wedgeCount;
+    const positions = new Float32Array(3 * count), errors = new Float32Array(count), parents = new Uint32Array(count);
+    const step = 2 ** -header.positionBits, bits = new Uint32Array(1), asFloat = new Float32Array(bits.buffer);
+    let v = 0;
+    splits.stars.forEach((star, g) => {
+      bits[0] = values.errors[g] << 16;
+      for (let w = 0; w < star.wedgeCount; ++w, ++v) {
+        for (let i = 0; i < 3; ++i) positions[3 * v + i] = values.positions[g][i] * step;
+        errors[v] = asFloat[0];
+      }
+    });
+    parents.set(splits.parents, this.baseVertices);
+    const uv = header.uv ? new Float32Array(2 * count) : null;
+    for (let w = 0; uv && w < count; ++w)
+      for (let i = 0; i < 2; ++i) uv[2 * w + i] = header.uvLow[i] + values.uv[w][i] * header.uvStep[i];
+    return {vertexCount: count, baseVertices: this.baseVertices, positions, parents, errors, uv,
+            colours: header.colours ? Uint8Array.from(values.colours.flat()) : null, normals: null,
+            materialIds: header.materialIds ? Int32Array.from(values.materials) : null, materials: header.materials,
+            textures: header.textures.map((t, k) => ({...t, bytes: this.textures[k] ?? null})),
+            triangles: splits.triangles(), origin: header.origin, scale: header.scale};
+  }
+}

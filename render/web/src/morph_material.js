@@ -1,0 +1,50 @@
+// Materials whose vertices travel: three's standard material with a few lines of its vertex shader replaced.
+import * as THREE from 'three';
+
+// `share`: 0 at the ancestors, 1 at their own places.
+export function morphMaterial(parameters, share) {
+  const material = new THREE.MeshStandardMaterial({roughness: 0.85, metalness: 0, side: THREE.DoubleSide, ...parameters});
+  material.onBeforeCompile = (shader) => {
+    shader.uniforms.morphShare = share;
+    shader.vertexShader = withMorph(shader.vertexShader);
+  };
+  material.customProgramCacheKey = () => 'progressive';
+  return material;
+}
+
+const declarations = `
+uniform float morphShare;
+attribute vec3 fromPosition;
+attribute vec3 fromNormal;
+attribute vec2 fromUv;
+invariant gl_Position;
+`;
+
+// The sum of two products, and either end by itself: what stands at its ancestor's place stands there exactly.
+const between = (from, to) =>
+    `(morphShare >= 1.0 ? ${to} : morphShare <= 0.0 ? ${from} : morphShare * ${to} + (1.0 - morphShare) * ${from})`;
+
+export function withMorph(source) {
+  return declarations + source
+    .replace('#include <uv_vertex>', `#include <uv_vertex>
+      #ifdef USE_MAP
+        vMapUv = (mapTransform * vec3(${between('fromUv', 'MAP_UV')}, 1)).xy;
+      #endif
+      #ifdef USE_NORMALMAP
+        vNormalMapUv = (normalMapTransform * vec3(${between('fromUv', 'NORMALMAP_UV')}, 1)).xy;
+      #endif`)
+    .replace('#include <beginnormal_vertex>', `vec3 objectNormal = normalize(${between('fromNormal', 'normal')} + vec3(1e-20));`)
+    .replace('#include <begin_vertex>', `vec3 transformed = ${between('fromPosition', 'position')};`);
+}
+
+// A shader without light that counts surfaces (cracks.js): red for fronts, green for backs.
+export function countingMaterial(share) {
+  return new THREE.ShaderMaterial({
+    uniforms: {morphShare: share},
+    vertexShader: `${declarations}
+      void main() { gl_Position = projectionMatrix * (modelViewMatrix * vec4(${between('fromPosition', 'position')}, 1.0)); }`,
+    fragmentShader: 'void main() { gl_FragColor = gl_FrontFacing ? vec4(1.0 / 255.0, 0, 0, 0) : vec4(0, 1.0 / 255.0, 0, 0); }',
+    side: THREE.DoubleSide, depthTest: false, depthWrite: false, transparent: true,
+    blending: THREE.CustomBlending, blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor,
+    blendSrcAlpha: THREE.OneFactor, blendDstAlpha: THREE.OneFactor});
+}

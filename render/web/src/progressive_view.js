@@ -1,0 +1,180 @@
+// A progressive mesh in the scene: one vertex buffer, an index per rung of the ladder, ancestors as a second vertex.
+import * as THREE from 'three';
+import {Ladder} from './ladder.js';
+import {countingMaterial, morphMaterial} from './morph_material.js';
+
+const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
+
+export class ProgressiveView {
+  constructor(name, anisotropy) {
+    Object.assign(this, {name, anisotropy, place: 0, wanted: null, drawn: null, mesh: null, images: []});
+    this.share = {value: 1};
+    this.node = new THREE.Group();
+    this.object = new THREE.Mesh(new THREE.BufferGeometry(), [morphMaterial({}, this.share)]);
+    this.object.frustumCulled = false;  // of one model, always in sight
+    this.object.userData.counting = countingMaterial(this.share);
+    this.node.add(this.object);
+  }
+
+  get ladder() { return this.ladder_; }
+  get triangleCount() { return this.drawn?.triangles ?? 0; }
+  get vertexCount() { return this.drawn?.fine ?? 0; }
+  get objects() { return [this.object]; }
+
+  // A mesh, or more of the mesh than before; the place on the ladder stays where it was, from the top.
+  async setMesh(mesh) {
+    const atTop = this.mesh === null || this.place >= this.ladder_.top;
+    this.mesh = mesh;
+    this.ladder_ = new Ladder(mesh);
+    if (!mesh.normals) mesh.normals = smoothNormals(mesh, this.ladder_.levels.groups);
+    this.makeGeometry();
+    this.place = atTop ? this.ladder_.top : Math.min(this.place, this.ladder_.top);
+    this.drawn = null;
+    this.show(this.place);
+    await this.makeMaterials();
+  }
+
+  makeGeometry() {
+    const {mesh} = this, geometry = new THREE.BufferGeometry();
+    const add = (name, array, size) => geometry.setAttribute(name, new THREE.BufferAttribute(array, size));
+    const uv = mesh.uv ?? new Float32Array(2 * mesh.vertexCount);
+    add('position', mesh.positions, 3);
+    add('normal', mesh.normals, 3);
+    add('uv', uv, 2);
+    add('fromPosition', mesh.positions.slice(), 3);
+    add('fromNormal', mesh.normals.slice(), 3);
+    add('fromUv', uv.slice(), 2);
+    if (mesh.colours) {
+      const linear = new Float32Array(mesh.colours.length);
+      for (let k = 0; k < linear.length; ++k) {
+        const x = mesh.colours[k] / 255;
+        linear[k] = k % 4 === 3 ? x : x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4;
+      }
+      add('color', linear, 4);
+    }
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    mesh.positions.forEach((x, k) => {
+      low[k % 3] = Math.min(low[k % 3], x);
+      high[k % 3] = Math.max(high[k % 3], x);
+    });
+    this.box = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
+    this.object.geometry.dispose();
+    this.object.geometry = geometry;
+  }
+
+  async makeMaterials() {
+    const {mesh} = this, list = mesh.materials.length > 0 ? mesh.materials : [{colour: [0.8, 0.8, 0.78, 1]}];
+    const materials = [];
+    for (const m of list) {
+      const parameters = {vertexColors: mesh.colours !== null, wireframe: this.object.material[0].wireframe};
+      parameters.color = new THREE.Color(...m.colour.slice(0, 3));
+      if (mesh.uv && m.texture != null) parameters.map = await this.texture(m.texture, THREE.SRGBColorSpace);
+      if (mesh.uv && m.normalMap != null) parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace);
+      materials.push(morphMaterial(parameters, this.share));
+    }
+    this.object.material.forEach((m) => m.dispose());
+    this.object.material = materials;
+  }
+
+  async texture(index, colorSpace) {
+    const source = this.mesh.textures[index];
+    if (!source?.bytes) return null;
+    if (!this.images[index]) {
+      const bitmap = await createImageBitmap(new Blob([source.bytes], {type: source.type}), {imageOrientation: 'none', colorSpaceConversion: 'none'});
+      const texture = new THREE.Texture(bitmap);
+      Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, wrapS: wraps[source.wrap[0]],
+                              wrapT: wraps[source.wrap[1]], needsUpdate: true});
+      this.images[index] = texture;
+    }
+    return this.images[index];
+  }
+
+  setWireframe(on) { this.object.material.forEach((m) => { m.wireframe = on; }); }
+
+  // A place on the ladder, with a fraction.
+  show(place) {
+    if (!this.mesh) return;
+    this.place = Math.min(Math.max(place, 0), this.ladder_.top);
+    const {coarse, fine, share} = this.ladder_.between(this.place);
+    this.share.value = share;
+    if (this.drawn?.fine === fine && this.drawn.coarse === coarse) return;
+    const index = this.ladder_.levels.computeLevel(fine);
+    this.fillAncestors(coarse, fine);
+    this.setIndex(index);
+    this.drawn = {coarse, fine, triangles: index.length / 3};
+  }
+
+  fillAncestors(coarse, fine) {
+    const ancestor = this.ladder_.levels.computeGeomorph(coarse, fine), {geometry} = this.object;
+    for (const [to, from, size] of [['fromPosition', 'position', 3], ['fromNormal', 'normal', 3], ['fromUv', 'uv', 2]]) {
+      const target = geometry.attributes[to], source = geometry.attributes[from].array;
+      for (let v = 0; v < fine; ++v)
+        for (let i = 0; i < size; ++i) target.array[size * v + i] = source[size * ancestor[v] + i];
+      target.clearUpdateRanges();
+      target.addUpdateRange(0, size * fine);
+      target.needsUpdate = true;
+    }
+  }
+
+  // A group per material, the triangles of a level in their order.
+  setIndex(index) {
+    const {mesh} = this, {geometry} = this.object;
+    geometry.clearGroups();
+    if (!mesh.materialIds || mesh.materials.length < 2) {
+      geometry.setIndex(new THREE.BufferAttribute(index, 1));
+      geometry.addGroup(0, index.length, 0);
+      return;
+    }
+    const sorted = new Uint32Array(index.length);
+    let at = 0;
+    for (let m = 0; m < mesh.materials.length; ++m) {
+      const from = at;
+      for (let k = 0; k < index.length; k += 3) {
+        if (Math.max(mesh.materialIds[index[k]], 0) !== m) continue;
+        sorted.set(index.subarray(k, k + 3), at);
+        at += 3;
+      }
+      geometry.addGroup(from, at - from, m);
+    }
+    geometry.setIndex(new THREE.BufferAttribute(sorted, 1));
+  }
+
+  // Pixels that an error of the model's extent covers at the nearest point of the model.
+  pixelsPerUnit(camera, height) {
+    const box = this.box.clone().applyMatrix4(this.object.matrixWorld);
+    const distance = Math.max(box.distanceToPoint(camera.position), camera.near);
+    const scale = this.object.matrixWorld.getMaxScaleOnAxis();
+    return scale * height / (2 * distance * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2));
+  }
+
+  // The place where the error is this many pixels, approached a step at a time so that nothing jumps.
+  approach(camera, height, pixels, seconds) {
+    if (!this.mesh) return false;
+    const goal = this.ladder_.placeForError(pixels / this.pixelsPerUnit(camera, height));
+    const step = Math.max(8, Math.abs(goal - this.place) * 4) * seconds, way = goal - this.place;
+    if (Math.abs(way) < 1e-4) return false;
+    this.show(this.place + Math.sign(way) * Math.min(step, Math.abs(way)));
+    return true;
+  }
+}
+
+// Of the finest level, weighted by area, the same for all wedges of a vertex.
+function smoothNormals({positions, triangles, vertexCount}, groups) {
+  const sum = new Float32Array(3 * vertexCount), p = positions;
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
+    const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
+    const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
+    const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+    for (const corner of [a, b, c]) {
+      const g = 3 * groups[corner / 3];
+      sum[g] += x, sum[g + 1] += y, sum[g + 2] += z;
+    }
+  }
+  const out = new Float32Array(3 * vertexCount);
+  for (let v = 0; v < vertexCount; ++v) {
+    const g = 3 * groups[v], size = Math.hypot(sum[g], sum[g + 1], sum[g + 2]) || 1;
+    for (let i = 0; i < 3; ++i) out[3 * v + i] = sum[g + i] / size;
+  }
+  return out;
+}
