@@ -53,24 +53,6 @@ std::size_t own_views(std::span<MergeView> views, const OwnershipConfig& config,
   return sum;
 }
 
-void drop_unused_vertices(MergedMesh& mesh) {
-  std::vector<std::uint32_t> number(mesh.position.size(), 0);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t.v) number[v] = 1;
-  std::uint32_t next = 0;
-  for (std::size_t v = 0; v < number.size(); ++v) {
-    if (number[v] == 0) continue;
-    mesh.position[next] = mesh.position[v], mesh.normal[next] = mesh.normal[v];
-    mesh.view[next] = mesh.view[v], mesh.pixel[next] = mesh.pixel[v];
-    mesh.feature[next] = mesh.feature[v];
-    number[v] = next++;
-  }
-  mesh.position.resize(next), mesh.normal.resize(next), mesh.view.resize(next), mesh.pixel.resize(next);
-  mesh.feature.resize(next);
-  for (Triangle& t : mesh.triangles)
-    for (std::uint32_t& v : t.v) v = number[v];
-}
-
 void zip(SeamMesh& seam, const MergeConfig& config, StitchReport& report) {
   const auto spacing = static_cast<float>(config.ownership.reference_spacing);
   const TidyConfig tidy{.spacing = spacing};
@@ -92,22 +74,22 @@ void zip(SeamMesh& seam, const MergeConfig& config, StitchReport& report) {
 }  // namespace
 
 MergedMesh concatenate(std::span<const MergeView> views, Scheduler& scheduler) {
-  return std::move(gather(views, all_cells, scheduler).mesh);
+  return std::move(gather(views, all_cells, {}, scheduler).mesh);
 }
 
 MergedMesh stitch(std::span<MergeView> views, const MergeConfig& config, StitchReport& report, Scheduler& scheduler) {
   const CpuClock own_clock;
   score_views(views, config.ownership, scheduler);
   report.islands = own_views(views, config.ownership, scheduler);
-  Gathered gathered = gather(views, kept_cells, scheduler);
+  const PixelFlags flags = find_borders(views, scheduler);
+  Gathered gathered = gather(views, kept_cells, flags, scheduler);
   report.own = own_clock.elapsed();
   const CpuClock zip_clock;
-  CutOut part = cut_out_seams(views, config.ownership.parts, gathered, scheduler);
+  CutOut part = cut_out_seams(views, config.ownership.parts, flags, gathered, scheduler);
   if (!config.border.empty())
     mark_rims(config.border, 1.5f * static_cast<float>(config.ownership.reference_spacing), part.seam);
   zip(part.seam, config, report);
-  put_back(part, gathered.mesh);
-  drop_unused_vertices(gathered.mesh);
+  put_back(part, gathered);
   report.zip = zip_clock.elapsed();
   return std::move(gathered.mesh);
 }
