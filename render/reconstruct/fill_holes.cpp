@@ -17,7 +17,8 @@ std::vector<Loop> simple_loops(const SeamMesh& seam) {
   const auto is_done = [&](std::uint32_t a, std::uint32_t b) {
     return std::find(done[a].begin(), done[a].end(), b) != done[a].end();
   };
-  for (std::uint32_t v = 0; v < seam.mesh.vertex_count(); ++v)
+  for (std::uint32_t v = 0; v < seam.mesh.vertex_count(); ++v) {
+    if (!seam.border[v]) continue;
     for (const EditMesh::Gap& gap : seam.mesh.gaps(v)) {
       if (gap.next == EditMesh::none || !seam.is_border(v, gap.next) || is_done(v, gap.next)) continue;
       Loop path;
@@ -38,6 +39,7 @@ std::vector<Loop> simple_loops(const SeamMesh& seam) {
       }
       if (!path.empty()) loops.push_back(std::move(path));
     }
+  }
   return loops;
 }
 
@@ -99,6 +101,7 @@ class HoleFiller {
     s_.normal.push_back(norm > 0 ? (1 / norm) * normal : Vec3f{});
     s_.frozen.push_back(0);
     s_.rim.push_back(0);
+    s_.border.push_back(1);
     s_.part.push_back(s_.part[loop_.front()]);
     std::size_t added = 0;
     for (std::size_t i = 0; i < loop_.size(); ++i) added += s_.mesh.add(after(i), loop_[i], centre) != EditMesh::none;
@@ -178,6 +181,7 @@ std::size_t split_vertices(SeamMesh& seam) {
       seam.normal.push_back(seam.normal[v]);
       seam.frozen.push_back(0);
       seam.rim.push_back(seam.rim[v]);
+      seam.border.push_back(seam.border[v]);
       seam.part.push_back(seam.part[v]);
       for (const std::uint32_t t : fan) {
         Triangle moved = seam.mesh.triangle(t);

@@ -231,7 +231,7 @@ CutOut cut_out_seams(std::span<const MergeView> views, std::span<const std::uint
   SeamMesh& seam = part.seam;
   const std::size_t count = part.vertex.size();
   seam.position.resize(count), seam.normal.resize(count), seam.frozen.resize(count), seam.rim.resize(count);
-  seam.part.resize(count);
+  seam.part.resize(count), seam.border.resize(count);
   seam.mesh = EditMesh(count);
   scheduler.for_chunks(count, 4096, [&](ChunkRange range) {
     for (std::size_t k = range.begin; k < range.end; ++k) {
@@ -241,6 +241,7 @@ CutOut cut_out_seams(std::span<const MergeView> views, std::span<const std::uint
       seam.normal[k] = surface_normal(views[mesh.view[v]], mesh.pixel[v]);
       seam.frozen[k] = !(flag & beside_border);
       seam.rim[k] = (flag & on_rim) != 0;
+      seam.border[k] = (flag & on_border) != 0;
       seam.part[k] = parts.empty() ? 0 : parts[views[mesh.view[v]].map->triangle[mesh.pixel[v]]];
     }
   });

@@ -65,10 +65,10 @@ void zip(SeamMesh& seam, const MergeConfig& config, StitchReport& report) {
       fill_holes(seam, {.spacing = spacing, .longest = config.longest_hole, .rims = config.closed});
   report.holes_filled = filled.filled, report.hole_triangles = filled.triangles, report.holes_open = filled.open;
   report.open_length = filled.open_length;
-  report.crumbs = drop_crumbs(seam, config.closed ? config.least_solid : config.least_piece);
   const TidyResult tidied = tidy_seams(seam, tidy);
   report.collapsed = tidied.collapsed, report.flipped = tidied.flipped;
   report.vertices_split += split_vertices(seam);
+  report.crumbs = drop_crumbs(seam, config.closed ? config.least_solid : config.least_piece);
 }
 
 }  // namespace

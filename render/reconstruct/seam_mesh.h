@@ -17,6 +17,8 @@ struct SeamMesh {
   std::vector<std::uint8_t> frozen;
   // Rim: at the outline of what its view sees, not where another view takes over.
   std::vector<std::uint8_t> rim;
+  // May be on a border: no other vertex ever is.
+  std::vector<std::uint8_t> border;
   std::vector<std::uint32_t> part;  // of the model: nothing is zipped from one to another
   EditMesh mesh{0};
 

@@ -80,6 +80,7 @@ class Zipper {
  private:
   void collect() {
     for (std::uint32_t v = 0; v < s_.mesh.vertex_count(); ++v) {
+      if (!s_.border[v]) continue;
       bool border = false;
       for (const EditMesh::Gap& gap : gaps(v)) {
         if (gap.next == EditMesh::none || !s_.is_border(v, gap.next)) continue;
