@@ -172,7 +172,7 @@ std::size_t split_vertices(SeamMesh& seam) {
   std::size_t added = 0;
   const std::size_t count = seam.mesh.vertex_count();
   for (std::uint32_t v = 0; v < count; ++v) {
-    if (seam.frozen[v]) continue;
+    if (seam.frozen[v] || !seam.border[v]) continue;  // inside of a grid all is one fan
     while (!seam.mesh.around(v).empty()) {
       const std::vector<std::uint32_t> fan = fan_of(seam.mesh, v, seam.mesh.around(v).front());
       if (fan.size() == seam.mesh.around(v).size()) break;

@@ -106,6 +106,8 @@ class Tidier {
     for (std::size_t k = 1; k < 3; ++k)
       if (squared(v.v[k], v.v[(k + 1) % 3]) > squared(v.v[longest], v.v[(longest + 1) % 3])) longest = k;
     const std::uint32_t a = v.v[longest], b = v.v[(longest + 1) % 3], c = v.v[(longest + 2) % 3];
+    // Half a square has 2: looking for neighbours of what is round enough would take longer than all the rest.
+    if (aspect(a, b, c) < 2.5f) return false;
     const std::uint32_t other = s_.mesh.at(b, a);
     if (other == EditMesh::none) return false;
     const std::uint32_t d = s_.mesh.opposite(other, a, b);
