@@ -6,12 +6,16 @@
 
 namespace lodestone::viewer {
 
-Gui::Gui(GLFWwindow* window) {
+Gui::Gui(GLFWwindow* window, float scale) {
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::StyleColorsDark();
   ImGui::GetStyle().WindowRounding = 4;
   ImGui::GetStyle().FrameRounding = 3;
+  ImGui::GetStyle().ScaleAllSizes(scale);
+  ImFontConfig font;
+  font.SizePixels = 13 * scale;
+  ImGui::GetIO().Fonts->AddFontDefault(&font);
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 150");
 }

@@ -7,8 +7,9 @@ namespace lodestone::viewer {
 
 class Gui {
  public:
-  // The window's callbacks must be installed before: they are called first. Nothing is written to disk.
-  explicit Gui(GLFWwindow* window);
+  // The window's callbacks must be installed before: they are called first. `scale`: of text and all else. Nothing is
+  // written to disk.
+  Gui(GLFWwindow* window, float scale);
   ~Gui();
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;

@@ -15,7 +15,9 @@ namespace lodestone::viewer {
 namespace {
 
 const ImVec4 wrong{1.0f, 0.42f, 0.36f, 1};
-constexpr float panel_width = 330;
+
+// A length given for the usual text, 13 pixels high.
+float scaled(float length) { return length * ImGui::GetFontSize() / 13; }
 
 std::string text(const char* format, double value) {
   char buffer[64];
@@ -135,20 +137,20 @@ void edit_detail(const PanelFacts& facts, ViewState& state) {
 void edit_looks(ViewState& state, PanelRequests& requests) {
   ViewSettings& settings = state.current();
   ImGui::Checkbox("levels", &settings.tint);
-  ImGui::SameLine(110);
+  ImGui::SameLine(scaled(110));
   ImGui::Checkbox("band", &settings.band);
-  ImGui::SameLine(220);
+  ImGui::SameLine(scaled(220));
   ImGui::Checkbox("boxes", &settings.boxes);
   ImGui::Checkbox("wires", &settings.wireframe);
-  ImGui::SameLine(110);
+  ImGui::SameLine(scaled(110));
   ImGui::Checkbox("overdraw", &settings.overdraw);
-  ImGui::SameLine(220);
+  ImGui::SameLine(scaled(220));
   bool smooth = settings.samples == 4;
   ImGui::Checkbox("4 samples", &smooth);
   settings.samples = smooth ? 4 : 1;
   bool frozen = state.frozen;
   if (ImGui::Checkbox("freeze", &frozen)) requests.actions.push_back(Action::toggle_frozen);
-  ImGui::SameLine(110);
+  ImGui::SameLine(scaled(110));
   ImGui::Checkbox("split", &state.split);
   if (state.frozen) ImGui::TextDisabled("frozen: tolerance and radii wait");
 }
@@ -180,7 +182,7 @@ void show_statistics(const PanelFacts& facts) {
   const std::vector<float>& times = facts.frame_milliseconds;
   const float highest = times.empty() ? 1 : *std::max_element(times.begin(), times.end());
   ImGui::PlotLines("##times", times.data(), static_cast<int>(times.size()), 0, text("up to %.1f ms", highest).c_str(),
-                   0, 1.2f * highest, {ImGui::GetContentRegionAvail().x, 60});
+                   0, 1.2f * highest, {ImGui::GetContentRegionAvail().x, scaled(60)});
 }
 
 // Which effects the frame takes, and why.
@@ -189,7 +191,7 @@ void show_effects(const PanelFacts& facts) {
   for (const PlannedEffect& planned : explain_plan(*facts.frame)) {
     if (!planned.runs) continue;
     ImGui::Text("%s", std::string(name_of(planned.effect)).c_str());
-    ImGui::SameLine(150);
+    ImGui::SameLine(scaled(150));
     ImGui::TextWrapped("%s", planned.reasons.empty() ? "asked for" : planned.reasons.front().why.c_str());
   }
 }
@@ -207,7 +209,7 @@ void show_keys() {
 void show_loading(const PanelFacts& facts, PanelRequests& requests) {
   const ImVec2 window = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({window.x / 2, window.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({360, 0});
+  ImGui::SetNextWindowSize({scaled(360), 0});
   ImGui::Begin("opening", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   ImGui::Text("%s: %s", facts.loading_name.c_str(), facts.loading->phase.c_str());
@@ -237,10 +239,10 @@ void show_message(const PanelFacts& facts) {
 
 void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& requests) {
   ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({panel_width, 0});
+  ImGui::SetNextWindowSize({scaled(330), 0});
   ImGui::SetNextWindowBgAlpha(0.85f);
   ImGui::Begin("Lodestone", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoResize);
-  ImGui::PushItemWidth(200);
+  ImGui::PushItemWidth(scaled(200));
   if (!facts.model) {
     ImGui::TextWrapped("Drop a mesh or a .lode file into the window.");
   } else {

@@ -214,17 +214,15 @@ void ViewSession::tell(const std::string& text, bool error, double now) {
 void ViewSession::warn(const std::vector<std::string>& warnings, double now) {
   constexpr std::size_t most = 10;
   if (warnings.empty()) return;
+  std::vector<std::string> lines(warnings.begin(), warnings.begin() + std::min(most, warnings.size()));
+  if (warnings.size() > most) lines.push_back(std::to_string(warnings.size() - most) + " more of the kind");
   std::string text;
-  for (std::size_t i = 0; i < std::min(most, warnings.size()); ++i) {
-    if (i > 0) text += '\n';
-    text += warnings[i];
+  for (const std::string& line : lines) {
+    if (!text.empty()) text += '\n';
+    text += line;
+    if (config_.say) config_.say(line);
   }
-  if (warnings.size() > most) {
-    text += '\n';
-    text += std::to_string(warnings.size() - most);
-    text += " more of the kind";
-  }
-  tell(text, false, now);
+  message_ = Message{text, false, now + message_seconds};
 }
 
 const Message* ViewSession::message(double now) const {

@@ -34,7 +34,7 @@ class Viewer {
       : config_(config),
         scheduler_(scheduler),
         window_("Lodestone", config.size),
-        gui_(window_.handle()),
+        gui_(window_.handle(), window_.content_scale()),
         session_({config.load, config.folder, Window::wake, config.say}, scheduler) {
     session_.state = config.state;
     choose_backend(config.backend);
@@ -44,7 +44,11 @@ class Viewer {
     });
   }
 
-  ~Viewer() { on_display_lost({}); }
+  // What is being opened may take a moment to end.
+  ~Viewer() {
+    window_.hide();
+    on_display_lost({});
+  }
 
   ViewerResult run() {
     session_.open(config_.load.paths, Window::now());

@@ -186,6 +186,19 @@ ImageSize Window::size() const {
 
 bool Window::closing() const { return glfwWindowShouldClose(window_); }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
+void Window::hide() { glfwHideWindow(window_); }
+
+float Window::content_scale() const {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  // Where a unit of the window is several pixels, they are scaled already.
+  int units = 0, pixels = 0;
+  glfwGetWindowSize(window_, &units, nullptr);
+  glfwGetFramebufferSize(window_, &pixels, nullptr);
+  if (units > 0 && pixels > units) x *= static_cast<float>(units) / static_cast<float>(pixels);
+  return std::clamp(x, 1.0f, 4.0f);
+}
+
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 void Window::poll() { glfwPollEvents(); }
 

@@ -55,6 +55,8 @@ class Window {
   [[nodiscard]] ImageSize size() const;  // pixels of the picture; without pixels while it is minimised
   [[nodiscard]] bool closing() const;
   void close();
+  void hide();                                // at once, whatever there is still to end
+  [[nodiscard]] float content_scale() const;  // of text, where pixels are small; 1 is usual
   void set_title(const std::string& title);
 
   void poll();                // the events that are there
