@@ -53,8 +53,8 @@ function makeFiles() {
 }
 
 // A page of the browser that fails the test on any error in its console.
-async function open(browser, name, {slow, viewport = {width: 480, height: 360}, ...more} = {}) {
-  const server = await serve(path.join(folder, name), slow);
+async function open(browser, name, {gate, viewport = {width: 480, height: 360}, ...more} = {}) {
+  const server = await serve(path.join(folder, name), gate);
   const context = await browser.newContext({viewport, ...more}), page = await context.newPage(), errors = [];
   page.on('console', (m) => { if (['error', 'warning'].includes(m.type()) && !/GPU stall/.test(m.text())) errors.push(m.text()); });
   page.on('pageerror', (e) => errors.push(e.message));
@@ -200,10 +200,13 @@ async function testDropAndDamage(browser) {
 }
 
 async function testStreaming(browser) {
-  const {page, quiet, close, triangles} = await open(browser, 'one', {slow: (file) => file.endsWith('.lpm')});
+  let release;
+  const rest = new Promise((keep) => { release = keep; });
+  const {page, quiet, close, triangles} = await open(browser, 'one', {gate: (file) => (file.endsWith('.lpm') ? rest : null)});
   await page.waitForFunction(() => window.lodestone?.models.length === 1, null, {timeout: 60000});
   const [part, share] = await page.evaluate(() => [window.lodestone.models[0].triangleCount, window.lodestone.models[0].arrived]);
   check(part > 0 && share < 1, `${part} triangles are on the screen when ${share} of the file is there`);
+  release();
   await quiet();
   check(await triangles() > 2 * part, 'the rest comes in');
   await close();
