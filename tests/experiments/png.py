@@ -4,8 +4,15 @@ import struct
 import zlib
 
 
+class Picture(bytes):
+    """Rows of RGB bytes; a failed comparison shows their hash."""
+
+    def __repr__(self):
+        return f"<picture of {len(self)} bytes, {zlib.crc32(self):08x}>"
+
+
 def read_png(path):
-    """(width, height, rows of RGB bytes)."""
+    """(width, height, Picture)."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n", path
     at, packed = 8, b""
@@ -27,7 +34,7 @@ def read_png(path):
         for channel in range(3):
             pixels[channel::3] = above[channel::4]
         rgb += pixels
-    return width, height, bytes(rgb)
+    return width, height, Picture(rgb)
 
 
 def unfiltered(kind, row, above):

@@ -11,7 +11,7 @@ import time
 
 import command_case
 from command_case import hierarchy
-from png import read_png
+from png import Picture, read_png
 from view_case import BACKGROUND, CAMERA, HEIGHT, SIZE, WIDTH, ViewCase, Viewer
 
 
@@ -102,7 +102,7 @@ class Pictures(ViewCase):
         self.assertEqual(found["camera"]["position"], CAMERA["position"])  # drags over the panel are the panel's
 
     def beside_panel(self, picture):
-        return b"".join(picture[3 * (y * WIDTH + 350):3 * (y + 1) * WIDTH] for y in range(HEIGHT))
+        return Picture(b"".join(picture[3 * (y * WIDTH + 350):3 * (y + 1) * WIDTH] for y in range(HEIGHT)))
 
 
 class Steering(ViewCase):
@@ -131,9 +131,12 @@ class Steering(ViewCase):
         self.display.click(5, 5, times=2)  # background
         self.display.away()
         self.assertEqual(viewer.settled(), at_rest)
-        self.display.click(WIDTH // 2 + 40, HEIGHT // 2 - 30, times=2)
-        self.display.away()
-        self.assertNotEqual(viewer.settled(), at_rest)
+        for _ in range(5):  # a busy machine may click too slowly for a double click
+            self.display.click(WIDTH // 2 + 40, HEIGHT // 2 - 30, times=2)
+            self.display.away()
+            if viewer.settled() != at_rest:
+                break
+        self.assertNotEqual(viewer.picture(), at_rest)
         camera = viewer.closed()["camera"]
         self.assertAlmostEqual(math.dist(camera["target"], (0, 0, 0)), 1, delta=0.15)  # on the dented sphere
         self.assertAlmostEqual(math.dist(camera["target"], camera["position"]),
@@ -202,7 +205,7 @@ class Looks(ViewCase):
         both = viewer.press("x")
         # The names of the settings stand in the upper right corners.
         below = 3 * 320 * 40
-        left, right = self.half(both, False)[below:], self.half(both, True)[below:]
+        left, right = Picture(self.half(both, False)[below:]), Picture(self.half(both, True)[below:])
         self.assertEqual(left, right)
         self.assertEqual(self.column(both, 320), BACKGROUND * HEIGHT)
         other = viewer.press("v", "t")

@@ -8,7 +8,7 @@ import time
 
 import command_case
 from command_case import CommandCase, hierarchy
-from png import read_png
+from png import Picture, read_png
 from x_display import Display
 
 SIZE = (642, 480)  # of the window: two halves of 320 and a line between them
@@ -127,7 +127,7 @@ class ViewCase(CommandCase):
 
     def half(self, picture, right):
         first = 322 if right else 0
-        return b"".join(picture[3 * (y * WIDTH + first):][:3 * 320] for y in range(HEIGHT))
+        return Picture(b"".join(picture[3 * (y * WIDTH + first):][:3 * 320] for y in range(HEIGHT)))
 
     def covered(self, picture):
         """Pixels that are not background."""

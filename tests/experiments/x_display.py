@@ -14,6 +14,8 @@ import tempfile
 import time
 import unittest
 
+from png import Picture
+
 WIDTH, HEIGHT = 1000, 800  # of the screen
 
 Window = Atom = ctypes.c_ulong
@@ -239,4 +241,4 @@ class Display:
             row = screen[first + y * line:][:4 * width]
             for channel in range(3):
                 picture[3 * width * y + channel:3 * width * (y + 1):3] = row[2 - channel::4]
-        return bytes(picture)
+        return Picture(picture)
