@@ -1,24 +1,14 @@
 #include "render/viewer/view_drawing.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "render/stopwatch.h"
 #include "render/viewer/band_tint.h"
 
 namespace lodestone::viewer {
 namespace {
 
 constexpr float wire_opacity = 0.6f;
-
-class Stopwatch {
- public:
-  [[nodiscard]] double milliseconds() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace
 

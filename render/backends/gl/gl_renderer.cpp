@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <chrono>
 #include <map>
 #include <optional>
 
@@ -25,19 +24,10 @@
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
 #include "render/shading.h"
+#include "render/stopwatch.h"
 
 namespace lodestone {
 namespace {
-
-class Stopwatch {
- public:
-  [[nodiscard]] double milliseconds() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // The families that are there, those of a branch one after the other: cells selected together lie together.
 std::vector<std::uint32_t> families_of(const Hierarchy& hierarchy) {

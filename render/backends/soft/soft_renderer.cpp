@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
-#include <chrono>
 #include <numeric>
 #include <optional>
 
@@ -21,23 +20,12 @@
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
+#include "render/stopwatch.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {
 namespace soft {
 namespace {
-
-class Stopwatch {
- public:
-  // Milliseconds since the last call, or since construction.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(last_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 class SoftRenderer final : public Renderer {
  public:
