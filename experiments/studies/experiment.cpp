@@ -1,0 +1,27 @@
+#include "experiments/studies/experiment.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+
+const std::vector<Experiment>& experiments() {
+  static const std::vector<Experiment> all = [] {
+    std::vector<Experiment> list;
+    std::sort(list.begin(), list.end(), [](const Experiment& a, const Experiment& b) { return a.name < b.name; });
+    return list;
+  }();
+  return all;
+}
+
+const Experiment& find_experiment(const std::string& name) {
+  std::string known;
+  for (const Experiment& experiment : experiments()) {
+    if (experiment.name == name) return experiment;
+    known += (known.empty() ? "" : ", ") + experiment.name;
+  }
+  throw InputError("unknown experiment '" + name + "'; known are " + known);
+}
+
+}  // namespace lodestone

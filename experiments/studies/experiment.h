@@ -1,0 +1,54 @@
+// An experiment: run(parameters) -> rows, and verify(rows); what does not verify is not reported.
+//
+// A run is one setting on one input, one repetition of it, in a process of its own: whatever it does to the heap, the
+// threads and the caches ends with it, and repetitions of all settings can take turns. Accuracy does not change from
+// one repetition to the next; it is measured in repetition 0 only.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "experiments/studies/parameters.h"
+#include "parallel/scheduler.h"
+
+namespace lodestone {
+
+// What a row says: name -> number, text, truth value or null (not measured in this row). A flat object.
+using Row = nlohmann::json;
+
+// A column that a row may have besides the parameters.
+struct ColumnInfo {
+  enum class Kind { label, accuracy, cost, count };
+
+  std::string name;
+  std::string unit;     // "s", "% of the diagonal", "pixels", ...; empty: none
+  std::string meaning;  // for the report
+  Kind kind = Kind::count;
+};
+
+struct RunContext {
+  std::string input;      // file that the data's name stands for; empty: the experiment takes none
+  std::string directory;  // of the run, exists; scratch files go there and are removed, pictures stay
+  int repetition = 0;     // from 0
+  const CancelFlag* cancel = nullptr;
+  std::function<void(double)> progress = [](double) {};  // share done
+};
+
+struct Experiment {
+  std::string name;
+  std::string question;  // what it answers, as a sentence with a question mark
+  bool takes_input = true;
+  std::vector<ParameterInfo> parameters;
+  std::vector<ColumnInfo> columns;  // every column that a row can have
+  std::function<std::vector<Row>(const Parameters&, const RunContext&)> run;
+  // What is wrong with the rows, in words; empty: they may be reported.
+  std::function<std::vector<std::string>(const Parameters&, const std::vector<Row>&)> verify;
+};
+
+// All experiments, by name. Names are unique.
+[[nodiscard]] const std::vector<Experiment>& experiments();
+// Throws InputError that lists the known ones.
+[[nodiscard]] const Experiment& find_experiment(const std::string& name);
+
+}  // namespace lodestone

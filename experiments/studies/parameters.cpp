@@ -1,0 +1,68 @@
+#include "experiments/studies/parameters.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+std::string list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+const char* kind_of(const ParameterValue& value) {
+  if (value.is_boolean()) return "true or false";
+  if (value.is_string()) return "a text";
+  return value.is_number_integer() ? "a whole number" : "a number";
+}
+
+[[noreturn]] void fail(const ParameterInfo& info, const ParameterValue& value, const std::string& what) {
+  throw InputError(fmt::format("{} = {}: {}", info.name, value.dump(), what));
+}
+
+void check_range(const ParameterInfo& info, const ParameterValue& value) {
+  const double number = value.get<double>();
+  if (std::isfinite(number) && number >= info.least && number <= info.most) return;
+  fail(info, value,
+       fmt::format("must lie from {:g} to {:g}{}", info.least, info.most, info.unit.empty() ? "" : " " + info.unit));
+}
+
+ParameterValue checked(const ParameterInfo& info, const ParameterValue& value) {
+  const ParameterValue& like = info.default_value;
+  if (like.is_number_float() && value.is_number()) {
+    check_range(info, value);
+    return value.get<double>();
+  }
+  if (value.type() != like.type() && !(value.is_number_integer() && like.is_number_integer()))
+    fail(info, value, fmt::format("must be {}", kind_of(like)));
+  if (value.is_number()) {
+    check_range(info, value);
+    return value.get<std::int64_t>();
+  }
+  if (value.is_string() && !info.choices.empty() &&
+      std::find(info.choices.begin(), info.choices.end(), value.get<std::string>()) == info.choices.end())
+    fail(info, value, "unknown; known are " + list(info.choices));
+  return value;
+}
+
+}  // namespace
+
+Parameters::Parameters(const std::vector<ParameterInfo>& known, const nlohmann::json& given)
+    : values_(nlohmann::json::object()) {
+  std::vector<std::string> names;
+  for (const ParameterInfo& info : known) {
+    names.push_back(info.name);
+    values_[info.name] = checked(info, given.contains(info.name) ? given.at(info.name) : info.default_value);
+  }
+  for (const auto& [name, value] : given.items())
+    if (!values_.contains(name))
+      throw InputError(fmt::format("unknown parameter '{}'; known are {}", name, list(names)));
+}
+
+}  // namespace lodestone

@@ -1,0 +1,43 @@
+// Parameters of an experiment: what there is to set, with kind, unit, range and default; and what a run has set.
+#pragma once
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace lodestone {
+
+// A number, whole number, text or truth value: scalars only.
+using ParameterValue = nlohmann::json;
+
+struct ParameterInfo {
+  std::string name;
+  ParameterValue default_value;  // its type is the parameter's; a whole number is taken for a number, not the reverse
+  std::string unit;              // "pixels", "cell sizes", ...; empty: none
+  std::string description;       // half a sentence, for the list of experiments and the report
+  double least = -std::numeric_limits<double>::infinity();  // of numbers
+  double most = std::numeric_limits<double>::infinity();
+  std::vector<std::string> choices;  // of texts; empty: any
+};
+
+// All parameters of one run, resolved: each of the experiment's, and no other.
+class Parameters {
+ public:
+  // Throws InputError, with the name and the remedy: for a name that `known` lacks, a value of another kind, out of
+  // range, or not among the choices. What `given` leaves out has its default.
+  Parameters(const std::vector<ParameterInfo>& known, const nlohmann::json& given);
+
+  [[nodiscard]] double number(const std::string& name) const { return values_.at(name).get<double>(); }
+  [[nodiscard]] int integer(const std::string& name) const { return values_.at(name).get<int>(); }
+  [[nodiscard]] bool flag(const std::string& name) const { return values_.at(name).get<bool>(); }
+  [[nodiscard]] std::string text(const std::string& name) const { return values_.at(name).get<std::string>(); }
+
+  // An object with sorted keys: the same parameters have the same text.
+  [[nodiscard]] const nlohmann::json& json() const { return values_; }
+
+ private:
+  nlohmann::json values_;
+};
+
+}  // namespace lodestone
