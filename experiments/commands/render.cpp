@@ -10,13 +10,12 @@
 #include "experiments/commands/input.h"
 #include "experiments/flight.h"
 #include "experiments/metrics/adversary.h"
-#include "experiments/open_scene.h"
 #include "experiments/picture_writer.h"
 #include "experiments/progress.h"
 #include "parallel/cpu_clock.h"
 #include "render/effects/plan.h"
 #include "render/lod/back_faces.h"
-#include "render/scene/scene_view.h"
+#include "render/scene/open_scene.h"
 
 namespace lodestone {
 namespace {
@@ -174,7 +173,7 @@ std::unique_ptr<Renderer> renderer_or_soft(const std::string& backend, Scheduler
 
 void run(const RenderOptions& options, const CommonOptions& common) {
   check_files(common, input_files(options));
-  const CpuClock opening;
+  const CpuClock clock;
   Scene scene = OpenScene::read(options.file);
   apply(options, scene);
   FlightConfig config;
@@ -191,7 +190,14 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   Progress progress("rendering", common.quiet);
   config.measure_screen = options.measure_screen;
   const bool needs_wholes = config.measure || config.measure_screen || scene.camera.path == "adversarial";
-  const OpenScene opened(scene, {options.memory_budget, needs_wholes, config.cancel}, *scheduler, progress);
+  OpenSceneConfig opening;
+  opening.memory_budget = options.memory_budget;
+  opening.whole_too = needs_wholes;
+  opening.cancel = config.cancel;
+  opening.progress = [&](const std::string& phase, const SceneModel& model, std::optional<double> share) {
+    share ? progress.update(*share) : progress.phase(phase + " " + model.name);
+  };
+  const OpenScene opened(scene, opening, *scheduler);
   if (!common.quiet && common.json != "-") print_warnings(opened.warnings());
   if (options.memory_budget > 0) config.measured = opened.wholes();
   std::vector<OpenModel> models = opened.models();
@@ -218,7 +224,7 @@ void run(const RenderOptions& options, const CommonOptions& common) {
   std::vector<PlannedEffect> plan;
   const FlightResult result = fly(view, *renderer, config, *scheduler, [&](std::size_t index, Renderer& r) {
     if (index == 0) {
-      first_picture = opening.elapsed().seconds;
+      first_picture = clock.elapsed().seconds;
       plan = explain_plan(view.frame());
     }
     if (pictures) pictures->add(index, r.read_back());

@@ -2,48 +2,26 @@
 // hierarchies in memory. Nothing is written.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <functional>
-#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "core/io/read_config.h"
 #include "parallel/background_job.h"
-#include "parallel/build.h"
-#include "parallel/cell_stream.h"
-#include "parallel/scheduler.h"
-#include "render/lod/resident_cells.h"
-#include "render/scene/scene_view.h"
+#include "render/scene/open_scene.h"
 
 namespace lodestone::viewer {
 
 // What the viewer looks at: a scene, its models opened.
 struct Model {
-  struct Source {
-    std::optional<CellStream> stream;
-    std::optional<ResidentCells> resident;
-    std::optional<Hierarchy> whole;
-  };
   std::string name;  // the file's, without its folder
   Scene scene;
   bool is_scene_file = false;  // it has lights and a camera of its own
-  std::list<Source> sources;   // do not move: others point to them
-  std::vector<OpenModel> models;
-  std::vector<std::string> warnings;
-
-  [[nodiscard]] const Hierarchy& hierarchy(std::size_t model = 0) const { return *models[model].hierarchy; }
-  [[nodiscard]] bool streamed() const;
-  // Of the cells in memory, of what is streamed.
-  [[nodiscard]] std::uint64_t resident_bytes() const;
-  [[nodiscard]] bool complete() const;
+  OpenScene opened;
 };
-// A hierarchy alone, as a file of it would be opened.
-[[nodiscard]] std::unique_ptr<Model> make_model(const std::string& name, Hierarchy hierarchy);
 
 struct LoadConfig {
   // A scene (.toml), or hierarchies (.lode) and meshes, which then stand beside each other as they are.
@@ -80,9 +58,6 @@ class ModelLoader {
  private:
   void work();
   void read_scene();
-  void choose_streaming();
-  void open(const SceneModel& model, Model::Source& source, Scheduler& scheduler);
-  [[nodiscard]] Hierarchy build(RawMesh raw, const std::string& name, Scheduler& scheduler);
   void enter(std::string phase, std::optional<float> share = {});
 
   LoadConfig config_;
@@ -90,13 +65,9 @@ class ModelLoader {
   std::function<void()> wake_;
   CancelFlag cancel_{false};
   mutable std::mutex mutex_;
-  LoadStatus status_;         // with the lock held
-  std::uint64_t budget_ = 0;  // of each hierarchy that is streamed; 0: none is
+  LoadStatus status_;  // with the lock held
   std::unique_ptr<Model> model_;
   std::unique_ptr<BackgroundJob> job_;  // the last member: it ends before what it uses
 };
-
-// Whether the file begins as a .lode file does. False for what cannot be opened.
-[[nodiscard]] bool is_hierarchy_file(const std::filesystem::path& path);
 
 }  // namespace lodestone::viewer

@@ -56,17 +56,18 @@ void show_model(const PanelFacts& facts, PanelRequests& requests) {
   const Model& model = *facts.model;
   std::uint64_t triangles = 0, cells = 0;
   int levels = 0;
-  std::pair sigma0{model.hierarchy().sigma0, model.hierarchy().sigma0};
-  for (const OpenModel& m : model.models) {
+  const float first = model.opened.models().front().hierarchy->sigma0;
+  std::pair sigma0{first, first};
+  for (const OpenModel& m : model.opened.models()) {
     triangles += m.hierarchy->provenance.input_triangles;
     cells += m.hierarchy->cells.size();
     levels = std::max(levels, m.hierarchy->finest() + 1);
     sigma0 = {std::min(sigma0.first, m.hierarchy->sigma0), std::max(sigma0.second, m.hierarchy->sigma0)};
   }
   ImGui::Text("%s", model.name.c_str());
-  if (model.models.size() > 1) {
+  if (model.opened.models().size() > 1) {
     ImGui::SameLine();
-    ImGui::TextDisabled("%d models", static_cast<int>(model.models.size()));
+    ImGui::TextDisabled("%d models", static_cast<int>(model.opened.models().size()));
   }
   ImGui::Text("%s triangles, %d levels, %s cells", count(triangles).c_str(), levels, count(cells).c_str());
   ImGui::Text("sigma0 %s", sigma0.first == sigma0.second
@@ -112,7 +113,7 @@ void edit_kappa0(ViewSettings& settings, const Admissibility& found) {
 void edit_detail(const PanelFacts& facts, ViewState& state) {
   ViewSettings& settings = state.current();
   std::vector<const Hierarchy*> models;
-  for (const OpenModel& model : facts.model->models) models.push_back(model.hierarchy);
+  for (const OpenModel& model : facts.model->opened.models()) models.push_back(model.hierarchy);
   const Admissibility found = admissibility(models, settings, state.metric);
   int by = settings.by_kappa0 ? 1 : 0;
   ImGui::RadioButton("tolerance in pixels", &by, 0);
@@ -175,9 +176,9 @@ void show_statistics(const PanelFacts& facts) {
   ImGui::Text("%.1f ms, selection %.2f ms", report.total_milliseconds, report.select_milliseconds);
   for (const auto& [stage, milliseconds] : report.stats.milliseconds)
     if (stage != "total") ImGui::TextDisabled("  %s %.2f ms", stage.c_str(), milliseconds);
-  if (facts.model && facts.model->streamed())
-    ImGui::Text("%.0f MB in memory%s", static_cast<double>(facts.model->resident_bytes()) * 1e-6,
-                facts.model->complete() ? "" : ", more is missing");
+  if (facts.model && facts.model->opened.streamed())
+    ImGui::Text("%.0f MB in memory%s", static_cast<double>(facts.model->opened.resident_bytes()) * 1e-6,
+                facts.model->opened.complete() ? "" : ", more is missing");
   ImGui::Text("resolution %.0f %%", 100 * facts.scale);
   const std::vector<float>& times = facts.frame_milliseconds;
   const float highest = times.empty() ? 1 : *std::max_element(times.begin(), times.end());

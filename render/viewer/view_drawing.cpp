@@ -45,7 +45,7 @@ void ViewDrawing::set_model(Model* model) {
 void ViewDrawing::restart() {
   for (PerView& view : views_) {
     view = {};
-    if (model_) view.scene.emplace(model_->scene, model_->models);
+    if (model_) view.scene.emplace(model_->scene, model_->opened.models());
   }
   if (!ready()) return;
   views_.front().scene->upload(*renderer_);
@@ -64,7 +64,7 @@ void ViewDrawing::freeze(PerView& per_view, const ViewState& state, const View& 
                          const std::vector<ViewConfig>& beside) {
   // What is there of a streamed scene was chosen for a selection that was frozen before: this one is made like it.
   const PerView& other = &per_view == &views_[0] ? views_[1] : views_[0];
-  const bool alike = model_->streamed() && other.frozen && other.freezes == state.freezes;
+  const bool alike = model_->opened.streamed() && other.frozen && other.freezes == state.freezes;
   const std::size_t settings = alike ? 1 - view.settings : view.settings;
   const ViewConfig config = view_config(model_->scene, state, settings, view.full_size);
   // The renderer hears of what has come and gone when it draws.

@@ -81,10 +81,10 @@ void ViewSession::show(std::unique_ptr<Model> model, double now) {
   Camera from = orbit_path(all, 1).front();
   if (model_->is_scene_file) {
     take_settings(model_->scene, state);
-    path_ = way_through(drawing_.scene_view(), model_->streamed());
+    path_ = way_through(drawing_.scene_view(), model_->opened.streamed());
     if (!path_.empty()) from = path_.front();
   }
-  warn(model_->warnings, now);
+  warn(model_->opened.warnings(), now);
   look_at(state, all, from);
   seen_ = drawable_ = state.camera;
 }

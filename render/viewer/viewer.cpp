@@ -296,7 +296,7 @@ class Viewer {
   void wait_for_cells(bool drawn, double now) {
     if (drawn) streamed_at_ = now;
     const Model* model = session_.drawing().model();
-    streaming_ = model && !session_.state.frozen && !model->complete() && now - streamed_at_ < patience;
+    streaming_ = model && !session_.state.frozen && !model->opened.complete() && now - streamed_at_ < patience;
   }
 
   // The renderer's picture, before it draws another.
@@ -343,8 +343,8 @@ class Viewer {
     if (gl_) result.device = gl_->device();
     result.camera = session_.state.camera;
     if (const Model* model = session_.drawing().model()) {
-      result.resident_bytes = model->resident_bytes();
-      result.complete = model->complete();
+      result.resident_bytes = model->opened.resident_bytes();
+      result.complete = model->opened.complete();
     }
     result.uploads = counts.uploads;
     result.selections = counts.selections;

@@ -15,6 +15,15 @@ namespace {
 
 constexpr ImageSize size{160, 120};
 
+// A hierarchy alone, as a file of it would be opened.
+std::unique_ptr<Model> make_model(const std::string& name, Hierarchy hierarchy) {
+  auto model = std::make_unique<Model>();
+  model->name = name;
+  model->scene = scene_of(name);
+  model->opened = OpenScene(std::move(hierarchy));
+  return model;
+}
+
 class Drawing : public testing::Test {
  protected:
   Drawing() {
@@ -24,7 +33,7 @@ class Drawing : public testing::Test {
     state_.current().by_kappa0 = true;
     state_.current().kappa0 = 1;
   }
-  const Hierarchy& hierarchy() const { return model_->hierarchy(); }
+  const Hierarchy& hierarchy() const { return *model_->opened.models().front().hierarchy; }
   Image draw(std::size_t settings = 0) {
     (void)drawing_.draw(state_, settings, size);
     return renderer_->read_back();

@@ -62,12 +62,12 @@ TEST_F(Session, OpensHierarchiesAndMeshes) {
   session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   EXPECT_EQ(session_.drawing().model()->name, "torus.lode");
-  EXPECT_EQ(session_.drawing().model()->hierarchy().cells.size(), hierarchy_.cells.size());
+  EXPECT_EQ(session_.drawing().model()->opened.models().front().hierarchy->cells.size(), hierarchy_.cells.size());
   EXPECT_EQ(session_.state.camera, session_.state.home);
   EXPECT_GT(wakes_, 0);
   session_.open({mesh_}, 0);
   ASSERT_TRUE(opened());
-  EXPECT_EQ(session_.drawing().model()->hierarchy().provenance.input_triangles, 4u);
+  EXPECT_EQ(session_.drawing().model()->opened.models().front().hierarchy->provenance.input_triangles, 4u);
   EXPECT_EQ(session_.drawing().counts().uploads, 2u);
   EXPECT_FALSE(session_.collect(0));
 }
@@ -81,8 +81,8 @@ TEST_F(Session, LargeFilesStream) {
   while (!session.loader()->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   ASSERT_TRUE(session.collect(0));
   ViewDrawing& drawing = session.drawing();
-  ASSERT_TRUE(drawing.model()->streamed());
-  EXPECT_LE(drawing.model()->resident_bytes(), 100'000u);
+  ASSERT_TRUE(drawing.model()->opened.streamed());
+  EXPECT_LE(drawing.model()->opened.resident_bytes(), 100'000u);
   // Frames while it loads: never a cell without its arrays, never more than allowed.
   session.state.settings[0].pixel_error = 4;
   for (int frame = 0; frame < 300; ++frame) {
@@ -95,9 +95,9 @@ TEST_F(Session, LargeFilesStream) {
       if (frame >= 95 && frame < 110 && view.settings == 1) continue;  // not shown when the selection is frozen
       (void)drawing.draw(session.state, view, views);
       for (const SelectedCell& s : drawing.frame(view.settings).only().selection->cells)
-        ASSERT_FALSE(drawing.model()->hierarchy().cells[s.cell].positions.empty()) << frame;
+        ASSERT_FALSE(drawing.model()->opened.models().front().hierarchy->cells[s.cell].positions.empty()) << frame;
     }
-    ASSERT_LE(drawing.model()->resident_bytes(), 100'000u);
+    ASSERT_LE(drawing.model()->opened.resident_bytes(), 100'000u);
   }
 }
 
@@ -116,7 +116,7 @@ position = [3, 0, 0]
 )";
   session_.open({folder_ / "two.toml"}, 0);
   ASSERT_TRUE(opened());
-  EXPECT_EQ(session_.drawing().model()->models.size(), 2u);
+  EXPECT_EQ(session_.drawing().model()->opened.models().size(), 2u);
   EXPECT_EQ(session_.state.camera.position, (Vec3d{9, 0, 1}));
   EXPECT_EQ(session_.state.current().pixel_error, 3);
   EXPECT_EQ(session_.state.current().blend, Blend::cosine);
@@ -133,9 +133,8 @@ TEST_F(Session, SeveralFilesAreShownTogether) {
   ASSERT_TRUE(opened());
   const Model& model = *session_.drawing().model();
   EXPECT_EQ(model.name, "torus.lode and 2 more");
-  ASSERT_EQ(model.models.size(), 3u);
-  EXPECT_EQ(model.sources.size(), 2u);  // what is named twice is opened once
-  EXPECT_EQ(model.models[0].hierarchy, model.models[2].hierarchy);
+  ASSERT_EQ(model.opened.models().size(), 3u);
+  EXPECT_EQ(model.opened.models()[0].hierarchy, model.opened.models()[2].hierarchy);  // named twice, opened once
 }
 
 TEST_F(Session, WhatCannotBeOpenedIsSaidOnce) {

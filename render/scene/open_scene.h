@@ -1,0 +1,74 @@
+// The models of a scene, opened: hierarchies as their files have them, streamed if there is a budget of memory, and
+// meshes built on the fly. Nothing is written.
+#pragma once
+
+#include <functional>
+#include <list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/read_config.h"
+#include "parallel/build.h"
+#include "parallel/cell_stream.h"
+#include "parallel/scheduler.h"
+#include "render/lod/resident_cells.h"
+#include "render/scene/scene_view.h"
+
+namespace lodestone {
+
+struct OpenSceneConfig {
+  std::uint64_t memory_budget = 0;  // bytes for the cells of all models; 0: they are loaded as wholes
+  // The budget is a bound alone: hierarchies that fit into it together are loaded as wholes, and meshes are built.
+  // Otherwise everything is streamed, and a mesh is an error.
+  bool stream_if_larger = false;
+  bool whole_too = false;  // streamed models as wholes beside that, for what looks at all of them
+  ReadConfig reading{};    // of meshes
+  BuildConfig build{};     // likewise; without cancel and progress, which are here
+  const CancelFlag* cancel = nullptr;
+  // What is under way ("loading", "generating", "reading", "welding", "building"), with which model of the scene, and
+  // the share of it that is done where that is known.
+  std::function<void(const std::string& phase, const SceneModel& model, std::optional<double> share)> progress;
+};
+
+class OpenScene {
+ public:
+  // Reads a scene file, or makes a scene of one model of a hierarchy or mesh.
+  [[nodiscard]] static Scene read(const std::string& file);
+
+  OpenScene() = default;
+  // A model that several of the scene share is opened once. Throws what reading, building and loading throw, naming the
+  // file; InputError for a mesh that would have to be streamed; Cancelled.
+  OpenScene(const Scene& scene, const OpenSceneConfig& config, Scheduler& scheduler);
+  // One model that is in memory already.
+  explicit OpenScene(Hierarchy hierarchy);
+  OpenScene(OpenScene&&) = default;
+  OpenScene& operator=(OpenScene&&) = default;
+
+  // One for each of the scene's.
+  [[nodiscard]] const std::vector<OpenModel>& models() const { return models_; }
+  // As wholes; only with whole_too or without a budget.
+  [[nodiscard]] std::vector<const Hierarchy*> wholes() const { return wholes_; }
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] bool streamed() const;
+  [[nodiscard]] std::uint64_t resident_bytes() const;  // of the cells in memory, of what is streamed
+  [[nodiscard]] bool complete() const;                 // what is streamed has all the detail that was asked for
+
+ private:
+  struct Source {
+    std::string key;  // what it is made of
+    std::optional<CellStream> stream;
+    std::optional<ResidentCells> resident;
+    std::optional<Hierarchy> whole;
+  };
+  Source& add_source(const SceneModel& model, const OpenSceneConfig& config, std::uint64_t budget,
+                     Scheduler& scheduler);
+  [[nodiscard]] Hierarchy build(const SceneModel& model, const OpenSceneConfig& config, Scheduler& scheduler);
+
+  std::list<Source> sources_;  // do not move: others point to them
+  std::vector<OpenModel> models_;
+  std::vector<const Hierarchy*> wholes_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace lodestone
