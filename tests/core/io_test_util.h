@@ -14,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/io/mesh_file.h"
 #include "tests/core/wedge_checks.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 
@@ -28,32 +29,6 @@ namespace lodestone {
 
 // The bytes of a file that passes for a PNG image, as far as readers look.
 [[nodiscard]] inline std::string png_bytes(const std::string& rest = "pixels") { return "\x89PNG\r\n\x1a\n" + rest; }
-
-// A folder of files for one test.
-class TestFolder {
- public:
-  TestFolder()
-      : path_(std::filesystem::path(testing::TempDir()) /
-              (std::string(testing::UnitTest::GetInstance()->current_test_info()->test_suite_name()) + "." +
-               testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~TestFolder() { std::filesystem::remove_all(path_); }
-  TestFolder(const TestFolder&) = delete;
-  TestFolder& operator=(const TestFolder&) = delete;
-
-  // Writes a file, also below folders that do not exist yet; returns its path.
-  std::filesystem::path write(const std::string& name, std::string_view bytes) const {
-    std::filesystem::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << bytes;
-    return path_ / name;
-  }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // Puts binary values together, in either byte order.
 class Bytes {

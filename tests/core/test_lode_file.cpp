@@ -14,6 +14,7 @@
 #include "core/mesh/clean.h"
 #include "parallel/save.h"
 #include "tests/core/lattice_meshes.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -21,22 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 using Bytes = std::vector<char>;
 
-class LodeFile : public ::testing::Test {
+class LodeFile : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("lode_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   [[nodiscard]] fs::path path(const char* name = "model.lode") const { return folder_ / name; }
-  [[nodiscard]] std::size_t files() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator{}));
-  }
-
-  fs::path folder_;
 };
 
 Bytes read_bytes(const fs::path& path) {

@@ -8,23 +8,14 @@
 #include "core/base/error.h"
 #include "core/io/mesh_file.h"
 #include "core/io/mesh_writer.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
 
-class MeshWriterTest : public testing::Test {
- protected:
-  MeshWriterTest()
-      : folder_(fs::path(testing::TempDir()) /
-                (std::string("writer_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~MeshWriterTest() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
+class MeshWriterTest : public FolderTest {};
 
 // Coordinates that floats hold exactly, moved by `offset`.
 RawMesh strip(double offset) {

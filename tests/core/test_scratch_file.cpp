@@ -10,23 +10,14 @@
 #include "core/base/error.h"
 #include "core/io/checksum.h"
 #include "core/io/scratch_file.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
 
-class ScratchFileTest : public testing::Test {
- protected:
-  ScratchFileTest()
-      : folder_(fs::path(testing::TempDir()) /
-                (std::string("scratch_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~ScratchFileTest() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
+class ScratchFileTest : public FolderTest {};
 
 std::vector<std::byte> numbers(std::size_t count, unsigned first) {
   std::vector<std::byte> bytes(count);

@@ -18,16 +18,12 @@
 #include "parallel/save.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/test_data.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 IndexedMesh clean_mesh(const fs::path& path, Scheduler& scheduler, Lattice lattice = {}) {
   Repairs repairs;
@@ -41,38 +37,27 @@ std::string failures(const VerifyReport& report) {
   return list;
 }
 
-class Scratch {
- public:
-  Scratch() : folder_(fs::temp_directory_path() / ("lodestone_real_" + std::to_string(::getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~Scratch() { fs::remove_all(folder_); }
-  [[nodiscard]] fs::path operator/(const char* name) const { return folder_ / name; }
-
- private:
-  fs::path folder_;
-};
-
 class RealScan : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealScan, SameFileForAnyThreadsAndStrategyAndItVerifies) {
   LODESTONE_MODEL_OR_SKIP(path, GetParam());
-  const Scratch scratch;
+  const TestFolder folder;
   const auto serial = make_serial_scheduler();
   BuildConfig config;
   config.cell_triangles = 1000;
   config.strategy = Strategy::serial;
   const IndexedMesh input = clean_mesh(path, *serial);
-  save_lode(build_hierarchy(IndexedMesh(input), config, *serial), scratch / "serial.lode", *serial);
-  const std::string expected = content(scratch / "serial.lode");
-  EXPECT_EQ(failures(verify_hierarchy(open_lode(scratch / "serial.lode"), &input)), "");
+  save_lode(build_hierarchy(IndexedMesh(input), config, *serial), folder.path() / "serial.lode", *serial);
+  const std::string expected = content(folder.path() / "serial.lode");
+  EXPECT_EQ(failures(verify_hierarchy(open_lode(folder.path() / "serial.lode"), &input)), "");
 
   for (const int threads : {1, 2, 3, 7})
     for (const Strategy strategy : {Strategy::serial, Strategy::levels, Strategy::graph}) {
       const auto scheduler = make_tbb_scheduler(threads);
       config.strategy = strategy;
-      save_lode(build_hierarchy(clean_mesh(path, *scheduler), config, *scheduler), scratch / "other.lode", *scheduler);
-      EXPECT_TRUE(content(scratch / "other.lode") == expected) << threads << " threads, " << name_of(strategy);
+      save_lode(build_hierarchy(clean_mesh(path, *scheduler), config, *scheduler), folder.path() / "other.lode",
+                *scheduler);
+      EXPECT_TRUE(content(folder.path() / "other.lode") == expected) << threads << " threads, " << name_of(strategy);
     }
 }
 
@@ -85,23 +70,23 @@ class CompressedScan : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(CompressedScan, VerifiesAndIsSmallAndDoesNotCrack) {
   LODESTONE_MODEL_OR_SKIP(path, GetParam());
-  const Scratch scratch;
+  const TestFolder folder;
   const auto scheduler = make_tbb_scheduler(2);
   const IndexedMesh input = clean_mesh(path, *scheduler, {Lattice::automatic});
   BuildConfig config;
   config.order_cells = true;
   const Hierarchy built = build_hierarchy(IndexedMesh(input), config, *scheduler);
-  const std::uint64_t bytes = save_lode(built, scratch / "model.lode", *scheduler, LodeForm::compressed);
-  const Hierarchy h = load_lode(scratch / "model.lode", *scheduler);
+  const std::uint64_t bytes = save_lode(built, folder.path() / "model.lode", *scheduler, LodeForm::compressed);
+  const Hierarchy h = load_lode(folder.path() / "model.lode", *scheduler);
   EXPECT_EQ(failures(verify_hierarchy(h, &input)), "");
   std::uint64_t triangles = 0;
   for (const Level& level : h.levels) triangles += level.triangles;
   EXPECT_LT(static_cast<double>(bytes), 12.0 * static_cast<double>(triangles));
 
   const auto serial = make_serial_scheduler();
-  save_lode(build_hierarchy(clean_mesh(path, *serial, {Lattice::automatic}), config, *serial), scratch / "other.lode",
-            *serial, LodeForm::compressed);
-  EXPECT_TRUE(content(scratch / "other.lode") == content(scratch / "model.lode"));
+  save_lode(build_hierarchy(clean_mesh(path, *serial, {Lattice::automatic}), config, *serial),
+            folder.path() / "other.lode", *serial, LodeForm::compressed);
+  EXPECT_TRUE(content(folder.path() / "other.lode") == content(folder.path() / "model.lode"));
 
   const CrackBasis basis = make_crack_basis(h, *scheduler);
   CrackScratch memory;
@@ -175,10 +160,10 @@ TEST(HardModels, BuildAndVerifyOrAreRefusedClearly) {
       config.order_cells = true;
       config.cell_triangles = 200;
       const IndexedMesh on_lattice = clean_mesh(entry.path(), *scheduler, {Lattice::automatic});
-      const Scratch scratch;
-      save_lode(build_hierarchy(IndexedMesh(on_lattice), config, *scheduler), scratch / "hard.lode", *scheduler,
+      const TestFolder folder;
+      save_lode(build_hierarchy(IndexedMesh(on_lattice), config, *scheduler), folder.path() / "hard.lode", *scheduler,
                 LodeForm::compressed);
-      EXPECT_EQ(failures(verify_hierarchy(open_lode(scratch / "hard.lode"), &on_lattice)), "");
+      EXPECT_EQ(failures(verify_hierarchy(open_lode(folder.path() / "hard.lode"), &on_lattice)), "");
       ++built;
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()), "");

@@ -13,11 +13,6 @@
 
 namespace lodestone::test {
 
-inline std::string content(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 // Binary PLY with every vertex and triangle as it is, doubles or floats.
 inline void write_ply(const std::filesystem::path& path, const RawMesh& mesh, bool doubles = false) {
   std::ofstream out(path, std::ios::binary);

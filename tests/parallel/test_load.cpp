@@ -12,28 +12,14 @@
 #include "parallel/generate.h"
 #include "parallel/load.h"
 #include "tests/test_data.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
 
-class LoadTest : public testing::Test {
- protected:
-  LoadTest()
-      : folder_(fs::path(testing::TempDir()) /
-                (std::string("load_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~LoadTest() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
-
-std::string content(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+class LoadTest : public FolderTest {};
 
 // Loads with any number of workers and compares with the general reader, in result or in error.
 void expect_same_as_read(const fs::path& path, const ReadConfig& config = {}) {

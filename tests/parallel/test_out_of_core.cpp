@@ -20,25 +20,21 @@
 #include "parallel/save.h"
 #include "tests/parallel/stream_meshes.h"
 #include "tests/test_data.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
 
-class OutOfCore : public testing::Test {
+class OutOfCore : public FolderTest {
  protected:
-  OutOfCore()
-      : folder_(fs::path(testing::TempDir()) /
-                (std::string("out_of_core_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  OutOfCore() {
     config_.build.cell_triangles = 100;
     config_.build.sigma0 = 1;
     config_.memory_limit = std::uint64_t{1} << 30;
     config_.part_triangles = 1500;
   }
-  ~OutOfCore() override { fs::remove_all(folder_); }
 
   fs::path mesh(const RawMesh& raw) const {
     test::write_ply(folder_ / "m.ply", raw);
@@ -54,7 +50,7 @@ class OutOfCore : public testing::Test {
     Hierarchy hierarchy = build_hierarchy(std::move(mesh), config_.build, *scheduler);
     hierarchy.provenance.repairs = repairs;
     save_lode(hierarchy, folder_ / "expected.lode", *scheduler, config_.form);
-    return test::content(folder_ / "expected.lode");
+    return content(folder_ / "expected.lode");
   }
 
   OutOfCoreResult build(const fs::path& path, Scheduler& scheduler) const {
@@ -63,7 +59,7 @@ class OutOfCore : public testing::Test {
   std::string built(const fs::path& path, int threads = 2) const {
     const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
     (void)build(path, *scheduler);
-    return test::content(folder_ / "m.lode");
+    return content(folder_ / "m.lode");
   }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
@@ -72,7 +68,6 @@ class OutOfCore : public testing::Test {
     return names;
   }
 
-  fs::path folder_;
   OutOfCoreConfig config_;
 };
 
@@ -253,7 +248,7 @@ TEST_F(Resume, InterruptedAnywhereItComesToTheSameBytes) {
       if (interruptions > 200) FAIL() << "never done";
     }
     resumed += resumed_;
-    EXPECT_TRUE(expected == test::content(folder_ / "m.lode")) << trial;
+    EXPECT_TRUE(expected == content(folder_ / "m.lode")) << trial;
     EXPECT_EQ(files(), (std::vector<std::string>{"expected.lode", "m.lode", "m.ply"}));
     fs::remove(folder_ / "m.lode");
   }
@@ -288,7 +283,7 @@ TEST_F(Resume, DamagedJournalsAreBelievedAsFarAsTheyAreSound) {
   std::mt19937 random(2);
   for (int trial = 0; trial < 20; ++trial) {
     ASSERT_TRUE(interrupted(path, -1, 2, "writing"));
-    std::string bytes = test::content(journal);
+    std::string bytes = content(journal);
     if (trial % 2 == 0) {
       bytes.resize(200 + random() % (bytes.size() - 200));
     } else {
@@ -296,7 +291,7 @@ TEST_F(Resume, DamagedJournalsAreBelievedAsFarAsTheyAreSound) {
     }
     std::ofstream(journal, std::ios::binary) << bytes;
     EXPECT_FALSE(interrupted(path, -1, 2));
-    EXPECT_TRUE(expected == test::content(folder_ / "m.lode")) << trial;
+    EXPECT_TRUE(expected == content(folder_ / "m.lode")) << trial;
   }
 }
 

@@ -11,23 +11,14 @@
 #include "parallel/mesh_stream.h"
 #include "parallel/stream_clean.h"
 #include "tests/parallel/stream_meshes.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
 
-class StreamTest : public testing::Test {
- protected:
-  StreamTest()
-      : folder_(fs::path(testing::TempDir()) /
-                (std::string("stream_") + testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~StreamTest() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
+class StreamTest : public FolderTest {};
 
 template <class T>
 bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
@@ -100,7 +91,7 @@ TEST_F(StreamTest, OtherFilesAreNoStreams) {
   EXPECT_EQ(open_mesh_stream(folder_ / "torus.obj"), nullptr);
   EXPECT_EQ(open_mesh_stream(folder_), nullptr);
   test::write_ply(folder_ / "torus.ply", test::raw_of(mesh));
-  std::string bytes = test::content(folder_ / "torus.ply");
+  std::string bytes = content(folder_ / "torus.ply");
   std::ofstream(folder_ / "cut.ply", std::ios::binary) << bytes.substr(0, bytes.size() - 1);
   EXPECT_EQ(open_mesh_stream(folder_ / "cut.ply"), nullptr);
   const std::size_t at = bytes.find("property float z\n") + 17;

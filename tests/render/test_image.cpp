@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "render/image.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -25,11 +26,6 @@ Image flat(ImageSize size, std::uint8_t value) {
 }
 
 std::string temporary(const std::string& name) { return ::testing::TempDir() + "lodestone_image_" + name; }
-
-std::string content(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 TEST(Png, RoundTripIsExactAndRepeatable) {
   for (const ImageSize size : {ImageSize{1, 1}, ImageSize{37, 23}, ImageSize{200, 3}}) {

@@ -6,18 +6,13 @@
 
 #include "core/base/error.h"
 #include "render/scene/scene_file.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
-class SceneFile : public ::testing::Test {
+class SceneFile : public FolderTest {
  protected:
-  SceneFile()
-      : folder_(std::filesystem::path(::testing::TempDir()) /
-                ("lodestone_scene_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()))) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~SceneFile() override { std::filesystem::remove_all(folder_); }
   std::string write(const std::string& text) {
     const std::string file = (folder_ / "scene.toml").string();
     std::ofstream(file) << text;
@@ -32,7 +27,6 @@ class SceneFile : public ::testing::Test {
     }
     return "accepted";
   }
-  std::filesystem::path folder_;
 };
 
 TEST_F(SceneFile, EveryKey) {
