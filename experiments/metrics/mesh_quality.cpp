@@ -5,6 +5,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/mesh/disjoint_sets.h"
 #include "core/mesh/edge_census.h"
 
 namespace lodestone {
@@ -80,16 +81,10 @@ double length_of_borders(std::span<const Vec3d> positions, std::span<const Trian
 }
 
 std::uint64_t count_components(const Corners& corners, std::span<const Triangle> triangles, std::size_t vertices) {
-  std::vector<std::uint32_t> root(vertices);
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (const Triangle& t : triangles)
-    for (const std::uint32_t v : t.v) root[find(v)] = find(t.v[0]);
+  DisjointSets sets(vertices);
+  for (const Triangle& t : triangles) sets.unite(t.v[0], t.v[1]), sets.unite(t.v[1], t.v[2]);
   std::uint64_t count = 0;
-  for (std::uint32_t v = 0; v < vertices; ++v) count += !corners.around(v).empty() && find(v) == v;
+  for (std::uint32_t v = 0; v < vertices; ++v) count += !corners.around(v).empty() && sets.find(v) == v;
   return count;
 }
 

@@ -2,30 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "core/mesh/disjoint_sets.h"
 
 namespace lodestone {
 
 std::vector<std::uint32_t> label_parts(const IndexedMesh& mesh, double least_share) {
-  std::vector<std::uint32_t> root(mesh.positions.size());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    root[std::max(a, b)] = std::min(a, b);
-  };
-  for (std::uint32_t w = 0; w < mesh.wedges.vertex.size(); ++w) unite(w, mesh.wedges.vertex[w]);
-  for (const Triangle& t : mesh.triangles) unite(t.v[0], t.v[1]), unite(t.v[1], t.v[2]);
+  DisjointSets sets(mesh.positions.size());
+  for (std::uint32_t w = 0; w < mesh.wedges.vertex.size(); ++w) sets.unite(w, mesh.wedges.vertex[w]);
+  for (const Triangle& t : mesh.triangles) sets.unite(t.v[0], t.v[1]), sets.unite(t.v[1], t.v[2]);
 
-  std::vector<std::uint32_t> size(root.size(), 0), number(root.size(), 0);
-  for (const Triangle& t : mesh.triangles) ++size[find(t.v[0])];
+  std::vector<std::uint32_t> size(sets.size(), 0), number(sets.size(), 0);
+  for (const Triangle& t : mesh.triangles) ++size[sets.find(t.v[0])];
   const double least = least_share * static_cast<double>(mesh.triangles.size());
   std::uint32_t next = 0;
   bool rest = false;
-  for (std::uint32_t v = 0; v < root.size(); ++v) {
+  for (std::uint32_t v = 0; v < size.size(); ++v) {
     if (size[v] == 0) continue;
     if (static_cast<double>(size[v]) < least)
       rest = true;
@@ -35,7 +27,7 @@ std::vector<std::uint32_t> label_parts(const IndexedMesh& mesh, double least_sha
   if (next + (rest ? 1 : 0) < 2) return {};
   std::vector<std::uint32_t> parts;
   parts.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) parts.push_back(number[find(t.v[0])]);
+  for (const Triangle& t : mesh.triangles) parts.push_back(number[sets.find(t.v[0])]);
   return parts;
 }
 

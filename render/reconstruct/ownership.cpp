@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "core/mesh/disjoint_sets.h"
 
 namespace lodestone {
 namespace {
@@ -171,28 +172,20 @@ void keep_rows(MergeView& view, std::size_t number, int first, int last) {
 
 std::size_t drop_islands(MergeView& view, std::size_t number, const OwnershipConfig& config) {
   const auto width = static_cast<std::uint32_t>(view.map->view.width);
-  std::vector<std::uint32_t> root(view.kept.size()), triangles(view.kept.size(), 0);
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    root[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets sets(view.kept.size());
+  std::vector<std::uint32_t> triangles(view.kept.size(), 0);
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.kept[i])
       for_triangles_of_cell(view.kept[i], i, width,
-                            [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { unite(a, b), unite(b, c); });
+                            [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { sets.unite(a, b), sets.unite(b, c); });
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.kept[i])
       for_triangles_of_cell(view.kept[i], i, width,
-                            [&](std::uint32_t a, std::uint32_t, std::uint32_t) { ++triangles[find(a)]; });
+                            [&](std::uint32_t a, std::uint32_t, std::uint32_t) { ++triangles[sets.find(a)]; });
   std::size_t dropped = 0;
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.owner[i] == number && view.score[i] >= 0 &&
-        triangles[find(i)] < static_cast<std::uint32_t>(config.least_island)) {
+        triangles[sets.find(i)] < static_cast<std::uint32_t>(config.least_island)) {
       view.score[i] = -1;
       ++dropped;
     }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
+#include "core/mesh/disjoint_sets.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/mesh/wedges.h"
 
@@ -13,19 +13,11 @@ namespace {
 
 // Wedges that triangles join, over which texture coordinates go on without a seam: a number for each.
 std::vector<std::uint32_t> label_charts(const IndexedMesh& mesh) {
-  std::vector<std::uint32_t> root(mesh.positions.size());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  const auto unite = [&](std::uint32_t a, std::uint32_t b) {
-    a = find(a), b = find(b);
-    root[std::max(a, b)] = std::min(a, b);
-  };
-  for (const Triangle& t : mesh.triangles) unite(t.v[0], t.v[1]), unite(t.v[1], t.v[2]);
-  for (std::uint32_t v = 0; v < root.size(); ++v) root[v] = find(v);
-  return root;
+  DisjointSets sets(mesh.positions.size());
+  for (const Triangle& t : mesh.triangles) sets.unite(t.v[0], t.v[1]), sets.unite(t.v[1], t.v[2]);
+  std::vector<std::uint32_t> chart(sets.size());
+  for (std::uint32_t v = 0; v < chart.size(); ++v) chart[v] = sets.find(v);
+  return chart;
 }
 
 // Vertices that the maps have not seen take over from their neighbours, round by round.
