@@ -60,7 +60,7 @@ void add_filtered_row(const Row& padded, const flip::Kernel& kernel, float scale
 
 // What FLIP compares in one row of a picture.
 struct SeenRow {
-  std::array<Row, 3> colour;                            // filtered by the contrast sensitivity, opponent space
+  std::array<Row, 3> colour;                             // filtered by the contrast sensitivity, opponent space
   Row edge_across, edge_down, point_across, point_down;  // derivatives of the luminance
 
   void compute(const Opponent& picture, int y, const flip::Kernels& kernels, Row& padded) {

@@ -13,9 +13,8 @@ using Colour = std::array<float, 3>;
 
 // IEC 61966-2-1: sRGB to CIE XYZ, derived from its primaries and white; the inverse; and white, which is the sum of the
 // columns.
-inline constexpr double xyz_of_rgb[3][3] = {{0.41238656, 0.35759149, 0.18045049},
-                                            {0.21263682, 0.71518298, 0.07218020},
-                                            {0.01933062, 0.11919716, 0.95037259}};
+inline constexpr double xyz_of_rgb[3][3] = {
+    {0.41238656, 0.35759149, 0.18045049}, {0.21263682, 0.71518298, 0.07218020}, {0.01933062, 0.11919716, 0.95037259}};
 inline constexpr double rgb_of_xyz[3][3] = {{3.24100326, -1.53739899, -0.49861587},
                                             {-0.96922426, 1.87592999, 0.04155422},
                                             {0.05563942, -0.20401120, 1.05714897}};
@@ -24,8 +23,8 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
 [[nodiscard]] inline Colour times(const double (&m)[3][3], Colour c) {
   Colour out{};
   for (std::size_t k = 0; k < 3; ++k)
-    out[k] = (static_cast<float>(m[k][0]) * c[0] + static_cast<float>(m[k][1]) * c[1]) +
-             static_cast<float>(m[k][2]) * c[2];
+    out[k] =
+        (static_cast<float>(m[k][0]) * c[0] + static_cast<float>(m[k][1]) * c[1]) + static_cast<float>(m[k][2]) * c[2];
   return out;
 }
 
@@ -49,8 +48,8 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
 
 [[nodiscard]] inline Colour linear_of_opponent(Colour c) {
   const float y = (c[0] + 16) / 116, x = y + c[1] / 500, z = y - c[2] / 200;
-  return times(rgb_of_xyz, {x * static_cast<float>(white[0]), y * static_cast<float>(white[1]),
-                            z * static_cast<float>(white[2])});
+  return times(rgb_of_xyz,
+               {x * static_cast<float>(white[0]), y * static_cast<float>(white[1]), z * static_cast<float>(white[2])});
 }
 
 [[nodiscard]] inline Colour lab_of_linear(Colour rgb) {
@@ -63,9 +62,7 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
 }
 
 // Colours look weaker where it is dark: a and b times 0.01 L.
-[[nodiscard]] inline Colour hunt_lab(Colour lab) {
-  return {lab[0], 0.01f * lab[0] * lab[1], 0.01f * lab[0] * lab[2]};
-}
+[[nodiscard]] inline Colour hunt_lab(Colour lab) { return {lab[0], 0.01f * lab[0] * lab[1], 0.01f * lab[0] * lab[2]}; }
 
 // What a filter has left beyond the colours of the screen is brought back to them.
 [[nodiscard]] inline Colour hunt_lab_of_opponent(Colour ycc) {

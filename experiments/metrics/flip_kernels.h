@@ -1,9 +1,10 @@
 // The filters of FLIP (andersson2020) as one-dimensional kernels.
 //
-// Contrast sensitivity: of luminance and red-green one Gaussian each, of blue-yellow the sum of two. Normalised to sum 1
-// over the square that they are cut to, a product of two one-dimensional Gaussians stays one, and a sum of such products
-// needs the shares of the parts. Features: a derivative of a Gaussian along one axis times the Gaussian along the other;
-// normalised so that positive weights sum to 1 and negative ones to -1, which is again a property of each factor.
+// Contrast sensitivity: of luminance and red-green one Gaussian each, of blue-yellow the sum of two. Normalised to sum
+// 1 over the square that they are cut to, a product of two one-dimensional Gaussians stays one, and a sum of such
+// products needs the shares of the parts. Features: a derivative of a Gaussian along one axis times the Gaussian along
+// the other; normalised so that positive weights sum to 1 and negative ones to -1, which is again a property of each
+// factor.
 #pragma once
 
 #include <array>
@@ -35,10 +36,10 @@ struct Kernels {
 struct SensitivityTerm {
   double a = 0, b = 1;
 };
-inline constexpr SensitivityTerm luminance_term{1, 0.0047}, red_green_term{1, 0.0053}, blue_yellow_terms[2] = {
-                                                                                          {34.1, 0.04}, {13.5, 0.025}};
-inline constexpr double widest_b = 0.04;         // of all terms: they are all cut to 3 deviations of this one
-inline constexpr double feature_width = 0.082;   // degrees, of what counts as an edge or point; 2 deviations
+inline constexpr SensitivityTerm luminance_term{1, 0.0047}, red_green_term{1, 0.0053},
+    blue_yellow_terms[2] = {{34.1, 0.04}, {13.5, 0.025}};
+inline constexpr double widest_b = 0.04;        // of all terms: they are all cut to 3 deviations of this one
+inline constexpr double feature_width = 0.082;  // degrees, of what counts as an edge or point; 2 deviations
 
 namespace detail {
 
@@ -107,7 +108,8 @@ inline std::vector<WeightedKernel> sensitivity(const std::vector<SensitivityTerm
   for (double& v : smooth) v /= sum;
   kernels.smooth = detail::to_kernel(smooth);
   kernels.edge = detail::balanced(detail::sampled(reach, [&](double x) { return -x * gaussian(x); }));
-  kernels.point = detail::balanced(detail::sampled(reach, [&](double x) { return (x * x / variance - 1) * gaussian(x); }));
+  kernels.point =
+      detail::balanced(detail::sampled(reach, [&](double x) { return (x * x / variance - 1) * gaussian(x); }));
   return kernels;
 }
 

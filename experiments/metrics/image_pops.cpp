@@ -55,12 +55,15 @@ struct Origin {
 class Reprojection {
  public:
   Reprojection(const ErrorFrame& before, const ErrorFrame& now)
-      : size_(now.full->size), depth_(now.full->depth), before_(before.view_projection, size_),
-        to_space_(inverse_of(now.view_projection)), eye_(eye_of(now.view_projection)) {}
+      : size_(now.full->size),
+        depth_(now.full->depth),
+        before_(before.view_projection, size_),
+        to_space_(inverse_of(now.view_projection)),
+        eye_(eye_of(now.view_projection)) {}
 
   [[nodiscard]] std::optional<Origin> origin(int x, int y) const {
-    const double depth = depth_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) +
-                                static_cast<std::size_t>(x)];
+    const double depth =
+        depth_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x)];
     const glm::dvec4 at = to_space_ * glm::dvec4(2 * (x + 0.5) / size_.width - 1, 1 - 2 * (y + 0.5) / size_.height,
                                                  2 * std::min(depth, 1.0) - 1, 1);
     const bool background = !(depth < 1);

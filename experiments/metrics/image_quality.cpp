@@ -16,16 +16,23 @@ double mean_absolute(const Image& a, const Image& b) {
 
 }  // namespace
 
+PictureErrors picture_errors(const Image& reference, const Image& test, Scheduler& scheduler,
+                             const ImageQualityConfig& config) {
+  PictureErrors errors;
+  errors.absolute = absolute_error(reference, test);
+  errors.quality.absolute = summarise(errors.absolute.value, config.threshold);
+  errors.quality.mean_absolute = mean_absolute(reference, test);
+  errors.quality.psnr = psnr(reference, test);
+  if (config.with_ssim) errors.quality.ssim = ssim(reference, test, scheduler);
+  if (!config.with_flip) return errors;
+  errors.flip = flip_error(reference, test, scheduler, config.flip);
+  errors.quality.flip = summarise(errors.flip.value, config.threshold);
+  return errors;
+}
+
 ImageQuality image_quality(const Image& reference, const Image& test, Scheduler& scheduler,
                            const ImageQualityConfig& config) {
-  ImageQuality quality;
-  quality.absolute = summarise(absolute_error(reference, test).value, config.threshold);
-  quality.mean_absolute = mean_absolute(reference, test);
-  quality.psnr = psnr(reference, test);
-  if (config.with_ssim) quality.ssim = ssim(reference, test, scheduler);
-  if (config.with_flip)
-    quality.flip = summarise(flip_error(reference, test, scheduler, config.flip).value, config.threshold);
-  return quality;
+  return picture_errors(reference, test, scheduler, config).quality;
 }
 
 }  // namespace lodestone

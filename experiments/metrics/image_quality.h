@@ -21,7 +21,15 @@ struct ImageQuality {
   ErrorSummary flip;         // empty when not asked for
 };
 
+// The measures with the maps that they were taken of; the map of FLIP is empty when not asked for.
+struct PictureErrors {
+  ErrorMap absolute, flip;
+  ImageQuality quality;
+};
+
 // Throws what the measures throw.
+[[nodiscard]] PictureErrors picture_errors(const Image& reference, const Image& test, Scheduler& scheduler,
+                                           const ImageQualityConfig& config = {});
 [[nodiscard]] ImageQuality image_quality(const Image& reference, const Image& test, Scheduler& scheduler,
                                          const ImageQualityConfig& config = {});
 

@@ -96,8 +96,7 @@ double winding(std::span<const Vec3d> positions, std::span<const Triangle> trian
 
 double volume(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   double sum = 0;
-  for (const Triangle& t : triangles)
-    sum += dot(positions[t.v[0]], cross(positions[t.v[1]], positions[t.v[2]]));
+  for (const Triangle& t : triangles) sum += dot(positions[t.v[0]], cross(positions[t.v[1]], positions[t.v[2]]));
   return sum / 6;
 }
 
@@ -121,8 +120,8 @@ class WindowTriangles {
       for (const std::uint32_t v : t.v) corners.push_back(screen.to_clip(positions[v]));
       const std::vector<Clip> polygon = clipped(std::move(corners), planes);
       for (std::size_t k = 2; k < polygon.size(); ++k)
-        cut_.push_back({snap(polygon[0], screen.size()), snap(polygon[k - 1], screen.size()),
-                        snap(polygon[k], screen.size())});
+        cut_.push_back(
+            {snap(polygon[0], screen.size()), snap(polygon[k - 1], screen.size()), snap(polygon[k], screen.size())});
     }
   }
 
@@ -168,8 +167,7 @@ struct Band {
     const int x0 = std::max((x_lo + half - 1) >> 8, 0), x1 = std::min((x_hi - half) >> 8, width - 1);
     if (x0 > x1) return;
     // Counterclockwise as seen is clockwise where y points down.
-    const std::int64_t clockwise =
-        std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
+    const std::int64_t clockwise = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
     if (clockwise == 0) return;
     const bool shows_face = (clockwise < 0) != turned;
     const TriangleCoverage coverage(a, b, c);
@@ -177,8 +175,8 @@ struct Band {
       for (int x = x0; x <= x1; ++x) {
         double z = 0;
         if (!coverage.at(x * subpixels + half, y * subpixels + half, z)) continue;
-        const std::size_t i = static_cast<std::size_t>(y - first_row) * static_cast<std::size_t>(width) +
-                              static_cast<std::size_t>(x);
+        const std::size_t i =
+            static_cast<std::size_t>(y - first_row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
         sum[i] += shows_face ? 1 : -1;
         // Of two equally near ones the face: they meet at a silhouette.
         if (z < depth[i] || (z == depth[i] && shows_face)) {
@@ -256,9 +254,8 @@ LeakReport find_leaks(std::span<const Vec3d> positions, std::span<const Triangle
   std::vector<LeakReport> parts(chunk_count(static_cast<std::size_t>(size.height), band_rows));
   scheduler.for_chunks(static_cast<std::size_t>(size.height), band_rows, [&](ChunkRange chunk) {
     Band band(static_cast<int>(chunk.begin), static_cast<int>(chunk.end - chunk.begin), size.width);
-    window.for_each([&](const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) {
-      band.draw(a, b, c, turned);
-    });
+    window.for_each(
+        [&](const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) { band.draw(a, b, c, turned); });
     parts[chunk.index] =
         classify(band, std::span(inside).subspan(row * chunk.begin, row * (chunk.end - chunk.begin)), expected);
   });

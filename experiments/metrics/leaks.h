@@ -1,11 +1,11 @@
 // Leaks: pixels in which a closed model can be seen through.
 //
 // Along the ray through a pixel's centre, triangles that show their face count +1 and those that show their back -1,
-// all of them, hidden or not. The sum over a closed surface is 0 for an eye outside of it, whatever the surface does, if
-// coverage is decided exactly: vertices are snapped to 1/256 pixel and edges have a top-left rule, so that two triangles
-// with a common edge share no pixel and miss none. A sum other than 0 is a ray through a crack, in a layer that is seen
-// or in one that is hidden. From an eye within the surface the sum is -1 (the winding number tells), and backs are what
-// one sees: they are no leaks then.
+// all of them, hidden or not. The sum over a closed surface is 0 for an eye outside of it, whatever the surface does,
+// if coverage is decided exactly: vertices are snapped to 1/256 pixel and edges have a top-left rule, so that two
+// triangles with a common edge share no pixel and miss none. A sum other than 0 is a ray through a crack, in a layer
+// that is seen or in one that is hidden. From an eye within the surface the sum is -1 (the winding number tells), and
+// backs are what one sees: they are no leaks then.
 //
 // What an observer sees of it: a back face where the ray is torn, or the background well inside the silhouette. Which
 // side is the outside follows from the sign of the volume.
@@ -43,7 +43,8 @@ struct LeakReport {
 };
 
 // The oriented triangles of a closed model, all of them, in the space of the screen. Throws InputError when full_depth
-// has another number of pixels. The same bytes for any number of workers. Time: triangles + covered pixels, every layer.
+// has another number of pixels. The same bytes for any number of workers. Time: triangles + covered pixels, every
+// layer.
 [[nodiscard]] LeakReport find_leaks(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                                     const Screen& screen, Scheduler& scheduler, const LeakConfig& config = {});
 

@@ -171,7 +171,10 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
 
   PopReport report;
   report.step = step_length(before, after);
-  const std::vector<double> bounds = jump_bounds(before, after, config.limit_rate);
+  const std::vector<double> own_bounds =
+      config.bounds.empty() ? jump_bounds(before, after, config.limit_rate) : std::vector<double>{};
+  const std::span<const double> bounds = config.bounds.empty() ? own_bounds : config.bounds;
+  assert(bounds.size() == hierarchy.levels.size());
   report.bounded =
       std::all_of(bounds.begin(), bounds.end(), [](double b) { return b < std::numeric_limits<double>::infinity(); });
 

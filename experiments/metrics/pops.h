@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "experiments/metrics/screen.h"
@@ -58,6 +59,9 @@ struct JumpConfig {
   double limit_rate = 0;           // in [0, 1): as given to LimitTracker
   bool percentiles = false;        // p99 as well: 8 to 16 bytes for every vertex that moves
   const Screen* screen = nullptr;  // of the later frame; jumps in pixels, too
+  // Bound by level instead of that of jump_bounds(): what does not morph has none of its own, and is measured by that
+  // of a morph. Empty: its own.
+  std::span<const double> bounds{};
 };
 
 // A drawn position is off by at most three half ulps of 1 per coordinate; two frames, three coordinates: below

@@ -64,8 +64,7 @@ double index_of(double mean_a, double mean_b, double aa, double bb, double ab) {
 
 double ssim(const Image& a, const Image& b, Scheduler& scheduler) {
   check_comparable(a, b);
-  if (a.size.width < window || a.size.height < window)
-    throw InputError("SSIM needs pictures of at least 11x11 pixels");
+  if (a.size.width < window || a.size.height < window) throw InputError("SSIM needs pictures of at least 11x11 pixels");
   const std::array<double, window> weights = gaussian();
   const auto height = static_cast<std::size_t>(a.size.height);
   const std::size_t places = static_cast<std::size_t>(a.size.width) - window + 1, rows = height - window + 1;
@@ -88,7 +87,8 @@ double ssim(const Image& a, const Image& b, Scheduler& scheduler) {
         }
       }
       for (std::size_t x = 0; x < places; ++x)
-        sums[chunk.index] += index_of(total[of_a][x], total[of_b][x], total[of_aa][x], total[of_bb][x], total[of_ab][x]);
+        sums[chunk.index] +=
+            index_of(total[of_a][x], total[of_b][x], total[of_aa][x], total[of_bb][x], total[of_ab][x]);
     }
   });
   double sum = 0;
