@@ -42,7 +42,7 @@ class Prover {
       before.viewpoint = previous_viewpoint_;
       before.radii = &*previous_radii_;
       before.limits = previous_limits_;
-      const PopReport pop = largest_jump(before, previous_, morph, whole, scheduler_, limit_rate_);
+      const PopReport pop = largest_jump(before, previous_, morph, whole, scheduler_, {.limit_rate = limit_rate_});
       row.max_jump = std::max(row.max_jump, double{pop.max_jump});
       row.jump_over_bound = std::max(row.jump_over_bound, double{pop.jump_over_bound});
     }

@@ -1,6 +1,7 @@
 #include "core/distance/surface_samples.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace lodestone {
@@ -32,8 +33,11 @@ Vec3d SurfaceSamples::point_in(const Triangle& triangle, std::uint64_t k) const 
   return a + u * (positions_[triangle.v[1]] - a) + v * (positions_[triangle.v[2]] - a);
 }
 
-void SurfaceSamples::take(std::uint64_t begin, std::uint64_t end, std::vector<Vec3d>& out) const {
+void SurfaceSamples::take(std::uint64_t begin, std::uint64_t end, std::vector<Vec3d>& out,
+                          std::vector<std::uint32_t>* triangles) const {
+  assert(!triangles || begin >= vertices());
   out.clear();
+  if (triangles) triangles->clear();
   for (; begin < end && begin < vertices(); ++begin) out.push_back(positions_[used_[begin]]);
   if (begin >= end) return;
   const auto share = [&](std::uint64_t k) {
@@ -44,7 +48,9 @@ void SurfaceSamples::take(std::uint64_t begin, std::uint64_t end, std::vector<Ve
   for (std::uint64_t k = begin - vertices(); k < end - vertices(); ++k) {
     while (at != area_up_to_.end() && *at <= share(k)) ++at;
     if (at == area_up_to_.end()) --at;
-    out.push_back(point_in(triangles_[static_cast<std::size_t>(at - area_up_to_.begin())], k));
+    const auto triangle = static_cast<std::size_t>(at - area_up_to_.begin());
+    out.push_back(point_in(triangles_[triangle], k));
+    if (triangles) triangles->push_back(static_cast<std::uint32_t>(triangle));
   }
 }
 

@@ -23,8 +23,10 @@ class SurfaceSamples {
   [[nodiscard]] std::uint64_t vertices() const { return used_.size(); }
   [[nodiscard]] std::uint64_t size() const { return used_.size() + area_points_; }
 
-  // Samples [begin, end) into `out`, replacing what it holds.
-  void take(std::uint64_t begin, std::uint64_t end, std::vector<Vec3d>& out) const;
+  // Samples [begin, end) into `out`, replacing what it holds. `triangles`: likewise, which triangle each area point
+  // lies on; area points alone have one, so that begin must not be less than vertices() then.
+  void take(std::uint64_t begin, std::uint64_t end, std::vector<Vec3d>& out,
+            std::vector<std::uint32_t>* triangles = nullptr) const;
 
  private:
   [[nodiscard]] Vec3d point_in(const Triangle& triangle, std::uint64_t k) const;

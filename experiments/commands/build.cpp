@@ -7,6 +7,7 @@
 #include "experiments/commands/build_limit.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
+#include "experiments/metrics/cost.h"
 #include "experiments/progress.h"
 #include "experiments/trace_file.h"
 #include "experiments/version.h"

@@ -1,14 +1,12 @@
 #include "experiments/commands/command.h"
 
 #include <fmt/core.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <span>
 #include <string>
 #include <string_view>
@@ -107,16 +105,6 @@ void print_repairs(const Repairs& repairs) {
   const nlohmann::json counts = to_json(repairs);
   for (const auto& [name, count] : counts.items())
     if (count.get<std::uint64_t>() > 0) fmt::print("repaired: {} {}\n", name, count.get<std::uint64_t>());
-}
-
-std::uint64_t peak_resident_bytes() {
-  // ru_maxrss also holds what the process was before it became this program: a shell, an interpreter.
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.starts_with("VmHWM:")) return std::strtoull(line.c_str() + 6, nullptr, 10) * 1024;
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 }  // namespace lodestone

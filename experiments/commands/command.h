@@ -49,9 +49,6 @@ void write_json(const CommonOptions& common, const nlohmann::json& result);
 [[nodiscard]] nlohmann::json to_json(const Repairs& repairs);
 void print_repairs(const Repairs& repairs);  // a line for each kind that there was
 
-// Largest resident set of this process so far, in bytes.
-[[nodiscard]] std::uint64_t peak_resident_bytes();
-
 void add_generate(CLI::App& app);
 void add_build(CLI::App& app);
 void add_info(CLI::App& app);

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "experiments/commands/command.h"
+#include "experiments/metrics/cost.h"
 #include "experiments/progress.h"
 #include "parallel/cpu_clock.h"
 

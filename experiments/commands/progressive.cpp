@@ -6,6 +6,7 @@
 #include "core/progressive/progressive_file.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
+#include "experiments/metrics/cost.h"
 #include "experiments/metrics/progressive_cracks.h"
 #include "experiments/progress.h"
 #include "parallel/cpu_clock.h"

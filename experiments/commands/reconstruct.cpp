@@ -10,6 +10,7 @@
 #include "core/io/mesh_writer.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
+#include "experiments/metrics/cost.h"
 #include "experiments/metrics/mesh_quality.h"
 #include "experiments/metrics/surface_coverage.h"
 #include "experiments/progress.h"

@@ -182,11 +182,11 @@ void draw_copies(const MorphContext& context, const Selection& selection, const 
 }
 
 struct GapSum {
-  double max = 0, sum = 0;
-  std::uint64_t gaps = 0;
+  double max = 0, sum = 0, max_pixels = 0, sum_pixels = 0;
+  std::uint64_t gaps = 0, in_view = 0;
   Vec3f where;
 
-  void add(const Place& a, const Place& b) {
+  void add(const Place& a, const Place& b, const Screen* screen) {
     const double gap = length(to_double(a.position) - to_double(b.position));
     const std::uint64_t pairs = a.copies * b.copies;
     gaps += pairs;
@@ -195,6 +195,18 @@ struct GapSum {
       max = gap;
       where = a.position;
     }
+    if (screen) add_seen(a, b, *screen);
+  }
+
+ private:
+  void add_seen(const Place& a, const Place& b, const Screen& screen) {
+    const auto from = screen.project(to_double(a.position)), to = screen.project(to_double(b.position));
+    if (!from || !to || !(from->inside || to->inside)) return;
+    const std::uint64_t pairs = a.copies * b.copies;
+    const double gap = distance(*from, *to);
+    in_view += pairs;
+    sum_pixels += gap * static_cast<double>(pairs);
+    max_pixels = std::max(max_pixels, gap);
   }
 };
 
@@ -251,7 +263,7 @@ CrackReport residual_edges(const MorphContext& context, const Selection& selecti
 }
 
 GapReport vertex_gaps(const MorphContext& context, const Selection& selection, const CrackBasis& basis,
-                      Scheduler& scheduler, CrackScratch& scratch) {
+                      Scheduler& scheduler, CrackScratch& scratch, const Screen* screen) {
   assert(basis.leaves.size() == context.hierarchy->cells.size());
   GapReport report;
   report.uncovered_leaves =
@@ -268,19 +280,23 @@ GapReport vertex_gaps(const MorphContext& context, const Selection& selection, c
       const std::uint32_t begin = basis.vertex_begin[v], end = basis.vertex_begin[v + 1];
       collect_places(std::span(basis.copies).subspan(begin, end - begin), scratch.copies, draws_copy, places);
       for (std::size_t i = 0; i < places.size(); ++i)
-        for (std::size_t j = i + 1; j < places.size(); ++j) parts[chunk.index].add(places[i], places[j]);
+        for (std::size_t j = i + 1; j < places.size(); ++j) parts[chunk.index].add(places[i], places[j], screen);
     }
   });
 
-  double sum = 0;
+  double sum = 0, sum_pixels = 0;
   for (const GapSum& part : parts) {
     sum += part.sum;
     report.gaps += part.gaps;
+    sum_pixels += part.sum_pixels;
+    report.gaps_in_view += part.in_view;
+    report.gap_max_pixels = std::max(report.gap_max_pixels, part.max_pixels);
     if (part.max <= report.gap_max) continue;
     report.gap_max = part.max;
     report.where = part.where;
   }
   report.gap_mean = report.gaps == 0 ? 0 : sum / static_cast<double>(report.gaps);
+  if (report.gaps_in_view > 0) report.gap_mean_pixels = sum_pixels / static_cast<double>(report.gaps_in_view);
   return report;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "experiments/metrics/crack_basis.h"
+#include "experiments/metrics/screen.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
@@ -30,10 +31,13 @@ struct CrackReport {
 };
 
 struct GapReport {
-  double gap_max = 0;                  // largest distance of two drawn positions of one vertex of M_L, normalised units
-  double gap_mean = 0;                 // mean over the gaps > 0; 0 without any
-  std::uint64_t gaps = 0;              // pairs of leaves that use a vertex in common and draw it at two places
-  Vec3f where;                         // one of the two positions of the largest gap
+  double gap_max = 0;      // largest distance of two drawn positions of one vertex of M_L, normalised units
+  double gap_mean = 0;     // mean over the gaps > 0; 0 without any
+  std::uint64_t gaps = 0;  // pairs of leaves that use a vertex in common and draw it at two places
+  Vec3f where;             // one of the two positions of the largest gap
+  // The gaps > 0 with an end in the picture and none behind the eye, on the screen; 0 without a screen.
+  double gap_max_pixels = 0, gap_mean_pixels = 0;
+  std::uint64_t gaps_in_view = 0;
   std::uint64_t uncovered_leaves = 0;  // as above; they take part in no gap
 };
 
@@ -68,8 +72,9 @@ struct CrackScratch {
 [[nodiscard]] CrackReport residual_edges(const MorphContext& context, const Selection& selection,
                                          const CrackBasis& basis, Scheduler& scheduler, CrackScratch& scratch);
 
-// Map form: for every vertex of M_L and every two leaves that use it, the two places where it is drawn.
+// Map form: for every vertex of M_L and every two leaves that use it, the two places where it is drawn; in the pixels
+// of `screen`, too, if there is one. Lengths in model units are those here times hierarchy.transform.scale.
 [[nodiscard]] GapReport vertex_gaps(const MorphContext& context, const Selection& selection, const CrackBasis& basis,
-                                    Scheduler& scheduler, CrackScratch& scratch);
+                                    Scheduler& scheduler, CrackScratch& scratch, const Screen* screen = nullptr);
 
 }  // namespace lodestone

@@ -107,6 +107,37 @@ void add_jump(const VertexJump& jump, PopReport& report) {
   }
 }
 
+// What percentiles are taken of: the jumps > 0.
+struct Distribution {
+  std::vector<double> jumps, pixels;
+};
+
+void add_seen(const VertexJump& jump, const Screen& screen, PopReport& report, std::vector<double>& pixels) {
+  const auto to = screen.project(to_double(jump.to));
+  const auto from = jump.from == jump.to ? to : screen.project(to_double(jump.from));
+  if (!from || !to || !(from->inside || to->inside)) return;
+  ++report.vertices_in_view;
+  const double seen = distance(*from, *to);
+  if (!(seen > 0)) return;
+  report.max_jump_pixels = std::max(report.max_jump_pixels, seen);
+  pixels.push_back(seen);
+}
+
+// Of `count` jumps, all but those listed being 0. Empties the lists.
+double p99_of(std::vector<Distribution>& parts, std::vector<double> Distribution::*list, std::uint64_t count) {
+  std::vector<double> moved;
+  for (Distribution& part : parts) {
+    moved.insert(moved.end(), (part.*list).begin(), (part.*list).end());
+    part.*list = {};
+  }
+  const auto not_above = static_cast<std::uint64_t>(std::ceil(0.99 * static_cast<double>(count)));
+  const std::uint64_t at_rest = count - moved.size();
+  if (not_above <= at_rest) return 0;
+  const auto at = moved.begin() + static_cast<std::ptrdiff_t>(not_above - at_rest - 1);
+  std::nth_element(moved.begin(), at, moved.end());
+  return *at;
+}
+
 }  // namespace
 
 double jump_ratio(double jump, double bound) {
@@ -132,7 +163,7 @@ std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& 
 }
 
 PopReport largest_jump(const MorphContext& before, const Selection& selected_before, const MorphContext& after,
-                       const Selection& selected_after, Scheduler& scheduler, double limit_rate) {
+                       const Selection& selected_after, Scheduler& scheduler, const JumpConfig& config) {
   assert(before.hierarchy == after.hierarchy && before.blend == after.blend);
   assert(before.radii->metric == after.radii->metric);
   const Hierarchy& hierarchy = *before.hierarchy;
@@ -140,11 +171,15 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
 
   PopReport report;
   report.step = step_length(before, after);
-  const std::vector<double> bounds = jump_bounds(before, after, limit_rate);
+  const std::vector<double> own_bounds =
+      config.bounds.empty() ? jump_bounds(before, after, config.limit_rate) : std::vector<double>{};
+  const std::span<const double> bounds = config.bounds.empty() ? own_bounds : config.bounds;
+  assert(bounds.size() == hierarchy.levels.size());
   report.bounded =
       std::all_of(bounds.begin(), bounds.end(), [](double b) { return b < std::numeric_limits<double>::infinity(); });
 
   std::vector<PopReport> parts(chunk_count(pairs.size(), pairs_per_chunk));
+  std::vector<Distribution> all(parts.size());
   scheduler.for_chunks(pairs.size(), pairs_per_chunk, [&](ChunkRange chunk) {
     MorphedCell morphed_before, morphed_after;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -158,19 +193,25 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
       jump.level_from = pair.before.level;
       jump.level_to = pair.after.level;
       const std::size_t vertices = hierarchy.cells[finer.cell].positions.size();
+      parts[chunk.index].vertices += vertices;
       for (std::uint32_t v = 0; v < vertices; ++v) {
         jump.vertex = v;
         jump.from = from[drawn_vertex(hierarchy, finer, v, pair.before)];
         jump.to = to[drawn_vertex(hierarchy, finer, v, pair.after)];
+        if (config.screen) add_seen(jump, *config.screen, parts[chunk.index], all[chunk.index].pixels);
         if (jump.from == jump.to) continue;
         jump.jump = length(to_double(jump.to) - to_double(jump.from));
         jump.ratio = jump_ratio(jump.jump, jump.bound);
         add_jump(jump, parts[chunk.index]);
+        if (config.percentiles) all[chunk.index].jumps.push_back(jump.jump);
       }
     }
   });
   for (const PopReport& part : parts) {
     report.above_bound += part.above_bound;
+    report.vertices += part.vertices;
+    report.vertices_in_view += part.vertices_in_view;
+    report.max_jump_pixels = std::max(report.max_jump_pixels, part.max_jump_pixels);
     if (part.max_jump > report.max_jump) {
       report.max_jump = part.max_jump;
       report.largest = part.largest;
@@ -179,6 +220,10 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
       report.jump_over_bound = part.jump_over_bound;
       report.worst = part.worst;
     }
+  }
+  if (config.percentiles) {
+    report.p99_jump = p99_of(all, &Distribution::jumps, report.vertices);
+    report.p99_jump_pixels = p99_of(all, &Distribution::pixels, report.vertices_in_view);
   }
   return report;
 }

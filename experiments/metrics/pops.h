@@ -16,8 +16,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "experiments/metrics/screen.h"
 #include "parallel/scheduler.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
@@ -42,8 +44,24 @@ struct PopReport {
   VertexJump worst;               // the vertex of jump_over_bound
   std::uint64_t above_bound = 0;  // vertices with a ratio above 1, those of several cells counted in each
   double step = 0;                // Euclidean length of the step of the viewpoint
+  std::uint64_t vertices = 0;     // looked at, those of several cells counted in each
+  // With JumpConfig::percentiles: the least jump that 99 % of the vertices do not exceed, those at rest included.
+  double p99_jump = 0;
+  // With JumpConfig::screen: jumps as the camera of the later frame sees them, its own way left out. Of the vertices
+  // with an end in the picture and none behind the eye.
+  double max_jump_pixels = 0, p99_jump_pixels = 0;
+  std::uint64_t vertices_in_view = 0;
   // Levels without a band (inadmissible radii) have no bound: their vertices count with ratio 0 into max_jump alone.
   bool bounded = true;
+};
+
+struct JumpConfig {
+  double limit_rate = 0;           // in [0, 1): as given to LimitTracker
+  bool percentiles = false;        // p99 as well: 8 to 16 bytes for every vertex that moves
+  const Screen* screen = nullptr;  // of the later frame; jumps in pixels, too
+  // Bound by level instead of that of jump_bounds(): what does not morph has none of its own, and is measured by that
+  // of a morph. Empty: its own.
+  std::span<const double> bounds{};
 };
 
 // A drawn position is off by at most three half ulps of 1 per coordinate; two frames, three coordinates: below
@@ -63,7 +81,7 @@ inline constexpr double view_rounding = 4.8e-7;
 // partitions (keep_culled = true), in traversal order; throws InputError when they are not.
 [[nodiscard]] PopReport largest_jump(const MorphContext& before, const Selection& selected_before,
                                      const MorphContext& after, const Selection& selected_after, Scheduler& scheduler,
-                                     double limit_rate = 0);
+                                     const JumpConfig& config = {});
 
 // The ratio of one jump, as above.
 [[nodiscard]] double jump_ratio(double jump, double bound);

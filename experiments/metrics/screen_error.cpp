@@ -1,67 +1,13 @@
 #include "experiments/metrics/screen_error.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <optional>
 #include <vector>
+
+#include "experiments/metrics/drawn_mesh.h"
+#include "experiments/metrics/screen.h"
 
 namespace lodestone {
 namespace {
-
-struct Soup {
-  std::vector<Vec3d> positions;
-  std::vector<Triangle> triangles;
-
-  void add(std::span<const Vec3f> from, std::span<const Triangle> of_cell) {
-    const auto first = static_cast<std::uint32_t>(positions.size());
-    for (const Vec3f p : from) positions.push_back(to_double(p));
-    for (const Triangle& t : of_cell) triangles.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
-  }
-};
-
-Soup finest_soup(const Hierarchy& hierarchy) {
-  Soup soup;
-  for (const Cell& cell : hierarchy.cells_of(hierarchy.finest())) soup.add(cell.positions, cell.triangles);
-  return soup;
-}
-
-// The triangles of all selected cells, culled or not: what is just outside may be the nearest of what is inside.
-Soup drawn_soup(const MorphContext& morph, const Selection& selection) {
-  Soup soup;
-  std::vector<Vec3f> morphed;
-  for (const SelectedCell& s : selection.cells) {
-    const Cell& cell = morph.hierarchy->cells[s.cell];
-    morphed.resize(cell.positions.size());
-    morph_cell(morph, s.cell, morphed);
-    soup.add(morphed, cell.triangles);
-  }
-  return soup;
-}
-
-class Screen {
- public:
-  Screen(const ViewProjection& view_projection, ImageSize size)
-      : m_(view_projection), half_width_(0.5 * size.width), half_height_(0.5 * size.height) {}
-
-  struct Place {
-    double x = 0, y = 0;
-    bool inside = false;
-  };
-  // In pixels from the centre; nothing behind the near plane.
-  [[nodiscard]] std::optional<Place> project(Vec3d p) const {
-    std::array<double, 4> clip{};
-    for (std::size_t row = 0; row < 4; ++row)
-      clip[row] = m_.m[4 * row] * p.x + m_.m[4 * row + 1] * p.y + m_.m[4 * row + 2] * p.z + m_.m[4 * row + 3];
-    const auto [x, y, z, w] = clip;
-    if (!(w > 0) || z < -w) return std::nullopt;
-    return Place{x / w * half_width_, y / w * half_height_, std::abs(x) <= w && std::abs(y) <= w && z <= w};
-  }
-
- private:
-  const ViewProjection& m_;
-  double half_width_, half_height_;
-};
 
 struct Farthest {
   double pixels = 0;
@@ -84,8 +30,7 @@ Farthest farthest(std::size_t count, const PointOf& point_of, const TriangleBvh&
       const TriangleBvh::Nearest nearest = other.nearest(p, hint);
       hint = nearest.slot;
       ++own.points;
-      if (const auto to = screen.project(nearest.point))
-        own.pixels = std::max(own.pixels, std::hypot(to->x - from->x, to->y - from->y));
+      if (const auto to = screen.project(nearest.point)) own.pixels = std::max(own.pixels, distance(*from, *to));
     }
   });
   Farthest all;
@@ -93,16 +38,16 @@ Farthest farthest(std::size_t count, const PointOf& point_of, const TriangleBvh&
   return all;
 }
 
-TriangleBvh bvh_of(const Soup& soup) { return TriangleBvh(soup.positions, soup.triangles); }
+TriangleBvh bvh_of(const DrawnMesh& mesh) { return TriangleBvh(mesh.positions, mesh.triangles); }
 
 }  // namespace
 
-ScreenErrorBasis::ScreenErrorBasis(const Hierarchy& hierarchy) : full_(bvh_of(finest_soup(hierarchy))) {}
+ScreenErrorBasis::ScreenErrorBasis(const Hierarchy& hierarchy) : full_(bvh_of(finest_mesh(hierarchy))) {}
 
 ScreenError screen_error(const MorphContext& morph, const Selection& selection, const ViewProjection& view_projection,
                          ImageSize size, const ScreenErrorBasis& basis, Scheduler& scheduler) {
   const Screen screen(view_projection, size);
-  const Soup drawn = drawn_soup(morph, selection);
+  const DrawnMesh drawn = drawn_mesh(morph, selection);
   ScreenError error;
   if (drawn.triangles.empty()) return error;
   const std::size_t vertices = drawn.positions.size();

@@ -224,8 +224,8 @@ TEST_F(Limits, NoPopWhileCellsComeAndGo) {
       Frame after = frame(radii, viewpoint, tracker, rate);
       expect_present(after);
       expect_whole(after);
-      const PopReport pops =
-          largest_jump(before.context, before.selection, after.context, after.selection, *scheduler_, rate);
+      const PopReport pops = largest_jump(before.context, before.selection, after.context, after.selection, *scheduler_,
+                                          {.limit_rate = rate});
       EXPECT_LE(pops.jump_over_bound, 1) << "frame " << i;
       before = std::move(after);
       limits_before.assign(tracker.limits().begin(), tracker.limits().end());

@@ -125,8 +125,8 @@ TEST_P(Streaming, NothingCracksOrPopsUnderAnyBudgetWithASlowLoader) {
       EXPECT_EQ(residual_edges(after.context, after.selection, basis_, *scheduler_, scratch_).open_edges, 0u);
       if (before) {
         before->context.limits = limits_before;
-        const PopReport pops =
-            largest_jump(before->context, before->selection, after.context, after.selection, *scheduler_, rate);
+        const PopReport pops = largest_jump(before->context, before->selection, after.context, after.selection,
+                                            *scheduler_, {.limit_rate = rate});
         EXPECT_LE(pops.jump_over_bound, 1) << "frame " << i;
       }
       before = std::move(after);

@@ -1,0 +1,199 @@
+#include "experiments/metrics/image_pops.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "core/base/error.h"
+#include "experiments/metrics/screen.h"
+#include "render/eye.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::size_t rows_per_chunk = 8;
+constexpr float no_predecessor = -1;
+
+std::size_t pixel_count(ImageSize size) {
+  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+}
+
+void check(const ErrorFrame& before, const ErrorFrame& now, const ImagePopConfig& config) {
+  const ImageSize size = now.error->size;
+  for (const ErrorFrame* frame : {&before, &now}) {
+    if (frame->error->size != size || frame->full->size != size || frame->error->value.size() != pixel_count(size))
+      throw InputError("pops need two error maps and two pictures of one size");
+    if (frame->full->depth.size() != pixel_count(size))
+      throw InputError("pops need pictures of the full model with depth");
+  }
+  if (!(config.depth_tolerance > 0 && config.depth_tolerance < 1) || !(config.threshold >= 0))
+    throw InputError("pops: the tolerance of depths lies between 0 and 1, the threshold is at least 0");
+}
+
+glm::dmat4 inverse_of(const ViewProjection& vp) {
+  glm::dmat4 m;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) m[column][row] = vp.m[static_cast<std::size_t>(4 * row + column)];
+  const glm::dmat4 inverse = glm::inverse(m);
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!std::isfinite(inverse[column][row])) throw InputError("pops: a view projection that cannot be inverted");
+  return inverse;
+}
+
+// Where a pixel's point was in the frame before: a place in its picture and the depth along the view; infinite for the
+// background.
+struct Origin {
+  double x = 0, y = 0, w = 0;
+};
+
+// What the pixels of one frame were in the frame before.
+class Reprojection {
+ public:
+  Reprojection(const ErrorFrame& before, const ErrorFrame& now)
+      : size_(now.full->size),
+        depth_(now.full->depth),
+        before_(before.view_projection, size_),
+        to_space_(inverse_of(now.view_projection)),
+        eye_(eye_of(now.view_projection)) {}
+
+  [[nodiscard]] std::optional<Origin> origin(int x, int y) const {
+    const double depth =
+        depth_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x)];
+    const glm::dvec4 at = to_space_ * glm::dvec4(2 * (x + 0.5) / size_.width - 1, 1 - 2 * (y + 0.5) / size_.height,
+                                                 2 * std::min(depth, 1.0) - 1, 1);
+    const bool background = !(depth < 1);
+    // The background is infinitely far away, in the direction from the eye.
+    const Vec3d eye = to_double(eye_.at), numerator{at.x, at.y, at.z};
+    const Vec3d p = background ? (eye_.w * numerator - at.w * eye) : (1 / at.w) * numerator;
+    const double sign = background && at.w * eye_.w < 0 ? -1 : 1;
+    const auto clip = before_.to_clip(sign * p, background ? 0 : 1);
+    if (!(clip[3] > 0)) return std::nullopt;
+    return Origin{(1 + clip[0] / clip[3]) * 0.5 * size_.width, (1 - clip[1] / clip[3]) * 0.5 * size_.height,
+                  background ? std::numeric_limits<double>::infinity() : clip[3]};
+  }
+
+ private:
+  ImageSize size_;
+  const std::vector<float>& depth_;
+  Screen before_;
+  glm::dmat4 to_space_;
+  Eye eye_;
+};
+
+// The error map of the frame before, with what each of its pixels sees.
+class PastErrors {
+ public:
+  PastErrors(const ErrorFrame& frame, double tolerance)
+      : size_(frame.error->size), error_(frame.error->value), depth_(frame.full->depth), tolerance_(tolerance) {
+    // Of the point at window depth d, 1 / w = ((row of w) of the inverse) . (x, y, z, 1), which is linear in z alone
+    // for a perspective or parallel projection.
+    const glm::dmat4 inverse = inverse_of(frame.view_projection);
+    near_ = inverse[2][3], far_ = inverse[3][3];
+  }
+
+  // Interpolated between the pixels around the place that see the same depth.
+  [[nodiscard]] std::optional<float> at(const Origin& origin) const {
+    const double x = origin.x - 0.5, y = origin.y - 0.5;
+    if (!(x > -1 && y > -1 && x < size_.width && y < size_.height)) return std::nullopt;
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    double sum = 0, weights = 0;
+    for (int k = 0; k < 4; ++k) {
+      const int px = x0 + (k & 1), py = y0 + (k >> 1);
+      if (px < 0 || py < 0 || px >= size_.width || py >= size_.height) continue;
+      const double weight = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
+      const std::size_t i =
+          static_cast<std::size_t>(py) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(px);
+      if (!(weight > 0) || !same_surface(depth_[i], origin.w)) continue;
+      sum += weight * error_[i];
+      weights += weight;
+    }
+    if (!(weights > least_weight)) return std::nullopt;
+    return static_cast<float>(sum / weights);
+  }
+
+ private:
+  static constexpr double least_weight = 1e-3;
+  [[nodiscard]] bool same_surface(float depth, double w) const {
+    if (!(depth < 1)) return std::isinf(w);
+    if (std::isinf(w)) return false;
+    const double seen = 1 / (near_ * (2.0 * depth - 1) + far_);
+    return std::abs(seen - w) <= tolerance_ * w;
+  }
+
+  ImageSize size_;
+  const std::vector<float>&error_, &depth_;
+  double tolerance_, near_ = 0, far_ = 1;
+};
+
+}  // namespace
+
+std::vector<float> pop_map(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
+                           const ImagePopConfig& config) {
+  check(before, now, config);
+  const Reprojection reprojection(before, now);
+  const PastErrors past(before, config.depth_tolerance);
+  const ImageSize size = now.error->size;
+  std::vector<float> map(pixel_count(size), no_predecessor);
+  scheduler.for_chunks(static_cast<std::size_t>(size.height), rows_per_chunk, [&](ChunkRange rows) {
+    std::size_t i = rows.begin * static_cast<std::size_t>(size.width);
+    for (std::size_t y = rows.begin; y < rows.end; ++y)
+      for (int x = 0; x < size.width; ++x, ++i) {
+        const auto origin = reprojection.origin(x, static_cast<int>(y));
+        if (!origin) continue;
+        if (const auto error = past.at(*origin)) map[i] = std::abs(now.error->value[i] - *error);
+      }
+  });
+  return map;
+}
+
+ImagePops image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
+                     const ImagePopConfig& config) {
+  const std::vector<float> map = pop_map(before, now, scheduler, config);
+  std::vector<float> followed;
+  std::copy_if(map.begin(), map.end(), std::back_inserter(followed), [](float v) { return v >= 0; });
+  const ErrorSummary summary = summarise(followed, config.threshold);
+  ImagePops pops;
+  pops.p50 = summary.p50, pops.p99 = summary.p99, pops.max = summary.max, pops.mean = summary.mean;
+  pops.changed_share = summary.share_above;
+  pops.changed = static_cast<std::uint64_t>(
+      std::count_if(followed.begin(), followed.end(), [&](float v) { return v > config.threshold; }));
+  pops.largest_changed = largest_connected_area(map, now.error->size, config.threshold);
+  pops.pixels = followed.size();
+  pops.without_predecessor = map.size() - followed.size();
+  return pops;
+}
+
+// Union of each set pixel with its neighbours to the left and above.
+std::uint64_t largest_connected_area(std::span<const float> values, ImageSize size, double threshold) {
+  const auto width = static_cast<std::size_t>(size.width);
+  std::vector<std::uint32_t> parent(values.size()), area(values.size(), 0);
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const auto set = [&](std::size_t i) { return values[i] > threshold; };
+  const auto join = [&](std::size_t i, std::size_t k) {
+    if (set(k)) parent[root(static_cast<std::uint32_t>(i))] = root(static_cast<std::uint32_t>(k));
+  };
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!set(i)) continue;
+    const std::size_t x = i % width;
+    if (x > 0) join(i, i - 1);
+    if (i < width) continue;
+    if (x > 0) join(i, i - width - 1);
+    join(i, i - width);
+    if (x + 1 < width) join(i, i - width + 1);
+  }
+  std::uint64_t largest = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (set(i)) largest = std::max<std::uint64_t>(largest, ++area[root(static_cast<std::uint32_t>(i))]);
+  return largest;
+}
+
+}  // namespace lodestone

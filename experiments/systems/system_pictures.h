@@ -1,0 +1,60 @@
+// Pictures of a scene by each of the compared systems, and what they were made of, for the metrics.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "experiments/systems/lod_system.h"
+#include "render/renderer.h"
+#include "render/scene/scene_view.h"
+
+namespace lodestone {
+
+struct SystemConfig {
+  double fade_width = 0.25;  // of cross_fade, as a share of the radius at which a level becomes good enough
+};
+
+// A model of the scene as a system drew it, before culling; for cross_fade the finer one of its two levels.
+struct SystemModel {
+  const Hierarchy* hierarchy = nullptr;
+  Radii radii;  // that made the system of it
+  Radii morph;  // those of the scene
+  Blend blend = Blend::smoothstep;
+  Vec3f viewpoint;
+  Selection whole;                 // a partition (keep_culled)
+  ViewProjection view_projection;  // of its normalised space
+  CrossFade fade;                  // of cross_fade alone
+
+  // Points into this object.
+  [[nodiscard]] MorphContext context() const { return {hierarchy, &radii, blend, viewpoint}; }
+};
+
+struct SystemPicture {
+  Image image;
+  FrameStats stats;  // of cross_fade: of both its pictures, added up
+  int pictures = 1;  // that were drawn and blended
+  std::vector<SystemModel> models;
+};
+
+// The scene and the renderer, to which the scene has been uploaded, outlive this. Throws InputError for a scene with
+// streamed models: M_L must be there.
+class SystemPictures {
+ public:
+  SystemPictures(SceneView& scene, Renderer& renderer, const SystemConfig& config = {});
+
+  // As SceneView::look and Renderer::draw throw; InputError for cross_fade of a scene with several models, which would
+  // fade at different distances. The view of the scene is left at the camera.
+  [[nodiscard]] SystemPicture draw(LodSystem system, const Camera& camera, const ViewConfig& view);
+
+ private:
+  void draw_part(const std::vector<Radii>& radii, SystemPicture& picture);
+
+  SceneView& scene_;
+  Renderer& renderer_;
+  SystemConfig config_;
+};
+
+// share of b and 1 - share of a, by channel, rounded; the nearer depth. Of one size.
+[[nodiscard]] Image blended(const Image& a, const Image& b, double share);
+
+}  // namespace lodestone
