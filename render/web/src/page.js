@@ -9,8 +9,8 @@ import {TilesView} from './tiles_view.js';
 import {loadTileset} from './tileset.js';
 
 const $ = (id) => document.getElementById(id);
-const ask = async (url) => {
-  const answer = await fetch(url);
+const ask = async (url, signal) => {
+  const answer = await fetch(url, {signal});
   if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`);
   return answer;
 };
@@ -36,6 +36,10 @@ class Page {
 
   get automatic() { return $('automatic').checked; }
   get pixels() { return Number($('pixels').value); }
+  // Of tiles in memory, each model: ?megabytes=N in the address, or what such a machine can spare.
+  get megabytes() {
+    return Number(new URLSearchParams(location.search).get('megabytes')) || ((navigator.deviceMemory ?? 8) < 8 ? 192 : 512);
+  }
   get slider() { return Number($('level').value) / 1000; }
 
   listen() {
@@ -132,7 +136,8 @@ class Page {
     const json = async (at) => (await ask(at)).json();
     const tileset = await loadTileset(new URL(url, location.href).href, json);
     const view = new TilesView(name, tileset, this.renderer.capabilities.getMaxAnisotropy(),
-                               async (at) => (await ask(at)).arrayBuffer());
+                               {request: async (at, signal) => (await ask(at, signal)).arrayBuffer(),
+                                say: (e) => this.say(e.message), budget: 2 ** 20 * this.megabytes});
     await view.start();
     this.add(view);
   }
