@@ -6,6 +6,7 @@ import {ResidentTiles} from './resident_tiles.js';
 import {TextureCache} from './texture_cache.js';
 import {LimitTexture, countingTileMaterial, tileMaterial} from './tile_material.js';
 import {boxDistance, makeRadii} from './tileset.js';
+import {turnedBox} from './turn.js';
 
 const FAR = 3e38;  // for shaders, which need not know infinity
 // The share of its excess that a limit loses in a second is all but 0.0005, in a frame a fifth at most.
@@ -26,9 +27,10 @@ export class TilesView {
     this.limitBoxes = new LimitTexture();
     this.bands = tileset.error.map(() => ({bandBegin: {value: 0}, bandEnd: {value: FAR}}));
     const [x0, y0, z0, x1, y1, z1] = tileset.root.bounds;
-    this.box = new THREE.Box3(new THREE.Vector3(x0, z0, -y1), new THREE.Vector3(x1, z1, -y0));
+    this.extent = new THREE.Box3(new THREE.Vector3(x0, y0, z0), new THREE.Vector3(x1, y1, z1));
   }
 
+  get box() { return turnedBox(this.extent, this.frame); }
   get drawn() { return this.residents.drawn; }
   get objects() { return this.drawn.filter((c) => c.object).map((c) => c.object); }
   get triangleCount() { return this.objects.reduce((sum, o) => sum + o.geometry.index.count / 3, 0); }
@@ -37,6 +39,8 @@ export class TilesView {
     await this.residents.start();
     this.show(this.drawn);
   }
+
+  turn() { this.frame.rotation.x = this.frame.rotation.x === 0 ? -Math.PI / 2 : 0; }
 
   setWireframe(on) {
     this.wireframe = on;
