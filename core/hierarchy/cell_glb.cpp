@@ -63,12 +63,7 @@ class CellEncoder {
     if (hierarchy_.attributes.uv)
       attributes_["TEXCOORD_0"] =
           add_values([&](std::uint32_t v) { return cell_.attributes.uv[v]; }, GltfComponent::floats, "VEC2");
-    if (hierarchy_.attributes.colours) {
-      const std::size_t at = add_values([&](std::uint32_t v) { return linear_colour(cell_.attributes.colours[v]); },
-                                        GltfComponent::unsigned_short, "VEC4");
-      glb_.root["accessors"][at]["normalized"] = true;
-      attributes_["COLOR_0"] = at;
-    }
+    if (hierarchy_.attributes.colours) attributes_["COLOR_0"] = add_colours(cell_, {});
     if (!morph_) return;
     const Cell& parent = hierarchy_.cells[cell_.parent];
     attributes_["_PARENT"] =
@@ -76,6 +71,19 @@ class CellEncoder {
     attributes_["_PARENTNORMAL"] =
         add_values([&](std::uint32_t v) { return unpack_normal(parent.normals[cell_.parents[v]]); },
                    GltfComponent::floats, "VEC3");
+    if (hierarchy_.attributes.uv)
+      attributes_["_PARENTTEXCOORD"] = add_values(
+          [&](std::uint32_t v) { return parent.attributes.uv[cell_.parents[v]]; }, GltfComponent::floats, "VEC2");
+    if (hierarchy_.attributes.colours) attributes_["_PARENTCOLOR"] = add_colours(parent, cell_.parents);
+  }
+
+  // By what a vertex of this cell is in the other one.
+  std::size_t add_colours(const Cell& from, std::span<const std::uint32_t> there) {
+    const std::size_t at =
+        add_values([&](std::uint32_t v) { return linear_colour(from.attributes.colours[there.empty() ? v : there[v]]); },
+                   GltfComponent::unsigned_short, "VEC4");
+    glb_.root["accessors"][at]["normalized"] = true;
+    return at;
   }
 
   [[nodiscard]] std::uint32_t material_of(const Triangle& t) const {

@@ -17,8 +17,8 @@ using TextureUri = std::function<std::string(std::uint32_t texture)>;
 // Positions are those of the cell, bit for bit: inside the unit cube, z up. The matrix of the one node scales them to
 // the model's size around its origin and turns them y up, as glTF has it; copies of a vertex in several cells meet
 // under the same matrix. Vertices that no triangle uses are left out. Materials are those that the cell uses, textures
-// are linked. `morph` adds place and normal of each vertex's parent as attributes _PARENT and _PARENTNORMAL (but for
-// the root), in the same coordinates. The cell has triangles.
+// are linked. `morph` adds what each vertex's parent has as attributes (but for the root): _PARENT and _PARENTNORMAL,
+// in the same coordinates, _PARENTTEXCOORD and _PARENTCOLOR. The cell has triangles.
 [[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, std::uint32_t cell, bool morph,
                                                      const TextureUri& texture_uri);
 

@@ -114,7 +114,10 @@ class TreeEncoder {
 
   [[nodiscard]] static json morph_of(const Cell& cell, int level) {
     const auto [lo, hi] = cell.bounds;
-    return {{"level", level}, {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}}};
+    return {{"level", level},
+            {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
+            {"vertices", cell.positions.size()},
+            {"triangles", cell.triangles.size()}};
   }
 
   [[nodiscard]] json morph_of_levels() const {

@@ -102,7 +102,8 @@ void add_export(CLI::App& app) {
                          "Folder to write instead, new or empty: a 3D Tiles 1.1 tileset with a tile (.glb) per cell");
   CLI::Option* morph =
       command.add_flag("--morph", options->morph,
-                       "With --tiles: also place and normal of every vertex's parent (_PARENT, _PARENTNORMAL), "
+                       "With --tiles: also what every vertex's parent has (_PARENT, its place, and _PARENTNORMAL, "
+                       "_PARENTTEXCOORD, _PARENTCOLOR), "
                        "and the figures for morphing in extras");
   tiles->excludes(output)->excludes(level);
   morph->needs(tiles);

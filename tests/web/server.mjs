@@ -1,29 +1,30 @@
 // A static file server for the tests of the page. `gate` may give a promise for a file: a third of it is sent, and the rest
-// when the promise is kept.
-import {createReadStream, existsSync, readFileSync, statSync} from 'node:fs';
+// when the promise is kept. `slow` gives the milliseconds that a file takes.
+import {existsSync, readFileSync, statSync} from 'node:fs';
 import {createServer} from 'node:http';
 import path from 'node:path';
 
-const types = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.json': 'application/json'};
+const types = {'.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json'};
 
-export function serve(folder, gate = () => null) {
+export function serve(folder, {gate = () => null, slow = () => 0} = {}) {
   const server = createServer(async (request, response) => {
     const file = path.join(folder, decodeURIComponent(new URL(request.url, 'http://x').pathname).replace(/\/$/, '/index.html'));
     if (!existsSync(file) || !statSync(file).isFile()) {
       response.writeHead(404).end();
       return;
     }
+    const wait = slow(file);
+    if (wait > 0) await new Promise((next) => setTimeout(next, wait));
+    const bytes = readFileSync(file), opened = gate(file);
     response.writeHead(200, {'content-type': types[path.extname(file)] ?? 'application/octet-stream'});
-    const opened = gate(file);
     if (opened === null) {
-      createReadStream(file).pipe(response);
+      response.end(bytes);
       return;
     }
-    const bytes = readFileSync(file), third = Math.ceil(bytes.length / 3);
+    const third = Math.ceil(bytes.length / 3);
     response.write(bytes.subarray(0, third));
     await opened;
-    response.write(bytes.subarray(third));
-    response.end();
+    response.end(bytes.subarray(third));
   });
   return new Promise((ready) => server.listen(0, '127.0.0.1', () => ready({port: server.address().port, close: () => server.close()})));
 }

@@ -5,11 +5,11 @@ import * as THREE from 'three';
 
 export function countCracks(renderer, scene, camera, objects, size = 512) {
   const target = new THREE.WebGLRenderTarget(size, size, {depthBuffer: false, type: THREE.UnsignedByteType});
-  const kept = objects.map((o) => o.material), background = scene.background;
+  const kept = objects.map((o) => [o.material, o.visible]), background = scene.background;
   const lens = camera.clone();
   lens.aspect = 1;
   lens.updateProjectionMatrix();
-  objects.forEach((o) => { o.material = o.userData.counting; });
+  objects.forEach((o) => { Object.assign(o, {material: o.userData.counting, visible: true}); });
   scene.background = null;
   renderer.setRenderTarget(target);
   renderer.setClearColor(0x000000, 0);
@@ -18,7 +18,7 @@ export function countCracks(renderer, scene, camera, objects, size = 512) {
   const pixels = new Uint8Array(4 * size * size);
   renderer.readRenderTargetPixels(target, 0, 0, size, size, pixels);
   renderer.setRenderTarget(null);
-  objects.forEach((o, k) => { o.material = kept[k]; });
+  objects.forEach((o, k) => { [o.material, o.visible] = kept[k]; });
   scene.background = background;
   target.dispose();
   let cracks = 0, covered = 0;

@@ -10,6 +10,7 @@ export class Glb {
     this.name = name;
     const words = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     if (bytes.length < 20 || words.getUint32(0, true) !== 0x46546c67) throw new Error(`${name}: is no binary glTF`);
+    if (words.getUint32(8, true) > bytes.length) throw new Error(`${name}: the file ends early`);
     const length = words.getUint32(12, true);
     this.json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length)));
     this.binary = bytes.subarray(28 + length);
@@ -66,8 +67,8 @@ export class Glb {
 export async function readProgressiveGlb(bytes, name) {
   const glb = new Glb(bytes, name);
   await glb.ready;
-  const node = glb.json.nodes[0], mesh = glb.json.meshes[node.mesh], attributes = mesh.primitives[0].attributes;
-  if (attributes._PARENTINDEX === undefined)
+  const node = glb.json.nodes?.[0] ?? {}, mesh = glb.json.meshes?.[node.mesh], attributes = mesh?.primitives[0].attributes;
+  if (attributes?._PARENTINDEX === undefined)
     throw new Error(`${name}: the model is not progressive; make it so with \`lodestone progressive\``);
   const get = (key) => (attributes[key] === undefined ? null : glb.accessor(attributes[key]));
   const positions = get('POSITION'), vertexCount = positions.length / 3, scale = node.scale?.[0] ?? 1;
@@ -80,13 +81,24 @@ export async function readProgressiveGlb(bytes, name) {
   }
   const triangles = new Uint32Array(lists.reduce((sum, ids) => sum + ids.length, 0));
   lists.reduce((at, ids) => (triangles.set(ids, at), at + ids.length), 0);
-  return {vertexCount, baseVertices: mesh.extras.progressive.baseVertices, positions,
+  return checked({vertexCount, baseVertices: mesh.extras.progressive.baseVertices, positions,
           parents: Uint32Array.from(get('_PARENTINDEX')), errors: get('_ERROR').map((e) => e / scale),
           uv: get('TEXCOORD_0'), normals: get('NORMAL'), colours: colours && srgbBytes(colours),
           materialIds: mesh.primitives.length > 1 ? materialIds : null,
           materials: (glb.json.materials ?? []).map((_, k) => glb.material(k)),
           textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles,
-          origin: node.translation ?? [0, 0, 0], scale};
+          origin: node.translation ?? [0, 0, 0], scale}, name);
+}
+
+// What levels.js relies on.
+function checked(mesh, name) {
+  const {vertexCount, baseVertices, parents, errors, triangles} = mesh;
+  const fail = (what) => { throw new Error(`${name}: ${what}; the file is damaged`); };
+  if (!(baseVertices >= 1 && baseVertices <= vertexCount)) fail('the base has more vertices than the model');
+  if (parents.length !== vertexCount || errors.length !== vertexCount) fail('numbers of vertices differ');
+  if (triangles.some((v) => v >= vertexCount)) fail('a triangle has a vertex that is not there');
+  for (let v = baseVertices; v < vertexCount; ++v) if (parents[v] >= v) fail('a vertex comes before its parent');
+  return mesh;
 }
 
 // 16 bits of light to bytes in the sRGB encoding; alpha is linear.

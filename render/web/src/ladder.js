@@ -3,14 +3,16 @@
 import {Levels} from './levels.js';
 
 export class Ladder {
-  constructor(mesh, growth = 1.25) {
+  // `rungs` may be those of a part of the mesh; they stay, and more come on top.
+  constructor(mesh, rungs = [], growth = 1.25) {
     this.levels = new Levels(mesh);
-    this.rungs = [];
-    for (let want = mesh.baseVertices; want < mesh.vertexCount; want = Math.max(want + 1, Math.ceil(want * growth))) {
+    this.rungs = [...rungs];
+    const next = (count) => Math.max(count + 1, Math.ceil(count * growth));
+    for (let want = rungs.length > 0 ? next(rungs.at(-1)) : mesh.baseVertices; want < mesh.vertexCount; want = next(want)) {
       const count = this.levels.verticesFor(want);
       if (count > (this.rungs.at(-1) ?? 0)) this.rungs.push(count);
     }
-    this.rungs.push(mesh.vertexCount);
+    if (this.rungs.at(-1) !== mesh.vertexCount) this.rungs.push(mesh.vertexCount);
   }
 
   get top() { return this.rungs.length - 1; }
@@ -26,7 +28,7 @@ export class Ladder {
 
   // What is drawn at a place: the level of the rung above, and for each of its vertices where it comes from.
   between(place) {
-    const coarse = Math.min(Math.floor(place), Math.max(this.top - 1, 0)), fine = Math.min(coarse + 1, this.top);
+    const fine = Math.ceil(place), coarse = Math.max(fine - 1, 0);
     return {coarse: this.rungs[coarse], fine: this.rungs[fine], share: fine === coarse ? 1 : place - coarse};
   }
 }

@@ -2,5 +2,7 @@
 export {Glb, readProgressiveGlb} from './glb.js';
 export {Ladder} from './ladder.js';
 export {Levels} from './levels.js';
+export {LimitTracker, limitedBoxDistance, limitedPointDistance, limitsNear} from './limits.js';
 export {LpmDecoder, crc32} from './lpm.js';
+export {ResidentTiles} from './resident_tiles.js';
 export {boxDistance, loadTileset, makeRadii, selectCells} from './tileset.js';

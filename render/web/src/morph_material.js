@@ -7,6 +7,7 @@ export function morphMaterial(parameters, share) {
   material.onBeforeCompile = (shader) => {
     shader.uniforms.morphShare = share;
     shader.vertexShader = withMorph(shader.vertexShader);
+    shader.fragmentShader = withSides(shader.fragmentShader);
   };
   material.customProgramCacheKey = () => 'progressive';
   return material;
@@ -35,6 +36,13 @@ export function withMorph(source) {
       #endif`)
     .replace('#include <beginnormal_vertex>', `vec3 objectNormal = normalize(${between('fromNormal', 'normal')} + vec3(1e-20));`)
     .replace('#include <begin_vertex>', `vec3 transformed = ${between('fromPosition', 'position')};`);
+}
+
+// What shows its back is lit from behind only if its normal, too, looks away: slivers that have folded over stay as bright
+// as what is around them, and the inside of an open surface is not black.
+export function withSides(source) {
+  return source.replace('#include <normal_fragment_begin>', THREE.ShaderChunk.normal_fragment_begin.replace(
+    'gl_FrontFacing ? 1.0 : - 1.0', 'gl_FrontFacing || dot(vNormal, vViewPosition) > 0.0 ? 1.0 : - 1.0'));
 }
 
 // A shader without light that counts surfaces (cracks.js): red for fronts, green for backs.

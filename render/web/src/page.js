@@ -2,53 +2,54 @@
 import * as THREE from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {countCracks} from './cracks.js';
-import {readProgressiveGlb} from './glb.js';
-import {LpmDecoder} from './lpm.js';
+import {ask, readMesh, reading, streamMesh} from './files.js';
+import {Labels, columnsFor, layOut, seeAll} from './layout.js';
 import {ProgressiveView} from './progressive_view.js';
 import {TilesView} from './tiles_view.js';
 import {loadTileset} from './tileset.js';
 
 const $ = (id) => document.getElementById(id);
-const ask = async (url) => {
-  const answer = await fetch(url);
-  if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`);
-  return answer;
-};
-
-const isGlb = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'glTF';
+const COARSEST = 64;  // pixels of error of tiles where the slider begins
 
 class Page {
   constructor() {
-    this.renderer = new THREE.WebGLRenderer({canvas: $('view'), antialias: true, preserveDrawingBuffer: true});
+    this.renderer = new THREE.WebGLRenderer({canvas: $('view'), antialias: true, alpha: true, preserveDrawingBuffer: true});
     this.scene = new THREE.Scene();
-    this.scene.background = new THREE.Color(0x20242a);
     this.camera = new THREE.PerspectiveCamera(40, 1, 0.01, 100);
     this.head = new THREE.DirectionalLight(0xffffff, 2.2);
     this.scene.add(new THREE.HemisphereLight(0xffffff, 0x605850, 1.3), this.head);
     this.controls = new OrbitControls(this.camera, $('view'));
     this.controls.addEventListener('change', () => this.wake());
     this.models = [];
+    this.labels = new Labels($('labels'), (m) => this.turn(m));
     this.awake = false;
     this.listen();
     this.resize();
-    $('view').tabIndex = 0;
   }
 
   get automatic() { return $('automatic').checked; }
-  get pixels() { return Number($('pixels').value); }
+  // Never nothing, whatever is typed.
+  get pixels() { return Math.min(Math.max(Number($('pixels').value) || 1, 0.1), 100); }
   get slider() { return Number($('level').value) / 1000; }
+  // Of tiles in memory, each model: ?megabytes=N in the address, or what such a machine can spare.
+  get megabytes() {
+    return Number(new URLSearchParams(location.search).get('megabytes')) || ((navigator.deviceMemory ?? 8) < 8 ? 192 : 512);
+  }
 
   listen() {
-    addEventListener('resize', () => this.resize());
-    addEventListener('dragover', (e) => e.preventDefault());
+    new ResizeObserver(() => this.resize()).observe($('stage'));
+    addEventListener('dragover', (e) => {
+      e.preventDefault();
+      $('stage').classList.add('dropping');
+    });
+    addEventListener('dragleave', (e) => { if (e.relatedTarget === null) $('stage').classList.remove('dropping'); });
     addEventListener('drop', (e) => {
       e.preventDefault();
-      for (const file of e.dataTransfer.files) this.openFile(file).catch((x) => this.say(x.message));
+      $('stage').classList.remove('dropping');
+      this.openFiles(e.dataTransfer.files);
     });
     addEventListener('keydown', (e) => this.key(e));
-    $('file').addEventListener('change', (e) => {
-      for (const file of e.target.files) this.openFile(file).catch((x) => this.say(x.message));
-    });
+    $('file').addEventListener('change', (e) => this.openFiles(e.target.files));
     $('level').addEventListener('input', () => {
       $('automatic').checked = false;
       this.applySlider();
@@ -57,18 +58,34 @@ class Page {
     $('pixels').addEventListener('input', () => this.wake());
     $('wireframe').addEventListener('change', () => this.applyWireframe());
     $('home').addEventListener('click', () => this.frameAll());
+    $('dismiss').addEventListener('click', () => this.say(''));
+    $('view').addEventListener('webglcontextlost', () => this.say('The browser has taken the graphics memory away; reload the page.'));
   }
 
   key(e) {
-    if (e.target.type === 'number') return;
-    const step = e.shiftKey ? 0.1 : 0.02;
+    if (e.ctrlKey || e.metaKey || e.altKey || e.target.type === 'number') return;
+    if (e.target.type === 'range' && /^(Arrow|Page|Home|End)/.test(e.key)) return;
+    const turn = (x, y) => () => (e.shiftKey ? this.orbit(0.1 * x, 0.1 * y) : x !== 0 && this.setSlider(this.slider + 0.02 * x));
     const keys = {
-      ArrowRight: () => this.setSlider(this.slider + step), ArrowLeft: () => this.setSlider(this.slider - step),
+      ArrowRight: turn(1, 0), ArrowLeft: turn(-1, 0), ArrowUp: turn(0, -1), ArrowDown: turn(0, 1),
+      PageUp: () => this.setSlider(this.slider + 0.1), PageDown: () => this.setSlider(this.slider - 0.1),
+      Home: () => this.setSlider(0), End: () => this.setSlider(1),
+      '+': () => this.orbit(0, 0, 0.9), '-': () => this.orbit(0, 0, 1 / 0.9),
       w: () => { $('wireframe').checked = !$('wireframe').checked; this.applyWireframe(); },
       a: () => { $('automatic').checked = !$('automatic').checked; this.wake(); },
       h: () => this.frameAll()};
-    if (e.target.type === 'range' && e.key.startsWith('Arrow')) return;
-    keys[e.key]?.();
+    keys[e.key.length === 1 ? e.key.toLowerCase() : e.key]?.();
+  }
+
+  // By angles around what the camera looks at, and to so much of the distance.
+  orbit(around, over, nearer = 1) {
+    const {target} = this.controls, way = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(target));
+    way.theta += around;
+    way.phi += over;
+    way.radius *= nearer;
+    this.camera.position.setFromSpherical(way.makeSafe()).add(target);
+    this.controls.update();
+    this.wake();
   }
 
   setSlider(share) {
@@ -87,96 +104,85 @@ class Page {
     this.wake();
   }
 
+  // One line about what went wrong; more of them below each other.
   say(text) {
-    $('message').textContent = text;
+    const lines = text === '' || $('message').hidden ? [] : $('text').textContent.split('\n');
+    if (!lines.includes(text)) lines.push(text);
+    $('text').textContent = lines.slice(-4).join('\n');
     $('message').hidden = text === '';
+    $('hint').hidden = this.models.length > 0 || text !== '';
+  }
+
+  openFiles(files) {
+    this.say('');
+    for (const file of files) this.openFile(file).catch((e) => this.say(e.message));
   }
 
   async openFile(file) {
-    const bytes = new Uint8Array(await file.arrayBuffer());
-    await this.openBytes(bytes, file.name);
+    const view = this.makeProgressive(file.name);
+    await view.setMesh(await readMesh(new Uint8Array(await file.arrayBuffer()), file.name));
+    this.add(view, this.models.length);
   }
 
-  async openBytes(bytes, name) {
-    const view = new ProgressiveView(name, this.renderer.capabilities.getMaxAnisotropy());
-    if (isGlb(bytes)) {
-      await view.setMesh(await readProgressiveGlb(bytes, name));
-    } else {
-      const decoder = new LpmDecoder(name);
-      decoder.push(bytes);
-      if (!decoder.complete) throw new Error(`${name}: the file ends early`);
-      await view.setMesh(decoder.mesh());
-    }
-    this.add(view);
-  }
+  makeProgressive(name) { return new ProgressiveView(name, this.renderer.capabilities.getMaxAnisotropy()); }
 
-  // As it arrives: what there is of it is drawn.
-  async openUrl(url, name) {
-    const answer = await ask(url);
-    if (url.toLowerCase().endsWith('.glb')) return this.openBytes(new Uint8Array(await answer.arrayBuffer()), name);
-    const view = new ProgressiveView(name, this.renderer.capabilities.getMaxAnisotropy());
-    const decoder = new LpmDecoder(name), reader = answer.body.getReader();
-    for (let part = await reader.read(); !part.done; part = await reader.read()) {
-      if (!decoder.push(part.value)) continue;
-      await view.setMesh(decoder.mesh());
-      if (!this.models.includes(view)) this.add(view);
-      view.arrived = decoder.complete ? 1 : decoder.groups / decoder.header.groups * 0.99;
-      if (!this.automatic) view.show(this.slider * view.ladder.top);
-      this.wake();
-      await new Promise((next) => setTimeout(next));
-    }
-    if (!decoder.complete) throw new Error(`${name}: the file ends early`);
-  }
-
-  async openTiles(url, name) {
-    const json = async (at) => (await ask(at)).json();
-    const tileset = await loadTileset(new URL(url, location.href).href, json);
-    const view = new TilesView(name, tileset, this.renderer.capabilities.getMaxAnisotropy(),
-                               async (at) => (await ask(at)).arrayBuffer());
-    await view.start();
-    this.add(view);
-  }
-
-  add(view) {
-    this.models.push(view);
-    this.scene.add(view.node);
-    view.setWireframe($('wireframe').checked);
-    this.layOut();
-    this.frameAll();
-    this.say('');
-  }
-
-  // Side by side, each a unit wide at most.
-  layOut() {
-    this.models.forEach((m, k) => {
-      const middle = m.box.getCenter(new THREE.Vector3());
-      m.node.position.set(1.15 * k - middle.x, -middle.y, -middle.z);
-      m.node.updateMatrixWorld(true);
+  // As it arrives: what there is of it is drawn, and what comes flows in.
+  async openUrl(url, name, order) {
+    const view = this.makeProgressive(name);
+    await streamMesh(url, name, async (mesh, share) => {
+      await view.setMesh(mesh);
+      view.arrived = share;
+      if (this.models.includes(view)) this.wake();
+      else this.add(view, order);
     });
   }
 
+  async openTiles(url, name, order) {
+    const json = async (at) => (await ask(at)).json();
+    const view = await reading(name, async () => {
+      const tileset = await loadTileset(new URL(url, location.href).href, json);
+      const made = new TilesView(name, tileset, this.renderer.capabilities.getMaxAnisotropy(),
+                                 {request: async (at, signal) => (await ask(at, signal)).arrayBuffer(),
+                                  say: (e) => this.say(e.message), budget: 2 ** 20 * this.megabytes});
+      await made.start();
+      return made;
+    });
+    this.add(view, order);
+  }
+
+  // `order`: those of a smaller one stand before it, whoever came first.
+  add(view, order) {
+    view.order = order;
+    this.models.push(view);
+    this.models.sort((a, b) => a.order - b.order);
+    this.scene.add(view.node);
+    view.setWireframe($('wireframe').checked);
+    if (view.ladder && !this.automatic) view.show(this.slider * view.ladder.top);
+    $('hint').hidden = true;
+    this.frameAll();
+  }
+
+  turn(model) {
+    model.turn();
+    this.frameAll();
+  }
+
   frameAll() {
-    const box = new THREE.Box3();
-    for (const m of this.models) box.union(m.box.clone().applyMatrix4(m.node.matrixWorld));
-    if (box.isEmpty()) return;
-    const sphere = box.getBoundingSphere(new THREE.Sphere());
-    const half = THREE.MathUtils.degToRad(this.camera.fov) / 2;
-    const distance = sphere.radius / Math.sin(Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect)));
-    this.camera.position.copy(sphere.center).add(new THREE.Vector3(0.25, 0.2, 1).normalize().multiplyScalar(1.05 * distance));
-    this.camera.near = distance / 1000;
-    this.camera.far = distance * 100;
-    this.camera.updateProjectionMatrix();
-    this.controls.target.copy(sphere.center);
+    if (this.models.length === 0) return;
+    this.columns = columnsFor(this.models.length, this.camera.aspect);
+    layOut(this.models, this.columns);
+    this.controls.target.copy(seeAll(this.camera, this.models));
     this.controls.update();
     this.wake();
   }
 
   resize() {
-    const {clientWidth: w, clientHeight: h} = $('view');
+    const {clientWidth: w, clientHeight: h} = $('stage');
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(w, h, false);
     this.camera.aspect = w / Math.max(h, 1);
     this.camera.updateProjectionMatrix();
+    if (this.models.length > 0 && columnsFor(this.models.length, this.camera.aspect) !== this.columns) this.frameAll();
     this.wake();
   }
 
@@ -191,28 +197,33 @@ class Page {
   frame(time) {
     const seconds = Math.min(Math.max(time - this.last, 1) / 1000, 0.1);
     this.last = time;
-    const height = this.renderer.domElement.height;
-    let moving = false;
-    for (const m of this.models)
-      if (this.automatic || m instanceof TilesView) moving = m.approach(this.camera, height, this.pixels, seconds) || moving;
+    const moving = this.models.map((m) => this.advance(m, seconds)).some((m) => m);
     if (this.automatic) this.followSlider();
     this.head.position.copy(this.camera.position);
     this.renderer.render(this.scene, this.camera);
     this.report();
+    this.onFrame?.();
     if (moving) requestAnimationFrame((t) => this.frame(t));
     else this.awake = false;
   }
 
+  // Returns whether the model changes by itself.
+  advance(m, seconds) {
+    const height = this.renderer.domElement.height;
+    if (!m.ladder) return m.approach(this.camera, height, this.automatic ? this.pixels : COARSEST ** (1 - this.slider), seconds);
+    return this.automatic ? m.approach(this.camera, height, this.pixels, seconds) : m.travel(this.slider * m.ladder.top, seconds);
+  }
+
   followSlider() {
     const first = this.models.find((m) => m.ladder);
-    if (first) $('level').value = Math.round(1000 * first.place / Math.max(first.ladder.top, 1));
+    const share = first ? first.place / Math.max(first.ladder.top, 1) : 1 - Math.log(this.pixels) / Math.log(COARSEST);
+    $('level').value = Math.round(1000 * Math.min(Math.max(share, 0), 1));
   }
 
   report() {
     const sum = this.models.reduce((n, m) => n + m.triangleCount, 0);
     $('count').textContent = `${sum.toLocaleString('en')} triangles`;
-    $('models').textContent = this.models.map((m) => `${m.name}: ${m.triangleCount.toLocaleString('en')}` +
-      (m.arrived !== undefined && m.arrived < 1 ? ` (${Math.floor(100 * m.arrived)} % here)` : '')).join(' · ');
+    this.labels.place(this.models, this.camera, $('stage').clientWidth, $('stage').clientHeight);
   }
 
   cracks() {
@@ -220,12 +231,19 @@ class Page {
   }
 }
 
-const page = new Page();
-window.lodestone = page;  // for tests and the console
-
-async function start() {
+async function start(page) {
   const list = await (await ask('models.json')).json();
-  for (const {name, url, kind} of list)
-    await (kind === 'tiles' ? page.openTiles(url, name) : page.openUrl(url, name));
+  const open = ({name, url, kind}, order) => (kind === 'tiles' ? page.openTiles(url, name, order) : page.openUrl(url, name, order));
+  await Promise.all(list.map((model, order) => open(model, order).catch((e) => page.say(e.message))));
+  $('hint').hidden = list.length > 0;
 }
-start().then(() => { page.ready = true; }, (e) => { page.say(e.message); page.ready = true; });
+
+try {
+  const page = new Page();
+  window.lodestone = page;  // for tests and the console
+  start(page).catch((e) => page.say(e.message)).then(() => { page.ready = true; });
+} catch {
+  $('text').textContent = 'This browser shows no models: WebGL 2 is missing or switched off.';
+  $('message').hidden = false;
+  $('panel').hidden = true;
+}

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import {Ladder} from './ladder.js';
 import {countingMaterial, morphMaterial} from './morph_material.js';
+import {turnedBox} from './turn.js';
 
 const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
 
@@ -10,25 +11,29 @@ export class ProgressiveView {
     Object.assign(this, {name, anisotropy, place: 0, wanted: null, drawn: null, mesh: null, images: []});
     this.share = {value: 1};
     this.node = new THREE.Group();
+    this.frame = new THREE.Group();  // turned to z up or not
+    this.node.add(this.frame);
     this.object = new THREE.Mesh(new THREE.BufferGeometry(), [morphMaterial({}, this.share)]);
     this.object.frustumCulled = false;  // of one model, always in sight
     this.object.userData.counting = countingMaterial(this.share);
-    this.node.add(this.object);
+    this.frame.add(this.object);
   }
 
   get ladder() { return this.ladder_; }
   get triangleCount() { return this.drawn?.triangles ?? 0; }
   get vertexCount() { return this.drawn?.fine ?? 0; }
+  get box() { return turnedBox(this.extent, this.frame); }
   get objects() { return [this.object]; }
 
-  // A mesh, or more of the mesh than before; the place on the ladder stays where it was, from the top.
+  // A mesh, or more of the mesh than before, which then is drawn as before: the top of the ladder that was is a rung of
+  // the one that is.
   async setMesh(mesh) {
-    const atTop = this.mesh === null || this.place >= this.ladder_.top;
+    const before = this.mesh && this.ladder_.rungs;
+    this.ladder_ = new Ladder(mesh, before ?? []);
     this.mesh = mesh;
-    this.ladder_ = new Ladder(mesh);
     if (!mesh.normals) mesh.normals = smoothNormals(mesh, this.ladder_.levels.groups);
     this.makeGeometry();
-    this.place = atTop ? this.ladder_.top : Math.min(this.place, this.ladder_.top);
+    if (!before) this.place = this.ladder_.top;
     this.drawn = null;
     this.show(this.place);
     await this.makeMaterials();
@@ -57,7 +62,7 @@ export class ProgressiveView {
       low[k % 3] = Math.min(low[k % 3], x);
       high[k % 3] = Math.max(high[k % 3], x);
     });
-    this.box = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
+    this.extent = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
     this.object.geometry.dispose();
     this.object.geometry = geometry;
   }
@@ -89,6 +94,7 @@ export class ProgressiveView {
     return this.images[index];
   }
 
+  turn() { this.frame.rotation.x = this.frame.rotation.x === 0 ? -Math.PI / 2 : 0; }
   setWireframe(on) { this.object.material.forEach((m) => { m.wireframe = on; }); }
 
   // A place on the ladder, with a fraction.
@@ -141,17 +147,19 @@ export class ProgressiveView {
 
   // Pixels that an error of the model's extent covers at the nearest point of the model.
   pixelsPerUnit(camera, height) {
-    const box = this.box.clone().applyMatrix4(this.object.matrixWorld);
+    const box = this.box.applyMatrix4(this.node.matrixWorld);
     const distance = Math.max(box.distanceToPoint(camera.position), camera.near);
-    const scale = this.object.matrixWorld.getMaxScaleOnAxis();
-    return scale * height / (2 * distance * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2));
+    return height / (2 * distance * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2));
   }
 
-  // The place where the error is this many pixels, approached a step at a time so that nothing jumps.
+  // The place where the error is this many pixels.
   approach(camera, height, pixels, seconds) {
-    if (!this.mesh) return false;
-    const goal = this.ladder_.placeForError(pixels / this.pixelsPerUnit(camera, height));
-    const step = Math.max(8, Math.abs(goal - this.place) * 4) * seconds, way = goal - this.place;
+    return this.travel(this.ladder_.placeForError(pixels / this.pixelsPerUnit(camera, height)), seconds);
+  }
+
+  // A step towards a place, so that nothing jumps. Returns whether there was a way to go.
+  travel(goal, seconds) {
+    const way = goal - this.place, step = Math.max(8, Math.abs(way) * 4) * seconds;
     if (Math.abs(way) < 1e-4) return false;
     this.show(this.place + Math.sign(way) * Math.min(step, Math.abs(way)));
     return true;

@@ -1,0 +1,71 @@
+// Detail limits: drawing without a crack or a pop where finer cells are not there (render/lod/limits.h). Selection and
+// morph take the distance
+//
+//     d'(x) = max(d(v_p, x), max over limits of R - d(x, Q)),
+//
+// Q a box and R a radius. The distance from boxes is Chebyshev's: no larger than Euclid's, so that d' is 1-Lipschitz all the
+// same, and made of differences and maxima of 32-bit floats alone, which come out in the shader as they do here.
+
+const single = Math.fround;
+
+// Distances from the box `to`: of a point, and the largest and least of a box's points.
+export function pointFrom([x, y, z], to) {
+  return Math.max(single(to[0] - x), single(x - to[3]), single(to[1] - y), single(y - to[4]), single(to[2] - z),
+                  single(z - to[5]), 0);
+}
+function farthestFrom(box, to) {
+  let far = 0;
+  for (let i = 0; i < 3; ++i) far = Math.max(far, single(to[i] - box[i]), single(box[i + 3] - to[i + 3]));
+  return far;
+}
+function nearestTo(box, to) {
+  let near = 0;
+  for (let i = 0; i < 3; ++i) near = Math.max(near, single(to[i] - box[i + 3]), single(box[i] - to[i + 3]));
+  return near;
+}
+
+// What the limits make of the distance: of a point, and a lower bound for the points of a box.
+export const limitedPointDistance = (p, limits) =>
+  limits.reduce((d, {box, radius}) => Math.max(d, single(radius - pointFrom(p, box))), 0);
+export const limitedBoxDistance = (bounds, limits) =>
+  limits.reduce((d, {box, radius}) => Math.max(d, single(radius - farthestFrom(bounds, box))), 0);
+
+// The limits that may exceed a distance of at least `nearest` somewhere in the box; the others change no bit of d' there.
+export const limitsNear = (bounds, nearest, limits) =>
+  limits.filter(({box, radius}) => single(radius - nearestTo(bounds, box)) > nearest * (1 - 4e-6));
+
+// The limits of a sequence of frames. What sinks, and rises, geometrically is the excess R - d(v_p, Q) of a limit: where
+// it is larger than d, d' is at least half of it.
+export class LimitTracker {
+  constructor() { this.radii = new Map(); }
+
+  // `stateOf(cell)` tells whether its children are 'there', 'missing', or 'unwanted', that is to go; it is asked for the
+  // cells that this view wants to refine. A share of its excess is what a limit loses or gains in this frame. Returns
+  // the limits and the cells whose children are missing; `needed(cell)` hears of those that may be refined.
+  update({root, finest}, {select, begin}, viewpoint, stateOf, share, needed = () => {}) {
+    const before = this.radii, limits = [], missing = [], least = share * begin[finest];
+    this.radii = new Map();
+    const next = (cell, state, d, full) => {
+      const excess = Math.max(Math.min(before.get(cell) ?? 0, full) - d, 0);
+      if (state === 'missing') return full;
+      if (state === 'unwanted') return Math.min(single(d + Math.max(excess / (1 - share), least)), full);
+      return excess * (1 - share) > least ? single(d + excess * (1 - share)) : d;
+    };
+    const visit = (cell) => {
+      if (cell.level === finest) return;
+      const full = select[cell.level], d = pointFrom(viewpoint, cell.bounds);
+      if (d >= full) return;
+      const state = stateOf(cell), radius = next(cell, state, d, full);
+      if (state === 'missing') missing.push(cell);
+      if (radius > d) {
+        limits.push({box: cell.bounds, radius});
+        this.radii.set(cell, radius);
+      }
+      if (radius >= full) return;
+      needed(cell);
+      cell.children.forEach(visit);
+    };
+    visit(root);
+    return {limits, missing};
+  }
+}

@@ -1,0 +1,142 @@
+// The rules of tiles without a browser: a camera flies over a tileset that a slow line brings, under budgets of memory.
+// usage: node test_resident.mjs PROGRAM LIBRARY
+import {execFileSync} from 'node:child_process';
+import {mkdtempSync, rmSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import path from 'node:path';
+import {pathToFileURL} from 'node:url';
+import {loadOracle} from './tile_oracle.mjs';
+
+const [program, bundle] = process.argv.slice(2).map((p) => path.resolve(p));
+const library = await import(pathToFileURL(bundle));
+const folder = mkdtempSync(path.join(tmpdir(), 'lodestone-resident-'));
+const check = (holds, what) => {
+  if (!holds) throw new Error(what);
+  console.log(`ok: ${what}`);
+};
+
+// From afar to the surface, along it, and away again, as fast as wished.
+const flight = (count) => Array.from({length: count}, (_, k) => {
+  const t = k / (count - 1), a = 5 * t, far = 0.53 + 3 * (2 * t - 1) ** 6;
+  return [0.5 + far * Math.cos(a), 0.5 + far * Math.sin(a), 0.5 + 0.2 * Math.sin(9 * t)].map(Math.fround);
+});
+
+// What a view takes from a line that needs `latency` frames for a tile, one to three times that. Tiles take as many bytes
+// as their vertices and triangles ask for.
+class Line {
+  constructor(latency, broken) {
+    Object.assign(this, {latency, broken, now: 0, waiting: [], here: new Set(), failures: 0});
+  }
+
+  size(cell) { return 64 * cell.vertices + 12 * cell.triangles; }
+  load(cell, signal) {
+    return new Promise((keep, fail) => {
+      signal.addEventListener('abort', () => fail(new Error('called off')));
+      const arrive = () => {
+        if (this.broken(cell)) return fail(new Error('broken'));
+        this.here.add(cell);
+        return keep(this.size(cell));
+      };
+      if (cell.parent === null) arrive();
+      else this.waiting.push({at: this.now + this.latency * (1 + cell.index % 3), arrive});
+    });
+  }
+
+  async step() {
+    ++this.now;
+    const due = this.waiting.filter(({at}) => at <= this.now);
+    this.waiting = this.waiting.filter(({at}) => at > this.now);
+    due.forEach(({arrive}) => arrive());
+    await new Promise((next) => setImmediate(next));
+  }
+}
+
+async function fly(oracle, {budget = 1e12, latency = 0, frames = 240, rest = 0, until = 1, pixels = 10, broken = () => false, share = 0.12, told = share}) {
+  const {tileset} = oracle, line = new Line(latency, broken);
+  const tiles = new library.ResidentTiles(tileset, {load: (cell, signal) => line.load(cell, signal), release: (cell) => line.here.delete(cell),
+                                                    failed: () => { ++line.failures; }}, budget);
+  await tiles.start();
+  const radii = library.makeRadii(tileset, {pixels, height: 700, fov: 0.7, aspect: 1.5});
+  const out = {cracks: 0, ratio: 0, limited: 0, mixed: 0, evicted: 0, finest: 0, last: null};
+  const way = flight(frames / until).slice(0, frames);
+  for (const viewpoint of [...way, ...new Array(rest).fill(way.at(-1))]) {
+    await line.step();
+    const families = tiles.families.size;
+    tiles.update(radii, viewpoint, share, (cell) => library.boxDistance(viewpoint, cell.bounds) < 0.4);
+    const frame = {viewpoint, radii, limits: tiles.limits, share: told, drawn: tiles.drawn.map((c) => c.index)};
+    if (tiles.bytes > budget) throw new Error(`frame ${line.now}: ${tiles.bytes} bytes, ${budget} are allowed`);
+    if (tiles.drawn.some((c) => !line.here.has(c) && c.url !== null)) throw new Error(`frame ${line.now}: draws what is not there`);
+    if (line.now % 12 === 0) out.cracks += oracle.cracks(frame);
+    if (out.last !== null) out.ratio = Math.max(out.ratio, oracle.jump(out.last, frame, 10, line.now).ratio);
+    out.last = frame;
+    out.evicted += tiles.families.size < families ? 1 : 0;
+    out.limited += tiles.limits.length > 0 ? 1 : 0;
+    out.mixed += new Set(tiles.drawn.map((c) => c.level)).size > 1 ? 1 : 0;
+    out.finest = Math.max(out.finest, ...tiles.drawn.map((c) => c.level));
+  }
+  return {...out, tiles, line};
+}
+
+function makeOracle() {
+  const run = (...words) => execFileSync(program, [...words, '--quiet'], {cwd: folder});
+  run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
+  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '80');
+  run('export', 'sphere.lode', '--tiles', 'tiles', '--morph');
+  return loadOracle(path.join(folder, 'tiles'), library);
+}
+
+async function testFlights(oracle) {
+  const all = oracle.tileset.cells.reduce((sum, c) => sum + 64 * c.vertices + 12 * c.triangles, 0);
+  console.log(`${oracle.tileset.cells.length} tiles, ${all} bytes, ${oracle.points.length} points`);
+  const results = {};
+  for (const [name, options] of Object.entries({free: {}, slow: {latency: 12}, half: {budget: all / 2, latency: 1, frames: 500},
+                                                third: {budget: all / 3, latency: 8}, twentieth: {budget: all / 20, latency: 3}})) {
+    const found = results[name] = await fly(oracle, options), {cracks, ratio, limited, mixed, evicted, finest} = found;
+    check(cracks === 0 && ratio <= 1, `${name}: no crack, jumps ${ratio.toFixed(2)} of the bound, at most ${found.tiles.most} bytes; ${limited} frames ` +
+      `limited, ${mixed} mix levels, ${evicted} let go; finest level ${finest}`);
+  }
+  const {free, half, third} = results;
+  check(free.finest === oracle.tileset.finest && free.mixed > 50 && free.evicted === 0, 'without a limit all levels are seen');
+  check(half.evicted > 5 && third.evicted > 2, 'budgets make tiles go');
+}
+
+// Faster than the line brings tiles, and then at rest: detail comes in by and by, until nothing is missing.
+async function testOutrun(oracle) {
+  const found = await fly(oracle, {latency: 10, frames: 12, rest: 200, until: 0.5});
+  check(found.cracks === 0 && found.ratio <= 1 && found.last.limits.length === 0 && found.finest === oracle.tileset.finest,
+        `a camera that outruns the line sees no crack and no pop (${found.ratio.toFixed(2)} of the bound), and all detail in the end`);
+}
+
+// What the checks would say of other rules.
+async function testChecks(oracle) {
+  const hasty = await fly(oracle, {latency: 6, share: 0.3, told: 0.03, frames: 120});
+  check(hasty.ratio > 1, `limits that sink faster than told pop: ${hasty.ratio.toFixed(1)} of the bound`);
+  const {last} = await fly(oracle, {frames: 2}), near = [1.05, 0.5, 0.5], opposite = [-0.05, 0.5, 0.5];
+  const mixed = {...last, drawn: library.selectCells(oracle.tileset, last.radii, near, []).map((c) => c.index), limits: []};
+  check(oracle.cracks({...mixed, viewpoint: near}) === 0, 'a view and its cells fit');
+  check(oracle.cracks({...mixed, viewpoint: opposite}) > 0, 'cells of another view crack');
+}
+
+async function testBroken(oracle) {
+  const bad = oracle.tileset.root.children[0].children[0];
+  const found = await fly(oracle, {latency: 1, broken: (cell) => cell === bad, frames: 120});
+  check(found.line.failures === 1 && found.cracks === 0 && found.ratio <= 1, 'a family that cannot be had is asked for once, and missed without a crack');
+  let refused = '';
+  await fly(oracle, {budget: 10}).catch((e) => { refused = e.message; });
+  check(refused.includes('memory budget'), refused);
+}
+
+let status = 0;
+try {
+  const oracle = await makeOracle();
+  for (const test of [testFlights, testOutrun, testChecks, testBroken]) {
+    console.log(test.name);
+    await test(oracle);
+  }
+} catch (error) {
+  console.error(`failed: ${error.stack ?? error}`);
+  status = 1;
+} finally {
+  rmSync(folder, {recursive: true, force: true});
+}
+process.exit(status);

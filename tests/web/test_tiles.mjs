@@ -1,0 +1,171 @@
+// Tiles on the page: levels by distance, over a slow line and under a budget of memory.
+// usage: node test_tiles.mjs PROGRAM PAGE MODULES
+import {readdirSync, rmSync} from 'node:fs';
+import path from 'node:path';
+import {pathToFileURL} from 'node:url';
+import {check, folder, main, open, pageFolder, run, writeTorus} from './browser.mjs';
+import {loadOracle} from './tile_oracle.mjs';
+
+function makeFiles() {
+  run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
+  run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '250');
+  run('page', 'sphere.lode', '-o', 'tiles');
+  writeTorus(80, 50);
+  run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250');
+  run('page', 'torus.lode', '-o', 'torus');
+}
+
+// Automatic levels of so many pixels.
+async function allow(page, pixels) {
+  await page.fill('#pixels', String(pixels));
+  if (!await page.isChecked('#automatic')) await page.click('label:has(#automatic)');
+}
+
+async function testCracks(browser) {
+  const {page, quiet, close} = await open(browser, 'tiles');
+  await quiet();
+  await allow(page, 6);
+  let mixed = 0, cracks = 0, least = 1e9, most = 0;
+  for (const [x, z] of [[0, 3], [0.2, 2], [0.3, 1.4], [0.4, 1.1], [0.5, 0.9], [0.2, 0.8], [-0.4, 0.75], [0, 0.7], [0.3, 1.2], [0, 6]]) {
+    await page.evaluate(([px, pz]) => {
+      window.lodestone.camera.position.set(px, 0.1, pz);
+      window.lodestone.controls.update();
+      window.lodestone.wake();
+    }, [x, z]);
+    await quiet();
+    // Everything in the picture, for the count: the lens is widened, what is drawn stays.
+    const found = await page.evaluate(() => {
+      const {camera, models} = window.lodestone, fov = camera.fov;
+      camera.fov = 120;
+      const out = {...window.lodestone.cracks(), levels: new Set(models[0].drawn.map((c) => c.level)).size, triangles: models[0].triangleCount};
+      camera.fov = fov;
+      return out;
+    });
+    mixed += found.levels > 1 ? 1 : 0;
+    cracks += found.cracks;
+    least = Math.min(least, found.triangles), most = Math.max(most, found.triangles);
+  }
+  check(mixed >= 2, `${mixed} of 10 views mix levels`);
+  check(cracks === 0, `no crack where tiles of several levels meet: ${cracks}`);
+  check(most > 2 * least, `between ${least} and ${most} triangles`);
+  await close();
+}
+
+// The pictures of two viewpoints on either side of an exchange of cells hardly differ, textures included.
+async function testExchanges(browser) {
+  for (const name of ['tiles', 'torus']) {
+    const {page, quiet, close} = await open(browser, name);
+    await quiet();
+    const worst = await page.evaluate(() => {
+      const {lodestone} = window, {camera, models, renderer, scene} = lodestone, [m] = models;
+      const gl = renderer.getContext(), {width, height} = gl.canvas;
+      const shot = (z) => {
+        camera.position.set(0, 0.1, z);
+        camera.lookAt(0, 0, 0);
+        camera.updateMatrixWorld(true);
+        for (let k = 0; k < 60; ++k) m.approach(camera, height, 6, 10);  // until limits have sunk
+        renderer.render(scene, camera);
+        const out = new Uint8Array(4 * width * height);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, out);
+        return {out, cells: m.drawn.map((c) => c.index).join()};
+      };
+      const low = 0.7, high = 6;
+      let exchanges = 0, changed = 0;
+      for (let k = 0; k < 5; ++k) {
+        let a = low + (high - low) * k / 5, b = low + (high - low) * (k + 1) / 5;
+        if (shot(a).cells === shot(b).cells) continue;
+        while (b - a > 1e-6) {
+          const middle = (a + b) / 2;
+          if (shot(middle).cells === shot(a).cells) a = middle;
+          else b = middle;
+        }
+        const x = shot(a).out, y = shot(b).out;
+        let count = 0;
+        for (let p = 0; p < x.length; ++p) count += Math.abs(x[p] - y[p]) > 8 ? 1 : 0;
+        changed = Math.max(changed, count / (x.length / 4));
+        ++exchanges;
+      }
+      return {exchanges, changed};
+    });
+    check(worst.exchanges > 0 && worst.changed < 0.001, `${name}: ${worst.exchanges} exchanges change at most ${worst.changed} of the picture`);
+    await close();
+  }
+}
+
+// The camera comes near faster than tiles do, on a line where each takes a while, with memory for a part of them. Frames
+// are recorded, and checked vertex by vertex against a twin that shares no code with the shader.
+async function testSlowLine(browser) {
+  const {page, quiet, close} = await open(browser, 'tiles', {query: '?megabytes=0.75', slow: (file) => (file.endsWith('.glb') ? 80 : 0)});
+  await quiet();
+  await allow(page, 6);
+  const flown = await page.evaluate(async () => {
+    const {lodestone} = window, {camera, controls, models, renderer} = lodestone, [m] = models, frames = [];
+    let cracks = 0, tiles = 0;
+    controls.enabled = false;
+    const record = () => {
+      const {viewpoint, radii, limits, share, bytes, drawn} = m.state;
+      frames.push({viewpoint, radii, limits, share, bytes, drawn: drawn.map((c) => c.index)});
+    };
+    for (let k = 0; k < 90; ++k) {
+      const t = Math.min(k / 30, 1), a = 4 * Math.max(k / 30 - 1, 0), r = 3 - 2.42 * t;
+      camera.position.set(r * Math.sin(a), 0.1, r * Math.cos(a));
+      camera.lookAt(0, 0, 0);
+      const drawn = new Promise((next) => { lodestone.onFrame = next; });
+      lodestone.wake();
+      await drawn;
+      record();
+      if (k % 10 === 5) cracks += lodestone.cracks().cracks;
+      tiles = Math.max(tiles, renderer.info.memory.geometries);
+    }
+    const resident = m.tileset.cells.filter((c) => c.object).length;
+    return {frames, cracks, tiles, most: m.residents.most, budget: m.residents.budget, resident, all: m.tileset.cells.length,
+            geometries: renderer.info.memory.geometries};
+  });
+  const oracle = await loadOracle(path.join(folder, 'tiles/models/sphere'), await import(pathToFileURL(path.join(pageFolder, 'library.mjs'))));
+  const {frames} = flown;
+  let ratio = 0, cracks = 0;
+  frames.forEach((frame, k) => {
+    if (k % 3 === 0) cracks += oracle.cracks(frame);
+    if (k > 0) ratio = Math.max(ratio, oracle.jump(frames[k - 1], frame, 4, k).ratio);
+  });
+  const limited = frames.filter((f) => f.limits.length > 0).length, mixed = frames.filter((f) => new Set(f.drawn.map((c) => oracle.tileset.cells[c].level)).size > 1).length;
+  check(limited > 20, `${limited} of ${frames.length} frames lack tiles, ${mixed} mix levels`);
+  check(cracks === 0 && flown.cracks === 0, `no crack, vertex by vertex ${cracks}, in the pictures ${flown.cracks}`);
+  check(ratio > 0 && ratio <= 1, `the largest jump of a vertex is ${ratio.toFixed(2)} of the bound`);
+  check(flown.most <= flown.budget, `at most ${flown.most} bytes, ${flown.budget} are allowed`);
+  check(flown.geometries <= flown.resident && flown.resident < flown.all, `${flown.geometries} geometries on the device, ${flown.resident} of ${flown.all} tiles in memory`);
+  await page.evaluate(() => { window.lodestone.onFrame = null; });
+  await close();
+}
+
+async function testSlider(browser) {
+  const {page, quiet, close, triangles} = await open(browser, 'tiles');
+  await quiet();
+  const all = await triangles();
+  await page.locator('#view').focus();
+  await page.keyboard.press('Home');
+  await quiet();
+  const coarse = await triangles();
+  check(coarse < all / 4, `the slider coarsens tiles, too: ${all} triangles, ${coarse} at its begin`);
+  await page.keyboard.press('End');
+  await quiet();
+  check(await triangles() === all, 'and refines them again');
+  await close();
+}
+
+// A tile that is not to be had is told, and missed without a crack.
+async function testMissing(browser) {
+  run('page', 'sphere.lode', '-o', 'holes');
+  const levels = path.join(folder, 'holes/models/sphere'), tiles = path.join(levels, readdirSync(levels).filter((f) => /^\d+$/.test(f)).sort().at(-1));
+  const name = readdirSync(tiles).filter((f) => f.endsWith('.glb')).sort().at(-1);
+  rmSync(path.join(tiles, name));
+  const {page, quiet, close} = await open(browser, 'holes', {expected: /404/});
+  await page.waitForSelector('#message:not([hidden])', {timeout: 60000});
+  await quiet();
+  const text = await page.textContent('#text');
+  check(text.includes(name) && text.includes('404') && !text.includes('\n'), text);
+  check((await page.evaluate(() => window.lodestone.cracks())).cracks === 0, 'no crack around what is missing');
+  await close();
+}
+
+await main(makeFiles, [testCracks, testExchanges, testSlowLine, testSlider, testMissing]);
