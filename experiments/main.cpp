@@ -79,6 +79,7 @@ int main(int argc, char** argv) {
   add_progressive(app);
   add_lod(app);
   add_page(app);
+  add_report(app);
   install_interrupt_handler();
   return run(app, argc, argv);
 }

@@ -61,5 +61,6 @@ void add_reconstruct(CLI::App& app);
 void add_progressive(CLI::App& app);
 void add_lod(CLI::App& app);
 void add_page(CLI::App& app);
+void add_report(CLI::App& app);
 
 }  // namespace lodestone

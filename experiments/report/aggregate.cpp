@@ -1,0 +1,216 @@
+#include "experiments/report/aggregate.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <set>
+
+#include "experiments/metrics/scaling.h"
+#include "experiments/report/number_text.h"
+
+namespace lodestone {
+namespace {
+
+using Kind = ColumnInfo::Kind;
+using nlohmann::json;
+
+Cell plain_cell(const json& value) {
+  Cell cell{value, 0, 0, 1};
+  if (value.is_number()) cell.least = cell.most = value.get<double>();
+  return cell;
+}
+
+// Values of a column in several repetitions; null where it has none.
+std::vector<json> values_of(const std::vector<const Row*>& rows, const std::string& column) {
+  std::vector<json> values;
+  for (const Row* row : rows) values.push_back(row->value(column, json()));
+  return values;
+}
+
+std::vector<double> numbers_in(const std::vector<json>& values) {
+  std::vector<double> numbers;
+  for (const json& value : values)
+    if (value.is_number()) numbers.push_back(value.get<double>());
+  return numbers;
+}
+
+Cell cost_cell(const std::vector<const Row*>& rows, const std::string& column) {
+  const std::vector<double> numbers = numbers_in(values_of(rows, column));
+  if (numbers.empty()) return {};
+  std::vector<double> all = numbers;
+  for (const char* end : {"_min", "_max"})
+    for (const double number : numbers_in(values_of(rows, column + end))) all.push_back(number);
+  const auto [least, most] = std::minmax_element(all.begin(), all.end());
+  return {median_of(numbers), *least, *most, static_cast<int>(numbers.size())};
+}
+
+// The first value that there is. Others should equal it; a sum in another order may differ in the last digits.
+Cell first_cell(const std::vector<json>& values, bool& steady) {
+  Cell cell;
+  for (const json& value : values) {
+    if (value.is_null()) continue;
+    if (cell.count == 0) cell = plain_cell(value);
+    else ++cell.count;
+    const bool equal = value.is_number() && cell.is_number()
+                           ? std::abs(value.get<double>() - cell.number()) <= 1e-9 * std::abs(cell.number())
+                           : value == cell.value;
+    steady = steady && equal;
+  }
+  return cell;
+}
+
+Cell join(const ColumnInfo& column, const std::vector<const Row*>& rows, bool& steady) {
+  const std::vector<json> values = values_of(rows, column.name);
+  const bool text = std::any_of(values.begin(), values.end(), [](const json& v) { return v.is_string() || v.is_boolean(); });
+  return column.kind == Kind::cost && !text ? cost_cell(rows, column.name) : first_cell(values, steady);
+}
+
+void add_run(SettingTable& table, const SweepRecord& sweep, std::size_t index) {
+  const RunRecord& run = sweep.runs[index];
+  std::vector<std::vector<const Row*>> rows;  // by place in the run, then repetition
+  for (const Repetition& repetition : run.repetitions) {
+    if (!repetition.has_rows || repetition.fault) continue;
+    rows.resize(std::max(rows.size(), repetition.rows.size()));
+    for (std::size_t i = 0; i < repetition.rows.size(); ++i) rows[i].push_back(&repetition.rows[i]);
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Setting setting{index, i, {{"sweep", plain_cell(sweep.name)}, {"data", plain_cell(run.data)}}};
+    for (const auto& [name, value] : run.parameters.items()) setting.cells[name] = plain_cell(value);
+    for (const ColumnInfo& column : table.columns) {
+      bool steady = true;
+      setting.cells[column.name] = join(column, rows[i], steady);
+      if (!steady) table.unsteady.push_back(fmt::format("{} of run {}", column.name, run.id));
+    }
+    table.settings.push_back(std::move(setting));
+  }
+}
+
+// NAME_min and NAME_max are shown as the range of NAME.
+std::vector<ColumnInfo> without_ranges(const std::vector<ColumnInfo>& columns) {
+  std::set<std::string> names;
+  for (const ColumnInfo& column : columns) names.insert(column.name);
+  std::vector<ColumnInfo> kept;
+  for (const ColumnInfo& column : columns) {
+    const bool range = column.name.ends_with("_min") || column.name.ends_with("_max");
+    if (!range || !names.contains(column.name.substr(0, column.name.size() - 4))) kept.push_back(column);
+  }
+  return kept;
+}
+
+// A hash parts rows, but tells nobody anything.
+bool is_hash(const std::string& text) {
+  return text.size() >= 8 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+bool parts_rows(const SettingTable& table, const std::string& label) {
+  std::map<std::size_t, std::set<std::string>> of_run;
+  for (const Setting& setting : table.settings)
+    if (const json& value = setting.at(label).value; value.is_string()) {
+      if (is_hash(value.get<std::string>())) return false;
+      of_run[setting.run].insert(value.get<std::string>());
+    }
+  return std::any_of(of_run.begin(), of_run.end(), [](const auto& entry) { return entry.second.size() > 1; });
+}
+
+std::vector<std::string> varied_names(const SettingTable& table) {
+  std::vector<std::string> varied;
+  for (const ColumnInfo& parameter : table.parameters) {
+    std::set<std::string> values;
+    for (const Setting& setting : table.settings) values.insert(setting.at(parameter.name).value.dump());
+    if (values.size() > 1) varied.push_back(parameter.name);
+  }
+  for (const ColumnInfo& column : table.columns)
+    if (column.kind == Kind::label && parts_rows(table, column.name)) varied.push_back(column.name);
+  return varied;
+}
+
+// Everything that a setting is, but the number of threads.
+std::string key_without_threads(const SettingTable& table, const Setting& setting) {
+  std::string key = std::to_string(setting.row) + "\n";
+  for (const std::string& name : table.varied)
+    if (name != "threads") key += setting.at(name).value.dump() + "\n";
+  return key;
+}
+
+Scaling scaling_of(double seconds_of_one, double seconds, int threads) {
+  if (threads == 1) return {};
+  const ThreadTime times[] = {{1, seconds_of_one}, {threads, seconds}};
+  return scaling(times)[1];
+}
+
+// Ranges are those of the least favourable pairs of repetitions.
+void set_scaling(Setting& setting, const Cell& one, const Cell& time, int threads) {
+  const Scaling middle = scaling_of(one.number(), time.number(), threads);
+  const Scaling slow = scaling_of(one.least, time.most, threads), fast = scaling_of(one.most, time.least, threads);
+  setting.cells["speedup"] = {middle.speedup, slow.speedup, fast.speedup, time.count};
+  setting.cells["efficiency"] = {middle.efficiency, slow.efficiency, fast.efficiency, time.count};
+  if (threads > 1) setting.cells["karp_flatt"] = {middle.karp_flatt, fast.karp_flatt, slow.karp_flatt, time.count};
+}
+
+void add_scaling(SettingTable& table) {
+  const std::string name = "seconds";
+  const bool varies = std::find(table.varied.begin(), table.varied.end(), "threads") != table.varied.end();
+  if (!varies || table.find(name) == nullptr || table.find("speedup") != nullptr) return;
+  std::map<std::string, Cell> ones;
+  for (const Setting& setting : table.settings)
+    if (const Cell& seconds = setting.at(name); setting.at("threads").value == 1 && seconds.is_number() && seconds.least > 0)
+      ones.emplace(key_without_threads(table, setting), seconds);
+  for (Setting& setting : table.settings) {
+    const auto one = ones.find(key_without_threads(table, setting));
+    const Cell seconds = setting.at(name), threads = setting.at("threads");
+    if (one != ones.end() && seconds.is_number() && seconds.least > 0 && threads.is_number() && threads.number() >= 1)
+      set_scaling(setting, one->second, seconds, static_cast<int>(threads.number()));
+  }
+  table.columns.push_back({"speedup", "", "seconds of one thread over seconds", Kind::cost});
+  table.columns.push_back({"efficiency", "", "speed-up over threads", Kind::cost});
+  table.columns.push_back({"karp_flatt", "", "serial share that would explain the speed-up", Kind::cost});
+}
+
+}  // namespace
+
+const Cell& Setting::at(const std::string& name) const {
+  static const Cell nothing;
+  const auto found = cells.find(name);
+  return found == cells.end() ? nothing : found->second;
+}
+
+const ColumnInfo* SettingTable::find(const std::string& name) const {
+  for (const auto* list : {&parameters, &columns})
+    for (const ColumnInfo& column : *list)
+      if (column.name == name) return &column;
+  return nullptr;
+}
+
+double median_of(std::vector<double> values) {
+  assert(!values.empty());
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : values[half - 1] + (values[half] - values[half - 1]) / 2;
+}
+
+SettingTable aggregate(const SweepRecord& sweep) {
+  SettingTable table;
+  table.sweep = sweep.name;
+  if (std::any_of(sweep.runs.begin(), sweep.runs.end(), [](const RunRecord& run) { return !run.data.empty(); }))
+    table.parameters.push_back({"data", "", "what it ran on", Kind::label});
+  for (const ParameterInfo& p : sweep.parameters)
+    table.parameters.push_back({p.name, p.unit, p.description, Kind::label});
+  table.columns = without_ranges(sweep.columns);
+  for (std::size_t i = 0; i < sweep.runs.size(); ++i)
+    if (is_reported(state_of(sweep.runs[i]))) add_run(table, sweep, i);
+  table.varied = varied_names(table);
+  add_scaling(table);
+  return table;
+}
+
+std::string setting_label(const Setting& setting, const std::vector<std::string>& names) {
+  std::string label;
+  for (const std::string& name : names)
+    if (const Cell& cell = setting.at(name); !cell.value.is_null())
+      label += fmt::format("{}{} = {}", label.empty() ? "" : ", ", name, value_text(cell.value));
+  return label;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,245 @@
+"""Draws the figures of `lodestone report`: the list of figures as JSON in, a list of {"wide": SVG, "narrow": SVG} out.
+
+It computes nothing that is shown: every number is in its input. Equal input gives equal bytes. Colours are variables of the
+page's style sheet, text is text in the page's font. Exits with 3 where there is no matplotlib.
+"""
+
+import io
+import json
+import math
+import re
+import sys
+import xml.etree.ElementTree as ET
+
+try:
+    import matplotlib
+    matplotlib.use("svg")
+    from matplotlib import pyplot, ticker
+except ImportError as error:
+    print(error, file=sys.stderr)
+    sys.exit(3)
+
+SVG = "http://www.w3.org/2000/svg"
+XLINK = "http://www.w3.org/1999/xlink"
+SERIES = [f"#a000{n:02x}" for n in range(8)]  # stand for var(--s0) ... in what matplotlib writes
+INK, GRID, FAINT = "#b00000", "#b00001", "#b00002"
+VARIABLES = {**{colour: f"var(--s{n})" for n, colour in enumerate(SERIES)},
+             INK: "var(--ink)", GRID: "var(--line)", FAINT: "var(--faint)"}
+MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*"]
+DASHES = ["-", (0, (4, 1.6)), (0, (1.2, 1.4)), (0, (5, 1.4, 1.2, 1.4))]
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value, _=None):
+    """A tick: powers of ten where decimals would be long."""
+    size = abs(value)
+    if size and not 1e-3 <= size < 1e5:
+        power = math.floor(math.log10(size) + 1e-9)
+        digits = f"{value / 10 ** power:g}"
+        return ("" if digits == "1" else digits + "·") + "10" + str(power).translate(SUPERSCRIPT)
+    return f"{value:,.10g}"
+
+
+def label(name, unit):
+    return f"{name} ({unit})" if unit else name
+
+
+def ends(points, axis):
+    return [value for p in points for value in (p[axis], p[axis + "_least"], p[axis + "_most"])]
+
+
+def set_log(axis, set_scale, values):
+    """A logarithmic axis; zeros get a linear piece below the smallest value that is above 0."""
+    positive = [v for v in values if v > 0]
+    if not positive or min(values) < 0:
+        return
+    low, high = math.log10(min(positive)), math.log10(max(positive))
+    if min(values) == 0:
+        threshold = 10 ** math.floor(low)
+        set_scale("symlog", linthresh=threshold, linscale=0.5)
+        step = max(1, math.ceil((high - low) / 5))
+        powers = range(math.floor(low), math.ceil(high) + 1, step)
+        axis.set_major_locator(ticker.FixedLocator([0, *(10.0 ** k for k in powers)]))
+        axis.set_view_interval(-0.2 * threshold, 1.5 * max(values), ignore=True)
+    else:
+        set_scale("log")
+        different = sorted(set(positive))
+        roomy = all(b / a > 10 ** ((high - low) / 12) for a, b in zip(different, different[1:]))
+        if axis.axis_name == "x" and 1 < len(different) <= 9 and roomy:
+            axis.set_major_locator(ticker.FixedLocator(different))
+        elif high - low < 2.5:
+            axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(ticker.FuncFormatter(number))
+    axis.set_minor_formatter(ticker.NullFormatter())
+
+
+def style(n):
+    return {"color": SERIES[n % 8], "marker": MARKERS[n % 8], "linestyle": DASHES[n // 8 % 4]}
+
+
+def draw_points(axes, figure, series, n, name):
+    points = series["points"]
+    x, y = [p["x"] for p in points], [p["y"] for p in points]
+    look = style(n)
+    if figure["kind"] == "scatter":
+        look["linestyle"] = "none"
+    for axis, keyword in (("y", "yerr"), ("x", "xerr")):
+        below = [p[axis] - p[axis + "_least"] for p in points]
+        above = [p[axis + "_most"] - p[axis] for p in points]
+        if any(v > 0 for v in below + above):
+            axes.errorbar(x, y, **{keyword: [below, above]}, fmt="none", ecolor=look["color"], elinewidth=0.9, capsize=2,
+                          alpha=0.6)
+    axes.plot(x, y, **look, linewidth=1.5, markersize=4.5, markeredgewidth=0, label=series["name"], gid=name)
+
+
+def draw_bars(axes, series, n, count, name):
+    width = 0.8 / count
+    for k, p in enumerate(series["points"]):
+        x = p["x"] - 0.4 + (n + 0.5) * width
+        axes.bar(x, p["y"], width * 0.92, color=SERIES[n % 8], label=series["name"] if k == 0 else None, gid=f"{name}-{k}")
+        if p["y_most"] > p["y_least"]:
+            axes.errorbar(x, p["y"], yerr=[[p["y"] - p["y_least"]], [p["y_most"] - p["y"]]], fmt="none", ecolor=INK,
+                          elinewidth=0.9, capsize=2)
+
+
+def draw_front(axes, front, reach):
+    x, y = [p["x"] for p in front["points"]], [p["y"] for p in front["points"]]
+    axes.step([*x, max(reach, x[-1])], [*y, y[-1]], where="post", color=INK, linewidth=1, alpha=0.7, zorder=1)
+
+
+def draw_marks(axes, marks):
+    for k, mark in enumerate(marks):
+        axes.axvline(mark["x"], color=INK, linewidth=1, linestyle=(0, (3, 2)), alpha=0.8)
+        axes.annotate(mark["label"], (mark["x"], 1), xycoords=axes.get_xaxis_transform(), xytext=(0, 3 + 10 * (k % 2)),
+                      textcoords="offset points", ha="center", va="bottom", fontsize=8, color=INK)
+
+
+def finish_axes(axes, figure, panel, narrow):
+    points = [p for series in panel["series"] for p in series["points"]]
+    x, y = ends(points, "x") + [m["x"] for m in figure["marks"]], ends(points, "y")
+    axes.set_xlabel(label(figure["x_name"], figure["x_unit"]))
+    axes.set_ylabel(label(panel["y_name"], panel["y_unit"]))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(ticker.FuncFormatter(number))
+    if figure["categories"]:
+        long = max(map(len, figure["categories"])) * len(figure["categories"]) > (34 if narrow else 90)
+        axes.set_xticks(range(len(figure["categories"])), figure["categories"], rotation=30 if long else 0,
+                        ha="right" if long else "center")
+        axes.set_xlim(-0.6, len(figure["categories"]) - 0.4)
+    elif figure["log_x"]:
+        set_log(axes.xaxis, axes.set_xscale, x)
+    elif narrow:
+        axes.xaxis.set_major_locator(ticker.MaxNLocator(5))
+    if figure["log_y"]:
+        set_log(axes.yaxis, axes.set_yscale, y)
+    elif y and min(y) >= 0:
+        axes.set_ylim(bottom=0, top=None if max(y) > 0 else 1)
+    axes.grid(True, color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def draw(figure, narrow):
+    panels = figure["panels"]
+    columns = 1 if narrow else min(2, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    names = [s["name"] for panel in panels for s in panel["series"] if s["name"]]
+    names = list(dict.fromkeys(names))
+    width = 3.9 if narrow else 8.4
+    per_row = max(1, int((width - 0.2) / (0.5 + 0.072 * max(map(len, names), default=1))))
+    legend = 0.2 * math.ceil(len(names) / per_row) + 0.05 if len(names) > 1 else 0
+    height = rows * (2.7 if narrow else 3.3) + legend + (0.15 if len(figure["marks"]) > 1 else 0)
+    sheet, grid = pyplot.subplots(rows, columns, squeeze=False, figsize=(width, height))
+    for k, axes in enumerate(grid.flat):
+        if k >= len(panels):
+            axes.remove()
+            continue
+        panel = panels[k]
+        order = {name: n for n, name in enumerate(names)}
+        for n, series in enumerate(panel["series"]):
+            place = order.get(series["name"], n)
+            if figure["kind"] == "bar":
+                draw_bars(axes, series, n, len(panel["series"]), f"points-{k}-{n}")
+            else:
+                draw_points(axes, figure, series, place, f"points-{k}-{n}")
+        reach = max((p["x"] for series in panel["series"] for p in series["points"]), default=0)
+        for front in panel["fronts"]:
+            if front["points"]:
+                draw_front(axes, front, reach)
+        draw_marks(axes, figure["marks"])
+        finish_axes(axes, figure, panel, narrow)
+    sheet.tight_layout(rect=(0, legend / height, 1, 1), pad=0.4)
+    if legend:
+        handles = {}
+        for axes in sheet.axes:
+            for handle, name in zip(*axes.get_legend_handles_labels()):
+                handles.setdefault(name, handle)
+        sheet.legend(handles.values(), handles.keys(), loc="lower center", ncol=per_row, frameon=False, handlelength=2.2,
+                     columnspacing=1.4, labelcolor=INK)
+    file = io.StringIO()
+    sheet.savefig(file, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    pyplot.close(sheet)
+    return file.getvalue()
+
+
+def add_titles(root, figure):
+    """Each point says what it is when the pointer rests on it."""
+    groups = {group.get("id"): group for group in root.iter(f"{{{SVG}}}g")}
+    for k, panel in enumerate(figure["panels"]):
+        for n, series in enumerate(panel["series"]):
+            name = f"points-{k}-{n}"
+            if figure["kind"] == "bar":
+                shapes = [groups.get(f"{name}-{i}") for i in range(len(series["points"]))]
+            else:
+                shapes = list(groups[name].iter(f"{{{SVG}}}use")) if name in groups else []
+            if len(shapes) != len(series["points"]):
+                continue
+            for shape, point in zip(shapes, series["points"]):
+                if shape is not None:
+                    text = [series["name"], point["label"], f"{panel['y_name']}: {number(point['y'])} {panel['y_unit']}"]
+                    ET.SubElement(shape, f"{{{SVG}}}title").text = "\n".join(t.strip() for t in text if t)
+
+
+def tidy(svg, figure, prefix):
+    """What matplotlib wrote, as a part of a page: ids of its own, colours and fonts of the page."""
+    root = ET.fromstring(svg)
+    add_titles(root, figure)
+    for parent in root.iter():
+        for child in list(parent):
+            if child.tag.endswith("}metadata"):
+                parent.remove(child)
+    for element in root.iter():
+        for key, value in list(element.attrib.items()):
+            if key == "id":
+                value = f"{prefix}-{value}"
+            elif key == f"{{{XLINK}}}href":
+                value = value.replace("#", f"#{prefix}-")
+            elif key == "clip-path":
+                value = value.replace("url(#", f"url(#{prefix}-")
+            elif key == "style":
+                value = re.sub(r"font: ([\d.]+)px [^;]*", r"font-size: \1px", value)
+                value = re.sub("#[ab]000[0-9a-f]{2}", lambda m: VARIABLES.get(m[0], m[0]), value)
+            element.set(key, value)
+    for size in ("width", "height"):
+        root.attrib.pop(size, None)
+    root.set("aria-hidden", "true")
+    return ET.tostring(root, encoding="unicode")
+
+
+def main():
+    matplotlib.rcdefaults()
+    matplotlib.rcParams.update({
+        "svg.hashsalt": "lodestone", "svg.fonttype": "none", "font.family": "DejaVu Sans", "font.size": 9,
+        "axes.edgecolor": FAINT, "axes.labelcolor": INK, "text.color": INK, "xtick.color": FAINT, "ytick.color": FAINT,
+        "xtick.labelcolor": INK, "ytick.labelcolor": INK, "legend.fontsize": 8.5, "path.simplify": False})
+    ET.register_namespace("", SVG)
+    ET.register_namespace("xlink", XLINK)
+    plots = []
+    for k, figure in enumerate(json.load(sys.stdin)):
+        plots.append({form: tidy(draw(figure, form == "narrow"), figure, f"f{k}{form[0]}") for form in ("wide", "narrow")})
+    json.dump(plots, sys.stdout)
+
+
+if __name__ == "__main__":
+    main()

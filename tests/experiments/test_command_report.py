@@ -1,0 +1,269 @@
+"""lodestone report as a user meets it, on directories of sweeps made by hand. usage: test_command_report.py PROGRAM"""
+
+import csv
+import html.parser
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+import command_case
+import sweep_folder
+from command_case import CommandCase
+from sweep_folder import SweepFolder, column, parameter
+
+HAS_MATPLOTLIB = any(subprocess.run([python, "-c", "import matplotlib"], capture_output=True).returncode == 0
+                     for python in ("python3", "/usr/bin/python3") if shutil.which(python))
+
+
+class PageParser(html.parser.HTMLParser):
+    """Text outside scripts, ids, links; whether every element is closed."""
+
+    VOID = {"meta", "link", "img", "br", "input"}
+
+    def __init__(self, page):
+        super().__init__()
+        self.open, self.words, self.ids, self.links, self.images, self.outside = [], [], [], [], [], []
+        self.feed(page)
+        self.close()
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag not in self.VOID:
+            self.open.append(tag)
+        if "id" in attributes:
+            self.ids.append(attributes["id"])
+        if tag == "a":
+            self.links.append(attributes["href"])
+        if tag == "img":
+            self.images.append(attributes)
+        self.outside += [v for k, v in attributes.items() if k in ("src", "href") and re.match(r"(https?:)?//", v or "")]
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+        if tag not in self.VOID:
+            self.handle_endtag(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open[-1] == tag, (tag, self.open[-3:])
+        self.open.pop()
+
+    def handle_data(self, text):
+        if not {"script", "style"} & set(self.open):
+            self.words.append(text)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self.words).split())
+
+
+def small_study(path, **more):
+    """One sweep of two settings with two repetitions each, all in order."""
+    study = SweepFolder(path, **more)
+    study.sweep("border", [column("gap", "accuracy", "pixels"), column("seconds", "cost", "s")], [parameter("kappa0")], 2)
+    for kappa0 in (1.0, 4.0):
+        folder = study.run("border", "sphere", {"kappa0": kappa0})
+        for repetition in range(2):
+            study.rows(folder, repetition, [{"seconds": kappa0 + repetition, "gap": 4 - kappa0 if repetition == 0 else None}])
+    study.figure("Gaps", "border", "kappa0", "gap")
+    return study
+
+
+class WholeReport(CommandCase):
+    def setUp(self):
+        super().setUp()
+        sweep_folder.make(self.folder / "ablation")
+
+    def page(self, *more):
+        self.lodestone("report", "ablation", "-o", "report.html", "--quiet", *more)
+        return PageParser((self.folder / "report.html").read_text())
+
+    def test_page_stands_alone_and_says_what_was_found(self):
+        page = self.page()
+        self.assertEqual(page.outside, [])
+        self.assertEqual(len(page.ids), len(set(page.ids)))
+        for link in page.links:
+            self.assertIn(link.removeprefix("#"), page.ids)
+        for part in ("Ablation over kappa0 & the blending function", "Which settings crack", "armadillo <1>", "48 runs",
+                     "45 verified", "1 not verified", "1 failed", "1 missing", "Cheapest setting for a given error",
+                     "gap_max is 0.4 and should be 0; open edges: 12 & more", "killed by signal 9", "No space left on device",
+                     "Mixed: host has 2 values", "1 runs lack repetitions", "1 runs in the folder are of other settings",
+                     "gap_max: from rho", "A processor of 2 cores"):
+            self.assertIn(part, page.text)
+        self.assertEqual(len(page.images), 2 * 4)
+        for image in page.images:
+            self.assertTrue(image["alt"])
+            self.assertTrue(image["src"].startswith("data:image/png;base64,"))
+
+    def test_json_and_csv_have_all_rows(self):
+        self.page("--json", "report.json", "--csv", "rows.csv")
+        report = json.loads((self.folder / "report.json").read_text(), parse_constant=self.fail)
+        self.assertEqual([report[k] for k in ("runs", "complete", "incomplete", "unverified", "failed", "missing")],
+                         [48, 44, 1, 1, 1, 1])
+        rows = list(csv.DictReader(io.StringIO((self.folder / "rows.csv").read_text())))
+        stored = [json.loads(line) for path in (self.folder / "ablation/runs").rglob("rows.*.jsonl")
+                  for line in path.read_text().splitlines()]
+        self.assertEqual(len(rows), len(stored))
+        self.assertEqual(sorted(row["seconds"] for row in rows), sorted(json.dumps(row["seconds"]) for row in stored))
+        self.assertEqual(sum(row["state"] == "unverified" for row in rows), 3)
+        self.assertEqual({row["data"] for row in rows}, {"sphere", "armadillo <1>"})
+        self.assertEqual({row["repetition"] for row in rows}, {"0", "1", "2"})
+        self.assertEqual(rows[0]["kappa0"], "1.0")
+
+    def test_unverified_rows_are_in_no_figure(self):
+        self.page("--json", "report.json")
+        study = json.loads((self.folder / "report.json").read_text())["studies"][0]
+        border = study["figures"][0]["panels"][0]["series"]
+        self.assertEqual({s["name"]: [p["x"] for p in s["points"]] for s in border}["armadillo <1>, step"],
+                         [1.0, 1.5, 2.0, 4.0, 6.0, 8.0])
+        self.assertEqual([m["label"] for m in study["figures"][0]["marks"]], ["rho (sphere)", "rho (armadillo <1>)"])
+        speedup = study["figures"][4]["panels"][0]["series"][0]["points"]
+        self.assertEqual(speedup[0]["y"], 1)
+        self.assertGreater(speedup[3]["y"], 5)
+
+    def test_equal_folders_give_equal_bytes(self):
+        self.page()
+        first = (self.folder / "report.html").read_bytes()
+        self.page()
+        self.assertEqual((self.folder / "report.html").read_bytes(), first)
+
+    @unittest.skipUnless(HAS_MATPLOTLIB, "python3-matplotlib is not installed")
+    def test_plots_are_drawn_for_wide_and_narrow(self):
+        self.page()
+        page = (self.folder / "report.html").read_text()
+        self.assertEqual(page.count("<svg"), 2 * 6)
+        self.assertIn("var(--s0)", page)
+        self.assertNotRegex(page, "#[ab]000[0-9a-f]{2}\\b")
+
+    def test_pictures_are_limited(self):
+        page = self.page("--pictures", 0)
+        self.assertEqual(page.images, [])
+        self.assertIn("8 pictures are left out for their size", page.text)
+
+    def test_summary_on_the_terminal(self):
+        told = self.lodestone("report", "ablation", "-o", "report.html")
+        self.assertIn("48 runs, 45 verified, 1 not verified, 1 failed, 1 missing", told)
+        self.assertIn("What accuracy costs: ", told)
+        self.assertIn("report.html: opens in any browser", told)
+
+
+class SeveralFolders(CommandCase):
+    def test_several_studies_in_one_page(self):
+        for name in ("one", "two"):
+            small_study(self.folder / name, name=name, title=f"Study {name}").write()
+        self.lodestone("report", "one", "two", "-o", "report.html", "--quiet")
+        page = PageParser((self.folder / "report.html").read_text())
+        self.assertEqual(len(page.ids), len(set(page.ids)))
+        self.assertIn("4 runs 4 verified", page.text)
+        for name in ("one", "two"):
+            self.assertIn(f"Study {name}", page.text)
+        self.assertIn("None: every repetition of every run is there and verified.", page.text)
+
+    def test_output_is_no_input_of_its_own(self):
+        small_study(self.folder / "one").write()
+        self.refused("report", "one", "-o", "same.html", "--json", "same.html", names=["same.html"])
+        self.refused("report", "one", "-o", "report.txt", names=["--output", ".html"])
+        self.refused("report", "one", "-o", "report.html", "--csv", "rows.txt", names=["--csv", ".csv"])
+
+
+class Faults(CommandCase):
+    def report(self):
+        return ("report", "study", "-o", "report.html")
+
+    def test_no_folder(self):
+        self.refused(*self.report(), names=["study", "no such folder"])
+        self.write("study", "a file")
+        self.refused(*self.report(), names=["study", "is no folder"])
+
+    def test_folder_of_something_else(self):
+        (self.folder / "study").mkdir()
+        self.refused(*self.report(), names=["study", "no sweep.json", "lodestone sweep"])
+
+    def test_broken_line_is_named(self):
+        study = small_study(self.folder / "study")
+        folder = study.path / "runs" / study.sheet["sweeps"][0]["runs"][1]["id"]
+        study.write()
+        for line, says in (('{"seconds": 1', "is no JSON"), ("3", "is no object"), ('{"length": 2}', "'length' is no column"),
+                           ('{"seconds": [1]}', "'seconds' is neither")):
+            (folder / "rows.1.jsonl").write_text('{"seconds": 1}\n' + line + "\n")
+            self.refused(*self.report(), names=["rows.1.jsonl", "line 2", says])
+
+    def test_broken_files_are_named(self):
+        study = small_study(self.folder / "study")
+        study.write()
+        folder = study.path / "runs" / study.sheet["sweeps"][0]["runs"][0]["id"]
+        for name in ("fault.0.json", "manifest.0.json", "parameters.json"):
+            whole = (folder / name).read_bytes() if (folder / name).exists() else None
+            (folder / name).write_text("{")
+            self.refused(*self.report(), names=[name, "is no JSON"])
+            (folder / name).unlink() if whole is None else (folder / name).write_bytes(whole)
+        self.lodestone(*self.report(), "--quiet")
+
+    def test_broken_sheets_are_named(self):
+        study = small_study(self.folder / "study")
+        for change, says in ((lambda s: s.pop("sweeps"), "has no 'sweeps'"),
+                             (lambda s: s.update(figures=3), "'figures' is no list"),
+                             (lambda s: s["figures"][0].update(sweep=["x"]), "a sweep 'x' that is not there"),
+                             (lambda s: s["figures"][0].update(kind="pie"), "line, scatter or bar"),
+                             (lambda s: s["sweeps"][0].update(repetitions=-1), "'repetitions' is no count"),
+                             (lambda s: s["sweeps"][0]["columns"][0].update(kind="x"), "label, accuracy, cost or count"),
+                             (lambda s: s["sweeps"][0]["runs"][0].update(id="../x"), "'id' is no name of a folder")):
+            sheet = json.loads(json.dumps(study.sheet))
+            change(sheet)
+            study.put(study.path / "sweep.json", sheet)
+            self.refused(*self.report(), names=["sweep.json", says])
+        (study.path / "sweep.json").write_text("{")
+        self.refused(*self.report(), names=["sweep.json", "is no JSON"])
+
+    def test_nothing_verified_is_reported_and_no_success(self):
+        study = SweepFolder(self.folder / "study")
+        study.sweep("border", [column("gap", "accuracy")], [parameter("kappa0")])
+        wrong, crashed = (study.run("border", "sphere", {"kappa0": k}) for k in (1.0, 2.0))
+        study.run("border", "sphere", {"kappa0": 3.0})
+        study.rows(wrong, 0, [{"gap": 1}])
+        study.fault(wrong, 0, "verify", "gap is not 0")
+        study.fault(crashed, 0, "crash", "signal 11")
+        study.figure("Gaps", "border", "kappa0", "gap")
+        study.write()
+        done = command_case.call(*self.report(), cwd=self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.stderr.decode(), "lodestone: report.html: written, but no run has rows that verified: "
+                                               "of 3 runs, 1 did not verify, 1 failed, 1 are not yet run\n")
+        page = PageParser((self.folder / "report.html").read_text())
+        for part in ("gap is not 0", "signal 11", "not yet run", "No setting that verified has numbers for gap"):
+            self.assertIn(part, page.text)
+
+    def test_without_matplotlib_there_are_no_plots_and_a_note(self):
+        small_study(self.folder / "study").write()
+        for name, script in (("bare", "#!/bin/sh\nexit 3\n"), ("broken", "#!/bin/sh\necho no font >&2\nexit 1\n")):
+            python = self.write(name, script)
+            python.chmod(0o755)
+            done = command_case.call(*self.report(), cwd=self.folder, environment={"LODESTONE_PYTHON": str(python)})
+            self.assertEqual((done.returncode, done.stderr), (0, b""))
+            page = (self.folder / "report.html").read_text()
+            self.assertNotIn("<svg", page)
+            said = "python3-matplotlib" if name == "bare" else "could not draw the plots: no font"
+            self.assertIn(said, page)
+            self.assertIn(said, done.stdout.decode())
+        done = command_case.call(*self.report(), cwd=self.folder, environment={"LODESTONE_PYTHON": "/no/such/python"})
+        self.assertEqual(done.returncode, 0)
+        self.assertIn(b"python3-matplotlib", done.stdout)
+
+    @unittest.skipUnless(os.environ.get("FAILING_DISK"), "the failing disk is not built for sanitizers")
+    def test_full_disk_leaves_nothing(self):
+        small_study(self.folder / "study").write()
+        before = self.listing()
+        for output, room in ((["-o", "report.html"], 1000), (["-o", "report.html", "--csv", "rows.csv"], 20)):
+            environment = {"LD_PRELOAD": os.environ["FAILING_DISK"], "DISK_WRITES": str(room)}
+            done = command_case.call("report", "study", *output, cwd=self.folder, environment=environment)
+            self.assertEqual(done.returncode, 1)
+            self.assertRegex(done.stderr.decode(), r"\Alodestone: report.html: [^\n]*No space left[^\n]*\n\Z")
+            self.assertEqual(self.listing(), before)
+
+
+if __name__ == "__main__":
+    command_case.main(__doc__)
