@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 #include <utility>
 
-#include "render/scene/scene_table.h"
+#include "render/scene/toml_table.h"
 
 namespace lodestone {
 namespace {
@@ -18,7 +16,7 @@ constexpr double positive = 1e-30;  // least of those above zero
 
 // One of a few names.
 template <class T, std::size_t N>
-void choice(SceneTable& table, const char* key, T& to, const std::array<std::pair<const char*, T>, N>& choices) {
+void choice(TomlTable& table, const char* key, T& to, const std::array<std::pair<const char*, T>, N>& choices) {
   const toml::node* node = table.find(key);
   if (!node) return;
   const std::string text = node->value_or(std::string());
@@ -33,37 +31,7 @@ void choice(SceneTable& table, const char* key, T& to, const std::array<std::pai
   table.fail(*node, key, "must be one of " + known);
 }
 
-// Calls read(table) where there is one of that name.
-template <class Read>
-void sub_table(SceneTable& parent, const char* key, const Read& read) {
-  const toml::node* node = parent.find(key);
-  if (!node) return;
-  if (!node->is_table()) parent.fail(*node, key, "must be a table, as [" + std::string(key) + "]");
-  SceneTable table(*node->as_table(), parent.file(), key);
-  read(table);
-  table.refuse_others();
-}
-
-template <class Read>
-void tables(SceneTable& parent, const char* key, const Read& read) {
-  const toml::node* node = parent.find(key);
-  if (!node) return;
-  const toml::array* array = node->as_array();
-  if (!array || !array->is_array_of_tables())
-    parent.fail(*node, key, "must be tables, each as [[" + std::string(key) + "]]");
-  std::size_t number = 0;
-  for (const toml::node& element : *array) {
-    SceneTable table(*element.as_table(), parent.file(), std::string(key) + " " + std::to_string(++number));
-    read(table, element);
-    table.refuse_others();
-  }
-}
-
-std::string beside(const std::string& scene, const std::string& file) {
-  return (std::filesystem::path(scene).parent_path() / file).lexically_normal().string();
-}
-
-void read_source(SceneTable& table, const toml::node& at, SceneModel& model) {
+void read_source(TomlTable& table, const toml::node& at, SceneModel& model) {
   std::string shape_name;
   table.text("file", model.file);
   table.text("generate", shape_name);
@@ -89,7 +57,7 @@ void read_source(SceneTable& table, const toml::node& at, SceneModel& model) {
   model.generate->seed = static_cast<std::uint64_t>(seed);
 }
 
-void read_model(SceneTable& table, const toml::node& at, Scene& scene) {
+void read_model(TomlTable& table, const toml::node& at, Scene& scene) {
   SceneModel model;
   read_source(table, at, model);
   table.text("name", model.name);
@@ -117,11 +85,11 @@ void read_model(SceneTable& table, const toml::node& at, Scene& scene) {
   scene.models.push_back(std::move(model));
 }
 
-void read_lighting(SceneTable& table, Scene& scene) {
+void read_lighting(TomlTable& table, Scene& scene) {
   Lighting& lighting = scene.setting.lighting;
   table.number("ambient", lighting.ambient, 0, 1);
   table.number("head", lighting.head, 0, 100);
-  sub_table(table, "directional", [&](SceneTable& light) {
+  table.sub_table("directional", [&](TomlTable& light) {
     lighting.directional.strength = 1;
     light.number("strength", lighting.directional.strength, 0, 100);
     light.flag("shadows", lighting.directional.shadows);
@@ -131,14 +99,14 @@ void read_lighting(SceneTable& table, Scene& scene) {
   });
 }
 
-void read_camera(SceneTable& table, Scene& scene) {
+void read_camera(TomlTable& table, Scene& scene) {
   SceneCamera& camera = scene.camera;
   std::int64_t frames = camera.frames;
   table.text("path", camera.path);
   table.text("fly_to", camera.fly_to);
   table.integer("frames", frames, 1, 1'000'000);
   camera.frames = static_cast<int>(frames);
-  tables(table, "key", [&](SceneTable& key, const toml::node& at) {
+  table.tables("key", [&](TomlTable& key, const toml::node& at) {
     Camera c;
     for (const char* needed : {"position", "target"})
       if (!key.has(needed)) key.fail(at, needed, "is missing");
@@ -162,7 +130,7 @@ void read_camera(SceneTable& table, Scene& scene) {
     table.fail(*table.find("fly_to"), "fly_to", "names no model of the scene");
 }
 
-void read_effects(SceneTable& table, Scene& scene) {
+void read_effects(TomlTable& table, Scene& scene) {
   Setting& setting = scene.setting;
   if (const toml::node* node = table.find("run")) {
     std::string names = node->value_or(std::string());
@@ -182,7 +150,7 @@ void read_effects(SceneTable& table, Scene& scene) {
   table.flag("overdraw", setting.overdraw);
 }
 
-void read_detail(SceneTable& table, Scene& scene) {
+void read_detail(TomlTable& table, Scene& scene) {
   table.number("pixel_error", scene.radii.pixel_error, positive, 1e6);
   std::string blend_name;
   table.text("blend", blend_name);
@@ -193,44 +161,30 @@ void read_detail(SceneTable& table, Scene& scene) {
   }
 }
 
-toml::table parse(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(describe(file, {}, "cannot be opened for reading"));
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in && !in.eof()) throw FileError(describe(file, {}, "cannot be read"));
-  try {
-    return toml::parse(text.str(), file);
-  } catch (const toml::parse_error& error) {
-    throw InputError(describe(file, "line " + std::to_string(error.source().begin.line),
-                              "is not valid TOML: " + std::string(error.description())));
-  }
-}
-
 }  // namespace
 
 bool is_scene_file(const std::string& file) { return std::filesystem::path(file).extension() == ".toml"; }
 
 Scene read_scene(const std::string& file) {
-  const toml::table root = parse(file);
-  SceneTable table(root, file, "");
+  const toml::table root = parse_toml(file);
+  TomlTable table(root, file, "");
   Scene scene;
-  tables(table, "model", [&](SceneTable& model, const toml::node& at) { read_model(model, at, scene); });
+  table.tables("model", [&](TomlTable& model, const toml::node& at) { read_model(model, at, scene); });
   if (scene.models.empty()) throw InputError(describe(file, {}, "has no models", "add a [[model]] with a file"));
   table.colour("background", scene.setting.background);
-  sub_table(table, "lighting", [&](SceneTable& t) { read_lighting(t, scene); });
-  sub_table(table, "fog", [&](SceneTable& t) {
+  table.sub_table("lighting", [&](TomlTable& t) { read_lighting(t, scene); });
+  table.sub_table("fog", [&](TomlTable& t) {
     t.colour("colour", scene.setting.fog.colour);
     t.number("density", scene.setting.fog.density, 0, any);
   });
-  sub_table(table, "ambient_occlusion", [&](SceneTable& t) {
+  table.sub_table("ambient_occlusion", [&](TomlTable& t) {
     scene.setting.ambient_occlusion.strength = 1;
     t.number("strength", scene.setting.ambient_occlusion.strength, 0, 1);
     t.number("radius", scene.setting.ambient_occlusion.radius, 0, any);
   });
-  sub_table(table, "effects", [&](SceneTable& t) { read_effects(t, scene); });
-  sub_table(table, "detail", [&](SceneTable& t) { read_detail(t, scene); });
-  sub_table(table, "camera", [&](SceneTable& t) { read_camera(t, scene); });
+  table.sub_table("effects", [&](TomlTable& t) { read_effects(t, scene); });
+  table.sub_table("detail", [&](TomlTable& t) { read_detail(t, scene); });
+  table.sub_table("camera", [&](TomlTable& t) { read_camera(t, scene); });
   table.refuse_others();
   return scene;
 }

@@ -5,20 +5,24 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/vec3.h"
 
 namespace lodestone {
 
-class SceneTable {
+class TomlTable {
  public:
   // `name` as messages have it: "model 2".
-  SceneTable(const toml::table& table, std::string file, std::string name)
+  TomlTable(const toml::table& table, std::string file, std::string name)
       : table_(table), file_(std::move(file)), name_(std::move(name)) {}
 
   [[nodiscard]] bool has(std::string_view key) const { return table_.contains(key); }
@@ -71,9 +75,38 @@ class SceneTable {
     return table_.get(key);
   }
   [[noreturn]] void fail(const toml::node& node, std::string_view key, const std::string& what) const {
-    throw InputError(describe(file_, "line " + std::to_string(node.source().begin.line),
-                              (name_.empty() ? "" : name_ + ", ") + std::string(key) + " " + what));
+    fail_at(node.source(), std::string(key) + " " + what);
   }
+  [[noreturn]] void fail_at(const toml::source_region& place, const std::string& what) const {
+    throw InputError(
+        describe(file_, "line " + std::to_string(place.begin.line), (name_.empty() ? "" : name_ + ", ") + what));
+  }
+  // Calls read(TomlTable&) where there is a table of that name.
+  template <class Read>
+  void sub_table(const char* key, const Read& read) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    if (!node->is_table()) fail(*node, key, "must be a table, as [" + std::string(key) + "]");
+    TomlTable table(*node->as_table(), file_, key);
+    read(table);
+    table.refuse_others();
+  }
+  // Calls read(TomlTable&, const toml::node& at) for each of an array of tables.
+  template <class Read>
+  void tables(const char* key, const Read& read) {
+    const toml::node* node = find(key);
+    if (!node) return;
+    const toml::array* array = node->as_array();
+    if (!array || !array->is_array_of_tables())
+      fail(*node, key, "must be tables, each as [[" + std::string(key) + "]]");
+    std::size_t number = 0;
+    for (const toml::node& element : *array) {
+      TomlTable table(*element.as_table(), file_, std::string(key) + " " + std::to_string(++number));
+      read(table, element);
+      table.refuse_others();
+    }
+  }
+
   // Throws InputError for a key that none of the calls before has asked for.
   void refuse_others() const {
     for (const auto& [key, node] : table_) {
@@ -109,5 +142,25 @@ class SceneTable {
   std::string file_, name_;
   std::set<std::string> read_;
 };
+
+// Throws FileError when the file cannot be read, InputError with the line when it is no TOML.
+[[nodiscard]] inline toml::table parse_toml(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw FileError(describe(file, {}, "cannot be opened for reading"));
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in && !in.eof()) throw FileError(describe(file, {}, "cannot be read"));
+  try {
+    return toml::parse(text.str(), file);
+  } catch (const toml::parse_error& error) {
+    throw InputError(describe(file, "line " + std::to_string(error.source().begin.line),
+                              "is not valid TOML: " + std::string(error.description())));
+  }
+}
+
+// A path in a TOML file is relative to the file's folder.
+[[nodiscard]] inline std::string beside(const std::string& file, const std::string& path) {
+  return (std::filesystem::path(file).parent_path() / path).lexically_normal().string();
+}
 
 }  // namespace lodestone
