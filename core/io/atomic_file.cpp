@@ -154,6 +154,11 @@ void AtomicFile::flush() {
   buffered_ = 0;
 }
 
+void AtomicFile::sync() {
+  flush();
+  if (!temporary_.empty() && fsync(descriptor_) != 0) fail("cannot force to the medium");
+}
+
 void AtomicFile::write_through(std::uint64_t offset, std::span<const std::byte> bytes) {
   assert(descriptor_ >= 0);
   while (!bytes.empty()) {

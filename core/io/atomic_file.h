@@ -2,7 +2,7 @@
 //
 // The bytes go to a temporary name beside the target, which commit() renames over it; whatever ends the writing earlier
 // (an exception, a full disk) removes the temporary and leaves the target as it was. This guards against a failing
-// program and a full disk, not against a power cut: nothing is forced to the medium.
+// program and a full disk; against a power cut only where sync() forces the bytes to the medium first.
 #pragma once
 
 #include <cstddef>
@@ -36,7 +36,8 @@ class AtomicFile {
   // disjoint ranges; the position of write() does not move. Do not aim it at bytes that write() has yet to flush().
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
 
-  void flush();                                                       // hands the gathered bytes to the file system
+  void flush();  // hands the gathered bytes to the file system
+  void sync();   // and waits until they are on the medium; of regular files
   [[nodiscard]] std::uint64_t position() const { return position_; }  // bytes appended by write() so far
 
   // Makes the file appear under its name. At most once, and nothing is written afterwards.
