@@ -13,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "experiments/commands/command.h"
+#include "experiments/commit.h"
 #include "experiments/version.h"
 
 namespace lodestone {
@@ -64,6 +65,7 @@ int run(CLI::App& app, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace lodestone;
+  set_program_commit(commit_text);
   CLI::App app{"Lodestone: level of detail of large triangle surfaces, without cracks or pops", "lodestone"};
   app.set_version_flag("--version", std::string(program_version()));
   app.require_subcommand(1);
@@ -80,6 +82,8 @@ int main(int argc, char** argv) {
   add_lod(app);
   add_page(app);
   add_report(app);
+  add_sweep(app);
+  add_experiments(app);
   install_interrupt_handler();
   return run(app, argc, argv);
 }

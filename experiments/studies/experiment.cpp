@@ -3,12 +3,13 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "experiments/sweep/probe.h"
 
 namespace lodestone {
 
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all = [] {
-    std::vector<Experiment> list;
+    std::vector<Experiment> list = {probe_experiment()};
     std::sort(list.begin(), list.end(), [](const Experiment& a, const Experiment& b) { return a.name < b.name; });
     return list;
   }();

@@ -1,0 +1,101 @@
+// lodestone experiments: what can be asked, with which parameters, and what comes out.
+#include <fmt/core.h>
+
+#include "experiments/commands/command.h"
+#include "experiments/studies/experiment.h"
+
+namespace lodestone {
+namespace {
+
+const char* kind_name(ColumnInfo::Kind kind) {
+  constexpr const char* names[] = {"label", "accuracy", "cost", "count"};
+  return names[static_cast<int>(kind)];
+}
+
+// "1 to 8", "at least 1", or nothing.
+std::string range_text(const ParameterInfo& info) {
+  if (!info.default_value.is_number()) return {};
+  const bool low = std::isfinite(info.least), high = std::isfinite(info.most);
+  if (low && high) return fmt::format("{:g} to {:g}", info.least, info.most);
+  if (low) return fmt::format("at least {:g}", info.least);
+  return high ? fmt::format("at most {:g}", info.most) : "";
+}
+
+std::string values_text(const ParameterInfo& info) {
+  std::string text;
+  for (const std::string& choice : info.choices) text += (text.empty() ? "" : ", ") + choice;
+  return text.empty() ? range_text(info) : text;
+}
+
+nlohmann::json to_json(const ParameterInfo& info) {
+  nlohmann::json json = {{"name", info.name},
+                         {"default", info.default_value},
+                         {"unit", info.unit},
+                         {"description", info.description},
+                         {"choices", info.choices}};
+  if (info.default_value.is_number() && std::isfinite(info.least)) json["least"] = info.least;
+  if (info.default_value.is_number() && std::isfinite(info.most)) json["most"] = info.most;
+  return json;
+}
+
+nlohmann::json to_json(const Experiment& experiment) {
+  nlohmann::json json = {{"name", experiment.name},
+                         {"question", experiment.question},
+                         {"takes_input", experiment.takes_input},
+                         {"parameters", nlohmann::json::array()},
+                         {"columns", nlohmann::json::array()}};
+  for (const ParameterInfo& info : experiment.parameters) json["parameters"].push_back(to_json(info));
+  for (const ColumnInfo& column : experiment.columns)
+    json["columns"].push_back({{"name", column.name},
+                               {"unit", column.unit},
+                               {"meaning", column.meaning},
+                               {"kind", kind_name(column.kind)}});
+  return json;
+}
+
+void print(const Experiment& experiment) {
+  fmt::print("{}: {}\n", experiment.name, experiment.question);
+  if (!experiment.takes_input) fmt::print("takes no data\n");
+  fmt::print("\n{:<20} {:<16} {:<14} {}\n", "parameter", "default", "unit", "meaning");
+  for (const ParameterInfo& info : experiment.parameters) {
+    const std::string values = values_text(info);
+    fmt::print("{:<20} {:<16} {:<14} {}{}\n", info.name, info.default_value.dump(), info.unit, info.description,
+               values.empty() ? "" : " (" + values + ")");
+  }
+  fmt::print("\n{:<20} {:<16} {:<14} {}\n", "column", "kind", "unit", "meaning");
+  for (const ColumnInfo& column : experiment.columns)
+    fmt::print("{:<20} {:<16} {:<14} {}\n", column.name, kind_name(column.kind), column.unit, column.meaning);
+}
+
+void run(const std::string& name, const CommonOptions& common) {
+  check_files(common, {});
+  const bool printed = !common.quiet && common.json != "-";
+  if (!name.empty()) {
+    const Experiment& experiment = find_experiment(name);
+    write_json(common, to_json(experiment));
+    if (printed) print(experiment);
+    return;
+  }
+  nlohmann::json all = nlohmann::json::array();
+  for (const Experiment& experiment : experiments()) {
+    all.push_back(to_json(experiment));
+    if (printed) fmt::print("{:<16} {}\n", experiment.name, experiment.question);
+  }
+  write_json(common, all);
+}
+
+}  // namespace
+
+void add_experiments(CLI::App& app) {
+  const auto common = std::make_shared<CommonOptions>();
+  const auto name = std::make_shared<std::string>();
+  CLI::App& command = add_command(app, "experiments", "List the experiments of sweeps with their questions",
+                                  "  lodestone experiments\n"
+                                  "  lodestone experiments probe\n"
+                                  "  lodestone experiments --json experiments.json\n",
+                                  common);
+  command.add_option("NAME", *name, "One of them: its parameters and columns");
+  command.callback([name, common] { run(*name, *common); });
+}
+
+}  // namespace lodestone

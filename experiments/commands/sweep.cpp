@@ -1,0 +1,209 @@
+// lodestone sweep: runs what a sweep file asks for, each run in a process of its own.
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "experiments/commands/command.h"
+#include "experiments/progress.h"
+#include "experiments/sweep/directory.h"
+#include "experiments/sweep/merge.h"
+#include "experiments/sweep/run_child.h"
+#include "experiments/sweep/runner.h"
+
+namespace lodestone {
+namespace {
+
+struct SweepOptions {
+  std::string file, directory, shard;
+  std::vector<std::string> merge;
+  int jobs = 1;
+  bool resume = false, prepare = false, dry_run = false, small = false;
+};
+
+// What the file sets, as "blend=step kappa0=2".
+std::string setting_text(const SweepRun& run) {
+  std::string text;
+  for (const auto& [name, value] : run.given.items())
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, value.is_string() ? value.get<std::string>() : value.dump());
+  return text;
+}
+
+std::string run_text(const SweepRun& run) {
+  return fmt::format("{}  {}  {}  {}", run.sweep, run.id.empty() ? "-" : run.id, run.data.empty() ? "-" : run.data,
+                     setting_text(run));
+}
+
+std::string failure_text(const Fault& fault) {
+  return fault.kind + (fault.messages.empty() ? "" : ": " + fault.messages.front());
+}
+
+int ended_repetitions(const SweepRun& run, const std::filesystem::path& directory) {
+  if (run.id.empty()) return 0;
+  const RunFolder folder(directory, run.id);
+  int count = 0;
+  for (int i = 0; i < run.repetitions; ++i) count += folder.has_rows(i) ? 1 : 0;
+  return count;
+}
+
+void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOptions& common) {
+  const auto inputs = find_inputs(file, data_names(file), {.directory = options.directory, .make = false});
+  const SweepPlan plan = make_plan(file, inputs);
+  std::vector<std::string> unmade;
+  for (const auto& [name, input] : inputs)
+    if (input.sha256.empty()) unmade.push_back(name);
+  if (!unmade.empty() && !options.shard.empty())
+    throw InputError("--dry-run --shard: runs are shared out by what their data holds, and '" + unmade.front() +
+                     "' has yet to be generated; leave --shard out");
+  nlohmann::json json = nlohmann::json::array();
+  const bool printed = !common.quiet && common.json != "-";
+  std::size_t repetitions = 0, done = 0;
+  for (const SweepRun& run : options.shard.empty() ? plan.runs : runs_of(plan, parse_shard(options.shard))) {
+    const int ended = ended_repetitions(run, options.directory);
+    repetitions += static_cast<std::size_t>(run.repetitions);
+    done += static_cast<std::size_t>(ended);
+    if (printed) fmt::print("{}  {} of {} done\n", run_text(run), ended, run.repetitions);
+    json.push_back({{"sweep", run.sweep},
+                    {"id", run.id},
+                    {"experiment", run.experiment->name},
+                    {"data", run.data},
+                    {"parameters", run.parameters},
+                    {"repetitions", run.repetitions},
+                    {"done", ended}});
+  }
+  if (printed) {
+    fmt::print("{} runs, {} repetitions, {} done\n", json.size(), repetitions, done);
+    for (const std::string& name : unmade) fmt::print("{} has yet to be generated; its runs have no id before\n", name);
+  }
+  write_json(common, {{"name", file.name}, {"runs", json}});
+}
+
+SweepPlan prepare(const SweepFile& file, const SweepOptions& options, const CommonOptions& common) {
+  Progress progress("looking at data", common.quiet);
+  progress.phase("looking at data");
+  InputConfig config;
+  config.directory = options.directory;
+  config.threads = common.threads;
+  config.cancel = &interrupt_flag();
+  std::string shown;
+  config.progress = [&](const std::string& name, double share) {
+    if (name != shown) progress.phase("making " + name);
+    shown = name;
+    progress.update(share);
+  };
+  return prepare_directory(file, config);
+}
+
+RunnerResult run_all(const SweepFile& file, const std::vector<SweepRun>& runs, const SweepOptions& options,
+                     const CommonOptions& common) {
+  Progress progress(file.name, common.quiet);
+  RunnerConfig config;
+  config.directory = options.directory;
+  config.jobs = options.jobs;
+  config.cancel = &interrupt_flag();
+  RunnerCallbacks callbacks;
+  callbacks.progress = [&](double share) { progress.update(share); };
+  if (!common.quiet && common.json != "-")
+    callbacks.ended = [&](const RunEvent& event) {
+      progress.clear();
+      fmt::print("{}/{}  {}  repetition {}: {:.3g} s{}\n", event.done, event.all, run_text(event.run), event.repetition,
+                 event.seconds, event.fault ? ", failed: " + failure_text(*event.fault) : "");
+      std::fflush(stdout);
+    };
+  return run_missing(runs, config, callbacks);
+}
+
+nlohmann::json summary(const SweepFile& file, const std::vector<SweepRun>& runs, const RunnerResult& result,
+                       const SweepOptions& options) {
+  nlohmann::json failures = nlohmann::json::array();
+  for (const RunnerFailure& failure : result.failures)
+    failures.push_back({{"id", failure.id},
+                        {"repetition", failure.repetition},
+                        {"kind", failure.fault.kind},
+                        {"messages", failure.fault.messages}});
+  return {{"name", file.name},        {"directory", options.directory}, {"runs", runs.size()},
+          {"repetitions", result.all}, {"before", result.before},        {"ran", result.ran},
+          {"failures", failures}};
+}
+
+void merge(const SweepOptions& options, const CommonOptions& common) {
+  const MergeResult result = merge_sweeps(options.merge, options.directory);
+  write_json(common, {{"name", result.name},
+                      {"repetitions", result.repetitions},
+                      {"done", result.done},
+                      {"taken", result.taken},
+                      {"failed", result.failed}});
+  if (!common.quiet && common.json != "-")
+    fmt::print("{}: {} of {} repetitions taken over, {} have rows, {} failed\n", options.directory, result.taken,
+               result.repetitions, result.done, result.failed);
+}
+
+void run(const SweepOptions& options, const CommonOptions& common) {
+  if (options.file.empty() == options.merge.empty())
+    throw InputError(options.file.empty() ? "sweep: FILE is required; see lodestone sweep --help"
+                                          : "sweep: --merge takes no FILE; the folders say what the sweep is");
+  if (!options.merge.empty()) {
+    check_files(common, {});
+    return merge(options, common);
+  }
+  check_files(common, {{"FILE", options.file}});
+  const Shard shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
+  const SweepFile file = load_sweep_file(options.file, options.small);
+  check_directory(options.directory, file.name, options.resume || options.dry_run);
+  if (options.dry_run) return dry_run(file, options, common);
+  set_interrupt_line("lodestone: interrupted; finished runs were kept, --resume continues\n");
+  const bool printed = !common.quiet && common.json != "-";
+  if (printed && options.jobs > 1)
+    fmt::print("note: {} runs at a time share the machine; their times are not comparable\n", options.jobs);
+  const SweepPlan plan = prepare(file, options, common);
+  const std::vector<SweepRun> runs = runs_of(plan, shard);
+  if (options.prepare) return write_json(common, {{"name", file.name}, {"runs", runs.size()}});
+  const RunnerResult result = run_all(file, runs, options, common);
+  write_json(common, summary(file, runs, result, options));
+  if (printed)
+    fmt::print("{}: {} runs, {} repetitions: {} were done before, {} ran, {} failed\n", options.directory, runs.size(),
+               result.all, result.before, result.ran, result.failures.size());
+  if (result.failures.empty()) return;
+  const RunnerFailure& first = result.failures.front();
+  throw InputError(fmt::format("{} of {} repetitions failed, the first one, {}/runs/{}, repetition {}, with {}", result.failures.size(),
+                          result.all, options.directory, first.id, first.repetition, failure_text(first.fault)));
+}
+
+// One repetition, for a sweep that started this process.
+void add_child(CLI::App& app) {
+  const auto folder = std::make_shared<std::string>();
+  const auto report = std::make_shared<int>(-1);
+  CLI::App& command = *app.add_subcommand("sweep-run", "One repetition of a run, as a child of sweep")->group("");
+  command.add_option("FOLDER", *folder)->required();
+  command.add_option("--report", *report)->required();
+  command.callback([folder, report] { run_child(*folder, *report, interrupt_flag()); });
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app) {
+  const auto common = std::make_shared<CommonOptions>();
+  const auto options = std::make_shared<SweepOptions>();
+  CLI::App& command = add_command(app, "sweep", "Run an experiment over parameters and data",
+                                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --dry-run\n"
+                                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --small\n"
+                                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --resume --shard 2/8\n"
+                                  "  lodestone sweep --merge part1 part2 -o ablation\n",
+                                  common);
+  command.get_option("--threads")->description("Threads that make data; those of a run are a parameter of its experiment");
+  command.add_option("FILE", options->file, "The sweep file (.toml)");
+  command.add_option("-o,--output", options->directory, "Folder of the sweep; made if it is not there")->required();
+  command.add_option("--jobs", options->jobs, "Runs at a time; times are comparable with 1 only")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command.add_option("--shard", options->shard, "Part i of n of the runs, as 2/8");
+  command.add_flag("--resume", options->resume, "Run what is missing, has changed, or ended without rows");
+  command.add_flag("--dry-run", options->dry_run, "Print the runs and what is done of them; change nothing");
+  command.add_flag("--prepare", options->prepare, "Make the data and list the runs in sweep.json, and run none");
+  command.add_option("--merge", options->merge, "Instead of FILE: bring together what shards left in these folders");
+  command.add_flag("--small", options->small, "With what the file has under 'small'");
+  command.callback([options, common] { run(*options, *common); });
+  add_child(app);
+}
+
+}  // namespace lodestone

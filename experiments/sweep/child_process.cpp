@@ -1,0 +1,110 @@
+#include "experiments/sweep/child_process.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+// After fork(), in the child: only what may be called there.
+[[noreturn]] void become(char* const* arguments, int log, int report, int inherited, pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(127);  // it has ended in between
+  const int null = open("/dev/null", O_RDONLY);
+  dup2(null, STDIN_FILENO);
+  dup2(log, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  fcntl(report, F_SETFD, 0);
+  fcntl(inherited, F_SETFD, 0);
+  execv("/proc/self/exe", arguments);
+  _exit(127);
+}
+
+}  // namespace
+
+bool ChildEnd::succeeded() const { return WIFEXITED(status) && WEXITSTATUS(status) == 0; }
+
+bool ChildEnd::failed() const { return WIFEXITED(status) && WEXITSTATUS(status) == 1; }
+
+std::string ChildEnd::reason() const {
+  if (WIFSIGNALED(status))
+    return fmt::format("ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  return fmt::format("ended with status {}", WEXITSTATUS(status));
+}
+
+ChildProcess::ChildProcess(std::vector<std::string> arguments, const std::filesystem::path& log, int inherited) {
+  const int output = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (output < 0) throw FileError(describe(log.string(), "", std::string("cannot be written: ") + strerror(errno)));
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) {
+    close(output);
+    throw ResourceError(std::string("no pipe to a run: ") + strerror(errno));
+  }
+  arguments.insert(arguments.begin(), "lodestone");
+  arguments.insert(arguments.end(), {"--report", std::to_string(ends[1])});
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  const pid_t parent = getpid();
+  process_ = fork();
+  if (process_ == 0) become(pointers.data(), output, ends[1], inherited, parent);
+  const int error = errno;
+  close(output);
+  close(ends[1]);
+  report_ = ends[0];
+  fcntl(report_, F_SETFL, O_NONBLOCK);
+  if (process_ < 0) {
+    close(report_);
+    throw ResourceError(std::string("no process for a run: ") + strerror(error));
+  }
+}
+
+ChildProcess::~ChildProcess() {
+  if (process_ > 0) {
+    kill(process_, SIGKILL);
+    while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  if (report_ >= 0) close(report_);
+}
+
+double ChildProcess::share() {
+  char bytes[512];
+  for (ssize_t count; (count = read(report_, bytes, sizeof bytes)) > 0;)
+    pending_.append(bytes, static_cast<std::size_t>(count));
+  const std::size_t end = pending_.rfind('\n');
+  if (end == std::string::npos) return share_;
+  const std::size_t begin = end == 0 ? std::string::npos : pending_.rfind('\n', end - 1);
+  share_ = std::clamp(std::strtod(pending_.c_str() + (begin == std::string::npos ? 0 : begin + 1), nullptr), 0.0, 1.0);
+  pending_.erase(0, end + 1);
+  return share_;
+}
+
+std::optional<ChildEnd> ChildProcess::poll_end() {
+  if (process_ < 0) return ChildEnd{};  // and was waited for
+  ChildEnd end;
+  rusage usage{};
+  if (wait4(process_, &end.status, WNOHANG, &usage) != process_) return {};
+  process_ = -1;
+  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  end.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  return end;
+}
+
+void ChildProcess::signal(int number) const {
+  if (process_ > 0) kill(process_, number);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,44 @@
+// A child process that runs this program with other arguments.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lodestone {
+
+// How a process ended, and what it took.
+struct ChildEnd {
+  int status = 0;  // as of waitpid()
+  double cpu_seconds = 0;
+  [[nodiscard]] bool succeeded() const;
+  [[nodiscard]] bool failed() const;  // with status 1, and one line that says why
+  [[nodiscard]] std::string reason() const;  // "ended by signal 11 (Segmentation fault)"
+};
+
+class ChildProcess {
+ public:
+  // Standard output and error are appended to `log`, `inherited` descriptors stay open in the child, which is told by
+  // `--report N` to which descriptor to report. The child ends when this process does, however that ends. Throws
+  // ResourceError when there is no process to be had, FileError when the log cannot be written.
+  ChildProcess(std::vector<std::string> arguments, const std::filesystem::path& log, int inherited);
+  ~ChildProcess();  // ends it
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  [[nodiscard]] int report() const { return report_; }  // readable when the child has reported, or ended
+  [[nodiscard]] double share();                         // the last that it reported, in [0, 1]
+  [[nodiscard]] std::optional<ChildEnd> poll_end();     // does not wait
+  void signal(int number) const;
+
+ private:
+  pid_t process_ = -1;  // -1: has ended and been waited for
+  int report_ = -1;
+  std::string pending_;
+  double share_ = 0;
+};
+
+}  // namespace lodestone

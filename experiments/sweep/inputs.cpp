@@ -1,0 +1,121 @@
+#include "experiments/sweep/inputs.h"
+
+#include <fmt/core.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <ctime>
+#include <fstream>
+#include <vector>
+
+#include "core/base/error.h"
+#include "experiments/sweep/files.h"
+#include "experiments/sweep/sha256.h"
+#include "parallel/generate.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A file's times are no finer than this, in seconds, on any file system that we know.
+constexpr std::time_t settled_after = 3;
+
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_regular_file()) files.push_back(entry->path());
+  if (error) throw FileError(describe(folder.string(), "", "cannot be read: " + error.message()));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+[[noreturn]] void fail(const SweepFile& file, const DataSource& source, const std::string& what,
+                       const std::string& remedy) {
+  throw InputError(describe(file.file, source.place, source.name + ": " + what, remedy));
+}
+
+constexpr const char* unpack = "unpack the models with scripts/data";
+
+SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHashes& hashes) {
+  std::error_code ignored;
+  if (!fs::exists(source.path, ignored)) fail(file, source, source.path + " is missing", unpack);
+  SweepInput input = hashes.of(source.path);
+  if (!source.sha256.empty() && input.sha256 != source.sha256)
+    fail(file, source, fmt::format("{} has the sha256 {}, not {}", source.path, input.sha256, source.sha256),
+         std::string(unpack) + ", or correct the sha256");
+  return input;
+}
+
+SweepInput find_generated(const DataSource& source, ContentHashes& hashes, const InputConfig& config) {
+  const fs::path target = config.directory / "data" /
+                          fmt::format("{}-{}-{}.ply", source.shape, source.generate->triangles, source.generate->seed);
+  if (!fs::exists(target)) {
+    if (!config.make) return {target.string(), "", 0};
+    const auto scheduler = make_tbb_scheduler(config.threads);
+    (void)generate_ply(*source.generate, target, *scheduler, config.cancel,
+                       [&](double share) { config.progress(source.name, share); });
+  }
+  return hashes.of(target);
+}
+
+}  // namespace
+
+ContentHashes::ContentHashes(fs::path memory) : memory_(std::move(memory)), known_(read_json(memory_)) {
+  if (!known_.is_object()) known_ = nlohmann::json::object();
+}
+
+std::string ContentHashes::of_file(const fs::path& path, std::uint64_t& bytes) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) throw FileError(describe(path.string(), "", "cannot be read"));
+  bytes += static_cast<std::uint64_t>(status.st_size);
+  const nlohmann::json key = {status.st_size, status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
+                              status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
+  const std::string name = fs::absolute(path).lexically_normal().string();
+  const auto found = known_.find(name);
+  if (found != known_.end() && found->is_object() && found->value("key", nlohmann::json()) == key)
+    return found->value("sha256", "");
+  const std::string hash = sha256_of_file(path);
+  if (std::time(nullptr) - status.st_ctim.tv_sec > settled_after) {
+    known_[name] = {{"key", key}, {"sha256", hash}};
+    changed_ = true;
+  }
+  return hash;
+}
+
+SweepInput ContentHashes::of(const fs::path& path) {
+  SweepInput input{path.string(), "", 0};
+  if (!fs::is_directory(path)) {
+    input.sha256 = of_file(path, input.bytes);
+    return input;
+  }
+  Sha256 all;
+  for (const fs::path& file : files_below(path))
+    all.add(of_file(file, input.bytes) + "  " + fs::relative(file, path).generic_string() + "\n");
+  input.sha256 = all.finish();
+  return input;
+}
+
+void ContentHashes::save() const {
+  if (changed_) write_aside(memory_, known_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+}
+
+std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::set<std::string>& names,
+                                              const InputConfig& config) {
+  ContentHashes hashes(config.directory / "data" / "hashes.json");
+  if (config.make) {
+    make_folder(config.directory / "data");
+    remove_temporaries_in(config.directory / "data");
+  }
+  std::map<std::string, SweepInput> inputs;
+  for (const DataSource& source : file.data) {
+    if (!names.contains(source.name)) continue;
+    inputs[source.name] =
+        source.generate ? find_generated(source, hashes, config) : find_file(file, source, hashes);
+  }
+  if (config.make) hashes.save();
+  return inputs;
+}
+
+}  // namespace lodestone

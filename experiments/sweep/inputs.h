@@ -1,0 +1,54 @@
+// The inputs of a sweep as files: found or generated, and identified by their content.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+
+#include "experiments/sweep/sweep_file.h"
+#include "parallel/scheduler.h"
+
+namespace lodestone {
+
+struct SweepInput {
+  std::string path;
+  std::string sha256;  // of the content; of a folder, of the names and contents of its files. Empty: not yet made
+  std::uint64_t bytes = 0;
+};
+
+// SHA-256 of files, remembered in a file of the sweep's directory by size and times, so that gigabytes are not read
+// again by every process. What has changed within the last seconds is not remembered: it could change again unseen.
+class ContentHashes {
+ public:
+  // `memory` may be missing or unreadable: then everything is read.
+  explicit ContentHashes(std::filesystem::path memory);
+  // Throws FileError when the file, or one of the folder, cannot be read.
+  [[nodiscard]] SweepInput of(const std::filesystem::path& path);
+  void save() const;
+
+ private:
+  std::string of_file(const std::filesystem::path& path, std::uint64_t& bytes);
+
+  std::filesystem::path memory_;
+  nlohmann::json known_;
+  bool changed_ = false;
+};
+
+struct InputConfig {
+  std::filesystem::path directory;  // of the sweep
+  bool make = true;                 // generated inputs that are missing; off: they stay without hash, and nothing is written
+  int threads = 0;
+  const CancelFlag* cancel = nullptr;
+  std::function<void(const std::string& name, double share)> progress = [](const std::string&, double) {};
+};
+
+// Inputs of the given names; generated ones are made in directory/data and stay there. For who holds the directory's
+// lock, unless nothing is to be made. Throws InputError with the line for one that is missing or another than its sha256
+// says, Cancelled.
+[[nodiscard]] std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::set<std::string>& names,
+                                                            const InputConfig& config);
+
+}  // namespace lodestone

@@ -1,0 +1,23 @@
+// What a run ran on.
+#pragma once
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace lodestone {
+
+// Processors that this process may use, by number.
+[[nodiscard]] std::vector<int> allowed_processors();
+// This thread and those it will start run on these alone; none: wherever they may. Throws ResourceError.
+void pin_to(const std::vector<int>& processors);
+
+// CPU, cores, affinity, memory, system and load: of this machine, as this process may use it. The machine's name is
+// nobody's business and not in it.
+[[nodiscard]] nlohmann::json machine_facts();
+
+// "2026-01-31T12:00:00Z"
+[[nodiscard]] std::string utc(std::time_t time);
+
+}  // namespace lodestone

@@ -1,0 +1,109 @@
+#include "experiments/sweep/run_child.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <new>
+
+#include "core/base/error.h"
+#include "experiments/commands/command.h"
+#include "experiments/sweep/files.h"
+#include "experiments/sweep/manifest.h"
+#include "experiments/sweep/program_identity.h"
+#include "experiments/sweep/run_folder.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A few lines a second, whatever the experiment does. A parent that does not listen is not waited for.
+class Reporter {
+ public:
+  explicit Reporter(int descriptor) : descriptor_(descriptor) {}
+  void operator()(double share) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(200)) return;
+    last_ = now;
+    const std::string line = fmt::format("{:.4f}\n", share);
+    [[maybe_unused]] const ssize_t written = write(descriptor_, line.data(), line.size());
+  }
+
+ private:
+  int descriptor_;
+  std::chrono::steady_clock::time_point last_;
+};
+
+std::string lines_of(const std::vector<Row>& rows) {
+  std::string text;
+  for (const Row& row : rows) text += row.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  return text;
+}
+
+nlohmann::json manifest() {
+  nlohmann::json facts = program_facts();
+  facts.update(machine_facts());
+  facts["peak_bytes"] = peak_resident_bytes();
+  return facts;
+}
+
+// Rows go into the work folder; what is wrong with them, or with the run, is returned.
+std::optional<Fault> run_experiment(const nlohmann::json& job, const WorkFolder& work, RunContext& context) {
+  try {
+    const Experiment& experiment = find_experiment(job.at("experiment"));
+    const Parameters parameters(experiment.parameters, job.at("parameters"));
+    const std::vector<Row> rows = experiment.run(parameters, context);
+    std::vector<std::string> messages = faulty_values(experiment, rows);
+    if (messages.empty()) messages = experiment.verify(parameters, rows);
+    write_aside(work.rows(), lines_of(rows));
+    if (!messages.empty()) return Fault{"verify", std::move(messages)};
+    return {};
+  } catch (const std::bad_alloc&) {
+    return Fault{"error", {"out of memory"}};
+  } catch (const std::exception& error) {
+    return Fault{"error", {error.what()}};
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> faulty_values(const Experiment& experiment, const std::vector<Row>& rows) {
+  std::vector<std::string> messages;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i].is_object()) {
+      messages.push_back(fmt::format("row {} is no object", i));
+      continue;
+    }
+    for (const auto& [name, value] : rows[i].items()) {
+      if (std::ranges::find(experiment.columns, name, &ColumnInfo::name) == experiment.columns.end())
+        messages.push_back(fmt::format("row {}: {} is no column of {}", i, name, experiment.name));
+      else if (value.is_structured())
+        messages.push_back(fmt::format("row {}: {} is not a single value", i, name));
+      else if (value.is_number_float() && !std::isfinite(value.get<double>()))
+        messages.push_back(fmt::format("row {}: {} is not finite", i, name));
+    }
+  }
+  return messages;
+}
+
+void run_child(const fs::path& folder, int report, const CancelFlag& cancel) {
+  const WorkFolder work{folder};
+  const nlohmann::json job = read_json(work.job());
+  if (!job.is_object()) throw InputError(describe(work.job().string(), "", "is no job of a sweep"));
+  pin_to(job.at("processors").get<std::vector<int>>());
+  RunContext context;
+  context.input = job.at("input");
+  context.directory = work.scratch().string();
+  context.repetition = job.at("repetition");
+  context.cancel = &cancel;
+  context.progress = Reporter(report);
+  const std::optional<Fault> fault = run_experiment(job, work, context);
+  if (cancel) throw Cancelled{};
+  if (fault) write_aside(work.fault(), to_json(*fault).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  write_aside(work.manifest(), manifest().dump());
+}
+
+}  // namespace lodestone

@@ -1,0 +1,277 @@
+#include "experiments/sweep/sweep_file.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <set>
+
+#include "experiments/sweep/design.h"
+#include "render/scene/toml_table.h"
+
+namespace lodestone {
+namespace {
+
+// Names become parts of file names, and columns of a table.
+bool is_plain(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-' || c == '.';
+  }) && name.front() != '.' && name.front() != '-';
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// A text or several, as a list.
+std::vector<std::string> texts(TomlTable& table, const char* key) {
+  const toml::node* node = table.find(key);
+  if (!node) return {};
+  if (node->is_string()) return {node->as_string()->get()};
+  const toml::array* array = node->as_array();
+  if (!array || array->empty()) table.fail(*node, key, "must be a text, or texts, as [\"a\", \"b\"]");
+  std::vector<std::string> list;
+  for (const toml::node& element : *array) {
+    if (!element.is_string()) table.fail(element, key, "must be texts, as [\"a\", \"b\"]");
+    list.push_back(element.as_string()->get());
+    if (std::count(list.begin(), list.end(), list.back()) > 1)
+      table.fail(element, key, "has '" + list.back() + "' twice");
+  }
+  return list;
+}
+
+void read_name(TomlTable& table, const toml::source_region& at, std::string& name) {
+  table.text("name", name);
+  if (!table.has("name")) table.fail_at(at, "needs a name");
+  if (!is_plain(name)) table.fail(*table.find("name"), "name", "must be made of letters, digits, '_', '-' and '.'");
+}
+
+DataSource read_source(const std::string& name, const toml::node& node, const TomlTable& data) {
+  if (!is_plain(name)) data.fail(node, name, "must be made of letters, digits, '_', '-' and '.'");
+  if (!node.is_table()) data.fail(node, name, "must be { path = \"...\" } or { generate = \"...\" }");
+  TomlTable table(*node.as_table(), data.file(), name);
+  DataSource source;
+  source.name = name;
+  source.place = "line " + std::to_string(node.source().begin.line);
+  table.text("path", source.path);
+  table.text("generate", source.shape);
+  table.text("sha256", source.sha256);
+  std::int64_t triangles = 100'000, seed = 1;
+  table.integer("triangles", triangles, 12, 2'000'000'000);
+  table.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
+  table.refuse_others();
+  if (source.path.empty() == source.shape.empty())
+    table.fail(node, "path", "or generate is needed, one of them, to say what the data is");
+  const bool generated = source.path.empty();
+  for (const char* key : {"triangles", "seed"})
+    if (!generated && table.has(key)) table.fail(*table.find(key), key, "belongs to generate");
+  if (generated && table.has("sha256")) table.fail(*table.find("sha256"), "sha256", "belongs to path");
+  const auto is_digit = [](char c) { return std::string_view("0123456789abcdef").find(c) != std::string_view::npos; };
+  if (table.has("sha256") &&
+      (source.sha256.size() != 64 || !std::all_of(source.sha256.begin(), source.sha256.end(), is_digit)))
+    table.fail(*table.find("sha256"), "sha256", "must be 64 hexadecimal digits, as sha256sum prints them");
+  if (!generated) {
+    source.path = beside(data.file(), source.path);
+    return source;
+  }
+  try {
+    source.generate = {shape(source.shape), static_cast<std::uint64_t>(triangles), static_cast<std::uint64_t>(seed)};
+  } catch (const InputError& error) {
+    table.fail(*table.find("generate"), "generate", std::string("is wrong: ") + error.what());
+  }
+  return source;
+}
+
+std::vector<DataSource> read_data(TomlTable& root) {
+  std::vector<DataSource> sources;
+  const toml::node* node = root.find("data");
+  if (!node) return sources;
+  if (!node->is_table()) root.fail(*node, "data", "must be a table, as [data]");
+  const TomlTable data(*node->as_table(), root.file(), "data");
+  for (const auto& [key, value] : *node->as_table())
+    sources.push_back(read_source(std::string(key.str()), value, data));
+  return sources;
+}
+
+// What a [[sweep]] or its `small` gives.
+struct SweepReader {
+  const SweepFile& file;
+  const Experiment& experiment;
+
+  std::vector<std::string> data(TomlTable& table, const toml::node& at) const {
+    const std::vector<std::string> names = texts(table, "data");
+    if (!experiment.takes_input) {
+      if (table.has("data")) table.fail(*table.find("data"), "data", "is given, but " + experiment.name + " takes none");
+      return {};
+    }
+    if (names.empty()) table.fail_at(at.source(), "needs data: " + experiment.name + " takes input");
+    std::vector<std::string> known;
+    for (const DataSource& source : file.data) known.push_back(source.name);
+    for (const std::string& name : names)
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        table.fail(*table.find("data"), "data", fmt::format("'{}' is unknown; known are {}", name, joined(known)));
+    return names;
+  }
+
+  int repetitions(TomlTable& table) const {
+    std::int64_t count = 1;
+    table.integer("repetitions", count, 1, 10'000);
+    return static_cast<int>(count);
+  }
+
+  // Takes over `parameters` and `count`; of a grid or random design, parameter by parameter.
+  void design(TomlTable& table, Design& design) const {
+    const toml::node* node = table.find("parameters");
+    if (node && design.kind == Design::Kind::list) {
+      if (!node->is_array())
+        table.fail(*node, "parameters", "must be settings, as [{ name = value, ... }, ...], with design = \"list\"");
+      design.list = node->as_array();
+    } else if (node) {
+      if (!node->is_table())
+        table.fail(*node, "parameters", "must be a table, as { name = value, ... }; a list needs design = \"list\"");
+      for (const auto& [key, value] : *node->as_table()) design.values[std::string(key.str())] = &value;
+    }
+    if (!table.has("count")) return;
+    if (design.kind != Design::Kind::random)
+      table.fail(*table.find("count"), "count", "belongs to design = \"random\"");
+    table.integer("count", design.count, 1, most_settings);
+    design.count_at = table.find("count");
+  }
+};
+
+Design::Kind design_kind(TomlTable& table) {
+  std::string name = "grid";
+  table.text("design", name);
+  if (name == "grid") return Design::Kind::grid;
+  if (name == "list") return Design::Kind::list;
+  if (name == "random") return Design::Kind::random;
+  table.fail(*table.find("design"), "design", "must be one of grid, list, random");
+}
+
+void read_design(TomlTable& table, const toml::node& at, const SweepReader& reader, Design& design) {
+  design.kind = design_kind(table);
+  reader.design(table, design);
+  if (design.kind == Design::Kind::list && !design.list)
+    table.fail_at(at.source(), "needs parameters, the settings of its list");
+  if (design.kind == Design::Kind::random && !design.count_at)
+    table.fail_at(at.source(), "needs a count: how many settings to draw");
+  if (design.kind != Design::Kind::random && table.has("seed"))
+    table.fail(*table.find("seed"), "seed", "belongs to design = \"random\"");
+  table.integer("seed", design.seed, 0, std::numeric_limits<std::int64_t>::max());
+}
+
+SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile& file, const ExperimentLookup& lookup) {
+  SweepSection section;
+  read_name(table, at.source(), section.name);
+  for (const SweepSection& other : file.sweeps)
+    if (other.name == section.name)
+      table.fail(*table.find("name"), "name", "'" + section.name + "' is another sweep's already");
+  std::string experiment;
+  table.text("experiment", experiment);
+  if (experiment.empty()) table.fail_at(at.source(), "needs an experiment; see lodestone experiments");
+  try {
+    section.experiment = &lookup(experiment);
+  } catch (const InputError& error) {
+    table.fail(*table.find("experiment"), "experiment", std::string("is wrong: ") + error.what());
+  }
+  const SweepReader reader{file, *section.experiment};
+  section.data = reader.data(table, at);
+  section.repetitions = reader.repetitions(table);
+  Design design;
+  read_design(table, at, reader, design);
+  section.settings = settings_of(design, section.experiment->parameters, table);
+
+  table.sub_table("small", [&](TomlTable& small) {
+    SweepSection smaller = section;
+    if (small.has("data")) smaller.data = reader.data(small, *table.find("small"));
+    if (small.has("repetitions")) smaller.repetitions = reader.repetitions(small);
+    reader.design(small, design);
+    smaller.settings = settings_of(design, section.experiment->parameters, small);
+    for (const char* key : {"data", "repetitions", "parameters", "count"}) (void)small.find(key);
+    if (file.small) section = std::move(smaller);
+  });
+  return section;
+}
+
+// What a figure may name: parameters and columns of its sweeps, and what a reader joins to the rows.
+std::set<std::string> names_of(const SweepSection& sweep) {
+  std::set<std::string> names{"data", "repetition"};
+  for (const ParameterInfo& info : sweep.experiment->parameters) {
+    names.insert(info.name);
+    // Derived by the report from the times over the numbers of threads.
+    if (info.name == "threads") names.insert({"speedup", "efficiency", "karp_flatt"});
+  }
+  for (const ColumnInfo& column : sweep.experiment->columns) names.insert(column.name);
+  return names;
+}
+
+void check_names(TomlTable& table, const char* key, const std::vector<std::string>& given, const FigureSpec& figure,
+                 const SweepFile& file) {
+  for (const SweepSection& sweep : file.sweeps) {
+    if (std::find(figure.sweep.begin(), figure.sweep.end(), sweep.name) == figure.sweep.end()) continue;
+    const std::set<std::string> known = names_of(sweep);
+    for (const std::string& name : given)
+      if (!known.contains(name))
+        table.fail(*table.find(key), key,
+                   fmt::format("'{}' is neither a parameter nor a column of {} (sweep {}); known are {}", name,
+                               sweep.experiment->name, sweep.name, joined({known.begin(), known.end()})));
+  }
+}
+
+void one_of(TomlTable& table, const char* key, std::string& to, const std::vector<std::string>& choices) {
+  table.text(key, to);
+  if (table.has(key) && std::find(choices.begin(), choices.end(), to) == choices.end())
+    table.fail(*table.find(key), key, "must be one of " + joined(choices));
+}
+
+FigureSpec read_figure(TomlTable& table, const toml::node& at, const SweepFile& file) {
+  FigureSpec figure;
+  table.text("title", figure.title);
+  figure.sweep = texts(table, "sweep");
+  table.text("x", figure.x);
+  figure.y = texts(table, "y");
+  figure.series = texts(table, "series");
+  one_of(table, "kind", figure.kind, {"line", "scatter", "bar"});
+  one_of(table, "log", figure.log, {"x", "y", "xy"});
+  table.text("mark", figure.mark);
+  table.flag("pareto", figure.pareto);
+  if (figure.title.empty() || figure.sweep.empty() || figure.x.empty() || figure.y.empty())
+    table.fail_at(at.source(), "needs title, sweep, x and y");
+  for (const std::string& name : figure.sweep)
+    if (std::ranges::find(file.sweeps, name, &SweepSection::name) == file.sweeps.end())
+      table.fail(*table.find("sweep"), "sweep", "'" + name + "' is no sweep of this file");
+  check_names(table, "x", {figure.x}, figure, file);
+  check_names(table, "y", figure.y, figure, file);
+  check_names(table, "series", figure.series, figure, file);
+  if (!figure.mark.empty()) check_names(table, "mark", {figure.mark}, figure, file);
+  return figure;
+}
+
+}  // namespace
+
+SweepFile load_sweep_file(const std::string& path, bool small, const ExperimentLookup& lookup) {
+  const toml::table root = parse_toml(path);
+  TomlTable table(root, path, "");
+  SweepFile file;
+  file.file = path;
+  file.small = small;
+  read_name(table, root.source(), file.name);
+  file.title = file.name;
+  table.text("title", file.title);
+  table.text("question", file.question);
+  file.data = read_data(table);
+  table.tables("sweep", [&](TomlTable& sweep, const toml::node& at) {
+    file.sweeps.push_back(read_sweep(sweep, at, file, lookup));
+  });
+  if (file.sweeps.empty()) throw InputError(describe(path, {}, "has no sweeps", "add a [[sweep]] with an experiment"));
+  table.tables("figure", [&](TomlTable& figure, const toml::node& at) {
+    file.figures.push_back(read_figure(figure, at, file));
+  });
+  table.refuse_others();
+  return file;
+}
+
+}  // namespace lodestone

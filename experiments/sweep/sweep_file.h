@@ -1,0 +1,57 @@
+// A sweep file (docs/decisions/0036-sweeps.md): data, sweeps of one experiment each, figures. Read strictly: what is
+// unknown or contradicts itself is an InputError that names the file and the line.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/mesh/generate.h"
+#include "experiments/studies/experiment.h"
+
+namespace lodestone {
+
+// Where an input comes from: a file or folder, or a generator.
+struct DataSource {
+  std::string name;
+  std::string place;   // "line 7", for messages
+  std::string path;    // relative ones are relative to the sweep file; empty: generated
+  std::string sha256;  // that the file must have; empty: any
+  std::string shape;   // as the file has it
+  std::optional<GenerateConfig> generate;
+};
+
+struct SweepSection {
+  std::string name;
+  const Experiment* experiment = nullptr;
+  std::vector<std::string> data;  // names; empty for an experiment that takes none
+  int repetitions = 1;
+  std::vector<nlohmann::json> settings;  // what each run sets, as an object; no two alike
+};
+
+// As the decision has it; `sweep` and `y` are never empty, other texts may be.
+struct FigureSpec {
+  std::string title, x, kind = "line", log, mark;
+  std::vector<std::string> sweep, y, series;
+  bool pareto = false;
+};
+
+struct SweepFile {
+  std::string file;
+  std::string name, title, question;
+  bool small = false;
+  std::vector<DataSource> data;  // all, whether a sweep uses them or not
+  std::vector<SweepSection> sweeps;
+  std::vector<FigureSpec> figures;
+};
+
+using ExperimentLookup = std::function<const Experiment&(const std::string&)>;
+
+// `small` applies the overrides of that name; they are checked either way. Throws FileError when the file cannot be
+// read, InputError for whatever is wrong in it.
+[[nodiscard]] SweepFile load_sweep_file(const std::string& file, bool small,
+                                        const ExperimentLookup& lookup = find_experiment);
+
+}  // namespace lodestone

@@ -1,0 +1,259 @@
+"""lodestone sweep and experiments as a user meets them. usage: test_command_sweep.py PROGRAM"""
+
+import json
+import os
+import subprocess
+import unittest
+
+import command_case
+from command_case import model
+from sweep_case import HEAD, SweepCase, section
+
+
+class Experiments(SweepCase):
+    def test_list_has_names_and_questions(self):
+        listed = self.results("experiments", "--quiet")
+        self.assertIn("probe", [experiment["name"] for experiment in listed])
+        for experiment in listed:
+            self.assertTrue(experiment["question"].rstrip(")").rstrip(".").rstrip() and "?" in experiment["question"])
+        text = self.lodestone("experiments")
+        for experiment in listed:
+            self.assertIn(experiment["name"], text)
+
+    def test_one_has_parameters_and_columns(self):
+        text = self.lodestone("experiments", "probe")
+        for word in ("failure", "seconds", "multiple", "accuracy", "not-finite"):
+            self.assertIn(word, text)
+        probe = self.results("experiments", "probe", "--quiet")
+        self.assertIn({"name": "rows", "default": 3, "unit": "", "description": "how many", "choices": [], "least": 0,
+                       "most": 100000}, probe["parameters"])
+
+    def test_unknown(self):
+        self.refused("experiments", "prob", names=["'prob'", "probe"])
+
+
+class Runs(SweepCase):
+    def test_grid_with_repetitions(self):
+        summary = self.sweep(HEAD + section("x = [1, 2.5], rows = [0, 2]", "repetitions = 2"))
+        self.assertEqual({key: summary[key] for key in ("name", "runs", "repetitions", "before", "ran", "failures")},
+                         {"name": "test", "runs": 4, "repetitions": 8, "before": 0, "ran": 8, "failures": []})
+        self.assertEqual(sorted((p["x"], p["rows"]) for _, p, _ in self.runs()), [(1, 0), (1, 2), (2.5, 0), (2.5, 2)])
+        self.check_complete()
+
+    def test_what_is_there_of_a_run(self):
+        self.sweep(HEAD + section("x = 2"))
+        plan = self.plan()
+        (run, parameters, _), = self.runs()
+        data = plan["data"]["tiny"]
+        self.assertEqual(data["generate"], {"shape": "box", "triangles": 12, "seed": 1})
+        recorded = self.read(run, "parameters.json")
+        self.assertEqual(recorded["parameters"], parameters)
+        self.assertEqual((recorded["experiment"], recorded["data"], recorded["input_sha256"], recorded["program"]),
+                         ("probe", "tiny", data["sha256"], plan["program"]))
+        content = (self.folder / recorded["input"]).read_bytes()
+        self.assertEqual(data["bytes"], len(content))
+        self.assertEqual(self.rows(run, 0)[0]["bytes"], len(content))
+        manifest = self.read(run, "manifest.0.json")
+        for key in ("commit", "dirty", "compiler", "flags", "build_type", "version", "cpu", "cores", "system", "load"):
+            self.assertIn(key, manifest)
+        self.assertRegex(manifest["start"], r"\A\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ\Z")
+        self.assertLess(0, manifest["wall_seconds"])
+        self.assertLess(0, manifest["cpu_seconds"])
+        self.assertLess(1e6, manifest["peak_bytes"])
+        self.assertLess(manifest["peak_bytes"], manifest["memory_bytes"])
+        self.assertIn("probe at work, repetition 0", self.file(run, "log.txt").read_text())
+        self.assertEqual(list(self.file(run, "").glob("**/*.tmp")), [])
+
+    def test_pinned_to_as_many_processors_as_threads(self):
+        allowed = sorted(os.sched_getaffinity(0))
+        self.sweep(HEAD + section(f"threads = [0, 1, {len(allowed) + 1}]"))
+        affinity = {p["threads"]: self.read(run, "manifest.0.json")["affinity"] for run, p, _ in self.runs()}
+        self.assertEqual(affinity[0], allowed)
+        self.assertIn(len(affinity[1]), (1, len(allowed)))  # all of them where another test has the processors
+        self.assertEqual(affinity[len(allowed) + 1], allowed)
+
+    def test_rounds(self):
+        text = self.write("sweep.toml", HEAD + section("x = [1, 2, 3]", "repetitions = 2")).name
+        lines = self.lodestone("sweep", text, "-o", "out").splitlines()
+        self.assertEqual([line.split("repetition ")[1][0] for line in lines[:6]], list("000111"))
+        self.assertRegex(lines[0], r"\A1/6  s  [0-9a-f]{16}  tiny  x=1.0  repetition 0: [\d.]+ s\Z")
+        self.assertIn("3 runs, 6 repetitions: 0 were done before, 6 ran, 0 failed", lines[6])
+
+    def test_jobs(self):
+        text = self.write("sweep.toml", HEAD + section("x = [1, 2, 3, 4]", "repetitions = 2")).name
+        self.assertIn("not comparable", self.lodestone("sweep", text, "-o", "out", "--jobs", 3).splitlines()[0])
+        self.check_complete()
+
+    def test_small(self):
+        text = HEAD + section("x = [1, 2, 3]", "repetitions = 3\nsmall = { repetitions = 1, parameters = { x = 2 } }")
+        self.assertEqual(self.sweep(text, "--small")["repetitions"], 1)
+        self.assertTrue(self.plan()["small"])
+        self.assertEqual(self.sweep(text, "--resume")["ran"], 8)
+        self.assertFalse(self.plan()["small"])
+        self.check_complete()
+
+    def test_two_sweeps_share_a_run(self):
+        summary = self.sweep(HEAD + section("x = [1, 2]", "repetitions = 1") + section("x = [2, 3]", "repetitions = 2", "t"))
+        self.assertEqual((summary["runs"], summary["repetitions"]), (3, 5))
+        self.assertEqual([len(sweep["runs"]) for sweep in self.plan()["sweeps"]], [2, 2])
+        self.check_complete()
+
+    def test_dry_run_changes_nothing(self):
+        text = self.write("sweep.toml", HEAD + section("x = [1, 2]", "repetitions = 2")).name
+        dry = self.lodestone("sweep", text, "-o", "out", "--dry-run").splitlines()
+        self.assertEqual(dry[0], "s  -  tiny  x=1.0  0 of 2 done")
+        self.assertIn("2 runs, 4 repetitions, 0 done", dry)
+        self.assertFalse((self.folder / "out").exists())
+        self.lodestone("sweep", text, "-o", "out")
+        before = self.listing()
+        dry = self.lodestone("sweep", text, "-o", "out", "--dry-run").splitlines()
+        self.assertEqual(dry[0], f"s  {self.runs()[0][0]}  tiny  x=1.0  2 of 2 done")
+        self.assertEqual(self.listing(), before)
+
+    def test_prepare_runs_nothing(self):
+        text = self.write("sweep.toml", HEAD + section("x = [1, 2]")).name
+        self.lodestone("sweep", text, "-o", "out", "--prepare")
+        self.assertEqual(len(self.runs()), 2)
+        self.assertTrue((self.folder / "out/data/box-12-1.ply").exists())
+        self.assertFalse((self.folder / "out/runs").exists())
+        self.lodestone("sweep", text, "-o", "out")
+        self.check_complete()
+
+
+class Resume(SweepCase):
+    def test_needs_to_be_asked_for(self):
+        text = HEAD + section("x = [1, 2]")
+        self.sweep(text)
+        self.refused("sweep", "sweep.toml", "-o", "out", names=["out", "2 runs", "--resume"])
+        self.assertEqual(self.sweep(text, "--resume")["ran"], 0)
+
+    def test_runs_what_is_missing_or_changed(self):
+        self.sweep(HEAD + section("x = [1, 2]"))
+        first = {p["x"]: run for run, p, _ in self.runs()}
+        before = self.file(first[1], "rows.0.jsonl").stat()
+        summary = self.sweep(HEAD + section("x = [1, 3]"), "--resume")
+        self.assertEqual((summary["before"], summary["ran"]), (1, 1))
+        self.check_complete()
+        self.assertEqual(self.file(first[1], "rows.0.jsonl").stat().st_mtime_ns, before.st_mtime_ns)
+        self.assertNotIn(first[2], [run for run, _, _ in self.runs()])
+        self.assertEqual(self.rows(first[2], 0)[0]["multiple"], 2)  # left alone
+        self.file(first[1], "rows.0.jsonl").unlink()
+        self.assertEqual(self.sweep(HEAD + section("x = [1, 3]"), "--resume")["ran"], 1)
+        self.assertEqual(self.sweep(HEAD + section("x = [1, 3]", "repetitions = 3"), "--resume")["ran"], 4)
+        self.check_complete()
+
+    def test_changed_data_is_another_run(self):
+        mesh = self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
+        text = 'name = "test"\n[data]\ntiny = { path = "m.ply" }\n' + section("x = 1")
+        self.sweep(text)
+        self.assertEqual(self.sweep(text, "--resume")["ran"], 0)
+        mesh.write_bytes(model("b.ply", "generate", "sphere", "--triangles", 500).read_bytes())
+        self.assertEqual(self.sweep(text, "--resume")["ran"], 1)
+        self.assertEqual(len(list((self.folder / "out/runs").iterdir())), 2)
+
+    def test_failures_are_tried_again_but_not_what_does_not_verify(self):
+        text = HEAD + section('failure = ["first", "verify"]', "repetitions = 2")
+        self.write("sweep.toml", text)
+        self.failing("sweep.toml", "-o", "out", names=["3 of 4 repetitions failed"])
+        summary = self.write("sweep.toml", text) and command_case.call(
+            "sweep", "sweep.toml", "-o", "out", "--resume", "--quiet", "--json", "-", cwd=self.folder)
+        self.assertEqual(json.loads(summary.stdout)["ran"], 1)
+
+    def test_another_sweep_or_other_files(self):
+        self.sweep(HEAD + section("x = 1"))
+        self.write("other.toml", HEAD.replace("test", "other") + section("x = 1"))
+        self.refused("sweep", "other.toml", "-o", "out", "--resume", names=["out", "holds the sweep 'test'"])
+        (self.folder / "home").mkdir()
+        self.write("home/letter.txt", "dear")
+        self.refused("sweep", "sweep.toml", "-o", "home", names=["home", "holds other files"])
+        self.refused("sweep", "sweep.toml", "-o", "sweep.toml", names=["is a file"])
+
+
+class Shards(SweepCase):
+    TEXT = HEAD + section("x = [1, 2, 3, 4, 5]", "repetitions = 2")
+
+    def test_in_one_directory(self):
+        counts = [self.sweep(self.TEXT, "--resume", "--shard", f"{i}/3")["ran"] for i in (1, 2, 3)]
+        self.assertEqual((sum(counts), max(counts)), (10, 4))
+        self.check_complete()
+
+    def test_merged_from_several(self):
+        for i in (1, 2, 3):
+            self.sweep(self.TEXT, "--shard", f"{i}/3", output=f"part{i}")
+        merged = self.results("sweep", "--merge", "part1", "part2", "part3", "-o", "all", "--quiet")
+        self.assertEqual(merged, {"name": "test", "repetitions": 10, "done": 10, "taken": 10, "failed": 0})
+        self.check_complete("all")
+        again = self.results("sweep", "--merge", "part1", "-o", "all", "--quiet")
+        self.assertEqual(again["taken"], 0)
+        self.sweep(self.TEXT.replace("x = [", "x = [7, "), output="other")
+        self.refused("sweep", "--merge", "part1", "other", "-o", "both", names=["other", "not the same sweep"])
+        self.refused("sweep", "--merge", "part1", "nowhere", "-o", "both", names=["nowhere", "holds no sweep"])
+        self.refused("sweep", "sweep.toml", "--merge", "part1", "-o", "both", names=["--merge takes no FILE"])
+
+    def test_merging_keeps_failures(self):
+        self.write("sweep.toml", HEAD + section('failure = ["none", "error", "verify"]'))
+        self.failing("sweep.toml", "-o", "part", names=["2 of 3"])
+        merged = self.results("sweep", "--merge", "part", "-o", "all", "--quiet")
+        self.assertEqual((merged["done"], merged["failed"]), (2, 2))
+        self.check_clean("all")
+
+    def test_wrong_shard(self):
+        self.write("sweep.toml", self.TEXT)
+        for shard in ("0/2", "3/2", "x"):
+            self.refused("sweep", "sweep.toml", "-o", "out", "--shard", shard, names=[shard, "2/8"])
+
+
+class Failures(SweepCase):
+    def test_each_kind_is_recorded_and_the_sweep_goes_on(self):
+        kinds = {"verify": ("verify", "is not"), "not-finite": ("verify", "multiple is not finite"),
+                 "column": ("verify", "surprise is no column of probe"), "error": ("error", "an error was asked for"),
+                 "unsupported": ("error", "not available here"), "memory": ("error", "out of memory"),
+                 "cancelled": ("crash", "ended with status"), "crash": ("crash", "signal 11"),
+                 "killed": ("crash", "signal 9"), "exit": ("crash", "ended with status 3")}
+        names = ", ".join(f'"{name}"' for name in ("none", *kinds))
+        self.write("sweep.toml", HEAD + section(f"failure = [{names}]"))
+        self.failing("sweep.toml", "-o", "out", names=[f"{len(kinds)} of {len(kinds) + 1} repetitions failed", "out/runs/"])
+        for run, parameters, _ in self.runs():
+            failure = parameters["failure"]
+            if failure == "none":
+                self.assertFalse(self.file(run, "fault.0.json").exists())
+                continue
+            kind, message = kinds[failure]
+            fault = self.read(run, "fault.0.json")
+            self.assertEqual(fault["kind"], kind, failure)
+            self.assertIn(message, " ".join(fault["messages"]), failure)
+            self.assertEqual(self.file(run, "rows.0.jsonl").exists(), kind == "verify", failure)
+            self.assertTrue(self.read(run, "manifest.0.json")["wall_seconds"] > 0)
+        self.check_clean()
+
+    def test_crash_has_the_last_words_of_the_log(self):
+        self.write("sweep.toml", HEAD + section('failure = "crash"'))
+        self.failing("sweep.toml", "-o", "out", names=["signal 11"])
+        (run, _, _), = self.runs()
+        self.assertEqual(self.read(run, "fault.0.json")["messages"][1], "probe at work, repetition 0")
+
+    def test_missing_and_other_data(self):
+        self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "none.ply" }\n' + section("x = 1"))
+        self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
+                     names=["sweep.toml: line 3: tiny", "none.ply is missing", "scripts/data"])
+        self.failing("sweep.toml", "-o", "out", names=["none.ply is missing", "scripts/data"])
+        self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
+        text = f'name = "test"\n[data]\ntiny = {{ path = "m.ply", sha256 = "{"0" * 64}" }}\n' + section("x = 1")
+        self.write("sweep.toml", text)
+        line = self.failing("sweep.toml", "-o", "out2", names=["line 3: tiny", "has the sha256", "not 0000", "scripts/data"])
+        right = line.split("has the sha256 ")[1][:64]
+        self.assertEqual(right, subprocess.run(["sha256sum", self.folder / "m.ply"], capture_output=True, text=True,
+                                               check=True).stdout[:64])
+        self.sweep(text.replace("0" * 64, right), output="out3")
+
+    def test_errors_of_the_file_name_the_line(self):
+        self.write("sweep.toml", HEAD + section("y = 1"))
+        self.refused("sweep", "sweep.toml", "-o", "out", names=["sweep.toml: line 8: sweep 1, unknown parameter 'y'"])
+        self.write("sweep.toml", HEAD + section("x = 1") + '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "x"\ny = "gap"\n')
+        self.refused("sweep", "sweep.toml", "-o", "out", names=["line 14", "'gap' is neither a parameter nor a column"])
+        self.refused("sweep", "none.toml", "-o", "out", names=["none.toml", "cannot be opened"])
+        self.refused("sweep", "-o", "out", names=["FILE"])
+
+
+if __name__ == "__main__":
+    command_case.main(__doc__)

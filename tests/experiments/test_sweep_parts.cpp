@@ -1,0 +1,154 @@
+// Parts of the sweep engine: hashes, remembered content, processors, the share done, what a row may hold.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "core/base/error.h"
+#include "experiments/sweep/inputs.h"
+#include "experiments/sweep/probe.h"
+#include "experiments/sweep/processor_claim.h"
+#include "experiments/sweep/program_identity.h"
+#include "experiments/sweep/run_child.h"
+#include "experiments/sweep/sha256.h"
+#include "experiments/sweep/time_left.h"
+#include "experiments/version.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+ public:
+  Folder() : path_(fs::temp_directory_path() / ("sweep_parts_" + std::to_string(getpid()))) { fs::create_directory(path_); }
+  ~Folder() { fs::remove_all(path_); }
+  [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+// The examples of nist2015's companion, and every length around the borders of blocks against one byte at a time.
+TEST(Sha256, KnownAnswers) {
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
+            "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(sha256(std::string(1'000'000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  for (std::size_t length = 0; length < 200; ++length) {
+    const std::string text(length, 'x');
+    Sha256 pieces;
+    for (const char c : text) pieces.add(std::string_view(&c, 1));
+    EXPECT_EQ(pieces.finish(), sha256(text)) << length;
+  }
+}
+
+TEST(ContentHashes, AreRememberedUntilTheFileChanges) {
+  const Folder folder;
+  const fs::path file = folder / "a.txt", memory = folder / "hashes.json";
+  std::ofstream(file) << "abc";
+  {
+    ContentHashes fresh(memory);
+    EXPECT_EQ(fresh.of(file).sha256, sha256("abc"));
+    fresh.save();
+    EXPECT_FALSE(fs::exists(memory)) << "a file that has changed just now could change again unseen";
+  }
+  std::ofstream(folder / "b.txt") << "abd";
+  EXPECT_EQ(ContentHashes(memory).of(folder / "b.txt").sha256, sha256("abd"));
+  EXPECT_THROW((void)ContentHashes(memory).of(folder / "none"), FileError);
+  std::ofstream(memory) << "no json";
+  EXPECT_EQ(ContentHashes(memory).of(file).sha256, sha256("abc"));
+}
+
+TEST(ContentHashes, OfFoldersKnowNamesAndContents) {
+  const Folder folder;
+  const fs::path set = folder / "set";
+  fs::create_directories(set / "deep");
+  std::ofstream(set / "a") << "1";
+  std::ofstream(set / "deep" / "b") << "2";
+  const auto hash = [&] { return ContentHashes(folder / "hashes.json").of(set).sha256; };
+  const std::string before = hash();
+  EXPECT_EQ(before.size(), 64u);
+  EXPECT_EQ(hash(), before);
+  fs::rename(set / "a", set / "c");
+  const std::string renamed = hash();
+  EXPECT_NE(renamed, before);
+  std::ofstream(set / "deep" / "b") << "3";
+  EXPECT_NE(hash(), renamed);
+}
+
+TEST(ProgramIdentity, IsOneHash) {
+  EXPECT_EQ(program_hash().size(), 64u);
+  EXPECT_EQ(program_hash(), program_hash());
+  for (const char* key : {"program", "version", "commit", "dirty", "compiler", "flags", "build_type"})
+    EXPECT_TRUE(program_facts().contains(key)) << key;
+}
+
+TEST(ProgramIdentity, CommitIsWhatLooksLikeOne) {
+  const std::string hash(40, 'a');
+  set_program_commit(hash);
+  EXPECT_EQ(program_commit().hash, hash);
+  EXPECT_FALSE(program_commit().dirty);
+  set_program_commit(hash + " dirty");
+  EXPECT_EQ(program_commit().hash, hash);
+  EXPECT_TRUE(program_commit().dirty);
+  for (const char* other : {"unknown", "", "abc", "fatal: not a git repository"}) {
+    set_program_commit(other);
+    EXPECT_EQ(program_commit().hash, "unknown") << other;
+    EXPECT_FALSE(program_commit().dirty);
+  }
+}
+
+TEST(ProcessorClaim, NobodyHasOneTwice) {
+  const std::vector<int> allowed = {9001, 9002, 9003};  // that no machine has: nobody else claims them
+  const ProcessorClaim first(1, allowed);
+  EXPECT_EQ(first.processors(), std::vector<int>{9001});
+  {
+    const ProcessorClaim second(2, allowed);
+    EXPECT_EQ(second.processors(), (std::vector<int>{9002, 9003}));
+    EXPECT_TRUE(ProcessorClaim(1, allowed).processors().empty());
+  }
+  EXPECT_TRUE(ProcessorClaim(3, allowed).processors().empty());
+  EXPECT_EQ(ProcessorClaim(1, allowed).processors(), std::vector<int>{9002}) << "what was too few was given back";
+  EXPECT_TRUE(ProcessorClaim(0, allowed).processors().empty());
+}
+
+TEST(TimeLeft, ExpectsWhatWasMeasured) {
+  TimeLeft left;
+  for (const std::size_t run : {0, 0, 1, 1}) left.expected(run);
+  EXPECT_EQ(left.share(0, 0.5), 0.125) << "nothing is known but shares";
+  left.ended(0, 3.0, true);
+  EXPECT_DOUBLE_EQ(left.of(1), 3) << "the mean";
+  EXPECT_DOUBLE_EQ(left.share(0, 0), 3.0 / 12);
+  left.ended(1, 1.0, true);
+  EXPECT_DOUBLE_EQ(left.share(0, 0), 4.0 / 8);
+  EXPECT_DOUBLE_EQ(left.share(2, 0.9), 6.0 / 8);
+  left.ended(0, 3.0, true);
+  left.ended(1, 1.0, true);
+  EXPECT_DOUBLE_EQ(left.share(0, 0), 1);
+
+  TimeLeft resumed;
+  resumed.ended(0, 5.0, false);  // in an earlier session
+  resumed.expected(0);
+  EXPECT_DOUBLE_EQ(resumed.share(0, 0), 0);
+  EXPECT_DOUBLE_EQ(resumed.share(2, 0), 0.4);
+}
+
+TEST(Rows, FaultyValuesAreNamed) {
+  const Experiment probe = probe_experiment();
+  EXPECT_TRUE(faulty_values(probe, {{{"number", 1}, {"multiple", nullptr}}, Row::object()}).empty());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [row, part] : std::vector<std::pair<Row, std::string>>{{Row::array(), "row 0 is no object"},
+                                                                         {{{"other", 1}}, "other is no column of probe"},
+                                                                         {{{"multiple", nan}}, "multiple is not finite"},
+                                                                         {{{"multiple", {1, 2}}}, "not a single value"}}) {
+    const std::vector<std::string> wrong = faulty_values(probe, {row});
+    ASSERT_EQ(wrong.size(), 1u) << row;
+    EXPECT_NE(wrong[0].find(part), std::string::npos) << wrong[0];
+  }
+}
+
+}  // namespace
+}  // namespace lodestone
