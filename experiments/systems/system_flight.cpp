@@ -86,8 +86,7 @@ class Flight {
       const MorphContext context = model.context();
       const Screen screen(model.view_projection, config_.view.size);
       const double unit = model.hierarchy->transform.scale;
-      row.open_edges +=
-          residual_edges(context, model.whole, bases_[m].cracks, scheduler_, scratch_).open_edges;
+      row.open_edges += residual_edges(context, model.whole, bases_[m].cracks, scheduler_, scratch_).open_edges;
       const GapReport gaps = vertex_gaps(context, model.whole, bases_[m].cracks, scheduler_, scratch_, &screen);
       row.gaps += gaps.gaps;
       row.gap_max = std::max(row.gap_max, unit * gaps.gap_max);

@@ -56,8 +56,7 @@ using OnSystemRow = std::function<void(const SystemRow&, const SystemPicture& dr
 
 // Uploads the scene. The renderer must give pictures with depth: soft or gl. Throws InputError for an empty path or
 // list, for `full` among the systems, and what drawing and measuring throw; Cancelled.
-[[nodiscard]] std::vector<SystemRow> fly_systems(SceneView& scene, Renderer& renderer,
-                                                 const SystemFlightConfig& config, Scheduler& scheduler,
-                                                 const OnSystemRow& on_row = {});
+[[nodiscard]] std::vector<SystemRow> fly_systems(SceneView& scene, Renderer& renderer, const SystemFlightConfig& config,
+                                                 Scheduler& scheduler, const OnSystemRow& on_row = {});
 
 }  // namespace lodestone

@@ -125,7 +125,15 @@ inline std::uint64_t naive_residual_edges(const MorphContext& context, const Sel
   return chain.residual();
 }
 
-inline GapReport naive_vertex_gaps(const MorphContext& context, const Selection& selection) {
+// On the screen, of what has an end in the picture and none behind the eye; negative otherwise.
+inline double naive_pixels(const Screen& screen, Vec3f from, Vec3f to) {
+  const auto a = screen.project(to_double(from)), b = screen.project(to_double(to));
+  if (!a || !b || !(a->inside || b->inside)) return -1;
+  return std::hypot(a->x - b->x, a->y - b->y);
+}
+
+inline GapReport naive_vertex_gaps(const MorphContext& context, const Selection& selection,
+                                   const Screen* screen = nullptr) {
   const Hierarchy& h = *context.hierarchy;
   const std::set<std::uint32_t> drawn = drawn_cells(selection);
   std::map<Identity, std::vector<Vec3f>> places;
@@ -142,7 +150,13 @@ inline GapReport naive_vertex_gaps(const MorphContext& context, const Selection&
         ++report.gaps;
         sum += gap;
         report.gap_max = std::max(report.gap_max, gap);
+        const double pixels = screen ? naive_pixels(*screen, at[i], at[j]) : -1;
+        if (pixels < 0) continue;
+        ++report.gaps_in_view;
+        report.gap_max_pixels = std::max(report.gap_max_pixels, pixels);
+        report.gap_mean_pixels += pixels;
       }
+  if (report.gaps_in_view > 0) report.gap_mean_pixels /= static_cast<double>(report.gaps_in_view);
   report.gap_mean = report.gaps ? sum / static_cast<double>(report.gaps) : 0;
   return report;
 }
@@ -168,6 +182,35 @@ inline NaivePops naive_largest_jump(const MorphContext& before, const Selection&
       pops.jump_over_bound = std::max(pops.jump_over_bound, jump_ratio(jump, bound));
     }
   return pops;
+}
+
+// All jumps of the vertices that the metric looks at: those of each drawn cell that a cell of the other frame draws,
+// too, itself or an ancestor.
+struct NaiveJumps {
+  std::vector<double> jumps, pixels;  // pixels: of what is in view
+};
+
+inline NaiveJumps naive_jumps(const MorphContext& before, const Selection& selected_before, const MorphContext& after,
+                              const Selection& selected_after, const Screen& screen) {
+  const Hierarchy& h = *before.hierarchy;
+  const std::set<std::uint32_t> drawn_before = drawn_cells(selected_before), drawn_after = drawn_cells(selected_after);
+  std::set<std::uint32_t> finer;
+  for (const auto& [own, other] : {std::pair(&drawn_before, &drawn_after), std::pair(&drawn_after, &drawn_before)})
+    for (const std::uint32_t cell : *own)
+      for (std::uint32_t c = cell; c != no_cell; c = h.cells[c].parent)
+        if (other->contains(c)) finer.insert(cell);
+  NaiveJumps all;
+  for (const std::uint32_t cell : finer)
+    for (std::uint32_t v = 0; v < h.cells[cell].positions.size(); ++v) {
+      const Vec3f a = draw_vertex(before, drawn_before, cell, v).position,
+                  b = draw_vertex(after, drawn_after, cell, v).position;
+      all.jumps.push_back(length(to_double(a) - to_double(b)));
+      const double pixels = naive_pixels(screen, a, b);
+      if (pixels >= 0) all.pixels.push_back(pixels);
+    }
+  std::sort(all.jumps.begin(), all.jumps.end());
+  std::sort(all.pixels.begin(), all.pixels.end());
+  return all;
 }
 
 }  // namespace lodestone::testing

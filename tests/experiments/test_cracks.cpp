@@ -146,6 +146,34 @@ TEST(Cracks, TheRootAloneIsWhole) {
   EXPECT_EQ(subject.cracks(frame).open_edges, 0u);
 }
 
+TEST(Cracks, GapsInPixelsEqualTheirSlowTwin) {
+  Subject subject(torus_mesh(28));
+  const Hierarchy& h = subject.hierarchy();
+  const Radii radii = uniform_radii(h, DistanceMetric::euclidean, 0.3f * reach(h, DistanceMetric::euclidean));
+  std::uint64_t seen = 0, hidden = 0;
+  for (const AdversarialView& view : adversarial_views(h, radii)) {
+    const Frame frame = make_frame(h, radii, Blend::linear, view.viewpoint);
+    Camera camera;
+    camera.position = to_double(view.viewpoint);
+    camera.target = to_double(h.cells[view.cell].positions[view.vertex]);
+    camera.vertical_fov = 0.4;
+    const PlacedBounds bounds{{}, h.cells.front().bounds};
+    const ImageSize size{320, 200};
+    const Screen screen(View(camera, std::span(&bounds, 1), size).projection({}), size);
+    const GapReport fast =
+        vertex_gaps(frame.context, frame.selection, subject.basis, *subject.scheduler, subject.scratch, &screen);
+    const GapReport slow = naive_vertex_gaps(frame.context, frame.selection, &screen);
+    EXPECT_EQ(fast.gaps_in_view, slow.gaps_in_view);
+    EXPECT_EQ(fast.gap_max_pixels, slow.gap_max_pixels);
+    EXPECT_NEAR(fast.gap_mean_pixels, slow.gap_mean_pixels, 1e-9);
+    EXPECT_EQ(fast.gap_max, slow.gap_max);
+    seen += fast.gaps_in_view;
+    hidden += fast.gaps - fast.gaps_in_view;
+  }
+  EXPECT_GT(seen, 0u);
+  EXPECT_GT(hidden, 0u);
+}
+
 TEST(Cracks, AreTheSameForAnyNumberOfWorkers) {
   Subject subject(sphere_mesh(16));
   const Radii radii = uniform_radii(subject.hierarchy(), DistanceMetric::euclidean,

@@ -214,6 +214,61 @@ TEST(Pops, SeesABrokenParent) {
   EXPECT_GT(measure(built.hierarchy, radii, Blend::smoothstep, path, 10).jump_over_bound, 1);
 }
 
+// Percentiles count the vertices at rest, too; pixels are those of the later camera.
+TEST(Pops, PercentilesAndPixelsEqualTheirSlowTwin) {
+  const auto scheduler = make_serial_scheduler();
+  const auto p99 = [](const std::vector<double>& sorted) {
+    return sorted.empty() ? 0
+                          : sorted[static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(sorted.size()))) - 1];
+  };
+  std::size_t seen = 0, moving = 0;
+  for (const NamedMesh& named : all_meshes()) {
+    SCOPED_TRACE(named.name);
+    const NaiveHierarchy built = naive_hierarchy(named.mesh, finest, sigma0);
+    const Radii radii = per_level_radii(built.hierarchy, DistanceMetric::euclidean);
+    const std::vector<Vec3f> path = fly_in(built.hierarchy, 8);
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const Frame before = make_frame(built.hierarchy, radii, Blend::linear, path[i - 1]);
+      const Frame after = make_frame(built.hierarchy, radii, Blend::linear, path[i]);
+      Camera camera;
+      camera.position = to_double(path[i]);
+      camera.target = {0.5, 0.5, 0.2};
+      const PlacedBounds bounds{{}, built.hierarchy.cells.front().bounds};
+      const ImageSize size{320, 200};
+      const Screen screen(View(camera, std::span(&bounds, 1), size).projection({}), size);
+      const PopReport report = largest_jump(before.context, before.selection, after.context, after.selection,
+                                            *scheduler, {.percentiles = true, .screen = &screen});
+      const NaiveJumps slow = naive_jumps(before.context, before.selection, after.context, after.selection, screen);
+      EXPECT_EQ(report.vertices, slow.jumps.size());
+      EXPECT_EQ(report.max_jump, slow.jumps.back());
+      EXPECT_EQ(report.p99_jump, p99(slow.jumps));
+      EXPECT_EQ(report.vertices_in_view, slow.pixels.size());
+      EXPECT_EQ(report.max_jump_pixels, slow.pixels.empty() ? 0 : slow.pixels.back());
+      EXPECT_EQ(report.p99_jump_pixels, p99(slow.pixels));
+      seen += slow.pixels.size();
+      moving += report.p99_jump > 0;
+    }
+  }
+  EXPECT_GT(seen, 1000u);
+  EXPECT_GT(moving, 10u);
+}
+
+TEST(Pops, TakeTheBoundsOfAnother) {
+  const NaiveHierarchy built = naive_hierarchy(sphere_mesh(16), finest, sigma0);
+  const Radii radii = per_level_radii(built.hierarchy, DistanceMetric::euclidean);
+  const Frame before = make_frame(built.hierarchy, radii, Blend::linear, {2, 0.5f, 0.5f});
+  const Frame after = make_frame(built.hierarchy, radii, Blend::linear, {1.2f, 0.5f, 0.6f});
+  const auto scheduler = make_serial_scheduler();
+  std::vector<double> bounds = jump_bounds(before.context, after.context);
+  const auto measured = [&](const JumpConfig& config) {
+    return largest_jump(before.context, before.selection, after.context, after.selection, *scheduler, config)
+        .jump_over_bound;
+  };
+  EXPECT_EQ(measured({.bounds = bounds}), measured({}));
+  for (double& b : bounds) b *= 0.5;
+  EXPECT_NEAR(measured({.bounds = bounds}), 2 * measured({}), 1e-9);
+}
+
 TEST(Pops, ACameraAtRestMovesNothing) {
   const NaiveHierarchy built = naive_hierarchy(terrain_mesh(20), finest, sigma0);
   const Radii radii = per_level_radii(built.hierarchy, DistanceMetric::euclidean);

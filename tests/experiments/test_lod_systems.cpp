@@ -1,0 +1,244 @@
+// The LOD systems that are compared: what each draws, and that the metrics tell them apart.
+#include "experiments/systems/lod_system.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <map>
+
+#include "core/base/error.h"
+#include "experiments/metrics/cracks.h"
+#include "experiments/systems/system_flight.h"
+#include "tests/experiments/lod_frames.h"
+#include "tests/render/small_hierarchy.h"
+#include "tests/test_meshes.h"
+
+namespace lodestone {
+namespace {
+
+using namespace testing;
+
+const Hierarchy& torus() {
+  static const test::SmallHierarchy made = test::small_hierarchy(test::torus_mesh(120, 60), 4);
+  return made.hierarchy;
+}
+
+Scene scene_of_torus(float kappa0 = 1.5f) {
+  Scene scene = scene_of("torus.lode");
+  scene.radii.kappa0 = kappa0;
+  return scene;
+}
+
+constexpr ImageSize size{160, 120};
+
+std::vector<Camera> approach(int frames) {
+  std::vector<Camera> path;
+  for (int i = 0; i < frames; ++i) {
+    const double t = static_cast<double>(i) / frames;
+    path.push_back({{0.5 + 0.3 * t, -3 + 2.4 * t, 1.4 - 0.6 * t}, {0.5, 0.5, 0.15}});
+  }
+  return path;
+}
+
+TEST(LodSystem, Names) {
+  for (const LodSystem system : all_lod_systems()) EXPECT_EQ(lod_system(name_of(system)), system);
+  EXPECT_THROW((void)lod_system("lod"), InputError);
+}
+
+TEST(LodSystem, WithoutMorphEveryVertexStaysAtItsLevel) {
+  const Radii radii = per_level_radii(torus(), DistanceMetric::euclidean, 1.5f), still = without_morph(radii);
+  for (const Vec3f view : random_viewpoints(torus(), 20, 1)) {
+    const testing::Frame morphed = make_frame(torus(), radii, Blend::linear, view);
+    const testing::Frame bare = make_frame(torus(), still, Blend::linear, view);
+    ASSERT_EQ(morphed.selection.cells.size(), bare.selection.cells.size());
+    for (std::size_t i = 0; i < bare.selection.cells.size(); ++i) {
+      EXPECT_EQ(morphed.selection.cells[i].cell, bare.selection.cells[i].cell);
+      EXPECT_FALSE(bare.selection.cells[i].morphing);
+      const Cell& cell = torus().cells[bare.selection.cells[i].cell];
+      std::vector<Vec3f> drawn(cell.positions.size());
+      morph_cell(bare.context, bare.selection.cells[i].cell, drawn);
+      EXPECT_TRUE(std::equal(drawn.begin(), drawn.end(), cell.positions.begin()));
+    }
+  }
+}
+
+TEST(LodSystem, AWholeLevelIsAllOfItsCells) {
+  const Radii radii = per_level_radii(torus(), DistanceMetric::euclidean);
+  for (int level = 0; level <= torus().finest(); ++level) {
+    const testing::Frame frame = make_frame(torus(), whole_level(radii, level), Blend::linear, {0.5f, 0.5f, 0.1f});
+    EXPECT_EQ(frame.selection.cells.size(), torus().cells_of(level).size());
+    for (const SelectedCell& cell : frame.selection.cells) EXPECT_EQ(cell.level, level);
+  }
+}
+
+// Continuous in the distance, from the finest level to the root, and never a level that is not good enough.
+TEST(LodSystem, ACrossFadeIsContinuous) {
+  for (const float kappa0 : {0.3f, 1.5f}) {
+    const Radii radii = per_level_radii(torus(), DistanceMetric::euclidean, kappa0);
+    for (const double width : {0.05, 0.25, 5.0}) {
+      std::map<int, double> before;
+      const auto shares = [](const CrossFade& fade) {
+        std::map<int, double> s;
+        s[fade.fine] += 1 - fade.share;
+        s[fade.coarse] += fade.share;
+        return s;
+      };
+      std::set<int> levels;
+      double largest = 0;
+      for (int i = 0; i <= 200'000; ++i) {
+        const float distance = 1e-3f * std::pow(3e4f, static_cast<float>(i) / 200'000);
+        const CrossFade fade = cross_fade(torus(), radii, {-distance, 0.5f, 0.1f}, width);
+        EXPECT_TRUE(fade.coarse == fade.fine || fade.coarse + 1 == fade.fine);
+        EXPECT_TRUE(fade.share >= 0 && fade.share < 1);
+        if (fade.coarse < torus().finest()) {
+          EXPECT_GE(distance, radii.select[static_cast<std::size_t>(fade.coarse)]);
+        }
+        const std::map<int, double> now = shares(fade);
+        levels.insert(fade.coarse);
+        for (int l = 0; i > 0 && l <= torus().finest(); ++l) {
+          const auto at = [l](const std::map<int, double>& s) { return s.contains(l) ? s.at(l) : 0.0; };
+          largest = std::max(largest, std::abs(at(now) - at(before)));
+        }
+        before = now;
+      }
+      EXPECT_LT(largest, 0.05) << width;
+      EXPECT_EQ(levels.size(), static_cast<std::size_t>(torus().finest()) + 1);
+    }
+  }
+  EXPECT_EQ(cross_fade(torus(), per_level_radii(torus(), DistanceMetric::euclidean), {0.5f, 0.5f, 0.1f}, 0.25),
+            (CrossFade{4, 4, 0}));
+}
+
+TEST(SystemPictures, TheFullModelIsWhatSmallTolerancesDraw) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView near(scene_of_torus(1e4f), {{&torus()}});
+  near.upload(*renderer);
+  const ViewConfig config = view_config(near.scene(), size);
+  SystemPictures pictures(near, *renderer);
+  const Camera camera = approach(3)[1];
+  const SystemPicture full = pictures.draw(LodSystem::full, camera, config);
+  EXPECT_EQ(full.image.depth.size(), full.image.rgba.size() / 4);
+  for (const LodSystem system : {LodSystem::morph, LodSystem::step, LodSystem::discrete, LodSystem::cross_fade}) {
+    const SystemPicture drawn = pictures.draw(system, camera, config);
+    EXPECT_EQ(drawn.image.rgba, full.image.rgba) << name_of(system);
+    EXPECT_EQ(drawn.stats.triangles, full.stats.triangles);
+    EXPECT_EQ(drawn.pictures, 1);
+  }
+}
+
+TEST(SystemPictures, TheMorphIsTheUsualPicture) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene_of_torus(), {{&torus()}});
+  view.upload(*renderer);
+  const ViewConfig config = view_config(view.scene(), size);
+  const Camera camera = approach(3)[1];
+  (void)view.look(camera, config);
+  (void)view.draw(*renderer);
+  const Image usual = renderer->read_back();
+  SystemPictures pictures(view, *renderer);
+  EXPECT_EQ(pictures.draw(LodSystem::morph, camera, config).image.rgba, usual.rgba);
+  EXPECT_NE(pictures.draw(LodSystem::discrete, camera, config).image.rgba, usual.rgba);
+}
+
+TEST(SystemPictures, BlendBytesAndTakeTheNearerDepth) {
+  const Image a{{1, 1}, {0, 100, 200, 255}, {0.25f}}, b{{1, 1}, {255, 110, 0, 255}, {0.75f}};
+  EXPECT_EQ(blended(a, b, 0).rgba, a.rgba);
+  EXPECT_EQ(blended(a, b, 1).rgba, b.rgba);
+  EXPECT_EQ(blended(a, b, 0.25).rgba, (std::vector<std::uint8_t>{64, 103, 150, 255}));
+  EXPECT_EQ(blended(a, b, 0.9).depth, a.depth);
+}
+
+// The point of it all: on one path, the morph neither cracks nor pops, the others do what they are known for.
+TEST(SystemFlight, TellsTheSystemsApart) {
+  const auto scheduler = make_tbb_scheduler(2);
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene_of_torus(), {{&torus()}});
+  SystemFlightConfig config;
+  config.cameras = approach(40);
+  config.view = view_config(view.scene(), size);
+  config.quality.with_flip = false;
+  std::size_t called = 0;
+  const std::vector<SystemRow> rows =
+      fly_systems(view, *renderer, config, *scheduler, [&](const SystemRow& row, const SystemPicture&, const Image& full) {
+        EXPECT_EQ(row.frame, called++ / config.systems.size());
+        EXPECT_EQ(full.size, size);
+      });
+  ASSERT_EQ(rows.size(), config.cameras.size() * config.systems.size());
+  EXPECT_EQ(called, rows.size());
+
+  std::map<LodSystem, SystemRow> worst;
+  for (const SystemRow& row : rows) {
+    SystemRow& w = worst[row.system];
+    EXPECT_TRUE(row.closed);
+    EXPECT_GT(row.triangles, 0u);
+    EXPECT_LE(row.gap_mean, row.gap_max);
+    EXPECT_LE(row.jump_p99, row.jump_max);
+    w.open_edges += row.open_edges;
+    w.torn_pixels += row.torn_pixels;
+    w.t_junctions += row.t_junctions;
+    w.pictures = std::max(w.pictures, row.pictures);
+    w.gap_max = std::max(w.gap_max, row.gap_max);
+    w.gap_max_pixels = std::max(w.gap_max_pixels, row.gap_max_pixels);
+    w.jump_over_bound = std::max(w.jump_over_bound, row.jump_over_bound);
+    w.jump_max_pixels = std::max(w.jump_max_pixels, row.jump_max_pixels);
+    w.pops.changed_share = std::max(w.pops.changed_share, row.pops.changed_share);
+  }
+  const SystemRow &morph = worst[LodSystem::morph], &step = worst[LodSystem::step],
+                  &discrete = worst[LodSystem::discrete], &fade = worst[LodSystem::cross_fade];
+  for (const SystemRow* whole : {&morph, &step, &fade}) {
+    EXPECT_EQ(whole->open_edges, 0u);
+    EXPECT_EQ(whole->gap_max, 0);
+    EXPECT_EQ(whole->torn_pixels, 0u);
+    EXPECT_EQ(whole->t_junctions, 0u);
+  }
+  EXPECT_GT(discrete.open_edges, 0u);
+  EXPECT_GT(discrete.gap_max, 0);
+  EXPECT_GT(discrete.gap_max_pixels, 0.5);
+  EXPECT_GT(discrete.torn_pixels, 0u);
+  EXPECT_LE(morph.jump_over_bound, 1);
+  EXPECT_GT(step.jump_over_bound, 1);
+  EXPECT_GT(discrete.jump_over_bound, 1);
+  EXPECT_GT(discrete.jump_max_pixels, morph.jump_max_pixels);
+  EXPECT_GT(discrete.pops.changed_share, morph.pops.changed_share);
+  EXPECT_EQ(fade.pictures, 2);
+  EXPECT_EQ(fade.jump_over_bound, 0);
+}
+
+TEST(SystemFlight, RefusesWhatItCannotCompare) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler), null = make_renderer("null", *scheduler);
+  SceneView view(scene_of_torus(), {{&torus()}});
+  SystemFlightConfig good;
+  good.cameras = approach(2);
+  good.view = view_config(view.scene(), {32, 24});
+  good.geometry = false;
+  const auto refused = [&](const SystemFlightConfig& config, Renderer& with) {
+    EXPECT_THROW((void)fly_systems(view, with, config, *scheduler), InputError);
+  };
+  SystemFlightConfig no_cameras = good, no_systems = good, full = good;
+  no_cameras.cameras.clear();
+  no_systems.systems.clear();
+  full.systems.push_back(LodSystem::full);
+  refused(no_cameras, *renderer);
+  refused(no_systems, *renderer);
+  refused(full, *renderer);
+  refused(good, *null);
+  CancelFlag cancel = true;
+  SystemFlightConfig cancelled = good;
+  cancelled.cancel = &cancel;
+  EXPECT_THROW((void)fly_systems(view, *renderer, cancelled, *scheduler), Cancelled);
+
+  Scene two = scene_of_torus();
+  two.models.push_back(two.models.front());
+  two.models.back().name = "other";
+  SceneView both(two, {{&torus()}, {&torus()}});
+  both.upload(*renderer);
+  SystemPictures pictures(both, *renderer);
+  EXPECT_THROW((void)pictures.draw(LodSystem::cross_fade, good.cameras[0], good.view), InputError);
+  EXPECT_EQ(pictures.draw(LodSystem::discrete, good.cameras[0], good.view).models.size(), 2u);
+}
+
+}  // namespace
+}  // namespace lodestone
