@@ -25,8 +25,7 @@ struct Subject {
     BuildConfig config;
     config.simplifier = SimplifierKind::cluster;
     Repairs repairs;
-    hierarchy = build_hierarchy(
-        prepare_mesh(generate_mesh({Shape::sphere, 500'000, 1}), repairs, *all), config, *all);
+    hierarchy = build_hierarchy(prepare_mesh(generate_mesh({Shape::sphere, 500'000, 1}), repairs, *all), config, *all);
     const auto renderer = make_renderer("soft", *all);
     Scene scene = scene_of("sphere");
     SceneView view(scene, {{&hierarchy}});

@@ -1,5 +1,5 @@
-// Pictures for the tests of the image metrics, and the slow, obvious twins: direct two-dimensional convolution in double
-// precision, straight from the published formulas.
+// Pictures for the tests of the image metrics, and the slow, obvious twins: direct two-dimensional convolution in
+// double precision, straight from the published formulas.
 #pragma once
 
 #include <algorithm>
@@ -74,7 +74,8 @@ class NaiveFlip {
   static Triple to_rgb(Triple xyz) {
     const Triple r = to_xyz({1, 0, 0}), g = to_xyz({0, 1, 0}), b = to_xyz({0, 0, 1});
     const auto det = [](Triple u, Triple v, Triple w) {
-      return u[0] * (v[1] * w[2] - v[2] * w[1]) - v[0] * (u[1] * w[2] - u[2] * w[1]) + w[0] * (u[1] * v[2] - u[2] * v[1]);
+      return u[0] * (v[1] * w[2] - v[2] * w[1]) - v[0] * (u[1] * w[2] - u[2] * w[1]) +
+             w[0] * (u[1] * v[2] - u[2] * v[1]);
     };
     const double d = det(r, g, b);
     return {det(xyz, g, b) / d, det(r, xyz, b) / d, det(r, g, xyz) / d};

@@ -1,6 +1,4 @@
 // Normal deviation and the figures of a mesh against its reference.
-#include "experiments/metrics/geometry_error.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
+#include "experiments/metrics/geometry_error.h"
 #include "parallel/compare.h"
 
 namespace lodestone {
@@ -56,9 +55,8 @@ DirectedDeviation naive_deviation(const ComparedMesh& from, const ComparedMesh& 
     double least = std::numeric_limits<double>::infinity();
     const Triangle* nearest = nullptr;
     for (const Triangle& t : to.triangles) {
-      const double d =
-          nearest_on_triangle(points[i], to.positions[t.v[0]], to.positions[t.v[1]], to.positions[t.v[2]])
-              .squared_distance;
+      const double d = nearest_on_triangle(points[i], to.positions[t.v[0]], to.positions[t.v[1]], to.positions[t.v[2]])
+                           .squared_distance;
       if (d < least) least = d, nearest = &t;
     }
     const Vec3d a = normal(from, from.triangles[triangles[i]]), b = normal(to, *nearest);
@@ -171,7 +169,7 @@ TEST(GeometryError, PutsTheMeasuresTogether) {
   // The larger of both directions.
   const GeometryError part = geometry_error(square(4, 0), square(4, 30), {500}, *scheduler);
   EXPECT_DOUBLE_EQ(part.hausdorff * part.distance.diagonal,
-            std::max(part.distance.forward.max, part.distance.backward.max));
+                   std::max(part.distance.forward.max, part.distance.backward.max));
   EXPECT_THROW((void)geometry_error(reference, {}, {}, *scheduler), InputError);
 }
 

@@ -1,7 +1,5 @@
 // Pops in the image: walls before cameras, whose depth and motion are known in closed form; rays instead of matrices as
 // the slow twin.
-#include "experiments/metrics/image_pops.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "experiments/metrics/image_pops.h"
 #include "experiments/metrics/screen.h"
 
 namespace lodestone {
@@ -108,7 +107,8 @@ std::vector<double> naive_pops(const std::vector<Wall>& walls, const Shot& befor
       double sum = 0, weights = 0;
       for (int py = 0; py < size.height; ++py)
         for (int px = 0; px < size.width; ++px) {
-          const double weight = std::max(0.0, 1 - std::abs(past.x - px - 0.5)) * std::max(0.0, 1 - std::abs(past.y - py - 0.5));
+          const double weight =
+              std::max(0.0, 1 - std::abs(past.x - px - 0.5)) * std::max(0.0, 1 - std::abs(past.y - py - 0.5));
           if (weight == 0) continue;
           const double d = depth_at(walls, before.eye, ray(before.eye, px + 0.5, py + 0.5));
           if (sky != std::isinf(d) || (!sky && std::abs(d - past.w) > tolerance * past.w)) continue;
@@ -183,7 +183,9 @@ TEST(ImagePops, EqualTheirSlowTwin) {
     const double turn = 0.08 * unit(random);
     const Eye3 a{{0.2 * unit(random), 0.2 * unit(random), 2.2}};
     const Eye3 b{a.position + Vec3d{0.15 * unit(random), 0.1 * unit(random), 0.2 * unit(random)},
-                 {std::cos(turn), 0, std::sin(turn)}, {0, 1, 0}, {std::sin(turn), 0, -std::cos(turn)}};
+                 {std::cos(turn), 0, std::sin(turn)},
+                 {0, 1, 0},
+                 {std::sin(turn), 0, -std::cos(turn)}};
     const Shot before = shoot(walls, a, wave), now = shoot(walls, b, [](int x, int y) { return wave(y, x); });
     const std::vector<float> fast = measured(before, now);
     const std::vector<double> slow = naive_pops(walls, before, now, ImagePopConfig{}.depth_tolerance);
@@ -211,7 +213,8 @@ TEST(ImagePops, WhatWasHiddenHasNoPredecessor) {
 
 TEST(ImagePops, TheSkyTurnsWithTheCamera) {
   const double turn = 0.1;
-  const Eye3 a{{0, 0, 2}}, b{{0.7, 0, 2}, {std::cos(turn), 0, std::sin(turn)}, {0, 1, 0}, {std::sin(turn), 0, -std::cos(turn)}};
+  const Eye3 a{{0, 0, 2}},
+      b{{0.7, 0, 2}, {std::cos(turn), 0, std::sin(turn)}, {0, 1, 0}, {std::sin(turn), 0, -std::cos(turn)}};
   // A function of the direction alone.
   const auto sky = [](const Eye3& eye) {
     return [eye](int x, int y) {
@@ -266,7 +269,8 @@ TEST(ImagePops, AreTheSameForAnyNumberOfWorkers) {
   const std::vector<Wall> walls{{-1, -2, 0.7}, {0.3, -0.4, 0.2}};
   const Shot before = shoot(walls, {{0, 0, 2}}, wave), now = shoot(walls, {{0.13, 0.05, 1.9}}, wave);
   const std::vector<float> serial = measured(before, now);
-  for (const int threads : {2, 5}) EXPECT_EQ(pop_map(before.frame(), now.frame(), *make_tbb_scheduler(threads)), serial);
+  for (const int threads : {2, 5})
+    EXPECT_EQ(pop_map(before.frame(), now.frame(), *make_tbb_scheduler(threads)), serial);
 }
 
 TEST(ImagePops, RefuseWhatTheyCannotCompare) {

@@ -1,12 +1,11 @@
 // Pictures against pictures: absolute difference, PSNR, SSIM and FLIP, by closed forms and by their slow twins.
-#include "experiments/metrics/image_quality.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
 #include "core/base/error.h"
+#include "experiments/metrics/image_quality.h"
 #include "experiments/metrics/ssim.h"
 #include "tests/experiments/naive_images.h"
 
@@ -74,7 +73,9 @@ TEST(Flip, IsSymmetricAndWithinItsRange) {
 TEST(Flip, DependsOnTheDistance) {
   const auto scheduler = make_serial_scheduler();
   const Image grey = uniform({61, 41}, {128, 128, 128});
-  const Image line = make_image(grey.size, [](int x, int) { return x == 30 ? Rgb{200, 200, 200} : Rgb{128, 128, 128}; });
+  const Image line = make_image(grey.size, [](int x, int) {
+    return x == 30 ? Rgb{200, 200, 200} : Rgb{128, 128, 128};
+  });
   double before = 2;
   for (const double resolution : {10.0, 30.0, 67.0, 150.0}) {
     const double mean = summarise(flip_error(grey, line, *scheduler, {resolution}).value).max;

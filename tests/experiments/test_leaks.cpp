@@ -1,6 +1,4 @@
 // Leaks: none in what is closed, those of triangles that are missing, and every triangle at every pixel as the twin.
-#include "experiments/metrics/leaks.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
@@ -10,6 +8,7 @@
 #include "experiments/metrics/adversary.h"
 #include "experiments/metrics/cracks.h"
 #include "experiments/metrics/drawn_mesh.h"
+#include "experiments/metrics/leaks.h"
 #include "render/position_map/rasterize_map.h"
 #include "tests/experiments/crack_subject.h"
 
@@ -157,7 +156,8 @@ TEST(Leaks, SeesAHole) {
   mesh.triangles.erase(towards);
   const LeakReport report = leaks(mesh, screen);
   EXPECT_EQ(report.covered, whole);
-  EXPECT_NEAR(static_cast<double>(report.back_faces), 0.5 * static_cast<double>(whole), 0.02 * static_cast<double>(whole));
+  EXPECT_NEAR(static_cast<double>(report.back_faces), 0.5 * static_cast<double>(whole),
+              0.02 * static_cast<double>(whole));
   EXPECT_EQ(report.torn, report.back_faces);
   EXPECT_EQ(static_cast<std::uint64_t>(std::count(report.leaks.begin(), report.leaks.end(), 1)), report.leak_pixels());
 }

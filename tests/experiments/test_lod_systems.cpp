@@ -1,6 +1,4 @@
 // The LOD systems that are compared: what each draws, and that the metrics tell them apart.
-#include "experiments/systems/lod_system.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -8,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks.h"
+#include "experiments/systems/lod_system.h"
 #include "experiments/systems/system_flight.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/render/small_hierarchy.h"
@@ -160,11 +159,11 @@ TEST(SystemFlight, TellsTheSystemsApart) {
   config.view = view_config(view.scene(), size);
   config.quality.with_flip = false;
   std::size_t called = 0;
-  const std::vector<SystemRow> rows =
-      fly_systems(view, *renderer, config, *scheduler, [&](const SystemRow& row, const SystemPicture&, const Image& full) {
-        EXPECT_EQ(row.frame, called++ / config.systems.size());
-        EXPECT_EQ(full.size, size);
-      });
+  const std::vector<SystemRow> rows = fly_systems(view, *renderer, config, *scheduler,
+                                                  [&](const SystemRow& row, const SystemPicture&, const Image& full) {
+                                                    EXPECT_EQ(row.frame, called++ / config.systems.size());
+                                                    EXPECT_EQ(full.size, size);
+                                                  });
   ASSERT_EQ(rows.size(), config.cameras.size() * config.systems.size());
   EXPECT_EQ(called, rows.size());
 

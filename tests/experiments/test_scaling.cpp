@@ -1,6 +1,4 @@
 // Scaling figures and the cost of a phase.
-#include "experiments/metrics/scaling.h"
-
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -10,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/cost.h"
+#include "experiments/metrics/scaling.h"
 
 namespace lodestone {
 namespace {

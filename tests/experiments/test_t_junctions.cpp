@@ -1,6 +1,4 @@
 // T-junctions: known ones, and all pairs of vertices and edges as the slow twin.
-#include "experiments/metrics/t_junctions.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
@@ -11,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/distance/point_triangle.h"
 #include "experiments/metrics/drawn_mesh.h"
+#include "experiments/metrics/t_junctions.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_hierarchy.h"
 #include "tests/experiments/small_meshes.h"
