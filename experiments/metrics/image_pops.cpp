@@ -32,6 +32,8 @@ void check(const ErrorFrame& before, const ErrorFrame& now, const ImagePopConfig
   }
   if (!(config.depth_tolerance > 0 && config.depth_tolerance < 1) || !(config.threshold >= 0))
     throw InputError("pops: the tolerance of depths lies between 0 and 1, the threshold is at least 0");
+  if (config.neighbourhood < 0 || config.neighbourhood > 8)
+    throw InputError("pops: the neighbourhood is 0 to 8 pixels");
 }
 
 glm::dmat4 inverse_of(const ViewProjection& vp) {
@@ -96,28 +98,53 @@ class PastErrors {
     near_ = inverse[2][3], far_ = inverse[3][3];
   }
 
-  // Interpolated between the pixels around the place that see the same depth.
-  [[nodiscard]] std::optional<float> at(const Origin& origin) const {
-    const double x = origin.x - 0.5, y = origin.y - 0.5;
-    if (!(x > -1 && y > -1 && x < size_.width && y < size_.height)) return std::nullopt;
-    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-    double sum = 0, weights = 0;
-    for (int k = 0; k < 4; ++k) {
-      const int px = x0 + (k & 1), py = y0 + (k >> 1);
-      if (px < 0 || py < 0 || px >= size_.width || py >= size_.height) continue;
-      const double weight = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
-      const std::size_t i =
-          static_cast<std::size_t>(py) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(px);
-      if (!(weight > 0) || !same_surface(depth_[i], origin.w)) continue;
-      sum += weight * error_[i];
-      weights += weight;
-    }
-    if (!(weights > least_weight)) return std::nullopt;
-    return static_cast<float>(sum / weights);
+  // The values that the error at a place may have had.
+  struct Range {
+    float low = 0, high = 0;
+    [[nodiscard]] float distance(float v) const { return std::max({low - v, v - high, 0.0f}); }
+  };
+  [[nodiscard]] std::optional<Range> at(const Origin& origin, int neighbourhood) const {
+    if (!(origin.x > -0.5 && origin.y > -0.5 && origin.x < size_.width + 0.5 && origin.y < size_.height + 0.5))
+      return std::nullopt;
+    return neighbourhood == 0 ? interpolated(origin) : range_around(origin, neighbourhood);
   }
 
  private:
   static constexpr double least_weight = 1e-3;
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] bool sees(int x, int y, double w) const {
+    return x >= 0 && y >= 0 && x < size_.width && y < size_.height && same_surface(depth_[index(x, y)], w);
+  }
+  // Between the pixels around the place that see the same depth.
+  [[nodiscard]] std::optional<Range> interpolated(const Origin& origin) const {
+    const double x = origin.x - 0.5, y = origin.y - 0.5;
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    double sum = 0, weights = 0;
+    for (int k = 0; k < 4; ++k) {
+      const int px = x0 + (k & 1), py = y0 + (k >> 1);
+      const double weight = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
+      if (!(weight > 0) || !sees(px, py, origin.w)) continue;
+      sum += weight * error_[index(px, py)];
+      weights += weight;
+    }
+    if (!(weights > least_weight)) return std::nullopt;
+    const auto value = static_cast<float>(sum / weights);
+    return Range{value, value};
+  }
+  // Of the pixels within `reach` of the one that the place lies in.
+  [[nodiscard]] std::optional<Range> range_around(const Origin& origin, int reach) const {
+    const int x = static_cast<int>(std::floor(origin.x)), y = static_cast<int>(std::floor(origin.y));
+    std::optional<Range> range;
+    for (int py = y - reach; py <= y + reach; ++py)
+      for (int px = x - reach; px <= x + reach; ++px) {
+        if (!sees(px, py, origin.w)) continue;
+        const float e = error_[index(px, py)];
+        range = range ? Range{std::min(range->low, e), std::max(range->high, e)} : Range{e, e};
+      }
+    return range;
+  }
   [[nodiscard]] bool same_surface(float depth, double w) const {
     if (!(depth < 1)) return std::isinf(w);
     if (std::isinf(w)) return false;
@@ -145,7 +172,7 @@ std::vector<float> pop_map(const ErrorFrame& before, const ErrorFrame& now, Sche
       for (int x = 0; x < size.width; ++x, ++i) {
         const auto origin = reprojection.origin(x, static_cast<int>(y));
         if (!origin) continue;
-        if (const auto error = past.at(*origin)) map[i] = std::abs(now.error->value[i] - *error);
+        if (const auto range = past.at(*origin, config.neighbourhood)) map[i] = range->distance(now.error->value[i]);
       }
   });
   return map;
