@@ -5,10 +5,10 @@
 #include <glm/glm.hpp>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/mesh/disjoint_sets.h"
 #include "experiments/metrics/screen.h"
 #include "render/eye.h"
 
@@ -195,22 +195,18 @@ ImagePops image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler&
   return pops;
 }
 
-// Union of each set pixel with its neighbours to the left and above.
+// Each pixel above the threshold is united with its neighbours to the left and above.
 std::uint64_t largest_connected_area(std::span<const float> values, ImageSize size, double threshold) {
-  const auto width = static_cast<std::size_t>(size.width);
-  std::vector<std::uint32_t> parent(values.size()), area(values.size(), 0);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
+  const auto width = static_cast<std::uint32_t>(size.width);
+  DisjointSets sets(values.size());
+  const auto above = [&](std::uint32_t i) { return values[i] > threshold; };
+  const auto join = [&](std::uint32_t i, std::uint32_t k) {
+    if (above(k)) sets.unite(i, k);
   };
-  const auto set = [&](std::size_t i) { return values[i] > threshold; };
-  const auto join = [&](std::size_t i, std::size_t k) {
-    if (set(k)) parent[root(static_cast<std::uint32_t>(i))] = root(static_cast<std::uint32_t>(k));
-  };
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!set(i)) continue;
-    const std::size_t x = i % width;
+  std::vector<std::uint32_t> area(values.size(), 0);
+  for (std::uint32_t i = 0; i < values.size(); ++i) {
+    if (!above(i)) continue;
+    const std::uint32_t x = i % width;
     if (x > 0) join(i, i - 1);
     if (i < width) continue;
     if (x > 0) join(i, i - width - 1);
@@ -218,8 +214,8 @@ std::uint64_t largest_connected_area(std::span<const float> values, ImageSize si
     if (x + 1 < width) join(i, i - width + 1);
   }
   std::uint64_t largest = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (set(i)) largest = std::max<std::uint64_t>(largest, ++area[root(static_cast<std::uint32_t>(i))]);
+  for (std::uint32_t i = 0; i < values.size(); ++i)
+    if (above(i)) largest = std::max<std::uint64_t>(largest, ++area[sets.find(i)]);
   return largest;
 }
 
