@@ -110,6 +110,7 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
     if (row.drawn) result.warnings.insert(result.warnings.end(), stats.warnings.begin(), stats.warnings.end());
     row.cells = stats.cells;
     row.triangles = stats.triangles;
+    row.draw_calls = stats.draw_calls;
     row.work = stats.work;
     row.milliseconds = stats.milliseconds;
     row.milliseconds["select"] = select;

@@ -28,6 +28,7 @@ struct FlightConfig {
 
 struct FrameRow {
   std::uint64_t cells = 0, triangles = 0;      // drawn, after culling
+  std::uint64_t draw_calls = 0;                // of a backend that makes any
   std::uint64_t selected_triangles = 0;        // of the whole partition; only when measured
   std::map<std::string, double> milliseconds;  // "select", the backend's stages, "total" over all
   std::map<std::string, std::uint64_t> work;   // of the effects, as FrameStats has it

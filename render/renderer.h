@@ -23,6 +23,7 @@ void check_frame(const Frame& frame, int largest_side);
 
 struct FrameStats {
   std::uint64_t cells = 0, triangles = 0;      // drawn
+  std::uint64_t draw_calls = 0;                // that drew these; of a backend that makes any
   std::map<std::string, double> milliseconds;  // by stage, as the backend names them
   // What the effects did: points shaded by each of them ("fog"), and the work of their passes ("shadow triangles").
   // Nothing is listed of what was not called for.

@@ -140,6 +140,7 @@ nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed)
   for (const FrameRow& row : result.frames) {
     nlohmann::json frame{{"cells", row.cells}, {"triangles", row.triangles}, {"milliseconds", row.milliseconds}};
     frame.update({{"work", row.work}, {"drawn", row.drawn}});
+    if (row.draw_calls > 0) frame["draw_calls"] = row.draw_calls;
     if (row.screen_error > 0) frame["screen_error"] = row.screen_error;
     if (streamed) frame.update({{"resident_bytes", row.resident_bytes}, {"complete", row.complete}});
     if (measured)

@@ -5,10 +5,10 @@
 #include <glm/glm.hpp>
 #include <iterator>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/mesh/disjoint_sets.h"
 #include "experiments/metrics/screen.h"
 #include "render/eye.h"
 
@@ -32,6 +32,8 @@ void check(const ErrorFrame& before, const ErrorFrame& now, const ImagePopConfig
   }
   if (!(config.depth_tolerance > 0 && config.depth_tolerance < 1) || !(config.threshold >= 0))
     throw InputError("pops: the tolerance of depths lies between 0 and 1, the threshold is at least 0");
+  if (config.neighbourhood < 0 || config.neighbourhood > 8)
+    throw InputError("pops: the neighbourhood is 0 to 8 pixels");
 }
 
 glm::dmat4 inverse_of(const ViewProjection& vp) {
@@ -96,28 +98,53 @@ class PastErrors {
     near_ = inverse[2][3], far_ = inverse[3][3];
   }
 
-  // Interpolated between the pixels around the place that see the same depth.
-  [[nodiscard]] std::optional<float> at(const Origin& origin) const {
-    const double x = origin.x - 0.5, y = origin.y - 0.5;
-    if (!(x > -1 && y > -1 && x < size_.width && y < size_.height)) return std::nullopt;
-    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-    double sum = 0, weights = 0;
-    for (int k = 0; k < 4; ++k) {
-      const int px = x0 + (k & 1), py = y0 + (k >> 1);
-      if (px < 0 || py < 0 || px >= size_.width || py >= size_.height) continue;
-      const double weight = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
-      const std::size_t i =
-          static_cast<std::size_t>(py) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(px);
-      if (!(weight > 0) || !same_surface(depth_[i], origin.w)) continue;
-      sum += weight * error_[i];
-      weights += weight;
-    }
-    if (!(weights > least_weight)) return std::nullopt;
-    return static_cast<float>(sum / weights);
+  // The values that the error at a place may have had.
+  struct Range {
+    float low = 0, high = 0;
+    [[nodiscard]] float distance(float v) const { return std::max({low - v, v - high, 0.0f}); }
+  };
+  [[nodiscard]] std::optional<Range> at(const Origin& origin, int neighbourhood) const {
+    if (!(origin.x > -0.5 && origin.y > -0.5 && origin.x < size_.width + 0.5 && origin.y < size_.height + 0.5))
+      return std::nullopt;
+    return neighbourhood == 0 ? interpolated(origin) : range_around(origin, neighbourhood);
   }
 
  private:
   static constexpr double least_weight = 1e-3;
+  [[nodiscard]] std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
+  }
+  [[nodiscard]] bool sees(int x, int y, double w) const {
+    return x >= 0 && y >= 0 && x < size_.width && y < size_.height && same_surface(depth_[index(x, y)], w);
+  }
+  // Between the pixels around the place that see the same depth.
+  [[nodiscard]] std::optional<Range> interpolated(const Origin& origin) const {
+    const double x = origin.x - 0.5, y = origin.y - 0.5;
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    double sum = 0, weights = 0;
+    for (int k = 0; k < 4; ++k) {
+      const int px = x0 + (k & 1), py = y0 + (k >> 1);
+      const double weight = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
+      if (!(weight > 0) || !sees(px, py, origin.w)) continue;
+      sum += weight * error_[index(px, py)];
+      weights += weight;
+    }
+    if (!(weights > least_weight)) return std::nullopt;
+    const auto value = static_cast<float>(sum / weights);
+    return Range{value, value};
+  }
+  // Of the pixels within `reach` of the one that the place lies in.
+  [[nodiscard]] std::optional<Range> range_around(const Origin& origin, int reach) const {
+    const int x = static_cast<int>(std::floor(origin.x)), y = static_cast<int>(std::floor(origin.y));
+    std::optional<Range> range;
+    for (int py = y - reach; py <= y + reach; ++py)
+      for (int px = x - reach; px <= x + reach; ++px) {
+        if (!sees(px, py, origin.w)) continue;
+        const float e = error_[index(px, py)];
+        range = range ? Range{std::min(range->low, e), std::max(range->high, e)} : Range{e, e};
+      }
+    return range;
+  }
   [[nodiscard]] bool same_surface(float depth, double w) const {
     if (!(depth < 1)) return std::isinf(w);
     if (std::isinf(w)) return false;
@@ -145,7 +172,7 @@ std::vector<float> pop_map(const ErrorFrame& before, const ErrorFrame& now, Sche
       for (int x = 0; x < size.width; ++x, ++i) {
         const auto origin = reprojection.origin(x, static_cast<int>(y));
         if (!origin) continue;
-        if (const auto error = past.at(*origin)) map[i] = std::abs(now.error->value[i] - *error);
+        if (const auto range = past.at(*origin, config.neighbourhood)) map[i] = range->distance(now.error->value[i]);
       }
   });
   return map;
@@ -168,22 +195,18 @@ ImagePops image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler&
   return pops;
 }
 
-// Union of each set pixel with its neighbours to the left and above.
+// Each pixel above the threshold is united with its neighbours to the left and above.
 std::uint64_t largest_connected_area(std::span<const float> values, ImageSize size, double threshold) {
-  const auto width = static_cast<std::size_t>(size.width);
-  std::vector<std::uint32_t> parent(values.size()), area(values.size(), 0);
-  std::iota(parent.begin(), parent.end(), 0u);
-  const auto root = [&](std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
+  const auto width = static_cast<std::uint32_t>(size.width);
+  DisjointSets sets(values.size());
+  const auto above = [&](std::uint32_t i) { return values[i] > threshold; };
+  const auto join = [&](std::uint32_t i, std::uint32_t k) {
+    if (above(k)) sets.unite(i, k);
   };
-  const auto set = [&](std::size_t i) { return values[i] > threshold; };
-  const auto join = [&](std::size_t i, std::size_t k) {
-    if (set(k)) parent[root(static_cast<std::uint32_t>(i))] = root(static_cast<std::uint32_t>(k));
-  };
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!set(i)) continue;
-    const std::size_t x = i % width;
+  std::vector<std::uint32_t> area(values.size(), 0);
+  for (std::uint32_t i = 0; i < values.size(); ++i) {
+    if (!above(i)) continue;
+    const std::uint32_t x = i % width;
     if (x > 0) join(i, i - 1);
     if (i < width) continue;
     if (x > 0) join(i, i - width - 1);
@@ -191,8 +214,8 @@ std::uint64_t largest_connected_area(std::span<const float> values, ImageSize si
     if (x + 1 < width) join(i, i - width + 1);
   }
   std::uint64_t largest = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (set(i)) largest = std::max<std::uint64_t>(largest, ++area[root(static_cast<std::uint32_t>(i))]);
+  for (std::uint32_t i = 0; i < values.size(); ++i)
+    if (above(i)) largest = std::max<std::uint64_t>(largest, ++area[sets.find(i)]);
   return largest;
 }
 

@@ -29,6 +29,10 @@ struct ErrorFrame {
 struct ImagePopConfig {
   double threshold = visible_change;  // a pixel that changes by more has popped
   double depth_tolerance = 0.01;      // relative, of clip w; in (0, 1)
+  // 0: as above. From 1 to 8: pop_t is how far E_t lies outside of the range of E_{t-1} within so many pixels of the
+  // place it comes from. Errors of unfiltered pictures are noise from pixel to pixel, and noise that a camera carries
+  // along looks like pops; what no neighbour had before does not.
+  int neighbourhood = 0;
 };
 
 struct ImagePops {

@@ -216,20 +216,56 @@ std::vector<std::uint8_t> silhouette(const LeakConfig& config, ImageSize size) {
   return eroded(covered, size, config.silhouette_tolerance);
 }
 
-// The pixels of a band by what they are; `expected`: the sum along a ray that meets no crack.
-LeakReport classify(const Band& band, std::span<const std::uint8_t> inside, std::int32_t expected) {
+// What a pixel is.
+enum PixelFlag : std::uint8_t { is_covered = 1, is_torn = 2, shows_back = 4 };
+
+// `expected`: the sum along a ray that meets no crack.
+std::uint8_t flags_of(const Band& band, std::size_t i, std::int32_t expected) {
+  const bool torn = band.sum[i] != expected, back = band.nearest[i] == Band::back && expected == 0;
+  return static_cast<std::uint8_t>((band.nearest[i] != Band::nothing ? is_covered : 0) | (torn ? is_torn : 0) |
+                                   (back ? shows_back : 0));
+}
+
+// Marks the holes, uncovered pixels inside the silhouette, that hang together with a torn pixel.
+std::vector<std::uint8_t> torn_holes(const std::vector<std::uint8_t>& flags, const std::vector<std::uint8_t>& inside,
+                                     ImageSize size) {
+  std::vector<std::uint8_t> marked(flags.size(), 0);
+  std::vector<std::size_t> open;
+  const auto mark_around = [&](std::size_t i) {
+    const int x = static_cast<int>(i % static_cast<std::size_t>(size.width)),
+              y = static_cast<int>(i / static_cast<std::size_t>(size.width));
+    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, size.height - 1); ++v)
+      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, size.width - 1); ++u) {
+        const std::size_t k =
+            static_cast<std::size_t>(v) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(u);
+        if (marked[k] || !inside[k] || (flags[k] & is_covered)) continue;
+        marked[k] = 1;
+        open.push_back(k);
+      }
+  };
+  for (std::size_t i = 0; i < flags.size(); ++i)
+    if (flags[i] & is_torn) mark_around(i);
+  while (!open.empty()) {
+    const std::size_t i = open.back();
+    open.pop_back();
+    mark_around(i);
+  }
+  return marked;
+}
+
+LeakReport classify(const std::vector<std::uint8_t>& flags, const std::vector<std::uint8_t>& inside, ImageSize size) {
   LeakReport report;
-  report.leaks.assign(band.sum.size(), 0);
-  for (std::size_t i = 0; i < band.sum.size(); ++i) {
-    const bool torn = band.sum[i] != expected, back = band.nearest[i] == Band::back && expected == 0;
-    const bool hole = band.nearest[i] == Band::nothing && inside[i] != 0;
-    report.covered += band.nearest[i] != Band::nothing ? 1 : 0;
+  report.leaks = torn_holes(flags, inside, size);
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    const bool covered = flags[i] & is_covered, torn = flags[i] & is_torn, back = flags[i] & shows_back;
+    report.covered += covered ? 1 : 0;
     report.inside += inside[i];
     report.torn += torn ? 1 : 0;
     report.back_faces += torn && back ? 1 : 0;
     report.folded += !torn && back ? 1 : 0;
-    report.background += hole ? 1 : 0;
-    report.leaks[i] = hole || (torn && back) ? 1 : 0;
+    report.background += report.leaks[i];
+    report.outline += !covered && inside[i] && !report.leaks[i] ? 1 : 0;
+    if (torn && back) report.leaks[i] = 1;
   }
   return report;
 }
@@ -250,26 +286,15 @@ LeakReport find_leaks(std::span<const Vec3d> positions, std::span<const Triangle
     expected = -static_cast<std::int32_t>(std::lround(turned ? -around : around));
   }
 
-  const auto row = static_cast<std::size_t>(size.width);
-  std::vector<LeakReport> parts(chunk_count(static_cast<std::size_t>(size.height), band_rows));
+  std::vector<std::uint8_t> flags(inside.size());
   scheduler.for_chunks(static_cast<std::size_t>(size.height), band_rows, [&](ChunkRange chunk) {
     Band band(static_cast<int>(chunk.begin), static_cast<int>(chunk.end - chunk.begin), size.width);
     window.for_each(
         [&](const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c) { band.draw(a, b, c, turned); });
-    parts[chunk.index] =
-        classify(band, std::span(inside).subspan(row * chunk.begin, row * (chunk.end - chunk.begin)), expected);
+    const std::size_t first = chunk.begin * static_cast<std::size_t>(size.width);
+    for (std::size_t i = 0; i < band.sum.size(); ++i) flags[first + i] = flags_of(band, i, expected);
   });
-  LeakReport report;
-  for (const LeakReport& part : parts) {
-    report.torn += part.torn;
-    report.back_faces += part.back_faces;
-    report.background += part.background;
-    report.folded += part.folded;
-    report.covered += part.covered;
-    report.inside += part.inside;
-    report.leaks.insert(report.leaks.end(), part.leaks.begin(), part.leaks.end());
-  }
-  return report;
+  return classify(flags, inside, size);
 }
 
 LeakReport find_leaks(const MorphContext& context, const Selection& selection, const Screen& screen,

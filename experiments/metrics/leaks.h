@@ -24,7 +24,7 @@ namespace lodestone {
 
 struct LeakConfig {
   // Window depth of the picture of the full model by the same camera (Image::depth), for its silhouette; empty: the
-  // background is not looked at.
+  // background is not looked at. It must outlive the call.
   std::span<const float> full_depth;
   // Pixels by which the silhouettes of the two may differ, at least 0: background counts where all pixels within this
   // distance (along x and y) belong to the full model.
@@ -34,10 +34,13 @@ struct LeakConfig {
 struct LeakReport {
   std::uint64_t torn = 0;        // pixels whose sum is not 0
   std::uint64_t back_faces = 0;  // torn pixels whose nearest triangle shows its back
-  std::uint64_t background = 0;  // pixels without any triangle inside the silhouette of the full model
-  std::uint64_t folded = 0;      // the nearest triangle shows its back, but nothing is torn: the surface folds there
-  std::uint64_t covered = 0;     // pixels with a triangle
-  std::uint64_t inside = 0;      // pixels inside the full silhouette by more than the tolerance; 0 without full_depth
+  // Pixels without any triangle inside the silhouette of the full model: those that hang together, by sides or corners,
+  // with a torn one are seen through two cracks; the others are where the outline differs by more than the tolerance,
+  // as it does beside a gap in the model that is narrower than a pixel.
+  std::uint64_t background = 0, outline = 0;
+  std::uint64_t folded = 0;   // the nearest triangle shows its back, but nothing is torn: the surface folds there
+  std::uint64_t covered = 0;  // pixels with a triangle
+  std::uint64_t inside = 0;   // pixels inside the full silhouette by more than the tolerance; 0 without full_depth
   std::vector<std::uint8_t> leaks;  // by pixel, rows from the top: 1 where a back face or the background leaks
   [[nodiscard]] std::uint64_t leak_pixels() const { return back_faces + background; }
 };

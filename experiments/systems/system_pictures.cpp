@@ -27,6 +27,7 @@ Radii radii_of(LodSystem system, const Radii& radii, int level) {
 void add_up(const FrameStats& from, FrameStats& to) {
   to.cells += from.cells;
   to.triangles += from.triangles;
+  to.draw_calls += from.draw_calls;
   for (const auto& [stage, milliseconds] : from.milliseconds) to.milliseconds[stage] += milliseconds;
   for (const auto& [what, count] : from.work) to.work[what] += count;
   to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());

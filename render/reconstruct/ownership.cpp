@@ -176,8 +176,9 @@ std::size_t drop_islands(MergeView& view, std::size_t number, const OwnershipCon
   std::vector<std::uint32_t> triangles(view.kept.size(), 0);
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.kept[i])
-      for_triangles_of_cell(view.kept[i], i, width,
-                            [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { sets.unite(a, b), sets.unite(b, c); });
+      for_triangles_of_cell(view.kept[i], i, width, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        sets.unite(a, b), sets.unite(b, c);
+      });
   for (std::uint32_t i = 0; i < view.kept.size(); ++i)
     if (view.kept[i])
       for_triangles_of_cell(view.kept[i], i, width,

@@ -66,6 +66,7 @@ TEST_F(GlTest, PlateHasTheColourDepthAndPlaceThatTheFormulasSay) {
 
   EXPECT_EQ(stats.cells, whole.selection.cells.size());
   EXPECT_EQ(stats.triangles, 2u * 16 * 16);
+  EXPECT_EQ(stats.draw_calls, 1u);
   for (const char* stage : {"upload", "gpu", "total"}) {
     ASSERT_EQ(stats.milliseconds.count(stage), 1u) << stage;
     EXPECT_GE(stats.milliseconds.at(stage), 0) << stage;

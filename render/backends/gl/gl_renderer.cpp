@@ -271,6 +271,7 @@ class MultiDrawRenderer final : public GlRenderer {
     stats.milliseconds["upload"] += upload.milliseconds();
     stats.cells += resources_->commands.cells();
     stats.triangles += resources_->commands.triangles();
+    stats.draw_calls += resources_->commands.multi_draws().size();
   }
 
   void draw_picture(const Frame& frame, FrameStats& stats) {
@@ -314,6 +315,7 @@ class MultiDrawRenderer final : public GlRenderer {
                  effects::has_occlusion_pass(frame));
     stats.cells += layers->commands().cells();
     stats.triangles += layers->commands().triangles();
+    stats.draw_calls += layers->commands().multi_draws().size();
     if (layers->fragments() > 0) stats.work["transparency"] = layers->fragments();
   }
 
