@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "experiments/commands/command.h"
+#include "experiments/metrics/cost.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/program_identity.h"
