@@ -11,8 +11,8 @@ namespace lodestone::flip {
 
 using Colour = std::array<float, 3>;
 
-// IEC 61966-2-1: sRGB to CIE XYZ, derived from its primaries and white; the inverse; and white, which is the sum of the
-// columns.
+// IEC 61966-2-1: sRGB to CIE XYZ, derived from its primaries and white; its inverse; white, the sums of its
+// rows.
 inline constexpr double xyz_of_rgb[3][3] = {
     {0.41238656, 0.35759149, 0.18045049}, {0.21263682, 0.71518298, 0.07218020}, {0.01933062, 0.11919716, 0.95037259}};
 inline constexpr double rgb_of_xyz[3][3] = {{3.24100326, -1.53739899, -0.49861587},

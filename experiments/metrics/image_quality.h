@@ -9,7 +9,7 @@ namespace lodestone {
 
 struct ImageQualityConfig {
   double threshold = visible_change;  // of ErrorSummary::share_above, for both maps
-  FlipConfig flip;
+  FlipConfig flip{};
   bool with_flip = true, with_ssim = true;
 };
 
