@@ -156,7 +156,7 @@ TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
 
 TEST_F(SweepFiles, WhatIsWrongIsToldWithItsLine) {
   refused(clock("parameters = { kapa0 = 2 }"), 8, "unknown parameter 'kapa0'; known are blend, kappa0");
-  refused(clock("parameters = {\nblend = \"slow\" }"), 9, "known are linear, step, cosine");
+  refused(clock("[sweep.parameters]\nblend = \"slow\""), 9, "known are linear, step, cosine");
   refused(clock("parameters = { kappa0 = \"much\" }"), 8, "must be a number");
   refused(clock("parameters = { threads = 1.5 }"), 8, "must be a whole number");
   refused(clock("parameters = { kappa0 = [1, 1000] }"), 8, "from 0.1 to 100 cells");
