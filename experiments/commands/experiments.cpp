@@ -1,16 +1,14 @@
 // lodestone experiments: what can be asked, with which parameters, and what comes out.
 #include <fmt/core.h>
 
+#include <cmath>
+
 #include "experiments/commands/command.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/sweep/plan.h"
 
 namespace lodestone {
 namespace {
-
-const char* kind_name(ColumnInfo::Kind kind) {
-  constexpr const char* names[] = {"label", "accuracy", "cost", "count"};
-  return names[static_cast<int>(kind)];
-}
 
 // "1 to 8", "at least 1", or nothing.
 std::string range_text(const ParameterInfo& info) {
@@ -27,7 +25,7 @@ std::string values_text(const ParameterInfo& info) {
   return text.empty() ? range_text(info) : text;
 }
 
-nlohmann::json to_json(const ParameterInfo& info) {
+nlohmann::json parameter_json(const ParameterInfo& info) {
   nlohmann::json json = {{"name", info.name},
                          {"default", info.default_value},
                          {"unit", info.unit},
@@ -38,18 +36,14 @@ nlohmann::json to_json(const ParameterInfo& info) {
   return json;
 }
 
-nlohmann::json to_json(const Experiment& experiment) {
+nlohmann::json experiment_json(const Experiment& experiment) {
   nlohmann::json json = {{"name", experiment.name},
                          {"question", experiment.question},
                          {"takes_input", experiment.takes_input},
                          {"parameters", nlohmann::json::array()},
                          {"columns", nlohmann::json::array()}};
-  for (const ParameterInfo& info : experiment.parameters) json["parameters"].push_back(to_json(info));
-  for (const ColumnInfo& column : experiment.columns)
-    json["columns"].push_back({{"name", column.name},
-                               {"unit", column.unit},
-                               {"meaning", column.meaning},
-                               {"kind", kind_name(column.kind)}});
+  for (const ParameterInfo& info : experiment.parameters) json["parameters"].push_back(parameter_json(info));
+  for (const ColumnInfo& column : experiment.columns) json["columns"].push_back(to_json(column));
   return json;
 }
 
@@ -64,7 +58,8 @@ void print(const Experiment& experiment) {
   }
   fmt::print("\n{:<20} {:<16} {:<14} {}\n", "column", "kind", "unit", "meaning");
   for (const ColumnInfo& column : experiment.columns)
-    fmt::print("{:<20} {:<16} {:<14} {}\n", column.name, kind_name(column.kind), column.unit, column.meaning);
+    fmt::print("{:<20} {:<16} {:<14} {}\n", column.name, to_json(column).at("kind").get<std::string>(), column.unit,
+               column.meaning);
 }
 
 void run(const std::string& name, const CommonOptions& common) {
@@ -72,13 +67,13 @@ void run(const std::string& name, const CommonOptions& common) {
   const bool printed = !common.quiet && common.json != "-";
   if (!name.empty()) {
     const Experiment& experiment = find_experiment(name);
-    write_json(common, to_json(experiment));
+    write_json(common, experiment_json(experiment));
     if (printed) print(experiment);
     return;
   }
   nlohmann::json all = nlohmann::json::array();
   for (const Experiment& experiment : experiments()) {
-    all.push_back(to_json(experiment));
+    all.push_back(experiment_json(experiment));
     if (printed) fmt::print("{:<16} {}\n", experiment.name, experiment.question);
   }
   write_json(common, all);

@@ -25,7 +25,8 @@ struct SweepOptions {
 std::string setting_text(const SweepRun& run) {
   std::string text;
   for (const auto& [name, value] : run.given.items())
-    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, value.is_string() ? value.get<std::string>() : value.dump());
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name,
+                        value.is_string() ? value.get<std::string>() : value.dump());
   return text;
 }
 
@@ -121,7 +122,7 @@ nlohmann::json summary(const SweepFile& file, const std::vector<SweepRun>& runs,
                         {"repetition", failure.repetition},
                         {"kind", failure.fault.kind},
                         {"messages", failure.fault.messages}});
-  return {{"name", file.name},        {"directory", options.directory}, {"runs", runs.size()},
+  return {{"name", file.name},         {"directory", options.directory}, {"runs", runs.size()},
           {"repetitions", result.all}, {"before", result.before},        {"ran", result.ran},
           {"failures", failures}};
 }
@@ -165,8 +166,9 @@ void run(const SweepOptions& options, const CommonOptions& common) {
                result.all, result.before, result.ran, result.failures.size());
   if (result.failures.empty()) return;
   const RunnerFailure& first = result.failures.front();
-  throw InputError(fmt::format("{} of {} repetitions failed, the first one, {}/runs/{}, repetition {}, with {}", result.failures.size(),
-                          result.all, options.directory, first.id, first.repetition, failure_text(first.fault)));
+  throw InputError(fmt::format("{} of {} repetitions failed, the first one, {}/runs/{}, repetition {}, with {}",
+                               result.failures.size(), result.all, options.directory, first.id, first.repetition,
+                               failure_text(first.fault)));
 }
 
 // One repetition, for a sweep that started this process.
@@ -184,13 +186,15 @@ void add_child(CLI::App& app) {
 void add_sweep(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
   const auto options = std::make_shared<SweepOptions>();
-  CLI::App& command = add_command(app, "sweep", "Run an experiment over parameters and data",
-                                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --dry-run\n"
-                                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --small\n"
-                                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --resume --shard 2/8\n"
-                                  "  lodestone sweep --merge part1 part2 -o ablation\n",
-                                  common);
-  command.get_option("--threads")->description("Threads that make data; those of a run are a parameter of its experiment");
+  CLI::App& command =
+      add_command(app, "sweep", "Run an experiment over parameters and data",
+                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --dry-run\n"
+                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --small\n"
+                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --resume --shard 2/8\n"
+                  "  lodestone sweep --merge part1 part2 -o ablation\n",
+                  common);
+  command.get_option("--threads")
+      ->description("Threads that make data; those of a run are a parameter of its experiment");
   command.add_option("FILE", options->file, "The sweep file (.toml)");
   command.add_option("-o,--output", options->directory, "Folder of the sweep; made if it is not there")->required();
   command.add_option("--jobs", options->jobs, "Runs at a time; times are comparable with 1 only")

@@ -39,8 +39,7 @@ bool ChildEnd::succeeded() const { return WIFEXITED(status) && WEXITSTATUS(statu
 bool ChildEnd::failed() const { return WIFEXITED(status) && WEXITSTATUS(status) == 1; }
 
 std::string ChildEnd::reason() const {
-  if (WIFSIGNALED(status))
-    return fmt::format("ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  if (WIFSIGNALED(status)) return fmt::format("ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
   return fmt::format("ended with status {}", WEXITSTATUS(status));
 }
 
@@ -98,7 +97,9 @@ std::optional<ChildEnd> ChildProcess::poll_end() {
   rusage usage{};
   if (wait4(process_, &end.status, WNOHANG, &usage) != process_) return {};
   process_ = -1;
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   end.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
   return end;
 }

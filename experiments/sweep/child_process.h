@@ -15,7 +15,7 @@ struct ChildEnd {
   int status = 0;  // as of waitpid()
   double cpu_seconds = 0;
   [[nodiscard]] bool succeeded() const;
-  [[nodiscard]] bool failed() const;  // with status 1, and one line that says why
+  [[nodiscard]] bool failed() const;         // with status 1, and one line that says why
   [[nodiscard]] std::string reason() const;  // "ended by signal 11 (Segmentation fault)"
 };
 

@@ -12,6 +12,7 @@
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/sha256.h"
 #include "parallel/generate.h"
+#include "render/scene/scene_file.h"
 
 namespace lodestone {
 namespace {
@@ -38,13 +39,40 @@ std::vector<fs::path> files_below(const fs::path& folder) {
 
 constexpr const char* unpack = "unpack the models with scripts/data";
 
-SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHashes& hashes) {
+void expect(const SweepFile& file, const DataSource& source, const std::string& path) {
   std::error_code ignored;
-  if (!fs::exists(source.path, ignored)) fail(file, source, source.path + " is missing", unpack);
+  if (!fs::exists(path, ignored)) fail(file, source, path + " is missing", unpack);
+}
+
+// Files that are read besides the one that is named.
+std::vector<std::string> companions_of(const DataSource& source) {
+  std::vector<std::string> files = source.with;
+  if (!is_scene_file(source.path)) return files;
+  const Scene scene = read_scene(source.path);
+  for (const SceneModel& model : scene.models)
+    if (!model.generate) files.push_back(model.file);
+  std::error_code ignored;
+  if (fs::is_regular_file(scene.camera.path, ignored)) files.push_back(scene.camera.path);
+  return files;
+}
+
+SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHashes& hashes) {
+  expect(file, source, source.path);
   SweepInput input = hashes.of(source.path);
   if (!source.sha256.empty() && input.sha256 != source.sha256)
     fail(file, source, fmt::format("{} has the sha256 {}, not {}", source.path, input.sha256, source.sha256),
          std::string(unpack) + ", or correct the sha256");
+  const std::vector<std::string> companions = companions_of(source);
+  if (companions.empty()) return input;
+  Sha256 all;
+  all.add(input.sha256 + "\n");
+  for (const std::string& companion : companions) {
+    expect(file, source, companion);
+    const SweepInput part = hashes.of(companion);
+    all.add(part.sha256 + "\n");
+    input.bytes += part.bytes;
+  }
+  input.sha256 = all.finish();
   return input;
 }
 
@@ -70,8 +98,8 @@ std::string ContentHashes::of_file(const fs::path& path, std::uint64_t& bytes) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) throw FileError(describe(path.string(), "", "cannot be read"));
   bytes += static_cast<std::uint64_t>(status.st_size);
-  const nlohmann::json key = {status.st_size, status.st_ino, status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
-                              status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
+  const nlohmann::json key = {status.st_size,         status.st_ino,         status.st_mtim.tv_sec,
+                              status.st_mtim.tv_nsec, status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
   const std::string name = fs::absolute(path).lexically_normal().string();
   const auto found = known_.find(name);
   if (found != known_.end() && found->is_object() && found->value("key", nlohmann::json()) == key)
@@ -111,8 +139,7 @@ std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::
   std::map<std::string, SweepInput> inputs;
   for (const DataSource& source : file.data) {
     if (!names.contains(source.name)) continue;
-    inputs[source.name] =
-        source.generate ? find_generated(source, hashes, config) : find_file(file, source, hashes);
+    inputs[source.name] = source.generate ? find_generated(source, hashes, config) : find_file(file, source, hashes);
   }
   if (config.make) hashes.save();
   return inputs;

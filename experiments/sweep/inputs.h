@@ -15,7 +15,9 @@ namespace lodestone {
 
 struct SweepInput {
   std::string path;
-  std::string sha256;  // of the content; of a folder, of the names and contents of its files. Empty: not yet made
+  // Of the content: of the file; of a folder, the names and contents of its files; of a scene, with its models; with
+  // what else belongs to it. Empty: not yet made.
+  std::string sha256;
   std::uint64_t bytes = 0;
 };
 
@@ -39,15 +41,15 @@ class ContentHashes {
 
 struct InputConfig {
   std::filesystem::path directory;  // of the sweep
-  bool make = true;                 // generated inputs that are missing; off: they stay without hash, and nothing is written
+  bool make = true;  // generated inputs that are missing; off: they stay without hash, and nothing is written
   int threads = 0;
   const CancelFlag* cancel = nullptr;
   std::function<void(const std::string& name, double share)> progress = [](const std::string&, double) {};
 };
 
 // Inputs of the given names; generated ones are made in directory/data and stay there. For who holds the directory's
-// lock, unless nothing is to be made. Throws InputError with the line for one that is missing or another than its sha256
-// says, Cancelled.
+// lock, unless nothing is to be made. Throws InputError with the line for one that is missing or another than its
+// sha256 says, Cancelled.
 [[nodiscard]] std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::set<std::string>& names,
                                                             const InputConfig& config);
 

@@ -71,8 +71,8 @@ void pin_to(const std::vector<int>& processors) {
 }
 
 nlohmann::json machine_facts() {
-  const auto memory = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
-                      static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+  const auto memory =
+      static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
   return {{"cpu", cpu_model()},
           {"cores", core_count()},
           {"processors", sysconf(_SC_NPROCESSORS_ONLN)},

@@ -9,11 +9,11 @@
 namespace lodestone {
 
 struct MergeResult {
-  std::string name;              // of the sweep
-  std::size_t repetitions = 0;   // that the sweep has
-  std::size_t done = 0;          // of these, with rows, after merging
-  std::size_t taken = 0;         // with rows or a fault, from the others
-  std::size_t failed = 0;        // of these that are there, with a fault
+  std::string name;             // of the sweep
+  std::size_t repetitions = 0;  // that the sweep has
+  std::size_t done = 0;         // of these, with rows, after merging
+  std::size_t taken = 0;        // with rows or a fault, from the others
+  std::size_t failed = 0;       // of these that are there, with a fault
 };
 
 // Copies what `to` lacks of finished repetitions from the other folders, which stay as they are; what is in `to` stays,

@@ -25,9 +25,9 @@ const char* kind_name(ColumnInfo::Kind kind) {
 }
 
 nlohmann::json figure_json(const FigureSpec& figure) {
-  return {{"title", figure.title},   {"sweep", figure.sweep}, {"x", figure.x},
-          {"y", figure.y},           {"series", figure.series}, {"kind", figure.kind},
-          {"log", figure.log},       {"mark", figure.mark},   {"pareto", figure.pareto}};
+  return {{"title", figure.title}, {"sweep", figure.sweep},   {"x", figure.x},
+          {"y", figure.y},         {"series", figure.series}, {"kind", figure.kind},
+          {"log", figure.log},     {"mark", figure.mark},     {"pareto", figure.pareto}};
 }
 
 nlohmann::json data_json(const DataSource& source, const SweepInput& input) {
@@ -49,11 +49,7 @@ nlohmann::json section_json(const SweepSection& section) {
                          {"runs", nlohmann::json::array()}};
   for (const ParameterInfo& info : experiment.parameters)
     json["parameters"].push_back({{"name", info.name}, {"unit", info.unit}, {"description", info.description}});
-  for (const ColumnInfo& column : experiment.columns)
-    json["columns"].push_back({{"name", column.name},
-                               {"unit", column.unit},
-                               {"meaning", column.meaning},
-                               {"kind", kind_name(column.kind)}});
+  for (const ColumnInfo& column : experiment.columns) json["columns"].push_back(to_json(column));
   return json;
 }
 
@@ -79,6 +75,10 @@ std::vector<SweepRun> section_runs(const SweepSection& section, const std::map<s
 }
 
 }  // namespace
+
+nlohmann::json to_json(const ColumnInfo& column) {
+  return {{"name", column.name}, {"unit", column.unit}, {"meaning", column.meaning}, {"kind", kind_name(column.kind)}};
+}
 
 std::string run_id(const SweepRun& run) {
   const nlohmann::json identity = {{"experiment", run.experiment->name},
@@ -130,7 +130,8 @@ Shard parse_shard(const std::string& text) {
   const char* const end = text.data() + text.size();
   const auto [slash, first] = std::from_chars(text.data(), end, shard.index);
   const bool divided = first == std::errc() && slash != end && *slash == '/';
-  const auto [rest, second] = divided ? std::from_chars(slash + 1, end, shard.count) : std::from_chars_result{slash, first};
+  const auto [rest, second] =
+      divided ? std::from_chars(slash + 1, end, shard.count) : std::from_chars_result{slash, first};
   if (!divided || second != std::errc() || rest != end || shard.index < 1 || shard.index > shard.count)
     throw InputError("--shard " + text + ": must be i/n with i from 1 to n, as 2/8");
   return shard;

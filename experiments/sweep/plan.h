@@ -30,6 +30,9 @@ struct SweepPlan {
   nlohmann::json json;         // for sweep.json, as the decision has it
 };
 
+// name, unit, meaning and kind.
+[[nodiscard]] nlohmann::json to_json(const ColumnInfo& column);
+
 [[nodiscard]] std::string run_id(const SweepRun& run);
 [[nodiscard]] SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInput>& inputs);
 

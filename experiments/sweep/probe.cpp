@@ -32,7 +32,7 @@ void fail(const std::string& failure, int repetition) {
   if (failure == "unsupported") throw UnsupportedError("backend 'probe' is not available here; take another one");
   if (failure == "memory") throw std::bad_alloc();
   if (failure == "cancelled") throw Cancelled{};
-  if (failure == "crash") std::raise(SIGSEGV);
+  if (failure == "crash") std::abort();
   if (failure == "killed") std::raise(SIGKILL);
   if (failure == "exit") std::_Exit(3);
   if (failure == "first" && repetition == 0) throw InputError("probe: the first repetition fails");
@@ -62,7 +62,8 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   for (const Row& row : rows) {
     const double expected = parameters.number("x") * (row.at("number").get<int>() + 1);
     if (row.at("multiple").get<double>() != expected)
-      wrong.push_back(fmt::format("row {}: {} is not {:g}", row.at("number").get<int>(), row.at("multiple").dump(), expected));
+      wrong.push_back(
+          fmt::format("row {}: {} is not {:g}", row.at("number").get<int>(), row.at("multiple").dump(), expected));
   }
   return wrong;
 }
@@ -73,14 +74,18 @@ Experiment probe_experiment() {
   Experiment probe;
   probe.name = "probe";
   probe.question = "Does a sweep work here? (Measures nothing: known numbers, and failures on request.)";
-  probe.parameters = {
-      {"x", 1.0, "", "number whose multiples the rows hold", -1e9, 1e9, {}},
-      {"rows", 3, "", "how many", 0, 100'000, {}},
-      {"seconds", 0.0, "s", "to wait before", 0, 3600, {}},
-      {"threads", 1, "", "processors to be pinned to", 0, 1024, {}},
-      {"failure", "none", "", "what goes wrong", 0, 0,
-       {"none", "verify", "not-finite", "column", "error", "unsupported", "memory", "cancelled", "crash", "killed",
-        "exit", "first"}}};
+  probe.parameters = {{"x", 1.0, "", "number whose multiples the rows hold", -1e9, 1e9, {}},
+                      {"rows", 3, "", "how many", 0, 100'000, {}},
+                      {"seconds", 0.0, "s", "to wait before", 0, 3600, {}},
+                      {"threads", 1, "", "processors to be pinned to", 0, 1024, {}},
+                      {"failure",
+                       "none",
+                       "",
+                       "what goes wrong",
+                       0,
+                       0,
+                       {"none", "verify", "not-finite", "column", "error", "unsupported", "memory", "cancelled",
+                        "crash", "killed", "exit", "first"}}};
   probe.columns = {{"number", "", "of the row, from 0", ColumnInfo::Kind::label},
                    {"multiple", "", "x times the number of the row, counted from 1", ColumnInfo::Kind::accuracy},
                    {"bytes", "bytes", "size of the input", ColumnInfo::Kind::count}};

@@ -1,4 +1,5 @@
-// The experiment `probe`: known results, and every way to fail, for trying out a machine, a cluster or the sweep itself.
+// The experiment `probe`: known results, and every way to fail, for trying out a machine, a cluster or the sweep
+// itself.
 #pragma once
 
 #include "experiments/studies/experiment.h"

@@ -33,7 +33,8 @@ std::optional<Bytes> part(Bytes file, std::uint64_t offset, std::uint64_t size) 
 // The sections that are loaded and decide what the program does; nothing for a file that is not as expected.
 std::optional<std::vector<Bytes>> decisive_sections(Bytes file) {
   const auto header = at<Elf64_Ehdr>(file, 0);
-  if (!header || std::memcmp(header->e_ident, ELFMAG, SELFMAG) != 0 || header->e_ident[EI_CLASS] != ELFCLASS64) return {};
+  if (!header || std::memcmp(header->e_ident, ELFMAG, SELFMAG) != 0 || header->e_ident[EI_CLASS] != ELFCLASS64)
+    return {};
   const auto section = [&](std::uint64_t i) { return at<Elf64_Shdr>(file, header->e_shoff + i * sizeof(Elf64_Shdr)); };
   const auto name_table = section(header->e_shstrndx);
   if (header->e_shnum == 0 || !name_table) return {};

@@ -9,7 +9,6 @@
 #include <new>
 
 #include "core/base/error.h"
-#include "experiments/commands/command.h"
 #include "experiments/metrics/cost.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/manifest.h"
@@ -44,6 +43,20 @@ std::string lines_of(const std::vector<Row>& rows) {
   return text;
 }
 
+bool is_column(const Experiment& experiment, const std::string& name) {
+  return std::ranges::find(experiment.columns, name, &ColumnInfo::name) != experiment.columns.end();
+}
+
+// What a reader can make something of, where not all is as it has to be.
+std::vector<Row> readable(const Experiment& experiment, std::vector<Row> rows) {
+  for (Row& row : rows) {
+    if (!row.is_object()) row = Row::object();
+    for (auto value = row.begin(); value != row.end();)
+      value = value->is_structured() || !is_column(experiment, value.key()) ? row.erase(value) : std::next(value);
+  }
+  return rows;
+}
+
 nlohmann::json manifest() {
   nlohmann::json facts = program_facts();
   facts.update(machine_facts());
@@ -59,7 +72,7 @@ std::optional<Fault> run_experiment(const nlohmann::json& job, const WorkFolder&
     const std::vector<Row> rows = experiment.run(parameters, context);
     std::vector<std::string> messages = faulty_values(experiment, rows);
     if (messages.empty()) messages = experiment.verify(parameters, rows);
-    write_aside(work.rows(), lines_of(rows));
+    write_aside(work.rows(), lines_of(readable(experiment, rows)));
     if (!messages.empty()) return Fault{"verify", std::move(messages)};
     return {};
   } catch (const std::bad_alloc&) {
@@ -79,7 +92,7 @@ std::vector<std::string> faulty_values(const Experiment& experiment, const std::
       continue;
     }
     for (const auto& [name, value] : rows[i].items()) {
-      if (std::ranges::find(experiment.columns, name, &ColumnInfo::name) == experiment.columns.end())
+      if (!is_column(experiment, name))
         messages.push_back(fmt::format("row {}: {} is no column of {}", i, name, experiment.name));
       else if (value.is_structured())
         messages.push_back(fmt::format("row {}: {} is not a single value", i, name));

@@ -7,7 +7,8 @@
 
 namespace lodestone {
 
-// What is wrong with rows of any experiment: a column that it does not declare, a value that is no scalar or not finite.
+// What is wrong with rows of any experiment: a column that it does not declare, a value that is no scalar or not
+// finite.
 [[nodiscard]] std::vector<std::string> faulty_values(const Experiment& experiment, const std::vector<Row>& rows);
 
 // Leaves rows, manifest and, where something went wrong, a fault in the folder. `report` is a descriptor that takes the

@@ -21,6 +21,17 @@ std::optional<Fault> fault_of(const nlohmann::json& json) {
   return Fault{json.value("kind", "error"), json.value("messages", std::vector<std::string>{})};
 }
 
+// Work folders and temporaries of files.
+std::vector<fs::path> leftovers(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("work.") || name.find(".tmp.") != std::string::npos) found.push_back(entry.path());
+  }
+  return found;
+}
+
 // Pictures stay with the run; other files of the experiment go with the work folder.
 void keep_pictures(const fs::path& from, const fs::path& to) {
   std::error_code ignored;
@@ -28,7 +39,8 @@ void keep_pictures(const fs::path& from, const fs::path& to) {
     if (entry.path().extension() != ".png") continue;
     std::error_code error;
     fs::rename(entry.path(), to / entry.path().filename(), error);
-    if (error) throw FileError(describe((to / entry.path().filename()).string(), "", "cannot be written: " + error.message()));
+    if (error)
+      throw FileError(describe((to / entry.path().filename()).string(), "", "cannot be written: " + error.message()));
   }
 }
 
@@ -42,9 +54,7 @@ fs::path RunFolder::fault_file(int repetition) const { return path_ / fmt::forma
 
 bool RunFolder::has_rows(int repetition) const { return fs::exists(rows_file(repetition)); }
 
-std::optional<Fault> RunFolder::fault(int repetition) const {
-  return fault_of(read_json(fault_file(repetition)));
-}
+std::optional<Fault> RunFolder::fault(int repetition) const { return fault_of(read_json(fault_file(repetition))); }
 
 std::string RunFolder::fault_mark(int repetition) const {
   struct stat status {};
@@ -67,18 +77,22 @@ void RunFolder::describe_run(const SweepRun& run) const {
   const std::string text = text_of({{"experiment", run.experiment->name},
                                     {"data", run.data},
                                     {"input", run.input.path},
-                                    {"input_sha256", run.input.sha256},
+                                    {"input_hash", run.input.sha256},
                                     {"program", run.program},
                                     {"parameters", run.parameters}});
   const fs::path target = path_ / "parameters.json";
   if (read_text(target) != text) write_durably(target, text);
 }
 
+void RunFolder::tidy() const {
+  if (leftovers(path_).empty()) return;
+  const FileLock lock = try_lock();
+  if (lock.held()) clear();
+}
+
 void RunFolder::clear() const {
-  remove_temporaries_in(path_);
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(path_, ignored))
-    if (entry.path().filename().string().starts_with("work.")) fs::remove_all(entry.path(), ignored);
+  for (const fs::path& path : leftovers(path_)) fs::remove_all(path, ignored);
 }
 
 WorkFolder RunFolder::begin(int repetition) const {

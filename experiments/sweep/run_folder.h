@@ -52,11 +52,13 @@ class RunFolder {
 
   // Makes the directory. Not held while another process works on the run.
   [[nodiscard]] FileLock try_lock() const;
+  // Takes away what killed processes have left, unless another one is at work.
+  void tidy() const;
 
   // All of these need the lock.
-  void describe_run(const SweepRun& run) const;               // parameters.json
-  void clear() const;                                         // what killed processes have left
-  [[nodiscard]] WorkFolder begin(int repetition) const;       // an empty work folder
+  void describe_run(const SweepRun& run) const;          // parameters.json
+  void clear() const;                                    // what tidy() takes away
+  [[nodiscard]] WorkFolder begin(int repetition) const;  // an empty work folder
   // Rows, manifest (with `facts` besides what the child wrote), pictures and fault appear, the work folder goes.
   // `fault` is the parent's verdict: what the child left is then not looked at, but for its manifest.
   std::optional<Fault> take_over(int repetition, const nlohmann::json& facts, std::optional<Fault> fault) const;

@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int tick_milliseconds = 100;  // between looks at locks of others, and at the flag
+constexpr int tick_milliseconds = 100;              // between looks at locks of others, and at the flag
 constexpr auto patience = std::chrono::seconds(5);  // with children that were told to end
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -65,7 +65,7 @@ class Runner {
  public:
   Runner(const std::vector<SweepRun>& runs, const RunnerConfig& config, const RunnerCallbacks& callbacks)
       : runs_(runs), config_(config), callbacks_(callbacks), allowed_(allowed_processors()) {
-    for (const SweepRun& run : runs) folders_.emplace_back(config.directory, run.id);
+    for (const SweepRun& run : runs) folders_.emplace_back(config.directory, run.id).tidy();
     list_tasks();
   }
 
@@ -77,7 +77,7 @@ class Runner {
         }
         if (jobs_.empty() && pending_.empty()) break;
         wait();
-        check_cancel();  // first: children may have ended because they were told to as we were, which is no fault of theirs
+        check_cancel();  // before collect(): children that were told to end as we were have no fault
         collect();
         tell_progress();
       }
@@ -140,10 +140,20 @@ class Runner {
   }
 
   void start(const Task& task, FileLock lock) {
-    const SweepRun& run = runs_[task.run];
     const RunFolder& folder = folders_[task.run];
     folder.clear();
-    folder.describe_run(run);
+    try {
+      folder.describe_run(runs_[task.run]);
+      launch(task, std::move(lock));
+    } catch (...) {
+      folder.clear();
+      throw;
+    }
+  }
+
+  void launch(const Task& task, FileLock lock) {
+    const SweepRun& run = runs_[task.run];
+    const RunFolder& folder = folders_[task.run];
     const WorkFolder work = folder.begin(task.repetition);
     ProcessorClaim claim(run.parameters.value("threads", 0), allowed_);
     write_aside(work.job(), nlohmann::json{{"experiment", run.experiment->name},
@@ -154,8 +164,8 @@ class Runner {
                                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     const std::time_t now = std::time(nullptr);
     append_to_log(folder, fmt::format("--- repetition {}, {}\n", task.repetition, utc(now)));
-    auto child = std::make_unique<ChildProcess>(std::vector<std::string>{"sweep-run", work.path.string()},
-                                                folder.log(), lock.descriptor());
+    auto child = std::make_unique<ChildProcess>(std::vector<std::string>{"sweep-run", work.path.string()}, folder.log(),
+                                                lock.descriptor());
     jobs_.push_back({task, std::move(lock), std::move(claim), now, Clock::now(), std::move(child)});
   }
 
@@ -163,7 +173,8 @@ class Runner {
     std::FILE* log = std::fopen(folder.log().c_str(), "a");
     const bool written = log && std::fputs(line.c_str(), log) >= 0;
     if (!log || std::fclose(log) != 0 || !written)
-      throw FileError(describe(folder.log().string(), "", "cannot be written", "free some space or choose another disk"));
+      throw FileError(
+          describe(folder.log().string(), "", "cannot be written", "free some space or choose another disk"));
   }
 
   // Until a child reports or ends, or for a tick. A signal ends the waiting, too.
@@ -189,15 +200,18 @@ class Runner {
     const SweepRun& run = runs_[job.task.run];
     const RunFolder& folder = folders_[job.task.run];
     const double seconds = seconds_since(job.start);
-    const nlohmann::json facts = {{"experiment", run.experiment->name}, {"repetition", job.task.repetition},
-                                  {"start", utc(job.started)},          {"end", utc(std::time(nullptr))},
-                                  {"wall_seconds", seconds},            {"cpu_seconds", end.cpu_seconds},
+    const nlohmann::json facts = {{"experiment", run.experiment->name},
+                                  {"repetition", job.task.repetition},
+                                  {"start", utc(job.started)},
+                                  {"end", utc(std::time(nullptr))},
+                                  {"wall_seconds", seconds},
+                                  {"cpu_seconds", end.cpu_seconds},
                                   {"jobs", config_.jobs}};
     const std::optional<Fault> fault = folder.take_over(job.task.repetition, facts, crash_of(end, folder.log()));
     ++result_.ran;
     time_left_.ended(job.task.run, seconds, true);
-    callbacks_.ended({run, job.task.repetition, seconds, fault, result_.all - pending_.size() - jobs_.size() + 1,
-                      result_.all});
+    callbacks_.ended(
+        {run, job.task.repetition, seconds, fault, result_.all - pending_.size() - jobs_.size() + 1, result_.all});
   }
 
   void tell_progress() {

@@ -1,5 +1,5 @@
-// Runs what is missing of a sweep: every repetition in a process of its own, in rounds (repetition 0 of all runs, then 1
-// of all), together with whatever other processes work in the same directory.
+// Runs what is missing of a sweep: every repetition in a process of its own, in rounds (repetition 0 of all runs, then
+// 1 of all), together with whatever other processes work in the same directory.
 #pragma once
 
 #include <filesystem>
@@ -44,9 +44,9 @@ struct RunnerFailure {
 };
 
 struct RunnerResult {
-  std::size_t all = 0;     // repetitions
-  std::size_t before = 0;  // done when it began
-  std::size_t ran = 0;     // by this process
+  std::size_t all = 0;                  // repetitions
+  std::size_t before = 0;               // done when it began
+  std::size_t ran = 0;                  // by this process
   std::vector<RunnerFailure> failures;  // of all repetitions, also of those that were done before
 };
 

@@ -15,9 +15,10 @@ namespace {
 
 // Names become parts of file names, and columns of a table.
 bool is_plain(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-' || c == '.';
-  }) && name.front() != '.' && name.front() != '-';
+  return !name.empty() &&
+         std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; }) &&
+         name.front() != '.' && name.front() != '-';
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -62,13 +63,15 @@ DataSource read_source(const std::string& name, const toml::node& node, const To
   std::int64_t triangles = 100'000, seed = 1;
   table.integer("triangles", triangles, 12, 2'000'000'000);
   table.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
+  for (const std::string& path : texts(table, "with")) source.with.push_back(beside(data.file(), path));
   table.refuse_others();
   if (source.path.empty() == source.shape.empty())
     table.fail(node, "path", "or generate is needed, one of them, to say what the data is");
   const bool generated = source.path.empty();
   for (const char* key : {"triangles", "seed"})
     if (!generated && table.has(key)) table.fail(*table.find(key), key, "belongs to generate");
-  if (generated && table.has("sha256")) table.fail(*table.find("sha256"), "sha256", "belongs to path");
+  for (const char* key : {"sha256", "with"})
+    if (generated && table.has(key)) table.fail(*table.find(key), key, "belongs to path");
   const auto is_digit = [](char c) { return std::string_view("0123456789abcdef").find(c) != std::string_view::npos; };
   if (table.has("sha256") &&
       (source.sha256.size() != 64 || !std::all_of(source.sha256.begin(), source.sha256.end(), is_digit)))
@@ -104,7 +107,8 @@ struct SweepReader {
   std::vector<std::string> data(TomlTable& table, const toml::node& at) const {
     const std::vector<std::string> names = texts(table, "data");
     if (!experiment.takes_input) {
-      if (table.has("data")) table.fail(*table.find("data"), "data", "is given, but " + experiment.name + " takes none");
+      if (table.has("data"))
+        table.fail(*table.find("data"), "data", "is given, but " + experiment.name + " takes none");
       return {};
     }
     if (names.empty()) table.fail_at(at.source(), "needs data: " + experiment.name + " takes input");
@@ -267,9 +271,8 @@ SweepFile load_sweep_file(const std::string& path, bool small, const ExperimentL
     file.sweeps.push_back(read_sweep(sweep, at, file, lookup));
   });
   if (file.sweeps.empty()) throw InputError(describe(path, {}, "has no sweeps", "add a [[sweep]] with an experiment"));
-  table.tables("figure", [&](TomlTable& figure, const toml::node& at) {
-    file.figures.push_back(read_figure(figure, at, file));
-  });
+  table.tables("figure",
+               [&](TomlTable& figure, const toml::node& at) { file.figures.push_back(read_figure(figure, at, file)); });
   table.refuse_others();
   return file;
 }

@@ -16,10 +16,11 @@ namespace lodestone {
 // Where an input comes from: a file or folder, or a generator.
 struct DataSource {
   std::string name;
-  std::string place;   // "line 7", for messages
-  std::string path;    // relative ones are relative to the sweep file; empty: generated
-  std::string sha256;  // that the file must have; empty: any
-  std::string shape;   // as the file has it
+  std::string place;              // "line 7", for messages
+  std::string path;               // relative ones are relative to the sweep file; empty: generated
+  std::string sha256;             // that the file must have; empty: any
+  std::vector<std::string> with;  // files that are read with it, as a mesh's textures; those of scenes are known
+  std::string shape;              // as the file has it
   std::optional<GenerateConfig> generate;
 };
 

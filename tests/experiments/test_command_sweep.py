@@ -2,6 +2,9 @@
 
 import json
 import os
+import pathlib
+import pty
+import re
 import subprocess
 import unittest
 
@@ -48,7 +51,7 @@ class Runs(SweepCase):
         self.assertEqual(data["generate"], {"shape": "box", "triangles": 12, "seed": 1})
         recorded = self.read(run, "parameters.json")
         self.assertEqual(recorded["parameters"], parameters)
-        self.assertEqual((recorded["experiment"], recorded["data"], recorded["input_sha256"], recorded["program"]),
+        self.assertEqual((recorded["experiment"], recorded["data"], recorded["input_hash"], recorded["program"]),
                          ("probe", "tiny", data["sha256"], plan["program"]))
         content = (self.folder / recorded["input"]).read_bytes()
         self.assertEqual(data["bytes"], len(content))
@@ -83,6 +86,25 @@ class Runs(SweepCase):
         text = self.write("sweep.toml", HEAD + section("x = [1, 2, 3, 4]", "repetitions = 2")).name
         self.assertIn("not comparable", self.lodestone("sweep", text, "-o", "out", "--jobs", 3).splitlines()[0])
         self.check_complete()
+
+    def test_progress_has_the_time_left(self):
+        self.write("sweep.toml", HEAD + section("x = [1, 2, 3, 4], seconds = 0.6"))
+        terminal, other = pty.openpty()
+        process = subprocess.Popen([command_case.PROGRAM, "sweep", "sweep.toml", "-o", "out"], cwd=self.folder,
+                                   stdout=subprocess.DEVNULL, stderr=other)
+        os.close(other)
+        shown = b""
+        while True:
+            try:
+                shown += os.read(terminal, 4096)
+            except OSError:  # all of it was read, and nobody writes any more
+                break
+        os.close(terminal)
+        self.assertEqual(process.wait(timeout=60), 0)
+        shares = [int(share) for share in re.findall(rb"test +\[[#.]+\] +(\d+) %  \d+ s left", shown)]
+        self.assertGreater(len(shares), 3, shown)
+        self.assertEqual(shares, sorted(shares))
+        self.assertLess(shares[0], 75)
 
     def test_small(self):
         text = HEAD + section("x = [1, 2, 3]", "repetitions = 3\nsmall = { repetitions = 1, parameters = { x = 2 } }")
@@ -169,6 +191,31 @@ class Resume(SweepCase):
         self.refused("sweep", "sweep.toml", "-o", "sweep.toml", names=["is a file"])
 
 
+class Identity(SweepCase):
+    """Copies of the program with some bytes changed."""
+
+    def program(self, name, change=None):
+        """(hash, commit) that the copy states."""
+        content = pathlib.Path(command_case.PROGRAM).read_bytes()
+        copy = self.write(name, change(content) if change else content)
+        copy.chmod(0o755)
+        self.write("sweep.toml", HEAD + section("x = 1"))
+        subprocess.run([copy, "sweep", "sweep.toml", "-o", name + ".out"], cwd=self.folder, check=True,
+                       capture_output=True, timeout=60)
+        (run, _, _), = self.runs(name + ".out")
+        manifest = self.read(run, "manifest.0.json", name + ".out")
+        return self.plan(name + ".out")["program"], manifest["commit"]
+
+    def test_is_of_what_the_program_does_and_not_of_its_commit(self):
+        program, commit = self.program("same")
+        if commit != "unknown":
+            other = self.program("committed", lambda content: content.replace(commit.encode(), b"0123456789" * 4))
+            self.assertEqual(other, (program, "0123456789" * 4))
+        text = b"Lodestone: level of detail of large triangle surfaces"
+        other = self.program("changed", lambda content: content.replace(text, text.replace(b"Lode", b"Bode")))
+        self.assertNotEqual(other[0], program)
+
+
 class Shards(SweepCase):
     TEXT = HEAD + section("x = [1, 2, 3, 4, 5]", "repetitions = 2")
 
@@ -208,7 +255,7 @@ class Failures(SweepCase):
         kinds = {"verify": ("verify", "is not"), "not-finite": ("verify", "multiple is not finite"),
                  "column": ("verify", "surprise is no column of probe"), "error": ("error", "an error was asked for"),
                  "unsupported": ("error", "not available here"), "memory": ("error", "out of memory"),
-                 "cancelled": ("crash", "ended with status"), "crash": ("crash", "signal 11"),
+                 "cancelled": ("crash", "ended with status"), "crash": ("crash", "signal 6"),
                  "killed": ("crash", "signal 9"), "exit": ("crash", "ended with status 3")}
         names = ", ".join(f'"{name}"' for name in ("none", *kinds))
         self.write("sweep.toml", HEAD + section(f"failure = [{names}]"))
@@ -225,10 +272,14 @@ class Failures(SweepCase):
             self.assertEqual(self.file(run, "rows.0.jsonl").exists(), kind == "verify", failure)
             self.assertTrue(self.read(run, "manifest.0.json")["wall_seconds"] > 0)
         self.check_clean()
+        self.lodestone("report", "out", "-o", "out.html", "--quiet")
+        page = (self.folder / "out.html").read_text()
+        for _, message in kinds.values():
+            self.assertIn(message, page)
 
     def test_crash_has_the_last_words_of_the_log(self):
         self.write("sweep.toml", HEAD + section('failure = "crash"'))
-        self.failing("sweep.toml", "-o", "out", names=["signal 11"])
+        self.failing("sweep.toml", "-o", "out", names=["signal 6"])
         (run, _, _), = self.runs()
         self.assertEqual(self.read(run, "fault.0.json")["messages"][1], "probe at work, repetition 0")
 
@@ -245,6 +296,22 @@ class Failures(SweepCase):
         self.assertEqual(right, subprocess.run(["sha256sum", self.folder / "m.ply"], capture_output=True, text=True,
                                                check=True).stdout[:64])
         self.sweep(text.replace("0" * 64, right), output="out3")
+
+    def test_scenes_and_companions_count(self):
+        self.write("scene.toml", '[[model]]\nfile = "m.ply"\n')
+        self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
+        self.write("note.txt", "a")
+        scene = 'name = "test"\n[data]\ntiny = { path = "scene.toml" }\n' + section("x = 1")
+        with_note = scene.replace('"scene.toml" }', '"scene.toml", with = "note.txt" }')
+        hashes = []
+        for text, change in ((scene, None), (scene, ("m.ply", b"b")), (with_note, None), (with_note, ("note.txt", b"b"))):
+            if change:
+                self.write(*change)
+            self.sweep(text, "--resume", "--prepare")
+            hashes.append(self.plan()["data"]["tiny"]["sha256"])
+        self.assertEqual(len(set(hashes)), 4)
+        (self.folder / "m.ply").unlink()
+        self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run", names=["line 3: tiny", "m.ply is missing"])
 
     def test_errors_of_the_file_name_the_line(self):
         self.write("sweep.toml", HEAD + section("y = 1"))

@@ -1,5 +1,6 @@
 // Sweep files: what designs come to, and that whatever is wrong is told with its line.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +49,8 @@ class SweepFiles : public testing::Test {
   }
   // The head of a file whose sweep begins in line 5 and takes no data.
   static std::string clock(const std::string& rest) {
-    return "name = \"test\"\n\n[data]\nball = { generate = \"sphere\" }\n[[sweep]]\nname = \"s\"\nexperiment = \"clock\"\n" +
+    return "name = \"test\"\n\n[data]\nball = { generate = \"sphere\" }\n[[sweep]]\nname = \"s\"\nexperiment = "
+           "\"clock\"\n" +
            rest;
   }
   std::vector<nlohmann::json> settings(const std::string& rest, bool small = false) const {
@@ -86,7 +88,8 @@ TEST_F(SweepFiles, RangesHaveTheirEndsAndEqualSteps) {
   const auto linear = settings("parameters = { kappa0 = { from = 1, to = 2, count = 6 } }");
   ASSERT_EQ(linear.size(), 6u);
   for (std::size_t i = 0; i < 6; ++i)
-    EXPECT_EQ(linear[i].at("kappa0").get<double>(), std::strtod(("1." + std::to_string(2 * i % 10)).c_str(), nullptr) + (i == 5));
+    EXPECT_EQ(linear[i].at("kappa0").get<double>(),
+              std::strtod(("1." + std::to_string(2 * i % 10)).c_str(), nullptr) + (i == 5));
   const auto log = settings(R"(parameters = { kappa0 = { from = 1, to = 8, count = 4, scale = "log" } })");
   ASSERT_EQ(log.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(log[i].at("kappa0").get<double>(), 1 << i);
@@ -138,11 +141,13 @@ TEST_F(SweepFiles, SmallReplacesParameterByParameter) {
 
 TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
   const std::string head = clock("[[figure]]\ntitle = \"t\"\n");
-  const SweepFile file = load(head + "sweep = \"s\"\nx = \"kappa0\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"");
+  const SweepFile file =
+      load(head + "sweep = \"s\"\nx = \"kappa0\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"");
   ASSERT_EQ(file.figures.size(), 1u);
   EXPECT_EQ(file.figures[0].y, (std::vector<std::string>{"gap", "speedup"}));
   EXPECT_EQ(file.figures[0].kind, "line");
-  refused(head + "sweep = \"s\"\nx = \"kappa0\"\ny = \"gaps\"", 12, "'gaps' is neither a parameter nor a column of clock");
+  refused(head + "sweep = \"s\"\nx = \"kappa0\"\ny = \"gaps\"", 12,
+          "'gaps' is neither a parameter nor a column of clock");
   refused(head + "sweep = \"t\"\nx = \"kappa0\"\ny = \"gap\"", 10, "'t' is no sweep of this file");
   refused(head + "sweep = \"s\"\nx = \"kappa0\"", 8, "needs title, sweep, x and y");
   refused(head + "sweep = \"s\"\nx = \"kappa0\"\ny = \"gap\"\nkind = \"pie\"", 13, "line, scatter, bar");
@@ -151,7 +156,7 @@ TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
 
 TEST_F(SweepFiles, WhatIsWrongIsToldWithItsLine) {
   refused(clock("parameters = { kapa0 = 2 }"), 8, "unknown parameter 'kapa0'; known are blend, kappa0");
-  refused(clock("parameters = {\nblend = \"slow\" }"), 9, "known are linear, step, cosine");
+  refused(clock("[sweep.parameters]\nblend = \"slow\""), 9, "known are linear, step, cosine");
   refused(clock("parameters = { kappa0 = \"much\" }"), 8, "must be a number");
   refused(clock("parameters = { threads = 1.5 }"), 8, "must be a whole number");
   refused(clock("parameters = { kappa0 = [1, 1000] }"), 8, "from 0.1 to 100 cells");
@@ -183,7 +188,8 @@ TEST_F(SweepFiles, WhatIsWrongIsToldWithItsLine) {
   refused(clock("[[sweep]]\nname = \"a/b\"\nexperiment = \"clock\""), 9, "letters, digits");
   refused(clock("[[sweep]]\nname = \"t\"\nexperiment = \"clok\""), 10, "unknown experiment 'clok'");
   refused(clock("[[sweep]]\nname = \"t\"\nexperiment = \"flight\""), 8, "needs data");
-  refused(clock("[[sweep]]\nname = \"t\"\nexperiment = \"flight\"\ndata = \"bal\""), 11, "'bal' is unknown; known are ball");
+  refused(clock("[[sweep]]\nname = \"t\"\nexperiment = \"flight\"\ndata = \"bal\""), 11,
+          "'bal' is unknown; known are ball");
   refused("name = \"x\"\n[data]\na = { path = \"a\", generate = \"box\" }", 3, "one of them");
   refused("name = \"x\"\n[data]\na = { path = \"a\", seed = 1 }", 3, "seed belongs to generate");
   refused("name = \"x\"\n[data]\na = { path = \"a\", sha256 = \"12\" }", 3, "64 hexadecimal digits");

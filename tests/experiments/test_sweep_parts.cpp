@@ -1,5 +1,7 @@
 // Parts of the sweep engine: hashes, remembered content, processors, the share done, what a row may hold.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -22,7 +24,9 @@ namespace fs = std::filesystem;
 
 class Folder {
  public:
-  Folder() : path_(fs::temp_directory_path() / ("sweep_parts_" + std::to_string(getpid()))) { fs::create_directory(path_); }
+  Folder() : path_(fs::temp_directory_path() / ("sweep_parts_" + std::to_string(getpid()))) {
+    fs::create_directory(path_);
+  }
   ~Folder() { fs::remove_all(path_); }
   [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
 
@@ -60,6 +64,20 @@ TEST(ContentHashes, AreRememberedUntilTheFileChanges) {
   EXPECT_THROW((void)ContentHashes(memory).of(folder / "none"), FileError);
   std::ofstream(memory) << "no json";
   EXPECT_EQ(ContentHashes(memory).of(file).sha256, sha256("abc"));
+}
+
+TEST(ContentHashes, BelieveTheirMemoryAsLongAsTimesAndSizeAgree) {
+  const Folder folder;
+  const fs::path file = folder / "a.txt", memory = folder / "hashes.json";
+  std::ofstream(file) << "abc";
+  struct stat status {};
+  ASSERT_EQ(stat(file.c_str(), &status), 0);
+  const nlohmann::json key = {status.st_size,         status.st_ino,         status.st_mtim.tv_sec,
+                              status.st_mtim.tv_nsec, status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
+  std::ofstream(memory) << nlohmann::json{{file.string(), {{"key", key}, {"sha256", "remembered"}}}};
+  EXPECT_EQ(ContentHashes(memory).of(file).sha256, "remembered");
+  std::ofstream(file) << "abcd";
+  EXPECT_EQ(ContentHashes(memory).of(file).sha256, sha256("abcd"));
 }
 
 TEST(ContentHashes, OfFoldersKnowNamesAndContents) {
@@ -140,10 +158,11 @@ TEST(Rows, FaultyValuesAreNamed) {
   const Experiment probe = probe_experiment();
   EXPECT_TRUE(faulty_values(probe, {{{"number", 1}, {"multiple", nullptr}}, Row::object()}).empty());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const auto& [row, part] : std::vector<std::pair<Row, std::string>>{{Row::array(), "row 0 is no object"},
-                                                                         {{{"other", 1}}, "other is no column of probe"},
-                                                                         {{{"multiple", nan}}, "multiple is not finite"},
-                                                                         {{{"multiple", {1, 2}}}, "not a single value"}}) {
+  for (const auto& [row, part] :
+       std::vector<std::pair<Row, std::string>>{{Row::array(), "row 0 is no object"},
+                                                {{{"other", 1}}, "other is no column of probe"},
+                                                {{{"multiple", nan}}, "multiple is not finite"},
+                                                {{{"multiple", {1, 2}}}, "not a single value"}}) {
     const std::vector<std::string> wrong = faulty_values(probe, {row});
     ASSERT_EQ(wrong.size(), 1u) << row;
     EXPECT_NE(wrong[0].find(part), std::string::npos) << wrong[0];
