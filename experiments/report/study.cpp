@@ -166,13 +166,15 @@ RunRecord read_run(const Object& o, const fs::path& runs, int repetitions, const
     const Object stored(value, path, "");
     run.program = stored.text_or_nothing("program");
     run.input = stored.text_or_nothing("input");
-    run.input_hash = stored.text_or_nothing("input_hash");
+    run.input_sha256 = stored.text_or_nothing("input_sha256");
   }
   for (int r = 0; r < repetitions; ++r) run.repetitions.push_back(read_repetition(folder, r, columns));
   if (fs::is_directory(folder))
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
       if (entry.path().extension() == ".png") run.pictures.push_back(entry.path());
-  std::sort(run.pictures.begin(), run.pictures.end());
+  // A picture before its difference map: "worst", "worst.difference".
+  std::sort(run.pictures.begin(), run.pictures.end(),
+            [](const fs::path& a, const fs::path& b) { return a.stem() < b.stem(); });
   return run;
 }
 
@@ -183,7 +185,8 @@ SweepRecord read_sweep(const Object& o, const fs::path& runs) {
   sweep.question = o.text_or_nothing("question");
   sweep.repetitions = o.count("repetitions");
   for (const Object& p : o.objects("parameters"))
-    sweep.parameters.push_back({p.text("name"), nullptr, p.text_or_nothing("unit"), p.text_or_nothing("description"), 0, 0, {}});
+    sweep.parameters.push_back(
+        {p.text("name"), nullptr, p.text_or_nothing("unit"), p.text_or_nothing("description"), 0, 0, {}});
   std::set<std::string> columns;
   for (const Object& c : o.objects("columns")) {
     sweep.columns.push_back(read_column(c));
@@ -220,7 +223,8 @@ RunState state_of(const RunRecord& run) {
 
 Study read_study(const fs::path& folder) {
   if (!fs::is_directory(folder))
-    throw FileError(describe(folder.string(), "", fs::exists(folder) ? "is no folder" : "cannot be opened: no such folder"));
+    throw FileError(
+        describe(folder.string(), "", fs::exists(folder) ? "is no folder" : "cannot be opened: no such folder"));
   const fs::path path = folder / "sweep.json";
   if (!fs::exists(path))
     throw InputError(describe(folder.string(), "", "is not the directory of a sweep: it has no sweep.json",
