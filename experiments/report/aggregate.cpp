@@ -114,11 +114,21 @@ bool is_hash(const std::string& text) {
 bool parts_rows(const SettingTable& table, const std::string& label) {
   std::map<std::size_t, std::set<std::string>> of_run;
   for (const SettingRow& setting : table.settings)
-    if (const json& value = setting.at(label).value; value.is_string()) {
-      if (is_hash(value.get<std::string>())) return false;
-      of_run[setting.run].insert(value.get<std::string>());
+    if (const json& value = setting.at(label).value; value.is_string() || value.is_number()) {
+      if (value.is_string() && is_hash(value.get<std::string>())) return false;
+      of_run[setting.run].insert(value.dump());
     }
   return std::any_of(of_run.begin(), of_run.end(), [](const auto& entry) { return entry.second.size() > 1; });
+}
+
+// Whether a label says nothing that the names before it have not said.
+bool is_told(const SettingTable& table, const std::string& label, const std::vector<std::string>& names) {
+  std::map<std::string, json> told;
+  for (const SettingRow& setting : table.settings) {
+    const json& value = setting.at(label).value;
+    if (told.emplace(setting_label(setting, names), value).first->second != value) return false;
+  }
+  return true;
 }
 
 std::vector<std::string> varied_names(const SettingTable& table) {
@@ -129,7 +139,8 @@ std::vector<std::string> varied_names(const SettingTable& table) {
     if (values.size() > 1) varied.push_back(parameter.name);
   }
   for (const ColumnInfo& column : table.columns)
-    if (column.kind == Kind::label && parts_rows(table, column.name)) varied.push_back(column.name);
+    if (column.kind == Kind::label && parts_rows(table, column.name) && !is_told(table, column.name, varied))
+      varied.push_back(column.name);
   return varied;
 }
 

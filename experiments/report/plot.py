@@ -97,14 +97,17 @@ def draw_points(axes, figure, series, n, name):
         if any(v > 0 for v in below + above):
             axes.errorbar(x, y, **{keyword: [below, above]}, fmt="none", ecolor=look["color"], elinewidth=0.9, capsize=2,
                           alpha=0.6)
-    axes.plot(x, y, **look, linewidth=1.5, markersize=4.5, markeredgewidth=0, label=series["name"], gid=name)
+    axes.plot(x, y, **look, linewidth=1.5, markersize=4.5, markeredgewidth=0, label=series["name"], gid=name,
+              clip_on=False)
 
 
 def draw_bars(axes, series, n, count, name):
     width = 0.8 / count
     for k, p in enumerate(series["points"]):
         x = p["x"] - 0.4 + (n + 0.5) * width
-        axes.bar(x, p["y"], width * 0.92, color=SERIES[n % 8], label=series["name"] if k == 0 else None, gid=f"{name}-{k}")
+        # The edge is there to be seen where the bar has no height.
+        axes.bar(x, p["y"], width * 0.92, color=SERIES[n % 8], edgecolor=SERIES[n % 8], linewidth=0.9,
+                 label=series["name"] if k == 0 else None, gid=f"{name}-{k}")
         if p["y_most"] > p["y_least"]:
             axes.errorbar(x, p["y"], yerr=[[p["y"] - p["y_least"]], [p["y_most"] - p["y"]]], fmt="none", ecolor=INK,
                           elinewidth=0.9, capsize=2)

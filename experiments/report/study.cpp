@@ -112,16 +112,19 @@ ColumnInfo read_column(const Object& o) {
   return {o.text("name"), o.text_or_nothing("unit"), o.text_or_nothing("meaning"), found->second};
 }
 
-// Rows as JSON lines, each a flat object with columns of the experiment.
-std::vector<Row> read_rows(const fs::path& path, const std::set<std::string>& columns) {
+// Rows as JSON lines, each a flat object with columns of the experiment. Rows that did not verify need not be: what is
+// wrong with them has been said.
+std::vector<Row> read_rows(const fs::path& path, const std::set<std::string>& columns, bool verified) {
   std::vector<Row> rows;
   std::istringstream text(read_text(path));
   std::size_t number = 0;
   for (std::string line; std::getline(text, line);) {
     const std::string place = fmt::format("line {}", ++number);
     Row row = parse(line, path, place);
+    if (!verified && !row.is_object()) continue;
     const Object object(row, path, place);
     for (const auto& [name, value] : row.items()) {
+      if (!verified) continue;
       if (!columns.contains(name)) object.fail(fmt::format("'{}' is no column of the experiment", name));
       if (value.is_structured()) object.fail(fmt::format("'{}' is neither number, text nor truth value", name));
     }
@@ -139,12 +142,12 @@ RunFault read_fault(const fs::path& path) {
 Repetition read_repetition(const fs::path& folder, int number, const std::set<std::string>& columns) {
   Repetition repetition;
   repetition.number = number;
-  if (const fs::path path = folder / fmt::format("rows.{}.jsonl", number); fs::exists(path)) {
-    repetition.rows = read_rows(path, columns);
-    repetition.has_rows = true;
-  }
   if (const fs::path path = folder / fmt::format("fault.{}.json", number); fs::exists(path))
     repetition.fault = read_fault(path);
+  if (const fs::path path = folder / fmt::format("rows.{}.jsonl", number); fs::exists(path)) {
+    repetition.rows = read_rows(path, columns, !repetition.fault);
+    repetition.has_rows = true;
+  }
   if (const fs::path path = folder / fmt::format("manifest.{}.json", number); fs::exists(path)) {
     repetition.manifest = parse(read_text(path), path, "");
     (void)Object(repetition.manifest, path, "");

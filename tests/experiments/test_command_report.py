@@ -192,6 +192,15 @@ class Faults(CommandCase):
             (folder / "rows.1.jsonl").write_text('{"seconds": 1}\n' + line + "\n")
             self.refused(*self.report(), names=["rows.1.jsonl", "line 2", says])
 
+    def test_rows_that_did_not_verify_may_have_anything(self):
+        study = small_study(self.folder / "study")
+        folder = study.path / "runs" / study.sheet["sweeps"][0]["runs"][1]["id"]
+        study.rows(folder, 1, [{"length": 2}, 3, {"gap": [1, 2]}])
+        study.fault(folder, 1, "verify", "row 0: length is no column of flight")
+        study.write()
+        self.lodestone(*self.report(), "--csv", "rows.csv", "--quiet")
+        self.assertIn("length is no column of flight", PageParser((self.folder / "report.html").read_text()).text)
+
     def test_broken_files_are_named(self):
         study = small_study(self.folder / "study")
         study.write()

@@ -183,6 +183,22 @@ TEST(Aggregate, RowsOfARunAreJoinedByPlaceAndToldApartByTexts) {
   EXPECT_EQ(setting_label(table.settings[1], table.varied), "stage = write");
 }
 
+TEST(Aggregate, LabelsThatFollowFromOthersAreNotRepeated) {
+  SweepRecord sweep = make_sweep({{"effects", "", "", Kind::label}, {"effect", "", "", Kind::label}}, {});
+  sweep.runs.push_back(
+      make_run("a", "", json::object(),
+               {{{{"effects", "all but fog"}, {"effect", "fog"}}, {{"effects", "all"}, {"effect", nullptr}}}}));
+  sweep.runs.push_back(make_run("b", "", json::object(), {{{{"effects", "all but light"}, {"effect", "light"}}}}));
+  EXPECT_EQ(aggregate(sweep).varied, std::vector<std::string>{"effects"});
+}
+
+TEST(Aggregate, NumbersMayPartRowsAndTruthValuesDoNot) {
+  SweepRecord sweep = make_sweep({{"frame", "", "", Kind::label}, {"closed", "", "", Kind::label}}, {});
+  sweep.runs.push_back(make_run("a", "", json::object(),
+                                {{{{"frame", 12345678}, {"closed", true}}, {{"frame", 1}, {"closed", false}}}}));
+  EXPECT_EQ(aggregate(sweep).varied, std::vector<std::string>{"frame"});
+}
+
 TEST(Aggregate, ScalingIsAgainstOneThreadOfTheSameSetting) {
   SweepRecord sweep = make_sweep({{"seconds", "s", "", Kind::cost}}, {"strategy", "threads"});
   for (const char* strategy : {"graph", "levels"})
