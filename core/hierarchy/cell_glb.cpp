@@ -79,9 +79,9 @@ class CellEncoder {
 
   // By what a vertex of this cell is in the other one.
   std::size_t add_colours(const Cell& from, std::span<const std::uint32_t> there) {
-    const std::size_t at =
-        add_values([&](std::uint32_t v) { return linear_colour(from.attributes.colours[there.empty() ? v : there[v]]); },
-                   GltfComponent::unsigned_short, "VEC4");
+    const std::size_t at = add_values(
+        [&](std::uint32_t v) { return linear_colour(from.attributes.colours[there.empty() ? v : there[v]]); },
+        GltfComponent::unsigned_short, "VEC4");
     glb_.root["accessors"][at]["normalized"] = true;
     return at;
   }

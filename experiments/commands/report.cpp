@@ -29,8 +29,8 @@ void require_rows(const Report& report, const std::string& output) {
   const RunCounts counts = report.counts();
   if (counts.reported() > 0) return;
   throw InputError(fmt::format(
-      "{}: written, but no run has rows that verified: of {} runs, {} did not verify, {} failed, {} are not yet run", output,
-      counts.runs, counts.unverified, counts.failed, counts.missing));
+      "{}: written, but no run has rows that verified: of {} runs, {} did not verify, {} failed, {} are not yet run",
+      output, counts.runs, counts.unverified, counts.failed, counts.missing));
 }
 
 void print_summary(const Report& report, const ReportOptions& options) {
@@ -67,12 +67,14 @@ void run(const ReportOptions& options, const CommonOptions& common) {
 void add_report(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
   const auto options = std::make_shared<ReportOptions>();
-  CLI::App& command = add_command(app, "report", "Write what sweeps have found as one web page that opens from disk",
-                                  "  lodestone report ablation -o ablation.html\n"
-                                  "  lodestone report scaling accuracy -o report.html --csv rows.csv --json report.json\n"
-                                  "  lodestone report ablation -o small.html --pictures 0\n",
-                                  common);
-  command.add_option("DIR", options->folders, "Directories that `lodestone sweep` wrote to; finished or not")->required();
+  CLI::App& command =
+      add_command(app, "report", "Write what sweeps have found as one web page that opens from disk",
+                  "  lodestone report ablation -o ablation.html\n"
+                  "  lodestone report scaling accuracy -o report.html --csv rows.csv --json report.json\n"
+                  "  lodestone report ablation -o small.html --pictures 0\n",
+                  common);
+  command.add_option("DIR", options->folders, "Directories that `lodestone sweep` wrote to; finished or not")
+      ->required();
   command.add_option("-o,--output", options->output, "The page, FILE.html")->required();
   command.add_option("--csv", options->csv, "Also write every row, with parameters and data, as FILE.csv");
   command.add_option("--pictures", options->pictures, "MiB of the runs' pictures that the page may hold; 0: none")

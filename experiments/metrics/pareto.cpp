@@ -65,9 +65,10 @@ std::vector<double> error_limits(std::span<const CostError> points) {
   }
   // Over many powers of ten, those alone, and the last.
   if (limits.size() > 9)
-    limits.erase(std::remove_if(limits.begin() + static_cast<std::ptrdiff_t>(zeros), limits.end() - 1,
-                                [](double limit) { return std::abs(std::log10(limit) - std::round(std::log10(limit))) > 1e-6; }),
-                 limits.end() - 1);
+    limits.erase(
+        std::remove_if(limits.begin() + static_cast<std::ptrdiff_t>(zeros), limits.end() - 1,
+                       [](double limit) { return std::abs(std::log10(limit) - std::round(std::log10(limit))) > 1e-6; }),
+        limits.end() - 1);
   return limits;
 }
 

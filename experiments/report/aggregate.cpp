@@ -16,8 +16,8 @@ namespace {
 using Kind = ColumnInfo::Kind;
 using nlohmann::json;
 
-Cell plain_cell(const json& value) {
-  Cell cell{value, 0, 0, 1};
+SettingCell plain_cell(const json& value) {
+  SettingCell cell{value, 0, 0, 1};
   if (value.is_number()) cell.least = cell.most = value.get<double>();
   return cell;
 }
@@ -36,7 +36,7 @@ std::vector<double> numbers_in(const std::vector<json>& values) {
   return numbers;
 }
 
-Cell cost_cell(const std::vector<const Row*>& rows, const std::string& column) {
+SettingCell cost_cell(const std::vector<const Row*>& rows, const std::string& column) {
   const std::vector<double> numbers = numbers_in(values_of(rows, column));
   if (numbers.empty()) return {};
   std::vector<double> all = numbers;
@@ -47,12 +47,14 @@ Cell cost_cell(const std::vector<const Row*>& rows, const std::string& column) {
 }
 
 // The first value that there is. Others should equal it; a sum in another order may differ in the last digits.
-Cell first_cell(const std::vector<json>& values, bool& steady) {
-  Cell cell;
+SettingCell first_cell(const std::vector<json>& values, bool& steady) {
+  SettingCell cell;
   for (const json& value : values) {
     if (value.is_null()) continue;
-    if (cell.count == 0) cell = plain_cell(value);
-    else ++cell.count;
+    if (cell.count == 0)
+      cell = plain_cell(value);
+    else
+      ++cell.count;
     const bool equal = value.is_number() && cell.is_number()
                            ? std::abs(value.get<double>() - cell.number()) <= 1e-9 * std::abs(cell.number())
                            : value == cell.value;
@@ -61,9 +63,10 @@ Cell first_cell(const std::vector<json>& values, bool& steady) {
   return cell;
 }
 
-Cell join(const ColumnInfo& column, const std::vector<const Row*>& rows, bool& steady) {
+SettingCell join(const ColumnInfo& column, const std::vector<const Row*>& rows, bool& steady) {
   const std::vector<json> values = values_of(rows, column.name);
-  const bool text = std::any_of(values.begin(), values.end(), [](const json& v) { return v.is_string() || v.is_boolean(); });
+  const bool text =
+      std::any_of(values.begin(), values.end(), [](const json& v) { return v.is_string() || v.is_boolean(); });
   return column.kind == Kind::cost && !text ? cost_cell(rows, column.name) : first_cell(values, steady);
 }
 
@@ -72,13 +75,15 @@ void add_run(SettingTable& table, const SweepRecord& sweep, std::size_t index) {
   std::vector<std::vector<const Row*>> rows;  // by place in the run, then repetition
   for (const Repetition& repetition : run.repetitions) {
     if (!repetition.has_rows || repetition.fault) continue;
+    if (!rows.empty() && rows.size() != repetition.rows.size())
+      table.unsteady.push_back(fmt::format("the number of rows of run {}", run.id));
     rows.resize(std::max(rows.size(), repetition.rows.size()));
     for (std::size_t i = 0; i < repetition.rows.size(); ++i) rows[i].push_back(&repetition.rows[i]);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    Setting setting{index, i, {{"sweep", plain_cell(sweep.name)}, {"data", plain_cell(run.data)}}};
+    SettingRow setting{index, i, {{"sweep", plain_cell(sweep.name)}, {"data", plain_cell(run.data)}}};
     for (const auto& [name, value] : run.parameters.items()) setting.cells[name] = plain_cell(value);
-    for (const ColumnInfo& column : table.columns) {
+    for (const ColumnInfo& column : sweep.columns) {
       bool steady = true;
       setting.cells[column.name] = join(column, rows[i], steady);
       if (!steady) table.unsteady.push_back(fmt::format("{} of run {}", column.name, run.id));
@@ -87,14 +92,16 @@ void add_run(SettingTable& table, const SweepRecord& sweep, std::size_t index) {
   }
 }
 
-// NAME_min and NAME_max are shown as the range of NAME.
+// Costs NAME_min and NAME_max are shown as the range of NAME.
 std::vector<ColumnInfo> without_ranges(const std::vector<ColumnInfo>& columns) {
   std::set<std::string> names;
-  for (const ColumnInfo& column : columns) names.insert(column.name);
+  for (const ColumnInfo& column : columns)
+    if (column.kind == Kind::cost) names.insert(column.name);
   std::vector<ColumnInfo> kept;
   for (const ColumnInfo& column : columns) {
     const bool range = column.name.ends_with("_min") || column.name.ends_with("_max");
-    if (!range || !names.contains(column.name.substr(0, column.name.size() - 4))) kept.push_back(column);
+    if (!range || column.kind != Kind::cost || !names.contains(column.name.substr(0, column.name.size() - 4)))
+      kept.push_back(column);
   }
   return kept;
 }
@@ -106,28 +113,39 @@ bool is_hash(const std::string& text) {
 
 bool parts_rows(const SettingTable& table, const std::string& label) {
   std::map<std::size_t, std::set<std::string>> of_run;
-  for (const Setting& setting : table.settings)
-    if (const json& value = setting.at(label).value; value.is_string()) {
-      if (is_hash(value.get<std::string>())) return false;
-      of_run[setting.run].insert(value.get<std::string>());
+  for (const SettingRow& setting : table.settings)
+    if (const json& value = setting.at(label).value; value.is_string() || value.is_number()) {
+      if (value.is_string() && is_hash(value.get<std::string>())) return false;
+      of_run[setting.run].insert(value.dump());
     }
   return std::any_of(of_run.begin(), of_run.end(), [](const auto& entry) { return entry.second.size() > 1; });
+}
+
+// Whether a label says nothing that the names before it have not said.
+bool is_told(const SettingTable& table, const std::string& label, const std::vector<std::string>& names) {
+  std::map<std::string, json> told;
+  for (const SettingRow& setting : table.settings) {
+    const json& value = setting.at(label).value;
+    if (told.emplace(setting_label(setting, names), value).first->second != value) return false;
+  }
+  return true;
 }
 
 std::vector<std::string> varied_names(const SettingTable& table) {
   std::vector<std::string> varied;
   for (const ColumnInfo& parameter : table.parameters) {
     std::set<std::string> values;
-    for (const Setting& setting : table.settings) values.insert(setting.at(parameter.name).value.dump());
+    for (const SettingRow& setting : table.settings) values.insert(setting.at(parameter.name).value.dump());
     if (values.size() > 1) varied.push_back(parameter.name);
   }
   for (const ColumnInfo& column : table.columns)
-    if (column.kind == Kind::label && parts_rows(table, column.name)) varied.push_back(column.name);
+    if (column.kind == Kind::label && parts_rows(table, column.name) && !is_told(table, column.name, varied))
+      varied.push_back(column.name);
   return varied;
 }
 
 // Everything that a setting is, but the number of threads.
-std::string key_without_threads(const SettingTable& table, const Setting& setting) {
+std::string key_without_threads(const SettingTable& table, const SettingRow& setting) {
   std::string key = std::to_string(setting.row) + "\n";
   for (const std::string& name : table.varied)
     if (name != "threads") key += setting.at(name).value.dump() + "\n";
@@ -141,7 +159,7 @@ Scaling scaling_of(double seconds_of_one, double seconds, int threads) {
 }
 
 // Ranges are those of the least favourable pairs of repetitions.
-void set_scaling(Setting& setting, const Cell& one, const Cell& time, int threads) {
+void set_scaling(SettingRow& setting, const SettingCell& one, const SettingCell& time, int threads) {
   const Scaling middle = scaling_of(one.number(), time.number(), threads);
   const Scaling slow = scaling_of(one.least, time.most, threads), fast = scaling_of(one.most, time.least, threads);
   setting.cells["speedup"] = {middle.speedup, slow.speedup, fast.speedup, time.count};
@@ -153,13 +171,14 @@ void add_scaling(SettingTable& table) {
   const std::string name = "seconds";
   const bool varies = std::find(table.varied.begin(), table.varied.end(), "threads") != table.varied.end();
   if (!varies || table.find(name) == nullptr || table.find("speedup") != nullptr) return;
-  std::map<std::string, Cell> ones;
-  for (const Setting& setting : table.settings)
-    if (const Cell& seconds = setting.at(name); setting.at("threads").value == 1 && seconds.is_number() && seconds.least > 0)
+  std::map<std::string, SettingCell> ones;
+  for (const SettingRow& setting : table.settings)
+    if (const SettingCell& seconds = setting.at(name);
+        setting.at("threads").value == 1 && seconds.is_number() && seconds.least > 0)
       ones.emplace(key_without_threads(table, setting), seconds);
-  for (Setting& setting : table.settings) {
+  for (SettingRow& setting : table.settings) {
     const auto one = ones.find(key_without_threads(table, setting));
-    const Cell seconds = setting.at(name), threads = setting.at("threads");
+    const SettingCell seconds = setting.at(name), threads = setting.at("threads");
     if (one != ones.end() && seconds.is_number() && seconds.least > 0 && threads.is_number() && threads.number() >= 1)
       set_scaling(setting, one->second, seconds, static_cast<int>(threads.number()));
   }
@@ -170,8 +189,8 @@ void add_scaling(SettingTable& table) {
 
 }  // namespace
 
-const Cell& Setting::at(const std::string& name) const {
-  static const Cell nothing;
+const SettingCell& SettingRow::at(const std::string& name) const {
+  static const SettingCell nothing;
   const auto found = cells.find(name);
   return found == cells.end() ? nothing : found->second;
 }
@@ -205,10 +224,10 @@ SettingTable aggregate(const SweepRecord& sweep) {
   return table;
 }
 
-std::string setting_label(const Setting& setting, const std::vector<std::string>& names) {
+std::string setting_label(const SettingRow& setting, const std::vector<std::string>& names) {
   std::string label;
   for (const std::string& name : names)
-    if (const Cell& cell = setting.at(name); !cell.value.is_null())
+    if (const SettingCell& cell = setting.at(name); !cell.value.is_null())
       label += fmt::format("{}{} = {}", label.empty() ? "" : ", ", name, value_text(cell.value));
   return label;
 }

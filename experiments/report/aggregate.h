@@ -11,7 +11,7 @@ namespace lodestone {
 
 // One value of a setting: median of a cost, with the least and largest of its repetitions (and within them, where there
 // are columns NAME_min and NAME_max); anything else is the value of the first repetition that has it.
-struct Cell {
+struct SettingCell {
   nlohmann::json value;  // number, text, truth value; null: not measured
   double least = 0, most = 0;
   int count = 0;  // repetitions that have it
@@ -21,20 +21,20 @@ struct Cell {
 };
 
 // A row of a run, over its repetitions: cells of "sweep", "data", all parameters and all columns by name.
-struct Setting {
+struct SettingRow {
   std::size_t run = 0;  // in the sweep
   std::size_t row = 0;  // in the run
-  std::map<std::string, Cell> cells;
+  std::map<std::string, SettingCell> cells;
 
   // A null cell where there is none of that name.
-  [[nodiscard]] const Cell& at(const std::string& name) const;
+  [[nodiscard]] const SettingCell& at(const std::string& name) const;
 };
 
 struct SettingTable {
   std::string sweep;
   std::vector<ColumnInfo> parameters;  // with "data", as labels, in the sweep's order
-  std::vector<ColumnInfo> columns;     // without NAME_min and NAME_max; with speedup ... where `threads` varies
-  std::vector<Setting> settings;       // of runs that may be reported, in the sweep's order
+  std::vector<ColumnInfo> columns;     // without ranges NAME_min and NAME_max; with speedup ... where `threads` varies
+  std::vector<SettingRow> settings;    // of runs that may be reported, in the sweep's order
   std::vector<std::string> varied;     // parameters and "data" with more than one value, texts that part rows of a run
   std::vector<std::string> unsteady;   // what should not have changed between repetitions and did, in words
 
@@ -48,6 +48,6 @@ struct SettingTable {
 [[nodiscard]] SettingTable aggregate(const SweepRecord& sweep);
 
 // "kappa0 = 2, blend = step": what a setting has of `names`.
-[[nodiscard]] std::string setting_label(const Setting& setting, const std::vector<std::string>& names);
+[[nodiscard]] std::string setting_label(const SettingRow& setting, const std::vector<std::string>& names);
 
 }  // namespace lodestone

@@ -5,8 +5,8 @@
 
 namespace lodestone {
 
-[[nodiscard]] std::string_view plot_script();   // plot.py
-[[nodiscard]] std::string_view report_style();  // report.css
+[[nodiscard]] std::string_view plot_script();    // plot.py
+[[nodiscard]] std::string_view report_style();   // report.css
 [[nodiscard]] std::string_view report_script();  // report.js
 
 }  // namespace lodestone

@@ -33,16 +33,21 @@ std::string row_state(const RunRecord& run, const Repetition& repetition) {
 
 const char* state_name(RunState state) {
   switch (state) {
-    case RunState::complete: return "complete";
-    case RunState::incomplete: return "incomplete";
-    case RunState::unverified: return "unverified";
-    case RunState::failed: return "failed";
-    case RunState::missing: return "missing";
+    case RunState::complete:
+      return "complete";
+    case RunState::incomplete:
+      return "incomplete";
+    case RunState::unverified:
+      return "unverified";
+    case RunState::failed:
+      return "failed";
+    case RunState::missing:
+      return "missing";
   }
   return "";
 }
 
-json to_json(const Cell& cell) {
+json to_json(const SettingCell& cell) {
   if (cell.count < 2 && cell.least == cell.most) return cell.value;
   if (!cell.value.is_number()) return cell.value;
   return {{"median", cell.value}, {"least", cell.least}, {"most", cell.most}, {"count", cell.count}};
@@ -56,20 +61,28 @@ json to_json(const RunRecord& run) {
     if (r.fault) entry["fault"] = {{"kind", r.fault->kind}, {"messages", r.fault->messages}};
     repetitions.push_back(std::move(entry));
   }
-  return {{"id", run.id},           {"data", run.data},   {"parameters", run.parameters}, {"program", run.program},
-          {"input", run.input},     {"input_hash", run.input_hash}, {"state", state_name(state_of(run))},
+  return {{"id", run.id},
+          {"data", run.data},
+          {"parameters", run.parameters},
+          {"program", run.program},
+          {"input", run.input},
+          {"input_sha256", run.input_sha256},
+          {"state", state_name(state_of(run))},
           {"repetitions", repetitions}};
 }
 
 json to_json(const SweepRecord& sweep, const SettingTable& table) {
   json runs = json::array(), settings = json::array();
   for (const RunRecord& run : sweep.runs) runs.push_back(to_json(run));
-  for (const Setting& setting : table.settings) {
+  for (const SettingRow& setting : table.settings) {
     json values = json::object();
     for (const auto& [name, cell] : setting.cells) values[name] = to_json(cell);
     settings.push_back({{"run", sweep.runs[setting.run].id}, {"values", values}});
   }
-  return {{"name", sweep.name}, {"experiment", sweep.experiment}, {"question", sweep.question}, {"runs", runs},
+  return {{"name", sweep.name},
+          {"experiment", sweep.experiment},
+          {"question", sweep.question},
+          {"runs", runs},
           {"settings", settings}};
 }
 
@@ -84,7 +97,7 @@ std::string to_csv(const Report& report) {
     }
   std::string csv = "study,sweep,experiment,run,data,repetition,state";
   for (const auto* names : {&parameters, &columns})
-    for (const std::string& name : *names) csv += "," + csv_field(name);
+    for (const std::string& name : *names) csv.append(1, ',').append(csv_field(name));
   csv += "\n";
   for (const StudyReport& entry : report.studies)
     for (const SweepRecord& sweep : entry.study.sweeps)
@@ -94,8 +107,9 @@ std::string to_csv(const Report& report) {
             csv += fmt::format("{},{},{},{},{},{},{}", csv_field(entry.study.name), csv_field(sweep.name),
                                csv_field(sweep.experiment), run.id, csv_field(run.data), repetition.number,
                                csv_field(row_state(run, repetition)));
-            for (const std::string& name : parameters) csv += "," + csv_field(run.parameters.value(name, json()));
-            for (const std::string& name : columns) csv += "," + csv_field(row.value(name, json()));
+            for (const std::string& name : parameters)
+              csv.append(1, ',').append(csv_field(run.parameters.value(name, json())));
+            for (const std::string& name : columns) csv.append(1, ',').append(csv_field(row.value(name, json())));
             csv += "\n";
           }
   return csv;
@@ -117,8 +131,13 @@ json to_json(const Report& report) {
                        {"figures", figures}});
   }
   const RunCounts counts = report.counts();
-  return {{"runs", counts.runs},     {"complete", counts.complete}, {"incomplete", counts.incomplete},
-          {"unverified", counts.unverified}, {"failed", counts.failed}, {"missing", counts.missing}, {"studies", studies}};
+  return {{"runs", counts.runs},
+          {"complete", counts.complete},
+          {"incomplete", counts.incomplete},
+          {"unverified", counts.unverified},
+          {"failed", counts.failed},
+          {"missing", counts.missing},
+          {"studies", studies}};
 }
 
 }  // namespace lodestone

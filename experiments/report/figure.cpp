@@ -50,14 +50,16 @@ std::vector<FigurePanel> make_panels(const FigureRequest& spec, const std::vecto
     const auto same = std::find_if(panels.begin(), panels.end(),
                                    [&](const FigurePanel& p) { return p.y_unit == unit && !unit.empty(); });
     panel_of.push_back(static_cast<std::size_t>(same - panels.begin()));
-    if (same == panels.end()) panels.push_back({y, unit, {}, {}});
-    else same->y_name += ", " + y;
+    if (same == panels.end())
+      panels.push_back({y, unit, {}, {}});
+    else
+      same->y_name += ", " + y;
   }
   return panels;
 }
 
 // "sphere, step, kappa0 = 2": texts speak for themselves.
-std::string series_name(const Setting& setting, const std::vector<std::string>& names) {
+std::string series_name(const SettingRow& setting, const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) {
     const json& value = setting.at(name).value;
@@ -67,7 +69,7 @@ std::string series_name(const Setting& setting, const std::vector<std::string>& 
   return text;
 }
 
-FigurePoint make_point(const Cell& x, const Cell& y, double x_divisor, double y_divisor) {
+FigurePoint make_point(const SettingCell& x, const SettingCell& y, double x_divisor, double y_divisor) {
   FigurePoint point;
   if (x.is_number())
     point.x = x.number() / x_divisor, point.x_least = x.least / x_divisor, point.x_most = x.most / x_divisor;
@@ -86,11 +88,11 @@ class Sampler {
     std::vector<std::string> told = varied_in(tables_);
     std::erase(told, spec_.x);
     for (const SettingTable* table : tables_)
-      for (const Setting& setting : table->settings)
+      for (const SettingRow& setting : table->settings)
         for (std::size_t i = 0; i < spec_.y.size(); ++i) add(*table, setting, i, told);
     if (without_ > 0)
-      figure_.notes.push_back(fmt::format("{} of {} points have no number and are left out", without_,
-                                          without_ + samples_.size()));
+      figure_.notes.push_back(
+          fmt::format("{} of {} points have no number and are left out", without_, without_ + samples_.size()));
     return std::move(samples_);
   }
 
@@ -100,9 +102,9 @@ class Sampler {
     return column != nullptr ? shown_unit(column->unit).divisor : 1;
   }
 
-  void add(const SettingTable& table, const Setting& setting, std::size_t i, const std::vector<std::string>& told) {
-    const Cell& x = setting.at(spec_.x);
-    const Cell& y = setting.at(spec_.y[i]);
+  void add(const SettingTable& table, const SettingRow& setting, std::size_t i, const std::vector<std::string>& told) {
+    const SettingCell& x = setting.at(spec_.x);
+    const SettingCell& y = setting.at(spec_.y[i]);
     if (x.value.is_null() || !y.is_number() || !std::isfinite(y.number())) {
       ++without_;
       return;
@@ -116,7 +118,7 @@ class Sampler {
     sample.x = x.value;
     sample.point = make_point(x, y, divisor(table, spec_.x), divisor(table, spec_.y[i]));
     sample.point.label = setting_label(setting, told);
-    if (const Cell& mark = setting.at(spec_.mark); mark.is_number())
+    if (const SettingCell& mark = setting.at(spec_.mark); mark.is_number())
       sample.mark = mark.number() / divisor(table, spec_.x);
     samples_.push_back(std::move(sample));
   }
@@ -137,7 +139,8 @@ void set_categories(Figure& figure, std::vector<Sample>& samples) {
   for (const Sample& s : samples)
     if (std::find(values.begin(), values.end(), s.x) == values.end()) values.push_back(s.x);
   if (numbers)
-    std::sort(values.begin(), values.end(), [](const json& a, const json& b) { return a.get<double>() < b.get<double>(); });
+    std::sort(values.begin(), values.end(),
+              [](const json& a, const json& b) { return a.get<double>() < b.get<double>(); });
   for (const json& value : values) figure.categories.push_back(value_text(value));
   for (Sample& s : samples)
     s.point.x = s.point.x_least = s.point.x_most =
@@ -182,12 +185,13 @@ void add_series(Figure& figure, const std::vector<Sample>& samples) {
     }
   }
   if (together)
-    figure.notes.emplace_back("several settings fall on one point: it is their median, and the whiskers are their range");
+    figure.notes.emplace_back(
+        "Several settings fall on one point: it is their median, and the whiskers are their range");
 }
 
 void add_fronts(Figure& figure, const std::vector<Sample>& samples) {
   if (!figure.categories.empty()) {
-    figure.notes.emplace_back("no Pareto front: the cost is no number");
+    figure.notes.emplace_back("No Pareto front: the cost is no number");
     return;
   }
   for (std::size_t panel = 0; panel < figure.panels.size(); ++panel) {
@@ -202,8 +206,8 @@ void add_fronts(Figure& figure, const std::vector<Sample>& samples) {
       for (const std::size_t i : indices) front.points.push_back(members[i]->point);
       for (const double limit : error_limits(points))
         if (const auto i = cheapest_within(points, limit))
-          front.choices.push_back({limit, static_cast<std::size_t>(std::find(indices.begin(), indices.end(), *i) -
-                                                                   indices.begin())});
+          front.choices.push_back(
+              {limit, static_cast<std::size_t>(std::find(indices.begin(), indices.end(), *i) - indices.begin())});
       figure.panels[panel].fronts.push_back(std::move(front));
     }
   }
@@ -219,9 +223,9 @@ void add_marks(Figure& figure, const std::vector<Sample>& samples, const std::st
     if (s.mark && std::isfinite(*s.mark)) places[*s.mark].insert(s.data);
   }
   if (places.size() > most || !figure.categories.empty()) {
-    figure.notes.push_back(fmt::format("{} is not drawn: {}", name,
-                                       figure.categories.empty() ? fmt::format("it has {} values", places.size())
-                                                                 : "x is no number"));
+    figure.notes.push_back(
+        fmt::format("{} is not drawn: {}", name,
+                    figure.categories.empty() ? fmt::format("it has {} values", places.size()) : "x is no number"));
     return;
   }
   for (const auto& [x, whose] : places) {
@@ -257,8 +261,8 @@ Figure make_figure(const FigureRequest& spec, const std::vector<const SettingTab
 namespace {
 
 json to_json(const FigurePoint& p) {
-  return {{"x", p.x}, {"x_least", p.x_least}, {"x_most", p.x_most}, {"y", p.y}, {"y_least", p.y_least},
-          {"y_most", p.y_most}, {"label", p.label}, {"settings", p.settings}};
+  return {{"x", p.x},           {"x_least", p.x_least}, {"x_most", p.x_most},    {"y", p.y}, {"y_least", p.y_least},
+          {"y_most", p.y_most}, {"label", p.label},     {"settings", p.settings}};
 }
 
 json to_json(const std::vector<FigurePoint>& points) {
@@ -273,7 +277,8 @@ json to_json(const FigurePanel& panel) {
   for (const FigureFront& f : panel.fronts) {
     json choices = json::array();
     for (const auto& choice : f.choices) choices.push_back({{"limit", choice.limit}, {"point", choice.point}});
-    fronts.push_back({{"data", f.data}, {"candidates", f.candidates}, {"points", to_json(f.points)}, {"choices", choices}});
+    fronts.push_back(
+        {{"data", f.data}, {"candidates", f.candidates}, {"points", to_json(f.points)}, {"choices", choices}});
   }
   return {{"y_name", panel.y_name}, {"y_unit", panel.y_unit}, {"series", series}, {"fronts", fronts}};
 }
@@ -284,9 +289,10 @@ json to_json(const Figure& figure) {
   json panels = json::array(), marks = json::array();
   for (const FigurePanel& panel : figure.panels) panels.push_back(to_json(panel));
   for (const FigureMark& mark : figure.marks) marks.push_back({{"x", mark.x}, {"label", mark.label}});
-  return {{"title", figure.title}, {"kind", figure.kind}, {"x_name", figure.x_name}, {"x_unit", figure.x_unit},
-          {"log_x", figure.log_x}, {"log_y", figure.log_y}, {"categories", figure.categories}, {"panels", panels},
-          {"marks", marks}, {"outcome", figure.outcome}, {"notes", figure.notes}};
+  return {{"title", figure.title},           {"kind", figure.kind},   {"x_name", figure.x_name},
+          {"x_unit", figure.x_unit},         {"log_x", figure.log_x}, {"log_y", figure.log_y},
+          {"categories", figure.categories}, {"panels", panels},      {"marks", marks},
+          {"outcome", figure.outcome},       {"notes", figure.notes}};
 }
 
 }  // namespace lodestone

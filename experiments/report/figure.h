@@ -24,8 +24,8 @@ struct FigureSeries {
 // The Pareto front of the settings on one input.
 struct FigureFront {
   std::string data;
-  std::size_t candidates = 0;        // settings that it was chosen from
-  std::vector<FigurePoint> points;   // by rising cost
+  std::size_t candidates = 0;       // settings that it was chosen from
+  std::vector<FigurePoint> points;  // by rising cost
   // For round limits of the error: the cheapest setting that keeps it, an index of `points`.
   struct Choice {
     double limit = 0;

@@ -16,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 // Manifest keys in which the repetitions of one study should agree.
-constexpr std::array<const char*, 8> one_of_a_kind = {"program", "commit", "compiler", "flags", "host", "cpu", "cores", "memory"};
+constexpr std::array one_of_a_kind = {"program", "commit", "compiler", "flags", "host", "cpu", "cores", "memory_bytes"};
 
 // Values by key, nested objects by dotted names, each with the number of its repetitions.
 using Values = std::map<std::string, std::map<std::string, std::size_t>>;
@@ -24,8 +24,10 @@ using Values = std::map<std::string, std::map<std::string, std::size_t>>;
 void collect(Values& values, const std::string& prefix, const json& object) {
   for (const auto& [name, value] : object.items()) {
     const std::string key = prefix.empty() ? name : prefix + "." + name;
-    if (value.is_object()) collect(values, key, value);
-    else ++values[key][value.dump()];
+    if (value.is_object())
+      collect(values, key, value);
+    else
+      ++values[key][value.dump()];
   }
 }
 
@@ -42,28 +44,31 @@ Values collect(const Study& study) {
   return values;
 }
 
-std::string list_text(const json& value) {
+// A value of a manifest: lists in a line, bytes as MiB.
+std::string fact_text(const std::string& key, const json& value) {
+  if (value.is_number() && key.ends_with("bytes"))
+    return number_text(value.get<double>() / shown_unit("bytes").divisor) + " " + shown_unit("bytes").name;
   if (!value.is_array()) return value_text(value);
   std::string text;
   for (const json& entry : value) text += (text.empty() ? "" : ", ") + value_text(entry);
   return text;
 }
 
-std::string values_text(const std::map<std::string, std::size_t>& values) {
+std::string values_text(const std::string& key, const std::map<std::string, std::size_t>& values) {
   constexpr std::size_t few = 4;
-  if (values.size() == 1) return list_text(json::parse(values.begin()->first));
+  if (values.size() == 1) return fact_text(key, json::parse(values.begin()->first));
   std::vector<double> numbers;
   std::string list;
   for (const auto& [dump, count] : values) {
     const json value = json::parse(dump);
     if (value.is_number()) numbers.push_back(value.get<double>());
-    list += fmt::format("{}{} ({}×)", list.empty() ? "" : "; ", list_text(value), count);
+    list += fmt::format("{}{} ({}×)", list.empty() ? "" : "; ", fact_text(key, value), count);
   }
   if (values.size() <= few) return list;
   const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
-  if (numbers.size() == values.size()) return fmt::format("{} to {}", number_text(*least), number_text(*most));
-  return fmt::format("{} different, from {} to {}", values.size(), list_text(json::parse(values.begin()->first)),
-                     list_text(json::parse(values.rbegin()->first)));
+  if (numbers.size() == values.size()) return fmt::format("{} to {}", fact_text(key, *least), fact_text(key, *most));
+  return fmt::format("{} different, from {} to {}", values.size(), fact_text(key, json::parse(values.begin()->first)),
+                     fact_text(key, json::parse(values.rbegin()->first)));
 }
 
 std::string lower(std::string text) {
@@ -74,12 +79,12 @@ std::string lower(std::string text) {
 void add_mixtures(std::vector<std::string>& oddities, const Study& study) {
   for (const auto& [key, values] : collect(study)) {
     const std::string last = lower(key.substr(key.rfind('.') + 1));
-    const bool matters = std::any_of(one_of_a_kind.begin(), one_of_a_kind.end(), [&](const char* k) { return last == k; });
+    const bool matters =
+        std::any_of(one_of_a_kind.begin(), one_of_a_kind.end(), [&](const char* k) { return last == k; });
     if (matters && values.size() > 1)
-      oddities.push_back(fmt::format("Mixed: {} has {} values: {}", key, values.size(), values_text(values)));
+      oddities.push_back(fmt::format("Mixed: {} has {} values: {}", key, values.size(), values_text(key, values)));
     if (last == "dirty" && values.contains("true"))
-      oddities.push_back(fmt::format("{} runs are of a program from sources that were changed after the commit",
-                                     number_text(static_cast<double>(values.at("true")))));
+      oddities.push_back("Sources were changed after the commit: " + counted(values.at("true"), "repetition"));
   }
 }
 
@@ -95,18 +100,28 @@ RunCounts count_runs(const SweepRecord& sweep) {
   RunCounts counts;
   counts.runs = sweep.runs.size();
   for (const RunRecord& run : sweep.runs) switch (state_of(run)) {
-      case RunState::complete: ++counts.complete; break;
-      case RunState::incomplete: ++counts.incomplete; break;
-      case RunState::unverified: ++counts.unverified; break;
-      case RunState::failed: ++counts.failed; break;
-      case RunState::missing: ++counts.missing; break;
+      case RunState::complete:
+        ++counts.complete;
+        break;
+      case RunState::incomplete:
+        ++counts.incomplete;
+        break;
+      case RunState::unverified:
+        ++counts.unverified;
+        break;
+      case RunState::failed:
+        ++counts.failed;
+        break;
+      case RunState::missing:
+        ++counts.missing;
+        break;
     }
   return counts;
 }
 
 std::vector<ManifestLine> summarize_manifests(const Study& study) {
   std::vector<ManifestLine> lines;
-  for (const auto& [key, values] : collect(study)) lines.push_back({key, values_text(values), values.size()});
+  for (const auto& [key, values] : collect(study)) lines.push_back({key, values_text(key, values), values.size()});
   return lines;
 }
 
@@ -123,10 +138,11 @@ std::vector<std::string> list_oddities(const Study& study, const std::vector<Set
   }
   for (const SweepRecord& sweep : study.sweeps)
     if (const RunCounts counts = count_runs(sweep); counts.incomplete > 0)
-      oddities.push_back(fmt::format("Sweep {}: {} runs lack repetitions; their spread is of those that are there",
-                                     sweep.name, counts.incomplete));
+      oddities.push_back(fmt::format("Sweep {}: repetitions are missing of {}; the spread is of those that are there",
+                                     sweep.name, counted(counts.incomplete, "run")));
   if (study.other_runs > 0)
-    oddities.push_back(fmt::format("{} runs in the folder are of other settings or of another program; left out", study.other_runs));
+    oddities.push_back(fmt::format("Left out: {} of other settings or of another program in the folder",
+                                   counted(study.other_runs, "run")));
   return oddities;
 }
 

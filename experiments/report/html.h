@@ -35,10 +35,8 @@ class Html {
   static std::string argument(std::string_view text) { return escape_html(text); }
   static const std::string& argument(const Raw& raw) { return raw.html; }
   template <class Number>
-    requires std::is_arithmetic_v<Number>
-  static Number argument(Number number) {
-    return number;
-  }
+  requires std::is_arithmetic_v<Number>
+  static Number argument(Number number) { return number; }
 
   std::string text_;
 };

@@ -12,6 +12,9 @@ namespace lodestone {
 // The same for numbers; texts as they are, "yes" and "no", and a dash for null.
 [[nodiscard]] std::string value_text(const nlohmann::json& value);
 
+// "1 run", "2 runs".
+[[nodiscard]] std::string counted(std::size_t count, const std::string& noun);
+
 // How values of a unit are shown: under another name, and divided.
 struct ShownUnit {
   std::string name;

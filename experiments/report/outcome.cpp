@@ -31,8 +31,8 @@ std::string describe_front(const Figure& figure, const FigurePanel& panel, const
   const auto& choice = front.choices.at(front.choices.size() / 2);
   const FigurePoint& point = front.points.at(choice.point);
   return fmt::format("{}{} of {} settings on the front; {} of at most {} costs {}{}",
-                     panel.fronts.size() > 1 ? front.data + ": " : "", front.points.size(), front.candidates, panel.y_name,
-                     with_unit(choice.limit, panel.y_unit), with_unit(point.x, figure.x_unit),
+                     panel.fronts.size() > 1 ? front.data + ": " : "", front.points.size(), front.candidates,
+                     panel.y_name, with_unit(choice.limit, panel.y_unit), with_unit(point.x, figure.x_unit),
                      point.label.empty() ? "" : " (" + point.label + ")");
 }
 
@@ -54,7 +54,8 @@ std::string describe_sides(const FigurePanel& panel, const std::string& mark, co
     const auto above = std::count_if(there.begin(), there.end(), [](const OutcomePoint& p) { return p.y > 0; });
     const std::string some =
         above > 0 && static_cast<std::size_t>(above) < there.size() ? fmt::format(", above 0 at {}", above) : "";
-    return fmt::format("{} {} ({} settings) {}{}", where, mark, there.size(), range_text(there, panel.y_unit), some);
+    return fmt::format("{} {} ({}) {}{}", where, mark, counted(there.size(), "setting"),
+                       range_text(there, panel.y_unit), some);
   };
   return fmt::format("{}: {}; {}", panel.y_name, side("from", right), side("below", left));
 }
@@ -75,13 +76,19 @@ std::string describe_outcome(const Figure& figure, const std::string& mark,
   std::string text;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const FigurePanel& panel = figure.panels[i];
-    const bool marked = std::any_of(panels[i].begin(), panels[i].end(), [](const auto& p) { return p.mark.has_value(); });
-    const bool fronts = std::any_of(panel.fronts.begin(), panel.fronts.end(), [](const auto& f) { return !f.choices.empty(); });
+    const bool marked =
+        std::any_of(panels[i].begin(), panels[i].end(), [](const auto& p) { return p.mark.has_value(); });
+    const bool fronts =
+        std::any_of(panel.fronts.begin(), panel.fronts.end(), [](const auto& f) { return !f.choices.empty(); });
     text += text.empty() ? "" : ". ";
-    if (panels[i].empty()) text += fmt::format("No setting that verified has numbers for {}", panel.y_name);
-    else if (fronts) text += describe_fronts(figure, panel);
-    else if (marked && !mark.empty()) text += describe_sides(panel, mark, panels[i]);
-    else text += describe_range(figure, panel, panels[i]);
+    if (panels[i].empty())
+      text += fmt::format("No setting that verified has numbers for {}", panel.y_name);
+    else if (fronts)
+      text += describe_fronts(figure, panel);
+    else if (marked && !mark.empty())
+      text += describe_sides(panel, mark, panels[i]);
+    else
+      text += describe_range(figure, panel, panels[i]);
   }
   return text + ".";
 }

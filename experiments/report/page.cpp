@@ -42,8 +42,9 @@ void add_top(Html& page, const Report& report) {
   add_tile(page, "bad", counts.unverified, "not verified");
   add_tile(page, "bad", counts.failed, "failed");
   add_tile(page, "open", counts.missing, "missing");
-  page.raw("</ul>\n<p class=\"downloads\" hidden><button type=\"button\" data-save=\"csv\">Save all rows as CSV</button>\n"
-           "<button type=\"button\" data-save=\"json\">Save everything as JSON</button></p>\n</header>\n");
+  page.raw(
+      "</ul>\n<p class=\"downloads\" hidden><button type=\"button\" data-save=\"csv\">Save all rows as CSV</button>\n"
+      "<button type=\"button\" data-save=\"json\">Save everything as JSON</button></p>\n</header>\n");
 }
 
 void add_state_cell(Html& page, std::size_t count, bool bad) {
@@ -52,14 +53,18 @@ void add_state_cell(Html& page, std::size_t count, bool bad) {
 
 void add_sweeps(Html& page, const StudyReport& entry) {
   open_table(page, "Runs by sweep");
-  page.raw("<thead><tr><th scope=\"col\">sweep</th><th scope=\"col\">experiment</th><th scope=\"col\">asks</th>"
-           "<th scope=\"col\" class=\"n\">runs</th><th scope=\"col\" class=\"n\">verified</th>"
-           "<th scope=\"col\" class=\"n\">not verified</th><th scope=\"col\" class=\"n\">failed</th>"
-           "<th scope=\"col\" class=\"n\">missing</th><th scope=\"col\" class=\"n\">repetitions</th></tr></thead>\n<tbody>\n");
+  page.raw(
+      "<thead><tr><th scope=\"col\">sweep</th><th scope=\"col\">experiment</th><th scope=\"col\">asks</th>"
+      "<th scope=\"col\" class=\"n\">runs</th><th scope=\"col\" class=\"n\">verified</th>"
+      "<th scope=\"col\" class=\"n\">not verified</th><th scope=\"col\" class=\"n\">failed</th>"
+      "<th scope=\"col\" class=\"n\">missing</th><th scope=\"col\" "
+      "class=\"n\">repetitions</th></tr></thead>\n<tbody>\n");
   for (const SweepRecord& sweep : entry.study.sweeps) {
     const RunCounts counts = count_runs(sweep);
-    page.add("<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"long\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>",
-             sweep.name, sweep.experiment, sweep.question, plain(counts.runs), plain(counts.reported()));
+    page.add(
+        "<tr><th scope=\"row\">{}</th><td>{}</td><td class=\"long\">{}</td><td class=\"n\">{}</td><td "
+        "class=\"n\">{}</td>",
+        sweep.name, sweep.experiment, sweep.question, plain(counts.runs), plain(counts.reported()));
     add_state_cell(page, counts.unverified, true);
     add_state_cell(page, counts.failed, true);
     add_state_cell(page, counts.missing, true);
@@ -69,7 +74,7 @@ void add_sweeps(Html& page, const StudyReport& entry) {
   close_table(page);
 }
 
-void add_summary(Html& page, const StudyReport& entry, const PagePlace& place) {
+void add_summary(Html& page, const StudyReport& entry, const SectionPlace& place) {
   add_heading(page, place.level, "Summary", place.prefix + "-summary");
   if (!entry.oddities.empty()) {
     page.raw("<div class=\"note\" role=\"note\"><p>To know when reading this:</p>\n<ul>\n");
@@ -86,7 +91,7 @@ void add_summary(Html& page, const StudyReport& entry, const PagePlace& place) {
   add_sweeps(page, entry);
 }
 
-void add_links(Html& page, const StudyReport& entry, const PagePlace& place) {
+void add_links(Html& page, const StudyReport& entry, const SectionPlace& place) {
   page.add("<nav aria-label=\"Parts of {}\"><ul>\n", entry.study.title);
   for (const char* part : {"Summary", "Figures", "Tables", "Pictures", "Problems", "Manifest"}) {
     std::string anchor = part;
@@ -99,7 +104,7 @@ void add_links(Html& page, const StudyReport& entry, const PagePlace& place) {
 void add_study(Html& page, const Report& report, std::size_t index, std::size_t first_plot, PictureBudget& budget) {
   const StudyReport& entry = report.studies[index];
   const bool alone = report.studies.size() == 1;
-  const PagePlace place{fmt::format("s{}", index + 1), alone ? 2 : 3};
+  const SectionPlace place{fmt::format("s{}", index + 1), alone ? 2 : 3};
   page.add("<section class=\"study\" id=\"{}\">\n", place.prefix);
   if (!alone) {
     add_heading(page, 2, entry.study.title);
@@ -123,23 +128,27 @@ void add_data(Html& page, const Report& report) {
 }  // namespace
 
 void add_heading(Html& page, int level, const std::string& text, const std::string& id) {
-  if (id.empty()) page.add("<h{0}>{1}</h{0}>\n", level, text);
-  else page.add("<h{0} id=\"{2}\">{1}</h{0}>\n", level, text, id);
+  if (id.empty())
+    page.add("<h{0}>{1}</h{0}>\n", level, text);
+  else
+    page.add("<h{0} id=\"{2}\">{1}</h{0}>\n", level, text, id);
 }
 
 void open_table(Html& page, const std::string& caption, const char* classes) {
-  page.add("<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{0}\"><table class=\"{1}\">"
-           "<caption>{0}</caption>\n",
-           caption, classes);
+  page.add(
+      "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{0}\"><table class=\"{1}\">"
+      "<caption>{0}</caption>\n",
+      caption, classes);
 }
 
 void close_table(Html& page) { page.raw("</table></div>\n"); }
 
 std::string make_page(const Report& report, const PageConfig& config) {
   Html page;
-  page.raw("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-           "<meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n");
+  page.raw(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"color-scheme\" content=\"light dark\">\n<link rel=\"icon\" href=\"data:,\">\n");
   page.add("<title>{}</title>\n<style>\n{}</style>\n</head>\n<body>\n<main>\n", title_of(report),
            Raw{std::string(report_style())});
   add_top(page, report);

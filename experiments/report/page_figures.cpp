@@ -32,9 +32,10 @@ void add_choices(Html& page, const Figure& figure, const FigurePanel& panel) {
   for (const FigureFront& front : panel.fronts)
     for (const FigureFront::Choice& choice : front.choices) {
       const FigurePoint& p = front.points.at(choice.point);
-      page.add("<tr><th scope=\"row\">{}</th><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\" data-v=\"{}\">{}</td>"
-               "<td class=\"n\" data-v=\"{}\">{}</td><td class=\"long\">{}</td></tr>\n",
-               front.data, choice.limit, number_text(choice.limit), p.x, number_text(p.x), p.y, number_text(p.y), p.label);
+      page.add(
+          "<tr><th scope=\"row\">{}</th><td class=\"n\" data-v=\"{}\">{}</td><td class=\"n\" data-v=\"{}\">{}</td>"
+          "<td class=\"n\" data-v=\"{}\">{}</td><td class=\"long\">{}</td></tr>\n",
+          front.data, choice.limit, number_text(choice.limit), p.x, number_text(p.x), p.y, number_text(p.y), p.label);
     }
   page.raw("</tbody>");
   close_table(page);
@@ -49,10 +50,12 @@ void add_numbers(Html& page, const Figure& figure) {
              Raw{heading_cell(panel.y_name, panel.y_unit)});
     for (const FigureSeries& series : panel.series)
       for (const FigurePoint& p : series.points)
-        page.add("<tr><th scope=\"row\">{}</th><td{}>{}</td><td class=\"n\" data-v=\"{}\">{}{}</td><td class=\"long\">{}</td></tr>\n",
-                 series.name.empty() ? panel.y_name : series.name,
-                 Raw{figure.categories.empty() ? fmt::format(" class=\"n\" data-v=\"{}\"", p.x) : std::string()},
-                 x_text(figure, p), p.y, number_text(p.y), Raw{range_text(p.y, p.y_least, p.y_most)}, p.label);
+        page.add(
+            "<tr><th scope=\"row\">{}</th><td{}>{}</td><td class=\"n\" data-v=\"{}\">{}{}</td><td "
+            "class=\"long\">{}</td></tr>\n",
+            series.name.empty() ? panel.y_name : series.name,
+            Raw{figure.categories.empty() ? fmt::format(" class=\"n\" data-v=\"{}\"", p.x) : std::string()},
+            x_text(figure, p), p.y, number_text(p.y), Raw{range_text(p.y, p.y_least, p.y_most)}, p.label);
     page.raw("</tbody>");
     close_table(page);
   }
@@ -69,7 +72,8 @@ std::size_t count_points(const Figure& figure) {
 // What somebody who does not see the plot is told: what is drawn, and what it shows.
 std::string alternative(const Figure& figure) {
   std::string columns;
-  for (const FigurePanel& panel : figure.panels) columns += (columns.empty() ? "" : "; ") + panel.y_name + unit_text(panel.y_unit);
+  for (const FigurePanel& panel : figure.panels)
+    columns += (columns.empty() ? "" : "; ") + panel.y_name + unit_text(panel.y_unit);
   const char* kind = figure.kind == "bar" ? "Bars" : figure.kind == "scatter" ? "Points" : "Curves";
   return fmt::format("{} of {} over {}{}, {} points. {}", kind, columns, figure.x_name, unit_text(figure.x_unit),
                      count_points(figure), figure.outcome);
@@ -92,10 +96,13 @@ void add_figure(Html& page, const Figure& figure, const Plot* plot, const std::s
 
 }  // namespace
 
-void add_figures(Html& page, const StudyReport& entry, const Plots& plots, std::size_t first_plot, const PagePlace& place) {
+void add_figures(Html& page, const StudyReport& entry, const Plots& plots, std::size_t first_plot,
+                 const SectionPlace& place) {
   add_heading(page, place.level, "Figures", place.prefix + "-figures");
-  if (entry.figures.empty()) page.raw("<p class=\"aside\">The sweep's file asks for no figure.</p>\n");
-  else if (!plots.note.empty()) page.add("<div class=\"note\" role=\"note\"><p>{}</p></div>\n", plots.note);
+  if (entry.figures.empty())
+    page.raw("<p class=\"aside\">The sweep's file asks for no figure.</p>\n");
+  else if (!plots.note.empty())
+    page.add("<div class=\"note\" role=\"note\"><p>{}</p></div>\n", plots.note);
   for (std::size_t i = 0; i < entry.figures.size(); ++i)
     add_figure(page, entry.figures[i], plots.plots.empty() ? nullptr : &plots.plots.at(first_plot + i),
                fmt::format("{}-figure-{}", place.prefix, i + 1), place.level + 1);

@@ -11,7 +11,7 @@
 namespace lodestone {
 
 // What headings and anchors of a study are made with.
-struct PagePlace {
+struct SectionPlace {
   std::string prefix;  // of ids: "s1"
   int level = 2;       // of the study's sections' headings: <h2> ...
 };
@@ -22,12 +22,13 @@ void open_table(Html& page, const std::string& caption, const char* classes = ""
 void close_table(Html& page);
 
 // Figure by figure: plot, what it shows, the cheapest settings where there is a front, and its numbers.
-void add_figures(Html& page, const StudyReport& entry, const Plots& plots, std::size_t first_plot, const PagePlace& place);
+void add_figures(Html& page, const StudyReport& entry, const Plots& plots, std::size_t first_plot,
+                 const SectionPlace& place);
 // Settings of each sweep, aggregated; what is the same everywhere is said once above.
-void add_setting_tables(Html& page, const StudyReport& entry, const PagePlace& place);
+void add_setting_tables(Html& page, const StudyReport& entry, const SectionPlace& place);
 // Runs that are left out or incomplete, and why; the rows that did not verify.
-void add_problems(Html& page, const StudyReport& entry, const PagePlace& place);
-void add_manifest(Html& page, const StudyReport& entry, const PagePlace& place);
+void add_problems(Html& page, const StudyReport& entry, const SectionPlace& place);
+void add_manifest(Html& page, const StudyReport& entry, const SectionPlace& place);
 
 // What is still to be had of the bytes for pictures, and what has been left out.
 struct PictureBudget {
@@ -35,6 +36,6 @@ struct PictureBudget {
   std::size_t left_out = 0;
   std::set<std::string> seen;  // runs may be of several sweeps
 };
-void add_pictures(Html& page, const StudyReport& entry, PictureBudget& budget, const PagePlace& place);
+void add_pictures(Html& page, const StudyReport& entry, PictureBudget& budget, const SectionPlace& place);
 
 }  // namespace lodestone

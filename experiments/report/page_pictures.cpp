@@ -20,8 +20,7 @@ std::string base64(std::string_view bytes) {
     std::uint32_t three = 0;
     for (std::size_t k = 0; k < 3; ++k)
       three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : digits[three >> (18 - 6 * k) & 63];
+    for (std::size_t k = 0; k < 4; ++k) text += i + k > bytes.size() ? '=' : digits[three >> (18 - 6 * k) & 63];
   }
   return text;
 }
@@ -35,16 +34,18 @@ std::string read_picture(const fs::path& path) {
 }
 
 std::string setting_of(const SettingTable& table, std::size_t run) {
-  for (const Setting& setting : table.settings)
+  for (const SettingRow& setting : table.settings)
     if (setting.run == run) return setting_label(setting, table.varied);
   return {};
 }
 
 void add_picture(Html& page, const fs::path& path, const std::string& label) {
   const std::string name = path.filename().string();
-  page.add("<figure class=\"picture\"><button type=\"button\" aria-label=\"Enlarge {0}\"><img loading=\"lazy\" alt=\"{0}, {1}\" "
-           "src=\"data:image/png;base64,{2}\"></button><figcaption>{0}</figcaption></figure>\n",
-           name, label, Html::Raw{base64(read_picture(path))});
+  page.add(
+      "<figure class=\"picture\"><button type=\"button\" aria-label=\"Enlarge {0}\"><img decoding=\"async\" alt=\"{0}, "
+      "{1}\" "
+      "src=\"data:image/png;base64,{2}\"></button><figcaption>{0}</figcaption></figure>\n",
+      name, label, Html::Raw{base64(read_picture(path))});
 }
 
 // Pictures of a run go together: a picture without its difference map tells half.
@@ -64,7 +65,7 @@ void add_run(Html& page, const RunRecord& run, const std::string& label, Picture
 
 }  // namespace
 
-void add_pictures(Html& page, const StudyReport& entry, PictureBudget& budget, const PagePlace& place) {
+void add_pictures(Html& page, const StudyReport& entry, PictureBudget& budget, const SectionPlace& place) {
   add_heading(page, place.level, "Pictures", place.prefix + "-pictures");
   bool any = false;
   const std::size_t left_out_before = budget.left_out;
@@ -79,8 +80,8 @@ void add_pictures(Html& page, const StudyReport& entry, PictureBudget& budget, c
   }
   if (!any) page.raw("<p class=\"aside\">The runs left no pictures.</p>\n");
   if (const std::size_t left_out = budget.left_out - left_out_before; left_out > 0)
-    page.add("<p class=\"aside\">{} pictures are left out for their size (--pictures); they lie in {}/runs.</p>\n",
-             number_text(static_cast<double>(left_out)), entry.study.folder.string());
+    page.add("<p class=\"aside\">Left out for their size (--pictures): {}; they lie in {}/runs.</p>\n",
+             counted(left_out, "picture"), entry.study.folder.string());
 }
 
 }  // namespace lodestone

@@ -13,7 +13,8 @@ std::string run_label(const SweepRecord& sweep, const RunRecord& run) {
   std::string label = run.data;
   for (const ParameterInfo& parameter : sweep.parameters) {
     std::set<std::string> values;
-    for (const RunRecord& other : sweep.runs) values.insert(other.parameters.value(parameter.name, nlohmann::json()).dump());
+    for (const RunRecord& other : sweep.runs)
+      values.insert(other.parameters.value(parameter.name, nlohmann::json()).dump());
     if (values.size() > 1)
       label += fmt::format("{}{} = {}", label.empty() ? "" : ", ", parameter.name,
                            value_text(run.parameters.value(parameter.name, nlohmann::json())));
@@ -45,7 +46,8 @@ std::vector<Problem> list_problems(const Study& study) {
       std::string lacking;
       for (const Repetition& r : run.repetitions) {
         if (r.fault)
-          problems.push_back({&sweep, &run, std::to_string(r.number), kind_text(r.fault->kind), joined(r.fault->messages)});
+          problems.push_back(
+              {&sweep, &run, std::to_string(r.number), kind_text(r.fault->kind), joined(r.fault->messages)});
         else if (!r.has_rows)
           lacking += (lacking.empty() ? "" : ", ") + std::to_string(r.number);
       }
@@ -56,13 +58,15 @@ std::vector<Problem> list_problems(const Study& study) {
 
 void add_problem_table(Html& page, const std::vector<Problem>& problems) {
   open_table(page, "Runs that are left out or lack repetitions", "sort filter");
-  page.raw("<thead><tr><th scope=\"col\">run</th><th scope=\"col\">sweep</th><th scope=\"col\">setting</th>"
-           "<th scope=\"col\">repetition</th><th scope=\"col\">what</th><th scope=\"col\">why</th></tr></thead>\n<tbody>\n");
+  page.raw(
+      "<thead><tr><th scope=\"col\">run</th><th scope=\"col\">sweep</th><th scope=\"col\">setting</th>"
+      "<th scope=\"col\">repetition</th><th scope=\"col\">what</th><th scope=\"col\">why</th></tr></thead>\n<tbody>\n");
   for (const Problem& p : problems)
-    page.add("<tr><th scope=\"row\"><code title=\"runs/{0}/log.txt\">{1}</code></th><td>{2}</td><td class=\"long\">{3}</td>"
-             "<td>{4}</td><td class=\"{7}\">{5}</td><td class=\"long\">{6}</td></tr>\n",
-             p.run->id, p.run->id.substr(0, 8), p.sweep->name, run_label(*p.sweep, *p.run), p.repetitions, p.kind, p.why,
-             p.kind == "not yet run" ? "" : "warn");
+    page.add(
+        "<tr><th scope=\"row\"><code title=\"runs/{0}/log.txt\">{1}</code></th><td>{2}</td><td class=\"long\">{3}</td>"
+        "<td>{4}</td><td class=\"{7}\">{5}</td><td class=\"long\">{6}</td></tr>\n",
+        p.run->id, p.run->id.substr(0, 8), p.sweep->name, run_label(*p.sweep, *p.run), p.repetitions, p.kind, p.why,
+        p.kind == "not yet run" ? "" : "warn");
   page.raw("</tbody>");
   close_table(page);
 }
@@ -116,7 +120,7 @@ void add_unverified_rows(Html& page, const Study& study) {
 
 }  // namespace
 
-void add_problems(Html& page, const StudyReport& entry, const PagePlace& place) {
+void add_problems(Html& page, const StudyReport& entry, const SectionPlace& place) {
   add_heading(page, place.level, "Problems", place.prefix + "-problems");
   const std::vector<Problem> problems = list_problems(entry.study);
   if (problems.empty()) {
@@ -127,7 +131,7 @@ void add_problems(Html& page, const StudyReport& entry, const PagePlace& place) 
   add_unverified_rows(page, entry.study);
 }
 
-void add_manifest(Html& page, const StudyReport& entry, const PagePlace& place) {
+void add_manifest(Html& page, const StudyReport& entry, const SectionPlace& place) {
   add_heading(page, place.level, "Manifest", place.prefix + "-manifest");
   const std::vector<ManifestLine> lines = summarize_manifests(entry.study);
   if (lines.empty()) page.raw("<p class=\"aside\">No run has left a manifest.</p>\n");
@@ -142,10 +146,12 @@ void add_manifest(Html& page, const StudyReport& entry, const PagePlace& place) 
   std::set<std::vector<std::string>> inputs;
   for (const SweepRecord& sweep : entry.study.sweeps)
     for (const RunRecord& run : sweep.runs)
-      if (!run.input_hash.empty()) inputs.insert({run.data, run.input, run.input_hash});
+      if (!run.input_sha256.empty()) inputs.insert({run.data, run.input, run.input_sha256});
   if (inputs.empty()) return;
   open_table(page, "Inputs");
-  page.raw("<thead><tr><th scope=\"col\">data</th><th scope=\"col\">file</th><th scope=\"col\">hash</th></tr></thead>\n<tbody>\n");
+  page.raw(
+      "<thead><tr><th scope=\"col\">data</th><th scope=\"col\">file</th><th "
+      "scope=\"col\">hash</th></tr></thead>\n<tbody>\n");
   for (const auto& input : inputs)
     page.add("<tr><th scope=\"row\">{}</th><td>{}</td><td><code>{}</code></td></tr>\n", input[0], input[1], input[2]);
   page.raw("</tbody>");

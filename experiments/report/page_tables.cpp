@@ -11,14 +11,14 @@ namespace {
 
 using Raw = Html::Raw;
 
-std::string cell_text(const Cell& cell, const ShownUnit& unit) {
+std::string cell_text(const SettingCell& cell, const ShownUnit& unit) {
   return cell.is_number() ? number_text(cell.number() / unit.divisor) : value_text(cell.value);
 }
 
 // How many different values a column has among the settings, null among them.
 std::size_t count_values(const SettingTable& table, const std::string& name) {
   std::set<std::string> values;
-  for (const Setting& setting : table.settings) values.insert(setting.at(name).value.dump());
+  for (const SettingRow& setting : table.settings) values.insert(setting.at(name).value.dump());
   return values.size();
 }
 
@@ -31,7 +31,7 @@ Shown choose_columns(const SettingTable& table) {
   Shown shown;
   for (const auto* list : {&table.parameters, &table.columns})
     for (const ColumnInfo& column : *list) {
-      const Cell& first = table.settings.front().at(column.name);
+      const SettingCell& first = table.settings.front().at(column.name);
       const bool parameter = list == &table.parameters;
       const bool measured = column.kind == ColumnInfo::Kind::cost || column.kind == ColumnInfo::Kind::accuracy;
       if (count_values(table, column.name) > 1 || (!parameter && measured && !first.value.is_null()))
@@ -44,7 +44,8 @@ Shown choose_columns(const SettingTable& table) {
 
 void add_same(Html& page, const SettingTable& table, const std::vector<ColumnInfo>& same) {
   if (same.empty()) return;
-  page.add("<details><summary>The same in all rows: {} parameters and columns</summary>\n<dl class=\"same\">\n", same.size());
+  page.add("<details><summary>The same in all rows: {}</summary>\n<dl class=\"same\">\n",
+           counted(same.size(), "column"));
   for (const ColumnInfo& column : same) {
     const ShownUnit unit = shown_unit(column.unit);
     page.add("<div><dt title=\"{}\">{}</dt><dd>{}{}</dd></div>\n", column.meaning, column.name,
@@ -53,19 +54,26 @@ void add_same(Html& page, const SettingTable& table, const std::vector<ColumnInf
   page.raw("</dl></details>\n");
 }
 
+void add_meanings(Html& page, const std::vector<ColumnInfo>& columns) {
+  page.raw("<details><summary>What the columns mean</summary>\n<dl class=\"meanings\">\n");
+  for (const ColumnInfo& column : columns)
+    if (!column.meaning.empty()) page.add("<div><dt>{}</dt><dd>{}</dd></div>\n", column.name, column.meaning);
+  page.raw("</dl></details>\n");
+}
+
 void add_header(Html& page, const SettingTable& table, const std::vector<ColumnInfo>& columns) {
   page.raw("<thead><tr>");
   for (const ColumnInfo& column : columns) {
     const std::string unit = shown_unit(column.unit).name;
     const bool number = std::any_of(table.settings.begin(), table.settings.end(),
-                                    [&](const Setting& s) { return s.at(column.name).is_number(); });
-    page.add("<th scope=\"col\"{} title=\"{}\">{}{}</th>", Raw{number ? " class=\"n\"" : ""}, column.meaning, column.name,
-             Raw{unit.empty() ? "" : fmt::format(" <small>{}</small>", escape_html(unit))});
+                                    [&](const SettingRow& s) { return s.at(column.name).is_number(); });
+    page.add("<th scope=\"col\"{} title=\"{}\">{}{}</th>", Raw{number ? " class=\"n\"" : ""}, column.meaning,
+             column.name, Raw{unit.empty() ? "" : fmt::format(" <small>{}</small>", escape_html(unit))});
   }
   page.raw("<th scope=\"col\" title=\"folder below runs/\">run</th></tr></thead>\n");
 }
 
-void add_cell(Html& page, const ColumnInfo& column, const Cell& cell, bool heads_row) {
+void add_cell(Html& page, const ColumnInfo& column, const SettingCell& cell, bool heads_row) {
   const ShownUnit unit = shown_unit(column.unit);
   const char* tag = heads_row ? "th scope=\"row\"" : "td";
   if (!cell.is_number()) {
@@ -82,13 +90,15 @@ void add_cell(Html& page, const ColumnInfo& column, const Cell& cell, bool heads
 
 void add_table(Html& page, const SweepRecord& sweep, const SettingTable& table) {
   const Shown shown = choose_columns(table);
+  add_meanings(page, shown.columns);
   add_same(page, table, shown.same);
-  open_table(page, fmt::format("Sweep {}: {} settings; costs are medians, with least and largest", sweep.name,
-                               table.settings.size()),
+  open_table(page,
+             fmt::format("Sweep {}: {} settings; costs are medians, with least and largest", sweep.name,
+                         table.settings.size()),
              "sort filter");
   add_header(page, table, shown.columns);
   page.raw("<tbody>\n");
-  for (const Setting& setting : table.settings) {
+  for (const SettingRow& setting : table.settings) {
     page.raw("<tr>");
     for (std::size_t i = 0; i < shown.columns.size(); ++i)
       add_cell(page, shown.columns[i], setting.at(shown.columns[i].name), i == 0);
@@ -101,13 +111,15 @@ void add_table(Html& page, const SweepRecord& sweep, const SettingTable& table) 
 
 }  // namespace
 
-void add_setting_tables(Html& page, const StudyReport& entry, const PagePlace& place) {
+void add_setting_tables(Html& page, const StudyReport& entry, const SectionPlace& place) {
   add_heading(page, place.level, "Tables", place.prefix + "-tables");
   for (std::size_t i = 0; i < entry.tables.size(); ++i) {
     const SweepRecord& sweep = entry.study.sweeps[i];
     add_heading(page, place.level + 1, sweep.name);
-    if (entry.tables[i].settings.empty()) page.raw("<p class=\"aside\">No run of this sweep has rows that verified.</p>\n");
-    else add_table(page, sweep, entry.tables[i]);
+    if (entry.tables[i].settings.empty())
+      page.raw("<p class=\"aside\">No run of this sweep has rows that verified.</p>\n");
+    else
+      add_table(page, sweep, entry.tables[i]);
   }
 }
 

@@ -33,7 +33,7 @@ SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 def number(value, _=None):
     """A tick: powers of ten where decimals would be long."""
     size = abs(value)
-    if size and not 1e-3 <= size < 1e5:
+    if size and not 1e-3 <= size < 1e7:
         power = math.floor(math.log10(size) + 1e-9)
         digits = f"{value / 10 ** power:g}"
         return ("" if digits == "1" else digits + "·") + "10" + str(power).translate(SUPERSCRIPT)
@@ -46,6 +46,13 @@ def label(name, unit):
 
 def ends(points, axis):
     return [value for p in points for value in (p[axis], p[axis + "_least"], p[axis + "_most"])]
+
+
+def few_whole(values):
+    """Whether ticks at whole numbers such as threads have room, each with its own."""
+    different = sorted(set(values))
+    return (1 < len(different) <= 9 and all(v == round(v) for v in different) and
+            min(b - a for a, b in zip(different, different[1:])) * 14 > different[-1] - different[0])
 
 
 def set_log(axis, set_scale, values):
@@ -67,6 +74,7 @@ def set_log(axis, set_scale, values):
         roomy = all(b / a > 10 ** ((high - low) / 12) for a, b in zip(different, different[1:]))
         if axis.axis_name == "x" and 1 < len(different) <= 9 and roomy:
             axis.set_major_locator(ticker.FixedLocator(different))
+            axis.set_minor_locator(ticker.NullLocator())
         elif high - low < 2.5:
             axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(ticker.FuncFormatter(number))
@@ -89,14 +97,17 @@ def draw_points(axes, figure, series, n, name):
         if any(v > 0 for v in below + above):
             axes.errorbar(x, y, **{keyword: [below, above]}, fmt="none", ecolor=look["color"], elinewidth=0.9, capsize=2,
                           alpha=0.6)
-    axes.plot(x, y, **look, linewidth=1.5, markersize=4.5, markeredgewidth=0, label=series["name"], gid=name)
+    axes.plot(x, y, **look, linewidth=1.5, markersize=4.5, markeredgewidth=0, label=series["name"], gid=name,
+              clip_on=False)
 
 
 def draw_bars(axes, series, n, count, name):
     width = 0.8 / count
     for k, p in enumerate(series["points"]):
         x = p["x"] - 0.4 + (n + 0.5) * width
-        axes.bar(x, p["y"], width * 0.92, color=SERIES[n % 8], label=series["name"] if k == 0 else None, gid=f"{name}-{k}")
+        # The edge is there to be seen where the bar has no height.
+        axes.bar(x, p["y"], width * 0.92, color=SERIES[n % 8], edgecolor=SERIES[n % 8], linewidth=0.9,
+                 label=series["name"] if k == 0 else None, gid=f"{name}-{k}")
         if p["y_most"] > p["y_least"]:
             axes.errorbar(x, p["y"], yerr=[[p["y"] - p["y_least"]], [p["y_most"] - p["y"]]], fmt="none", ecolor=INK,
                           elinewidth=0.9, capsize=2)
@@ -116,7 +127,7 @@ def draw_marks(axes, marks):
 
 def finish_axes(axes, figure, panel, narrow):
     points = [p for series in panel["series"] for p in series["points"]]
-    x, y = ends(points, "x") + [m["x"] for m in figure["marks"]], ends(points, "y")
+    x, y = [p["x"] for p in points], ends(points, "y")
     axes.set_xlabel(label(figure["x_name"], figure["x_unit"]))
     axes.set_ylabel(label(panel["y_name"], panel["y_unit"]))
     for axis in (axes.xaxis, axes.yaxis):
@@ -128,6 +139,8 @@ def finish_axes(axes, figure, panel, narrow):
         axes.set_xlim(-0.6, len(figure["categories"]) - 0.4)
     elif figure["log_x"]:
         set_log(axes.xaxis, axes.set_xscale, x)
+    elif few_whole(x):
+        axes.set_xticks(sorted(set(x)))
     elif narrow:
         axes.xaxis.set_major_locator(ticker.MaxNLocator(5))
     if figure["log_y"]:
@@ -169,7 +182,7 @@ def draw(figure, narrow):
                 draw_front(axes, front, reach)
         draw_marks(axes, figure["marks"])
         finish_axes(axes, figure, panel, narrow)
-    sheet.tight_layout(rect=(0, legend / height, 1, 1), pad=0.4)
+    sheet.tight_layout(rect=(0, legend / height, 1, 1), pad=0.4, h_pad=1.2)
     if legend:
         handles = {}
         for axes in sheet.axes:

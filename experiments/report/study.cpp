@@ -112,16 +112,19 @@ ColumnInfo read_column(const Object& o) {
   return {o.text("name"), o.text_or_nothing("unit"), o.text_or_nothing("meaning"), found->second};
 }
 
-// Rows as JSON lines, each a flat object with columns of the experiment.
-std::vector<Row> read_rows(const fs::path& path, const std::set<std::string>& columns) {
+// Rows as JSON lines, each a flat object with columns of the experiment. Rows that did not verify need not be: what is
+// wrong with them has been said.
+std::vector<Row> read_rows(const fs::path& path, const std::set<std::string>& columns, bool verified) {
   std::vector<Row> rows;
   std::istringstream text(read_text(path));
   std::size_t number = 0;
   for (std::string line; std::getline(text, line);) {
     const std::string place = fmt::format("line {}", ++number);
     Row row = parse(line, path, place);
+    if (!verified && !row.is_object()) continue;
     const Object object(row, path, place);
     for (const auto& [name, value] : row.items()) {
+      if (!verified) continue;
       if (!columns.contains(name)) object.fail(fmt::format("'{}' is no column of the experiment", name));
       if (value.is_structured()) object.fail(fmt::format("'{}' is neither number, text nor truth value", name));
     }
@@ -139,12 +142,12 @@ RunFault read_fault(const fs::path& path) {
 Repetition read_repetition(const fs::path& folder, int number, const std::set<std::string>& columns) {
   Repetition repetition;
   repetition.number = number;
-  if (const fs::path path = folder / fmt::format("rows.{}.jsonl", number); fs::exists(path)) {
-    repetition.rows = read_rows(path, columns);
-    repetition.has_rows = true;
-  }
   if (const fs::path path = folder / fmt::format("fault.{}.json", number); fs::exists(path))
     repetition.fault = read_fault(path);
+  if (const fs::path path = folder / fmt::format("rows.{}.jsonl", number); fs::exists(path)) {
+    repetition.rows = read_rows(path, columns, !repetition.fault);
+    repetition.has_rows = true;
+  }
   if (const fs::path path = folder / fmt::format("manifest.{}.json", number); fs::exists(path)) {
     repetition.manifest = parse(read_text(path), path, "");
     (void)Object(repetition.manifest, path, "");
@@ -166,13 +169,15 @@ RunRecord read_run(const Object& o, const fs::path& runs, int repetitions, const
     const Object stored(value, path, "");
     run.program = stored.text_or_nothing("program");
     run.input = stored.text_or_nothing("input");
-    run.input_hash = stored.text_or_nothing("input_hash");
+    run.input_sha256 = stored.text_or_nothing("input_sha256");
   }
   for (int r = 0; r < repetitions; ++r) run.repetitions.push_back(read_repetition(folder, r, columns));
   if (fs::is_directory(folder))
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
       if (entry.path().extension() == ".png") run.pictures.push_back(entry.path());
-  std::sort(run.pictures.begin(), run.pictures.end());
+  // A picture before its difference map: "worst", "worst.difference".
+  std::sort(run.pictures.begin(), run.pictures.end(),
+            [](const fs::path& a, const fs::path& b) { return a.stem() < b.stem(); });
   return run;
 }
 
@@ -183,7 +188,8 @@ SweepRecord read_sweep(const Object& o, const fs::path& runs) {
   sweep.question = o.text_or_nothing("question");
   sweep.repetitions = o.count("repetitions");
   for (const Object& p : o.objects("parameters"))
-    sweep.parameters.push_back({p.text("name"), nullptr, p.text_or_nothing("unit"), p.text_or_nothing("description"), 0, 0, {}});
+    sweep.parameters.push_back(
+        {p.text("name"), nullptr, p.text_or_nothing("unit"), p.text_or_nothing("description"), 0, 0, {}});
   std::set<std::string> columns;
   for (const Object& c : o.objects("columns")) {
     sweep.columns.push_back(read_column(c));
@@ -220,7 +226,8 @@ RunState state_of(const RunRecord& run) {
 
 Study read_study(const fs::path& folder) {
   if (!fs::is_directory(folder))
-    throw FileError(describe(folder.string(), "", fs::exists(folder) ? "is no folder" : "cannot be opened: no such folder"));
+    throw FileError(
+        describe(folder.string(), "", fs::exists(folder) ? "is no folder" : "cannot be opened: no such folder"));
   const fs::path path = folder / "sweep.json";
   if (!fs::exists(path))
     throw InputError(describe(folder.string(), "", "is not the directory of a sweep: it has no sweep.json",

@@ -41,8 +41,8 @@ struct Repetition {
 struct RunRecord {
   std::string id, data;
   nlohmann::json parameters = nlohmann::json::object();
-  std::string program, input, input_hash;  // of parameters.json; empty where it has none
-  std::vector<Repetition> repetitions;     // as many as the sweep asks for, in order
+  std::string program, input, input_sha256;  // of parameters.json; empty where it has none
+  std::vector<Repetition> repetitions;       // as many as the sweep asks for, in order
   std::vector<std::filesystem::path> pictures;
 };
 

@@ -10,7 +10,7 @@ import zlib
 
 MANIFEST = {"commit": "0123456789abcdef0123456789abcdef01234567", "dirty": False, "compiler": "g++ 12.2.0",
             "flags": "-O3 -ffp-contract=off", "cpu": "A processor of 2 cores", "cores": 2, "affinity": [0, 1],
-            "memory": 25 * 2**30, "host": "one"}
+            "memory_bytes": 25 * 2**30, "host": "one"}
 
 
 def column(name, kind, unit="", meaning="what it says"):
@@ -63,7 +63,7 @@ class SweepFolder:
         folder = self.path / "runs" / name
         folder.mkdir()
         self.put(folder / "parameters.json", {"experiment": entry["experiment"], "data": data, "input": f"data/{data}.ply",
-                                              "input_hash": run_id(data) * 4, "program": "f" * 64, "parameters": parameters})
+                                              "input_sha256": run_id(data) * 4, "program": "f" * 64, "parameters": parameters})
         return folder
 
     def put(self, path, value):

@@ -91,7 +91,7 @@ class WholeReport(CommandCase):
         for part in ("Ablation over kappa0 & the blending function", "Which settings crack", "armadillo <1>", "48 runs",
                      "45 verified", "1 not verified", "1 failed", "1 missing", "Cheapest setting for a given error",
                      "gap_max is 0.4 and should be 0; open edges: 12 & more", "killed by signal 9", "No space left on device",
-                     "Mixed: host has 2 values", "1 runs lack repetitions", "1 runs in the folder are of other settings",
+                     "Mixed: host has 2 values", "repetitions are missing of 1 run;", "1 run of other settings",
                      "gap_max: from rho", "A processor of 2 cores"):
             self.assertIn(part, page.text)
         self.assertEqual(len(page.images), 2 * 4)
@@ -142,7 +142,7 @@ class WholeReport(CommandCase):
     def test_pictures_are_limited(self):
         page = self.page("--pictures", 0)
         self.assertEqual(page.images, [])
-        self.assertIn("8 pictures are left out for their size", page.text)
+        self.assertIn("Left out for their size (--pictures): 8 pictures", page.text)
 
     def test_summary_on_the_terminal(self):
         told = self.lodestone("report", "ablation", "-o", "report.html")
@@ -191,6 +191,15 @@ class Faults(CommandCase):
                            ('{"seconds": [1]}', "'seconds' is neither")):
             (folder / "rows.1.jsonl").write_text('{"seconds": 1}\n' + line + "\n")
             self.refused(*self.report(), names=["rows.1.jsonl", "line 2", says])
+
+    def test_rows_that_did_not_verify_may_have_anything(self):
+        study = small_study(self.folder / "study")
+        folder = study.path / "runs" / study.sheet["sweeps"][0]["runs"][1]["id"]
+        study.rows(folder, 1, [{"length": 2}, 3, {"gap": [1, 2]}])
+        study.fault(folder, 1, "verify", "row 0: length is no column of flight")
+        study.write()
+        self.lodestone(*self.report(), "--csv", "rows.csv", "--quiet")
+        self.assertIn("length is no column of flight", PageParser((self.folder / "report.html").read_text()).text)
 
     def test_broken_files_are_named(self):
         study = small_study(self.folder / "study")

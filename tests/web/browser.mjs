@@ -18,9 +18,10 @@ export const check = (holds, what) => {
   console.log(`ok: ${what}`);
 };
 
-// Runs the tests one after the other; each gets a browser. Exits with 77, which ctest shows as skipped, without one.
-export async function main(makeFiles, tests) {
-  if (!existsSync(path.join(modules, 'playwright-core')) || !existsSync(path.join(pageFolder, 'page.js')) || !chromiumPath) {
+// Runs the tests one after the other; each gets a browser. Exits with 77, which ctest shows as skipped, without one, or
+// without the bundled page where that is tested.
+export async function main(makeFiles, tests, {bundle = true} = {}) {
+  if (!existsSync(path.join(modules, 'playwright-core')) || (bundle && !existsSync(path.join(pageFolder, 'page.js'))) || !chromiumPath) {
     console.log('skipped: needs playwright-core, three and esbuild (scripts/setup) and Chromium');
     rmSync(folder, {recursive: true, force: true});
     process.exit(77);
