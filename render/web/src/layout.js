@@ -56,10 +56,18 @@ export class Labels {
     return {button, small, progress};
   }
 
+  // As the models are: that is the order of the tabulator key.
+  sort(models) {
+    this.root.append(...models.map((m) => this.entries.get(m)?.button).filter((b) => b));
+  }
+
   place(models, camera, width, height) {
     const point = new THREE.Vector3();
     for (const model of models) {
-      if (!this.entries.has(model)) this.entries.set(model, this.make(model));
+      if (!this.entries.has(model)) {
+        this.entries.set(model, this.make(model));
+        this.sort(models);
+      }
       const {button, small, progress} = this.entries.get(model), box = model.box.clone().applyMatrix4(model.node.matrixWorld);
       const low = Math.min(...[0, 1, 2, 3].map((k) => point.set(k & 1 ? box.min.x : box.max.x, box.min.y, k & 2 ? box.min.z : box.max.z).project(camera).y));
       box.getCenter(point).project(camera).setY(low);

@@ -23,6 +23,7 @@ class Page {
     this.models = [];
     this.labels = new Labels($('labels'), (m) => this.turn(m));
     this.awake = false;
+    $('automatic').checked = matchMedia('(pointer: coarse)').matches;  // phones: no more triangles than their pixels ask for
     this.listen();
     this.resize();
   }
