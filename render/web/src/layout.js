@@ -1,7 +1,7 @@
 // Where models stand, where the camera stands to see them all, and their labels.
 import * as THREE from 'three';
 
-const WIDE = 1.15, HIGH = 1.3;  // of the place of a model, which is a unit across at most
+const WIDE = 1.15, HIGH = 1.4;  // of the place of a model, which is a unit across at most
 
 // Columns for so many models, so that they are as large as they can be in a view of this aspect.
 export function columnsFor(count, aspect) {
