@@ -1,7 +1,9 @@
 """`lodestone export --tiles`: a tileset that validators accept and the program reads back. usage: FILE PROGRAM"""
 
+import collections
 import itertools
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -121,6 +123,46 @@ class Tiles(CommandCase):
                 walk(child, set(places))
 
         walk(document["root"], None)
+
+    def test_morph_gives_each_vertex_its_parents_attributes(self):
+        """A hilly field whose texture coordinates and colours tell the place."""
+        count = 60
+        lines = ["ply", "format ascii 1.0", f"element vertex {count * count}", "property float x", "property float y",
+                 "property float z", "property float s", "property float t", "property uchar red", "property uchar green",
+                 "property uchar blue", f"element face {2 * (count - 1) ** 2}", "property list uchar int vertex_indices",
+                 "end_header"]
+        for k in range(count * count):
+            x, y = k % count, k // count
+            lines.append(f"{x} {y} {3 * math.sin(x / 5) * math.cos(y / 7)} {x / count} {y / count} {4 * x} {4 * y} 77")
+        for k in range(count * (count - 1)):
+            if k % count < count - 1:
+                lines += [f"3 {k} {k + 1} {k + count + 1}", f"3 {k} {k + count + 1} {k + count}"]
+        (self.folder / "field.ply").write_text("\n".join(lines) + "\n")
+        self.lodestone("build", "field.ply", "-o", "field.lode", "--cell-triangles", 200)
+        self.lodestone("export", "field.lode", "--tiles", "tiles", "--morph")
+        tileset_checker.check(self.folder / "tiles")
+        seen = collections.Counter()
+
+        def vertices(glb, names):
+            attributes = glb.json["meshes"][0]["primitives"][0]["attributes"]
+            return list(zip(*(glb.values(attributes[name], code, n)
+                              for name, code, n in zip(names, "ffH", (3, 2, 4), strict=True)), strict=True))
+
+        def walk(tile, above):
+            glb = tileset_checker.Glb(self.folder / "tiles" / tile["content"]["uri"])
+            own = vertices(glb, ("POSITION", "TEXCOORD_0", "COLOR_0"))
+            self.assertLessEqual(len(own), tile["extras"]["vertices"])
+            triangles = sum(glb.json["accessors"][p["indices"]]["count"] for p in glb.json["meshes"][0]["primitives"]) // 3
+            self.assertEqual(triangles, tile["extras"]["triangles"])
+            if above is not None:
+                parents = vertices(glb, ("_PARENT", "_PARENTTEXCOORD", "_PARENTCOLOR"))
+                seen.update(parent in above for parent in parents)
+            for child in tile.get("children", []):
+                walk(child, set(own))
+
+        walk(json.loads((self.folder / "tiles/tileset.json").read_text())["root"], None)
+        self.assertGreater(seen[True], 1000)
+        self.assertLessEqual(seen[False], seen[True] // 50)  # those whose parents only degenerate triangles use
 
 
 class Validators(CommandCase):

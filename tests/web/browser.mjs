@@ -18,8 +18,8 @@ export const check = (holds, what) => {
   console.log(`ok: ${what}`);
 };
 
-// Runs the tests one after the other; each gets a browser. Exits with 77, which ctest shows as skipped, without one, or
-// without the bundled page where that is tested.
+// Runs the tests one after the other; each gets a browser. Exits with 77, which ctest shows as skipped, without one,
+// without the bundled page where that is tested, and where `makeFiles` returns false.
 export async function main(makeFiles, tests, {bundle = true} = {}) {
   if (!existsSync(path.join(modules, 'playwright-core')) || (bundle && !existsSync(path.join(pageFolder, 'page.js'))) || !chromiumPath) {
     console.log('skipped: needs playwright-core, three and esbuild (scripts/setup) and Chromium');
@@ -30,7 +30,11 @@ export async function main(makeFiles, tests, {bundle = true} = {}) {
   const args = ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
   let status = 0, browser = null;
   try {
-    await makeFiles();
+    if (await makeFiles() === false) {
+      console.log('skipped: needs the real models (scripts/data)');
+      status = 77;
+      return;
+    }
     browser = await chromium.launch({executablePath: chromiumPath, args});
     for (const test of tests) {
       console.log(test.name);
@@ -42,14 +46,15 @@ export async function main(makeFiles, tests, {bundle = true} = {}) {
   } finally {
     await browser?.close();
     rmSync(folder, {recursive: true, force: true});
+    process.exitCode = status;
   }
-  process.exit(status);
 }
 
 // A page of the browser that fails the test on any error in its console, but for those that `expected` matches.
 export async function open(browser, name, {gate, slow, query = '', expected = null, prepare = null, viewport = {width: 480, height: 360}, ...more} = {}) {
   const server = await serve(path.join(folder, name), {gate, slow});
   const context = await browser.newContext({viewport, ...more}), page = await context.newPage(), errors = [];
+  page.setDefaultTimeout(120000);
   const note = (text) => { if (!/GPU stall/.test(text) && !expected?.test(text)) errors.push(text); };
   page.on('console', (m) => { if (['error', 'warning'].includes(m.type())) note(m.text()); });
   page.on('pageerror', (e) => note(e.message));

@@ -1,12 +1,12 @@
 // The run-time library of the page against the program, on the same files: every level index by index.
-// usage: node same_levels.mjs PROGRAM FOLDER FILE...   prints {"files": ..., "levels": ..., "vertices": ..., "milliseconds": ...}
+// usage: node same_levels.mjs PROGRAM FOLDER LIBRARY FILE...   prints {"files": ..., "levels": ..., "vertices": ...}
 import {execFileSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
 
 const [program, folder, bundle, ...files] = process.argv.slice(2);
-const {LpmDecoder, Levels, readProgressiveGlb, Ladder, Glb} = await import(pathToFileURL(bundle));
+const {LpmDecoder, Levels, readProgressiveGlb, Glb} = await import(pathToFileURL(bundle));
 
 const fail = (what) => {
   console.error(what);
@@ -29,7 +29,7 @@ const ancestor = (mesh, v, count) => {
   return v;
 };
 
-let levelCount = 0, vertices = 0, slowest = 0;
+let levelCount = 0, vertices = 0;
 for (const file of files) {
   const mesh = await load(file), levels = new Levels(mesh);
   vertices += mesh.vertexCount;
@@ -56,14 +56,5 @@ for (const file of files) {
       if (morph[v] !== ancestor(mesh, v, Math.min(count, mesh.baseVertices + 50))) fail(`${file}: another ancestor of ${v}`);
     ++levelCount;
   }
-  // All geomorphs of the ladder, from base to top.
-  const ladder = new Ladder(mesh);
-  let best = Infinity;
-  for (let round = 0; round < 5; ++round) {
-    const begin = performance.now();
-    for (let k = 0; k < ladder.top; ++k) levels.computeGeomorph(ladder.rungs[k], ladder.rungs[k + 1]);
-    best = Math.min(best, performance.now() - begin);
-  }
-  slowest = Math.max(slowest, best);
 }
-console.log(JSON.stringify({files: files.length, levels: levelCount, vertices, milliseconds: slowest}));
+console.log(JSON.stringify({files: files.length, levels: levelCount, vertices}));

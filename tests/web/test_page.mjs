@@ -208,6 +208,7 @@ async function testPhone(browser) {
     const {x, y, width, height} = await page.locator(id).boundingBox();
     check(x >= 0 && y >= 0 && x + width <= 390 && y + height <= 844 && height >= 32, `${id} is in reach, ${Math.round(width)} x ${Math.round(height)}`);
   }
+  check(await page.isChecked('#automatic') && await triangles() < 20000, 'a phone begins with automatic levels');
   await keep(page, 'before');
   const touch = await page.context().newCDPSession(page);
   const send = (type, points) => touch.send('Input.dispatchTouchEvent', {type, touchPoints: points.map(([x, y], id) => ({x, y, id}))});
@@ -224,6 +225,8 @@ async function testPhone(browser) {
   const far = await distance();
   await swipe([[150, 250], [210, 250]], [[90, 250], [270, 250]]);
   check(await distance() < 0.9 * far, 'two fingers bring them closer');
+  await page.evaluate(() => window.lodestone.setSlider(1));
+  await quiet();
   const all = await triangles(), {x, y, width, height} = await page.locator('#level').boundingBox();
   await swipe([[x + width - 8, y + height / 2]], [[x + width / 3, y + height / 2]]);
   check(await triangles() < all / 2, `a finger on the slider leaves ${await triangles()} of ${all} triangles`);

@@ -1,13 +1,17 @@
 // The rules of tiles without a browser: a camera flies over a tileset that a slow line brings, under budgets of memory.
-// usage: node test_resident.mjs PROGRAM LIBRARY
+// usage: node test_resident.mjs PROGRAM PAGE
 import {execFileSync} from 'node:child_process';
-import {mkdtempSync, rmSync} from 'node:fs';
+import {existsSync, mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {loadOracle} from './tile_oracle.mjs';
 
-const [program, bundle] = process.argv.slice(2).map((p) => path.resolve(p));
+const [program, page] = process.argv.slice(2, 4).map((p) => path.resolve(p)), bundle = path.join(page, 'library.mjs');
+if (!existsSync(bundle)) {
+  console.log('skipped: needs three and esbuild (scripts/setup)');
+  process.exit(77);
+}
 const library = await import(pathToFileURL(bundle));
 const folder = mkdtempSync(path.join(tmpdir(), 'lodestone-resident-'));
 const check = (holds, what) => {

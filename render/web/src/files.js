@@ -27,12 +27,24 @@ export async function reading(name, work) {
   }
 }
 
+// Feeds the decoder and lets the page live meanwhile; returns whether there is more of the mesh than before.
+async function feed(decoder, bytes) {
+  const before = decoder.groups + decoder.textures.length;
+  let begin = performance.now();
+  for (const _ of decoder.steps(bytes)) {
+    if (performance.now() - begin < 12) continue;
+    await new Promise((go) => setTimeout(go));
+    begin = performance.now();
+  }
+  return decoder.groups + decoder.textures.length > before;
+}
+
 const isGlb = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'glTF';
 
 export const readMesh = (bytes, name) => reading(name, async () => {
   if (isGlb(bytes)) return readProgressiveGlb(bytes, name);
   const decoder = new LpmDecoder(name);
-  decoder.push(bytes);
+  await feed(decoder, bytes);
   if (!decoder.complete) throw new FileProblem(`${name}: the file ends early`);
   return decoder.mesh();
 });
@@ -56,7 +68,7 @@ export async function streamMesh(url, name, show) {
       continue;
     }
     head = null;
-    const more = await reading(name, async () => decoder.push(part.value));
+    const more = await reading(name, () => feed(decoder, part.value));
     if (!more || (!decoder.complete && decoder.groups < 1.5 * shown)) continue;
     shown = decoder.groups;
     await show(decoder.mesh(), decoder.complete ? 1 : 0.99 * decoder.groups / decoder.header.groups);

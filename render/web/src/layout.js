@@ -1,7 +1,7 @@
 // Where models stand, where the camera stands to see them all, and their labels.
 import * as THREE from 'three';
 
-const WIDE = 1.15, HIGH = 1.3;  // of the place of a model, which is a unit across at most
+const WIDE = 1.15, HIGH = 1.4;  // of the place of a model, which is a unit across at most
 
 // Columns for so many models, so that they are as large as they can be in a view of this aspect.
 export function columnsFor(count, aspect) {
@@ -56,10 +56,18 @@ export class Labels {
     return {button, small, progress};
   }
 
+  // As the models are: that is the order of the tabulator key.
+  sort(models) {
+    this.root.append(...models.map((m) => this.entries.get(m)?.button).filter((b) => b));
+  }
+
   place(models, camera, width, height) {
     const point = new THREE.Vector3();
     for (const model of models) {
-      if (!this.entries.has(model)) this.entries.set(model, this.make(model));
+      if (!this.entries.has(model)) {
+        this.entries.set(model, this.make(model));
+        this.sort(models);
+      }
       const {button, small, progress} = this.entries.get(model), box = model.box.clone().applyMatrix4(model.node.matrixWorld);
       const low = Math.min(...[0, 1, 2, 3].map((k) => point.set(k & 1 ? box.min.x : box.max.x, box.min.y, k & 2 ? box.min.z : box.max.z).project(camera).y));
       box.getCenter(point).project(camera).setY(low);

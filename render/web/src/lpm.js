@@ -35,15 +35,21 @@ export class LpmDecoder {
 
   // Returns whether there is more of the mesh than before. Throws for what is damaged or foreign.
   push(bytes) {
+    const before = this.groups + this.textures.length;
+    for (const _ of this.steps(bytes));
+    return this.groups + this.textures.length > before;
+  }
+
+  // The same in steps of some milliseconds at most, for who has other things to do between them; a mesh can be taken when
+  // they are over.
+  *steps(bytes) {
     const joined = new Uint8Array(this.bytes.length - this.at + bytes.length);
     joined.set(this.bytes.subarray(this.at));
     joined.set(bytes, this.bytes.length - this.at);
     this.bytes = joined;
     this.at = 0;
-    if (this.header === null && !this.readHeader()) return false;
-    const before = this.groups + this.textures.length;
-    for (let frame = this.nextFrame(); frame !== null; frame = this.nextFrame()) this.readFrame(frame);
-    return this.groups + this.textures.length > before;
+    if (this.header === null && !this.readHeader()) return;
+    for (let frame = this.nextFrame(); frame !== null; frame = this.nextFrame()) yield* this.readFrame(frame);
   }
 
   word(at) {
@@ -78,7 +84,7 @@ export class LpmDecoder {
     return {bytes: this.take(length, crc), vertices};
   }
 
-  readFrame({bytes, vertices}) {
+  *readFrame({bytes, vertices}) {
     const {header, splits, codec} = this, now = this.groups;
     if (now === header.groups) {
       this.textures.push(bytes.slice());
@@ -90,7 +96,10 @@ export class LpmDecoder {
       this.baseVertices = splits.wedgeCount;
     } else {
       const count = Math.min(Math.min(Math.max(now >> 1, 256), 16384), header.groups - now);
-      for (let k = 0; k < count; ++k) codec.decode(coder);
+      for (let k = 0; k < count; ++k) {
+        codec.decode(coder);
+        if (k % 256 === 255) yield;
+      }
     }
     if (splits.wedgeCount !== vertices) throw new Error(`${this.name}: the splits do not add up; the file is damaged`);
   }

@@ -23,13 +23,14 @@ class Page {
     this.models = [];
     this.labels = new Labels($('labels'), (m) => this.turn(m));
     this.awake = false;
+    $('automatic').checked = matchMedia('(pointer: coarse)').matches;  // phones: no more triangles than their pixels ask for
     this.listen();
     this.resize();
   }
 
   get automatic() { return $('automatic').checked; }
   // Never nothing, whatever is typed.
-  get pixels() { return Math.min(Math.max(Number($('pixels').value) || 1, 0.1), 100); }
+  get pixels() { return Math.min(Math.max(Number($('pixels').value) || 0.5, 0.1), 100); }
   get slider() { return Number($('level').value) / 1000; }
   // Of tiles in memory, each model: ?megabytes=N in the address, or what such a machine can spare.
   get megabytes() {
