@@ -139,6 +139,6 @@ float aspect_of(Vec3f a, Vec3f b, Vec3f c) {
   return area2 > 0 ? longest2 / area2 : std::numeric_limits<float>::infinity();
 }
 
-TidyResult tidy_seams(SeamMesh& seam, const TidyConfig& config) { return Tidier(seam, config).run(); }
+TidyResult tidy_seams(SeamMesh& seam, const TidyConfig& config, Scheduler&) { return Tidier(seam, config).run(); }
 
 }  // namespace lodestone
