@@ -24,7 +24,6 @@ Vec3f surface_normal(const MergeView& view, std::size_t i) {
   return norm > 0 ? (1 / norm) * sum : view.map->normal[i];
 }
 
-
 // The cell of a view that a triangle of its pixels lies in: its upper left pixel.
 std::size_t cell_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t width) {
   return std::min({a / width, b / width, c / width}) * width + std::min({a % width, b % width, c % width});
@@ -32,7 +31,7 @@ std::size_t cell_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint
 
 struct FoundEdge {
   std::uint32_t from = 0, to = 0, beyond = 0;  // and where the border goes on from `to`
-  std::uint32_t patch = 0, triangle = 0;  // inside of it
+  std::uint32_t patch = 0, triangle = 0;       // inside of it
 };
 
 BorderLoops link_borders(std::span<const std::vector<FoundEdge>> found, std::size_t vertices, std::size_t patches) {

@@ -3,27 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/reconstruct/cell_corners.h"
 #include "render/reconstruct/condense_map.h"
 
 namespace lodestone {
 namespace {
 
-struct Around {
-  std::uint8_t p = 0, q = 0, r = 0, s = 0;  // the cells in which the pixel is that corner
-};
-
-Around cells_around(const std::vector<std::uint8_t>& cells, std::size_t i, std::size_t width) {
-  return {cells[i], i >= 1 ? cells[i - 1] : std::uint8_t{0}, i >= width ? cells[i - width] : std::uint8_t{0},
-          i >= width + 1 ? cells[i - width - 1] : std::uint8_t{0}};
-}
-
-bool is_vertex(const Around& a) {
-  return (a.p & (cell_prs | cell_psq | cell_prq)) || (a.q & (cell_psq | cell_prq | cell_rsq)) ||
-         (a.r & (cell_prs | cell_prq | cell_rsq)) || (a.s & (cell_prs | cell_psq | cell_rsq));
-}
-
 // Whether triangles fill the corner of each cell.
-bool is_surrounded(const Around& a) {
+bool is_surrounded(const CellsAround& a) {
   constexpr unsigned first = cell_prs | cell_psq, second = cell_prq | cell_rsq;
   const auto full = [](unsigned cell, unsigned pair, unsigned single) {
     return (cell & pair) == pair || (cell & single);
@@ -107,9 +94,9 @@ PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler) 
     const MergeView& view = views[block.view];
     for_pixels(views, block, [&](std::size_t i) {
       const std::size_t width = width_of(view);
-      const Around kept = cells_around(view.kept, i, width);
+      const CellsAround kept = cells_around(view.kept, i, width);
       if (!is_vertex(kept) || is_surrounded(kept)) return;
-      const Around all = cells_around(view.mesh.cells, i, width);
+      const CellsAround all = cells_around(view.mesh.cells, i, width);
       const bool rim = kept.p == all.p && kept.q == all.q && kept.r == all.r && kept.s == all.s;
       flags[block.view][i] = rim ? on_border | on_rim : on_border;
     });

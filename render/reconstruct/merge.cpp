@@ -41,10 +41,10 @@ std::size_t own_views(std::span<MergeView> views, const OwnershipConfig& config,
   for_blocks(blocks, scheduler,
              [&](const RowBlock& b, std::size_t) { own_rows(views, b.view, config, b.first, b.last); });
   keep_views(views, blocks, scheduler);
-  // Owners that are left when all small pieces have been given up by all views at once.
-  std::vector<std::size_t> dropped(views.size());
-  scheduler.for_chunks(views.size(), 1, [&](ChunkRange range) {
-    dropped[range.index] = drop_islands(views[range.index], range.index, config);
+  // Owners that are left when all lone pixels have been given up by all views at once.
+  std::vector<std::size_t> dropped(blocks.size());
+  for_blocks(blocks, scheduler, [&](const RowBlock& b, std::size_t k) {
+    dropped[k] = drop_lone_rows(views[b.view], b.view, b.first, b.last);
   });
   for_blocks(blocks, scheduler,
              [&](const RowBlock& b, std::size_t) { own_dropped_rows(views, b.view, config, b.first, b.last); });

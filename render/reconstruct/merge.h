@@ -39,7 +39,7 @@ struct MergeConfig {
 };
 
 struct StitchReport {
-  std::size_t islands = 0;  // pixels of pieces that were too small
+  std::size_t islands = 0;  // pixels of a view that are in none of its triangles
   std::size_t zipped = 0;   // triangles between pieces
   std::size_t holes_filled = 0, hole_triangles = 0, holes_open = 0;
   double longest_filled = 0;       // perimeter of a hole, normalised units

@@ -11,15 +11,19 @@ class Tidier {
  public:
   Tidier(SeamMesh& seam, const TidyConfig& config) : s_(seam), config_(config) {}
 
-  TidyResult run() {
+  // As if every triangle were looked at in every round, in their order, new ones last: only few can be changed.
+  TidyResult run(Scheduler& scheduler) {
+    find_candidates(scheduler);
     TidyResult result;
     for (int round = 0; round < config_.rounds; ++round) {
-      const std::size_t before = result.collapsed + result.flipped;
-      const auto count = static_cast<std::uint32_t>(s_.mesh.triangle_count());
-      for (std::uint32_t t = 0; t < count; ++t) result.collapsed += collapse_short(t);
-      for (std::uint32_t t = 0; t < s_.mesh.triangle_count(); ++t) result.flipped += flip(t);
-      const auto after = static_cast<std::uint32_t>(s_.mesh.triangle_count());
-      for (std::uint32_t t = 0; t < after; ++t) result.collapsed += collapse_sliver(t);
+      const std::size_t before = result.collapsed + result.flipped, count = candidates_.size();
+      for (std::size_t k = 0; k < count; ++k) result.collapsed += collapse_short(candidates_[k]);
+      note_new();
+      for (std::size_t k = 0; k < candidates_.size(); ++k)
+        if (flip(candidates_[k])) ++result.flipped, note_new();
+      const std::size_t after = candidates_.size();
+      for (std::size_t k = 0; k < after; ++k) result.collapsed += collapse_sliver(candidates_[k]);
+      note_new();
       if (result.collapsed + result.flipped == before) break;
     }
     return result;
@@ -38,6 +42,31 @@ class Tidier {
   [[nodiscard]] bool faces_out(std::uint32_t a, std::uint32_t b, std::uint32_t c, float least) const {
     const Vec3f area = area_vector(s_, a, b, c), mean = s_.normal[a] + s_.normal[b] + s_.normal[c];
     return dot(area, mean) > least * length(area) * length(mean);
+  }
+
+  // Half a square has an aspect of 2.
+  static constexpr float round_enough = 2.5f;
+
+  [[nodiscard]] bool may_change(std::uint32_t t) const {
+    if (!s_.mesh.alive(t)) return false;
+    const auto& v = s_.mesh.triangle(t).v;
+    const float limit = config_.shortest * config_.spacing;
+    return std::min({squared(v[0], v[1]), squared(v[1], v[2]), squared(v[2], v[0])}) < limit * limit ||
+           !(aspect(v[0], v[1], v[2]) < round_enough);
+  }
+  void find_candidates(Scheduler& scheduler) {
+    constexpr std::size_t grain = 1 << 14;
+    known_ = s_.mesh.triangle_count();
+    std::vector<std::vector<std::uint32_t>> found(chunk_count(known_, grain));
+    scheduler.for_chunks(known_, grain, [&](ChunkRange range) {
+      for (std::size_t t = range.begin; t < range.end; ++t)
+        if (may_change(static_cast<std::uint32_t>(t))) found[range.index].push_back(static_cast<std::uint32_t>(t));
+    });
+    for (const auto& part : found) candidates_.insert(candidates_.end(), part.begin(), part.end());
+  }
+  void note_new() {
+    for (; known_ < s_.mesh.triangle_count(); ++known_)
+      if (may_change(static_cast<std::uint32_t>(known_))) candidates_.push_back(static_cast<std::uint32_t>(known_));
   }
 
   bool collapse_short(std::uint32_t t) {
@@ -106,8 +135,7 @@ class Tidier {
     for (std::size_t k = 1; k < 3; ++k)
       if (squared(v.v[k], v.v[(k + 1) % 3]) > squared(v.v[longest], v.v[(longest + 1) % 3])) longest = k;
     const std::uint32_t a = v.v[longest], b = v.v[(longest + 1) % 3], c = v.v[(longest + 2) % 3];
-    // Half a square has 2: looking for neighbours of what is round enough would take longer than all the rest.
-    if (aspect(a, b, c) < 2.5f) return false;
+    if (aspect(a, b, c) < round_enough) return false;
     const std::uint32_t other = s_.mesh.at(b, a);
     if (other == EditMesh::none) return false;
     const std::uint32_t d = s_.mesh.opposite(other, a, b);
@@ -129,6 +157,8 @@ class Tidier {
   SeamMesh& s_;
   const TidyConfig& config_;
   std::vector<Triangle> moved_;
+  std::vector<std::uint32_t> candidates_;  // triangles that are short or thin
+  std::size_t known_ = 0;                  // triangles that were judged
 };
 
 }  // namespace
@@ -139,6 +169,8 @@ float aspect_of(Vec3f a, Vec3f b, Vec3f c) {
   return area2 > 0 ? longest2 / area2 : std::numeric_limits<float>::infinity();
 }
 
-TidyResult tidy_seams(SeamMesh& seam, const TidyConfig& config, Scheduler&) { return Tidier(seam, config).run(); }
+TidyResult tidy_seams(SeamMesh& seam, const TidyConfig& config, Scheduler& scheduler) {
+  return Tidier(seam, config).run(scheduler);
+}
 
 }  // namespace lodestone

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "render/reconstruct/vertex_grid.h"
 #include "render/reconstruct/zip_tile.h"
@@ -12,23 +13,28 @@
 namespace lodestone {
 namespace {
 
-using TileKey = std::array<std::int32_t, 3>;
+// Cubes of space by a number each; they repeat after 2^20 spacings and more, which is farther than anything reaches.
+using TileKey = std::uint64_t;
+constexpr TileKey no_tile = static_cast<TileKey>(-1);
 
 class Tiling {
  public:
   Tiling(float side, int shift) : side_(side) {
-    for (int axis = 0; axis < 3; ++axis) offset_[axis] = (shift >> axis & 1) != 0 ? 0.5f * side : 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) offset_[axis] = (shift >> axis & 1) != 0 ? 0.5f * side : 0;
   }
-  [[nodiscard]] TileKey key(Vec3f p) const { return {along(p.x, 0), along(p.y, 1), along(p.z, 2)}; }
-  [[nodiscard]] ZipBox box(const TileKey& k) const {
-    return {{corner(k[0], 0), corner(k[1], 1), corner(k[2], 2)}, side_};
+  [[nodiscard]] TileKey key(Vec3f p) const {
+    const auto part = [](std::int32_t k) { return static_cast<TileKey>(k) & 0x1F'FFFF; };
+    return part(along(p.x, 0)) | part(along(p.y, 1)) << 21 | part(along(p.z, 2)) << 42;
   }
+  [[nodiscard]] ZipBox box(Vec3f p) const { return {{corner(p.x, 0), corner(p.y, 1), corner(p.z, 2)}, side_}; }
 
  private:
-  [[nodiscard]] std::int32_t along(float p, int axis) const {
+  [[nodiscard]] std::int32_t along(float p, std::size_t axis) const {
     return static_cast<std::int32_t>(std::floor((p + offset_[axis]) / side_));
   }
-  [[nodiscard]] float corner(std::int32_t k, int axis) const { return static_cast<float>(k) * side_ - offset_[axis]; }
+  [[nodiscard]] float corner(float p, std::size_t axis) const {
+    return static_cast<float>(along(p, axis)) * side_ - offset_[axis];
+  }
   float side_;
   std::array<float, 3> offset_{};
 };
@@ -49,7 +55,10 @@ class Zipper {
       const auto [from, to] = std::pair(s_.borders.edge(e).from, s_.borders.edge(e).to);
       s_.borders.set_tried(e, !config_.rims && s_.rim[from] && s_.rim[to]);
       pending_.push_back(e);
+      front_.push_back(from);
     }
+    std::sort(front_.begin(), front_.end());
+    front_.erase(std::unique(front_.begin(), front_.end()), front_.end());
     zip_pending();
     while (s_.borders.handles() < config_.most_handles && make_handle()) zip_pending();
     return added_;
@@ -65,6 +74,9 @@ class Zipper {
   }
 
   void zip_tiles(const Tiling& tiling) {
+    std::erase_if(pending_, [&](std::uint32_t e) { return !s_.borders.alive(e) || s_.borders.edge(e).tried; });
+    std::sort(pending_.begin(), pending_.end());
+    pending_.erase(std::unique(pending_.begin(), pending_.end()), pending_.end());
     const std::vector<Tile> tiles = make_tiles(tiling);
     std::vector<ZipResult> results(tiles.size());
     scheduler_.for_chunks(tiles.size(), 1, [&](ChunkRange range) {
@@ -75,30 +87,50 @@ class Zipper {
     for (const ZipResult& result : results)
       for (const auto& [from, to] : result.tried)
         if (const std::uint32_t e = s_.borders.find(from, to); e != BorderLoops::none) s_.borders.set_tried(e, true);
-    std::erase_if(pending_, [&](std::uint32_t e) { return !s_.borders.alive(e) || s_.borders.edge(e).tried; });
   }
 
-  // Of the tiles that have something to do.
-  [[nodiscard]] std::vector<Tile> make_tiles(const Tiling& tiling) const {
-    std::map<TileKey, Tile> tiles;
-    for (const std::uint32_t e : pending_) {
-      if (!s_.borders.alive(e) || s_.borders.edge(e).tried) continue;
-      const Vec3f middle = 0.5f * (s_.position[s_.borders.edge(e).from] + s_.position[s_.borders.edge(e).to]);
-      const TileKey key = tiling.key(middle);
-      const ZipBox box = tiling.box(key);
-      if (!box.holds_ball(middle, reach_)) continue;
-      Tile& tile = tiles[key];
-      tile.box = box;
-      tile.edges.push_back(e);
-    }
-    if (!tiles.empty())
-      for (std::uint32_t v = 0; v < s_.position.size(); ++v)
-        if (s_.borders.first(v) != BorderLoops::none)
-          if (const auto at = tiles.find(tiling.key(s_.position[v])); at != tiles.end())
-            at->second.vertices.push_back(v);
-    std::vector<Tile> list;
-    for (auto& [key, tile] : tiles) list.push_back(std::move(tile));
-    return list;
+  [[nodiscard]] Vec3f middle_of(std::uint32_t e) const {
+    return 0.5f * (s_.position[s_.borders.edge(e).from] + s_.position[s_.borders.edge(e).to]);
+  }
+
+  // Of the tiles that have something to do, in the order of their keys.
+  [[nodiscard]] std::vector<Tile> make_tiles(const Tiling& tiling) {
+    if (pending_.empty()) return {};
+    std::erase_if(front_, [&](std::uint32_t v) { return s_.borders.first(v) == BorderLoops::none; });
+    std::vector<TileKey> of_edge(pending_.size()), of_vertex(front_.size());
+    constexpr std::size_t grain = 4096;
+    scheduler_.for_chunks(pending_.size(), grain, [&](ChunkRange range) {
+      for (std::size_t k = range.begin; k < range.end; ++k) {
+        const Vec3f middle = middle_of(pending_[k]);
+        of_edge[k] = tiling.box(middle).holds_ball(middle, reach_) ? tiling.key(middle) : no_tile;
+      }
+    });
+    std::vector<TileKey> keys;
+    std::unique_copy(of_edge.begin(), of_edge.end(), std::back_inserter(keys));
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    if (!keys.empty() && keys.back() == no_tile) keys.pop_back();
+    scheduler_.for_chunks(front_.size(), grain, [&](ChunkRange range) {
+      for (std::size_t k = range.begin; k < range.end; ++k) of_vertex[k] = tiling.key(s_.position[front_[k]]);
+    });
+    std::vector<Tile> tiles(keys.size());
+    const auto for_tiles = [&](std::span<const TileKey> of, const auto& visit) {
+      TileKey last = no_tile;  // neighbours in the list are neighbours in space, mostly
+      std::size_t tile = keys.size();
+      for (std::size_t k = 0; k < of.size(); ++k) {
+        if (of[k] != last) {
+          const auto at = std::lower_bound(keys.begin(), keys.end(), last = of[k]);
+          tile = at != keys.end() && *at == last ? static_cast<std::size_t>(at - keys.begin()) : keys.size();
+        }
+        if (tile < keys.size()) visit(tiles[tile], k);
+      }
+    };
+    for_tiles(of_edge, [&](Tile& tile, std::size_t k) {
+      if (tile.edges.empty()) tile.box = tiling.box(middle_of(pending_[k]));
+      tile.edges.push_back(pending_[k]);
+    });
+    for_tiles(of_vertex, [&](Tile& tile, std::size_t k) { tile.vertices.push_back(front_[k]); });
+    return tiles;
   }
 
   // In the order of their circles, whatever tile they come from: where the surface may have no more handles, the
@@ -109,7 +141,7 @@ class Zipper {
     std::stable_sort(all.begin(), all.end(),
                      [](const ZipTriangle& s, const ZipTriangle& t) { return s.order < t.order; });
     for (const ZipTriangle& t : all)
-      if (!add(t)) deferred_.push_back(t);
+      if (!add(t) && known_.insert({t.a, t.b, t.c}).second) deferred_.push_back(t);
   }
 
   // False: it would make a handle too many.
@@ -159,8 +191,10 @@ class Zipper {
   const ZipConfig& config_;
   Scheduler& scheduler_;
   float reach_;
-  std::vector<std::uint32_t> pending_;  // border edges for which no triangle was looked for yet
-  std::vector<ZipTriangle> deferred_;
+  std::vector<std::uint32_t> pending_;            // border edges for which no triangle was looked for yet
+  std::vector<std::uint32_t> front_;              // vertices of border edges, ascending
+  std::vector<ZipTriangle> deferred_;             // triangles that would make a handle too many
+  std::set<std::array<std::uint32_t, 3>> known_;  // all that ever were deferred
   std::size_t added_ = 0;
 };
 

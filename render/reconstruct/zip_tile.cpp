@@ -53,7 +53,9 @@ struct Proposal {
 class TileGrid {
  public:
   TileGrid(const ZipBox& box, float cell, std::span<const Vec3f> positions)
-      : corner_(box.corner), cell_(std::max(cell, box.side / 32)), count_(std::max(1, static_cast<int>(box.side / cell_))) {
+      : corner_(box.corner),
+        cell_(std::max(cell, box.side / 32)),
+        count_(std::max(1, static_cast<int>(box.side / cell_))) {
     first_.assign(static_cast<std::size_t>(count_ * count_ * count_) + 1, 0);
     for (const Vec3f& p : positions) ++first_[index(p) + 1];
     for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
@@ -77,8 +79,8 @@ class TileGrid {
  private:
   [[nodiscard]] int along(float d) const { return std::clamp(static_cast<int>(d / cell_), 0, count_ - 1); }
   [[nodiscard]] std::size_t index(Vec3f p) const {
-    return static_cast<std::size_t>(
-        (along(p.z - corner_.z) * count_ + along(p.y - corner_.y)) * count_ + along(p.x - corner_.x));
+    return static_cast<std::size_t>((along(p.z - corner_.z) * count_ + along(p.y - corner_.y)) * count_ +
+                                    along(p.x - corner_.x));
   }
   Vec3f corner_;
   float cell_;
@@ -91,7 +93,11 @@ class TileGrid {
 class TileZipper {
  public:
   TileZipper(const SeamMesh& seam, const BorderLoops& borders, const ZipConfig& config, const ZipTask& task)
-      : seam_(seam), config_(config), box_(task.box), reach_(config.reach * config.spacing), members_(task.vertices.size()) {
+      : seam_(seam),
+        config_(config),
+        box_(task.box),
+        reach_(config.reach * config.spacing),
+        members_(task.vertices.size()) {
     for (const std::uint32_t v : task.vertices) add_vertex(v);
     grid_.emplace(box_, reach_, std::span(position_).first(members_));
     for (std::uint32_t k = 0; k < members_; ++k)
@@ -251,7 +257,9 @@ class TileZipper {
     for (std::uint32_t f = front_.first(c); f != BorderLoops::none; f = front_.edge(f).sibling) {
       const std::uint32_t next = front_.edge(f).to, previous = front_.edge(front_.edge(f).previous).from;
       const float all = width(at_c, previous, next), to_b = b == previous ? 0 : angle(at_c, previous, b),
-                  to_a = a == next ? all : a == previous ? 0 : angle(at_c, previous, a);
+                  to_a = a == next       ? all
+                         : a == previous ? 0
+                                         : angle(at_c, previous, a);
       if (to_b < to_a && to_a <= all) return true;
     }
     return false;

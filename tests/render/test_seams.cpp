@@ -47,7 +47,7 @@ TEST(CountHandles, OfKnownSurfaces) {
   two.positions.resize(2 * count);
   EXPECT_EQ(count_handles(two), 2u);
   EXPECT_EQ(count_handles(mesh_of({}, 0)), 0u);
-  EXPECT_EQ(count_handles(mesh_of({{{0, 1, 2}}, {{0, 1, 3}}}, 4)), std::nullopt);             // facing both ways
+  EXPECT_EQ(count_handles(mesh_of({{{0, 1, 2}}, {{0, 1, 3}}}, 4)), std::nullopt);               // facing both ways
   EXPECT_EQ(count_handles(mesh_of({{{0, 1, 2}}, {{1, 0, 3}}, {{1, 0, 4}}}, 5)), std::nullopt);  // three at an edge
 }
 
@@ -181,7 +181,8 @@ TEST(LabelPatches, AreWhatAFloodFinds) {
   view.kept.assign(map.view.pixels(), 0);
   for (int y = 0; y + 1 < map.view.height; ++y)
     for (int x = 0; x + 1 < map.view.width; ++x) {
-      constexpr std::uint8_t choices[]{0, 0, cell_prs, cell_psq, cell_prq, cell_rsq, cell_prs | cell_psq, cell_prq | cell_rsq};
+      constexpr std::uint8_t choices[]{
+          0, 0, cell_prs, cell_psq, cell_prq, cell_rsq, cell_prs | cell_psq, cell_prq | cell_rsq};
       view.kept[static_cast<std::size_t>(y * map.view.width + x)] = choices[random() % 8];
     }
   const std::vector<MergeView> views{view, view};
@@ -190,8 +191,9 @@ TEST(LabelPatches, AreWhatAFloodFinds) {
   // Triangles with their cells; over shared edges from one to the next.
   std::vector<std::pair<Triangle, std::size_t>> triangles;
   for (std::size_t i = 0; i < view.kept.size(); ++i)
-    for_triangles_of_cell(view.kept[i], static_cast<std::uint32_t>(i), 23,
-                          [&](auto a, auto b, auto c) { triangles.push_back({{{a, b, c}}, i}); });
+    for_triangles_of_cell(view.kept[i], static_cast<std::uint32_t>(i), 23, [&](auto a, auto b, auto c) {
+      triangles.push_back({{{a, b, c}}, i});
+    });
   std::vector<int> flood(triangles.size(), -1);
   std::vector<std::uint32_t> sizes;
   for (std::size_t seed = 0; seed < triangles.size(); ++seed) {
@@ -235,7 +237,8 @@ SeamMesh seam_of(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& 
   return seam;
 }
 
-// Two ribbons of n squares beside each other, a spacing of 1 apart; within a straight outline places a little at random.
+// Two ribbons of n squares beside each other, a spacing of 1 apart; within a straight outline places a little at
+// random.
 SeamMesh two_ribbons(std::uint32_t n) {
   std::mt19937 random(17);
   std::uniform_real_distribution<float> jitter(-0.15f, 0.15f);
@@ -291,7 +294,9 @@ SeamMesh plate_with_holes() {
   constexpr std::uint32_t n = 14;
   std::vector<Vec3f> positions, normals;
   std::vector<Triangle> triangles;
-  const auto vertex = [&](std::uint32_t x, std::uint32_t y, std::uint32_t side) { return (side * (n + 1) + y) * (n + 1) + x; };
+  const auto vertex = [&](std::uint32_t x, std::uint32_t y, std::uint32_t side) {
+    return (side * (n + 1) + y) * (n + 1) + x;
+  };
   for (std::uint32_t side = 0; side < 2; ++side)
     for (std::uint32_t y = 0; y <= n; ++y)
       for (std::uint32_t x = 0; x <= n; ++x) {
@@ -320,7 +325,8 @@ TEST(ZipSeams, MakesNoMoreHandlesThanItMay) {
   const auto serial = make_serial_scheduler();
   for (const std::size_t most : {std::size_t{0}, std::size_t{1}, any_number}) {
     SeamMesh seam = plate_with_holes();
-    const std::size_t added = zip_seams(seam, {.spacing = 1, .least_cosine = -0.5f, .rims = true, .most_handles = most}, *serial);
+    const std::size_t added =
+        zip_seams(seam, {.spacing = 1, .least_cosine = -0.5f, .rims = true, .most_handles = most}, *serial);
     EXPECT_EQ(added, most == 0 ? 0u : 24u);  // a wall of 12 squares
     EXPECT_EQ(seam.borders.handles(), most == 0 ? 0u : 1u);
     EXPECT_EQ(split_vertices(seam), 0u);
