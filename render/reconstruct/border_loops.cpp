@@ -1,5 +1,7 @@
 #include "render/reconstruct/border_loops.h"
 
+#include <algorithm>
+
 namespace lodestone {
 
 std::uint32_t BorderLoops::add_vertex() {
@@ -19,6 +21,15 @@ void BorderLoops::link(std::uint32_t edge, std::uint32_t next) {
   if (next != none) edges_[next].previous = edge;
 }
 
+std::vector<std::uint32_t> BorderLoops::pinched() const {
+  std::vector<std::uint32_t> all = pinched_;
+  for (const Edge& e : edges_)
+    if (e.from != none && e.sibling != none) all.push_back(e.from);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
 std::uint32_t BorderLoops::find(std::uint32_t from, std::uint32_t to) const {
   std::uint32_t e = first_[from];
   while (e != none && edges_[e].to != to) e = edges_[e].sibling;
@@ -29,7 +40,6 @@ void BorderLoops::label(std::span<const std::uint32_t> piece_of_edge, std::size_
   pieces_ = DisjointSets(pieces);
   for (std::uint32_t e = 0; e < edges_.size(); ++e) {
     if (!alive(e)) continue;
-    if (edges_[e].sibling != none) pinched_.push_back(edges_[e].from);
     if (edges_[e].loop != none) continue;
     const auto loop = static_cast<std::uint32_t>(loops_.size());
     loops_.push_back({0, piece_of_edge[e]});
@@ -53,7 +63,6 @@ BorderLoops::Sides BorderLoops::add_triangle(std::uint32_t edge, std::uint32_t a
   Sides sides{edge, back};
   if (before != none) glue(edge, before), sides.left = none;
   if (after != none) glue(back, after), sides.right = none;
-  if (first_[apex] != none && edges_[first_[apex]].sibling != none) pinched_.push_back(apex);
   return sides;
 }
 
@@ -84,6 +93,7 @@ bool BorderLoops::makes_handle(std::uint32_t edge, std::uint32_t apex) const {
 }
 
 void BorderLoops::glue(std::uint32_t x, std::uint32_t y) {
+  const std::uint32_t from = edges_[x].from, to = edges_[x].to;
   const bool labelled = !loops_.empty(), same = edges_[x].loop == edges_[y].loop;
   if (labelled && !same) join_loops(x, y);
   const std::uint32_t before_x = edges_[x].previous, after_x = edges_[x].next;
@@ -95,6 +105,8 @@ void BorderLoops::glue(std::uint32_t x, std::uint32_t y) {
     unlist(e);
     edges_[e].from = none;
   }
+  if (after_x == y && first_[to] != none) pinched_.push_back(to);
+  if (before_x == y && first_[from] != none) pinched_.push_back(from);
   if (labelled && same && after_x != y && before_x != y) split_loop(after_y, after_x);
 }
 

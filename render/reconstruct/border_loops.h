@@ -46,8 +46,8 @@ class BorderLoops {
   [[nodiscard]] bool alive(std::uint32_t e) const { return edges_[e].from != none; }
   [[nodiscard]] std::uint32_t first(std::uint32_t v) const { return first_[v]; }  // edge that leaves v
   [[nodiscard]] std::uint32_t find(std::uint32_t from, std::uint32_t to) const;
-  // Vertices at which several fans have met, in the order in which that came about; some more than once.
-  [[nodiscard]] std::span<const std::uint32_t> pinched() const { return pinched_; }
+  // Vertices at which several fans may meet, ascending: several border edges leave them, or some did when a fan closed.
+  [[nodiscard]] std::vector<std::uint32_t> pinched() const;
   void set_tried(std::uint32_t e, bool tried) { edges_[e].tried = tried; }
 
   // Triangle to -> from -> apex at an edge; neither from -> apex nor apex -> to may be taken by a triangle. The new
@@ -89,7 +89,7 @@ class BorderLoops {
   std::vector<std::uint32_t> first_;
   std::vector<Loop> loops_;  // empty: not labelled
   mutable DisjointSets pieces_;
-  std::vector<std::uint32_t> pinched_;
+  std::vector<std::uint32_t> pinched_;  // by a fan that has closed; some more than once
   std::size_t handles_ = 0;
 };
 

@@ -168,10 +168,7 @@ std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_tri
 
 std::size_t split_vertices(SeamMesh& seam) {
   std::size_t added = 0;
-  std::vector<std::uint32_t> pinched(seam.borders.pinched().begin(), seam.borders.pinched().end());
-  std::sort(pinched.begin(), pinched.end());
-  pinched.erase(std::unique(pinched.begin(), pinched.end()), pinched.end());
-  for (const std::uint32_t v : pinched)
+  for (const std::uint32_t v : seam.borders.pinched())
     while (!seam.mesh.around(v).empty()) {
       const std::vector<std::uint32_t> fan = fan_of(seam.mesh, v, seam.mesh.around(v).front());
       if (fan.size() == seam.mesh.around(v).size()) break;

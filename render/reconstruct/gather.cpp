@@ -63,8 +63,9 @@ PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> bl
       }
     }
   });
-  PixelFlags result;
-  for (const auto& own : flags) result.emplace_back(own.size());
+  PixelFlags result(flags.size());
+  scheduler.for_chunks(flags.size(), 1,
+                       [&](ChunkRange range) { result[range.index].resize(flags[range.index].size()); });
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
     const int width = static_cast<int>(width_of(views[block.view])), height = views[block.view].map->view.height;
     const auto row = [&](int y) {
@@ -87,8 +88,9 @@ PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> bl
 }  // namespace
 
 PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler) {
-  PixelFlags flags;
-  for (const MergeView& view : views) flags.emplace_back(view.kept.size());
+  PixelFlags flags(views.size());
+  scheduler.for_chunks(views.size(), 1,
+                       [&](ChunkRange range) { flags[range.index].resize(views[range.index].kept.size()); });
   const std::vector<RowBlock> blocks = row_blocks(views);
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
     const MergeView& view = views[block.view];
@@ -118,15 +120,30 @@ class Gatherer {
       : views_(views), cells_(cells), flags_(flags), scheduler_(scheduler), blocks_(row_blocks(views)) {}
 
   Gathered run() {
-    for (const MergeView& view : views_) number_.emplace_back(view.map->view.pixels());
     const Amounts all = count();
     Gathered result;
     result.far = all.far, result.frozen = all.frozen;
     MergedMesh& mesh = result.mesh;
     const std::size_t vertices = all.far + all.frozen + all.beside;
-    mesh.position.resize(vertices), mesh.normal.resize(vertices), mesh.view.resize(vertices);
-    mesh.pixel.resize(vertices), mesh.feature.resize(vertices);
-    mesh.triangles.resize(all.triangles), result.beside.resize(all.beside_triangles);
+    // First touching memory takes as long as filling it: by all workers, too.
+    number_.resize(views_.size());
+    scheduler_.for_chunks(views_.size() + 5, 1, [&](ChunkRange range) {
+      switch (range.index) {
+        case 0:  // with room for what comes between the pieces
+          mesh.triangles.reserve(all.triangles + all.beside_triangles + all.beside_triangles / 2);
+          return mesh.triangles.resize(all.triangles);
+        case 1:
+          return mesh.position.resize(vertices);
+        case 2:
+          return mesh.normal.resize(vertices);
+        case 3:
+          return mesh.view.resize(vertices), mesh.feature.resize(vertices), mesh.pixel.resize(vertices);
+        case 4:
+          return result.beside.resize(all.beside_triangles);
+        default:
+          return number_[range.index - 5].resize(views_[range.index - 5].map->view.pixels());
+      }
+    });
     for_blocks(blocks_, scheduler_, [&](const RowBlock& b, std::size_t k) { take_vertices(b, first_[k], mesh); });
     for_blocks(blocks_, scheduler_, [&](const RowBlock& b, std::size_t k) { take_triangles(b, first_[k], result); });
     return result;

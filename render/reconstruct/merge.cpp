@@ -12,10 +12,10 @@ namespace {
 void score_views(std::span<MergeView> views, const OwnershipConfig& config, Scheduler& scheduler) {
   const std::vector<RowBlock> blocks = row_blocks(views);
   std::vector<std::vector<float>> before(views.size());
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    views[v].score.resize(views[v].map->view.pixels());
-    before[v].resize(views[v].score.size());
-  }
+  scheduler.for_chunks(2 * views.size(), 1, [&](ChunkRange range) {
+    const std::size_t v = range.index / 2;
+    (range.index % 2 == 0 ? views[v].score : before[v]).resize(views[v].map->view.pixels());
+  });
   for_blocks(blocks, scheduler, [&](const RowBlock& b, std::size_t) {
     score_rows(views[b.view], config, b.first, b.last, views[b.view].score);
   });
@@ -34,10 +34,11 @@ void keep_views(std::span<MergeView> views, std::span<const RowBlock> blocks, Sc
 
 std::size_t own_views(std::span<MergeView> views, const OwnershipConfig& config, Scheduler& scheduler) {
   const std::vector<RowBlock> blocks = row_blocks(views);
-  for (MergeView& view : views) {
+  scheduler.for_chunks(views.size(), 1, [&](ChunkRange range) {
+    MergeView& view = views[range.index];
     view.owner.resize(view.map->view.pixels());
     view.kept.resize(view.map->view.pixels());
-  }
+  });
   for_blocks(blocks, scheduler,
              [&](const RowBlock& b, std::size_t) { own_rows(views, b.view, config, b.first, b.last); });
   keep_views(views, blocks, scheduler);

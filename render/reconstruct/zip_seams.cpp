@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -133,15 +134,17 @@ class Zipper {
     return tiles;
   }
 
-  // In the order of their circles, whatever tile they come from: where the surface may have no more handles, the
-  // tightest seams are closed first.
+  // Where the surface may have no more handles, the tightest seams of all tiles are to be closed first: by classes of
+  // circles, and tile by tile within a class.
   void commit(std::span<const ZipResult> results) {
-    std::vector<ZipTriangle> all;
-    for (const ZipResult& result : results) all.insert(all.end(), result.triangles.begin(), result.triangles.end());
-    std::stable_sort(all.begin(), all.end(),
-                     [](const ZipTriangle& s, const ZipTriangle& t) { return s.order < t.order; });
-    for (const ZipTriangle& t : all)
-      if (!add(t) && known_.insert({t.a, t.b, t.c}).second) deferred_.push_back(t);
+    std::vector<std::size_t> next(results.size(), 0);
+    for (const float largest : {0.75f, 1.0f, 1.5f, 2.0f, std::numeric_limits<float>::infinity()})
+      for (std::size_t tile = 0; tile < results.size(); ++tile) {
+        const auto& triangles = results[tile].triangles;
+        for (std::size_t& k = next[tile]; k < triangles.size() && triangles[k].order <= largest * config_.spacing; ++k)
+          if (const ZipTriangle& t = triangles[k]; !add(t) && known_.insert({t.a, t.b, t.c}).second)
+            deferred_.push_back(t);
+      }
   }
 
   // False: it would make a handle too many.

@@ -133,6 +133,22 @@ void expect_borders_of(const BorderLoops& borders, const EditMesh& mesh) {
     while (e != seed);
   }
   ASSERT_EQ(size, met);
+  // Where several fans meet is known, whether they are closed or not.
+  const std::vector<std::uint32_t> pinched = borders.pinched();
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (mesh.around(v).empty()) continue;
+    std::set<std::uint32_t> fan{mesh.around(v).front()};
+    for (std::size_t before = 0; before < fan.size();) {
+      before = fan.size();
+      for (const std::uint32_t t : std::set<std::uint32_t>(fan))
+        for (const std::uint32_t w : mesh.triangle(t).v) {
+          if (w == v) continue;
+          if (const std::uint32_t u = mesh.at(v, w); u != none) fan.insert(u);
+          if (const std::uint32_t u = mesh.at(w, v); u != none) fan.insert(u);
+        }
+    }
+    ASSERT_TRUE(fan.size() == mesh.around(v).size() || std::binary_search(pinched.begin(), pinched.end(), v));
+  }
   std::size_t border = 0;
   for (const Triangle& t : triangles_of(mesh))
     for (std::size_t k = 0; k < 3; ++k) border += mesh.is_border(t.v[k], t.v[(k + 1) % 3]);
