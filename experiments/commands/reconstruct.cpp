@@ -103,6 +103,8 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
             {"zipped", r.stitch.zipped},
             {"holes_filled", r.stitch.holes_filled},
             {"hole_triangles", r.stitch.hole_triangles},
+            {"longest_filled", r.stitch.longest_filled * scale},
+            {"handles", r.stitch.handles},
             {"holes_open", r.stitch.holes_open},
             {"open_length", r.stitch.open_length * scale},
             {"crumbs", r.stitch.crumbs},
@@ -314,7 +316,9 @@ void add_reconstruct(CLI::App& app) {
   command
       .add_option("--sharp", config.sharp_degrees, "Angle in degrees from which sharp features are recovered; 0: none")
       ->capture_default_str();
-  command.add_option("--fill", config.longest_hole, "Fill holes up to this perimeter, in pixel spacings")
+  command
+      .add_option("--fill", config.longest_hole,
+                  "Fill holes up to this perimeter, in pixel spacings; of a closed surface all; 0: none")
       ->capture_default_str();
   command.add_flag("!--no-condense", config.condense, "Draw the maps at the resolution itself, not at twice that");
   command.add_flag("--extend", config.extend,

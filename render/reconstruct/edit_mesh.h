@@ -18,7 +18,9 @@ class EditMesh {
  public:
   static constexpr std::uint32_t none = 0xFFFF'FFFFu;
 
-  explicit EditMesh(std::size_t vertices) : around_(vertices) {}
+  EditMesh() = default;
+  // Of triangles that are manifold along edges already.
+  EditMesh(std::size_t vertices, std::vector<Triangle> triangles);
 
   [[nodiscard]] std::uint32_t add_vertex() {
     around_.emplace_back();
@@ -27,12 +29,17 @@ class EditMesh {
   // The new triangle's number; none when two corners are equal or one of its directed edges is taken.
   std::uint32_t add(std::uint32_t a, std::uint32_t b, std::uint32_t c);
   void remove(std::uint32_t triangle);
+  // The triangle has `to` where it had `from`; its directed edges must be free.
+  void move_corner(std::uint32_t triangle, std::uint32_t from, std::uint32_t to);
 
   [[nodiscard]] std::size_t vertex_count() const { return around_.size(); }
   [[nodiscard]] std::size_t triangle_count() const { return triangles_.size(); }  // also removed ones
   [[nodiscard]] bool alive(std::uint32_t t) const { return triangles_[t].v[0] != none; }
   [[nodiscard]] const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
-  [[nodiscard]] std::span<const std::uint32_t> around(std::uint32_t v) const { return around_[v]; }
+  // Until the next add().
+  [[nodiscard]] std::span<const std::uint32_t> around(std::uint32_t v) const {
+    return {pool_.data() + around_[v].begin, around_[v].count};
+  }
 
   // The triangle that runs from a to b; none without one.
   [[nodiscard]] std::uint32_t at(std::uint32_t a, std::uint32_t b) const;
@@ -50,8 +57,16 @@ class EditMesh {
   [[nodiscard]] std::uint32_t next_on_border(std::uint32_t a, std::uint32_t b) const;
 
  private:
+  // A piece of the pool; what has no room left moves to the pool's end.
+  struct List {
+    std::uint32_t begin = 0, count = 0, room = 0;
+  };
+  void drop(List& list, std::uint32_t triangle);
+  void push(List& list, std::uint32_t triangle);
+
   std::vector<Triangle> triangles_;
-  std::vector<std::vector<std::uint32_t>> around_;
+  std::vector<List> around_;
+  std::vector<std::uint32_t> pool_;
 };
 
 }  // namespace lodestone

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unordered_map>
 
 #include "render/reconstruct/seam_mesh.h"
 
@@ -10,34 +9,16 @@ namespace {
 
 using Loop = std::vector<std::uint32_t>;
 
-// Loops of border edges, as they run; each passes a vertex once: what comes back to a vertex is a loop of its own.
-std::vector<Loop> simple_loops(const SeamMesh& seam) {
+// Every loop of border edges.
+std::vector<Loop> border_loops(const SeamMesh& seam) {
   std::vector<Loop> loops;
-  std::vector<std::vector<std::uint32_t>> done(seam.mesh.vertex_count());  // ends of edges that are in a loop
-  const auto is_done = [&](std::uint32_t a, std::uint32_t b) {
-    return std::find(done[a].begin(), done[a].end(), b) != done[a].end();
-  };
-  for (std::uint32_t v = 0; v < seam.mesh.vertex_count(); ++v) {
-    if (!seam.border[v]) continue;
-    for (const EditMesh::Gap& gap : seam.mesh.gaps(v)) {
-      if (gap.next == EditMesh::none || !seam.is_border(v, gap.next) || is_done(v, gap.next)) continue;
-      Loop path;
-      std::unordered_map<std::uint32_t, std::size_t> place;
-      std::uint32_t a = v, b = gap.next;
-      while (b != EditMesh::none && !is_done(a, b)) {
-        done[a].push_back(b);
-        if (const auto at = place.find(a); at != place.end()) {
-          loops.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(at->second), path.end());
-          for (std::size_t k = at->second; k < path.size(); ++k)
-            if (path[k] != a) place.erase(path[k]);
-          path.resize(at->second);
-        }
-        place[a] = path.size();
-        path.push_back(a);
-        const std::uint32_t next = seam.mesh.next_on_border(a, b);
-        a = b, b = next;
-      }
-      if (!path.empty()) loops.push_back(std::move(path));
+  std::vector<std::uint8_t> done(seam.borders.edge_count(), 0);
+  for (std::uint32_t e = 0; e < done.size(); ++e) {
+    if (!seam.borders.alive(e) || done[e]) continue;
+    Loop& loop = loops.emplace_back();
+    for (std::uint32_t f = e; !done[f]; f = seam.borders.edge(f).next) {
+      done[f] = 1;
+      loop.push_back(seam.borders.edge(f).from);
     }
   }
   return loops;
@@ -62,19 +43,23 @@ class HoleFiller {
 
   std::size_t run() {
     std::size_t added = 0;
+    cost_.resize(loop_.size());
+    for (std::size_t i = 0; i < loop_.size(); ++i) cost_[i] = cost(i);
     while (loop_.size() > 3) {
-      std::size_t best = loop_.size();
-      float least = std::numeric_limits<float>::infinity();
-      for (std::size_t i = 0; i < loop_.size(); ++i)
-        if (const float c = cost(i); c < least) least = c, best = i;
-      if (best == loop_.size()) return added + fan();
-      const std::uint32_t a = before(best), b = loop_[best], c = after(best);
-      if (s_.mesh.add(c, b, a) == EditMesh::none) return added + fan();
+      const auto least = std::min_element(cost_.begin(), cost_.end());
+      if (!(*least < impossible)) return added + fan();
+      const auto best = static_cast<std::size_t>(least - cost_.begin());
+      if (s_.mesh.add(after(best), loop_[best], before(best)) == EditMesh::none) {
+        *least = impossible;  // another ear has taken the chord
+        continue;
+      }
       ++added;
       loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(best));
+      cost_.erase(least);
+      for (const std::size_t i : {(best + loop_.size() - 1) % loop_.size(), best % loop_.size()}) cost_[i] = cost(i);
     }
-    if (loop_.size() == 3 && s_.mesh.add(loop_[2], loop_[1], loop_[0]) != EditMesh::none) ++added;
-    return added;
+    if (loop_.size() == 3 && s_.mesh.add(loop_[2], loop_[1], loop_[0]) != EditMesh::none) return added + 1;
+    return loop_.size() == 3 ? added + fan() : added;
   }
 
  private:
@@ -84,8 +69,7 @@ class HoleFiller {
   [[nodiscard]] float cost(std::size_t i) const {
     const std::uint32_t a = before(i), b = loop_[i], c = after(i);
     // The chord must not be an edge yet.
-    if (s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, a) != EditMesh::none)
-      return std::numeric_limits<float>::infinity();
+    if (s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, a) != EditMesh::none) return impossible;
     const Vec3f area = area_vector(s_, c, b, a), mean = s_.normal[a] + s_.normal[b] + s_.normal[c];
     const float size = length(area), norm = length(mean), chord = length(s_.position[c] - s_.position[a]);
     const float facing = size > 0 && norm > 0 ? dot(area, mean) / (size * norm) : -1;
@@ -96,20 +80,17 @@ class HoleFiller {
     Vec3f middle, normal;
     for (const std::uint32_t v : loop_) middle = middle + s_.position[v], normal = normal + s_.normal[v];
     const float norm = length(normal);
-    const std::uint32_t centre = s_.mesh.add_vertex();
-    s_.position.push_back((1 / static_cast<float>(loop_.size())) * middle);
-    s_.normal.push_back(norm > 0 ? (1 / norm) * normal : Vec3f{});
-    s_.frozen.push_back(0);
-    s_.rim.push_back(0);
-    s_.border.push_back(1);
-    s_.part.push_back(s_.part[loop_.front()]);
+    const std::uint32_t centre = s_.add_vertex((1 / static_cast<float>(loop_.size())) * middle,
+                                               norm > 0 ? (1 / norm) * normal : Vec3f{}, loop_.front());
     std::size_t added = 0;
     for (std::size_t i = 0; i < loop_.size(); ++i) added += s_.mesh.add(after(i), loop_[i], centre) != EditMesh::none;
     return added;
   }
 
+  static constexpr float impossible = std::numeric_limits<float>::infinity();
   SeamMesh& s_;
   Loop loop_;
+  std::vector<float> cost_;
 };
 
 // One fan of triangles at a vertex, from a triangle on.
@@ -130,9 +111,19 @@ std::vector<std::uint32_t> fan_of(const EditMesh& mesh, std::uint32_t v, std::ui
 
 }  // namespace
 
+std::uint32_t SeamMesh::add_vertex(Vec3f p, Vec3f n, std::uint32_t like) {
+  position.push_back(p);
+  normal.push_back(n);
+  frozen.push_back(0);
+  rim.push_back(rim[like]);
+  part.push_back(part[like]);
+  (void)borders.add_vertex();
+  return mesh.add_vertex();
+}
+
 FillResult fill_holes(SeamMesh& seam, const FillConfig& config) {
   FillResult result;
-  for (const Loop& loop : simple_loops(seam)) {
+  for (const Loop& loop : border_loops(seam)) {
     const double around = perimeter(seam, loop);
     const bool wanted = config.rims || !is_outline(seam, loop);
     if (loop.size() < 3 || !wanted || around > config.longest * config.spacing) {
@@ -141,57 +132,55 @@ FillResult fill_holes(SeamMesh& seam, const FillConfig& config) {
       continue;
     }
     result.triangles += HoleFiller(seam, loop).run();
+    result.longest = std::max(result.longest, around);
     ++result.filled;
   }
   return result;
 }
 
-std::size_t drop_crumbs(SeamMesh& seam, std::size_t least_triangles) {
-  std::vector<std::uint8_t> reached(seam.mesh.triangle_count(), 0);
+std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_triangles, std::size_t least_triangles) {
+  std::vector<std::size_t> size(patch_triangles.size(), 0);
+  for (std::uint32_t patch = 0; patch < size.size(); ++patch)
+    size[seam.borders.united(patch)] += patch_triangles[patch];
   std::vector<std::uint32_t> piece;
   std::size_t dropped = 0;
-  for (std::uint32_t first = 0; first < seam.mesh.triangle_count(); ++first) {
-    if (!seam.mesh.alive(first) || reached[first]) continue;
-    piece.assign(1, first);
-    reached[first] = 1;
-    bool goes_on = false;  // outside of this part of the mesh
-    for (std::size_t k = 0; k < piece.size(); ++k)
-      for (const std::uint32_t v : seam.mesh.triangle(piece[k]).v) {
-        goes_on |= seam.frozen[v] != 0;
-        for (const std::uint32_t t : seam.mesh.around(v))
-          if (!reached[t]) reached[t] = 1, piece.push_back(t);
-      }
-    if (goes_on || piece.size() >= least_triangles) continue;
-    for (const std::uint32_t t : piece) seam.mesh.remove(t);
-    dropped += piece.size();
+  for (std::uint32_t patch = 0; patch < size.size(); ++patch) {
+    const std::uint32_t seed = seam.patch_seed[patch];
+    if (size[seam.borders.united(patch)] >= least_triangles || seed == EditMesh::none || !seam.mesh.alive(seed))
+      continue;
+    piece.assign(1, seed);
+    std::vector<std::uint32_t> vertices;
+    while (!piece.empty()) {
+      const std::uint32_t t = piece.back();
+      piece.pop_back();
+      if (!seam.mesh.alive(t)) continue;
+      const auto corners = seam.mesh.triangle(t).v;
+      seam.mesh.remove(t);
+      ++dropped;
+      for (const std::uint32_t v : corners)
+        piece.insert(piece.end(), seam.mesh.around(v).begin(), seam.mesh.around(v).end());
+      vertices.insert(vertices.end(), corners.begin(), corners.end());
+    }
+    for (const std::uint32_t v : vertices) seam.borders.forget(v);
   }
   return dropped;
 }
 
 std::size_t split_vertices(SeamMesh& seam) {
   std::size_t added = 0;
-  const std::size_t count = seam.mesh.vertex_count();
-  for (std::uint32_t v = 0; v < count; ++v) {
-    if (seam.frozen[v] || !seam.border[v]) continue;  // inside of a grid all is one fan
+  for (const std::uint32_t v : seam.borders.pinched())
     while (!seam.mesh.around(v).empty()) {
       const std::vector<std::uint32_t> fan = fan_of(seam.mesh, v, seam.mesh.around(v).front());
       if (fan.size() == seam.mesh.around(v).size()) break;
-      const std::uint32_t own = seam.mesh.add_vertex();
-      seam.position.push_back(seam.position[v]);
-      seam.normal.push_back(seam.normal[v]);
-      seam.frozen.push_back(0);
-      seam.rim.push_back(seam.rim[v]);
-      seam.border.push_back(seam.border[v]);
-      seam.part.push_back(seam.part[v]);
-      for (const std::uint32_t t : fan) {
-        Triangle moved = seam.mesh.triangle(t);
-        std::replace(moved.v.begin(), moved.v.end(), v, own);
-        seam.mesh.remove(t);
-        [[maybe_unused]] const std::uint32_t placed = seam.mesh.add(moved.v[0], moved.v[1], moved.v[2]);
-      }
+      const std::uint32_t own = seam.add_vertex(seam.position[v], seam.normal[v], v);
+      for (std::uint32_t e = seam.borders.first(v); e != BorderLoops::none; e = seam.borders.edge(e).sibling)
+        if (std::find(fan.begin(), fan.end(), seam.mesh.at(v, seam.borders.edge(e).to)) != fan.end()) {
+          seam.borders.move_start(e, own);
+          break;
+        }
+      for (const std::uint32_t t : fan) seam.mesh.move_corner(t, v, own);
       ++added;
     }
-  }
   return added;
 }
 

@@ -3,29 +3,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/reconstruct/cell_corners.h"
 #include "render/reconstruct/condense_map.h"
 
 namespace lodestone {
 namespace {
 
-constexpr std::uint8_t beside_border = 1, on_border = 2, on_rim = 4;
-
-struct Around {
-  std::uint8_t p = 0, q = 0, r = 0, s = 0;  // the cells in which the pixel is that corner
-};
-
-Around cells_around(const std::vector<std::uint8_t>& cells, std::size_t i, std::size_t width) {
-  return {cells[i], i >= 1 ? cells[i - 1] : std::uint8_t{0}, i >= width ? cells[i - width] : std::uint8_t{0},
-          i >= width + 1 ? cells[i - width - 1] : std::uint8_t{0}};
-}
-
-bool is_vertex(const Around& a) {
-  return (a.p & (cell_prs | cell_psq | cell_prq)) || (a.q & (cell_psq | cell_prq | cell_rsq)) ||
-         (a.r & (cell_prs | cell_prq | cell_rsq)) || (a.s & (cell_prs | cell_psq | cell_rsq));
-}
-
 // Whether triangles fill the corner of each cell.
-bool is_surrounded(const Around& a) {
+bool is_surrounded(const CellsAround& a) {
   constexpr unsigned first = cell_prs | cell_psq, second = cell_prq | cell_rsq;
   const auto full = [](unsigned cell, unsigned pair, unsigned single) {
     return (cell & pair) == pair || (cell & single);
@@ -44,24 +29,6 @@ void for_pixels(std::span<const MergeView> views, const RowBlock& block, const V
     visit(i);
 }
 
-// Mean of the triangles around a pixel, weighted by area: what the surface looks like at this resolution.
-Vec3f surface_normal(const MergeView& view, std::size_t i) {
-  const auto width = static_cast<std::uint32_t>(width_of(view));
-  const auto pixel = static_cast<std::uint32_t>(i);
-  Vec3f sum;
-  for (const std::uint32_t back : {0u, 1u, width, width + 1}) {
-    if (pixel < back || view.mesh.cells[pixel - back] == 0) continue;
-    for_triangles_of_cell(view.mesh.cells[pixel - back], pixel - back, width,
-                          [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-                            if (a != pixel && b != pixel && c != pixel) return;
-                            const auto& p = view.map->position;
-                            sum = sum + cross(p[b] - p[a], p[c] - p[a]);
-                          });
-  }
-  const float norm = length(sum);
-  return norm > 0 ? (1 / norm) * sum : view.map->normal[i];
-}
-
 }  // namespace
 
 std::vector<RowBlock> row_blocks(std::span<const MergeView> views) {
@@ -77,43 +44,73 @@ void for_blocks(std::span<const RowBlock> blocks, Scheduler& scheduler,
   scheduler.for_chunks(blocks.size(), 1, [&](ChunkRange range) { body(blocks[range.index], range.index); });
 }
 
+namespace {
+
+// Marks what is within two and three pixels of a border: along the rows first, then across them, from a copy, so that
+// no two tasks write to one row.
+PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> blocks, PixelFlags& flags,
+                  Scheduler& scheduler) {
+  constexpr std::uint8_t within_two = 64, within_three = 128;
+  for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
+    const std::size_t width = width_of(views[block.view]);
+    std::vector<std::uint8_t> row(width + 6, 0);
+    for (int y = block.first; y < block.last; ++y) {
+      std::uint8_t* own = flags[block.view].data() + static_cast<std::size_t>(y) * width;
+      for (std::size_t x = 0; x < width; ++x) row[x + 3] = own[x] & on_border;
+      for (std::size_t x = 0; x < width; ++x) {
+        const unsigned two = row[x + 1] | row[x + 2] | row[x + 3] | row[x + 4] | row[x + 5];
+        own[x] |= static_cast<std::uint8_t>((two ? within_two : 0) | (two | row[x] | row[x + 6] ? within_three : 0));
+      }
+    }
+  });
+  PixelFlags result(flags.size());
+  scheduler.for_chunks(flags.size(), 1,
+                       [&](ChunkRange range) { result[range.index].resize(flags[range.index].size()); });
+  for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
+    const int width = static_cast<int>(width_of(views[block.view])), height = views[block.view].map->view.height;
+    const auto row = [&](int y) {
+      return flags[block.view].data() + static_cast<std::ptrdiff_t>(std::clamp(y, 0, height - 1)) * width;
+    };
+    for (int y = block.first; y < block.last; ++y) {
+      const std::uint8_t *a = row(y - 3), *b = row(y - 2), *c = row(y - 1), *own = row(y), *d = row(y + 1),
+                         *e = row(y + 2), *f = row(y + 3);
+      std::uint8_t* to = result[block.view].data() + static_cast<std::ptrdiff_t>(y) * width;
+      for (int x = 0; x < width; ++x) {
+        const unsigned two = b[x] | c[x] | own[x] | d[x] | e[x], three = two | a[x] | f[x];
+        to[x] = static_cast<std::uint8_t>((own[x] & (on_border | on_rim)) | (two & within_two ? beside_border : 0) |
+                                          (three & within_three ? near_border : 0));
+      }
+    }
+  });
+  return result;
+}
+
+}  // namespace
+
 PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler) {
-  PixelFlags flags;
-  for (const MergeView& view : views) flags.emplace_back(view.kept.size());
+  PixelFlags flags(views.size());
+  scheduler.for_chunks(views.size(), 1,
+                       [&](ChunkRange range) { flags[range.index].resize(views[range.index].kept.size()); });
   const std::vector<RowBlock> blocks = row_blocks(views);
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
     const MergeView& view = views[block.view];
     for_pixels(views, block, [&](std::size_t i) {
       const std::size_t width = width_of(view);
-      const Around kept = cells_around(view.kept, i, width);
+      const CellsAround kept = cells_around(view.kept, i, width);
       if (!is_vertex(kept) || is_surrounded(kept)) return;
-      const Around all = cells_around(view.mesh.cells, i, width);
+      const CellsAround all = cells_around(view.mesh.cells, i, width);
       const bool rim = kept.p == all.p && kept.q == all.q && kept.r == all.r && kept.s == all.s;
       flags[block.view][i] = rim ? on_border | on_rim : on_border;
     });
   });
-  // A row's pixels are beside those of two rows up and down: found from there, so that no two tasks write to one row.
-  PixelFlags spread = flags;
-  for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
-    const auto& own = flags[block.view];
-    const std::size_t width = width_of(views[block.view]), height = own.size() / width;
-    for_pixels(views, block, [&](std::size_t i) {
-      const std::size_t x = i % width, y = i / width;
-      unsigned near = 0;
-      for (std::size_t ny = y - std::min<std::size_t>(y, 2); ny <= std::min(y + 2, height - 1); ++ny)
-        for (std::size_t nx = x - std::min<std::size_t>(x, 2); nx <= std::min(x + 2, width - 1); ++nx)
-          near |= own[ny * width + nx];
-      if (near & on_border) spread[block.view][i] |= beside_border;
-    });
-  });
-  return spread;
+  return spread(views, blocks, flags, scheduler);
 }
 
 namespace {
 
 // How much a block of rows holds, and, summed up, where it begins.
 struct Amounts {
-  std::size_t settled = 0, beside = 0;  // vertices
+  std::size_t far = 0, frozen = 0, beside = 0;  // vertices
   std::size_t triangles = 0, beside_triangles = 0;
 };
 
@@ -123,15 +120,30 @@ class Gatherer {
       : views_(views), cells_(cells), flags_(flags), scheduler_(scheduler), blocks_(row_blocks(views)) {}
 
   Gathered run() {
-    for (const MergeView& view : views_) number_.emplace_back(view.map->view.pixels());
     const Amounts all = count();
     Gathered result;
-    result.settled = all.settled;
+    result.far = all.far, result.frozen = all.frozen;
     MergedMesh& mesh = result.mesh;
-    const std::size_t vertices = all.settled + all.beside;
-    mesh.position.resize(vertices), mesh.normal.resize(vertices), mesh.view.resize(vertices);
-    mesh.pixel.resize(vertices), mesh.feature.resize(vertices);
-    mesh.triangles.resize(all.triangles), result.beside.resize(all.beside_triangles);
+    const std::size_t vertices = all.far + all.frozen + all.beside;
+    // First touching memory takes as long as filling it: by all workers, too.
+    number_.resize(views_.size());
+    scheduler_.for_chunks(views_.size() + 5, 1, [&](ChunkRange range) {
+      switch (range.index) {
+        case 0:  // with room for what comes between the pieces
+          mesh.triangles.reserve(all.triangles + all.beside_triangles + all.beside_triangles / 2);
+          return mesh.triangles.resize(all.triangles);
+        case 1:
+          return mesh.position.resize(vertices);
+        case 2:
+          return mesh.normal.resize(vertices);
+        case 3:
+          return mesh.view.resize(vertices), mesh.feature.resize(vertices), mesh.pixel.resize(vertices);
+        case 4:
+          return result.beside.resize(all.beside_triangles);
+        default:
+          return number_[range.index - 5].resize(views_[range.index - 5].map->view.pixels());
+      }
+    });
     for_blocks(blocks_, scheduler_, [&](const RowBlock& b, std::size_t k) { take_vertices(b, first_[k], mesh); });
     for_blocks(blocks_, scheduler_, [&](const RowBlock& b, std::size_t k) { take_triangles(b, first_[k], result); });
     return result;
@@ -140,6 +152,10 @@ class Gatherer {
  private:
   [[nodiscard]] bool is_beside(std::size_t view, std::size_t i) const {
     return !flags_.empty() && (flags_[view][i] & beside_border) != 0;
+  }
+  [[nodiscard]] std::size_t& count_of(std::size_t view, std::size_t i, Amounts& amounts) const {
+    const unsigned flag = flags_.empty() ? 0 : flags_[view][i];
+    return flag & beside_border ? amounts.beside : flag & near_border ? amounts.frozen : amounts.far;
   }
   [[nodiscard]] const std::vector<std::uint8_t>& cells_of(std::size_t view) const { return cells_(views_[view]); }
 
@@ -162,7 +178,7 @@ class Gatherer {
       Amounts own;
       for_pixels(views_, block, [&](std::size_t i) {
         if (is_vertex(cells_around(cells_of(block.view), i, width_of(views_[block.view]))))
-          ++(is_beside(block.view, i) ? own.beside : own.settled);
+          ++count_of(block.view, i, own);
       });
       for_triangles(block, [&](auto, auto, auto, bool beside) { ++(beside ? own.beside_triangles : own.triangles); });
       first_[k] = own;
@@ -170,10 +186,10 @@ class Gatherer {
     Amounts sum;
     for (Amounts& block : first_) {
       const Amounts own = std::exchange(block, sum);
-      sum = {sum.settled + own.settled, sum.beside + own.beside, sum.triangles + own.triangles,
+      sum = {sum.far + own.far, sum.frozen + own.frozen, sum.beside + own.beside, sum.triangles + own.triangles,
              sum.beside_triangles + own.beside_triangles};
     }
-    for (Amounts& block : first_) block.beside += sum.settled;
+    for (Amounts& block : first_) block.frozen += sum.far, block.beside += sum.far + sum.frozen;
     return sum;
   }
 
@@ -181,7 +197,7 @@ class Gatherer {
     const MergeView& view = views_[block.view];
     for_pixels(views_, block, [&](std::size_t i) {
       if (!is_vertex(cells_around(cells_of(block.view), i, width_of(view)))) return;
-      const std::size_t v = (is_beside(block.view, i) ? next.beside : next.settled)++;
+      const std::size_t v = count_of(block.view, i, next)++;
       number_[block.view][i] = static_cast<std::uint32_t>(v);
       mesh.position[v] = view.vertex.empty() ? view.map->position[i] : view.vertex[i];
       mesh.feature[v] = !view.links.empty() && (view.links[i] & on_feature) != 0;
@@ -212,78 +228,6 @@ class Gatherer {
 
 Gathered gather(std::span<const MergeView> views, CellChoice cells, const PixelFlags& flags, Scheduler& scheduler) {
   return Gatherer(views, cells, flags, scheduler).run();
-}
-
-CutOut cut_out_seams(std::span<const MergeView> views, std::span<const std::uint32_t> parts, const PixelFlags& flags,
-                     const Gathered& gathered, Scheduler& scheduler) {
-  const MergedMesh& mesh = gathered.mesh;
-  CutOut part;
-  std::vector<std::uint32_t> local(mesh.position.size(), EditMesh::none);
-  std::vector<Triangle> triangles = gathered.beside;
-  for (Triangle& t : triangles)
-    for (std::uint32_t& v : t.v) {
-      if (local[v] == EditMesh::none) {
-        local[v] = static_cast<std::uint32_t>(part.vertex.size());
-        part.vertex.push_back(v);
-      }
-      v = local[v];
-    }
-  SeamMesh& seam = part.seam;
-  const std::size_t count = part.vertex.size();
-  seam.position.resize(count), seam.normal.resize(count), seam.frozen.resize(count), seam.rim.resize(count);
-  seam.part.resize(count), seam.border.resize(count);
-  seam.mesh = EditMesh(count);
-  scheduler.for_chunks(count, 4096, [&](ChunkRange range) {
-    for (std::size_t k = range.begin; k < range.end; ++k) {
-      const std::uint32_t v = part.vertex[k];
-      const std::uint8_t flag = flags[mesh.view[v]][mesh.pixel[v]];
-      seam.position[k] = mesh.position[v];
-      seam.normal[k] = surface_normal(views[mesh.view[v]], mesh.pixel[v]);
-      seam.frozen[k] = !(flag & beside_border);
-      seam.rim[k] = (flag & on_rim) != 0;
-      seam.border[k] = (flag & on_border) != 0;
-      seam.part[k] = parts.empty() ? 0 : parts[views[mesh.view[v]].map->triangle[mesh.pixel[v]]];
-    }
-  });
-  for (const Triangle& t : triangles) seam.mesh.add(t.v[0], t.v[1], t.v[2]);
-  return part;
-}
-
-void put_back(const CutOut& part, Gathered& gathered) {
-  MergedMesh& mesh = gathered.mesh;
-  const MergedMesh before = [&] {  // what is beside a border, as it was
-    MergedMesh tail;
-    const auto from = static_cast<std::ptrdiff_t>(gathered.settled);
-    tail.normal.assign(mesh.normal.begin() + from, mesh.normal.end());
-    tail.view.assign(mesh.view.begin() + from, mesh.view.end());
-    tail.pixel.assign(mesh.pixel.begin() + from, mesh.pixel.end());
-    tail.feature.assign(mesh.feature.begin() + from, mesh.feature.end());
-    return tail;
-  }();
-  const std::size_t settled = gathered.settled;
-  mesh.position.resize(settled), mesh.normal.resize(settled), mesh.view.resize(settled), mesh.pixel.resize(settled);
-  mesh.feature.resize(settled);
-  std::vector<std::uint32_t> global(part.seam.position.size(), EditMesh::none);
-  for (std::uint32_t k = 0; k < global.size(); ++k) {
-    const bool old = k < part.vertex.size();
-    if (old && part.vertex[k] < settled) {
-      global[k] = part.vertex[k];
-      continue;
-    }
-    if (part.seam.mesh.around(k).empty()) continue;
-    global[k] = static_cast<std::uint32_t>(mesh.position.size());
-    const std::size_t was = old ? part.vertex[k] - settled : 0;
-    mesh.position.push_back(part.seam.position[k]);
-    mesh.normal.push_back(old ? before.normal[was] : part.seam.normal[k]);
-    mesh.view.push_back(old ? before.view[was] : no_view);
-    mesh.pixel.push_back(old ? before.pixel[was] : 0);
-    mesh.feature.push_back(old ? before.feature[was] : std::uint8_t{0});
-  }
-  for (std::uint32_t t = 0; t < part.seam.mesh.triangle_count(); ++t) {
-    if (!part.seam.mesh.alive(t)) continue;
-    const auto& v = part.seam.mesh.triangle(t).v;
-    mesh.triangles.push_back({{global[v[0]], global[v[1]], global[v[2]]}});
-  }
 }
 
 }  // namespace lodestone

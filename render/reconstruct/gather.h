@@ -7,7 +7,6 @@
 
 #include "parallel/scheduler.h"
 #include "render/reconstruct/merge.h"
-#include "render/reconstruct/seam_mesh.h"
 
 namespace lodestone {
 
@@ -26,29 +25,21 @@ using CellChoice = const std::vector<std::uint8_t>& (*)(const MergeView&);
 [[nodiscard]] inline const std::vector<std::uint8_t>& all_cells(const MergeView& v) { return v.mesh.cells; }
 [[nodiscard]] inline const std::vector<std::uint8_t>& kept_cells(const MergeView& v) { return v.kept; }
 
-// Of each pixel of each view: whether it is a vertex on a border of what its view keeps, and beside one.
+// Of each pixel of each view: whether it is a vertex on a border of what its view keeps; whether that is the outline of
+// what the view sees, too; within two pixels of a border; within three.
+enum PixelFlagBits : std::uint8_t { beside_border = 1, on_border = 2, on_rim = 4, near_border = 8 };
 using PixelFlags = std::vector<std::vector<std::uint8_t>>;
 [[nodiscard]] PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler);
 
 // Vertices of the triangles of the cells, in the order of views and pixels, and the triangles. With flags, what is
-// within two pixels of a border is put apart: vertices behind the others, triangles (with any of them) in a list of
-// their own.
+// beside a border is put apart: its vertices behind the others, those near it just before them, triangles with a vertex
+// beside a border in a list of their own.
 struct Gathered {
   MergedMesh mesh;
-  std::size_t settled = 0;       // vertices that are not beside a border
-  std::vector<Triangle> beside;  // triangles that are
+  std::size_t far = 0, frozen = 0;  // vertices that are not near a border; near, but not beside
+  std::vector<Triangle> beside;
 };
 [[nodiscard]] Gathered gather(std::span<const MergeView> views, CellChoice cells, const PixelFlags& flags,
                               Scheduler& scheduler);
-
-// What was put apart, ready to be changed. `parts`: of the model's triangles, or empty.
-struct CutOut {
-  SeamMesh seam;
-  std::vector<std::uint32_t> vertex;  // of the merged mesh, for each of the seam mesh
-};
-[[nodiscard]] CutOut cut_out_seams(std::span<const MergeView> views, std::span<const std::uint32_t> parts,
-                                   const PixelFlags& flags, const Gathered& gathered, Scheduler& scheduler);
-// Puts it back: triangles behind those that were settled, vertices that are still used behind the settled ones.
-void put_back(const CutOut& part, Gathered& gathered);
 
 }  // namespace lodestone

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/mesh/disjoint_sets.h"
 
@@ -29,6 +30,74 @@ std::vector<std::uint32_t> label_parts(const IndexedMesh& mesh, double least_sha
   parts.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) parts.push_back(number[sets.find(t.v[0])]);
   return parts;
+}
+
+namespace {
+
+// Triangles by the vertices they use, to find the one at a directed edge.
+class TrianglesAround {
+ public:
+  TrianglesAround(std::span<const Triangle> triangles, std::size_t vertices)
+      : triangles_(triangles), first_(vertices + 1, 0), corner_(3 * triangles.size()) {
+    for (const Triangle& t : triangles)
+      for (const std::uint32_t v : t.v) ++first_[v + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t t = 0; t < triangles.size(); ++t)
+      for (std::uint32_t k = 0; k < 3; ++k) corner_[next[triangles[t].v[k]]++] = 3 * t + k;
+  }
+  // Corners at `from` whose triangle goes on to `to`.
+  template <class Visit>
+  void for_edges(std::uint32_t from, std::uint32_t to, const Visit& visit) const {
+    for (std::uint32_t k = first_[from]; k < first_[from + 1]; ++k)
+      if (triangles_[corner_[k] / 3].v[(corner_[k] + 1) % 3] == to) visit(corner_[k]);
+  }
+
+ private:
+  std::span<const Triangle> triangles_;
+  std::vector<std::uint32_t> first_, corner_;
+};
+
+std::uint32_t after(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+
+}  // namespace
+
+std::optional<std::size_t> count_handles(const IndexedMesh& mesh) {
+  std::vector<Triangle> triangles = mesh.triangles;
+  if (!mesh.wedges.vertex.empty())
+    for (Triangle& t : triangles)
+      for (std::uint32_t& v : t.v) v = mesh.wedges.vertex[v];
+  std::erase_if(triangles, [](const Triangle& t) { return is_degenerate(t); });
+  const TrianglesAround around(triangles, mesh.positions.size());
+  const std::size_t corners = 3 * triangles.size();
+  DisjointSets fans(corners), components(corners), loops(corners);
+  std::vector<std::uint32_t> border;  // corners from which a border edge leaves
+  for (std::uint32_t corner = 0; corner < corners; ++corner) {
+    const std::uint32_t end = after(corner), from = triangles[corner / 3].v[corner % 3],
+                        to = triangles[end / 3].v[end % 3];
+    std::size_t same = 0, against = 0;
+    around.for_edges(from, to, [&](std::uint32_t) { ++same; });
+    around.for_edges(to, from, [&](std::uint32_t other) {
+      ++against;
+      fans.unite(corner, after(other));
+      fans.unite(end, other);
+    });
+    if (same > 1 || against > 1) return std::nullopt;
+    if (against == 0) border.push_back(corner);
+    components.unite(corner, end);
+  }
+  std::size_t vertices = 0, pieces = 0, holes = 0;
+  for (std::uint32_t corner = 0; corner < corners; ++corner) vertices += fans.find(corner) == corner;
+  for (std::uint32_t corner = 0; corner < corners; ++corner) components.unite(corner, fans.find(corner));
+  for (std::uint32_t corner = 0; corner < corners; ++corner) pieces += components.find(corner) == corner;
+  for (const std::uint32_t corner : border) loops.unite(fans.find(corner), fans.find(after(corner)));
+  for (const std::uint32_t corner : border) {
+    const std::uint32_t fan = fans.find(corner);
+    holes += loops.find(fan) == fan;
+  }
+  const std::size_t edges = (corners + border.size()) / 2;
+  // 2 pieces - 2 handles - holes = vertices - edges + triangles.
+  return (2 * pieces + edges - holes - vertices - triangles.size()) / 2;
 }
 
 std::vector<Vec3f> border_points(const IndexedMesh& mesh, double spacing) {

@@ -13,6 +13,7 @@
 #include "parallel/scheduler.h"
 #include "parallel/stage_time.h"
 #include "render/reconstruct/ownership.h"
+#include "render/reconstruct/seam_mesh.h"
 
 namespace lodestone {
 
@@ -33,14 +34,17 @@ struct MergeConfig {
   std::span<const Vec3f> border{};
   std::size_t least_piece = 3,
               least_solid = 20;  // separate pieces of fewer triangles are left out; the latter if closed
-  float longest_hole = 48;       // perimeter of holes that are filled, in spacings; 0: none
+  float longest_hole = 48;  // perimeter of holes that are filled, in spacings; of a closed surface all are; 0: none
+  std::size_t most_handles = any_number;  // that the result may have
 };
 
 struct StitchReport {
-  std::size_t islands = 0;  // pixels of pieces that were too small
+  std::size_t islands = 0;  // pixels of a view that are in none of its triangles
   std::size_t zipped = 0;   // triangles between pieces
   std::size_t holes_filled = 0, hole_triangles = 0, holes_open = 0;
+  double longest_filled = 0;       // perimeter of a hole, normalised units
   double open_length = 0;          // of all borders that are left, normalised units
+  std::size_t handles = 0;         // that zipping has made
   std::size_t crumbs = 0;          // triangles of pieces that were left out
   std::size_t vertices_split = 0;  // where surfaces touched in a vertex
   std::size_t collapsed = 0, flipped = 0;

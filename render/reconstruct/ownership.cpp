@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/mesh/disjoint_sets.h"
+#include "render/reconstruct/cell_corners.h"
 
 namespace lodestone {
 namespace {
@@ -47,7 +47,7 @@ ViewNumber owner_of(std::span<const MergeView> views, std::size_t number, std::s
   std::size_t owner = number;
   for (std::size_t other = 0; other < views.size(); ++other) {
     if (other == number) continue;
-    const float there = score_at(views[other], map, i, config);
+    const float there = score_at(views[other], map, i, config, best / rank_factor(other));
     if (there < 0 || !(there * rank_factor(other) > best)) continue;
     best = there * rank_factor(other);
     owner = other;
@@ -95,7 +95,8 @@ void spread_rows(const MergeView& view, int first, int last, std::span<const flo
     }
 }
 
-float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel, const OwnershipConfig& config) {
+float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel, const OwnershipConfig& config,
+               float least) {
   const PositionMap& map = *view.map;
   const Vec3f point = from.position[pixel];
   const WindowPoint w = project(map.view, to_double(point));
@@ -109,26 +110,31 @@ float score_at(const MergeView& view, const PositionMap& from, std::size_t pixel
   if (cell == 0 || !weights_in_cell(cell, static_cast<float>(fx - static_cast<double>(x)),
                                     static_cast<float>(fy - static_cast<double>(y)), weight))
     return -1;
-  float depth = 0, score = 0, least = 1;
-  Vec3f mean;
+  float depth = 0, score = 0, lowest = 1;
   for (std::size_t k = 0; k < 4; ++k) {
     if (weight[k] == 0) continue;
     depth += weight[k] * map.depth[corner[k]];
     score += weight[k] * view.score[corner[k]];
-    least = std::min(least, view.score[corner[k]]);
-    mean = mean + weight[k] * map.normal[corner[k]];
+    lowest = std::min(lowest, view.score[corner[k]]);
   }
-  if (least < 0 || dot(mean, from.normal[pixel]) < 0) return -1;
+  // Off the surface by so much, measured across it; where it is steep the depth says little. Most points are beaten, or
+  // far behind what this view sees, and need not be looked at more closely.
+  constexpr float steepest = 0.2f;
+  const float behind = std::abs(static_cast<float>(w.depth) - depth),
+              most = static_cast<float>(config.reference_spacing);
+  if (lowest < 0 || !(score > least) || behind * steepest > most) return -1;
+  Vec3f mean;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (weight[k] != 0) mean = mean + weight[k] * map.normal[corner[k]];
+  if (dot(mean, from.normal[pixel]) < 0) return -1;
   if (!config.parts.empty()) {
     // All corners of a triangle are of one part.
     const std::size_t any =
         *std::find_if(corner, corner + 4, [&](const std::size_t& c) { return weight[&c - corner] > 0; });
     if (config.parts[map.triangle[any]] != config.parts[from.triangle[pixel]]) return -1;
   }
-  // Off the surface by so much, measured across it; where it is steep the depth says little.
   const Vec3f eye = to_float(towards_eye(map.view, to_double(point)));
-  const float cosine = std::max(std::abs(dot(mean, eye)), 0.2f);
-  if (std::abs(static_cast<float>(w.depth) - depth) * cosine > static_cast<float>(config.reference_spacing)) return -1;
+  if (behind * std::max(std::abs(dot(mean, eye)), steepest) > most) return -1;
   return score;
 }
 
@@ -170,26 +176,14 @@ void keep_rows(MergeView& view, std::size_t number, int first, int last) {
   }
 }
 
-std::size_t drop_islands(MergeView& view, std::size_t number, const OwnershipConfig& config) {
-  const auto width = static_cast<std::uint32_t>(view.map->view.width);
-  DisjointSets sets(view.kept.size());
-  std::vector<std::uint32_t> triangles(view.kept.size(), 0);
-  for (std::uint32_t i = 0; i < view.kept.size(); ++i)
-    if (view.kept[i])
-      for_triangles_of_cell(view.kept[i], i, width, [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        sets.unite(a, b), sets.unite(b, c);
-      });
-  for (std::uint32_t i = 0; i < view.kept.size(); ++i)
-    if (view.kept[i])
-      for_triangles_of_cell(view.kept[i], i, width,
-                            [&](std::uint32_t a, std::uint32_t, std::uint32_t) { ++triangles[sets.find(a)]; });
+std::size_t drop_lone_rows(MergeView& view, std::size_t number, int first, int last) {
+  const auto width = static_cast<std::size_t>(view.map->view.width);
   std::size_t dropped = 0;
-  for (std::uint32_t i = 0; i < view.kept.size(); ++i)
-    if (view.owner[i] == number && view.score[i] >= 0 &&
-        triangles[sets.find(i)] < static_cast<std::uint32_t>(config.least_island)) {
-      view.score[i] = -1;
-      ++dropped;
-    }
+  for (std::size_t i = static_cast<std::size_t>(first) * width; i < static_cast<std::size_t>(last) * width; ++i) {
+    if (view.owner[i] != number || is_vertex(cells_around(view.kept, i, width))) continue;
+    view.score[i] = -1;
+    ++dropped;
+  }
   return dropped;
 }
 

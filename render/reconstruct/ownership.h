@@ -21,7 +21,6 @@ namespace lodestone {
 struct OwnershipConfig {
   double reference_spacing = 1;            // of samples: distances are judged in this unit; normalised units, > 0
   int spread = 6;                          // rounds of averaging with connected neighbours
-  int least_island = 1;                    // pieces of fewer triangles go to the next best view
   std::span<const std::uint32_t> parts{};  // as in ConnectConfig: no view owns a point of another part
 };
 
@@ -45,20 +44,20 @@ void score_rows(const MergeView& view, const OwnershipConfig& config, int first,
 void spread_rows(const MergeView& view, int first, int last, std::span<const float> from, std::span<float> to);
 
 // The score that a view has at a point that another map sees, interpolated; negative where its mesh is not at the
-// point.
+// point, or its score is not above `least`.
 [[nodiscard]] float score_at(const MergeView& view, const PositionMap& map, std::size_t pixel,
-                             const OwnershipConfig& config);
+                             const OwnershipConfig& config, float least = -1);
 
 // Owners of the pixels of rows [first, last) of view `number`.
 void own_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first, int last);
-// The same after islands were dropped, for pixels whose owner has given them up.
+// The same after lone pixels were dropped, for pixels whose owner has given them up.
 void own_dropped_rows(std::span<MergeView> views, std::size_t number, const OwnershipConfig& config, int first,
                       int last);
 // Triangles whose three corners the view owns.
 void keep_rows(MergeView& view, std::size_t number, int first, int last);
 
-// Owned pixels of pieces that are too small, of view `number`, get a score of -1: who else sees them may have them.
-// Returns how many.
-std::size_t drop_islands(MergeView& view, std::size_t number, const OwnershipConfig& config);
+// Owned pixels of the rows that are in no triangle of what view `number` keeps get a score of -1: who else sees them
+// may have them. Returns how many.
+std::size_t drop_lone_rows(MergeView& view, std::size_t number, int first, int last);
 
 }  // namespace lodestone

@@ -153,6 +153,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   drawn.closed = census.border == 0;
   drawn.oriented = census.inconsistent == 0;
   if (config.separate_parts) drawn.parts = label_parts(mesh);
+  if (census.non_manifold == 0 && drawn.oriented) drawn.most_handles = count_handles(mesh).value_or(any_number);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution;
   if (!drawn.closed) drawn.border = border_points(mesh, 0.5 / config.resolution);
@@ -187,6 +188,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merge.closed = drawn.closed;
     merge.border = drawn.border;
     merge.longest_hole = config.longest_hole;
+    merge.most_handles = drawn.most_handles;
     merged = stitch(views, merge, report.stitch, scheduler);
   }
   report.merge = merge_clock.elapsed();

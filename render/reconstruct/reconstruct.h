@@ -64,9 +64,10 @@ struct DrawnMaps {
   std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
   std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
   bool closed = false;
-  bool oriented = true;              // neighbouring triangles agree on what is outside
-  std::vector<std::uint32_t> parts;  // of the triangles; empty: one
-  std::vector<Vec3f> border;         // where the surface ends, normalised; empty: nowhere, or not known
+  bool oriented = true;                   // neighbouring triangles agree on what is outside
+  std::size_t most_handles = any_number;  // that the surface may have
+  std::vector<std::uint32_t> parts;       // of the triangles; empty: one
+  std::vector<Vec3f> border;              // where the surface ends, normalised; empty: nowhere, or not known
 };
 [[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
                                   Scheduler& scheduler);

@@ -1,233 +1,225 @@
-// An advancing front from seam to seam: the incremental side of ball pivoting (bernardini1999) with the Delaunay choice
-// of the third vertex, restricted to the borders of pieces that are there already (turklevoy1994 zips by clipping
-// instead).
+// Zipping in tiles of space: each is a task (zip_tile.h); what they find is added by one. A tile leaves alone what
+// might depend on its neighbours. Eight tilings, shifted by half a tile along some of the axes, leave nothing over: of
+// two cuts of an axis half a tile apart one is far enough from any point.
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <queue>
+#include <limits>
+#include <map>
+#include <set>
 
-#include "render/reconstruct/seam_mesh.h"
 #include "render/reconstruct/vertex_grid.h"
+#include "render/reconstruct/zip_tile.h"
 
 namespace lodestone {
 namespace {
 
-struct Point2 {
-  float x = 0, y = 0;
-};
-inline Point2 operator-(Point2 a, Point2 b) { return {a.x - b.x, a.y - b.y}; }
-inline float cross2(Point2 a, Point2 b) { return a.x * b.y - a.y * b.x; }
+// Cubes of space by a number each; they repeat after 2^20 spacings and more, which is farther than anything reaches.
+using TileKey = std::uint64_t;
+constexpr TileKey no_tile = static_cast<TileKey>(-1);
 
-// A plane to judge a new triangle in.
-class Plane {
+class Tiling {
  public:
-  Plane(Vec3f origin, Vec3f normal) : origin_(origin), n_(normal) {
-    const Vec3f aside = std::abs(n_.x) < 0.6f ? Vec3f{1, 0, 0} : Vec3f{0, 1, 0};
-    u_ = cross(n_, aside);
-    u_ = (1 / length(u_)) * u_;
-    v_ = cross(n_, u_);
+  Tiling(float side, int shift) : side_(side) {
+    for (std::size_t axis = 0; axis < 3; ++axis) offset_[axis] = (shift >> axis & 1) != 0 ? 0.5f * side : 0;
   }
-  [[nodiscard]] Point2 at(Vec3f p) const { return {dot(p - origin_, u_), dot(p - origin_, v_)}; }
-  [[nodiscard]] float height(Vec3f p) const { return dot(p - origin_, n_); }
-  [[nodiscard]] Vec3f normal() const { return n_; }
+  [[nodiscard]] TileKey key(Vec3f p) const {
+    const auto part = [](std::int32_t k) { return static_cast<TileKey>(k) & 0x1F'FFFF; };
+    return part(along(p.x, 0)) | part(along(p.y, 1)) << 21 | part(along(p.z, 2)) << 42;
+  }
+  [[nodiscard]] ZipBox box(Vec3f p) const { return {{corner(p.x, 0), corner(p.y, 1), corner(p.z, 2)}, side_}; }
 
  private:
-  Vec3f origin_, n_, u_, v_;
+  [[nodiscard]] std::int32_t along(float p, std::size_t axis) const {
+    return static_cast<std::int32_t>(std::floor((p + offset_[axis]) / side_));
+  }
+  [[nodiscard]] float corner(float p, std::size_t axis) const {
+    return static_cast<float>(along(p, axis)) * side_ - offset_[axis];
+  }
+  float side_;
+  std::array<float, 3> offset_{};
 };
 
-// Counter-clockwise angle from a to b, in [0, 2 pi).
-float turn(Point2 a, Point2 b) {
-  const float angle = std::atan2(cross2(a, b), a.x * b.x + a.y * b.y);
-  return angle < 0 ? angle + 6.2831853f : angle;
-}
-
-struct Proposal {
-  float radius = 0;  // of the circumscribed circle
-  std::uint32_t a = 0, b = 0, c = 0;
-  friend bool operator<(const Proposal& s, const Proposal& t) {  // the queue gives the largest first
-    return s.radius != t.radius ? s.radius > t.radius : s.a != t.a ? s.a > t.a : s.b > t.b;
-  }
+struct Tile {
+  ZipBox box;
+  std::vector<std::uint32_t> vertices, edges;
 };
 
 class Zipper {
  public:
-  Zipper(SeamMesh& seam, const ZipConfig& config)
-      : s_(seam), config_(config), reach_(config.reach * config.spacing), grid_(reach_) {
-    gaps_.resize(seam.mesh.vertex_count());
-    known_.resize(seam.mesh.vertex_count(), 0);
-  }
+  Zipper(SeamMesh& seam, const ZipConfig& config, Scheduler& scheduler)
+      : s_(seam), config_(config), scheduler_(scheduler), reach_(config.reach * config.spacing) {}
 
   std::size_t run() {
-    collect();
-    std::size_t added = 0;
-    while (!queue_.empty()) {
-      const Proposal best = queue_.top();
-      queue_.pop();
-      if (!s_.is_border(best.a, best.b)) continue;
-      Proposal now;
-      if (!propose(best.a, best.b, now)) continue;
-      if (now.radius > best.radius * 1.001f) {  // something came in between
-        queue_.push(now);
-        continue;
-      }
-      if (s_.mesh.add(now.b, now.a, now.c) == EditMesh::none) continue;
-      ++added;
-      known_[now.a] = known_[now.b] = known_[now.c] = 0;
-      push(now.a, now.c), push(now.c, now.b);
+    for (std::uint32_t e = 0; e < s_.borders.edge_count(); ++e) {
+      if (!s_.borders.alive(e)) continue;
+      const auto [from, to] = std::pair(s_.borders.edge(e).from, s_.borders.edge(e).to);
+      s_.borders.set_tried(e, !config_.rims && s_.rim[from] && s_.rim[to]);
+      pending_.push_back(e);
+      front_.push_back(from);
     }
-    return added;
+    std::sort(front_.begin(), front_.end());
+    front_.erase(std::unique(front_.begin(), front_.end()), front_.end());
+    zip_pending();
+    while (s_.borders.handles() < config_.most_handles && make_handle()) zip_pending();
+    return added_;
   }
 
  private:
-  void collect() {
-    for (std::uint32_t v = 0; v < s_.mesh.vertex_count(); ++v) {
-      if (!s_.border[v]) continue;
-      bool border = false;
-      for (const EditMesh::Gap& gap : gaps(v)) {
-        if (gap.next == EditMesh::none || !s_.is_border(v, gap.next)) continue;
-        border = true;
-        if (config_.rims || !(s_.rim[v] && s_.rim[gap.next])) push(v, gap.next);
-      }
-      if (border) grid_.insert(v, s_.position[v]);
+  void zip_pending() {
+    for (bool changed = true; changed;) {
+      const std::size_t before = added_;
+      for (int shift = 0; shift < 8; ++shift) zip_tiles(Tiling(config_.tile * config_.spacing, shift));
+      changed = added_ > before && !pending_.empty();
     }
   }
 
-  void push(std::uint32_t a, std::uint32_t b) {
-    Proposal p;
-    if (s_.is_border(a, b) && propose(a, b, p)) queue_.push(p);
-  }
-
-  // The gaps of a vertex change only when a triangle comes to it.
-  [[nodiscard]] const std::vector<EditMesh::Gap>& gaps(std::uint32_t v) const {
-    if (!known_[v]) gaps_[v] = s_.mesh.gaps(v), known_[v] = 1;
-    return gaps_[v];
-  }
-
-  // The best triangle at the border edge a -> b.
-  bool propose(std::uint32_t a, std::uint32_t b, Proposal& result) {
-    const Vec3f pa = s_.position[a], pb = s_.position[b], middle = 0.5f * (pa + pb);
-    near_.clear();
-    choices_.clear();
-    grid_.for_near(middle, reach_, [&](std::uint32_t v) {
-      const Vec3f d = s_.position[v] - middle;
-      if (dot(d, d) > reach_ * reach_) return;
-      near_.push_back(v);
-      if (v == a || v == b) return;
-      const Vec3f ca = pa - s_.position[v], cb = pb - s_.position[v];
-      const float scale = std::sqrt(dot(ca, ca) * dot(cb, cb));
-      choices_.push_back({scale > 0 ? dot(ca, cb) / scale : 1.0f, v});
+  void zip_tiles(const Tiling& tiling) {
+    std::erase_if(pending_, [&](std::uint32_t e) { return !s_.borders.alive(e) || s_.borders.edge(e).tried; });
+    std::sort(pending_.begin(), pending_.end());
+    pending_.erase(std::unique(pending_.begin(), pending_.end()), pending_.end());
+    const std::vector<Tile> tiles = make_tiles(tiling);
+    std::vector<ZipResult> results(tiles.size());
+    scheduler_.for_chunks(tiles.size(), 1, [&](ChunkRange range) {
+      const Tile& tile = tiles[range.index];
+      results[range.index] = zip_tile(s_, s_.borders, config_, {tile.box, tile.vertices, tile.edges});
     });
-    std::sort(choices_.begin(), choices_.end());  // the largest angle first
-    for (const auto& [cosine, c] : choices_) {
-      const float sine = std::sqrt(std::max(1 - cosine * cosine, 0.0f));
-      const float radius = sine > 0 ? 0.5f * length(pb - pa) / sine : reach_ * 2;
-      if (radius > reach_ || !fits(a, b, c)) continue;
-      result = {radius, a, b, c};
-      return true;
-    }
-    return false;
+    commit(results);
+    for (const ZipResult& result : results)
+      for (const auto& [from, to] : result.tried)
+        if (const std::uint32_t e = s_.borders.find(from, to); e != BorderLoops::none) s_.borders.set_tried(e, true);
   }
 
-  [[nodiscard]] bool fits(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    if (s_.part[a] != s_.part[c] || s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, b) != EditMesh::none)
-      return false;
-    const Vec3f area = area_vector(s_, b, a, c);
-    const float size = length(area);
-    if (!(size > 0)) return false;
-    const Vec3f normal = (1 / size) * area;
-    for (const std::uint32_t v : {a, b, c})
-      if (!(dot(normal, s_.normal[v]) > config_.least_cosine)) return false;
-    return has_room(normal, a, b, c) && is_free(Plane(s_.position[c], normal), a, b, c);
+  [[nodiscard]] Vec3f middle_of(std::uint32_t e) const {
+    return 0.5f * (s_.position[s_.borders.edge(e).from] + s_.position[s_.borders.edge(e).to]);
   }
 
-  // Half way between the fan at a vertex and the new triangle both are seen well.
-  [[nodiscard]] Plane plane_at(std::uint32_t v, Vec3f normal) const {
-    const Vec3f up = s_.normal[v] + normal;
-    return {s_.position[v], (1 / length(up)) * up};
-  }
-
-  // Whether the corners' gaps hold the triangle.
-  [[nodiscard]] bool has_room(Vec3f normal, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    const auto angle = [&](const Plane& plane, std::uint32_t from, std::uint32_t to) {
-      return turn(plane.at(s_.position[from]), plane.at(s_.position[to]));
-    };
-    // From `previous` counter-clockwise to `next` it is empty.
-    const auto place = [&](const Plane& plane, const EditMesh::Gap& gap, std::uint32_t x) {
-      return x == gap.previous ? 0.0f : angle(plane, gap.previous, x);
-    };
-    const auto width = [&](const Plane& plane, const EditMesh::Gap& gap) {
-      return gap.next == gap.previous ? 6.2831853f : angle(plane, gap.previous, gap.next);
-    };
-    bool room = false;
-    const Plane at_a = plane_at(a, normal), at_b = plane_at(b, normal), at_c = plane_at(c, normal);
-    for (const EditMesh::Gap& gap : gaps(a))
-      if (gap.next == b) room = c == gap.previous || place(at_a, gap, c) < width(at_a, gap);
-    if (!room) return false;
-    room = false;
-    for (const EditMesh::Gap& gap : gaps(b))
-      if (gap.previous == a) room = c == gap.next || place(at_b, gap, c) < width(at_b, gap);
-    if (!room) return false;
-    for (const EditMesh::Gap& gap : gaps(c)) {
-      if (gap.next == EditMesh::none || !s_.is_border(c, gap.next)) continue;
-      const float all = width(at_c, gap), to_b = place(at_c, gap, b), to_a = a == gap.next ? all : place(at_c, gap, a);
-      if (to_b < to_a && to_a <= all) return true;
-    }
-    return false;
-  }
-
-  // Whether no other vertex lies in the triangle and no border crosses its new edges.
-  [[nodiscard]] bool is_free(const Plane& plane, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    const Point2 qa = plane.at(s_.position[a]), qb = plane.at(s_.position[b]), qc = plane.at(s_.position[c]);
-    const float depth = 0.8f * config_.spacing;
-    const auto beside = [&](std::uint32_t v) {
-      return std::abs(plane.height(s_.position[v])) < depth && dot(s_.normal[v], plane.normal()) > 0;
-    };
-    const auto crosses = [&](Point2 p, Point2 q, Point2 r, Point2 t) {
-      return (cross2(q - p, r - p) > 0) != (cross2(q - p, t - p) > 0) &&
-             (cross2(t - r, p - r) > 0) != (cross2(t - r, q - r) > 0);
-    };
-    for (const std::uint32_t v : near_) {
-      const bool corner = v == a || v == b || v == c;
-      const Point2 q = plane.at(s_.position[v]);
-      if (!corner) {
-        if (!beside(v)) continue;
-        if (cross2(qa - qb, q - qb) > 0 && cross2(qc - qa, q - qa) > 0 && cross2(qb - qc, q - qc) > 0) return false;
+  // Of the tiles that have something to do, in the order of their keys.
+  [[nodiscard]] std::vector<Tile> make_tiles(const Tiling& tiling) {
+    if (pending_.empty()) return {};
+    std::erase_if(front_, [&](std::uint32_t v) { return s_.borders.first(v) == BorderLoops::none; });
+    std::vector<TileKey> of_edge(pending_.size()), of_vertex(front_.size());
+    constexpr std::size_t grain = 4096;
+    scheduler_.for_chunks(pending_.size(), grain, [&](ChunkRange range) {
+      for (std::size_t k = range.begin; k < range.end; ++k) {
+        const Vec3f middle = middle_of(pending_[k]);
+        of_edge[k] = tiling.box(middle).holds_ball(middle, reach_) ? tiling.key(middle) : no_tile;
       }
-      for (const EditMesh::Gap& gap : gaps(v)) {
-        const std::uint32_t w = gap.next;
-        if (w == EditMesh::none || !beside(w)) continue;
-        const Point2 r = plane.at(s_.position[w]);
-        if (v != a && v != c && w != a && w != c && crosses(qa, qc, q, r)) return false;
-        if (v != b && v != c && w != b && w != c && crosses(qb, qc, q, r)) return false;
+    });
+    std::vector<TileKey> keys;
+    std::unique_copy(of_edge.begin(), of_edge.end(), std::back_inserter(keys));
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    if (!keys.empty() && keys.back() == no_tile) keys.pop_back();
+    scheduler_.for_chunks(front_.size(), grain, [&](ChunkRange range) {
+      for (std::size_t k = range.begin; k < range.end; ++k) of_vertex[k] = tiling.key(s_.position[front_[k]]);
+    });
+    std::vector<Tile> tiles(keys.size());
+    const auto for_tiles = [&](std::span<const TileKey> of, const auto& visit) {
+      TileKey last = no_tile;  // neighbours in the list are neighbours in space, mostly
+      std::size_t tile = keys.size();
+      for (std::size_t k = 0; k < of.size(); ++k) {
+        if (of[k] != last) {
+          const auto at = std::lower_bound(keys.begin(), keys.end(), last = of[k]);
+          tile = at != keys.end() && *at == last ? static_cast<std::size_t>(at - keys.begin()) : keys.size();
+        }
+        if (tile < keys.size()) visit(tiles[tile], k);
       }
+    };
+    for_tiles(of_edge, [&](Tile& tile, std::size_t k) {
+      if (tile.edges.empty()) tile.box = tiling.box(middle_of(pending_[k]));
+      tile.edges.push_back(pending_[k]);
+    });
+    for_tiles(of_vertex, [&](Tile& tile, std::size_t k) { tile.vertices.push_back(front_[k]); });
+    return tiles;
+  }
+
+  // Where the surface may have no more handles, the tightest seams of all tiles are to be closed first: by classes of
+  // circles, and tile by tile within a class.
+  void commit(std::span<const ZipResult> results) {
+    std::vector<std::size_t> next(results.size(), 0);
+    for (const float largest : {0.75f, 1.0f, 1.5f, 2.0f, std::numeric_limits<float>::infinity()})
+      for (std::size_t tile = 0; tile < results.size(); ++tile) {
+        const auto& triangles = results[tile].triangles;
+        for (std::size_t& k = next[tile]; k < triangles.size() && triangles[k].order <= largest * config_.spacing; ++k)
+          if (const ZipTriangle& t = triangles[k]; !add(t) && known_.insert({t.a, t.b, t.c}).second)
+            deferred_.push_back(t);
+      }
+  }
+
+  // False: it would make a handle too many.
+  bool add(const ZipTriangle& t) {
+    const std::uint32_t e = s_.borders.find(t.a, t.b);
+    if (e == BorderLoops::none || s_.borders.first(t.c) == BorderLoops::none) return true;  // rests on one left out
+    if (config_.most_handles != any_number && s_.borders.makes_handle(e, t.c)) return false;
+    force(t, e);
+    return true;
+  }
+  void force(const ZipTriangle& t, std::uint32_t e) {
+    if (s_.mesh.add(t.b, t.a, t.c) == EditMesh::none) return;
+    ++added_;
+    const BorderLoops::Sides sides = s_.borders.add_triangle(e, t.c);
+    if (sides.left != BorderLoops::none) pending_.push_back(sides.left);
+    if (sides.right != BorderLoops::none) pending_.push_back(sides.right);
+  }
+
+  // Closes the seam between two loops of one piece at which most triangles had to be left out. False without any.
+  bool make_handle() {
+    using Pair = std::pair<std::uint32_t, std::uint32_t>;
+    const auto pair_of = [&](const ZipTriangle& t) {
+      const std::uint32_t e = s_.borders.find(t.a, t.b), f = s_.borders.first(t.c);
+      if (e == BorderLoops::none || f == BorderLoops::none || !s_.borders.makes_handle(e, t.c)) return Pair{0, 0};
+      return Pair{std::minmax(s_.borders.edge(e).loop, s_.borders.edge(f).loop)};
+    };
+    std::map<Pair, std::size_t> count;
+    for (const ZipTriangle& t : deferred_)
+      if (const Pair pair = pair_of(t); pair.first != pair.second) ++count[pair];
+    if (count.empty()) return false;
+    const Pair longest = std::max_element(count.begin(), count.end(), [](const auto& s, const auto& t) {
+                           return s.second < t.second;
+                         })->first;
+    const std::size_t before = s_.borders.handles();
+    std::vector<ZipTriangle> rest;
+    for (const ZipTriangle& t : std::exchange(deferred_, {})) {
+      if (s_.borders.handles() == before && pair_of(t) == longest)
+        force(t, s_.borders.find(t.a, t.b));
+      else if (!add(t))
+        rest.push_back(t);
     }
+    deferred_.insert(deferred_.end(), rest.begin(), rest.end());
     return true;
   }
 
   SeamMesh& s_;
   const ZipConfig& config_;
+  Scheduler& scheduler_;
   float reach_;
-  VertexGrid grid_;
-  std::priority_queue<Proposal> queue_;
-  mutable std::vector<std::vector<EditMesh::Gap>> gaps_;
-  mutable std::vector<std::uint8_t> known_;
-  std::vector<std::uint32_t> near_;
-  std::vector<std::pair<float, std::uint32_t>> choices_;
+  std::vector<std::uint32_t> pending_;            // border edges for which no triangle was looked for yet
+  std::vector<std::uint32_t> front_;              // vertices of border edges, ascending
+  std::vector<ZipTriangle> deferred_;             // triangles that would make a handle too many
+  std::set<std::array<std::uint32_t, 3>> known_;  // all that ever were deferred
+  std::size_t added_ = 0;
 };
 
 }  // namespace
 
-void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam) {
+void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam, Scheduler& scheduler) {
   VertexGrid grid(distance);
   for (std::uint32_t k = 0; k < border.size(); ++k) grid.insert(k, border[k]);
-  for (std::uint32_t v = 0; v < seam.position.size(); ++v) {
-    seam.rim[v] = 0;
-    grid.for_near(seam.position[v], distance, [&](std::uint32_t k) {
-      const Vec3f d = border[k] - seam.position[v];
-      if (dot(d, d) <= distance * distance) seam.rim[v] = 1;
-    });
-  }
+  scheduler.for_chunks(seam.position.size(), 4096, [&](ChunkRange range) {
+    for (std::size_t k = range.begin; k < range.end; ++k) {
+      seam.rim[k] = 0;
+      if (seam.borders.first(static_cast<std::uint32_t>(k)) == BorderLoops::none) continue;
+      grid.for_near(seam.position[k], distance, [&](std::uint32_t point) {
+        const Vec3f d = border[point] - seam.position[k];
+        if (dot(d, d) <= distance * distance) seam.rim[k] = 1;
+      });
+    }
+  });
 }
 
-std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config) { return Zipper(seam, config).run(); }
+std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config, Scheduler& scheduler) {
+  return Zipper(seam, config, scheduler).run();
+}
 
 }  // namespace lodestone

@@ -132,13 +132,32 @@ TEST(Reconstruct, IsAsNearToASphereAsItsSamplesAllow) {
 
 TEST(Reconstruct, IsTheSameForAnyNumberOfThreads) {
   const IndexedMesh mesh = sphere_mesh(4, 0.2);
-  const auto serial = make_serial_scheduler(), three = make_tbb_scheduler(3);
+  const auto serial = make_serial_scheduler();
   for (const MergeKind merge : {MergeKind::stitch, MergeKind::concatenate}) {
-    ReconstructConfig config = small_config(40);
+    ReconstructConfig config = small_config(130);  // zipped in a dozen tiles and more
     config.merge = merge;
-    const RawMesh a = reconstruct(mesh, config, *serial).mesh, b = reconstruct(mesh, config, *three).mesh;
-    EXPECT_EQ(a.positions, b.positions);
-    EXPECT_EQ(a.triangles, b.triangles);
+    const RawMesh expected = reconstruct(mesh, config, *serial).mesh;
+    for (const int threads : {1, 2, 3, 7}) {
+      const RawMesh other = reconstruct(mesh, config, *make_tbb_scheduler(threads)).mesh;
+      EXPECT_EQ(expected.positions, other.positions);
+      EXPECT_EQ(expected.triangles, other.triangles);
+    }
+  }
+}
+
+// Thinner than a pixel, with folds: its two sides come near each other all over, and each has holes of its own.
+TEST(Reconstruct, ThinPartsGetNoHandles) {
+  const auto scheduler = make_tbb_scheduler(2);
+  for (const double resolution : {24.0, 40.0}) {
+    IndexedMesh mesh = sphere_mesh(5, 0.2);
+    for (Vec3f& p : mesh.positions) p.z = 0.3f + 0.02f * (p.z - 0.5f) + 0.12f * std::sin(14 * p.x) * std::sin(11 * p.y);
+    const Reconstruction result = reconstruct(mesh, small_config(resolution), *scheduler);
+    const MeshQuality quality = measure_quality(result.mesh.positions, result.mesh.triangles);
+    EXPECT_TRUE(quality.closed() && quality.manifold());
+    EXPECT_EQ(quality.euler, 2);
+    EXPECT_EQ(quality.components, 1u);
+    EXPECT_EQ(result.report.stitch.handles, 0u);
+    expect_half_edges_hold(result.mesh);
   }
 }
 
