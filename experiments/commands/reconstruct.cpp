@@ -93,6 +93,7 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
           {"pixels", r.pixels},
           {"seen", r.seen},
           {"view_triangles", r.view_triangles},
+          {"sampled_triangles", r.sampled_triangles},
           {"input_closed", r.closed},
           {"views", r.views.directions.size()},
           {"visible", r.views.visible},
@@ -118,6 +119,7 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
             {"merge_own", to_json(r.stitch.own)},
             {"merge_zip", to_json(r.stitch.zip)},
             {"sharpen", to_json(r.sharpen_time)},
+            {"simplify", to_json(r.simplify)},
             {"attributes", to_json(r.attributes)}}}};
 }
 
@@ -297,6 +299,10 @@ void add_reconstruct(CLI::App& app) {
                                ->check(CLI::PositiveNumber);
   resolution->excludes(distance)->excludes(triangles);
   distance->excludes(triangles);
+  command
+      .add_option("--detail", config.detail,
+                  "Draw maps so many times finer, and simplify to the triangles of the resolution; 1: do not")
+      ->capture_default_str();
   command.add_option("--merge", options->merge, "stitch: one surface; concatenate: the views' meshes side by side")
       ->capture_default_str();
   command.add_option("--backend", config.backend, "soft or gl")->capture_default_str();

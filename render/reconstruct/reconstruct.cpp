@@ -14,6 +14,7 @@
 #include "render/reconstruct/gather.h"
 #include "render/reconstruct/label_parts.h"
 #include "render/reconstruct/resample_attributes.h"
+#include "render/reconstruct/simplify_merged.h"
 
 namespace lodestone {
 namespace {
@@ -23,6 +24,7 @@ void check_config(const ReconstructConfig& config) {
     if (!holds) throw InputError(what);
   };
   require(config.resolution >= 2 && config.resolution <= largest_map_side, "resolution: give 2 to 16384 pixels");
+  require(config.detail >= 1 && config.detail <= 16, "detail: give a factor from 1 to 16");
   require(config.max_slope > 0 && std::isfinite(config.max_slope), "max slope: give a number above 0");
   require(config.slack >= 0 && std::isfinite(config.slack), "slack: give a number of pixels, 0 or more");
   require(config.sharp_degrees >= 0 && config.sharp_degrees < 180, "sharp: give an angle from 0 to below 180 degrees");
@@ -35,8 +37,13 @@ Box3f box_of(const IndexedMesh& mesh) {
   return box;
 }
 
+// Of the samples in the maps. Meshes side by side are not simplified: the finer ones would cover each other.
+double map_spacing(const ReconstructConfig& config) {
+  return 1 / (config.resolution * (config.merge == MergeKind::stitch ? config.detail : 1));
+}
+
 MapView view_towards(const Box3f& box, Vec3d direction, const ReconstructConfig& config) {
-  const double spacing = 1 / config.resolution;
+  const double spacing = map_spacing(config);
   if (config.projection == Projection::orthographic) return orthographic_view(box, direction, spacing);
   // Four radii away nearer parts are sampled at most two thirds denser than farther ones.
   const Vec3d lo = to_double(box.lo), hi = to_double(box.hi);
@@ -134,12 +141,11 @@ std::vector<std::uint32_t> sources_of(const MergedMesh& merged, std::span<const 
   return source;
 }
 
-RawMesh to_raw(const MergedMesh& merged, const Transform& transform) {
-  RawMesh raw;
+void put_mesh(const MergedMesh& merged, const Transform& transform, RawMesh& raw) {
+  raw.positions.clear();
   raw.positions.reserve(merged.position.size());
   for (const Vec3f& p : merged.position) raw.positions.push_back(transform.to_model(p));
   raw.triangles = merged.triangles;
-  return raw;
 }
 
 }  // namespace
@@ -155,7 +161,8 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   if (config.separate_parts) drawn.parts = label_parts(mesh);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution;
-  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 / config.resolution);
+  drawn.spacing = map_spacing(config);
+  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 * drawn.spacing);
   report.views = choose_views(mesh, config.views, scheduler);
   report.choose = choose_clock.elapsed();
 
@@ -182,25 +189,37 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merged = concatenate(views, scheduler);
   } else {
     MergeConfig merge;
-    merge.ownership.reference_spacing = report.spacing;
+    merge.ownership.reference_spacing = drawn.spacing;
     merge.ownership.parts = drawn.parts;
     merge.closed = drawn.closed;
     merge.border = drawn.border;
-    merge.longest_hole = config.longest_hole;
+    merge.longest_hole = static_cast<float>(config.longest_hole * report.spacing / drawn.spacing);
     merged = stitch(views, merge, report.stitch, scheduler);
   }
   report.merge = merge_clock.elapsed();
 
   const CpuClock sharpen_clock;
   if (config.merge == MergeKind::stitch && config.sharp_degrees > 0)
-    report.sharpen = sharpen(merged, {static_cast<float>(report.spacing), config.sharp_degrees}, scheduler);
+    report.sharpen = sharpen(merged, {static_cast<float>(drawn.spacing), config.sharp_degrees}, scheduler);
   report.sharpen_time = sharpen_clock.elapsed();
 
-  RawMesh raw = to_raw(merged, drawn.maps.front().transform);
+  RawMesh raw;
+  put_mesh(merged, drawn.maps.front().transform, raw);
   if (config.attributes && mesh) {
     const CpuClock attributes_clock;
     resample_attributes(*mesh, sources_of(merged, drawn.maps), raw);
     report.attributes = attributes_clock.elapsed();
+  }
+  report.sampled_triangles = merged.triangles.size();
+  if (config.merge == MergeKind::stitch) {
+    const CpuClock simplify_clock;
+    const double finer = report.spacing / drawn.spacing;
+    SimplifyMergedConfig simplify;
+    simplify.triangles = static_cast<std::size_t>(static_cast<double>(merged.triangles.size()) / (finer * finer));
+    simplify.farthest = static_cast<float>(8 * report.spacing);
+    simplify_merged(merged, raw.wedges, simplify, scheduler);
+    put_mesh(merged, drawn.maps.front().transform, raw);
+    report.simplify = simplify_clock.elapsed();
   }
   return raw;
 }
@@ -222,7 +241,7 @@ DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report) {
     if (count > 0) spacings.push_back(map.view.spacing(sum / static_cast<double>(count)));
   }
   std::sort(spacings.begin(), spacings.end());
-  report.spacing = spacings.empty() ? 1 : spacings[spacings.size() / 2];
+  report.spacing = drawn.spacing = spacings.empty() ? 1 : spacings[spacings.size() / 2];
   return drawn;
 }
 
