@@ -39,6 +39,7 @@ struct ReconstructOptions {
 ViewChoice view_choice(const std::string& text) {
   ViewChoice choice;
   if (text == "auto") return choice;
+  choice.inside = 0;
   if (text == "faces") {
     choice.most = choice.least = 6;
     return choice;
@@ -95,7 +96,8 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
           {"view_triangles", r.view_triangles},
           {"sampled_triangles", r.sampled_triangles},
           {"input_closed", r.closed},
-          {"views", r.views.directions.size()},
+          {"views", r.views.directions.size() + r.views.inside.size()},
+          {"inside_views", r.views.inside.size()},
           {"visible", r.views.visible},
           {"coverable", r.views.coverable},
           {"covered", r.views.covered},

@@ -12,6 +12,7 @@
 #include "render/position_map/map_renderer.h"
 #include "render/reconstruct/condense_map.h"
 #include "render/reconstruct/gather.h"
+#include "render/reconstruct/inside_views.h"
 #include "render/reconstruct/label_parts.h"
 #include "render/reconstruct/resample_attributes.h"
 #include "render/reconstruct/simplify_merged.h"
@@ -171,6 +172,9 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
   for (const Vec3d& direction : report.views.directions)
     draw_map(*renderer, view_towards(box, direction, config), config, drawn, scheduler);
+  const auto along = [&](Vec3d direction) { return orthographic_view(box, direction, drawn.spacing); };
+  report.views.inside = choose_inside_views(mesh, report.views.samples, drawn.maps, config.views, along, scheduler);
+  for (const MapView& view : report.views.inside) draw_map(*renderer, view, config, drawn, scheduler);
   report.draw = draw_clock.elapsed();
   return drawn;
 }
@@ -179,6 +183,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
                        ReconstructReport& report, Scheduler& scheduler) {
   check_config(config);
   if (drawn.maps.empty()) return {};
+  const double spacing = drawn.spacing > 0 ? drawn.spacing : report.spacing, finer = report.spacing / spacing;
   const CpuClock connect_clock;
   std::vector<MergeView> views = connect_maps(drawn, config, report, scheduler);
   report.connect = connect_clock.elapsed();
@@ -189,18 +194,18 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merged = concatenate(views, scheduler);
   } else {
     MergeConfig merge;
-    merge.ownership.reference_spacing = drawn.spacing;
+    merge.ownership.reference_spacing = spacing;
     merge.ownership.parts = drawn.parts;
     merge.closed = drawn.closed;
     merge.border = drawn.border;
-    merge.longest_hole = static_cast<float>(config.longest_hole * report.spacing / drawn.spacing);
+    merge.longest_hole = static_cast<float>(config.longest_hole * finer);
     merged = stitch(views, merge, report.stitch, scheduler);
   }
   report.merge = merge_clock.elapsed();
 
   const CpuClock sharpen_clock;
   if (config.merge == MergeKind::stitch && config.sharp_degrees > 0)
-    report.sharpen = sharpen(merged, {static_cast<float>(drawn.spacing), config.sharp_degrees}, scheduler);
+    report.sharpen = sharpen(merged, {static_cast<float>(spacing), config.sharp_degrees}, scheduler);
   report.sharpen_time = sharpen_clock.elapsed();
 
   RawMesh raw;
@@ -213,7 +218,6 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
   report.sampled_triangles = merged.triangles.size();
   if (config.merge == MergeKind::stitch) {
     const CpuClock simplify_clock;
-    const double finer = report.spacing / drawn.spacing;
     SimplifyMergedConfig simplify;
     simplify.triangles = static_cast<std::size_t>(static_cast<double>(merged.triangles.size()) / (finer * finer));
     simplify.farthest = static_cast<float>(8 * report.spacing);
@@ -241,7 +245,7 @@ DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report) {
     if (count > 0) spacings.push_back(map.view.spacing(sum / static_cast<double>(count)));
   }
   std::sort(spacings.begin(), spacings.end());
-  report.spacing = drawn.spacing = spacings.empty() ? 1 : spacings[spacings.size() / 2];
+  report.spacing = spacings.empty() ? 1 : spacings[spacings.size() / 2];
   return drawn;
 }
 

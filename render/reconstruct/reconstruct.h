@@ -65,7 +65,7 @@ struct Reconstruction {
 // The two halves of it: maps drawn here or read from files (map_files.h), and a mesh from maps.
 struct DrawnMaps {
   std::vector<PositionMap> maps;
-  double spacing = 0;                            // of their samples, normalised units
+  double spacing = 0;                            // of their samples, normalised units; 0: that of the report
   std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
   std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
   bool closed = false;

@@ -85,8 +85,9 @@ class MergedSimplifier {
   void cut(int pass) {
     const auto count = static_cast<double>(m_.triangles.size());
     // A surface goes through about 2.5 m^2 cubes of a lattice of m^3.
-    const int side = std::max(1, static_cast<int>(std::sqrt(
-                                     count / (2.5 * static_cast<double>(std::max<std::size_t>(config_.cube_triangles, 1))))));
+    const int side = std::max(
+        1, static_cast<int>(
+               std::sqrt(count / (2.5 * static_cast<double>(std::max<std::size_t>(config_.cube_triangles, 1))))));
     const int cells = side + (pass % 2);
     const float shift = pass % 2 == 0 ? 0.0f : 0.5f;
     std::vector<std::uint32_t> cube_of(m_.triangles.size());
@@ -102,7 +103,8 @@ class MergedSimplifier {
         cube_of[t] = (along(middle.z) * c + along(middle.y)) * c + along(middle.x);
       }
     });
-    const auto all = static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells);
+    const auto all =
+        static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells);
     std::vector<std::size_t> first(all + 1, 0);
     for (const std::uint32_t c : cube_of) ++first[c + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
@@ -274,7 +276,7 @@ class MergedSimplifier {
   std::vector<std::uint32_t> vertex_;  // of each wedge; empty without wedges
   std::vector<std::uint32_t> order_;   // triangles, cube by cube
   std::vector<Cube> cubes_;
-  std::vector<std::uint8_t> held_, was_held_;                 // vertices, in this pass and in the one before
+  std::vector<std::uint8_t> held_, was_held_;                // vertices, in this pass and in the one before
   std::vector<std::uint32_t> vertex_parent_, wedge_parent_;  // of this pass
 };
 
