@@ -114,13 +114,12 @@ bool holds_sample(const PositionMap& map, const SurfacePoint& sample) {
   const std::size_t p = static_cast<std::size_t>(fy) * width + static_cast<std::size_t>(fx);
   const auto h = static_cast<float>(map.view.spacing(w.depth));
   const Vec3f point = to_float(sample.point);
-  int held = 0;
   for (const std::size_t i : {p, p + 1, p + width, p + width + 1}) {
-    if (!map.sees(i)) continue;
+    if (!map.sees(i) || !(dot(map.normal[i], sample.normal) > 0.3f)) continue;
     const Vec3f away = map.position[i] - point;
-    held += std::abs(dot(away, sample.normal)) < 0.7f * h && dot(away, away) < 9 * h * h;
+    if (std::abs(dot(away, sample.normal)) < 0.7f * h && dot(away, away) < 9 * h * h) return true;
   }
-  return held >= 3;
+  return false;
 }
 
 std::vector<MapView> choose_inside_views(const IndexedMesh& mesh, std::span<const SurfacePoint> samples,

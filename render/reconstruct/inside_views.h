@@ -17,7 +17,8 @@
 
 namespace lodestone {
 
-// Whether the samples around a point's place in the map lie on the surface there: at least three of four.
+// Whether a pixel at the point's place in the map is one of the surface there. One of four is enough: at edges and
+// borders the others see something else.
 [[nodiscard]] bool holds_sample(const PositionMap& map, const SurfacePoint& sample);
 
 // For samples that none of the maps holds. `view_along`: the view to draw along a direction, nothing cut off;
