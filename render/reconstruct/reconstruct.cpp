@@ -198,7 +198,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merge.ownership.parts = drawn.parts;
     merge.closed = drawn.closed;
     merge.border = drawn.border;
-    merge.longest_hole = static_cast<float>(config.longest_hole * finer);
+    merge.longest_hole = config.longest_hole;
     merged = stitch(views, merge, report.stitch, scheduler);
   }
   report.merge = merge_clock.elapsed();

@@ -33,7 +33,7 @@ struct ReconstructConfig {
   bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
   bool extend = false;         // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
-  float longest_hole = 48;     // spacings, see MergeConfig
+  float longest_hole = 48;     // spacings of the maps, see MergeConfig
   float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
   bool attributes = false;     // texture coordinates, colours, normals, materials
   bool keep_maps = false;      // in the result

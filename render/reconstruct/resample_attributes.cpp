@@ -44,7 +44,8 @@ class Resampler {
     const std::size_t count = mesh_.triangles.size();
     if (!w.uv.empty()) corners.uv_of.resize(count, no_values), corners.uv.reserve(3 * count);
     if (!w.normal.empty()) corners.normal_of.resize(count, no_values), corners.normal.reserve(3 * count);
-    std::vector<std::uint32_t> material(w.material.empty() ? 0 : count, no_material);
+    // One material for all is not named vertex by vertex.
+    std::vector<std::uint32_t> material(w.materials.empty() ? 0 : count, w.material.empty() ? 0 : no_material);
     if (!w.colour.empty()) corners.colour.resize(mesh_.positions.size());
     for (std::size_t t = 0; t < count; ++t) {
       const auto& v = mesh_.triangles[t].v;
@@ -56,7 +57,7 @@ class Resampler {
         if (!w.normal.empty()) add_normal(corners, t, k, seen, share);
       }
       const std::uint32_t seen = source_[v[0]];
-      if (!material.empty() && seen != no_source) material[t] = w.material[from_.triangles[seen].v[0]];
+      if (!w.material.empty() && seen != no_source) material[t] = w.material[from_.triangles[seen].v[0]];
     }
     for (std::uint32_t v = 0; v < corners.colour.size(); ++v) corners.colour[v] = colour_of(v);
     mesh_.wedges = make_wedges(mesh_.triangles, mesh_.positions.size(), corners);
