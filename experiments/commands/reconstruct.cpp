@@ -112,6 +112,7 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
             {"vertices_split", r.stitch.vertices_split},
             {"collapsed", r.stitch.collapsed},
             {"flipped", r.stitch.flipped}}},
+          {"taken_over", {{"parts", r.lost.parts}, {"triangles", r.lost.triangles}}},
           {"sharpened", {{"edges", r.sharpen.edges}, {"corners", r.sharpen.corners}}},
           {"stages",
            {{"views", to_json(r.choose)},
@@ -328,6 +329,7 @@ void add_reconstruct(CLI::App& app) {
   command.add_flag("--extend", config.extend,
                    "Extend borders to the silhouette: for single views, and parts of a pixel's width");
   command.add_flag("!--no-parts", config.separate_parts, "Connect parts of the mesh that share no vertex, too");
+  command.add_flag("!--no-small-parts", config.lost_parts, "Leave out parts of the mesh that no three pixels see");
   command.add_flag("--attributes", config.attributes,
                    "Resample texture coordinates, colours and normals, too; .glb keeps all of them");
   CLI::Option* maps =

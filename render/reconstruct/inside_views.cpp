@@ -129,7 +129,8 @@ std::vector<MapView> choose_inside_views(const IndexedMesh& mesh, std::span<cons
   std::vector<std::uint8_t> held(samples.size(), 0);
   scheduler.for_chunks(samples.size(), 1024, [&](ChunkRange range) {
     for (std::size_t s = range.begin; s < range.end; ++s)
-      held[s] = std::any_of(maps.begin(), maps.end(), [&](const PositionMap& m) { return holds_sample(m, samples[s]); });
+      held[s] =
+          std::any_of(maps.begin(), maps.end(), [&](const PositionMap& m) { return holds_sample(m, samples[s]); });
   });
   std::vector<SurfacePoint> missed;
   for (std::size_t s = 0; s < samples.size(); ++s)

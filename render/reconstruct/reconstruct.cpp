@@ -14,6 +14,7 @@
 #include "render/reconstruct/gather.h"
 #include "render/reconstruct/inside_views.h"
 #include "render/reconstruct/label_parts.h"
+#include "render/reconstruct/lost_parts.h"
 #include "render/reconstruct/resample_attributes.h"
 #include "render/reconstruct/simplify_merged.h"
 
@@ -208,11 +209,14 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     report.sharpen = sharpen(merged, {static_cast<float>(spacing), config.sharp_degrees}, scheduler);
   report.sharpen_time = sharpen_clock.elapsed();
 
+  std::vector<std::uint32_t> source = sources_of(merged, drawn.maps);
+  if (config.merge == MergeKind::stitch && config.lost_parts && mesh)
+    report.lost = take_over_lost_parts(*mesh, spacing, merged, source, scheduler);
   RawMesh raw;
   put_mesh(merged, drawn.maps.front().transform, raw);
   if (config.attributes && mesh) {
     const CpuClock attributes_clock;
-    resample_attributes(*mesh, sources_of(merged, drawn.maps), raw);
+    resample_attributes(*mesh, std::move(source), raw);
     report.attributes = attributes_clock.elapsed();
   }
   report.sampled_triangles = merged.triangles.size();

@@ -11,6 +11,7 @@
 #include "parallel/stage_time.h"
 #include "render/position_map/map_files.h"
 #include "render/reconstruct/choose_views.h"
+#include "render/reconstruct/lost_parts.h"
 #include "render/reconstruct/merge.h"
 #include "render/reconstruct/sharpen.h"
 
@@ -33,6 +34,7 @@ struct ReconstructConfig {
   bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
   bool extend = false;         // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
+  bool lost_parts = true;      // take over what is too small for the maps (lost_parts.h); where the mesh is known
   float longest_hole = 48;     // spacings of the maps, see MergeConfig
   float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
   bool attributes = false;     // texture coordinates, colours, normals, materials
@@ -46,6 +48,7 @@ struct ReconstructReport {
   std::uint64_t view_triangles = 0;    // of all view meshes
   StitchReport stitch;
   SharpenReport sharpen;
+  LostParts lost;
   std::size_t sampled_triangles = 0;  // before they were simplified
   bool closed = false;                // the input has no border
   bool oriented = false;              // and its triangles agree on what is outside
