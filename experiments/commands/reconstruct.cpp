@@ -243,12 +243,17 @@ class ReconstructRun {
     const MeshDistance d = compare_meshes(original_space(mesh_), result.mesh, {}, scheduler);
     row["distance"] = {{"diagonal", d.diagonal}, {"from_input", to_json(d.forward)}, {"to_input", to_json(d.backward)}};
     const ReconstructReport& r = result.report;
-    const double covered = coverage(r.views.visible_points, result.mesh, mesh_.transform, r.spacing, scheduler);
-    row["coverage"] = covered;
+    const SurfaceCoverage seen =
+        measure_coverage(r.views.visible_points, result.mesh, mesh_.transform, r.spacing, scheduler);
+    const double scale = mesh_.transform.scale;
+    row["coverage"] = seen.share;
+    row["distance"]["from_visible_input"] = {{"rms", seen.rms * scale}, {"max", seen.max * scale}};
     const double percent = d.diagonal > 0 ? 100 / d.diagonal : 0;
-    return fmt::format(", coverage {:.2f} %, rms {:.4f} / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal",
-                       100 * covered, d.forward.rms * percent, d.backward.rms * percent, d.forward.max * percent,
-                       d.backward.max * percent);
+    return fmt::format(
+        ", coverage {:.2f} %, rms {:.4f} (of what is visible {:.4f}) / {:.4f} %, "
+        "max {:.3f} / {:.3f} % of the diagonal",
+        100 * seen.share, d.forward.rms * percent, seen.rms * scale * percent, d.backward.rms * percent,
+        d.forward.max * percent, d.backward.max * percent);
   }
 
   void print(const Reconstruction& result, const MeshQuality& quality, const std::string& output,

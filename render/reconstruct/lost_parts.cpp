@@ -34,8 +34,24 @@ std::vector<std::uint32_t> find_lost(const IndexedMesh& mesh, double spacing, co
   return triangles;
 }
 
+// Whole pieces with an edge of one triangle go.
+void drop_open_pieces(EditMesh& mesh) {
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
+    for (std::size_t k = 0; k < 3 && mesh.alive(t); ++k)
+      if (mesh.is_border(mesh.triangle(t).v[k], mesh.triangle(t).v[(k + 1) % 3])) open.push_back(t);
+  while (!open.empty()) {
+    const std::uint32_t t = open.back();
+    open.pop_back();
+    if (!mesh.alive(t)) continue;
+    const Triangle gone = mesh.triangle(t);
+    mesh.remove(t);
+    for (const std::uint32_t v : gone.v) open.insert(open.end(), mesh.around(v).begin(), mesh.around(v).end());
+  }
+}
+
 // As a manifold; `pixel` holds a triangle of each vertex.
-MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& triangles) {
+MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& triangles, bool closed) {
   const auto vertex_of = [&](std::uint32_t w) { return mesh.wedges.vertex.empty() ? w : mesh.wedges.vertex[w]; };
   std::vector<std::uint32_t> used;
   for (const std::uint32_t t : triangles)
@@ -52,11 +68,12 @@ MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& t
   for (const std::uint32_t t : triangles) {
     std::uint32_t v[3];
     for (std::size_t k = 0; k < 3; ++k)
-      v[k] = static_cast<std::uint32_t>(
-          std::lower_bound(used.begin(), used.end(), vertex_of(mesh.triangles[t].v[k])) - used.begin());
+      v[k] = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), vertex_of(mesh.triangles[t].v[k])) -
+                                        used.begin());
     if (seam.mesh.add(v[0], v[1], v[2]) == EditMesh::none) continue;
     for (const std::uint32_t corner : v) seam.part[corner] = t;
   }
+  if (closed) drop_open_pieces(seam.mesh);
   split_vertices(seam);
 
   MergedMesh result;
@@ -71,12 +88,12 @@ MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& t
 }  // namespace
 
 LostParts take_over_lost_parts(const IndexedMesh& mesh, double spacing, MergedMesh& merged,
-                               std::vector<std::uint32_t>& source, Scheduler& scheduler) {
+                               std::vector<std::uint32_t>& source, bool closed, Scheduler& scheduler) {
   LostParts lost;
   double area = 0;
   const std::vector<std::uint32_t> triangles = find_lost(mesh, spacing, source, lost.parts, area);
   if (triangles.empty()) return lost;
-  MergedMesh part = take_out(mesh, triangles);
+  MergedMesh part = take_out(mesh, triangles, closed);
   SimplifyMergedConfig config;
   config.triangles = std::max(2 * lost.parts, static_cast<std::size_t>(2 * area / (spacing * spacing)));
   config.farthest = static_cast<float>(4 * spacing);

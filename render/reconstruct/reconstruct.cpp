@@ -211,7 +211,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
 
   std::vector<std::uint32_t> source = sources_of(merged, drawn.maps);
   if (config.merge == MergeKind::stitch && config.lost_parts && mesh)
-    report.lost = take_over_lost_parts(*mesh, spacing, merged, source, scheduler);
+    report.lost = take_over_lost_parts(*mesh, spacing, merged, source, drawn.closed, scheduler);
   RawMesh raw;
   put_mesh(merged, drawn.maps.front().transform, raw);
   if (config.attributes && mesh) {
@@ -224,6 +224,12 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     const CpuClock simplify_clock;
     SimplifyMergedConfig simplify;
     simplify.triangles = static_cast<std::size_t>(static_cast<double>(merged.triangles.size()) / (finer * finer));
+    if (config.triangles > 0 && config.triangles < merged.triangles.size()) {
+      // The spacing of samples that would make so many.
+      const double of_target = static_cast<double>(merged.triangles.size()) / static_cast<double>(config.triangles);
+      report.spacing = spacing * std::sqrt(of_target);
+      simplify.triangles = config.triangles;
+    }
     simplify.farthest = static_cast<float>(8 * report.spacing);
     simplify_merged(merged, raw.wedges, simplify, scheduler);
     put_mesh(merged, drawn.maps.front().transform, raw);
@@ -270,6 +276,8 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
     area += 0.5 * length(cross(b - a, c - a));
   }
   const auto wanted = static_cast<double>(triangles);
+  const bool simplifies = config.merge == MergeKind::stitch && config.detail > 1;
+  if (simplifies) config.triangles = triangles;
   // Two triangles a pixel, on surfaces that are tilted by a third on the average.
   config.resolution = std::clamp(std::sqrt(wanted * 1.25 / (2 * std::max(area, 1e-9))), 4.0, 8192.0);
   Reconstruction best;
@@ -277,9 +285,13 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
   for (int round = 0; round < 4; ++round) {
     Reconstruction tried = reconstruct(mesh, config, scheduler);
     const auto made = static_cast<double>(std::max<std::size_t>(tried.mesh.triangles.size(), 1));
+    const auto sampled = static_cast<double>(std::max<std::size_t>(tried.report.sampled_triangles, 1));
     if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
-    if (least < 0.02) break;
-    config.resolution = std::clamp(config.resolution * std::sqrt(wanted / made), 2.0, double{largest_map_side} / 2);
+    // What is simplified needs to be fine enough, and no more.
+    const double finer = simplifies ? sampled / (wanted * config.detail * config.detail) : made / wanted;
+    if (least < 0.02 && (!simplifies || (finer > 0.6 && finer < 2.5))) break;
+    if (simplifies) least = std::numeric_limits<double>::infinity();
+    config.resolution = std::clamp(config.resolution / std::sqrt(finer), 2.0, double{largest_map_side} / 2);
   }
   return best;
 }

@@ -26,6 +26,7 @@ struct ReconstructConfig {
   // Maps are drawn so many times finer than `resolution`, and what is stitched is simplified to as many triangles as
   // the resolution gives (simplify_merged.h): 1 to 16; 1: not.
   double detail = 2;
+  std::uint64_t triangles = 0;  // simplify to so many instead, where the maps give more; 0: not
   Projection projection = Projection::orthographic;
   std::string backend = "soft";
   ViewChoice views;

@@ -37,7 +37,7 @@ void spread_sources(std::span<const Triangle> triangles, std::vector<std::uint32
 class Resampler {
  public:
   Resampler(const IndexedMesh& from, const std::vector<std::uint32_t>& source, RawMesh& mesh)
-      : from_(from), source_(source), mesh_(mesh), chart_(label_charts(from)), walk_(from) {}
+      : from_(from), source_(source), mesh_(mesh), chart_(label_charts(from)), walk_(from.positions, from.triangles) {}
 
   void run() {
     CornerAttributes corners;

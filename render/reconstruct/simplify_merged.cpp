@@ -1,7 +1,6 @@
 #include "render/reconstruct/simplify_merged.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -9,6 +8,7 @@
 #include "core/hierarchy/block_wedges.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/simplify/simplifier.h"
+#include "render/reconstruct/surface_walk.h"
 
 namespace lodestone {
 namespace {
@@ -28,8 +28,8 @@ struct Tools {
   BlockWedges block;
 };
 
-std::uint8_t mix(std::uint8_t a, std::uint8_t b, std::uint8_t c, const std::array<float, 3>& w) {
-  const float sum = w[0] * static_cast<float>(a) + w[1] * static_cast<float>(b) + w[2] * static_cast<float>(c);
+std::uint8_t mix(std::uint8_t a, std::uint8_t b, std::uint8_t c, const Vec3f& w) {
+  const float sum = w.x * static_cast<float>(a) + w.y * static_cast<float>(b) + w.z * static_cast<float>(c);
   return static_cast<std::uint8_t>(std::clamp(sum + 0.5f, 0.0f, 255.0f));
 }
 
@@ -195,22 +195,25 @@ class MergedSimplifier {
     }
   }
 
-  // All are read before any is written.
+  // What a vertex has is that of the place in the finer triangles that it has moved to, which may lie beyond those that
+  // were around it. All are read before any is written.
   void put_values(const Cube& cube, std::span<const BlockWedges::Moved> moved) {
+    const SurfaceWalk walk(cube.position, cube.triangles);
     std::vector<Vec2f> uv;
     std::vector<Vec3f> normal;
     std::vector<Rgba8> colour;
     for (const BlockWedges::Moved& m : moved) {
+      const Vec3d to = to_double(m_.position[vertex_[cube.wedge[m.wedge]]]);
+      const SurfaceWalk::Place place = walk.find(m.triangle, to);
       std::uint32_t c[3];
-      for (std::size_t k = 0; k < 3; ++k) c[k] = cube.wedge[cube.triangles[m.triangle].v[k]];
-      const auto& s = m.weight;
+      for (std::size_t k = 0; k < 3; ++k) c[k] = cube.wedge[cube.triangles[place.triangle].v[k]];
+      const Vec3f s = to_float({place.share[0], place.share[1], place.share[2]});
       if (!w_.uv.empty()) {
         const Vec2f &p = w_.uv[c[0]], &q = w_.uv[c[1]], &r = w_.uv[c[2]];
-        uv.push_back({s[0] * p.x + s[1] * q.x + s[2] * r.x, s[0] * p.y + s[1] * q.y + s[2] * r.y});
+        uv.push_back({s.x * p.x + s.y * q.x + s.z * r.x, s.x * p.y + s.y * q.y + s.z * r.y});
       }
       if (!w_.normal.empty())
-        normal.push_back(
-            unit_normal(to_double(s[0] * w_.normal[c[0]] + s[1] * w_.normal[c[1]] + s[2] * w_.normal[c[2]])));
+        normal.push_back(unit_normal(to_double(s.x * w_.normal[c[0]] + s.y * w_.normal[c[1]] + s.z * w_.normal[c[2]])));
       if (!w_.colour.empty()) {
         const Rgba8 &p = w_.colour[c[0]], &q = w_.colour[c[1]], &r = w_.colour[c[2]];
         colour.push_back({mix(p.r, q.r, r.r, s), mix(p.g, q.g, r.g, s), mix(p.b, q.b, r.b, s), mix(p.a, q.a, r.a, s)});

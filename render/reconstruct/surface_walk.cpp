@@ -8,8 +8,6 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t none = 0xFFFF'FFFFu;
-
 // Of a point of the triangle, or one that is off it by rounding.
 std::array<double, 3> shares_of(const std::array<Vec3d, 3>& c, Vec3d q) {
   const Vec3d normal = cross(c[1] - c[0], c[2] - c[0]);
@@ -22,14 +20,14 @@ std::array<double, 3> shares_of(const std::array<Vec3d, 3>& c, Vec3d q) {
 
 }  // namespace
 
-SurfaceWalk::SurfaceWalk(const IndexedMesh& mesh)
-    : mesh_(mesh), first_(mesh.positions.size() + 1, 0), around_(3 * mesh.triangles.size()) {
-  for (const Triangle& t : mesh.triangles)
+SurfaceWalk::SurfaceWalk(std::span<const Vec3f> positions, std::span<const Triangle> triangles)
+    : positions_(positions), triangles_(triangles), first_(positions.size() + 1, 0), around_(3 * triangles.size()) {
+  for (const Triangle& t : triangles)
     for (const std::uint32_t v : t.v) ++first_[v + 1];
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    for (const std::uint32_t v : mesh.triangles[t].v) around_[next[v]++] = t;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+    for (const std::uint32_t v : triangles[t].v) around_[next[v]++] = t;
 }
 
 SurfaceWalk::Place SurfaceWalk::find(std::uint32_t start, Vec3d point) const {
@@ -40,33 +38,22 @@ SurfaceWalk::Place SurfaceWalk::find(std::uint32_t start, Vec3d point) const {
   std::uint32_t at = start;
   NearestPoint nearest = nearest_on(at);
   for (int steps = 0; steps < 256; ++steps) {
-    std::uint32_t best = none;
-    for (std::size_t edge = 0; edge < 3; ++edge) {
-      const std::uint32_t other = neighbour(at, edge);
-      if (other == none) continue;
-      const NearestPoint there = nearest_on(other);
-      if (there.squared_distance < nearest.squared_distance) nearest = there, best = other;
-    }
-    if (best == none) break;
-    at = best;
+    const std::array<double, 3> share = shares_of(corners(at), nearest.point);
+    if (share[0] > 0 && share[1] > 0 && share[2] > 0) break;  // no neighbour is nearer than what is inside
+    const std::uint32_t before = at;
+    for (const std::uint32_t v : triangles_[before].v)
+      for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) {
+        const NearestPoint there = nearest_on(around_[k]);
+        if (there.squared_distance < nearest.squared_distance) nearest = there, at = around_[k];
+      }
+    if (at == before) break;
   }
   return {at, shares_of(corners(at), nearest.point)};
 }
 
-// Over the edge from corner `edge` to the next one.
-std::uint32_t SurfaceWalk::neighbour(std::uint32_t triangle, std::size_t edge) const {
-  const auto& v = mesh_.triangles[triangle].v;
-  const std::uint32_t a = v[edge], b = v[(edge + 1) % 3];
-  for (std::uint32_t k = first_[a]; k < first_[a + 1]; ++k) {
-    const auto& u = mesh_.triangles[around_[k]].v;
-    if (around_[k] != triangle && (u[0] == b || u[1] == b || u[2] == b)) return around_[k];
-  }
-  return none;
-}
-
 std::array<Vec3d, 3> SurfaceWalk::corners(std::uint32_t triangle) const {
-  const auto& v = mesh_.triangles[triangle].v;
-  return {to_double(mesh_.positions[v[0]]), to_double(mesh_.positions[v[1]]), to_double(mesh_.positions[v[2]])};
+  const auto& v = triangles_[triangle].v;
+  return {to_double(positions_[v[0]]), to_double(positions_[v[1]]), to_double(positions_[v[2]])};
 }
 
 }  // namespace lodestone

@@ -1,18 +1,21 @@
-// From a triangle of a surface to the one nearest to a point, over edges that no seam of the texture cuts.
+// From a triangle of a surface to the one nearest to a point, over vertices and edges that no seam of the texture cuts.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
-#include "core/mesh/indexed_mesh.h"
+#include "core/base/vec3.h"
+#include "core/mesh/triangle.h"
 
 namespace lodestone {
 
 class SurfaceWalk {
  public:
-  // Keeps a reference. 4 bytes per wedge and 12 per triangle.
-  explicit SurfaceWalk(const IndexedMesh& mesh);
+  // Of a mesh by wedges: triangles that share an edge share its wedges, unless a seam lies there. Keeps the spans. 4
+  // bytes per wedge and 12 per triangle.
+  SurfaceWalk(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
 
   // A place on the surface: shares of a triangle's corners that add up to 1, none below 0.
   struct Place {
@@ -25,10 +28,10 @@ class SurfaceWalk {
   [[nodiscard]] Place find(std::uint32_t start, Vec3d point) const;
 
  private:
-  [[nodiscard]] std::uint32_t neighbour(std::uint32_t triangle, std::size_t edge) const;
   [[nodiscard]] std::array<Vec3d, 3> corners(std::uint32_t triangle) const;
 
-  const IndexedMesh& mesh_;
+  std::span<const Vec3f> positions_;
+  std::span<const Triangle> triangles_;
   std::vector<std::uint32_t> first_, around_;  // the triangles around each wedge
 };
 
