@@ -328,7 +328,7 @@ void add_reconstruct(CLI::App& app) {
   command
       .add_option("--sharp", config.sharp_degrees, "Angle in degrees from which sharp features are recovered; 0: none")
       ->capture_default_str();
-  command.add_option("--fill", config.longest_hole, "Fill holes up to this perimeter, in pixel spacings of the maps")
+  command.add_option("--fill", config.longest_hole, "Fill holes up to this perimeter, in pixel spacings")
       ->capture_default_str();
   command.add_flag("!--no-condense", config.condense, "Draw the maps at the resolution itself, not at twice that");
   command.add_flag("--extend", config.extend,

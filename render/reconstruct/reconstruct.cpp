@@ -199,7 +199,8 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merge.ownership.parts = drawn.parts;
     merge.closed = drawn.closed;
     merge.border = drawn.border;
-    merge.longest_hole = config.longest_hole;
+    // An open surface has holes of its own: the maps' samples say how large those are that are none.
+    merge.longest_hole = config.longest_hole * (drawn.closed ? static_cast<float>(finer) : 1.0f);
     merged = stitch(views, merge, report.stitch, scheduler);
   }
   report.merge = merge_clock.elapsed();
@@ -230,7 +231,8 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
       report.spacing = spacing * std::sqrt(of_target);
       simplify.triangles = config.triangles;
     }
-    simplify.farthest = static_cast<float>(8 * report.spacing);
+    // Farther than this flat parts would be cut into slivers (docs/decisions/0020).
+    simplify.farthest = static_cast<float>(1.5 * report.spacing);
     simplify_merged(merged, raw.wedges, simplify, scheduler);
     put_mesh(merged, drawn.maps.front().transform, raw);
     report.simplify = simplify_clock.elapsed();

@@ -36,7 +36,7 @@ struct ReconstructConfig {
   bool extend = false;         // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
   bool lost_parts = true;      // take over what is too small for the maps (lost_parts.h); where the mesh is known
-  float longest_hole = 48;     // spacings of the maps, see MergeConfig
+  float longest_hole = 48;     // spacings, of the maps where the surface is open; see MergeConfig
   float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
   bool attributes = false;     // texture coordinates, colours, normals, materials
   bool keep_maps = false;      // in the result

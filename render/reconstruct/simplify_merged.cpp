@@ -23,6 +23,11 @@ struct Cube {
   std::vector<Triangle> triangles{};
 };
 
+// A wedge that is not where it was, and a triangle of the mesh that had it.
+struct Moved {
+  std::uint32_t wedge = 0, triangle = 0;
+};
+
 struct Tools {
   std::unique_ptr<Simplifier> simplifier = make_simplifier(SimplifierKind::quadric);
   BlockWedges block;
@@ -73,12 +78,15 @@ class MergedSimplifier {
     std::iota(wedge_parent_.begin(), wedge_parent_.end(), 0u);
     vertex_parent_.resize(m_.position.size());
     std::iota(vertex_parent_.begin(), vertex_parent_.end(), 0u);
+    std::vector<std::vector<Moved>> moved(cubes_.size());
+    const std::vector<Vec3f> before = has_wedges() ? wedge_positions() : std::vector<Vec3f>{};
     scheduler_.for_chunks(cubes_.size(), 1, [&](ChunkRange range) {
       Tools& tools = tools_[static_cast<std::size_t>(scheduler_.worker_index())];
       take_out(cubes_[range.index]);
-      simplify(cubes_[range.index], tools);
+      simplify(cubes_[range.index], tools, moved[range.index]);
       cubes_[range.index] = {};
     });
+    if (has_wedges()) move_values(before, moved);
   }
 
   // Sorts the triangles by the cube that holds their barycentre.
@@ -172,16 +180,18 @@ class MergedSimplifier {
     }
   }
 
-  void simplify(Cube& cube, Tools& tools) {
+  void simplify(const Cube& cube, Tools& tools, std::vector<Moved>& moved) {
     if (!has_wedges()) {
       SimplifyInput input{cube.position, cube.triangles, cube.locked, config_.farthest, cube.target};
       return put_back(cube, tools.simplifier->simplify(input));
     }
     std::vector<std::uint32_t> vertices;
     for (const std::uint32_t w : cube.wedge) vertices.push_back(vertex_[w]);
-    tools.block.weld(vertices, cube.position, cube.triangles, cube.locked);
+    std::vector<std::uint8_t> locked = cube.locked;
+    tools.block.weld(vertices, cube.position, cube.triangles, locked);
     put_back(cube, tools.block.simplify(*tools.simplifier, config_.farthest, cube.target, 0));
-    put_values(cube, tools.block.moved());
+    for (const BlockWedges::Moved& m : tools.block.moved())
+      moved.push_back({cube.wedge[m.wedge], order_[cube.first + m.triangle]});
   }
 
   // No other cube has the vertices that are written to.
@@ -195,35 +205,40 @@ class MergedSimplifier {
     }
   }
 
+  [[nodiscard]] std::vector<Vec3f> wedge_positions() const {
+    std::vector<Vec3f> positions;
+    positions.reserve(vertex_.size());
+    for (const std::uint32_t v : vertex_) positions.push_back(m_.position[v]);
+    return positions;
+  }
+
   // What a vertex has is that of the place in the finer triangles that it has moved to, which may lie beyond those that
   // were around it. All are read before any is written.
-  void put_values(const Cube& cube, std::span<const BlockWedges::Moved> moved) {
-    const SurfaceWalk walk(cube.position, cube.triangles);
-    std::vector<Vec2f> uv;
-    std::vector<Vec3f> normal;
-    std::vector<Rgba8> colour;
-    for (const BlockWedges::Moved& m : moved) {
-      const Vec3d to = to_double(m_.position[vertex_[cube.wedge[m.wedge]]]);
-      const SurfaceWalk::Place place = walk.find(m.triangle, to);
-      std::uint32_t c[3];
-      for (std::size_t k = 0; k < 3; ++k) c[k] = cube.wedge[cube.triangles[place.triangle].v[k]];
-      const Vec3f s = to_float({place.share[0], place.share[1], place.share[2]});
-      if (!w_.uv.empty()) {
-        const Vec2f &p = w_.uv[c[0]], &q = w_.uv[c[1]], &r = w_.uv[c[2]];
-        uv.push_back({s.x * p.x + s.y * q.x + s.z * r.x, s.x * p.y + s.y * q.y + s.z * r.y});
+  void move_values(const std::vector<Vec3f>& before, const std::vector<std::vector<Moved>>& moved) {
+    const SurfaceWalk walk(before, w_.corners);
+    RawWedges from;
+    from.uv = w_.uv, from.normal = w_.normal, from.colour = w_.colour;
+    scheduler_.for_chunks(moved.size(), 1, [&](ChunkRange range) {
+      for (const Moved& m : moved[range.index]) {
+        const SurfaceWalk::Place place = walk.find(m.triangle, to_double(m_.position[vertex_[m.wedge]]));
+        put_value(from, place, m.wedge);
       }
-      if (!w_.normal.empty())
-        normal.push_back(unit_normal(to_double(s.x * w_.normal[c[0]] + s.y * w_.normal[c[1]] + s.z * w_.normal[c[2]])));
-      if (!w_.colour.empty()) {
-        const Rgba8 &p = w_.colour[c[0]], &q = w_.colour[c[1]], &r = w_.colour[c[2]];
-        colour.push_back({mix(p.r, q.r, r.r, s), mix(p.g, q.g, r.g, s), mix(p.b, q.b, r.b, s), mix(p.a, q.a, r.a, s)});
-      }
+    });
+  }
+
+  void put_value(const RawWedges& from, const SurfaceWalk::Place& place, std::uint32_t to) {
+    const auto& c = w_.corners[place.triangle].v;
+    const Vec3f s = to_float({place.share[0], place.share[1], place.share[2]});
+    if (!from.uv.empty()) {
+      const Vec2f &p = from.uv[c[0]], &q = from.uv[c[1]], &r = from.uv[c[2]];
+      w_.uv[to] = {s.x * p.x + s.y * q.x + s.z * r.x, s.x * p.y + s.y * q.y + s.z * r.y};
     }
-    for (std::size_t k = 0; k < moved.size(); ++k) {
-      const std::uint32_t wedge = cube.wedge[moved[k].wedge];
-      if (!uv.empty()) w_.uv[wedge] = uv[k];
-      if (!normal.empty()) w_.normal[wedge] = normal[k];
-      if (!colour.empty()) w_.colour[wedge] = colour[k];
+    if (!from.normal.empty())
+      w_.normal[to] =
+          unit_normal(to_double(s.x * from.normal[c[0]] + s.y * from.normal[c[1]] + s.z * from.normal[c[2]]));
+    if (!from.colour.empty()) {
+      const Rgba8 &p = from.colour[c[0]], &q = from.colour[c[1]], &r = from.colour[c[2]];
+      w_.colour[to] = {mix(p.r, q.r, r.r, s), mix(p.g, q.g, r.g, s), mix(p.b, q.b, r.b, s), mix(p.a, q.a, r.a, s)};
     }
   }
 

@@ -1,5 +1,5 @@
-// Files of position maps that somebody has damaged: a map that can be reconstructed, or an InputError; nothing else. The
-// same mutations at every run; tests/fuzz looks for others.
+// Files of position maps that somebody has damaged: a map that can be reconstructed, or an InputError; nothing else.
+// The same mutations at every run; tests/fuzz looks for others.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -44,10 +44,18 @@ class MapMutations : public ::testing::Test {
     for (std::size_t changes = 1 + below(4); changes > 0; --changes) {
       const std::size_t at = below(2) == 0 ? below(std::min<std::size_t>(bytes.size(), 400)) : below(bytes.size());
       switch (below(6)) {
-        case 0: bytes.resize(at); break;
-        case 1: bytes.erase(at, 1 + below(8)); break;
-        case 2: bytes.insert(at, bytes.substr(at, 1 + below(16))); break;
-        case 3: bytes.replace(at, std::min<std::size_t>(4, bytes.size() - at), "\xff\xff\xff\x7f", 4); break;
+        case 0:
+          bytes.resize(at);
+          break;
+        case 1:
+          bytes.erase(at, 1 + below(8));
+          break;
+        case 2:
+          bytes.insert(at, bytes.substr(at, 1 + below(16)));
+          break;
+        case 3:
+          bytes.replace(at, std::min<std::size_t>(4, bytes.size() - at), "\xff\xff\xff\x7f", 4);
+          break;
         default:
           if (!bytes.empty()) bytes[at] = static_cast<char>(random());
       }

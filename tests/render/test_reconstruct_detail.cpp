@@ -1,5 +1,5 @@
-// What makes a reconstruction nearer: simplification of finer samples, views past what is in the way, parts that are too
-// small, attributes from the right side of a seam.
+// What makes a reconstruction nearer: simplification of finer samples, views past what is in the way, parts that are
+// too small, attributes from the right side of a seam.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -104,8 +104,30 @@ TEST(SimplifyMerged, TakesHardInput) {
   EXPECT_EQ(enough.triangles, before);
 }
 
+// Where the terrain is above a place, and how far a point is from it.
+Vec3d above(const IndexedMesh& terrain, Vec2f at) {
+  for (const Triangle& t : terrain.triangles) {
+    const Vec3d a = to_double(terrain.positions[t.v[0]]), b = to_double(terrain.positions[t.v[1]]) - a,
+                c = to_double(terrain.positions[t.v[2]]) - a;
+    const double area = b.x * c.y - b.y * c.x, x = at.x - a.x, y = at.y - a.y;
+    const double u = (x * c.y - y * c.x) / area, v = (b.x * y - b.y * x) / area;
+    if (u >= -1e-4 && v >= -1e-4 && u + v <= 1 + 1e-4) return a + u * b + v * c;
+  }
+  return {9, 9, 9};
+}
+double distance_from(const IndexedMesh& mesh, Vec3d p) {
+  double least = 1e9;
+  for (const Triangle& t : mesh.triangles)
+    least = std::min(least, nearest_on_triangle(p, to_double(mesh.positions[t.v[0]]), to_double(mesh.positions[t.v[1]]),
+                                                to_double(mesh.positions[t.v[2]]))
+                                .squared_distance);
+  return std::sqrt(least);
+}
+
+// Every vertex has what the terrain has at a place that is, but for what the second pass adds (a third of a cell of the
+// terrain), the nearest one.
 TEST(SimplifyMerged, MovesAttributesWithTheSurface) {
-  const IndexedMesh mesh = terrain_mesh(60, 0.02);  // flat: what stands off the surface is not far aside
+  const IndexedMesh mesh = terrain_mesh(40, 0.1);
   const auto serial = make_serial_scheduler();
   for (const bool seam : {false, true}) {
     MergedMesh merged = merged_of(mesh);
@@ -126,17 +148,16 @@ TEST(SimplifyMerged, MovesAttributesWithTheSurface) {
         }
       }
     }
-    simplify_merged(merged, wedges, {.triangles = 1500, .cube_triangles = 3000}, *serial);
+    simplify_merged(merged, wedges, {.triangles = 800, .cube_triangles = 1000}, *serial);
     EXPECT_EQ(wedges.corners.empty(), !seam);
-    EXPECT_LT(merged.triangles.size(), 1700u);
+    EXPECT_LT(merged.triangles.size(), 900u);
     const std::vector<Triangle>& corners = seam ? wedges.corners : merged.triangles;
     for (std::size_t t = 0; t < corners.size(); ++t) {
       const bool aside = wedges.uv[corners[t].v[0]].x >= 1.5f;
       for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3f p = merged.position[merged.triangles[t].v[k]];
+        const Vec3d p = to_double(merged.position[merged.triangles[t].v[k]]);
         const Vec2f uv = wedges.uv[corners[t].v[k]];
-        EXPECT_NEAR(uv.x, p.x + (aside ? 2 : 0), 5e-3);
-        EXPECT_NEAR(uv.y, p.y, 5e-3);
+        EXPECT_LT(length(above(mesh, {uv.x - (aside ? 2 : 0), uv.y}) - p), distance_from(mesh, p) + 8e-3);
       }
     }
   }
@@ -158,8 +179,8 @@ TEST(SurfaceWalk, FindsWhatIsNearest) {
     const SurfaceWalk::Place place = walk.find(start, p);
     double least = 1e9;
     for (const Triangle& u : mesh.triangles)
-      least = std::min(least, nearest_on_triangle(p, to_double(mesh.positions[u.v[0]]), to_double(mesh.positions[u.v[1]]),
-                                                  to_double(mesh.positions[u.v[2]]))
+      least = std::min(least, nearest_on_triangle(p, to_double(mesh.positions[u.v[0]]),
+                                                  to_double(mesh.positions[u.v[1]]), to_double(mesh.positions[u.v[2]]))
                                   .squared_distance);
     Vec3d q;
     for (std::size_t k = 0; k < 3; ++k)
