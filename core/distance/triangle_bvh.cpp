@@ -43,6 +43,30 @@ double squared_distance(Vec3d p, const Box3f& box) {
   return (x * x + y * y) + z * z;
 }
 
+// From which t >= least on the ray is in the box, if it ever is; `inverse`: of its direction, finite.
+bool enters_box(const Box3f& box, Vec3d from, Vec3d inverse, double least, double& enter) {
+  double leave = infinity;
+  enter = least;
+  const auto clip = [&](double lo, double hi, double origin, double scale) {
+    const double a = (lo - origin) * scale, b = (hi - origin) * scale;
+    enter = std::max(enter, std::min(a, b)), leave = std::min(leave, std::max(a, b));
+  };
+  clip(box.lo.x, box.hi.x, from.x, inverse.x);
+  clip(box.lo.y, box.hi.y, from.y, inverse.y);
+  clip(box.lo.z, box.hi.z, from.z, inverse.z);
+  return enter <= leave * (1 + 1e-12);
+}
+
+// As in moeller1997, both sides; infinity without a point in common.
+double meet_triangle(Vec3d from, Vec3d direction, double least, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d ab = b - a, ac = c - a, p = cross(direction, ac);
+  const double det = dot(ab, p);
+  if (det == 0) return infinity;
+  const Vec3d ap = from - a, q = cross(ap, ab);
+  const double u = dot(ap, p) / det, v = dot(direction, q) / det, t = dot(ac, q) / det;
+  return u >= 0 && v >= 0 && u + v <= 1 && t >= least ? t : double{infinity};
+}
+
 // Spreads the low 21 bits of v to every third bit.
 std::uint64_t spread21(std::uint64_t v) {
   v = (v | v << 32) & 0x001f'0000'0000'ffffull;
@@ -178,6 +202,38 @@ TriangleBvh::Nearest TriangleBvh::nearest(Vec3d p, std::uint32_t hint) const {
       at = stack[--size].child;
     } while (!(stack[size].squared_distance < best.squared_distance));
   }
+}
+
+double TriangleBvh::meet_leaf(std::uint32_t leaf, Vec3d from, Vec3d direction, double least) const {
+  const std::uint32_t first = leaf_first(leaf);
+  double nearest = infinity;
+  for (std::uint32_t slot = first; slot < first + leaf_count(leaf); ++slot) {
+    const auto& v = slots_[slot].v;
+    nearest =
+        std::min(nearest, meet_triangle(from, direction, least, positions_[v[0]], positions_[v[1]], positions_[v[2]]));
+  }
+  return nearest;
+}
+
+double TriangleBvh::meet(Vec3d from, Vec3d direction, double least, Hit hit) const {
+  const auto inverse_of = [](double v) { return 1 / (v == 0 ? 1e-300 : v); };
+  const Vec3d inverse{inverse_of(direction.x), inverse_of(direction.y), inverse_of(direction.z)};
+  std::array<std::uint32_t, 128> stack;
+  std::size_t size = 0;
+  stack[size++] = root_.child;
+  double nearest = infinity;
+  while (size > 0 && (hit == Hit::first || nearest == infinity)) {
+    const std::uint32_t at = stack[--size];
+    if (at & leaf_bit) {
+      nearest = std::min(nearest, meet_leaf(at, from, direction, least));
+      continue;
+    }
+    const Node& node = nodes_[at];
+    for (std::size_t k = 0; k < 2; ++k)
+      if (double enter = 0; enters_box(node.box[k], from, inverse, least, enter) && enter <= nearest * (1 + 1e-12))
+        stack[size++] = node.child[k];
+  }
+  return nearest;
 }
 
 }  // namespace lodestone

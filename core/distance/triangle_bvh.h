@@ -1,4 +1,5 @@
-// Nearest point on a triangle mesh: a bounding volume hierarchy over the triangles in Morton order.
+// Nearest point on a triangle mesh, and where a ray meets it: a bounding volume hierarchy over the triangles in Morton
+// order.
 //
 // Binary, boxes of both children in one node, at most four triangles per leaf; split where the Morton codes of the
 // centres first differ (Karras 2012, sequentially). Boxes are float, rounded outwards; distances are double. About 45
@@ -31,6 +32,11 @@ class TriangleBvh {
 
   // hint: the slot of a triangle that may be near, which makes a query on coherent points several times faster.
   [[nodiscard]] Nearest nearest(Vec3d p, std::uint32_t hint = no_hint) const;
+  // The least t >= least at which from + t * direction meets a triangle, infinity where it meets none; with any_will_do
+  // some such t. Edges and corners belong to their triangles but for rounding; a triangle that the ray lies in is not
+  // met.
+  enum class Hit { first, any_will_do };
+  [[nodiscard]] double meet(Vec3d from, Vec3d direction, double least, Hit hit = Hit::first) const;
   [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return original_[slot]; }
 
  private:
@@ -51,6 +57,7 @@ class TriangleBvh {
   Subtree build(std::span<const Key> keys, std::uint32_t first, std::uint32_t end);
   void take_leaf(std::uint32_t leaf, Vec3d p, Nearest& best) const;
   void take_slot(std::uint32_t slot, Vec3d p, Nearest& best) const;
+  [[nodiscard]] double meet_leaf(std::uint32_t leaf, Vec3d from, Vec3d direction, double least) const;
 
   std::vector<Node> nodes_;
   std::vector<Vec3d> positions_;         // in the order in which the slots first use them

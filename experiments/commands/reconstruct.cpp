@@ -39,6 +39,7 @@ struct ReconstructOptions {
 ViewChoice view_choice(const std::string& text) {
   ViewChoice choice;
   if (text == "auto") return choice;
+  choice.inside = 0;
   if (text == "faces") {
     choice.most = choice.least = 6;
     return choice;
@@ -93,8 +94,10 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
           {"pixels", r.pixels},
           {"seen", r.seen},
           {"view_triangles", r.view_triangles},
+          {"sampled_triangles", r.sampled_triangles},
           {"input_closed", r.closed},
-          {"views", r.views.directions.size()},
+          {"views", r.views.directions.size() + r.views.inside.size()},
+          {"inside_views", r.views.inside.size()},
           {"visible", r.views.visible},
           {"coverable", r.views.coverable},
           {"covered", r.views.covered},
@@ -111,6 +114,7 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
             {"vertices_split", r.stitch.vertices_split},
             {"collapsed", r.stitch.collapsed},
             {"flipped", r.stitch.flipped}}},
+          {"taken_over", {{"parts", r.lost.parts}, {"triangles", r.lost.triangles}}},
           {"sharpened", {{"edges", r.sharpen.edges}, {"corners", r.sharpen.corners}}},
           {"stages",
            {{"views", to_json(r.choose)},
@@ -120,6 +124,7 @@ nlohmann::json to_json(const ReconstructReport& r, double scale) {
             {"merge_own", to_json(r.stitch.own)},
             {"merge_zip", to_json(r.stitch.zip)},
             {"sharpen", to_json(r.sharpen_time)},
+            {"simplify", to_json(r.simplify)},
             {"attributes", to_json(r.attributes)}}}};
 }
 
@@ -240,12 +245,17 @@ class ReconstructRun {
     const MeshDistance d = compare_meshes(original_space(mesh_), result.mesh, {}, scheduler);
     row["distance"] = {{"diagonal", d.diagonal}, {"from_input", to_json(d.forward)}, {"to_input", to_json(d.backward)}};
     const ReconstructReport& r = result.report;
-    const double covered = coverage(r.views.visible_points, result.mesh, mesh_.transform, r.spacing, scheduler);
-    row["coverage"] = covered;
+    const SurfaceCoverage seen =
+        measure_coverage(r.views.visible_points, result.mesh, mesh_.transform, r.spacing, scheduler);
+    const double scale = mesh_.transform.scale;
+    row["coverage"] = seen.share;
+    row["distance"]["from_visible_input"] = {{"rms", seen.rms * scale}, {"max", seen.max * scale}};
     const double percent = d.diagonal > 0 ? 100 / d.diagonal : 0;
-    return fmt::format(", coverage {:.2f} %, rms {:.4f} / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal",
-                       100 * covered, d.forward.rms * percent, d.backward.rms * percent, d.forward.max * percent,
-                       d.backward.max * percent);
+    return fmt::format(
+        ", coverage {:.2f} %, rms {:.4f} (of what is visible {:.4f}) / {:.4f} %, "
+        "max {:.3f} / {:.3f} % of the diagonal",
+        100 * seen.share, d.forward.rms * percent, seen.rms * scale * percent, d.backward.rms * percent,
+        d.forward.max * percent, d.backward.max * percent);
   }
 
   void print(const Reconstruction& result, const MeshQuality& quality, const std::string& output,
@@ -299,6 +309,10 @@ void add_reconstruct(CLI::App& app) {
                                ->check(CLI::PositiveNumber);
   resolution->excludes(distance)->excludes(triangles);
   distance->excludes(triangles);
+  command
+      .add_option("--detail", config.detail,
+                  "Draw maps so many times finer, and simplify to the triangles of the resolution; 1: do not")
+      ->capture_default_str();
   command.add_option("--merge", options->merge, "stitch: one surface; concatenate: the views' meshes side by side")
       ->capture_default_str();
   command.add_option("--backend", config.backend, "soft or gl")->capture_default_str();
@@ -324,6 +338,7 @@ void add_reconstruct(CLI::App& app) {
   command.add_flag("--extend", config.extend,
                    "Extend borders to the silhouette: for single views, and parts of a pixel's width");
   command.add_flag("!--no-parts", config.separate_parts, "Connect parts of the mesh that share no vertex, too");
+  command.add_flag("!--no-small-parts", config.lost_parts, "Leave out parts of the mesh that no three pixels see");
   command.add_flag("--attributes", config.attributes,
                    "Resample texture coordinates, colours and normals, too; .glb keeps all of them");
   CLI::Option* maps =

@@ -93,11 +93,15 @@ std::vector<Plane> planes_of(const PositionMap& map) {
 
 class ExrReader {
  public:
-  ExrReader(Imf::InputFile& file, const std::string& name) : file_(file), box_(file.header().dataWindow()) {
+  ExrReader(Imf::InputFile& file, std::size_t bytes, const std::string& name)
+      : file_(file), box_(file.header().dataWindow()) {
     const auto width = std::int64_t{box_.max.x} - box_.min.x + 1, height = std::int64_t{box_.max.y} - box_.min.y + 1;
     if (width < 1 || height < 1 || width > largest_map_side || height > largest_map_side)
       throw InputError(
           describe(name, "", "an image of " + std::to_string(width) + "x" + std::to_string(height) + " pixels"));
+    // No compression makes more of a byte than deflate does, which is 1032: room for what cannot be there is not made.
+    if (static_cast<std::uint64_t>(width * height) * 4 > std::uint64_t{1100} * bytes)
+      throw InputError(describe(name, "", "the file is cut off"));
     width_ = static_cast<int>(width), height_ = static_cast<int>(height);
   }
   [[nodiscard]] int width() const { return width_; }
@@ -184,15 +188,18 @@ void write_exr_map(const std::filesystem::path& path, const PositionMap& map) {
 }
 
 PositionMap read_exr_map(const std::filesystem::path& path, const MapView& view, const Transform& transform) {
-  const std::string name = path.string();
-  const MappedFile bytes(path);
+  return parse_exr_map(MappedFile(path).bytes(), path.string(), view, transform);
+}
+
+PositionMap parse_exr_map(std::span<const std::byte> bytes, const std::string& name, const MapView& view,
+                          const Transform& transform) {
   PositionMap map;
   map.view = view;
   map.transform = transform;
   try {
-    MemoryInput memory(bytes.bytes(), name.c_str());
+    MemoryInput memory(bytes, name.c_str());
     Imf::InputFile file(memory, 0);
-    ExrReader reader(file, name);
+    ExrReader reader(file, bytes.size(), name);
     read_channels(reader, map, name);
   } catch (const Error&) {
     throw;

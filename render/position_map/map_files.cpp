@@ -29,6 +29,7 @@ json to_json(const MapView& view, const std::string& file) {
           {"up", to_json(view.up)},
           {"forward", to_json(view.forward)},
           {"pixel", view.pixel},
+          {"nearest", view.nearest},
           {"width", view.width},
           {"height", view.height}};
 }
@@ -44,6 +45,7 @@ MapView view_of(const json& value) {
   view.up = vector_of(value.at("up"));
   view.forward = vector_of(value.at("forward"));
   view.pixel = value.at("pixel").get<double>();
+  view.nearest = value.value("nearest", 0.0);
   view.width = view.height = 1;  // the file tells
   return view;
 }

@@ -6,9 +6,10 @@
 //
 //     {"transform": {"origin": [x, y, z], "scale": s}, "closed": true, "oriented": true,
 //      "views": [{"file": "view000.exr", "projection": "orthographic", "eye": [..], "right": [..], "up": [..],
-//                 "forward": [..], "pixel": p}, ...]}
+//                 "forward": [..], "pixel": p, "nearest": d}, ...]}
 //
-// Everything but "views" may be left out: no transform, an open surface whose sides are not told apart. An EXR file has
+// Everything but "views" may be left out: no transform, an open surface whose sides are not told apart; of a view,
+// "nearest". An EXR file has
 // channels X, Y, Z (float), and, where there are any: triangle (uint), depth, NX, NY, NZ, U, V (float), R, G, B, A (as
 // bytes / 255). A PFM file has X, Y, Z. Where nothing is seen X, Y and Z are NaN.
 #pragma once

@@ -88,6 +88,8 @@ void check_view(const MapView& view, const std::string& name) {
                  "give 1 to " + std::to_string(largest_map_side) + " a side"));
   if (!is_finite(view.eye) || !(view.pixel > 0) || !std::isfinite(view.pixel))
     throw InputError(describe(name, "", "the eye or the size of a pixel is no finite number"));
+  if (!(view.nearest >= 0) || !std::isfinite(view.nearest))
+    throw InputError(describe(name, "", "the nearest depth is no finite number, 0 or more"));
   const std::array<Vec3d, 3> axes{view.right, view.up, -1.0 * view.forward};
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3d expected = cross(axes[(i + 1) % 3], axes[(i + 2) % 3]);

@@ -20,6 +20,7 @@ struct MapView {
   Vec3d right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};  // of unit length, pairwise perpendicular
   double pixel = 1.0 / 256;                              // side of a pixel; perspective: at depth 1
   int width = 0, height = 0;                             // pixels
+  double nearest = 0;  // depth from which on something is seen: what is in the way is cut off; 0: everything
   friend bool operator==(const MapView&, const MapView&) = default;
 
   [[nodiscard]] std::size_t pixels() const {
@@ -40,6 +41,11 @@ struct WindowPoint {
   const double depth = dot(from_eye, view.forward), scale = 1 / view.spacing(depth);
   return {0.5 * view.width + scale * dot(from_eye, view.right), 0.5 * view.height - scale * dot(from_eye, view.up),
           depth};
+}
+
+// Of the view's nearest depth, what grows with depth and is linear in the window: depth, or -1/depth in perspective.
+[[nodiscard]] inline double nearest_z(const MapView& view) {
+  return view.projection == Projection::perspective ? -1 / view.nearest : view.nearest;
 }
 
 struct Ray {

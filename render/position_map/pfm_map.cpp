@@ -76,9 +76,11 @@ void write_pfm_map(const std::filesystem::path& path, const PositionMap& map) {
 }
 
 PositionMap read_pfm_map(const std::filesystem::path& path, const MapView& view, const Transform& transform) {
-  const std::string name = path.string();
-  const MappedFile file(path);
-  const std::span<const std::byte> bytes = file.bytes();
+  return parse_pfm_map(MappedFile(path).bytes(), path.string(), view, transform);
+}
+
+PositionMap parse_pfm_map(std::span<const std::byte> bytes, const std::string& name, const MapView& view,
+                          const Transform& transform) {
   const PfmHeader header =
       parse_header({reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 256)}, name);
   PositionMap map;

@@ -41,6 +41,7 @@ class MapRasterizer {
       : mesh_(mesh),
         view_(view),
         scheduler_(scheduler),
+        nearest_(view.nearest > 0 ? nearest_z(view) : -std::numeric_limits<double>::infinity()),
         columns_(static_cast<std::size_t>((view.width + tile_size - 1) >> tile_bits)),
         tiles_(columns_ * static_cast<std::size_t>((view.height + tile_size - 1) >> tile_bits)) {}
 
@@ -127,7 +128,7 @@ class MapRasterizer {
         if (!coverage.at(x * subpixels + half, y * subpixels + half, z)) continue;
         const auto own = static_cast<std::size_t>((y - rect.y0) * tile_size + x - rect.x0);
         // Triangles come in ascending order, so the first of equally near ones has the lowest number.
-        if (!(z < sight.z[own])) continue;
+        if (!(z < sight.z[own]) || z < nearest_) continue;
         sight.z[own] = z;
         sight.triangle[own] = t;
       }
@@ -136,6 +137,7 @@ class MapRasterizer {
   const IndexedMesh& mesh_;
   const MapView& view_;
   Scheduler& scheduler_;
+  double nearest_;  // as SnappedVertex has it
   std::size_t columns_, tiles_;
   std::vector<SnappedVertex> vertices_;
   std::vector<std::size_t> first_;     // of each tile in `listed_`

@@ -3,18 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "core/distance/triangle_bvh.h"
 #include "render/position_map/rasterize_map.h"
 #include "render/position_map/resolve_pixel.h"
 
 namespace lodestone {
 namespace {
-
-struct SurfacePoint {
-  Vec3d point;
-  Vec3f normal;
-  std::uint32_t triangle = 0;
-};
 
 // Spread over the area: every sample stands for the same share of it.
 std::vector<SurfacePoint> sample_surface(const IndexedMesh& mesh, std::uint64_t count) {
@@ -58,21 +54,110 @@ float cosine_in(const PositionMap& map, const SurfacePoint& sample) {
 
 using Cosines = std::vector<float>;  // one per sample
 
-std::vector<Cosines> look(const IndexedMesh& mesh, const std::vector<SurfacePoint>& samples,
-                          const std::vector<Vec3d>& directions, int resolution, Scheduler& scheduler) {
+std::vector<Cosines> draw_faces(const IndexedMesh& mesh, const std::vector<SurfacePoint>& samples, int resolution,
+                                Scheduler& scheduler) {
   Box3f box;
   for (const Vec3f& p : mesh.positions) box.extend(p);
-  std::vector<Cosines> seen(directions.size());
-  for (std::size_t k = 0; k < directions.size(); ++k) {
+  std::vector<Cosines> seen;
+  for (const Vec3d& direction : face_directions()) {
     const PositionMap map =
-        rasterize_map(mesh, orthographic_view(box, directions[k], 1.0 / resolution), {.surface = false}, scheduler);
-    seen[k].resize(samples.size());
+        rasterize_map(mesh, orthographic_view(box, direction, 1.0 / resolution), {.surface = false}, scheduler);
+    Cosines& own = seen.emplace_back(samples.size());
     scheduler.for_chunks(samples.size(), 4096, [&](ChunkRange range) {
-      for (std::size_t s = range.begin; s < range.end; ++s) seen[k][s] = cosine_in(map, samples[s]);
+      for (std::size_t s = range.begin; s < range.end; ++s) own[s] = cosine_in(map, samples[s]);
     });
   }
   return seen;
 }
+
+// From which of the directions each of the points is seen: the cosine, 0 where something is in between.
+std::vector<Cosines> look(const IndexedMesh& mesh, std::span<const SurfacePoint> points,
+                          std::span<const Vec3d> directions, Scheduler& scheduler) {
+  std::vector<Cosines> seen(directions.size(), Cosines(points.size(), 0.0f));
+  if (points.empty() || directions.empty()) return seen;
+  std::vector<Vec3d> positions;
+  positions.reserve(mesh.positions.size());
+  for (const Vec3f& p : mesh.positions) positions.push_back(to_double(p));
+  const TriangleBvh bvh(positions, mesh.triangles);
+  // A ray that starts on its triangle, or on one that is there twice, is not in its own way.
+  constexpr double least = 1e-5;
+  scheduler.for_chunks(points.size(), 16, [&](ChunkRange range) {
+    for (std::size_t s = range.begin; s < range.end; ++s)
+      for (std::size_t k = 0; k < directions.size(); ++k)
+        if (std::isinf(bvh.meet(points[s].point, -1 * directions[k], least, TriangleBvh::Hit::any_will_do)))
+          seen[k][s] = static_cast<float>(std::abs(dot(to_double(points[s].normal), directions[k])));
+  });
+  return seen;
+}
+
+// Takes views until enough is covered. A candidate is known to see some of the samples, and how steeply.
+class GreedyChoice {
+ public:
+  struct Sight {
+    std::span<const std::uint32_t> samples;
+    std::span<const float> cosine;  // of each of them
+  };
+  GreedyChoice(const ViewChoice& choice, std::vector<Sight> sights, std::size_t samples, Scheduler& scheduler)
+      : choice_(choice), sights_(std::move(sights)), scheduler_(scheduler), quality_(samples), best_(samples) {
+    for (const Sight& sight : sights_)
+      for (std::size_t k = 0; k < sight.samples.size(); ++k) {
+        float& best = best_[sight.samples[k]];
+        best = std::max(best, sight.cosine[k]);
+      }
+    for (const float cosine : best_) attainable_ += quality_of(cosine);
+  }
+
+  std::vector<std::size_t> run() {
+    if (choice_.least >= 6)
+      for (std::size_t k = 0; k < 6; ++k) take(k);
+    while (static_cast<int>(taken_.size()) < choice_.most && wants_more()) {
+      const std::vector<double> gains = gain_of_each();
+      const auto best = std::max_element(gains.begin(), gains.end());
+      const bool worth = *best >= choice_.least_gain * static_cast<double>(quality_.size());
+      if (!(*best > 0) || (!worth && static_cast<int>(taken_.size()) >= choice_.least)) break;
+      take(static_cast<std::size_t>(best - gains.begin()));
+    }
+    return taken_;
+  }
+
+  [[nodiscard]] std::span<const float> best() const { return best_; }
+  [[nodiscard]] std::size_t covered() const {
+    return static_cast<std::size_t>(std::count(quality_.begin(), quality_.end(), 1.0f));
+  }
+
+ private:
+  [[nodiscard]] float quality_of(float cosine) const { return std::min(cosine / choice_.least_cosine, 1.0f); }
+  [[nodiscard]] bool wants_more() const {
+    const double sum = std::accumulate(quality_.begin(), quality_.end(), 0.0);
+    return static_cast<int>(taken_.size()) < choice_.least || sum < choice_.coverage * attainable_;
+  }
+
+  [[nodiscard]] std::vector<double> gain_of_each() const {
+    std::vector<double> gains(sights_.size(), 0);
+    scheduler_.for_chunks(sights_.size(), 4, [&](ChunkRange range) {
+      for (std::size_t c = range.begin; c < range.end; ++c)
+        for (std::size_t k = 0; k < sights_[c].samples.size(); ++k)
+          gains[c] += std::max(quality_of(sights_[c].cosine[k]) - quality_[sights_[c].samples[k]], 0.0f);
+    });
+    return gains;
+  }
+
+  void take(std::size_t candidate) {
+    taken_.push_back(candidate);
+    const Sight& sight = sights_[candidate];
+    for (std::size_t k = 0; k < sight.samples.size(); ++k) {
+      float& quality = quality_[sight.samples[k]];
+      quality = std::max(quality, quality_of(sight.cosine[k]));
+    }
+  }
+
+  const ViewChoice& choice_;
+  std::vector<Sight> sights_;
+  Scheduler& scheduler_;
+  std::vector<std::size_t> taken_;
+  std::vector<float> quality_, best_;  // of each sample: by the views taken so far, in [0, 1]; cosine in any view
+  double attainable_ = 0;
+};
 
 }  // namespace
 
@@ -89,51 +174,37 @@ std::vector<Vec3d> sphere_directions(int count) {
 }
 
 ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler) {
-  std::vector<Vec3d> directions = face_directions();
-  for (const Vec3d& d : sphere_directions(choice.candidates)) directions.push_back(d);
   const std::vector<SurfacePoint> samples = sample_surface(mesh, choice.samples);
-  const std::vector<Cosines> seen = look(mesh, samples, directions, choice.resolution, scheduler);
+  const std::vector<Cosines> faces = draw_faces(mesh, samples, choice.resolution, scheduler);
+  std::vector<std::uint32_t> all(samples.size()), hard;
+  std::iota(all.begin(), all.end(), 0u);
+  std::vector<SurfacePoint> hard_points;
+  for (const std::uint32_t s : all) {
+    const auto well = [&](const Cosines& face) { return face[s] >= choice.least_cosine; };
+    if (std::none_of(faces.begin(), faces.end(), well)) hard.push_back(s), hard_points.push_back(samples[s]);
+  }
+  const std::vector<Vec3d> others = sphere_directions(choice.candidates);
+  const std::vector<Cosines> seen = look(mesh, hard_points, others, scheduler);
+
+  std::vector<Vec3d> directions = face_directions();
+  std::vector<GreedyChoice::Sight> sights;
+  for (const Cosines& face : faces) sights.push_back({all, face});
+  directions.insert(directions.end(), others.begin(), others.end());
+  for (const Cosines& c : seen) sights.push_back({hard, c});
+  GreedyChoice greedy(choice, std::move(sights), samples.size(), scheduler);
 
   const double whole = std::max<double>(1, static_cast<double>(samples.size()));
   ChosenViews chosen;
-  std::size_t visible = 0, coverable = 0;
-  for (std::size_t s = 0; s < samples.size(); ++s) {
-    float best = 0;
-    for (const Cosines& c : seen) best = std::max(best, c[s]);
-    if (best > 0) chosen.visible_points.push_back(samples[s].point);
-    visible += best > 0, coverable += best >= choice.least_cosine;
+  for (const std::size_t k : greedy.run()) chosen.directions.push_back(directions[k]);
+  std::size_t coverable = 0;
+  for (const std::uint32_t s : all) {
+    if (greedy.best()[s] > 0) chosen.visible_points.push_back(samples[s].point);
+    coverable += greedy.best()[s] >= choice.least_cosine;
   }
-
-  std::vector<std::uint8_t> covered(samples.size(), 0), taken(directions.size(), 0);
-  std::size_t count = 0;
-  const auto take = [&](std::size_t k) {
-    taken[k] = 1;
-    chosen.directions.push_back(directions[k]);
-    for (std::size_t s = 0; s < samples.size(); ++s)
-      if (!covered[s] && seen[k][s] >= choice.least_cosine) covered[s] = 1, ++count;
-  };
-  if (choice.least >= 6)
-    for (std::size_t k = 0; k < 6; ++k) take(k);
-  while (static_cast<int>(chosen.directions.size()) < choice.most &&
-         (static_cast<int>(chosen.directions.size()) < choice.least ||
-          static_cast<double>(count) < choice.coverage * static_cast<double>(coverable))) {
-    std::vector<std::size_t> gain(directions.size(), 0);
-    scheduler.for_chunks(directions.size(), 4, [&](ChunkRange range) {
-      for (std::size_t k = range.begin; k < range.end; ++k)
-        for (std::size_t s = 0; s < samples.size() && !taken[k]; ++s)
-          gain[k] += !covered[s] && seen[k][s] >= choice.least_cosine;
-    });
-    std::size_t best = directions.size(), most = 0;
-    for (std::size_t k = 0; k < directions.size(); ++k)
-      if (gain[k] > most) most = gain[k], best = k;
-    if (best == directions.size() || (static_cast<double>(most) < choice.least_gain * whole &&
-                                      static_cast<int>(chosen.directions.size()) >= choice.least))
-      break;
-    take(best);
-  }
-  chosen.visible = static_cast<double>(visible) / whole;
+  chosen.samples = samples;
+  chosen.visible = static_cast<double>(chosen.visible_points.size()) / whole;
   chosen.coverable = static_cast<double>(coverable) / whole;
-  chosen.covered = static_cast<double>(count) / whole;
+  chosen.covered = static_cast<double>(greedy.covered()) / whole;
   return chosen;
 }
 

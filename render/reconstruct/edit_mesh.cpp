@@ -90,4 +90,19 @@ std::vector<EditMesh::Gap> EditMesh::gaps(std::uint32_t v) const {
   return found;
 }
 
+std::vector<std::uint32_t> EditMesh::fan(std::uint32_t v, std::uint32_t first) const {
+  std::vector<std::uint32_t> fan{first};
+  for (std::size_t k = 0; k < fan.size(); ++k)
+    for (const std::uint32_t t : around(v)) {
+      if (std::find(fan.begin(), fan.end(), t) != fan.end()) continue;
+      const auto& c = triangle(fan[k]).v;
+      for (const std::uint32_t w : c)
+        if (w != v && (at(v, w) == t || at(w, v) == t)) {
+          fan.push_back(t);
+          break;
+        }
+    }
+  return fan;
+}
+
 }  // namespace lodestone

@@ -47,6 +47,9 @@ class EditMesh {
   // The corner of t that is neither a nor b.
   [[nodiscard]] std::uint32_t opposite(std::uint32_t t, std::uint32_t a, std::uint32_t b) const;
 
+  // The triangles around v that are reached from one of them over edges that end in v.
+  [[nodiscard]] std::vector<std::uint32_t> fan(std::uint32_t v, std::uint32_t first) const;
+
   // A gap at a vertex: between the border edge that leaves it and the one that arrives, going round outside of the
   // triangles of one fan.
   struct Gap {

@@ -93,22 +93,6 @@ class HoleFiller {
   std::vector<float> cost_;
 };
 
-// One fan of triangles at a vertex, from a triangle on.
-std::vector<std::uint32_t> fan_of(const EditMesh& mesh, std::uint32_t v, std::uint32_t first) {
-  std::vector<std::uint32_t> fan{first};
-  for (std::size_t k = 0; k < fan.size(); ++k)
-    for (const std::uint32_t t : mesh.around(v)) {
-      if (std::find(fan.begin(), fan.end(), t) != fan.end()) continue;
-      const auto& c = mesh.triangle(fan[k]).v;
-      for (const std::uint32_t w : c)
-        if (w != v && (mesh.at(v, w) == t || mesh.at(w, v) == t)) {
-          fan.push_back(t);
-          break;
-        }
-    }
-  return fan;
-}
-
 }  // namespace
 
 std::uint32_t SeamMesh::add_vertex(Vec3f p, Vec3f n, std::uint32_t like) {
@@ -170,7 +154,7 @@ std::size_t split_vertices(SeamMesh& seam) {
   std::size_t added = 0;
   for (const std::uint32_t v : seam.borders.pinched())
     while (!seam.mesh.around(v).empty()) {
-      const std::vector<std::uint32_t> fan = fan_of(seam.mesh, v, seam.mesh.around(v).front());
+      const std::vector<std::uint32_t> fan = seam.mesh.fan(v, seam.mesh.around(v).front());
       if (fan.size() == seam.mesh.around(v).size()) break;
       const std::uint32_t own = seam.add_vertex(seam.position[v], seam.normal[v], v);
       for (std::uint32_t e = seam.borders.first(v); e != BorderLoops::none; e = seam.borders.edge(e).sibling)

@@ -12,8 +12,11 @@
 #include "render/position_map/map_renderer.h"
 #include "render/reconstruct/condense_map.h"
 #include "render/reconstruct/gather.h"
+#include "render/reconstruct/inside_views.h"
 #include "render/reconstruct/label_parts.h"
+#include "render/reconstruct/lost_parts.h"
 #include "render/reconstruct/resample_attributes.h"
+#include "render/reconstruct/simplify_merged.h"
 
 namespace lodestone {
 namespace {
@@ -23,6 +26,7 @@ void check_config(const ReconstructConfig& config) {
     if (!holds) throw InputError(what);
   };
   require(config.resolution >= 2 && config.resolution <= largest_map_side, "resolution: give 2 to 16384 pixels");
+  require(config.detail >= 1 && config.detail <= 16, "detail: give a factor from 1 to 16");
   require(config.max_slope > 0 && std::isfinite(config.max_slope), "max slope: give a number above 0");
   require(config.slack >= 0 && std::isfinite(config.slack), "slack: give a number of pixels, 0 or more");
   require(config.sharp_degrees >= 0 && config.sharp_degrees < 180, "sharp: give an angle from 0 to below 180 degrees");
@@ -35,8 +39,13 @@ Box3f box_of(const IndexedMesh& mesh) {
   return box;
 }
 
+// Of the samples in the maps. Meshes side by side are not simplified: the finer ones would cover each other.
+double map_spacing(const ReconstructConfig& config) {
+  return 1 / (config.resolution * (config.merge == MergeKind::stitch ? config.detail : 1));
+}
+
 MapView view_towards(const Box3f& box, Vec3d direction, const ReconstructConfig& config) {
-  const double spacing = 1 / config.resolution;
+  const double spacing = map_spacing(config);
   if (config.projection == Projection::orthographic) return orthographic_view(box, direction, spacing);
   // Four radii away nearer parts are sampled at most two thirds denser than farther ones.
   const Vec3d lo = to_double(box.lo), hi = to_double(box.hi);
@@ -134,12 +143,11 @@ std::vector<std::uint32_t> sources_of(const MergedMesh& merged, std::span<const 
   return source;
 }
 
-RawMesh to_raw(const MergedMesh& merged, const Transform& transform) {
-  RawMesh raw;
+void put_mesh(const MergedMesh& merged, const Transform& transform, RawMesh& raw) {
+  raw.positions.clear();
   raw.positions.reserve(merged.position.size());
   for (const Vec3f& p : merged.position) raw.positions.push_back(transform.to_model(p));
   raw.triangles = merged.triangles;
-  return raw;
 }
 
 }  // namespace
@@ -156,7 +164,8 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   if (census.non_manifold == 0 && drawn.oriented) drawn.most_handles = count_handles(mesh).value_or(any_number);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution;
-  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 / config.resolution);
+  drawn.spacing = map_spacing(config);
+  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 * drawn.spacing);
   report.views = choose_views(mesh, config.views, scheduler);
   report.choose = choose_clock.elapsed();
 
@@ -165,6 +174,9 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
   for (const Vec3d& direction : report.views.directions)
     draw_map(*renderer, view_towards(box, direction, config), config, drawn, scheduler);
+  const auto along = [&](Vec3d direction) { return orthographic_view(box, direction, drawn.spacing); };
+  report.views.inside = choose_inside_views(mesh, report.views.samples, drawn.maps, config.views, along, scheduler);
+  for (const MapView& view : report.views.inside) draw_map(*renderer, view, config, drawn, scheduler);
   report.draw = draw_clock.elapsed();
   return drawn;
 }
@@ -173,6 +185,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
                        ReconstructReport& report, Scheduler& scheduler) {
   check_config(config);
   if (drawn.maps.empty()) return {};
+  const double spacing = drawn.spacing > 0 ? drawn.spacing : report.spacing, finer = report.spacing / spacing;
   const CpuClock connect_clock;
   std::vector<MergeView> views = connect_maps(drawn, config, report, scheduler);
   report.connect = connect_clock.elapsed();
@@ -183,7 +196,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merged = concatenate(views, scheduler);
   } else {
     MergeConfig merge;
-    merge.ownership.reference_spacing = report.spacing;
+    merge.ownership.reference_spacing = spacing;
     merge.ownership.parts = drawn.parts;
     merge.closed = drawn.closed;
     merge.border = drawn.border;
@@ -195,14 +208,35 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
 
   const CpuClock sharpen_clock;
   if (config.merge == MergeKind::stitch && config.sharp_degrees > 0)
-    report.sharpen = sharpen(merged, {static_cast<float>(report.spacing), config.sharp_degrees}, scheduler);
+    report.sharpen = sharpen(merged, {static_cast<float>(spacing), config.sharp_degrees}, scheduler);
   report.sharpen_time = sharpen_clock.elapsed();
 
-  RawMesh raw = to_raw(merged, drawn.maps.front().transform);
+  std::vector<std::uint32_t> source = sources_of(merged, drawn.maps);
+  if (config.merge == MergeKind::stitch && config.lost_parts && mesh)
+    report.lost = take_over_lost_parts(*mesh, spacing, merged, source, drawn.closed, scheduler);
+  RawMesh raw;
+  put_mesh(merged, drawn.maps.front().transform, raw);
   if (config.attributes && mesh) {
     const CpuClock attributes_clock;
-    resample_attributes(*mesh, sources_of(merged, drawn.maps), raw);
+    resample_attributes(*mesh, std::move(source), raw);
     report.attributes = attributes_clock.elapsed();
+  }
+  report.sampled_triangles = merged.triangles.size();
+  if (config.merge == MergeKind::stitch) {
+    const CpuClock simplify_clock;
+    SimplifyMergedConfig simplify;
+    simplify.triangles = static_cast<std::size_t>(static_cast<double>(merged.triangles.size()) / (finer * finer));
+    if (config.triangles > 0 && config.triangles < merged.triangles.size()) {
+      // The spacing of samples that would make so many.
+      const double of_target = static_cast<double>(merged.triangles.size()) / static_cast<double>(config.triangles);
+      report.spacing = spacing * std::sqrt(of_target);
+      simplify.triangles = config.triangles;
+    }
+    // Farther than this flat parts would be cut into slivers (docs/decisions/0020).
+    simplify.farthest = static_cast<float>(1.5 * report.spacing);
+    simplify_merged(merged, raw.wedges, simplify, scheduler);
+    put_mesh(merged, drawn.maps.front().transform, raw);
+    report.simplify = simplify_clock.elapsed();
   }
   return raw;
 }
@@ -245,6 +279,8 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
     area += 0.5 * length(cross(b - a, c - a));
   }
   const auto wanted = static_cast<double>(triangles);
+  const bool simplifies = config.merge == MergeKind::stitch && config.detail > 1;
+  if (simplifies) config.triangles = triangles;
   // Two triangles a pixel, on surfaces that are tilted by a third on the average.
   config.resolution = std::clamp(std::sqrt(wanted * 1.25 / (2 * std::max(area, 1e-9))), 4.0, 8192.0);
   Reconstruction best;
@@ -252,9 +288,13 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
   for (int round = 0; round < 4; ++round) {
     Reconstruction tried = reconstruct(mesh, config, scheduler);
     const auto made = static_cast<double>(std::max<std::size_t>(tried.mesh.triangles.size(), 1));
+    const auto sampled = static_cast<double>(std::max<std::size_t>(tried.report.sampled_triangles, 1));
     if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
-    if (least < 0.02) break;
-    config.resolution = std::clamp(config.resolution * std::sqrt(wanted / made), 2.0, double{largest_map_side} / 2);
+    // What is simplified needs to be fine enough, and no more.
+    const double finer = simplifies ? sampled / (wanted * config.detail * config.detail) : made / wanted;
+    if (least < 0.02 && (!simplifies || (finer > 0.6 && finer < 2.5))) break;
+    if (simplifies) least = std::numeric_limits<double>::infinity();
+    config.resolution = std::clamp(config.resolution / std::sqrt(finer), 2.0, double{largest_map_side} / 2);
   }
   return best;
 }

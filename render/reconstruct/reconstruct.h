@@ -11,6 +11,7 @@
 #include "parallel/stage_time.h"
 #include "render/position_map/map_files.h"
 #include "render/reconstruct/choose_views.h"
+#include "render/reconstruct/lost_parts.h"
 #include "render/reconstruct/merge.h"
 #include "render/reconstruct/sharpen.h"
 
@@ -22,6 +23,10 @@ struct ReconstructConfig {
   double resolution =
       256;  // pixels along the longest side of the bounding box; the spacing of the samples is its inverse
   MergeKind merge = MergeKind::stitch;
+  // Maps are drawn so many times finer than `resolution`, and what is stitched is simplified to as many triangles as
+  // the resolution gives (simplify_merged.h): 1 to 16; 1: not.
+  double detail = 2;
+  std::uint64_t triangles = 0;  // simplify to so many instead, where the maps give more; 0: not
   Projection projection = Projection::orthographic;
   std::string backend = "soft";
   ViewChoice views;
@@ -30,7 +35,8 @@ struct ReconstructConfig {
   bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
   bool extend = false;         // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
-  float longest_hole = 48;     // spacings, see MergeConfig
+  bool lost_parts = true;      // take over what is too small for the maps (lost_parts.h); where the mesh is known
+  float longest_hole = 48;     // spacings, of the maps where the surface is open; see MergeConfig
   float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
   bool attributes = false;     // texture coordinates, colours, normals, materials
   bool keep_maps = false;      // in the result
@@ -38,14 +44,16 @@ struct ReconstructConfig {
 
 struct ReconstructReport {
   ChosenViews views;
-  double spacing = 0;                  // normalised units
+  double spacing = 0;                  // of the resolution, normalised units
   std::uint64_t pixels = 0, seen = 0;  // of all maps
   std::uint64_t view_triangles = 0;    // of all view meshes
   StitchReport stitch;
   SharpenReport sharpen;
-  bool closed = false;    // the input has no border
-  bool oriented = false;  // and its triangles agree on what is outside
-  StageTime choose, draw, connect, merge, sharpen_time, attributes;
+  LostParts lost;
+  std::size_t sampled_triangles = 0;  // before they were simplified
+  bool closed = false;                // the input has no border
+  bool oriented = false;              // and its triangles agree on what is outside
+  StageTime choose, draw, connect, merge, sharpen_time, attributes, simplify;
 };
 
 struct Reconstruction {
@@ -61,6 +69,7 @@ struct Reconstruction {
 // The two halves of it: maps drawn here or read from files (map_files.h), and a mesh from maps.
 struct DrawnMaps {
   std::vector<PositionMap> maps;
+  double spacing = 0;                            // of their samples, normalised units; 0: that of the report
   std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
   std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
   bool closed = false;
@@ -77,7 +86,7 @@ struct DrawnMaps {
 [[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
                                      ReconstructReport& report, Scheduler& scheduler);
 
-// The resolution that makes about `triangles`: found by trying, from what the area suggests.
+// About so many triangles: the resolution is what the area suggests, found by trying where nothing is simplified.
 [[nodiscard]] Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConfig config,
                                                       std::uint64_t triangles, Scheduler& scheduler);
 

@@ -7,6 +7,7 @@
 #include "core/mesh/disjoint_sets.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/mesh/wedges.h"
+#include "render/reconstruct/surface_walk.h"
 
 namespace lodestone {
 namespace {
@@ -36,7 +37,7 @@ void spread_sources(std::span<const Triangle> triangles, std::vector<std::uint32
 class Resampler {
  public:
   Resampler(const IndexedMesh& from, const std::vector<std::uint32_t>& source, RawMesh& mesh)
-      : from_(from), source_(source), mesh_(mesh), chart_(label_charts(from)) {}
+      : from_(from), source_(source), mesh_(mesh), chart_(label_charts(from)), walk_(from.positions, from.triangles) {}
 
   void run() {
     CornerAttributes corners;
@@ -44,19 +45,19 @@ class Resampler {
     const std::size_t count = mesh_.triangles.size();
     if (!w.uv.empty()) corners.uv_of.resize(count, no_values), corners.uv.reserve(3 * count);
     if (!w.normal.empty()) corners.normal_of.resize(count, no_values), corners.normal.reserve(3 * count);
-    std::vector<std::uint32_t> material(w.material.empty() ? 0 : count, no_material);
+    // One material for all is not named vertex by vertex.
+    std::vector<std::uint32_t> material(w.materials.empty() ? 0 : count, w.material.empty() ? 0 : no_material);
     if (!w.colour.empty()) corners.colour.resize(mesh_.positions.size());
+    find_places();
     for (std::size_t t = 0; t < count; ++t) {
-      const auto& v = mesh_.triangles[t].v;
+      const std::uint32_t seen = leading_source(mesh_.triangles[t].v);
+      if (seen == no_source) continue;
+      const std::array<SurfaceWalk::Place, 3> places = places_of(mesh_.triangles[t].v, seen);
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t seen = source_in_chart(v, k);
-        if (seen == no_source) continue;
-        const std::array<double, 3> share = shares(seen, mesh_.positions[v[k]]);
-        if (!w.uv.empty()) add_uv(corners, t, k, seen, share);
-        if (!w.normal.empty()) add_normal(corners, t, k, seen, share);
+        if (!w.uv.empty()) add_uv(corners, t, k, places[k]);
+        if (!w.normal.empty()) add_normal(corners, t, k, places[k]);
       }
-      const std::uint32_t seen = source_[v[0]];
-      if (!material.empty() && seen != no_source) material[t] = w.material[from_.triangles[seen].v[0]];
+      if (!w.material.empty()) material[t] = w.material[from_.triangles[seen].v[0]];
     }
     for (std::uint32_t v = 0; v < corners.colour.size(); ++v) corners.colour[v] = colour_of(v);
     mesh_.wedges = make_wedges(mesh_.triangles, mesh_.positions.size(), corners);
@@ -68,56 +69,90 @@ class Resampler {
  private:
   [[nodiscard]] std::uint32_t chart_of(std::uint32_t triangle) const { return chart_[from_.triangles[triangle].v[0]]; }
 
-  // What corner k takes its values from: its own source where that is in the chart of the triangle's first corner, else
-  // the source of a corner that is.
-  [[nodiscard]] std::uint32_t source_in_chart(const std::array<std::uint32_t, 3>& v, std::size_t k) const {
-    const std::uint32_t first = source_[v[0]], own = source_[v[k]];
-    if (first == no_source || own == no_source) return own == no_source ? first : own;
-    if (chart_of(own) == chart_of(first)) return own;
-    const std::uint32_t other = source_[v[3 - k]];  // k is 1 or 2 here
-    return other != no_source && chart_of(other) == chart_of(first) ? other : first;
+  // The triangle of the source whose chart a triangle belongs to: that of two of its corners, if two agree.
+  [[nodiscard]] std::uint32_t leading_source(const std::array<std::uint32_t, 3>& v) const {
+    const std::uint32_t first = source_[v[0]], second = source_[v[1]], third = source_[v[2]];
+    if (second != no_source && third != no_source && chart_of(second) == chart_of(third)) return second;
+    return first;
   }
 
-  // Barycentric coordinates of the foot of a point on a triangle; beyond it, too, but not far: a triangle of the source
-  // says little about what is many of its sizes away.
-  [[nodiscard]] std::array<double, 3> shares(std::uint32_t triangle, Vec3d place) const {
-    const Triangle& t = from_.triangles[triangle];
-    const Vec3d p = (1 / from_.transform.scale) * (place - from_.transform.origin);
-    const Vec3d a = to_double(from_.positions[t.v[0]]), ab = to_double(from_.positions[t.v[1]]) - a,
-                ac = to_double(from_.positions[t.v[2]]) - a, ap = p - a, n = cross(ab, ac);
-    const double area2 = dot(n, n);
-    if (!(area2 > 0)) return {1, 0, 0};
-    const double b = dot(cross(ap, ac), n) / area2, c = dot(cross(ab, ap), n) / area2;
-    constexpr double most = 8;
-    if (!(std::abs(b) <= most && std::abs(c) <= most && std::abs(1 - b - c) <= most))
-      return {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    return {1 - b - c, b, c};
+  void find_places() {
+    place_.resize(mesh_.positions.size());
+    for (std::size_t v = 0; v < place_.size(); ++v)
+      if (source_[v] != no_source) place_[v] = walk_.find(source_[v], normalised(mesh_.positions[v]));
   }
 
-  void add_uv(CornerAttributes& corners, std::size_t t, std::size_t k, std::uint32_t seen,
-              const std::array<double, 3>& share) const {
+  // Where on the source the corners of such a triangle take their values from: each its own place, unless a seam lies
+  // between them. Then all are reached from one of them without crossing it: a chart may also touch itself.
+  [[nodiscard]] std::array<SurfaceWalk::Place, 3> places_of(const std::array<std::uint32_t, 3>& v,
+                                                            std::uint32_t leading) const {
+    std::array<SurfaceWalk::Place, 3> places;
+    bool whole = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      places[k] = place_[v[k]];
+      whole &= source_[v[k]] != no_source && chart_of(source_[v[k]]) == chart_of(leading);
+    }
+    if (whole && !jumps(v)) return places;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const SurfaceWalk::Place reached = walk_.find(leading, normalised(mesh_.positions[v[k]]));
+      // The same but for rounding: corners of a vertex share a wedge where they can.
+      const bool same = source_[v[k]] != no_source && chart_of(source_[v[k]]) == chart_of(leading) &&
+                        distance(uv_at(reached), uv_at(places[k])) < 1e-5f;
+      if (!same) places[k] = reached;
+    }
+    return places;
+  }
+
+  // Whether texture coordinates differ by far more than the surface between the corners explains.
+  [[nodiscard]] bool jumps(const std::array<std::uint32_t, 3>& v) const {
+    if (from_.wedges.uv.empty()) return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = v[k], b = v[(k + 1) % 3];
+      const double length_there = length(normalised(mesh_.positions[a]) - normalised(mesh_.positions[b]));
+      if (distance(uv_at(place_[a]), uv_at(place_[b])) > 4 * density_at(place_[a].triangle) * length_there) return true;
+    }
+    return false;
+  }
+  // Length in the texture over length on the surface.
+  [[nodiscard]] double density_at(std::uint32_t triangle) const {
+    const auto& v = from_.triangles[triangle].v;
+    const Vec2f p = from_.wedges.uv[v[0]], q = from_.wedges.uv[v[1]], r = from_.wedges.uv[v[2]];
+    const double there = std::abs(double{q.x - p.x} * (r.y - p.y) - double{q.y - p.y} * (r.x - p.x));
+    const Vec3d a = to_double(from_.positions[v[0]]);
+    const double here = length(cross(to_double(from_.positions[v[1]]) - a, to_double(from_.positions[v[2]]) - a));
+    return here > 0 ? std::sqrt(there / here) : 0;
+  }
+  [[nodiscard]] Vec2f uv_at(const SurfaceWalk::Place& place) const {
+    if (from_.wedges.uv.empty()) return {};
     double u = 0, v = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec2f uv = from_.wedges.uv[from_.triangles[seen].v[i]];
-      u += share[i] * uv.x, v += share[i] * uv.y;
+      const Vec2f uv = from_.wedges.uv[from_.triangles[place.triangle].v[i]];
+      u += place.share[i] * uv.x, v += place.share[i] * uv.y;
     }
-    corners.uv_of[t].v[k] = static_cast<std::uint32_t>(corners.uv.size());
-    corners.uv.push_back({static_cast<float>(u), static_cast<float>(v)});
+    return {static_cast<float>(u), static_cast<float>(v)};
   }
-  void add_normal(CornerAttributes& corners, std::size_t t, std::size_t k, std::uint32_t seen,
-                  const std::array<double, 3>& share) const {
+  [[nodiscard]] static double distance(Vec2f a, Vec2f b) { return std::hypot(double{a.x} - b.x, double{a.y} - b.y); }
+
+  [[nodiscard]] Vec3d normalised(Vec3d p) const { return (1 / from_.transform.scale) * (p - from_.transform.origin); }
+
+  void add_uv(CornerAttributes& corners, std::size_t t, std::size_t k, const SurfaceWalk::Place& place) const {
+    corners.uv_of[t].v[k] = static_cast<std::uint32_t>(corners.uv.size());
+    corners.uv.push_back(uv_at(place));
+  }
+  void add_normal(CornerAttributes& corners, std::size_t t, std::size_t k, const SurfaceWalk::Place& place) const {
     Vec3d n;
-    for (std::size_t i = 0; i < 3; ++i) n = n + share[i] * to_double(from_.wedges.normal[from_.triangles[seen].v[i]]);
+    for (std::size_t i = 0; i < 3; ++i)
+      n = n + place.share[i] * to_double(from_.wedges.normal[from_.triangles[place.triangle].v[i]]);
     corners.normal_of[t].v[k] = static_cast<std::uint32_t>(corners.normal.size());
     corners.normal.push_back(unit_normal(n));
   }
   [[nodiscard]] Rgba8 colour_of(std::uint32_t v) const {
     if (source_[v] == no_source) return {};
-    const std::array<double, 3> share = shares(source_[v], mesh_.positions[v]);
-    const Triangle& t = from_.triangles[source_[v]];
+    const SurfaceWalk::Place& place = place_[v];
+    const Triangle& t = from_.triangles[place.triangle];
     const auto mix = [&](auto part) {
       double sum = 0;
-      for (std::size_t i = 0; i < 3; ++i) sum += share[i] * part(from_.wedges.colour[t.v[i]]);
+      for (std::size_t i = 0; i < 3; ++i) sum += place.share[i] * part(from_.wedges.colour[t.v[i]]);
       return static_cast<std::uint8_t>(std::clamp(sum, 0.0, 255.0) + 0.5);
     };
     return {mix([](Rgba8 c) { return c.r; }), mix([](Rgba8 c) { return c.g; }), mix([](Rgba8 c) { return c.b; }),
@@ -128,6 +163,8 @@ class Resampler {
   const std::vector<std::uint32_t>& source_;
   RawMesh& mesh_;
   std::vector<std::uint32_t> chart_;
+  SurfaceWalk walk_;
+  std::vector<SurfaceWalk::Place> place_;  // of each vertex with a source
 };
 
 }  // namespace

@@ -10,10 +10,10 @@ namespace lodestone {
 
 inline constexpr std::uint32_t no_source = 0xFFFF'FFFFu;
 
-// `source`: for each vertex of `mesh`, the triangle of `from` that its pixel saw, or no_source. What a triangle of
-// `from` has at its corners is linear on it; a vertex gets what that gives at its place, which is near. A triangle
-// across a seam of the texture takes all its corners from the chart of one of them, so that texture never runs
-// backwards through an atlas; vertices on seams have several wedges, then. Materials and textures are those of `from`.
+// `source`: for each vertex of `mesh`, the triangle of `from` that its pixel saw, or no_source. A vertex gets what the
+// surface has at the place nearest to it around there. A triangle across a seam of the texture is given to the chart of
+// two of its corners, and all of them take their values from within it, so that texture never runs backwards through an
+// atlas nor out of a chart; vertices on seams have several wedges, then. Materials and textures are those of `from`.
 // `mesh` is in the space of the model; its wedges are replaced. A vertex without source gets that of a neighbour.
 void resample_attributes(const IndexedMesh& from, std::vector<std::uint32_t> source, RawMesh& mesh);
 

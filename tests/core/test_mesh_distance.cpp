@@ -125,6 +125,51 @@ TEST(TriangleBvh, TakesEqualAndDegenerateTriangles) {
   expect_nearest(one_point, 3);
 }
 
+// By the signs of the volumes that the ray makes with the edges; infinity: not.
+double meet_triangle(Vec3d from, Vec3d direction, double least, Vec3d u, Vec3d v, Vec3d w) {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  const auto side = [&](Vec3d p, Vec3d q) { return dot(direction, cross(p - from, q - from)); };
+  const double uv = side(u, v), vw = side(v, w), wu = side(w, u);
+  if (!((uv > 0 && vw > 0 && wu > 0) || (uv < 0 && vw < 0 && wu < 0))) return never;
+  const Vec3d normal = cross(v - u, w - u);
+  const double t = dot(u - from, normal) / dot(direction, normal);
+  return t >= least ? t : never;
+}
+
+TEST(TriangleBvh, MeetsWhatARayMeets) {
+  for (const std::size_t count : {1u, 5u, 300u}) {
+    const Soup soup = random_soup(count, static_cast<unsigned>(count), 0.4);
+    const TriangleBvh bvh(soup.positions, soup.triangles);
+    auto random = generator(4);
+    int met = 0;
+    for (int round = 0; round < 2000; ++round) {
+      const Vec3d from = random_point(random, 1.5);
+      Vec3d direction = random_point(random) - Vec3d{0.5, 0.5, 0.5};
+      if (round % 5 == 0) direction = {0, 0, round % 2 == 0 ? 1.0 : -1.0};
+      const double least = round % 3 == 0 ? 0.5 : 0;
+      double expected = std::numeric_limits<double>::infinity();
+      for (const Triangle& t : soup.triangles)
+        expected = std::min(expected, meet_triangle(from, direction, least, soup.positions[t.v[0]],
+                                                    soup.positions[t.v[1]], soup.positions[t.v[2]]));
+      const double found = bvh.meet(from, direction, least),
+                   any = bvh.meet(from, direction, least, TriangleBvh::Hit::any_will_do);
+      EXPECT_EQ(std::isfinite(found), std::isfinite(expected));
+      EXPECT_EQ(std::isfinite(any), std::isfinite(expected));
+      if (!std::isfinite(expected)) continue;
+      EXPECT_NEAR(found, expected, 1e-9 * (1 + expected));
+      EXPECT_GE(any, found);
+      ++met;
+    }
+    EXPECT_GT(met, 10);
+  }
+  // Along the faces of all boxes, from a point in one of them.
+  const std::vector<Vec3d> flat_square{{0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  const TriangleBvh flat(flat_square, std::vector<Triangle>{{{0, 1, 2}}, {{0, 2, 3}}});
+  EXPECT_EQ(flat.meet({0.25, 0.5, 0}, {0, 0, 1}, 0), 1);
+  EXPECT_TRUE(std::isinf(flat.meet({0.25, 0.5, 1}, {0, 0, 1}, 1e-6)));  // itself
+  EXPECT_TRUE(std::isinf(flat.meet({0.25, 0.5, 2}, {0, 0, 1}, 0)));
+}
+
 RawMesh square(double z, double size = 1) {
   RawMesh mesh;
   mesh.positions = {{0, 0, z}, {size, 0, z}, {size, size, z}, {0, size, z}};

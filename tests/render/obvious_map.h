@@ -41,6 +41,7 @@ inline PositionMap obvious_map(const IndexedMesh& mesh, const MapView& view, Map
         (void)TriangleCoverage(snap_to_window(view, mesh.positions[c[0]]), snap_to_window(view, mesh.positions[c[1]]),
                                snap_to_window(view, mesh.positions[c[2]]))
             .at(256 * x + 128, 256 * y + 128, z);
+        if (view.nearest > 0 && z < nearest_z(view)) continue;
         if (z < nearest) nearest = z, map.triangle[i] = t;
       }
       if (map.sees(i)) resolve_pixel(mesh, i, map);

@@ -13,8 +13,14 @@ namespace {
 
 std::vector<MapView> some_views(const IndexedMesh& mesh) {
   const Box3f box = box_of(mesh);
-  return {orthographic_view(box, {0, 0, -1}, 1.0 / 40), orthographic_view(box, {1, 0, 0}, 1.0 / 90),
-          orthographic_view(box, {-0.3, 0.8, -0.5}, 1.0 / 70), perspective_view(box, {1.5, -1.2, 1.9}, 1.0 / 60)};
+  std::vector<MapView> views{orthographic_view(box, {0, 0, -1}, 1.0 / 40), orthographic_view(box, {1, 0, 0}, 1.0 / 90),
+                             orthographic_view(box, {-0.3, 0.8, -0.5}, 1.0 / 70),
+                             perspective_view(box, {1.5, -1.2, 1.9}, 1.0 / 60)};
+  for (std::size_t k = 2; k < 4; ++k) {  // and cut off before the middle
+    views.push_back(views[k]);
+    views.back().nearest = 0.99 * views[k].depth({0.5, 0.5, 0.5});
+  }
+  return views;
 }
 
 IndexedMesh coloured(IndexedMesh mesh) {
@@ -110,6 +116,20 @@ TEST(PositionMap, OfTwiceTheResolutionHasEveryOtherPixelInPlace) {
       EXPECT_LT(length(a.origin - b.origin) + length(a.direction - b.direction), 1e-12);
     }
   }
+}
+
+TEST(PositionMap, SeesTheInsideBehindAPlane) {
+  const IndexedMesh mesh = sphere_mesh(4, 0);
+  const auto serial = make_serial_scheduler();
+  MapView view = orthographic_view(box_of(mesh), {0, 0, -1}, 1.0 / 50);
+  view.nearest = view.depth({0.5, 0.5, 0.5});
+  const PositionMap map = rasterize_map(mesh, view, {}, *serial);
+  for (std::size_t i = 0; i < view.pixels(); ++i) {
+    if (!map.sees(i)) continue;
+    EXPECT_LE(map.position[i].z, 0.501f);
+    EXPECT_LT(map.normal[i].z, 0.1f);  // from behind
+  }
+  EXPECT_TRUE(map.sees(static_cast<std::size_t>(view.height / 2 * view.width + view.width / 2)));
 }
 
 // Skips, saying what is missing, where OpenGL cannot be had.

@@ -75,9 +75,11 @@ TEST(Reconstruct, MakesClosedManifoldsOfClosedSurfaces) {
     EXPECT_LT(quality.sliver_share(), 0.005);
     expect_half_edges_hold(result.mesh);
     EXPECT_LT(diagonal_share(result.mesh, mesh), 0.002);
-    EXPECT_GT(
-        coverage(result.report.views.visible_points, result.mesh, mesh.transform, result.report.spacing, *scheduler),
-        0.999);
+    const SurfaceCoverage covered = measure_coverage(result.report.views.visible_points, result.mesh, mesh.transform,
+                                                     result.report.spacing, *scheduler);
+    EXPECT_GT(covered.share, 0.999);
+    EXPECT_LT(covered.rms, 0.1 * result.report.spacing);
+    EXPECT_LE(covered.rms, covered.max);
   }
 }
 
@@ -123,9 +125,12 @@ TEST(Reconstruct, IsAsNearToASphereAsItsSamplesAllow) {
     ReconstructConfig config = small_config(resolution);
     config.views.least = config.views.most = 6;
     config.condense = false;
+    config.detail = 1;
     const double bound = sampling_bound(1, 2 / resolution);
     EXPECT_LT(rms_from_sphere(reconstruct(mesh, config, *scheduler).mesh, {0, 0, 0}, 1), 1.1 * bound);
     config.condense = true;
+    EXPECT_LT(rms_from_sphere(reconstruct(mesh, config, *scheduler).mesh, {0, 0, 0}, 1), 0.6 * bound);
+    config.detail = 2;
     EXPECT_LT(rms_from_sphere(reconstruct(mesh, config, *scheduler).mesh, {0, 0, 0}, 1), 0.6 * bound);
   }
 }
@@ -135,6 +140,7 @@ TEST(Reconstruct, IsTheSameForAnyNumberOfThreads) {
   const auto serial = make_serial_scheduler();
   for (const MergeKind merge : {MergeKind::stitch, MergeKind::concatenate}) {
     ReconstructConfig config = small_config(130);  // zipped in a dozen tiles and more
+    config.views.candidates = 200;
     config.merge = merge;
     const RawMesh expected = reconstruct(mesh, config, *serial).mesh;
     for (const int threads : {1, 2, 3, 7}) {
@@ -301,6 +307,10 @@ TEST(Reconstruct, MeetsATriangleTarget) {
   const auto scheduler = make_tbb_scheduler(2);
   const Reconstruction result = reconstruct_to_triangles(sphere_mesh(5), small_config(256), 6000, *scheduler);
   EXPECT_NEAR(static_cast<double>(result.mesh.triangles.size()), 6000, 300);
+  ReconstructConfig plain = small_config(256);
+  plain.detail = 1;
+  const RawMesh sampled = reconstruct_to_triangles(sphere_mesh(5), plain, 6000, *scheduler).mesh;
+  EXPECT_NEAR(static_cast<double>(sampled.triangles.size()), 6000, 300);
 }
 
 TEST(Reconstruct, CoarserFromFartherAway) {
@@ -319,6 +329,8 @@ TEST(Reconstruct, RefusesConfigsOutOfRange) {
   };
   refused([](ReconstructConfig& c) { c.resolution = 1; });
   refused([](ReconstructConfig& c) { c.resolution = std::nan(""); });
+  refused([](ReconstructConfig& c) { c.detail = 0.5; });
+  refused([](ReconstructConfig& c) { c.detail = 17; });
   refused([](ReconstructConfig& c) { c.max_slope = 0; });
   refused([](ReconstructConfig& c) { c.slack = -1; });
   refused([](ReconstructConfig& c) { c.sharp_degrees = 180; });

@@ -115,7 +115,9 @@ class GlMapRenderer final : public MapRenderer {
     }
     // A little room, so that nothing is clipped by rounding.
     const double room = 0.01 * (hi - lo) + 1e-6;
-    return {lo - room, 1 / (hi - lo + 2 * room)};
+    // What is nearer than the view allows is in front of the near plane of OpenGL.
+    const double first = view.nearest > 0 ? std::min(nearest_z(view), hi) : lo - room;
+    return {first, 1 / (hi + room - first)};
   }
 
   void bind_state(const MapView& view) const {
