@@ -34,8 +34,38 @@ std::vector<std::uint32_t> find_lost(const IndexedMesh& mesh, double spacing, co
   return triangles;
 }
 
+// Whole pieces with an edge of one triangle go.
+void drop_open_pieces(EditMesh& mesh) {
+  std::vector<std::uint32_t> open;
+  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
+    for (std::size_t k = 0; k < 3 && mesh.alive(t); ++k)
+      if (mesh.is_border(mesh.triangle(t).v[k], mesh.triangle(t).v[(k + 1) % 3])) open.push_back(t);
+  while (!open.empty()) {
+    const std::uint32_t t = open.back();
+    open.pop_back();
+    if (!mesh.alive(t)) continue;
+    const Triangle gone = mesh.triangle(t);
+    mesh.remove(t);
+    for (const std::uint32_t v : gone.v) open.insert(open.end(), mesh.around(v).begin(), mesh.around(v).end());
+  }
+}
+
+// Vertices of several fans become several vertices.
+void split_fans(EditMesh& edit, MergedMesh& mesh) {
+  const auto count = static_cast<std::uint32_t>(edit.vertex_count());
+  for (std::uint32_t v = 0; v < count; ++v)
+    while (!edit.around(v).empty()) {
+      const std::vector<std::uint32_t> fan = edit.fan(v, edit.around(v).front());
+      if (fan.size() == edit.around(v).size()) break;
+      const std::uint32_t own = edit.add_vertex();
+      mesh.position.push_back(Vec3f(mesh.position[v]));
+      mesh.pixel.push_back(std::uint32_t{mesh.pixel[v]});
+      for (const std::uint32_t t : fan) edit.move_corner(t, v, own);
+    }
+}
+
 // As a manifold; `pixel` holds a triangle of each vertex.
-MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& triangles) {
+MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& triangles, bool closed) {
   const auto vertex_of = [&](std::uint32_t w) { return mesh.wedges.vertex.empty() ? w : mesh.wedges.vertex[w]; };
   std::vector<std::uint32_t> used;
   for (const std::uint32_t t : triangles)
@@ -58,15 +88,8 @@ MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& t
     if (edit.add(v[0], v[1], v[2]) == EditMesh::none) continue;
     for (const std::uint32_t corner : v) result.pixel[corner] = t;
   }
-  for (std::uint32_t v = 0; v < used.size(); ++v)
-    while (!edit.around(v).empty()) {
-      const std::vector<std::uint32_t> fan = edit.fan(v, edit.around(v).front());
-      if (fan.size() == edit.around(v).size()) break;
-      const std::uint32_t own = edit.add_vertex();
-      result.position.push_back(result.position[v]);
-      result.pixel.push_back(result.pixel[v]);
-      for (const std::uint32_t t : fan) edit.move_corner(t, v, own);
-    }
+  if (closed) drop_open_pieces(edit);
+  split_fans(edit, result);
   result.normal.resize(result.position.size());
   result.view.resize(result.position.size(), no_view), result.feature.resize(result.position.size(), 0);
   for (std::uint32_t t = 0; t < edit.triangle_count(); ++t)
@@ -77,12 +100,12 @@ MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& t
 }  // namespace
 
 LostParts take_over_lost_parts(const IndexedMesh& mesh, double spacing, MergedMesh& merged,
-                               std::vector<std::uint32_t>& source, Scheduler& scheduler) {
+                               std::vector<std::uint32_t>& source, bool closed, Scheduler& scheduler) {
   LostParts lost;
   double area = 0;
   const std::vector<std::uint32_t> triangles = find_lost(mesh, spacing, source, lost.parts, area);
   if (triangles.empty()) return lost;
-  MergedMesh part = take_out(mesh, triangles);
+  MergedMesh part = take_out(mesh, triangles, closed);
   SimplifyMergedConfig config;
   config.triangles = std::max(2 * lost.parts, static_cast<std::size_t>(2 * area / (spacing * spacing)));
   config.farthest = static_cast<float>(4 * spacing);
