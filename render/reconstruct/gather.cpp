@@ -46,20 +46,20 @@ void for_blocks(std::span<const RowBlock> blocks, Scheduler& scheduler,
 
 namespace {
 
-// Marks what is within two and three pixels of a border: along the rows first, then across them, from a copy, so that
+// Marks what is within one and two pixels of a border: along the rows first, then across them, from a copy, so that
 // no two tasks write to one row.
 PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> blocks, PixelFlags& flags,
                   Scheduler& scheduler) {
-  constexpr std::uint8_t within_two = 64, within_three = 128;
+  constexpr std::uint8_t within_one = 64, within_two = 128;
   for_blocks(blocks, scheduler, [&](const RowBlock& block, std::size_t) {
     const std::size_t width = width_of(views[block.view]);
-    std::vector<std::uint8_t> row(width + 6, 0);
+    std::vector<std::uint8_t> row(width + 4, 0);
     for (int y = block.first; y < block.last; ++y) {
       std::uint8_t* own = flags[block.view].data() + static_cast<std::size_t>(y) * width;
-      for (std::size_t x = 0; x < width; ++x) row[x + 3] = own[x] & on_border;
+      for (std::size_t x = 0; x < width; ++x) row[x + 2] = own[x] & on_border;
       for (std::size_t x = 0; x < width; ++x) {
-        const unsigned two = row[x + 1] | row[x + 2] | row[x + 3] | row[x + 4] | row[x + 5];
-        own[x] |= static_cast<std::uint8_t>((two ? within_two : 0) | (two | row[x] | row[x + 6] ? within_three : 0));
+        const unsigned one = row[x + 1] | row[x + 2] | row[x + 3];
+        own[x] |= static_cast<std::uint8_t>((one ? within_one : 0) | (one | row[x] | row[x + 4] ? within_two : 0));
       }
     }
   });
@@ -72,13 +72,12 @@ PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> bl
       return flags[block.view].data() + static_cast<std::ptrdiff_t>(std::clamp(y, 0, height - 1)) * width;
     };
     for (int y = block.first; y < block.last; ++y) {
-      const std::uint8_t *a = row(y - 3), *b = row(y - 2), *c = row(y - 1), *own = row(y), *d = row(y + 1),
-                         *e = row(y + 2), *f = row(y + 3);
+      const std::uint8_t *a = row(y - 2), *b = row(y - 1), *own = row(y), *c = row(y + 1), *d = row(y + 2);
       std::uint8_t* to = result[block.view].data() + static_cast<std::ptrdiff_t>(y) * width;
       for (int x = 0; x < width; ++x) {
-        const unsigned two = b[x] | c[x] | own[x] | d[x] | e[x], three = two | a[x] | f[x];
-        to[x] = static_cast<std::uint8_t>((own[x] & (on_border | on_rim)) | (two & within_two ? beside_border : 0) |
-                                          (three & within_three ? near_border : 0));
+        const unsigned one = b[x] | own[x] | c[x], two = one | a[x] | d[x];
+        to[x] = static_cast<std::uint8_t>((own[x] & (on_border | on_rim)) | (one & within_one ? beside_border : 0) |
+                                          (two & within_two ? near_border : 0));
       }
     }
   });

@@ -26,7 +26,7 @@ using CellChoice = const std::vector<std::uint8_t>& (*)(const MergeView&);
 [[nodiscard]] inline const std::vector<std::uint8_t>& kept_cells(const MergeView& v) { return v.kept; }
 
 // Of each pixel of each view: whether it is a vertex on a border of what its view keeps; whether that is the outline of
-// what the view sees, too; within two pixels of a border; within three.
+// what the view sees, too; within a pixel of a border; within two.
 enum PixelFlagBits : std::uint8_t { beside_border = 1, on_border = 2, on_rim = 4, near_border = 8 };
 using PixelFlags = std::vector<std::vector<std::uint8_t>>;
 [[nodiscard]] PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler);
