@@ -21,6 +21,18 @@ class Reconstruct(CommandCase):
         info = self.results("info", "lod.ply")
         self.assertEqual(info["triangles"], level["mesh"]["triangles"])
 
+    def test_finer_maps_are_nearer_with_as_many_triangles(self):
+        level = {}
+        for detail in (1, 2):
+            level[detail] = self.results("reconstruct", sphere(), "-o", "lod.ply", "--resolution", 40, "--measure", "--detail",
+                                         detail)["levels"][0]
+        triangles = [level[d]["mesh"]["triangles"] for d in (1, 2)]
+        self.assertLess(abs(triangles[0] / triangles[1] - 1), 0.05)
+        self.assertGreater(level[2]["sampled_triangles"], 3.5 * triangles[1])
+        rms = [level[d]["distance"]["from_visible_input"]["rms"] for d in (1, 2)]
+        self.assertLess(rms[1], 0.8 * rms[0])
+        self.refused("reconstruct", sphere(), "-o", "lod.ply", "--detail", 0.5)
+
     def test_levels_halve_the_resolution(self):
         report = self.results("reconstruct", sphere(), "-o", "lod.obj", "--resolution", 64, "--levels", 3)
         triangles = [level["mesh"]["triangles"] for level in report["levels"]]
