@@ -55,13 +55,13 @@ class Grid {
 class Builder {
  public:
   Builder(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler)
-      : mesh_(mesh), config_(config), scheduler_(scheduler), rings_(mesh) {}
+      : mesh_(mesh), config_(config), scheduler_(scheduler), kernel_(progressive::collapse_kernel(config.instructions)), rings_(mesh) {}
 
   ProgressiveMesh build(ProgressiveReport& report) {
     make_rings();
-    metric_ = progressive::make_metric(config_.metric, rings_, mesh_, config_.weights);
+    metric_ = progressive::make_metric(config_.metric, rings_, mesh_, config_.weights, kernel_);
     for_vertices([&](std::size_t begin, std::size_t end) { metric_->start(begin, end); });
-    collapser_.emplace(rings_, *metric_);
+    collapser_.emplace(rings_, *metric_, kernel_);
     for_vertices([&](std::size_t begin, std::size_t end) { collapser_->start(begin, end); });
     triangles_ = mesh_.triangles.size();
     list_vertices();
@@ -87,12 +87,12 @@ class Builder {
 
   void make_rings() {
     rings_.list_corners();
-    scheduler_.for_chunks(mesh_.positions.size(), vertex_grain,
-                          [&](ChunkRange c) { rings_.find_fans(c.begin, c.end); });
+    const std::size_t first_arena = arenas_.size(), count = mesh_.positions.size();
+    arenas_.resize(first_arena + chunk_count(count, vertex_grain));
+    scheduler_.for_chunks(count, vertex_grain, [&](ChunkRange c) {
+      rings_.make_rings(c.begin, c.end, arenas_[first_arena + c.index], kernel_.chain);
+    });
     rings_.cut_open();
-    scheduler_.for_chunks(mesh_.positions.size(), vertex_grain,
-                          [&](ChunkRange c) { rings_.make_rings(c.begin, c.end); });
-    rings_.finish_rings();
   }
 
   void list_vertices() {
@@ -192,6 +192,7 @@ class Builder {
   const IndexedMesh& mesh_;
   const ProgressiveConfig& config_;
   Scheduler& scheduler_;
+  const progressive::CollapseKernel& kernel_;
   RingMesh rings_;
   std::unique_ptr<progressive::CollapseMetric> metric_;
   std::optional<Collapser> collapser_;

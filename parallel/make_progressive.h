@@ -6,6 +6,7 @@
 
 #include "core/progressive/collapse_metric.h"
 #include "core/progressive/progressive_mesh.h"
+#include "core/simplify/quadric_simplifier.h"
 #include "parallel/scheduler.h"
 
 namespace lodestone {
@@ -14,6 +15,7 @@ struct ProgressiveConfig {
   progressive::MetricKind metric = progressive::MetricKind::quadric;
   progressive::AttributeWeights weights{};
   std::size_t base_triangles = 0;  // to stop at; 0: what remains when nothing can collapse
+  InstructionSet instructions = InstructionSet::best;
 };
 
 struct ProgressiveReport {

@@ -43,10 +43,8 @@ class SplitRecorder {
     for (const std::uint32_t g : groups.number) plain_.wedges.vertex.push_back(groups.start[g]);
     rings_.emplace(plain_);
     rings_->list_corners();
-    rings_->find_fans(0, mesh.positions.size());
+    rings_->make_rings(0, mesh.positions.size(), arena_);
     rings_->cut_open();
-    rings_->make_rings(0, mesh.positions.size());
-    rings_->finish_rings();
     if (rings_->cut_vertices() > 0) fail_order();
   }
 

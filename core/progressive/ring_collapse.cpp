@@ -27,8 +27,10 @@ bool RingMesh::allows(Collapse& c) const {
   c.wedge[0] = c.wedge[1] = c.vertex;
   c.wedge_target[0] = c.wedge_target[1] = c.target;
   if (v.open != 0 && c.at != 0 && c.at + 1 != v.size) return false;  // borders collapse along borders
-  return keeps_surface(c) && (!has_wedges_ || (maps_wedges(c) && keeps_charts(c)));
+  return keeps_surface(c) && (!has_wedges_ || lets_wedges(c));
 }
+
+bool RingMesh::lets_wedges(Collapse& c) const { return maps_wedges(c) && keeps_charts(c); }
 
 // The link condition: the only common neighbours are a and b. And u, a and b keep a triangle, or a fan of three.
 bool RingMesh::keeps_surface(const Collapse& c) const {
@@ -83,7 +85,7 @@ bool RingMesh::keeps_charts(const Collapse& c) const {
 }
 
 int RingMesh::apply(const Collapse& c, RingArena& arena) {
-  const Ring v = rings_[c.vertex];
+  const Ring& v = rings_[c.vertex];
   const bool with_a = v.open == 0 || c.at == 0, with_b = v.open == 0 || c.at != 0;
   const Id a = with_a ? v.ids[v.next(c.at)] : no_id, b = with_b ? v.ids[v.previous(c.at)] : no_id;
   for (const Id x : v.neighbours()) {
@@ -94,13 +96,13 @@ int RingMesh::apply(const Collapse& c, RingArena& arena) {
   splice(c, arena);
   if (with_a) remove(a, c.vertex, c.target);
   if (with_b) remove(b, c.vertex, c.target);
-  rings_[c.vertex] = {};
+  rings_[c.vertex].size = 0;
   return with_a && with_b ? 2 : 1;
 }
 
 // The ring of u with v replaced by what lies between a and b: from a on, sector by sector, up to before b.
 void RingMesh::splice(const Collapse& c, RingArena& arena) {
-  const Ring v = rings_[c.vertex];
+  const Ring& v = rings_[c.vertex];
   Ring& u = rings_[c.target];
   const bool at_end = v.open != 0;
   const std::uint32_t between = at_end ? v.size - 2 : v.size - 3;
