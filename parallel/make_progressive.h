@@ -6,7 +6,7 @@
 
 #include "core/progressive/collapse_metric.h"
 #include "core/progressive/progressive_mesh.h"
-#include "core/simplify/quadric_simplifier.h"
+#include "core/simplify/instruction_set.h"
 #include "parallel/scheduler.h"
 
 namespace lodestone {

@@ -10,7 +10,7 @@
 #include "core/progressive/collapse_metric.h"
 #include "core/progressive/plane_quadric.h"
 #include "core/progressive/ring_mesh.h"
-#include "core/simplify/quadric_simplifier.h"
+#include "core/simplify/instruction_set.h"
 
 namespace lodestone::progressive {
 

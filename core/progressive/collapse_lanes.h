@@ -12,11 +12,15 @@
 #include <limits>
 #include <vector>
 
+#include "core/base/prefetch.h"
 #include "core/progressive/collapse_kernel.h"
 #include "core/progressive/rank_heap.h"
 #include "core/progressive/star_lanes.h"
 
 namespace lodestone::progressive {
+
+// A vertex whose rank has risen by no more than this goes at once instead of back into the queue.
+inline constexpr float patience = 1.125f;
 
 template <class L>
 class CollapseRun {
@@ -41,6 +45,7 @@ class CollapseRun {
   bool look_crowded(Id v, const Ring& ring, Collapse& collapse);
   template <int G>
   void rank(Id v, const Ring& ring, const Star<L, G>& star, Float (&ranks)[G]) const;
+  [[nodiscard]] bool is_still_allowed(Id v, Collapse& collapse) const;
   [[nodiscard]] bool turns(const Collapse& collapse) const;
   template <int G>
   [[nodiscard]] static unsigned lanes_of(const Ring& ring);
@@ -118,11 +123,10 @@ inline bool CollapseRun<L>::look(Id v, const Ring& ring, Collapse& c) {
     c.at = static_cast<std::uint32_t>(std::countr_zero(lanes & allowed));
     c.target = ring.ids[c.at];
     if (!joins<L, G>(rings_, ring, c.at) || star_turns<L, G>(star, ring, c.at)) continue;
-    if (rings_.has_wedges() || quadrics_ == nullptr) {
-      if (!rings_.allows(c) || !metric_.allows(c)) continue;
-    } else {
-      c.back = rings_.ring(c.target).find(v);
-    }
+    c.back = rings_.ring(c.target).find(v);
+    c.wedge[0] = c.wedge[1] = v, c.wedge_target[0] = c.wedge_target[1] = c.target;
+    if (rings_.has_wedges() && !rings_.lets_wedges(c)) continue;
+    if (quadrics_ == nullptr && !metric_.allows(c)) continue;
     s_.standing[v].rank = best;
     return true;
   }
@@ -162,6 +166,18 @@ bool CollapseRun<L>::turns(const Collapse& c) const {
   return false;
 }
 
+// The collapse of v as it was last looked at: its ring is what it was, those of its neighbours may not be.
+template <class L>
+bool CollapseRun<L>::is_still_allowed(Id v, Collapse& c) const {
+  const Ring& ring = rings_.ring(v);
+  c = {.vertex = v, .target = ring.ids[s_.standing[v].target], .at = s_.standing[v].target};
+  if (ring.size > 8) return rings_.allows(c);
+  if (!joins<L, 1>(rings_, ring, c.at)) return false;
+  c.back = rings_.ring(c.target).find(v);
+  c.wedge[0] = c.wedge[1] = v, c.wedge_target[0] = c.wedge_target[1] = c.target;
+  return !rings_.has_wedges() || rings_.lets_wedges(c);
+}
+
 template <class L>
 std::vector<CollapseRecord> CollapseRun<L>::run(const Region& region, RingArena& arena) {
   std::vector<CollapseRecord> records;
@@ -172,6 +188,8 @@ std::vector<CollapseRecord> CollapseRun<L>::run(const Region& region, RingArena&
     const bool maybe = at.rank == never && (at.bits & Standing::dirty) != 0;  // could not collapse, but things changed
     if (at.rank > region.most_rank && !maybe) continue;
     queue_.add(maybe ? 0 : at.rank, v);
+    prefetch(&rings_.points()[v]);
+    if (quadrics_ != nullptr) prefetch(&quadrics_[v]), prefetch(&quadrics_[v].bz);
     at.bits |= Standing::queued;
   }
   queue_.order_all();
@@ -183,13 +201,10 @@ std::vector<CollapseRecord> CollapseRun<L>::run(const Region& region, RingArena&
     Standing& at = s_.standing[v];
     at.bits = static_cast<std::uint16_t>(at.bits & ~Standing::queued);
     Collapse c;
-    const bool known = (at.bits & Standing::dirty) == 0;
-    if (known) {
-      c.vertex = v, c.target = rings_.ring(v).ids[at.target];
-    }
-    if (!known || !rings_.allows(c)) {
+    if ((at.bits & Standing::dirty) != 0 || !is_still_allowed(v, c)) {
+      const float before = at.rank;
       if (!look(v, c) || at.rank > most_rank) continue;
-      if (at.rank > queue_.lowest()) {
+      if (at.rank > std::max(patience * before, queue_.lowest())) {
         queue_.push(at.rank, v);
         at.bits |= Standing::queued;
         continue;

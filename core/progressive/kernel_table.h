@@ -15,7 +15,9 @@ constexpr CollapseKernel kernel_of() {
             for (std::size_t k = begin; k < end; ++k) {
               const auto v = static_cast<Id>(k);
               const Ring& ring = rings.ring(v);
-              const bool simple = ring.open == 0 && ring.size <= 8 && ring.size > 0 && !rings.has_wedges();
+              bool simple = ring.open == 0 && ring.size <= 8 && ring.size > 0;
+              if (rings.has_wedges())
+                for (std::uint32_t i = 1; i < ring.size; ++i) simple = simple && ring.wedge(i) == ring.wedge(0);
               quadrics[k] = simple
                                 ? closed_star_quadric<L>(load_star<L, 1>(rings.points(), ring, v), ring.size)
                                 : star_quadric(rings, v);

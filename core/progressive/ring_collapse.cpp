@@ -100,6 +100,22 @@ int RingMesh::apply(const Collapse& c, RingArena& arena) {
   return with_a && with_b ? 2 : 1;
 }
 
+// The same within a ring's own place: blocks of four, more than is needed, since that is cheaper than to count. What
+// they spoil behind the ids is put back.
+void RingMesh::splice_own(Ring& u, const Ring& v, std::uint32_t back, std::uint32_t first, std::uint32_t between) {
+  struct Four {
+    Id ids[4];
+  };
+  const std::uint32_t size = u.size + between - 1, capacity = u.capacity, open = u.open;
+  Four tail[3];
+  std::memcpy(tail, u.own + back + 1, sizeof tail);
+  for (std::uint32_t k = 0, from = first; k < between; ++k, from = v.next(from)) u.own[back + k] = v.ids[from];
+  for (std::uint32_t k = 0, to = back + between; to < size; ++k, to += 4) std::memcpy(&u.own[to], &tail[k], sizeof(Four));
+  u.ids = u.own;
+  u.size = size;
+  u.capacity = capacity & 0x7fff'ffffu, u.open = open & 1u;
+}
+
 // The ring of u with v replaced by what lies between a and b: from a on, sector by sector, up to before b.
 void RingMesh::splice(const Collapse& c, RingArena& arena) {
   const Ring& v = rings_[c.vertex];
@@ -109,6 +125,7 @@ void RingMesh::splice(const Collapse& c, RingArena& arena) {
   grow(u, u.size + between - 1, arena);
   Id* ids = u.ids;
   const std::uint32_t back = c.back, first = at_end && c.at != 0 ? 0 : v.next(v.next(c.at));
+  if (ids == u.own && !has_wedges_) return splice_own(u, v, back, first, between);
   const auto move_up = [&](Id* row) {  // what lies behind v, to where it will be
     std::memmove(row + back + between, row + back + 1, (u.size - back - 1) * sizeof(Id));
   };
@@ -146,7 +163,14 @@ void RingMesh::remove(Id from, Id gone, Id stays) {
     Id* wedges = &ring.wedge(0);
     std::copy(wedges + at + 1, wedges + ring.size, wedges + at);
   }
-  std::copy(ring.ids + at + 1, ring.ids + ring.size, ring.ids + at);
+  if (ring.size <= 8 && ring.ids == ring.own) {  // within the twelve: four, and four more where there may be some
+    Id behind[8];
+    std::memcpy(behind, ring.own + at + 1, sizeof behind);
+    std::memcpy(ring.own + at, behind, sizeof behind / 2);
+    if (at <= 4) std::memcpy(ring.own + at + 4, behind + 4, sizeof behind / 2);
+  } else {
+    std::copy(ring.ids + at + 1, ring.ids + ring.size, ring.ids + at);
+  }
   ring.size = ring.size - 1;
 }
 

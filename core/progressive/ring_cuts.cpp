@@ -72,8 +72,17 @@ void RingMesh::chain_any(Id vertex, std::vector<Cut>& cuts) {
     const Id other = from->first;
     const auto to = std::find_if(from, edges.end(), [&](const auto& e) { return e.first != other; });
     const bool plain = to - from == 1 || (to - from == 2 && (from->second + (from + 1)->second) % 2 == 1);
+    if (plain) {
+      if (to - from == 2) {
+        const std::uint32_t ending = (from->second % 2 == 1 ? from : from + 1)->second / 2;
+        const std::uint32_t starting = (from->second % 2 == 1 ? from + 1 : from)->second / 2;
+        next[ending] = starting, before[starting] = ending;
+      }
+      from = to;
+      continue;
+    }
     const bool lower = is_lower(position(vertex), position(other));
-    if (!plain && lower) ++cut_edges_;
+    if (lower) ++cut_edges_;
     const Vec3d origin = to_double(position(lower ? vertex : other));
     const Vec3d axis = to_double(position(lower ? other : vertex)) - origin;
     const auto [x, y] = frame_around(axis);

@@ -124,6 +124,7 @@ class RingMesh {
   [[nodiscard]] bool keeps_charts(const Collapse& collapse) const;
   [[nodiscard]] bool is_seam(Id v, std::uint32_t k) const;
   void splice(const Collapse& collapse, RingArena& arena);
+  static void splice_own(Ring& u, const Ring& v, std::uint32_t back, std::uint32_t first, std::uint32_t between);
   void grow(Ring& ring, std::uint32_t size, RingArena& arena) const;
   void remove(Id from, Id gone, Id stays);
 
