@@ -24,7 +24,7 @@ using progressive::RingMesh;
 constexpr std::size_t vertex_grain = 4096;
 constexpr std::size_t region_vertices = 1500;  // of a region, about
 constexpr std::size_t whole_triangles = 6000;  // collapsed as one
-constexpr double round_share = 0.7;            // of the vertices rank low enough to go in a round
+constexpr double round_share = 0.9;            // of the vertices rank low enough to go in a round
 
 // Cubes of a grid, shifted from round to round.
 class Grid {
@@ -55,7 +55,11 @@ class Grid {
 class Builder {
  public:
   Builder(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler)
-      : mesh_(mesh), config_(config), scheduler_(scheduler), kernel_(progressive::collapse_kernel(config.instructions)), rings_(mesh) {}
+      : mesh_(mesh),
+        config_(config),
+        scheduler_(scheduler),
+        kernel_(progressive::collapse_kernel(config.instructions)),
+        rings_(mesh) {}
 
   ProgressiveMesh build(ProgressiveReport& report) {
     make_rings();
@@ -72,6 +76,7 @@ class Builder {
       collapse_regions(rounds);
     }
     collapse_rest();
+    sort_rounds();
     report.rounds = rounds;
     report.cut_vertices = rings_.cut_vertices();
     report.cut_edges = rings_.cut_edges();
@@ -102,7 +107,7 @@ class Builder {
 
   // The rank that a share of the vertices is below, of a sample.
   [[nodiscard]] float rank_limit() const {
-    constexpr std::size_t sample = 50'000;
+    constexpr std::size_t sample = 5000;
     std::vector<float> ranks;
     const std::size_t step = live_.size() / sample + 1;
     for (std::size_t k = 0; k < live_.size(); k += step)
@@ -135,12 +140,26 @@ class Builder {
       for (std::size_t k = regions_[r].first; k < regions_[r].second; ++k)
         if (is_inside(sorted_[k])) free.push_back(sorted_[k]);
       records[r] = collapser_->run({.vertices = free, .most_rank = limit}, arenas_[first_arena + r]);
+      const auto begin = sorted_.begin() + static_cast<std::ptrdiff_t>(regions_[r].first),
+                 end = begin + static_cast<std::ptrdiff_t>(size(r));
+      regions_[r].second = static_cast<std::size_t>(
+          std::remove_if(begin, end, [&](Id v) { return !rings_.is_used(v); }) - sorted_.begin());
     });
     for (const auto& part : records) append(part);
-    std::stable_sort(records_.begin() + static_cast<std::ptrdiff_t>(sorted_records_), records_.end(),
-                     [](const CollapseRecord& a, const CollapseRecord& b) { return a.order < b.order; });
-    sorted_records_ = records_.size();
-    std::erase_if(live_, [&](Id v) { return !rings_.is_used(v); });
+    ends_of_rounds_.push_back(records_.size());
+    live_.clear();
+    for (const auto& [first, last] : regions_)
+      live_.insert(live_.end(), sorted_.begin() + static_cast<std::ptrdiff_t>(first),
+                   sorted_.begin() + static_cast<std::ptrdiff_t>(last));
+  }
+
+  // Those of a round by rank; regions are in order already.
+  void sort_rounds() {
+    scheduler_.for_chunks(ends_of_rounds_.size(), 1, [&](ChunkRange c) {
+      const auto at = [&](std::size_t k) { return records_.begin() + static_cast<std::ptrdiff_t>(k); };
+      std::stable_sort(at(c.index == 0 ? 0 : ends_of_rounds_[c.index - 1]), at(ends_of_rounds_[c.index]),
+                       [](const CollapseRecord& a, const CollapseRecord& b) { return a.order < b.order; });
+    });
   }
 
   [[nodiscard]] bool is_inside(Id v) const {
@@ -201,14 +220,27 @@ class Builder {
   std::vector<std::uint32_t> cube_;
   std::vector<std::pair<std::size_t, std::size_t>> regions_;
   std::vector<CollapseRecord> records_;
-  std::size_t sorted_records_ = 0, triangles_ = 0;
+  std::vector<std::size_t> ends_of_rounds_;  // in records_
+  std::size_t triangles_ = 0;
 };
 
 }  // namespace
 
 ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
                                  ProgressiveReport& report) {
-  return Builder(mesh, config, scheduler).build(report);
+  ProgressiveMesh out = Builder(mesh, config, scheduler).build(report);
+  out.wedges.materials = mesh.wedges.materials;
+  out.wedges.textures = mesh.wedges.textures;
+  return out;
+}
+
+ProgressiveMesh make_progressive(IndexedMesh&& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
+                                 ProgressiveReport& report) {
+  IndexedMesh mine = std::move(mesh);
+  ProgressiveMesh out = Builder(mine, config, scheduler).build(report);
+  out.wedges.materials = std::move(mine.wedges.materials);
+  out.wedges.textures = std::move(mine.wedges.textures);
+  return out;
 }
 
 }  // namespace lodestone

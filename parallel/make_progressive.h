@@ -33,5 +33,8 @@ struct ProgressiveReport {
 // metric measures.
 [[nodiscard]] ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config,
                                                Scheduler& scheduler, ProgressiveReport& report);
+// The same, of a mesh that is not needed any more: its textures are not copied.
+[[nodiscard]] ProgressiveMesh make_progressive(IndexedMesh&& mesh, const ProgressiveConfig& config,
+                                               Scheduler& scheduler, ProgressiveReport& report);
 
 }  // namespace lodestone

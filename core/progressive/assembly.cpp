@@ -101,8 +101,6 @@ void Assembly::make_room() {
   like(out_.wedges.colour, mesh_.wedges.colour);
   like(out_.wedges.normal, mesh_.wedges.normal);
   like(out_.wedges.material, mesh_.wedges.material);
-  out_.wedges.materials = mesh_.wedges.materials;
-  out_.wedges.textures = mesh_.wedges.textures;
   out_.transform = mesh_.transform;
   out_.triangles.resize(mesh_.triangles.size());
   births_.resize(mesh_.triangles.size());

@@ -17,7 +17,8 @@ struct CollapseSequence {
   std::size_t base_triangles = 0;  // at least so many are to be left: collapses beyond are taken back
 };
 
-// The steps, in this order; those with a range may run side by side. Mesh and rings have to stay alive.
+// The steps, in this order; those with a range may run side by side. Mesh and rings have to stay alive. Materials and
+// textures are left to the caller.
 class Assembly {
  public:
   Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence);

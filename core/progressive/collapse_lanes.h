@@ -197,14 +197,14 @@ std::vector<CollapseRecord> CollapseRun<L>::run(const Region& region, RingArena&
   std::size_t gone = 0;
   const float most_rank = std::min(region.most_rank, std::numeric_limits<float>::max());
   while (!queue_.empty() && gone < region.most_triangles) {
+    const float expected = queue_.lowest();
     const Id v = queue_.pop();
     Standing& at = s_.standing[v];
     at.bits = static_cast<std::uint16_t>(at.bits & ~Standing::queued);
     Collapse c;
     if ((at.bits & Standing::dirty) != 0 || !is_still_allowed(v, c)) {
-      const float before = at.rank;
       if (!look(v, c) || at.rank > most_rank) continue;
-      if (at.rank > std::max(patience * before, queue_.lowest())) {
+      if (at.rank > std::max(patience * expected, queue_.lowest())) {
         queue_.push(at.rank, v);
         at.bits |= Standing::queued;
         continue;

@@ -20,7 +20,8 @@ struct Id8 {
   }
   [[nodiscard]] Matches among(const Id* others, std::uint32_t count) const {
     __m256i times = _mm256_setzero_si256();
-    for (std::uint32_t i = 0; i < count; ++i) times = _mm256_sub_epi32(times, _mm256_cmpeq_epi32(lanes, all(others[i])));
+    for (std::uint32_t i = 0; i < count; ++i)
+      times = _mm256_sub_epi32(times, _mm256_cmpeq_epi32(lanes, all(others[i])));
     const auto above = [&](int n) {
       const __m256i more = _mm256_cmpgt_epi32(times, _mm256_set1_epi32(n));
       return static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(more)));

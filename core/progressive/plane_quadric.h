@@ -10,7 +10,7 @@ namespace lodestone::progressive {
 // Sum of weight * distance^2 from planes, as a function of the shift d from the centre: d A d + 2 b d + c.
 struct PlaneQuadric {
   float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;  // A
-  float weight = 0;  // area that the planes stand for
+  float weight = 0;                                      // area that the planes stand for
   float c = 0, bx = 0, by = 0, bz = 0;
 
   [[nodiscard]] float at(Vec3f d) const {

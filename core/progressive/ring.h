@@ -27,11 +27,11 @@ struct alignas(64) Ring {
   static constexpr std::uint32_t own_ids = 12, readable = 16;
 
   Id own[own_ids];
-  Id* ids = nullptr;
-  std::uint32_t size = 0;
-  std::uint32_t capacity : 31 = 0, open : 1 = 0;
+  Id* ids;
+  std::uint32_t size;
+  std::uint32_t capacity : 31, open : 1;
 
-  Ring() {}  // own: unset
+  Ring() {}  // nothing is set: fresh memory is touched by those who fill it
   Ring(const Ring& other) { *this = other; }
   Ring& operator=(const Ring& other) {
     for (std::uint32_t k = 0; k < own_ids; ++k) own[k] = other.own[k];

@@ -110,7 +110,8 @@ void RingMesh::splice_own(Ring& u, const Ring& v, std::uint32_t back, std::uint3
   Four tail[3];
   std::memcpy(tail, u.own + back + 1, sizeof tail);
   for (std::uint32_t k = 0, from = first; k < between; ++k, from = v.next(from)) u.own[back + k] = v.ids[from];
-  for (std::uint32_t k = 0, to = back + between; to < size; ++k, to += 4) std::memcpy(&u.own[to], &tail[k], sizeof(Four));
+  for (std::uint32_t k = 0, to = back + between; to < size; ++k, to += 4)
+    std::memcpy(&u.own[to], &tail[k], sizeof(Four));
   u.ids = u.own;
   u.size = size;
   u.capacity = capacity & 0x7fff'ffffu, u.open = open & 1u;

@@ -60,7 +60,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_brackets(std::span<con
 
 // Any number of fans: corners follow each other over edges of two triangles, and over the pairs of edges of more.
 void RingMesh::chain_any(Id vertex, std::vector<Cut>& cuts) {
-  const std::span corners = std::span(by_vertex_).subspan(first_[vertex], first_[vertex + 1] - first_[vertex]);
+  const std::span corners = corners_of(vertex);
   std::vector<std::pair<Id, std::uint32_t>> edges;  // neighbour; corner, twice, plus one where it ends there
   for (std::uint32_t k = 0; k < corners.size(); ++k) {
     edges.emplace_back(start_of(corners[k]), 2 * k);
@@ -123,14 +123,25 @@ void RingMesh::cut_open() {
     if (several_[v] != 0) chain_any(v, cuts);
   for (std::size_t k = 1; k < cuts.size(); ++k)
     if (cuts[k].vertex == cuts[k - 1].vertex) copy_fan(cuts[k]);
-  for (const Id source : copy_source_) points_.push_back(points_[vertex_of(source)]);
-  rings_.resize(vertex_count() + 1);
+  if (vertex_count() > room_) make_room();
+  for (Id v = static_cast<Id>(input_vertices()); v < vertex_count(); ++v)
+    points_[v] = points_[vertex_of(source_of(v))], rings_[v].size = 0;
   for (const Cut& cut : cuts) {
-    const std::span corners = std::span(by_vertex_).subspan(cut.begin, cut.end - cut.begin);
+    const std::span corners(by_vertex_.get() + cut.begin, cut.end - cut.begin);
     make_ring(vertex_of(corner_id(corners.front())), corners, cut.open, arena_);
   }
   for (const Cut& cut : cuts) name_copy(cut);
-  first_ = {}, by_vertex_ = {}, several_ = {};
+  first_ = {}, by_vertex_.reset(), several_ = {};
+}
+
+void RingMesh::make_room() {
+  room_ = vertex_count();
+  auto rings = std::make_unique_for_overwrite<Ring[]>(room_ + 1);
+  auto points = std::make_unique_for_overwrite<quadric::Point[]>(room_ + 1);
+  std::copy_n(rings_.get(), input_vertices(), rings.get());
+  std::copy_n(points_.get(), input_vertices(), points.get());
+  rings_ = std::move(rings);
+  points_ = std::move(points);
 }
 
 // Neighbours of a copy that have one fan know the vertex by its old number.

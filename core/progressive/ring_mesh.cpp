@@ -19,30 +19,41 @@ Id* RingArena::take(std::size_t count) {
 }
 
 RingMesh::RingMesh(const IndexedMesh& mesh)
-    : input_(&mesh), corners_(mesh.triangles), rings_(mesh.positions.size() + 1), points_(mesh.positions.size()) {
+    : input_(&mesh), corners_(mesh.triangles), room_(mesh.positions.size() + mesh.positions.size() / 16 + 1) {
   const std::vector<Id>& vertex = mesh.wedges.vertex;
   for (std::size_t w = 0; w < vertex.size() && !has_wedges_; ++w) has_wedges_ = vertex[w] != w;
+  rings_ = std::make_unique_for_overwrite<Ring[]>(room_ + 1);
+  points_ = std::make_unique_for_overwrite<quadric::Point[]>(room_ + 1);
 }
 
 void RingMesh::list_corners() {
-  first_.assign(input_vertices() + 1, 0);
-  const auto for_corners = [&](auto&& visit) {
-    for (std::uint32_t t = 0; t < corners_.size(); ++t)
-      for (std::uint32_t k = 0; k < 3; ++k) visit(4 * t + k, position_id(4 * t + k));
+  first_.assign(input_vertices() + 2, 0);
+  several_.resize(input_vertices());
+  by_vertex_ = std::make_unique_for_overwrite<std::uint32_t[]>(3 * corners_.size());
+  const auto list = [&](auto&& vertex_of_corner) {
+    // Counted two places on, so that filling leaves every range where it belongs.
+    for (const Triangle& t : input_->triangles)
+      for (const Id id : t.v) ++first_[vertex_of_corner(id) + 2];
+    for (std::size_t v = 2; v < first_.size(); ++v) first_[v] += first_[v - 1];
+    std::uint32_t corner = 0;
+    for (const Triangle& t : input_->triangles) {
+      for (std::uint32_t k = 0; k < 3; ++k) by_vertex_[first_[vertex_of_corner(t.v[k]) + 1]++] = corner + k;
+      corner += 4;
+    }
   };
-  for_corners([&](std::uint32_t, Id v) { ++first_[v + 1]; });
-  for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
-  by_vertex_.resize(3 * corners_.size());
-  std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
-  for_corners([&](std::uint32_t corner, Id v) { by_vertex_[fill[v]++] = corner; });
-  several_.assign(input_vertices(), 0);
+  const Id* wedge_vertex = input_->wedges.vertex.data();
+  if (has_wedges_)
+    list([&](Id id) { return wedge_vertex[id]; });
+  else
+    list([](Id id) { return id; });
 }
 
 void RingMesh::make_rings(std::size_t begin, std::size_t end, RingArena& arena, ChainFan chain) {
   for (std::size_t v = begin; v < end; ++v) {
     const Vec3f p = input_->positions[v];
     points_[v] = {p.x, p.y, p.z, 0};
-    const std::span corners = std::span(by_vertex_).subspan(first_[v], first_[v + 1] - first_[v]);
+    const std::span<const std::uint32_t> corners = corners_of(v);
+    rings_[v].size = 0;
     if (corners.empty()) continue;
     several_[v] = make_simple_ring(static_cast<Id>(v), corners, arena, chain) ? 0 : 1;
   }

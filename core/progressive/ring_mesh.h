@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -71,7 +72,7 @@ class RingMesh {
   [[nodiscard]] bool has_wedges() const { return has_wedges_; }
   [[nodiscard]] const Ring& ring(Id v) const { return rings_[v]; }
   [[nodiscard]] Vec3f position(Id v) const { return {points_[v].x, points_[v].y, points_[v].z}; }
-  [[nodiscard]] const quadric::Point* points() const { return points_.data(); }
+  [[nodiscard]] const quadric::Point* points() const { return points_.get(); }
   // The vertex or wedge of the mesh that a vertex or wedge is, or is a copy of.
   [[nodiscard]] Id source_of(Id id) const { return id < input_vertices() ? id : copy_source_[id - input_vertices()]; }
   // With its corners on copies where the surface was cut; wedges, if there are any.
@@ -116,6 +117,7 @@ class RingMesh {
   [[nodiscard]] bool make_simple_ring(Id v, std::span<const std::uint32_t> corners, RingArena& arena, ChainFan chain);
   void chain_any(Id vertex, std::vector<Cut>& cuts);
   void copy_fan(const Cut& cut);
+  void make_room();
   void name_copy(const Cut& cut);
   void make_ring(Id v, std::span<const std::uint32_t> corners, bool open, RingArena& arena);
   Ring& begin_ring(Id v, std::uint32_t corners, bool open, RingArena& arena);
@@ -131,15 +133,22 @@ class RingMesh {
   const IndexedMesh* input_;
   bool has_wedges_ = false;
   std::vector<Triangle> corners_;
-  std::vector<Ring> rings_;  // and one behind the last, since lanes reach beyond a ring
-  RingArena arena_;          // of crowded ones, and of those of fans that were cut apart
-  std::vector<quadric::Point> points_;
+  // With room for some copies, which more of them make larger. One more behind the last, since lanes reach beyond a
+  // ring.
+  std::size_t room_ = 0;
+  std::unique_ptr<Ring[]> rings_;
+  std::unique_ptr<quadric::Point[]> points_;
+  RingArena arena_;  // of fans that were cut apart
   std::vector<Id> copy_source_, copy_vertex_;
   std::size_t cut_vertices_ = 0, cut_edges_ = 0;
 
   // While setting up: corners by vertex, and which vertices have other than a single fan.
-  std::vector<std::uint32_t> first_, by_vertex_;
+  std::vector<std::uint32_t> first_;
+  std::unique_ptr<std::uint32_t[]> by_vertex_;
   std::vector<std::uint8_t> several_;
+  [[nodiscard]] std::span<std::uint32_t> corners_of(std::size_t v) const {
+    return {by_vertex_.get() + first_[v], first_[v + 1] - first_[v]};
+  }
 };
 
 }  // namespace lodestone::progressive

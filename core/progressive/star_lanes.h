@@ -108,8 +108,8 @@ template <class L, int G>
     const Float along = nx * mx + ny * my + nz * mz;
     const Float size = nx * nx + ny * ny + nz * nz, size_after = mx * mx + my * my + mz * mz;
     const Float zero = Float::all(0);
-    const unsigned stays = less(zero, along) &
-                           less(Float::all(least_cosine * least_cosine) * size * size_after, along * along);
+    const unsigned stays =
+        less(zero, along) & less(Float::all(least_cosine * least_cosine) * size * size_after, along * along);
     turned |= (less(zero, size) & ~stays) << 8 * g;
   }
   const unsigned vanish = 1u << at | 1u << (at == 0 ? n - 1 : at - 1);
