@@ -40,6 +40,8 @@ struct alignas(64) Ring {
     return *this;
   }
 
+  // No neighbours yet, and a place for a few.
+  void clear() { ids = own, size = 0, capacity = own_ids, open = 0; }
   [[nodiscard]] std::uint32_t next(std::uint32_t k) const { return k + 1 < size ? k + 1 : 0; }
   [[nodiscard]] std::uint32_t previous(std::uint32_t k) const { return k > 0 ? k - 1 : size - 1; }
   [[nodiscard]] std::uint32_t sectors() const { return size - open; }

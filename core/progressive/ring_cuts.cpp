@@ -124,8 +124,10 @@ void RingMesh::cut_open() {
   for (std::size_t k = 1; k < cuts.size(); ++k)
     if (cuts[k].vertex == cuts[k - 1].vertex) copy_fan(cuts[k]);
   if (vertex_count() > room_) make_room();
-  for (Id v = static_cast<Id>(input_vertices()); v < vertex_count(); ++v)
-    points_[v] = points_[vertex_of(source_of(v))], rings_[v].size = 0;
+  for (Id v = static_cast<Id>(input_vertices()); v < vertex_count(); ++v) {
+    points_[v] = points_[vertex_of(source_of(v))];
+    rings_[v].clear();
+  }
   for (const Cut& cut : cuts) {
     const std::span corners(by_vertex_.get() + cut.begin, cut.end - cut.begin);
     make_ring(vertex_of(corner_id(corners.front())), corners, cut.open, arena_);

@@ -53,7 +53,7 @@ void RingMesh::make_rings(std::size_t begin, std::size_t end, RingArena& arena, 
     const Vec3f p = input_->positions[v];
     points_[v] = {p.x, p.y, p.z, 0};
     const std::span<const std::uint32_t> corners = corners_of(v);
-    rings_[v].size = 0;
+    rings_[v].clear();
     if (corners.empty()) continue;
     several_[v] = make_simple_ring(static_cast<Id>(v), corners, arena, chain) ? 0 : 1;
   }
@@ -106,8 +106,6 @@ Ring& RingMesh::begin_ring(Id v, std::uint32_t corners, bool open, RingArena& ar
   Ring& ring = rings_[v];
   ring.size = corners + (open ? 1u : 0u);
   ring.open = open ? 1 : 0;
-  ring.capacity = Ring::own_ids;
-  ring.ids = ring.own;
   if (!has_wedges_ && ring.size <= Ring::own_ids) return ring;
   constexpr std::uint32_t spare = 2;  // to begin with
   ring.capacity = (ring.size + spare) & 0x7fff'ffffu;
