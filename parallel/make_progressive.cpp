@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/progressive/assembly.h"
+#include "parallel/merge_records.h"
 
 namespace lodestone {
 namespace {
@@ -76,7 +77,6 @@ class Builder {
       collapse_regions(rounds);
     }
     collapse_rest();
-    sort_rounds();
     report.rounds = rounds;
     report.cut_vertices = rings_.cut_vertices();
     report.cut_edges = rings_.cut_edges();
@@ -145,21 +145,13 @@ class Builder {
       regions_[r].second = static_cast<std::size_t>(
           std::remove_if(begin, end, [&](Id v) { return !rings_.is_used(v); }) - sorted_.begin());
     });
-    for (const auto& part : records) append(part);
-    ends_of_rounds_.push_back(records_.size());
+    const std::size_t before = records_.size();
+    merge_records(records, records_, scheduler_);
+    count_triangles(before);
     live_.clear();
     for (const auto& [first, last] : regions_)
       live_.insert(live_.end(), sorted_.begin() + static_cast<std::ptrdiff_t>(first),
                    sorted_.begin() + static_cast<std::ptrdiff_t>(last));
-  }
-
-  // Those of a round by rank; regions are in order already.
-  void sort_rounds() {
-    scheduler_.for_chunks(ends_of_rounds_.size(), 1, [&](ChunkRange c) {
-      const auto at = [&](std::size_t k) { return records_.begin() + static_cast<std::ptrdiff_t>(k); };
-      std::stable_sort(at(c.index == 0 ? 0 : ends_of_rounds_[c.index - 1]), at(ends_of_rounds_[c.index]),
-                       [](const CollapseRecord& a, const CollapseRecord& b) { return a.order < b.order; });
-    });
   }
 
   [[nodiscard]] bool is_inside(Id v) const {
@@ -183,14 +175,17 @@ class Builder {
   void collapse_rest() {
     const std::size_t most = triangles_ - std::min(triangles_, config_.base_triangles);
     arenas_.emplace_back();
-    append(collapser_->run(
+    const std::size_t before = records_.size();
+    const auto rest = collapser_->run(
         {.vertices = live_, .most_rank = std::numeric_limits<float>::infinity(), .most_triangles = most},
-        arenas_.back()));
+        arenas_.back());
+    records_.insert(records_.end(), rest.begin(), rest.end());
+    count_triangles(before);
   }
 
-  void append(const std::vector<CollapseRecord>& part) {
-    records_.insert(records_.end(), part.begin(), part.end());
-    for (const CollapseRecord& r : part) triangles_ -= r.triangles;
+  // Off what is left: those of the records from here on.
+  void count_triangles(std::size_t from) {
+    for (std::size_t k = from; k < records_.size(); ++k) triangles_ -= records_[k].triangles;
   }
 
   ProgressiveMesh finish(ProgressiveReport& report) {
@@ -198,6 +193,8 @@ class Builder {
         mesh_, rings_,
         {.records = std::move(records_), .parents = collapser_->parents(), .base_triangles = config_.base_triangles});
     assembly.order();
+    scheduler_.for_chunks(assembly.collapse_count(), vertex_grain,
+                          [&](ChunkRange c) { assembly.number(c.begin, c.end); });
     scheduler_.for_chunks(assembly.vertex_count(), vertex_grain,
                           [&](ChunkRange c) { assembly.gather(c.begin, c.end); });
     assembly.find_groups();
@@ -220,7 +217,6 @@ class Builder {
   std::vector<std::uint32_t> cube_;
   std::vector<std::pair<std::size_t, std::size_t>> regions_;
   std::vector<CollapseRecord> records_;
-  std::vector<std::size_t> ends_of_rounds_;  // in records_
   std::size_t triangles_ = 0;
 };
 

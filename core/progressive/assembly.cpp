@@ -86,9 +86,24 @@ void Assembly::order() {
   }
   for (const Id v : waiting) add_vertex(v, error);
   out_.base_vertices = static_cast<std::uint32_t>(wedges_.size());
-  for (std::size_t k = sequence_.records.size(); k-- > 0;)
-    add_vertex(sequence_.records[k].vertex, sequence_.records[k].error);
+  if (lists)
+    for (std::size_t k = sequence_.records.size(); k-- > 0;)
+      add_vertex(sequence_.records[k].vertex, sequence_.records[k].error);
+  else
+    wedges_.resize(wedges_.size() + sequence_.records.size()), out_.errors.resize(wedges_.size());
   make_room();
+}
+
+// Without wedges every collapse is one vertex, and its number is known.
+void Assembly::number(std::size_t begin, std::size_t end) {
+  if (rings_.has_wedges()) return;
+  for (std::size_t k = begin; k < end; ++k) {
+    const CollapseRecord& record = sequence_.records[k];
+    const std::size_t place = wedges_.size() - 1 - k;
+    number_[record.vertex] = static_cast<Id>(place);
+    wedges_[place] = record.vertex;
+    out_.errors[place] = record.error;
+  }
 }
 
 void Assembly::make_room() {

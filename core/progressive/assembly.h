@@ -24,11 +24,13 @@ class Assembly {
   Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence);
 
   void order();
+  void number(std::size_t begin, std::size_t end);  // of collapse_count()
   void gather(std::size_t begin, std::size_t end);  // of vertex_count()
   void find_groups();
   void map_triangles(std::size_t begin, std::size_t end);  // of the mesh
   [[nodiscard]] ProgressiveMesh finish();
 
+  [[nodiscard]] std::size_t collapse_count() const { return sequence_.records.size(); }
   [[nodiscard]] std::size_t vertex_count() const { return wedges_.size(); }
 
  private:

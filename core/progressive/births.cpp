@@ -37,19 +37,14 @@ std::uint32_t birth(const Triangle& t, const ProgressiveMesh& mesh, const std::v
   }
 }
 
-void sort_by_birth(std::vector<Triangle>& triangles, std::vector<std::uint32_t>& births, std::size_t vertex_count) {
+void sort_by_birth(std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& births,
+                   std::size_t vertex_count) {
   std::vector<std::uint32_t> place(vertex_count + 2, 0);
   for (const std::uint32_t b : births) ++place[b + 1];
   for (std::size_t v = 1; v < place.size(); ++v) place[v] += place[v - 1];
   std::vector<Triangle> sorted(triangles.size());
-  std::vector<std::uint32_t> sorted_births(births.size());
-  for (std::size_t t = 0; t < births.size(); ++t) {
-    const std::uint32_t to = place[births[t]]++;
-    sorted[to] = triangles[t];
-    sorted_births[to] = births[t];
-  }
+  for (std::size_t t = 0; t < births.size(); ++t) sorted[place[births[t]]++] = triangles[t];
   triangles = std::move(sorted);
-  births = std::move(sorted_births);
 }
 
 }  // namespace lodestone::progressive

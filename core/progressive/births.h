@@ -17,7 +17,8 @@ namespace lodestone::progressive {
 [[nodiscard]] std::uint32_t birth(const Triangle& triangle, const ProgressiveMesh& mesh,
                                   const std::vector<std::uint32_t>& groups);
 
-// Brings triangles into the order in which they come in; stable. Sorts `births`, too.
-void sort_by_birth(std::vector<Triangle>& triangles, std::vector<std::uint32_t>& births, std::size_t vertex_count);
+// Brings triangles into the order in which they come in; stable.
+void sort_by_birth(std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& births,
+                   std::size_t vertex_count);
 
 }  // namespace lodestone::progressive

@@ -12,13 +12,15 @@ namespace {
 class QuadricMetric final : public CollapseMetric {
  public:
   QuadricMetric(const RingMesh& rings, const CollapseKernel& kernel)
-      : rings_(&rings), kernel_(&kernel), quadrics_(rings.vertex_count()) {}
+      : rings_(&rings),
+        kernel_(&kernel),
+        quadrics_(std::make_unique_for_overwrite<PlaneQuadric[]>(rings.vertex_count())) {}
 
   void start(std::size_t begin, std::size_t end) override {
-    kernel_->star_quadrics(*rings_, begin, end, quadrics_.data());
+    kernel_->star_quadrics(*rings_, begin, end, quadrics_.get());
   }
 
-  [[nodiscard]] const PlaneQuadric* plane_quadrics() const override { return quadrics_.data(); }
+  [[nodiscard]] const PlaneQuadric* plane_quadrics() const override { return quadrics_.get(); }
 
   void rank(Id v, std::span<float> ranks) const override {
     const PlaneQuadric& q = quadrics_[v];
@@ -43,7 +45,7 @@ class QuadricMetric final : public CollapseMetric {
  private:
   const RingMesh* rings_;
   const CollapseKernel* kernel_;
-  std::vector<PlaneQuadric> quadrics_;
+  std::unique_ptr<PlaneQuadric[]> quadrics_;
 };
 
 }  // namespace

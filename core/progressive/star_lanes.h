@@ -151,7 +151,7 @@ template <class L>
   Float rows[8]{px * nx, px * ny, px * nz, py * ny, py * nz, per * nz * nz, area, zero};
   transpose(rows);
   const Float sum = ((rows[0] + rows[4]) + (rows[1] + rows[5])) + ((rows[2] + rows[6]) + (rows[3] + rows[7]));
-  PlaneQuadric q;
+  PlaneQuadric q{};
   sum.store(&q.xx);
   return q;
 }
