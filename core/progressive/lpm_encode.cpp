@@ -108,6 +108,13 @@ class SplitRecorder {
   RingArena arena_;
 };
 
+// The base and what follows; the rings are given back.
+std::pair<SplitMesh, std::vector<SplitMesh::Split>> record(const ProgressiveMesh& mesh, const Groups& groups) {
+  SplitRecorder recorder(mesh, groups);
+  std::vector<SplitMesh::Split> splits = recorder.splits();
+  return {recorder.base(), std::move(splits)};
+}
+
 LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config) {
   LpmHeader h;
   const WedgeAttributes& wedges = mesh.wedges;
@@ -165,8 +172,7 @@ void append_frame(std::vector<std::byte>& out, std::span<const std::byte> bytes,
 
 LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
   const Groups groups(mesh);
-  SplitRecorder recorder(mesh, groups);
-  std::vector<SplitMesh::Split> splits = recorder.splits();
+  auto [base, splits] = record(mesh, groups);
   const LpmHeader header = make_header(mesh, groups, config);
   const LatticeValues source = quantize(mesh, groups, header);
   LpmBytes out;
@@ -178,10 +184,11 @@ LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
   out.bytes.insert(out.bytes.end(), text_bytes.begin(), text_bytes.end());
 
   SplitMesh growing;
+  growing.stars.reserve(groups.start.size());
   LatticeValues values;
   SplitCodec<RangeEncoder> codec(header.settings, growing, values);
   RangeEncoder coder;
-  codec.code_base(coder, recorder.base(), source, header.base_groups);
+  codec.code_base(coder, base, source, header.base_groups);
   append_frame(out.bytes, coder.finish(), growing.wedge_count);
   out.base = out.bytes.size();
   for (std::size_t k = 0; k < splits.size();) {
