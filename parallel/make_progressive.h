@@ -29,7 +29,7 @@ struct ProgressiveReport {
 // moves from round to round: what a region's border holds in place in one round is free in the next, and no round goes
 // far beyond the ranks that others have reached. The result depends on the mesh and the configuration alone.
 //
-// Memory at the peak: about 110 bytes per triangle by geometry alone. Throws InputError when the mesh lacks what the
+// Memory at the peak: about 120 bytes per triangle by geometry alone. Throws InputError when the mesh lacks what the
 // metric measures.
 [[nodiscard]] ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config,
                                                Scheduler& scheduler, ProgressiveReport& report);
