@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/progressive/assembly.h"
+#include "parallel/first_touch.h"
 #include "parallel/merge_records.h"
 
 namespace lodestone {
@@ -189,9 +190,15 @@ class Builder {
   }
 
   ProgressiveMesh finish(ProgressiveReport& report) {
+    ProgressiveMesh room;
+    resize_in_parallel(room.positions, rings_.vertex_count(), scheduler_);
+    resize_in_parallel(room.parents, rings_.vertex_count(), scheduler_);
+    resize_in_parallel(room.errors, rings_.vertex_count(), scheduler_);
+    resize_in_parallel(room.triangles, mesh_.triangles.size(), scheduler_);
     progressive::Assembly assembly(
         mesh_, rings_,
-        {.records = std::move(records_), .parents = collapser_->parents(), .base_triangles = config_.base_triangles});
+        {.records = std::move(records_), .parents = collapser_->parents(), .base_triangles = config_.base_triangles},
+        std::move(room));
     assembly.order();
     scheduler_.for_chunks(assembly.collapse_count(), vertex_grain,
                           [&](ChunkRange c) { assembly.number(c.begin, c.end); });

@@ -31,8 +31,11 @@ struct Assembly::WedgeLists {
   }
 };
 
-Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence)
-    : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)) {}
+Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence,
+                   ProgressiveMesh&& room)
+    : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)), out_(std::move(room)) {
+  out_.errors.clear();
+}
 
 void Assembly::cut_sequence() {
   std::size_t kept = 0;
@@ -118,7 +121,8 @@ void Assembly::make_room() {
   like(out_.wedges.material, mesh_.wedges.material);
   out_.transform = mesh_.transform;
   out_.triangles.resize(mesh_.triangles.size());
-  births_.resize(mesh_.triangles.size());
+  mapped_ = std::make_unique_for_overwrite<Triangle[]>(mesh_.triangles.size());
+  births_ = std::make_unique_for_overwrite<std::uint32_t[]>(mesh_.triangles.size());
 }
 
 void Assembly::gather(std::size_t begin, std::size_t end) {
@@ -140,13 +144,14 @@ void Assembly::find_groups() { groups_ = group_starts(out_); }
 void Assembly::map_triangles(std::size_t begin, std::size_t end) {
   for (std::size_t t = begin; t < end; ++t) {
     const Triangle& corners = rings_.corners()[t];
-    out_.triangles[t] = {number_[corners.v[0]], number_[corners.v[1]], number_[corners.v[2]]};
-    births_[t] = birth(out_.triangles[t], out_, groups_);
+    mapped_[t] = {number_[corners.v[0]], number_[corners.v[1]], number_[corners.v[2]]};
+    births_[t] = birth(mapped_[t], out_, groups_);
   }
 }
 
 ProgressiveMesh Assembly::finish() {
-  sort_by_birth(out_.triangles, births_, vertex_count());
+  sort_by_birth({mapped_.get(), out_.triangles.size()}, {births_.get(), out_.triangles.size()}, vertex_count(),
+                out_.triangles.data());
   return std::move(out_);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct CollapseSequence {
 // textures are left to the caller.
 class Assembly {
  public:
-  Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence);
+  // `room`: vectors whose memory is there already are filled and not made anew.
+  Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence, ProgressiveMesh&& room = {});
 
   void order();
   void number(std::size_t begin, std::size_t end);  // of collapse_count()
@@ -43,7 +45,9 @@ class Assembly {
   CollapseSequence sequence_;
   std::vector<Id> wedges_, number_;  // of the rings, by new number; the other way
   ProgressiveMesh out_;
-  std::vector<std::uint32_t> groups_, births_;
+  std::vector<std::uint32_t> groups_;
+  std::unique_ptr<Triangle[]> mapped_;  // in the order of the mesh
+  std::unique_ptr<std::uint32_t[]> births_;
 };
 
 }  // namespace lodestone::progressive
