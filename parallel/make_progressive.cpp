@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "core/progressive/assembly.h"
+#include "parallel/first_touch.h"
+#include "parallel/merge_records.h"
 
 namespace lodestone {
 namespace {
@@ -24,7 +26,7 @@ using progressive::RingMesh;
 constexpr std::size_t vertex_grain = 4096;
 constexpr std::size_t region_vertices = 1500;  // of a region, about
 constexpr std::size_t whole_triangles = 6000;  // collapsed as one
-constexpr double round_share = 0.7;            // of the vertices rank low enough to go in a round
+constexpr double round_share = 0.9;            // of the vertices rank low enough to go in a round
 
 // Cubes of a grid, shifted from round to round.
 class Grid {
@@ -55,13 +57,17 @@ class Grid {
 class Builder {
  public:
   Builder(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler)
-      : mesh_(mesh), config_(config), scheduler_(scheduler), rings_(mesh) {}
+      : mesh_(mesh),
+        config_(config),
+        scheduler_(scheduler),
+        kernel_(progressive::collapse_kernel(config.instructions)),
+        rings_(mesh) {}
 
   ProgressiveMesh build(ProgressiveReport& report) {
     make_rings();
-    metric_ = progressive::make_metric(config_.metric, rings_, mesh_, config_.weights);
+    metric_ = progressive::make_metric(config_.metric, rings_, mesh_, config_.weights, kernel_);
     for_vertices([&](std::size_t begin, std::size_t end) { metric_->start(begin, end); });
-    collapser_.emplace(rings_, *metric_);
+    collapser_.emplace(rings_, *metric_, kernel_);
     for_vertices([&](std::size_t begin, std::size_t end) { collapser_->start(begin, end); });
     triangles_ = mesh_.triangles.size();
     list_vertices();
@@ -87,12 +93,12 @@ class Builder {
 
   void make_rings() {
     rings_.list_corners();
-    scheduler_.for_chunks(mesh_.positions.size(), vertex_grain,
-                          [&](ChunkRange c) { rings_.find_fans(c.begin, c.end); });
+    const std::size_t first_arena = arenas_.size(), count = mesh_.positions.size();
+    arenas_.resize(first_arena + chunk_count(count, vertex_grain));
+    scheduler_.for_chunks(count, vertex_grain, [&](ChunkRange c) {
+      rings_.make_rings(c.begin, c.end, arenas_[first_arena + c.index], kernel_.chain);
+    });
     rings_.cut_open();
-    scheduler_.for_chunks(mesh_.positions.size(), vertex_grain,
-                          [&](ChunkRange c) { rings_.make_rings(c.begin, c.end); });
-    rings_.finish_rings();
   }
 
   void list_vertices() {
@@ -102,7 +108,7 @@ class Builder {
 
   // The rank that a share of the vertices is below, of a sample.
   [[nodiscard]] float rank_limit() const {
-    constexpr std::size_t sample = 50'000;
+    constexpr std::size_t sample = 5000;
     std::vector<float> ranks;
     const std::size_t step = live_.size() / sample + 1;
     for (std::size_t k = 0; k < live_.size(); k += step)
@@ -135,12 +141,18 @@ class Builder {
       for (std::size_t k = regions_[r].first; k < regions_[r].second; ++k)
         if (is_inside(sorted_[k])) free.push_back(sorted_[k]);
       records[r] = collapser_->run({.vertices = free, .most_rank = limit}, arenas_[first_arena + r]);
+      const auto begin = sorted_.begin() + static_cast<std::ptrdiff_t>(regions_[r].first),
+                 end = begin + static_cast<std::ptrdiff_t>(size(r));
+      regions_[r].second = static_cast<std::size_t>(
+          std::remove_if(begin, end, [&](Id v) { return !rings_.is_used(v); }) - sorted_.begin());
     });
-    for (const auto& part : records) append(part);
-    std::stable_sort(records_.begin() + static_cast<std::ptrdiff_t>(sorted_records_), records_.end(),
-                     [](const CollapseRecord& a, const CollapseRecord& b) { return a.order < b.order; });
-    sorted_records_ = records_.size();
-    std::erase_if(live_, [&](Id v) { return !rings_.is_used(v); });
+    const std::size_t before = records_.size();
+    merge_records(records, records_, scheduler_);
+    count_triangles(before);
+    live_.clear();
+    for (const auto& [first, last] : regions_)
+      live_.insert(live_.end(), sorted_.begin() + static_cast<std::ptrdiff_t>(first),
+                   sorted_.begin() + static_cast<std::ptrdiff_t>(last));
   }
 
   [[nodiscard]] bool is_inside(Id v) const {
@@ -164,21 +176,32 @@ class Builder {
   void collapse_rest() {
     const std::size_t most = triangles_ - std::min(triangles_, config_.base_triangles);
     arenas_.emplace_back();
-    append(collapser_->run(
+    const std::size_t before = records_.size();
+    const auto rest = collapser_->run(
         {.vertices = live_, .most_rank = std::numeric_limits<float>::infinity(), .most_triangles = most},
-        arenas_.back()));
+        arenas_.back());
+    records_.insert(records_.end(), rest.begin(), rest.end());
+    count_triangles(before);
   }
 
-  void append(const std::vector<CollapseRecord>& part) {
-    records_.insert(records_.end(), part.begin(), part.end());
-    for (const CollapseRecord& r : part) triangles_ -= r.triangles;
+  // Off what is left: those of the records from here on.
+  void count_triangles(std::size_t from) {
+    for (std::size_t k = from; k < records_.size(); ++k) triangles_ -= records_[k].triangles;
   }
 
   ProgressiveMesh finish(ProgressiveReport& report) {
+    ProgressiveMesh room;
+    resize_in_parallel(room.positions, rings_.vertex_count(), scheduler_);
+    resize_in_parallel(room.parents, rings_.vertex_count(), scheduler_);
+    resize_in_parallel(room.errors, rings_.vertex_count(), scheduler_);
+    resize_in_parallel(room.triangles, mesh_.triangles.size(), scheduler_);
     progressive::Assembly assembly(
         mesh_, rings_,
-        {.records = std::move(records_), .parents = collapser_->parents(), .base_triangles = config_.base_triangles});
+        {.records = std::move(records_), .parents = collapser_->parents(), .base_triangles = config_.base_triangles},
+        std::move(room));
     assembly.order();
+    scheduler_.for_chunks(assembly.collapse_count(), vertex_grain,
+                          [&](ChunkRange c) { assembly.number(c.begin, c.end); });
     scheduler_.for_chunks(assembly.vertex_count(), vertex_grain,
                           [&](ChunkRange c) { assembly.gather(c.begin, c.end); });
     assembly.find_groups();
@@ -192,6 +215,7 @@ class Builder {
   const IndexedMesh& mesh_;
   const ProgressiveConfig& config_;
   Scheduler& scheduler_;
+  const progressive::CollapseKernel& kernel_;
   RingMesh rings_;
   std::unique_ptr<progressive::CollapseMetric> metric_;
   std::optional<Collapser> collapser_;
@@ -200,14 +224,26 @@ class Builder {
   std::vector<std::uint32_t> cube_;
   std::vector<std::pair<std::size_t, std::size_t>> regions_;
   std::vector<CollapseRecord> records_;
-  std::size_t sorted_records_ = 0, triangles_ = 0;
+  std::size_t triangles_ = 0;
 };
 
 }  // namespace
 
 ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
                                  ProgressiveReport& report) {
-  return Builder(mesh, config, scheduler).build(report);
+  ProgressiveMesh out = Builder(mesh, config, scheduler).build(report);
+  out.wedges.materials = mesh.wedges.materials;
+  out.wedges.textures = mesh.wedges.textures;
+  return out;
+}
+
+ProgressiveMesh make_progressive(IndexedMesh&& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
+                                 ProgressiveReport& report) {
+  IndexedMesh mine = std::move(mesh);
+  ProgressiveMesh out = Builder(mine, config, scheduler).build(report);
+  out.wedges.materials = std::move(mine.wedges.materials);
+  out.wedges.textures = std::move(mine.wedges.textures);
+  return out;
 }
 
 }  // namespace lodestone

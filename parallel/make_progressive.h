@@ -6,6 +6,7 @@
 
 #include "core/progressive/collapse_metric.h"
 #include "core/progressive/progressive_mesh.h"
+#include "core/simplify/instruction_set.h"
 #include "parallel/scheduler.h"
 
 namespace lodestone {
@@ -14,6 +15,7 @@ struct ProgressiveConfig {
   progressive::MetricKind metric = progressive::MetricKind::quadric;
   progressive::AttributeWeights weights{};
   std::size_t base_triangles = 0;  // to stop at; 0: what remains when nothing can collapse
+  InstructionSet instructions = InstructionSet::best;
 };
 
 struct ProgressiveReport {
@@ -27,9 +29,12 @@ struct ProgressiveReport {
 // moves from round to round: what a region's border holds in place in one round is free in the next, and no round goes
 // far beyond the ranks that others have reached. The result depends on the mesh and the configuration alone.
 //
-// Memory at the peak: about 110 bytes per triangle by geometry alone. Throws InputError when the mesh lacks what the
+// Memory at the peak: about 120 bytes per triangle by geometry alone. Throws InputError when the mesh lacks what the
 // metric measures.
 [[nodiscard]] ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config,
+                                               Scheduler& scheduler, ProgressiveReport& report);
+// The same, of a mesh that is not needed any more: its textures are not copied.
+[[nodiscard]] ProgressiveMesh make_progressive(IndexedMesh&& mesh, const ProgressiveConfig& config,
                                                Scheduler& scheduler, ProgressiveReport& report);
 
 }  // namespace lodestone

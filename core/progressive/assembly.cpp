@@ -31,8 +31,11 @@ struct Assembly::WedgeLists {
   }
 };
 
-Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence)
-    : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)) {}
+Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence,
+                   ProgressiveMesh&& room)
+    : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)), out_(std::move(room)) {
+  out_.errors.clear();
+}
 
 void Assembly::cut_sequence() {
   std::size_t kept = 0;
@@ -86,9 +89,24 @@ void Assembly::order() {
   }
   for (const Id v : waiting) add_vertex(v, error);
   out_.base_vertices = static_cast<std::uint32_t>(wedges_.size());
-  for (std::size_t k = sequence_.records.size(); k-- > 0;)
-    add_vertex(sequence_.records[k].vertex, sequence_.records[k].error);
+  if (lists)
+    for (std::size_t k = sequence_.records.size(); k-- > 0;)
+      add_vertex(sequence_.records[k].vertex, sequence_.records[k].error);
+  else
+    wedges_.resize(wedges_.size() + sequence_.records.size()), out_.errors.resize(wedges_.size());
   make_room();
+}
+
+// Without wedges every collapse is one vertex, and its number is known.
+void Assembly::number(std::size_t begin, std::size_t end) {
+  if (rings_.has_wedges()) return;
+  for (std::size_t k = begin; k < end; ++k) {
+    const CollapseRecord& record = sequence_.records[k];
+    const std::size_t place = wedges_.size() - 1 - k;
+    number_[record.vertex] = static_cast<Id>(place);
+    wedges_[place] = record.vertex;
+    out_.errors[place] = record.error;
+  }
 }
 
 void Assembly::make_room() {
@@ -101,11 +119,10 @@ void Assembly::make_room() {
   like(out_.wedges.colour, mesh_.wedges.colour);
   like(out_.wedges.normal, mesh_.wedges.normal);
   like(out_.wedges.material, mesh_.wedges.material);
-  out_.wedges.materials = mesh_.wedges.materials;
-  out_.wedges.textures = mesh_.wedges.textures;
   out_.transform = mesh_.transform;
   out_.triangles.resize(mesh_.triangles.size());
-  births_.resize(mesh_.triangles.size());
+  mapped_ = std::make_unique_for_overwrite<Triangle[]>(mesh_.triangles.size());
+  births_ = std::make_unique_for_overwrite<std::uint32_t[]>(mesh_.triangles.size());
 }
 
 void Assembly::gather(std::size_t begin, std::size_t end) {
@@ -127,13 +144,14 @@ void Assembly::find_groups() { groups_ = group_starts(out_); }
 void Assembly::map_triangles(std::size_t begin, std::size_t end) {
   for (std::size_t t = begin; t < end; ++t) {
     const Triangle& corners = rings_.corners()[t];
-    out_.triangles[t] = {number_[corners.v[0]], number_[corners.v[1]], number_[corners.v[2]]};
-    births_[t] = birth(out_.triangles[t], out_, groups_);
+    mapped_[t] = {number_[corners.v[0]], number_[corners.v[1]], number_[corners.v[2]]};
+    births_[t] = birth(mapped_[t], out_, groups_);
   }
 }
 
 ProgressiveMesh Assembly::finish() {
-  sort_by_birth(out_.triangles, births_, vertex_count());
+  sort_by_birth({mapped_.get(), out_.triangles.size()}, {births_.get(), out_.triangles.size()}, vertex_count(),
+                out_.triangles.data());
   return std::move(out_);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -17,17 +18,21 @@ struct CollapseSequence {
   std::size_t base_triangles = 0;  // at least so many are to be left: collapses beyond are taken back
 };
 
-// The steps, in this order; those with a range may run side by side. Mesh and rings have to stay alive.
+// The steps, in this order; those with a range may run side by side. Mesh and rings have to stay alive. Materials and
+// textures are left to the caller.
 class Assembly {
  public:
-  Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence);
+  // `room`: vectors whose memory is there already are filled and not made anew.
+  Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence, ProgressiveMesh&& room = {});
 
   void order();
+  void number(std::size_t begin, std::size_t end);  // of collapse_count()
   void gather(std::size_t begin, std::size_t end);  // of vertex_count()
   void find_groups();
   void map_triangles(std::size_t begin, std::size_t end);  // of the mesh
   [[nodiscard]] ProgressiveMesh finish();
 
+  [[nodiscard]] std::size_t collapse_count() const { return sequence_.records.size(); }
   [[nodiscard]] std::size_t vertex_count() const { return wedges_.size(); }
 
  private:
@@ -40,7 +45,9 @@ class Assembly {
   CollapseSequence sequence_;
   std::vector<Id> wedges_, number_;  // of the rings, by new number; the other way
   ProgressiveMesh out_;
-  std::vector<std::uint32_t> groups_, births_;
+  std::vector<std::uint32_t> groups_;
+  std::unique_ptr<Triangle[]> mapped_;  // in the order of the mesh
+  std::unique_ptr<std::uint32_t[]> births_;
 };
 
 }  // namespace lodestone::progressive

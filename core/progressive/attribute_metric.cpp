@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/progressive/collapse_metric.h"
+#include "core/progressive/collapse_kernel.h"
 #include "core/progressive/star_quadrics.h"
 #include "core/progressive/uv_star.h"
 
@@ -21,8 +21,9 @@ struct Linear {
 
 class AttributeMetric final : public CollapseMetric {
  public:
-  AttributeMetric(const RingMesh& rings, const IndexedMesh& mesh, const AttributeWeights& weights)
-      : rings_(&rings), uv_(mesh.wedges.uv), geometry_(rings.vertex_count()) {
+  AttributeMetric(const RingMesh& rings, const IndexedMesh& mesh, const AttributeWeights& weights,
+                  const CollapseKernel& kernel)
+      : rings_(&rings), kernel_(&kernel), uv_(mesh.wedges.uv), geometry_(rings.vertex_count()) {
     const WedgeAttributes& wedges = mesh.wedges;
     const bool with_uv = !wedges.uv.empty() && weights.uv > 0;
     const bool with_normal = !wedges.normal.empty() && weights.normal > 0;
@@ -45,10 +46,9 @@ class AttributeMetric final : public CollapseMetric {
   }
 
   void start(std::size_t begin, std::size_t end) override {
-    for (std::size_t v = begin; v < end; ++v) {
-      geometry_[v] = star_quadric(*rings_, static_cast<Id>(v));
-      if (per_wedge_ > 0) add_star(static_cast<Id>(v));
-    }
+    kernel_->star_quadrics(*rings_, begin, end, geometry_.data());
+    if (per_wedge_ == 0) return;
+    for (std::size_t v = begin; v < end; ++v) add_star(static_cast<Id>(v));
   }
 
   void rank(Id v, std::span<float> ranks) const override {
@@ -157,6 +157,7 @@ class AttributeMetric final : public CollapseMetric {
   }
 
   const RingMesh* rings_;
+  const CollapseKernel* kernel_;
   std::span<const Vec2f> uv_;
   std::vector<PlaneQuadric> geometry_, planes_;  // by vertex, by wedge
   std::uint32_t per_wedge_ = 0;                  // attributes
@@ -167,8 +168,8 @@ class AttributeMetric final : public CollapseMetric {
 }  // namespace
 
 std::unique_ptr<CollapseMetric> make_attribute_metric(const RingMesh& rings, const IndexedMesh& mesh,
-                                                      const AttributeWeights& weights) {
-  return std::make_unique<AttributeMetric>(rings, mesh, weights);
+                                                      const AttributeWeights& weights, const CollapseKernel& kernel) {
+  return std::make_unique<AttributeMetric>(rings, mesh, weights, kernel);
 }
 
 }  // namespace lodestone::progressive

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <utility>
+#include <vector>
 
 namespace lodestone::progressive {
 namespace {
@@ -37,19 +38,20 @@ std::uint32_t birth(const Triangle& t, const ProgressiveMesh& mesh, const std::v
   }
 }
 
-void sort_by_birth(std::vector<Triangle>& triangles, std::vector<std::uint32_t>& births, std::size_t vertex_count) {
+void sort_by_birth(std::span<const Triangle> triangles, std::span<const std::uint32_t> births, std::size_t vertex_count,
+                   Triangle* sorted) {
   std::vector<std::uint32_t> place(vertex_count + 2, 0);
   for (const std::uint32_t b : births) ++place[b + 1];
   for (std::size_t v = 1; v < place.size(); ++v) place[v] += place[v - 1];
-  std::vector<Triangle> sorted(triangles.size());
-  std::vector<std::uint32_t> sorted_births(births.size());
-  for (std::size_t t = 0; t < births.size(); ++t) {
-    const std::uint32_t to = place[births[t]]++;
-    sorted[to] = triangles[t];
-    sorted_births[to] = births[t];
-  }
-  triangles = std::move(sorted);
-  births = std::move(sorted_births);
+  for (std::size_t t = 0; t < births.size(); ++t) sorted[place[births[t]]++] = triangles[t];
+}
+
+void sort_by_birth(ProgressiveMesh& mesh) {
+  const std::vector<std::uint32_t> groups = group_starts(mesh);
+  std::vector<std::uint32_t> births;
+  for (const Triangle& t : mesh.triangles) births.push_back(birth(t, mesh, groups));
+  const std::vector<Triangle> unsorted = mesh.triangles;
+  sort_by_birth(unsorted, births, mesh.positions.size(), mesh.triangles.data());
 }
 
 }  // namespace lodestone::progressive

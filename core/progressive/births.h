@@ -1,7 +1,9 @@
 // When triangles come in, and which vertices come in together.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/progressive/progressive_mesh.h"
@@ -17,7 +19,10 @@ namespace lodestone::progressive {
 [[nodiscard]] std::uint32_t birth(const Triangle& triangle, const ProgressiveMesh& mesh,
                                   const std::vector<std::uint32_t>& groups);
 
-// Brings triangles into the order in which they come in; stable. Sorts `births`, too.
-void sort_by_birth(std::vector<Triangle>& triangles, std::vector<std::uint32_t>& births, std::size_t vertex_count);
+// Brings triangles into the order in which they come in; stable. `sorted` has room for all of them.
+void sort_by_birth(std::span<const Triangle> triangles, std::span<const std::uint32_t> births, std::size_t vertex_count,
+                   Triangle* sorted);
+// In place, with the births found.
+void sort_by_birth(ProgressiveMesh& mesh);
 
 }  // namespace lodestone::progressive

@@ -20,6 +20,9 @@ struct AttributeWeights {
   double uv = 0.5;       // times the distance that the texture slides on the surface
 };
 
+struct CollapseKernel;
+struct PlaneQuadric;
+
 // Calls for different vertices may run side by side where the rings allow collapses side by side (ring_mesh.h).
 class CollapseMetric {
  public:
@@ -31,6 +34,8 @@ class CollapseMetric {
   // The rank of the collapse of v into each of its neighbours, in the order of its ring, lower ones first; infinite
   // where it is out of the question.
   virtual void rank(Id v, std::span<float> ranks) const = 0;
+  // By vertex, when they are all that ranks are made of (star_lanes.h); otherwise null.
+  [[nodiscard]] virtual const PlaneQuadric* plane_quadrics() const { return nullptr; }
   // Whether attributes bear a collapse that the surface allows.
   [[nodiscard]] virtual bool allows(const Collapse&) const { return true; }
   // Before a collapse is carried out. Returns its error as a length: an estimate of the distance between the surface
@@ -40,10 +45,12 @@ class CollapseMetric {
 
 // Throws InputError when the mesh does not have what the metric measures.
 [[nodiscard]] std::unique_ptr<CollapseMetric> make_metric(MetricKind kind, const RingMesh& rings,
-                                                          const IndexedMesh& mesh, const AttributeWeights& weights);
-[[nodiscard]] std::unique_ptr<CollapseMetric> make_quadric_metric(const RingMesh& rings);
+                                                          const IndexedMesh& mesh, const AttributeWeights& weights,
+                                                          const CollapseKernel& kernel);
+[[nodiscard]] std::unique_ptr<CollapseMetric> make_quadric_metric(const RingMesh& rings, const CollapseKernel& kernel);
 [[nodiscard]] std::unique_ptr<CollapseMetric> make_attribute_metric(const RingMesh& rings, const IndexedMesh& mesh,
-                                                                    const AttributeWeights& weights);
+                                                                    const AttributeWeights& weights,
+                                                                    const CollapseKernel& kernel);
 [[nodiscard]] std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh);
 
 }  // namespace lodestone::progressive

@@ -148,10 +148,7 @@ class LpmDecoder {
       if (m != no_material && m >= out.wedges.materials.size())
         frames_.fail("a vertex has a material that is not there");
     check_progressive(out, name_);
-    const std::vector<std::uint32_t> groups = group_starts(out);
-    std::vector<std::uint32_t> births;
-    for (const Triangle& t : out.triangles) births.push_back(birth(t, out, groups));
-    sort_by_birth(out.triangles, births, out.positions.size());
+    sort_by_birth(out);
     return out;
   }
 

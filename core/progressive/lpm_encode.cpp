@@ -43,10 +43,8 @@ class SplitRecorder {
     for (const std::uint32_t g : groups.number) plain_.wedges.vertex.push_back(groups.start[g]);
     rings_.emplace(plain_);
     rings_->list_corners();
-    rings_->find_fans(0, mesh.positions.size());
+    rings_->make_rings(0, mesh.positions.size(), arena_);
     rings_->cut_open();
-    rings_->make_rings(0, mesh.positions.size());
-    rings_->finish_rings();
     if (rings_->cut_vertices() > 0) fail_order();
   }
 
@@ -110,6 +108,13 @@ class SplitRecorder {
   RingArena arena_;
 };
 
+// The base and what follows; the rings are given back.
+std::pair<SplitMesh, std::vector<SplitMesh::Split>> record(const ProgressiveMesh& mesh, const Groups& groups) {
+  SplitRecorder recorder(mesh, groups);
+  std::vector<SplitMesh::Split> splits = recorder.splits();
+  return {recorder.base(), std::move(splits)};
+}
+
 LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config) {
   LpmHeader h;
   const WedgeAttributes& wedges = mesh.wedges;
@@ -167,8 +172,7 @@ void append_frame(std::vector<std::byte>& out, std::span<const std::byte> bytes,
 
 LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
   const Groups groups(mesh);
-  SplitRecorder recorder(mesh, groups);
-  std::vector<SplitMesh::Split> splits = recorder.splits();
+  auto [base, splits] = record(mesh, groups);
   const LpmHeader header = make_header(mesh, groups, config);
   const LatticeValues source = quantize(mesh, groups, header);
   LpmBytes out;
@@ -180,10 +184,11 @@ LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
   out.bytes.insert(out.bytes.end(), text_bytes.begin(), text_bytes.end());
 
   SplitMesh growing;
+  growing.stars.reserve(groups.start.size());
   LatticeValues values;
   SplitCodec<RangeEncoder> codec(header.settings, growing, values);
   RangeEncoder coder;
-  codec.code_base(coder, recorder.base(), source, header.base_groups);
+  codec.code_base(coder, base, source, header.base_groups);
   append_frame(out.bytes, coder.finish(), growing.wedge_count);
   out.base = out.bytes.size();
   for (std::size_t k = 0; k < splits.size();) {

@@ -25,16 +25,16 @@ std::string_view name_of(MetricKind kind) {
 }
 
 std::unique_ptr<CollapseMetric> make_metric(MetricKind kind, const RingMesh& rings, const IndexedMesh& mesh,
-                                            const AttributeWeights& weights) {
+                                            const AttributeWeights& weights, const CollapseKernel& kernel) {
   switch (kind) {
     case MetricKind::attribute_quadric:
-      return make_attribute_metric(rings, mesh, weights);
+      return make_attribute_metric(rings, mesh, weights, kernel);
     case MetricKind::parametric:
       return make_parametric_metric(rings, mesh);
     case MetricKind::quadric:
       break;
   }
-  return make_quadric_metric(rings);
+  return make_quadric_metric(rings, kernel);
 }
 
 }  // namespace lodestone::progressive

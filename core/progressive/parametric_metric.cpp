@@ -20,15 +20,17 @@ struct Corner {
 
 Vec3f between(Vec3f a, Vec3f b, double t) { return to_float((1 - t) * to_double(a) + t * to_double(b)); }
 
-// Where two edges cross on the texture, the distance in space between them.
+// Where two edges cross on the texture, the distance in space between them. Most do not, and nothing is divided.
 float crossing(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
   const double du = double{b.uv.x} - a.uv.x, dv = double{b.uv.y} - a.uv.y;
   const double eu = double{d.uv.x} - c.uv.x, ev = double{d.uv.y} - c.uv.y;
-  const double det = du * ev - dv * eu, ou = double{c.uv.x} - a.uv.x, ov = double{c.uv.y} - a.uv.y;
-  if (det == 0) return 0;
-  const double s = (ou * ev - ov * eu) / det, t = (ou * dv - ov * du) / det;
-  if (s < 0 || s > 1 || t < 0 || t > 1) return 0;
-  return length(between(a.position, b.position, s) - between(c.position, d.position, t));
+  const double ou = double{c.uv.x} - a.uv.x, ov = double{c.uv.y} - a.uv.y;
+  const double det = du * ev - dv * eu, sign = det < 0 ? -1 : 1, size = sign * det;
+  const double s = sign * (ou * ev - ov * eu), t = sign * (ou * dv - ov * du);
+  // One guess instead of five.
+  const int crosses = int{size > 0} & int{s >= 0} & int{s <= size} & int{t >= 0} & int{t <= size};
+  if (crosses == 0) return 0;
+  return length(between(a.position, b.position, s / size) - between(c.position, d.position, t / size));
 }
 
 // Of a point of the texture within a triangle; empty outside.
@@ -51,57 +53,91 @@ class ParametricMetric final : public CollapseMetric {
   // What v stands for already, and the step; a millionth of its length prefers short ones where nothing deviates.
   void rank(Id v, std::span<float> ranks) const override {
     const Ring& ring = rings_->ring(v);
+    Fans fans;
     for (std::uint32_t k = 0; k < ring.size; ++k) {
       Collapse c{.vertex = v, .target = ring.ids[k]};
       const float way = length(rings_->position(c.target) - rings_->position(v));
-      ranks[k] =
-          rings_->follows_wedges(c) ? deviation_[v] + step(c) + 1e-6f * way : std::numeric_limits<float>::infinity();
+      ranks[k] = rings_->follows_wedges(c) ? deviation_[v] + step(c, fans) + 1e-6f * way
+                                           : std::numeric_limits<float>::infinity();
     }
   }
 
   [[nodiscard]] bool allows(const Collapse& c) const override { return !turns_texture(*rings_, uv_, c); }
 
   float collapse(const Collapse& c) override {
-    const float error = deviation_[c.vertex] + step(c);
+    Fans fans;
+    const float error = deviation_[c.vertex] + step(c, fans);
     deviation_[c.target] = std::max(deviation_[c.target], error);
     return error;
   }
 
  private:
+  // What one wedge of a vertex has around it: the neighbours' corners in its chart, and those of each triangle.
+  struct Fan {
+    Id wedge = no_id;
+    Corner from;
+    std::uint32_t spokes = 0, sectors = 0;
+    Corner spoke[most_neighbours + 1];
+    std::uint8_t first[most_neighbours], second[most_neighbours];
+  };
+  // Those of the two wedges at an edge, for all targets of a vertex: found once.
+  struct Fans {
+    Fan fan[2];
+    std::uint32_t last = 0;
+  };
+
   [[nodiscard]] Corner corner(Id vertex, Id wedge) const {
     return {uv_[rings_->source_of(wedge)], rings_->position(vertex)};
   }
 
-  [[nodiscard]] float step(const Collapse& c) const {
-    float most = side(c, 0);
-    if (c.wedge[1] != c.wedge[0]) most = std::max(most, side(c, 1));
+  [[nodiscard]] float step(const Collapse& c, Fans& fans) const {
+    float most = side(fan_of(c, 0, fans), c, 0);
+    if (c.wedge[1] != c.wedge[0]) most = std::max(most, side(fan_of(c, 1, fans), c, 1));
     return most;
   }
 
-  // In the chart of one wedge of v.
-  [[nodiscard]] float side(const Collapse& c, int chart) const {
+  [[nodiscard]] const Fan& fan_of(const Collapse& c, int chart, Fans& fans) const {
+    const Id wedge = c.wedge[chart];
+    for (const Fan& fan : fans.fan)
+      if (fan.wedge == wedge) return fan;
+    Fan& fan = fans.fan[fans.last++ % 2];
+    fan.wedge = wedge, fan.from = corner(c.vertex, wedge), fan.spokes = fan.sectors = 0;
     const Ring& ring = rings_->ring(c.vertex);
-    const Corner from = corner(c.vertex, c.wedge[chart]), to = corner(c.target, c.wedge_target[chart]);
-    Corner ends[2 * most_neighbours];  // of the edge of each sector that lies opposite v
-    std::uint32_t count = 0;
+    const auto add = [&](Id vertex, Id of_vertex) {  // a spoke that two triangles have is one
+      const Corner end = corner(vertex, of_vertex);
+      for (const std::uint32_t k : {fan.spokes - 1, 0u})
+        if (k < fan.spokes && fan.spoke[k].position == end.position && fan.spoke[k].uv.x == end.uv.x &&
+            fan.spoke[k].uv.y == end.uv.y)
+          return static_cast<std::uint8_t>(k);
+      fan.spoke[fan.spokes] = end;
+      return static_cast<std::uint8_t>(fan.spokes++);
+    };
     for (std::uint32_t k = 0; k < ring.sectors() && ring.size <= most_neighbours; ++k) {
-      if (rings_->has_wedges() && ring.wedge(k) != c.wedge[chart]) continue;
+      if (rings_->has_wedges() && ring.wedge(k) != wedge) continue;
       const Id a = ring.ids[k], b = ring.ids[ring.next(k)];
-      ends[count++] = corner(a, rings_->wedge_of(a, b));
-      ends[count++] = corner(b, rings_->wedge_of(b, c.vertex));
+      if (fan.spokes + 2 > most_neighbours) break;
+      fan.first[fan.sectors] = add(a, rings_->wedge_of(a, b));
+      fan.second[fan.sectors++] = add(b, rings_->wedge_of(b, c.vertex));
     }
+    return fan;
+  }
+
+  // In the chart of one wedge of v.
+  [[nodiscard]] float side(const Fan& fan, const Collapse& c, int chart) const {
+    const Corner to = corner(c.target, c.wedge_target[chart]);
     float most = 0;
     bool found = false;
-    for (std::uint32_t k = 0; k < count; k += 2) {
-      if (!found)
-        if (const auto there = point_at(from.uv, to, ends[k], ends[k + 1])) {
-          most = std::max(most, length(*there - from.position));
-          found = true;
-        }
-      for (std::uint32_t m = 0; m < count; ++m) most = std::max(most, crossing(to, ends[k], from, ends[m]));
-    }
+    for (std::uint32_t k = 0; k < fan.sectors && !found; ++k)
+      if (const auto there = point_at(fan.from.uv, to, fan.spoke[fan.first[k]], fan.spoke[fan.second[k]])) {
+        most = length(*there - fan.from.position);
+        found = true;
+      }
+    // Edges with an end in common meet there, where nothing deviates.
+    for (std::uint32_t k = 0; k < fan.spokes; ++k)
+      for (std::uint32_t m = 0; m < fan.spokes; ++m)
+        if (m != k) most = std::max(most, crossing(to, fan.spoke[k], fan.from, fan.spoke[m]));
     // Outside of the new triangles, along a seam or border that is not straight on the texture: at most the whole way.
-    return found ? most : std::max(most, length(to.position - from.position));
+    return found ? most : std::max(most, length(to.position - fan.from.position));
   }
 
   const RingMesh* rings_;

@@ -7,11 +7,12 @@
 
 namespace lodestone::progressive {
 
+// Without initial values, so that fresh memory is touched by those who fill it: PlaneQuadric{} is zero.
 // Sum of weight * distance^2 from planes, as a function of the shift d from the centre: d A d + 2 b d + c.
 struct PlaneQuadric {
-  float xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;  // A
-  float bx = 0, by = 0, bz = 0, c = 0;
-  float weight = 0;  // area that the planes stand for
+  float xx, xy, xz, yy, yz, zz;  // A
+  float weight = 0;              // area that the planes stand for
+  float c, bx, by, bz;
 
   [[nodiscard]] float at(Vec3f d) const {
     return d.x * (xx * d.x + 2 * (xy * d.y + xz * d.z + bx)) + d.y * (yy * d.y + 2 * (yz * d.z + by)) +

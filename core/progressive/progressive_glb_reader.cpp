@@ -36,7 +36,7 @@ class ProgressiveReader {
     out_.wedges.textures = std::move(assets_.textures);
     if (out_.wedges.materials.size() < 2) out_.wedges.material.clear();
     check_progressive(out_, document_.file());
-    sort_triangles();
+    progressive::sort_by_birth(out_);
     return std::move(out_);
   }
 
@@ -100,13 +100,6 @@ class ProgressiveReader {
       out_.triangles.push_back({ids[k], ids[k + 1], ids[k + 2]});
       for (std::size_t c = k; c < k + 3; ++c) out_.wedges.material[ids[c]] = material;
     }
-  }
-
-  void sort_triangles() {
-    const std::vector<std::uint32_t> groups = progressive::group_starts(out_);
-    std::vector<std::uint32_t> births;
-    for (const Triangle& t : out_.triangles) births.push_back(progressive::birth(t, out_, groups));
-    progressive::sort_by_birth(out_.triangles, births, out_.positions.size());
   }
 
   GltfDocument document_;

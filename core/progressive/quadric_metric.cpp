@@ -3,30 +3,33 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/progressive/collapse_metric.h"
-#include "core/progressive/star_quadrics.h"
+#include "core/progressive/collapse_kernel.h"
+#include "core/progressive/star_lanes.h"
 
 namespace lodestone::progressive {
 namespace {
 
 class QuadricMetric final : public CollapseMetric {
  public:
-  explicit QuadricMetric(const RingMesh& rings) : rings_(&rings), quadrics_(rings.vertex_count()) {}
+  QuadricMetric(const RingMesh& rings, const CollapseKernel& kernel)
+      : rings_(&rings),
+        kernel_(&kernel),
+        quadrics_(std::make_unique_for_overwrite<PlaneQuadric[]>(rings.vertex_count())) {}
 
   void start(std::size_t begin, std::size_t end) override {
-    for (std::size_t v = begin; v < end; ++v) quadrics_[v] = star_quadric(*rings_, static_cast<Id>(v));
+    kernel_->star_quadrics(*rings_, begin, end, quadrics_.get());
   }
 
-  // Undivided sums rank by what is added to the error of the whole mesh, means by the distance alone.
+  [[nodiscard]] const PlaneQuadric* plane_quadrics() const override { return quadrics_.get(); }
+
   void rank(Id v, std::span<float> ranks) const override {
     const PlaneQuadric& q = quadrics_[v];
     const Ring& ring = rings_->ring(v);
     const Vec3f centre = rings_->position(v);
-    const float stiffness = 1e-6f * q.weight;
-    const float scale = 1 / std::max(std::sqrt(q.weight * std::sqrt(q.weight)), 1e-30f);
+    const float stiff = stiffness * q.weight, scale = rank_scale(q.weight);
     for (std::uint32_t k = 0; k < ring.size; ++k) {
       const Vec3f shift = rings_->position(ring.ids[k]) - centre;
-      ranks[k] = std::max(q.at(shift) + stiffness * dot(shift, shift), 0.0f) * scale;
+      ranks[k] = std::max(q.at(shift) + stiff * dot(shift, shift), 0.0f) * scale;
     }
   }
 
@@ -41,13 +44,14 @@ class QuadricMetric final : public CollapseMetric {
 
  private:
   const RingMesh* rings_;
-  std::vector<PlaneQuadric> quadrics_;
+  const CollapseKernel* kernel_;
+  std::unique_ptr<PlaneQuadric[]> quadrics_;
 };
 
 }  // namespace
 
-std::unique_ptr<CollapseMetric> make_quadric_metric(const RingMesh& rings) {
-  return std::make_unique<QuadricMetric>(rings);
+std::unique_ptr<CollapseMetric> make_quadric_metric(const RingMesh& rings, const CollapseKernel& kernel) {
+  return std::make_unique<QuadricMetric>(rings, kernel);
 }
 
 }  // namespace lodestone::progressive

@@ -27,8 +27,10 @@ bool RingMesh::allows(Collapse& c) const {
   c.wedge[0] = c.wedge[1] = c.vertex;
   c.wedge_target[0] = c.wedge_target[1] = c.target;
   if (v.open != 0 && c.at != 0 && c.at + 1 != v.size) return false;  // borders collapse along borders
-  return keeps_surface(c) && (!has_wedges_ || (maps_wedges(c) && keeps_charts(c)));
+  return keeps_surface(c) && (!has_wedges_ || lets_wedges(c));
 }
+
+bool RingMesh::lets_wedges(Collapse& c) const { return maps_wedges(c) && keeps_charts(c); }
 
 // The link condition: the only common neighbours are a and b. And u, a and b keep a triangle, or a fan of three.
 bool RingMesh::keeps_surface(const Collapse& c) const {
@@ -83,7 +85,7 @@ bool RingMesh::keeps_charts(const Collapse& c) const {
 }
 
 int RingMesh::apply(const Collapse& c, RingArena& arena) {
-  const Ring v = rings_[c.vertex];
+  const Ring& v = rings_[c.vertex];
   const bool with_a = v.open == 0 || c.at == 0, with_b = v.open == 0 || c.at != 0;
   const Id a = with_a ? v.ids[v.next(c.at)] : no_id, b = with_b ? v.ids[v.previous(c.at)] : no_id;
   for (const Id x : v.neighbours()) {
@@ -94,19 +96,37 @@ int RingMesh::apply(const Collapse& c, RingArena& arena) {
   splice(c, arena);
   if (with_a) remove(a, c.vertex, c.target);
   if (with_b) remove(b, c.vertex, c.target);
-  rings_[c.vertex] = {};
+  rings_[c.vertex].size = 0;
   return with_a && with_b ? 2 : 1;
+}
+
+// The same within a ring's own place: blocks of four, more than is needed, since that is cheaper than to count. What
+// they spoil behind the ids is put back.
+void RingMesh::splice_own(Ring& u, const Ring& v, std::uint32_t back, std::uint32_t first, std::uint32_t between) {
+  struct Four {
+    Id ids[4];
+  };
+  const std::uint32_t size = u.size + between - 1, capacity = u.capacity, open = u.open;
+  Four tail[3];
+  std::memcpy(tail, u.own + back + 1, sizeof tail);
+  for (std::uint32_t k = 0, from = first; k < between; ++k, from = v.next(from)) u.own[back + k] = v.ids[from];
+  for (std::uint32_t k = 0, to = back + between; to < size; ++k, to += 4)
+    std::memcpy(&u.own[to], &tail[k], sizeof(Four));
+  u.ids = u.own;
+  u.size = size;
+  u.capacity = capacity & 0x7fff'ffffu, u.open = open & 1u;
 }
 
 // The ring of u with v replaced by what lies between a and b: from a on, sector by sector, up to before b.
 void RingMesh::splice(const Collapse& c, RingArena& arena) {
-  const Ring v = rings_[c.vertex];
+  const Ring& v = rings_[c.vertex];
   Ring& u = rings_[c.target];
   const bool at_end = v.open != 0;
   const std::uint32_t between = at_end ? v.size - 2 : v.size - 3;
   grow(u, u.size + between - 1, arena);
   Id* ids = u.ids;
   const std::uint32_t back = c.back, first = at_end && c.at != 0 ? 0 : v.next(v.next(c.at));
+  if (ids == u.own && !has_wedges_) return splice_own(u, v, back, first, between);
   const auto move_up = [&](Id* row) {  // what lies behind v, to where it will be
     std::memmove(row + back + between, row + back + 1, (u.size - back - 1) * sizeof(Id));
   };
@@ -144,7 +164,14 @@ void RingMesh::remove(Id from, Id gone, Id stays) {
     Id* wedges = &ring.wedge(0);
     std::copy(wedges + at + 1, wedges + ring.size, wedges + at);
   }
-  std::copy(ring.ids + at + 1, ring.ids + ring.size, ring.ids + at);
+  if (ring.size <= 8 && ring.ids == ring.own) {  // within the twelve: four, and four more where there may be some
+    Id behind[8];
+    std::memcpy(behind, ring.own + at + 1, sizeof behind);
+    std::memcpy(ring.own + at, behind, sizeof behind / 2);
+    if (at <= 4) std::memcpy(ring.own + at + 4, behind + 4, sizeof behind / 2);
+  } else {
+    std::copy(ring.ids + at + 1, ring.ids + ring.size, ring.ids + at);
+  }
   ring.size = ring.size - 1;
 }
 

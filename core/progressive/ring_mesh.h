@@ -5,6 +5,7 @@
 // regions of vertices may collapse side by side as long as nothing moves whose ring leaves its region.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -13,41 +14,10 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
+#include "core/progressive/ring.h"
+#include "core/simplify/quadric_block.h"
 
 namespace lodestone::progressive {
-
-using Id = std::uint32_t;
-inline constexpr Id no_id = 0xffff'ffffu;
-
-// The neighbours of a vertex in order: its triangles are (vertex, ids[k], ids[k + 1]), closed rings wrap around.
-// Triangle k is *sector* k. Where vertices have wedges, ids[capacity + k] is the wedge of the vertex in sector k.
-struct Ring {
-  Id* ids = nullptr;
-  std::uint32_t size = 0;
-  std::uint32_t capacity : 31 = 0, open : 1 = 0;
-
-  [[nodiscard]] std::uint32_t next(std::uint32_t k) const { return k + 1 < size ? k + 1 : 0; }
-  [[nodiscard]] std::uint32_t previous(std::uint32_t k) const { return k > 0 ? k - 1 : size - 1; }
-  [[nodiscard]] std::uint32_t sectors() const { return size - open; }
-  [[nodiscard]] std::uint32_t find(Id id) const {
-    std::uint32_t k = 0;
-    while (k < size && ids[k] != id) ++k;
-    return k;
-  }
-  [[nodiscard]] Id& wedge(std::uint32_t k) const { return ids[capacity + k]; }
-  [[nodiscard]] std::span<const Id> neighbours() const { return {ids, size}; }
-};
-
-// Memory for rings that outgrow their place. One per worker at a time; given back with the mesh.
-class RingArena {
- public:
-  [[nodiscard]] Id* take(std::size_t count);
-
- private:
-  std::vector<std::unique_ptr<Id[]>> chunks_;
-  Id* next_ = nullptr;
-  std::size_t left_ = 0;
-};
 
 // A collapse {v, u} -> u in terms of the two rings, and what becomes of the wedges of v.
 struct Collapse {
@@ -58,6 +28,28 @@ struct Collapse {
   Id wedge[2] = {no_id, no_id}, wedge_target[2] = {no_id, no_id};
 };
 
+// Triangles at a vertex by the next corner and the one behind it: brings them into their order around the vertex, and
+// says how they lie. Of a closed fan the first of the input comes first.
+enum class Shape : std::uint8_t { closed, open, several };  // several: no single fan; the order means nothing
+using ChainFan = Shape (*)(const Id* start, const Id* end, std::uint32_t count, std::uint8_t* order);
+inline constexpr std::uint32_t most_chained = 32;
+// At most most_chained triangles.
+[[nodiscard]] Shape chain_fan(const Id* start, const Id* end, std::uint32_t count, std::uint8_t* order);
+
+// The order from what is behind each (32: nothing), and which have something before them.
+[[nodiscard]] inline Shape follow_fan(const std::uint8_t* next, std::uint32_t has_before, std::uint32_t n,
+                                      std::uint8_t* order) {
+  const std::uint32_t all = 0xffff'ffffu >> (32 - n);
+  const bool closed = has_before == all;
+  const auto first = static_cast<std::uint32_t>(closed ? 0 : std::countr_one(has_before));
+  std::uint32_t length = 0, at = first;
+  do {
+    order[length++] = static_cast<std::uint8_t>(at);
+    at = next[at];
+  } while (at < 32 && at != first && length < n);
+  return length < n ? Shape::several : closed ? Shape::closed : Shape::open;
+}
+
 // Vertices are the mesh's positions; with wedges, a vertex has the number of its first wedge. Where more than two
 // triangles meet at an edge, triangles turn against each other or fans touch in a vertex, the surface is cut: a vertex
 // has one fan, and further fans get copies of the vertex, numbered behind.
@@ -67,25 +59,29 @@ class RingMesh {
   RingMesh(const RingMesh&) = delete;
   RingMesh& operator=(const RingMesh&) = delete;
 
-  // The steps of setting up, in this order; those with a range may run side by side, for all vertices of the mesh.
+  // The steps of setting up, in this order; make_rings may run side by side, for all vertices of the mesh, each call
+  // with an arena that lives as long as the rings. `chain` serves fans of at most eight triangles.
   void list_corners();
-  void find_fans(std::size_t begin, std::size_t end);
+  void make_rings(std::size_t begin, std::size_t end, RingArena& arena, ChainFan chain = chain_fan);
   void cut_open();
-  void make_rings(std::size_t begin, std::size_t end);
-  void finish_rings();
 
-  [[nodiscard]] std::size_t vertex_count() const { return rings_.size(); }  // with copies, and with unused numbers
+  // With copies, and with unused numbers.
+  [[nodiscard]] std::size_t vertex_count() const { return input_vertices() + copy_source_.size(); }
   [[nodiscard]] std::size_t input_vertices() const { return input_->positions.size(); }
   [[nodiscard]] bool is_used(Id v) const { return rings_[v].size > 0; }
   [[nodiscard]] bool has_wedges() const { return has_wedges_; }
   [[nodiscard]] const Ring& ring(Id v) const { return rings_[v]; }
-  [[nodiscard]] Vec3f position(Id v) const { return positions_[v]; }
+  [[nodiscard]] Vec3f position(Id v) const { return {points_[v].x, points_[v].y, points_[v].z}; }
+  [[nodiscard]] const quadric::Point* points() const { return points_.get(); }
   // The vertex or wedge of the mesh that a vertex or wedge is, or is a copy of.
   [[nodiscard]] Id source_of(Id id) const { return id < input_vertices() ? id : copy_source_[id - input_vertices()]; }
   // With its corners on copies where the surface was cut; wedges, if there are any.
   [[nodiscard]] const std::vector<Triangle>& corners() const { return corners_; }
   // The vertex of a wedge.
-  [[nodiscard]] Id vertex_of(Id wedge) const;
+  [[nodiscard]] Id vertex_of(Id wedge) const {
+    if (wedge >= input_vertices()) return copy_vertex_[wedge - input_vertices()];
+    return has_wedges_ ? input_->wedges.vertex[wedge] : wedge;
+  }
   [[nodiscard]] std::size_t cut_vertices() const { return cut_vertices_; }
   [[nodiscard]] std::size_t cut_edges() const { return cut_edges_; }
 
@@ -93,6 +89,8 @@ class RingMesh {
   // borders; each wedge of v has a wedge of u to go to across the triangles at the edge, which keeps seams on seams and
   // charts in one piece; no chart, component or border shrinks away.
   [[nodiscard]] bool allows(Collapse& collapse) const;
+  // Of that the part about wedges, with `at` and `back` filled in.
+  [[nodiscard]] bool lets_wedges(Collapse& collapse) const;
   // Only the wedges, which tell attributes what they go to: fills in the collapse, false when one has nowhere to go.
   [[nodiscard]] bool follows_wedges(Collapse& collapse) const;
   // The wedge of x in its triangle with `next`, one ring place on; x itself without wedges.
@@ -101,43 +99,56 @@ class RingMesh {
   int apply(const Collapse& collapse, RingArena& arena);
 
  private:
-  enum class Shape : std::uint8_t { closed, open, several };
   struct Cut {
     Id vertex = 0;
     std::uint32_t begin = 0, end = 0;  // of the fan's corners in by_vertex_
     bool open = false;
   };
-  [[nodiscard]] Id position_id(std::uint32_t corner) const;
-  [[nodiscard]] Id start_of(std::uint32_t corner) const { return position_id(corner - corner % 3 + (corner + 1) % 3); }
-  [[nodiscard]] Id end_of(std::uint32_t corner) const { return position_id(corner - corner % 3 + (corner + 2) % 3); }
-  [[nodiscard]] Id& corner_id(std::uint32_t corner) { return corners_[corner / 3].v[corner % 3]; }
-  [[nodiscard]] Shape chain_simply(std::span<std::uint32_t> corners) const;
+  // Corners are numbered 4 * triangle + place.
+  static std::uint32_t after(std::uint32_t corner) { return (corner & 3) == 2 ? corner - 2 : corner + 1; }
+  static std::uint32_t before(std::uint32_t corner) { return (corner & 3) == 0 ? corner + 2 : corner - 1; }
+  [[nodiscard]] Id& corner_id(std::uint32_t corner) { return corners_[corner / 4].v[corner % 4]; }
+  [[nodiscard]] Id position_id(std::uint32_t corner) const {  // as the input has it, without copies
+    const Id wedge = input_->triangles[corner / 4].v[corner % 4];
+    return has_wedges_ ? input_->wedges.vertex[wedge] : wedge;
+  }
+  [[nodiscard]] Id start_of(std::uint32_t corner) const { return position_id(after(corner)); }
+  [[nodiscard]] Id end_of(std::uint32_t corner) const { return position_id(before(corner)); }
+  [[nodiscard]] bool make_simple_ring(Id v, std::span<const std::uint32_t> corners, RingArena& arena, ChainFan chain);
   void chain_any(Id vertex, std::vector<Cut>& cuts);
   void copy_fan(const Cut& cut);
-  void make_ring(Id v, std::span<const std::uint32_t> corners, bool open, Id* place);
+  void make_room();
+  void name_copy(const Cut& cut);
+  void make_ring(Id v, std::span<const std::uint32_t> corners, bool open, RingArena& arena);
+  Ring& begin_ring(Id v, std::uint32_t corners, bool open, RingArena& arena);
   [[nodiscard]] bool keeps_surface(const Collapse& collapse) const;
   [[nodiscard]] bool maps_wedges(Collapse& collapse) const;
   [[nodiscard]] bool keeps_charts(const Collapse& collapse) const;
   [[nodiscard]] bool is_seam(Id v, std::uint32_t k) const;
   void splice(const Collapse& collapse, RingArena& arena);
+  static void splice_own(Ring& u, const Ring& v, std::uint32_t back, std::uint32_t first, std::uint32_t between);
   void grow(Ring& ring, std::uint32_t size, RingArena& arena) const;
   void remove(Id from, Id gone, Id stays);
 
   const IndexedMesh* input_;
   bool has_wedges_ = false;
   std::vector<Triangle> corners_;
-  std::vector<Ring> rings_;
-  std::vector<Id> store_;  // of the rings as they are at first
-  RingArena arena_;        // of those of fans that were cut apart
-  const Vec3f* positions_;
-  std::vector<Vec3f> own_positions_;  // where there are copies
+  // With room for some copies, which more of them make larger. One more behind the last, since lanes reach beyond a
+  // ring.
+  std::size_t room_ = 0;
+  std::unique_ptr<Ring[]> rings_;
+  std::unique_ptr<quadric::Point[]> points_;
+  RingArena arena_;  // of fans that were cut apart
   std::vector<Id> copy_source_, copy_vertex_;
   std::size_t cut_vertices_ = 0, cut_edges_ = 0;
 
-  // While setting up: corners (3 * triangle + place) by vertex, in the order of their fan.
-  std::vector<std::uint32_t> first_, by_vertex_;
-  std::vector<Shape> shape_;
-  std::vector<Cut> cuts_;  // the fans of vertices that have several
+  // While setting up: corners by vertex, and which vertices have other than a single fan.
+  std::vector<std::uint32_t> first_;
+  std::unique_ptr<std::uint32_t[]> by_vertex_;
+  std::vector<std::uint8_t> several_;
+  [[nodiscard]] std::span<std::uint32_t> corners_of(std::size_t v) const {
+    return {by_vertex_.get() + first_[v], first_[v + 1] - first_[v]};
+  }
 };
 
 }  // namespace lodestone::progressive

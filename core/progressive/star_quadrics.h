@@ -16,7 +16,7 @@ inline void add_wall(PlaneQuadric& q, Vec3f edge, Vec3f normal, float factor) {
 }
 
 [[nodiscard]] inline PlaneQuadric star_quadric(const RingMesh& mesh, Id v) {
-  PlaneQuadric q;
+  PlaneQuadric q{};
   const Ring& ring = mesh.ring(v);
   const Vec3f centre = mesh.position(v);
   for (std::uint32_t k = 0; k < ring.sectors(); ++k) {

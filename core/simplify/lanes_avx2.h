@@ -79,7 +79,8 @@ inline void transpose(Float8 (&rows)[8]) {
 struct Point8 {
   Float8 x, y, z;
   // Eight 16-byte loads and a transposition: cheaper than four gathers on every processor tried.
-  static Point8 gather(const Point* points, const Id* ids) {
+  template <class Ids>
+  static Point8 gather(const Point* points, const Ids* ids) {
     const auto at = [&](int k) { return _mm_load_ps(&points[ids[k]].x); };
     const auto pair = [&](int k) { return _mm256_insertf128_ps(_mm256_castps128_ps256(at(k)), at(k + 4), 1); };
     const auto low = [](__m256 a, __m256 b) { return _mm256_castps_pd(_mm256_unpacklo_ps(a, b)); };

@@ -96,7 +96,8 @@ inline void transpose(Float8 (&rows)[8]) {
 // Eight points, one lane each.
 struct Point8 {
   Float8 x, y, z;
-  static Point8 gather(const Point* points, const Id* ids) {
+  template <class Ids>
+  static Point8 gather(const Point* points, const Ids* ids) {
     Point8 r;
     for (int k = 0; k < 8; ++k) {
       const Point& p = points[ids[k]];

@@ -93,14 +93,6 @@ class QuadricSimplifier final : public Simplifier {
 
 }  // namespace
 
-bool is_available(InstructionSet set) {
-#if defined(__x86_64__)
-  return set != InstructionSet::avx2 || __builtin_cpu_supports("avx2");
-#else
-  return set != InstructionSet::avx2;
-#endif
-}
-
 std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set, Placement placement) {
   if (!is_available(set))
     throw UnsupportedError(describe("", "quadric simplifier", "this processor has no AVX2", "use the plain kernel"));

@@ -3,14 +3,10 @@
 
 #include <memory>
 
+#include "core/simplify/instruction_set.h"
 #include "core/simplify/simplifier.h"
 
 namespace lodestone {
-
-enum class InstructionSet { best, plain, avx2 };
-
-// Whether this machine can run it; `best` and `plain` always.
-[[nodiscard]] bool is_available(InstructionSet set);
 
 // Every set gives the same bytes. Working memory: about 180 bytes per vertex of the largest block so far, at most 12
 // MB. Throws UnsupportedError where the set is not available.

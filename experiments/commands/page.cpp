@@ -131,13 +131,13 @@ class PageWriter {
     Repairs repairs;
     RawMesh raw = load_mesh(input, scheduler_, read_config(options_.reading, {input}));
     const bool textured = !raw.wedges.uv.empty();
-    const IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler_, input);
+    IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler_, input);
     ProgressiveConfig config;
     config.metric = progressive::metric_kind(options_.metric);
     if (config.metric == progressive::MetricKind::parametric && !textured)
       config.metric = progressive::MetricKind::quadric;
     ProgressiveReport report;
-    (void)save_progressive(make_progressive(mesh, config, scheduler_, report), output);
+    (void)save_progressive(make_progressive(std::move(mesh), config, scheduler_, report), output);
   }
 
   const PageOptions& options_;

@@ -33,9 +33,46 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
   return out;
 }
 
+// Vertices that move together get the number of the first: of equal position, one behind the other, and with parents
+// for which that holds, too. Copies where the surface was cut apart do not.
+std::vector<std::uint32_t> group(const ProgressiveMesh& mesh, const std::vector<std::uint32_t>& place) {
+  std::vector<std::uint32_t> out(place.size());
+  for (std::uint32_t v = 0; v < out.size(); ++v) {
+    const bool near = v > 0 && v != mesh.base_vertices && place[v] == place[v - 1];
+    const bool joins = near && (v < mesh.base_vertices || out[mesh.parents[v]] == out[mesh.parents[v - 1]]);
+    out[v] = joins ? out[v - 1] : v;
+  }
+  return out;
+}
+
 void add(Chain& chain, std::uint32_t a, std::uint32_t b, std::int64_t times) {
   if (a == b) return;
   chain[std::minmax(a, b)] += a < b ? times : -times;
+}
+
+Chain boundary(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& number) {
+  Chain chain;
+  for (const Triangle& t : triangles)
+    for (std::size_t k = 0; k < 3; ++k) add(chain, number[t.v[k]], number[t.v[(k + 1) % 3]], 1);
+  return chain;
+}
+
+// The unpaired half-edges of the input, between groups. Where more than two triangles meet at an edge, all of them lie
+// at one place: unpaired are those that the cut left so, as many as do not cancel there. What cancels at its place but
+// not between groups is a tear, which the input does not have.
+Chain open_edges(const ProgressiveMesh& mesh, const std::vector<std::uint32_t>& place) {
+  Chain at_places = boundary(mesh.triangles, place), out;
+  for (const auto& [edge, times] : boundary(mesh.triangles, group(mesh, place))) {
+    const std::uint32_t a = place[edge.first], b = place[edge.second];
+    if (a == b || times == 0) continue;
+    std::int64_t& there = at_places[std::minmax(a, b)];
+    const std::int64_t sign = a < b ? 1 : -1, wanted = sign * there;  // as the edge between groups runs
+    if (wanted == 0 || (wanted > 0) != (times > 0)) continue;
+    const std::int64_t taken = times > 0 ? std::min(times, wanted) : std::max(times, wanted);
+    out[edge] += taken;
+    there -= sign * taken;
+  }
+  return out;
 }
 
 }  // namespace
@@ -44,15 +81,9 @@ std::size_t residual_edges(const ProgressiveMesh& mesh, std::uint32_t vertices) 
   const std::vector<std::uint32_t> place = weld(mesh.positions);
   std::vector<std::uint32_t> ancestor(mesh.positions.size());
   for (std::uint32_t v = 0; v < ancestor.size(); ++v) ancestor[v] = v < vertices ? v : ancestor[mesh.parents[v]];
-  // Half-edges of the input between wedges of its vertices, unpaired ones followed to the level; and the level's own.
-  Chain input;
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) add(input, place[t.v[k]], place[t.v[(k + 1) % 3]], 1);
-  std::vector<std::uint32_t> of_place(mesh.positions.size());
-  for (std::uint32_t v = 0; v < place.size(); ++v) of_place[place[v]] = v;
   Chain rest;
-  for (const auto& [edge, times] : input)
-    if (times != 0) add(rest, place[ancestor[of_place[edge.first]]], place[ancestor[of_place[edge.second]]], -times);
+  for (const auto& [edge, times] : open_edges(mesh, place))
+    add(rest, place[ancestor[edge.first]], place[ancestor[edge.second]], -times);
   for (const Triangle& t : mesh.triangles) {
     std::array<std::uint32_t, 3> at{};
     for (std::size_t k = 0; k < 3; ++k) at[k] = place[ancestor[t.v[k]]];

@@ -2,6 +2,7 @@
 // threads.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -9,6 +10,7 @@
 #include "core/progressive/level.h"
 #include "parallel/load.h"
 #include "parallel/make_progressive.h"
+#include "parallel/merge_records.h"
 #include "tests/core/progressive_checks.h"
 #include "tests/parallel/progressive_meshes.h"
 #include "tests/test_data.h"
@@ -51,6 +53,83 @@ TEST(ProgressiveMesh, ClosedSurfacesStayClosedAtEveryLevel) {
       EXPECT_LE(left, base == 0 ? 40u : base + 1);
       EXPECT_GE(left, base);
     }
+}
+
+TEST(ProgressiveMesh, EveryPrefixOfAClosedSurfaceIsClosed) {
+  const auto scheduler = make_tbb_scheduler(1);
+  for (const IndexedMesh& mesh : {test::sphere_mesh(3), test::textured_torus(16, 12, true, *scheduler)}) {
+    const ProgressiveMesh out = make(mesh);
+    const LevelFinder finder(out);
+    for (std::uint32_t level = out.base_vertices; level <= out.vertex_count(); ++level) {
+      if (finder.vertices_for(level) != level) continue;  // would split a vertex
+      const std::vector<Triangle> triangles = finder.compute_level(level);
+      ASSERT_EQ(test::open_edges(out, triangles), 0u) << level;
+      ASSERT_EQ(test::bad_edges(out, triangles), 0u) << level;
+    }
+  }
+}
+
+// Down to the base and up again through the same levels, each from the level before by what came in since: bit for bit
+// the input in the end.
+TEST(ProgressiveMesh, CoarsenedAndRefinedItIsTheInput) {
+  const auto scheduler = make_tbb_scheduler(1);
+  for (const IndexedMesh& mesh :
+       {test::sphere_mesh(4), test::terrain_mesh(25), test::textured_torus(24, 18, true, *scheduler)}) {
+    const ProgressiveMesh out = make(mesh);
+    const LevelFinder finder(out);
+    const std::vector<std::uint32_t> levels = some_levels(out, 12);
+    std::vector<std::vector<Triangle>> down;
+    std::vector<Triangle> now = out.triangles;
+    const std::vector<std::uint32_t> group = test::obvious_groups(out);
+    for (std::size_t k = levels.size(); k-- > 0;) {
+      for (Triangle& t : now)
+        for (std::uint32_t& v : t.v) v = test::obvious_ancestor(out, v, levels[k]);
+      std::erase_if(now, [&](const Triangle& t) {
+        return is_degenerate(Triangle{group[t.v[0]], group[t.v[1]], group[t.v[2]]});
+      });
+      down.push_back(now);
+    }
+    for (std::size_t k = 0; k < levels.size(); ++k)
+      EXPECT_EQ(finder.compute_level(levels[k]), down[levels.size() - 1 - k]);
+    ProgressiveMesh finest = out;
+    finest.triangles = finder.compute_level(out.vertex_count());
+    EXPECT_EQ(test::triangle_values(finest), test::triangle_values(mesh));
+  }
+}
+
+TEST(ProgressiveMesh, SameBytesOnEveryInstructionSet) {
+  if (!is_available(InstructionSet::avx2)) GTEST_SKIP() << "no AVX2 here";
+  const auto scheduler = make_tbb_scheduler(1);
+  for (const IndexedMesh& mesh : {test::sphere_mesh(6), test::terrain_mesh(60), test::touching_cubes(8, *scheduler),
+                                  test::textured_torus(48, 32, true, *scheduler)})
+    for (const MetricKind metric : {MetricKind::quadric, MetricKind::attribute_quadric}) {
+      const ProgressiveMesh plain = make(mesh, {.metric = metric, .instructions = InstructionSet::plain});
+      const ProgressiveMesh avx2 = make(mesh, {.metric = metric, .instructions = InstructionSet::avx2});
+      EXPECT_EQ(plain.positions, avx2.positions);
+      EXPECT_EQ(plain.parents, avx2.parents);
+      EXPECT_EQ(plain.errors, avx2.errors);
+      EXPECT_EQ(plain.triangles, avx2.triangles);
+    }
+}
+
+TEST(MergeRecords, IsAStableSort) {
+  std::mt19937 random(6);
+  for (const std::size_t parts_count : {std::size_t{0}, std::size_t{1}, std::size_t{7}, std::size_t{60}}) {
+    std::vector<std::vector<progressive::CollapseRecord>> parts(parts_count);
+    std::vector<progressive::CollapseRecord> expected, merged(3);
+    for (auto& part : parts) {
+      float order = 0;
+      for (std::size_t k = random() % 3000; k-- > 0;) {
+        order += static_cast<float>(random() % 3) / 8;
+        part.push_back({.vertex = static_cast<progressive::Id>(random()), .triangles = 2, .order = order});
+      }
+      expected.insert(expected.end(), part.begin(), part.end());
+    }
+    std::stable_sort(expected.begin(), expected.end(), [](auto& a, auto& b) { return a.order < b.order; });
+    merge_records(parts, merged, *make_tbb_scheduler(2));
+    ASSERT_EQ(merged.size(), expected.size() + 3);
+    for (std::size_t k = 0; k < expected.size(); ++k) ASSERT_EQ(merged[k + 3].vertex, expected[k].vertex);
+  }
 }
 
 TEST(ProgressiveMesh, BordersStayBorders) {

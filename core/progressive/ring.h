@@ -1,0 +1,86 @@
+// The neighbours of a vertex, in order around it.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace lodestone::progressive {
+
+using Id = std::uint32_t;
+inline constexpr Id no_id = 0xffff'ffffu;
+
+// The triangles of a vertex are (vertex, ids[k], ids[k + 1]), closed rings wrap around. Triangle k is *sector* k. Where
+// vertices have wedges, ids[capacity + k] is the wedge of the vertex in sector k.
+//
+// A cache line with all that most vertices ever have: ids points to `own` until there are more, or wedges. At least
+// `readable` ids may be read from there, whatever they are.
+struct alignas(64) Ring {
+  static constexpr std::uint32_t own_ids = 12, readable = 16;
+
+  Id own[own_ids];
+  Id* ids;
+  std::uint32_t size;
+  std::uint32_t capacity : 31, open : 1;
+
+  Ring() {}  // nothing is set: fresh memory is touched by those who fill it
+  Ring(const Ring& other) { *this = other; }
+  Ring& operator=(const Ring& other) {
+    for (std::uint32_t k = 0; k < own_ids; ++k) own[k] = other.own[k];
+    ids = other.ids == other.own ? own : other.ids;
+    size = other.size, capacity = other.capacity, open = other.open;
+    return *this;
+  }
+
+  // No neighbours yet, and a place for a few.
+  void clear() { ids = own, size = 0, capacity = own_ids, open = 0; }
+  [[nodiscard]] std::uint32_t next(std::uint32_t k) const { return k + 1 < size ? k + 1 : 0; }
+  [[nodiscard]] std::uint32_t previous(std::uint32_t k) const { return k > 0 ? k - 1 : size - 1; }
+  [[nodiscard]] std::uint32_t sectors() const { return size - open; }
+  // The size, where there is no such neighbour. Eight at a time, since nobody can guess where it is.
+  [[nodiscard]] std::uint32_t find(Id id) const {
+#if defined(__SSE2__)
+    const __m128i wanted = _mm_set1_epi32(static_cast<int>(id));
+    const auto equal = [&](const Id* four) {
+      return _mm_cmpeq_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(four)), wanted);
+    };
+    const auto found = static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi32(equal(ids), equal(ids + 4))));
+    if (found != 0) return std::min(static_cast<std::uint32_t>(std::countr_zero(found)) / 2, size);
+    std::uint32_t k = 8;
+#else
+    std::uint32_t k = 0;
+#endif
+    while (k < size && ids[k] != id) ++k;
+    return std::min(k, size);
+  }
+  [[nodiscard]] Id& wedge(std::uint32_t k) const { return ids[capacity + k]; }
+  [[nodiscard]] std::span<const Id> neighbours() const { return {ids, size}; }
+};
+static_assert(sizeof(Ring) == 64);
+
+// Lanes that occur among other ids, and those that do so more than once.
+struct Matches {
+  unsigned once = 0, again = 0;
+};
+
+// Memory for rings that outgrow their place. One per worker at a time; given back with the mesh.
+class RingArena {
+ public:
+  // Of the ids, `readable` behind them may be read, too.
+  [[nodiscard]] Id* take(std::size_t count);
+
+ private:
+  std::vector<std::unique_ptr<Id[]>> chunks_;
+  Id* next_ = nullptr;
+  std::size_t left_ = 0;
+};
+
+}  // namespace lodestone::progressive
