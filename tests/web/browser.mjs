@@ -46,7 +46,7 @@ export async function main(makeFiles, tests, {bundle = true} = {}) {
   } finally {
     await browser?.close();
     rmSync(folder, {recursive: true, force: true});
-    process.exitCode = status;
+    process.exit(status);  // servers of tests that failed are still open
   }
 }
 

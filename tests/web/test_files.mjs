@@ -79,9 +79,9 @@ async function testDrop(browser) {
   await quiet();
   const before = await triangles();
   await drop(page, 'torus.glb', readFileSync(at('torus.glb')));
-  await page.waitForFunction(() => window.lodestone.models.length === 2, null, {timeout: 60000});
+  await page.waitForFunction(() => window.lodestone.models.length === 2);
   await page.setInputFiles('#file', at('packed.glb'));
-  await page.waitForFunction(() => window.lodestone.models.length === 3, null, {timeout: 60000});
+  await page.waitForFunction(() => window.lodestone.models.length === 3);
   await quiet();
   check(await triangles() === before + 16000, 'a file that is dropped and one that is chosen stand beside the first');
   await close();
@@ -129,7 +129,7 @@ async function testRefused(browser) {
     ['indices.glb', withJson(glb, (j) => { for (const k of Object.values(j.meshes[0].primitives[0].attributes)) j.accessors[k].count -= 100; }), /vertex that is not there/]];
   for (const [name, bytes, reason] of cases) {
     await drop(page, name, bytes);
-    await page.waitForFunction((n) => document.getElementById('text').textContent.startsWith(n), name, {timeout: 30000});
+    await page.waitForFunction((n) => document.getElementById('text').textContent.startsWith(n), name);
     const text = await page.textContent('#text');
     check(reason.test(text) && !text.includes('\n') && text.length < 160, text);
   }

@@ -1,9 +1,7 @@
 // What people may give the page, and one clear line about what it cannot take.
 import {readProgressiveGlb} from './glb.js';
 import {LpmDecoder} from './lpm.js';
-
-// A problem with a file, told in full.
-export class FileProblem extends Error {}
+import {Problem} from './problem.js';
 
 export async function ask(url, signal) {
   let answer;
@@ -11,9 +9,9 @@ export async function ask(url, signal) {
     answer = await fetch(url, {signal});
   } catch (error) {
     if (error.name === 'AbortError') throw error;
-    throw new FileProblem(`${url}: cannot be reached`);
+    throw new Problem(`${url}: cannot be reached`);
   }
-  if (!answer.ok) throw new FileProblem(`${url}: cannot be had (${answer.status} ${answer.statusText})`);
+  if (!answer.ok) throw new Problem(`${url}: cannot be had (${answer.status} ${answer.statusText})`);
   return answer;
 }
 
@@ -22,8 +20,8 @@ export async function reading(name, work) {
   try {
     return await work();
   } catch (error) {
-    if (error instanceof FileProblem || error.name === 'AbortError') throw error;
-    throw new FileProblem(error.message.startsWith(name) ? error.message : `${name}: the file is damaged (${error.message})`);
+    if (error instanceof Problem || error.name === 'AbortError') throw error;
+    throw new Problem(error.message.startsWith(name) ? error.message : `${name}: the file is damaged (${error.message})`);
   }
 }
 
@@ -45,7 +43,7 @@ export const readMesh = (bytes, name) => reading(name, async () => {
   if (isGlb(bytes)) return readProgressiveGlb(bytes, name);
   const decoder = new LpmDecoder(name);
   await feed(decoder, bytes);
-  if (!decoder.complete) throw new FileProblem(`${name}: the file ends early`);
+  if (!decoder.complete) throw new Problem(`${name}: the file ends early`);
   return decoder.mesh();
 });
 
@@ -58,7 +56,7 @@ export async function streamMesh(url, name, show) {
     try {
       return await reader.read();
     } catch {
-      throw new FileProblem(`${name}: the connection broke off`);
+      throw new Problem(`${name}: the connection broke off`);
     }
   };
   for (let part = await next(); !part.done; part = await next()) {
@@ -75,5 +73,5 @@ export async function streamMesh(url, name, show) {
     await new Promise((go) => setTimeout(go));
   }
   if (head !== null) await show(await readMesh(new Uint8Array(await new Blob(head).arrayBuffer()), name), 1);
-  else if (!decoder.complete) throw new FileProblem(`${name}: the file ends early`);
+  else if (!decoder.complete) throw new Problem(`${name}: the file ends early`);
 }

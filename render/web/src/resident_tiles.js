@@ -1,6 +1,7 @@
 // Which tiles are in memory: what the view asks for, as far as a budget of bytes goes (render/lod/resident_cells.h). The
 // unit is a family, the children of one cell, as they are drawn together or not at all.
 import {LimitTracker} from './limits.js';
+import {Problem} from './problem.js';
 import {boxDistance, selectCells} from './tileset.js';
 
 const CONTRAST = 1.25;    // by how much less urgent a drawn family must be than a missing one to make room for it
@@ -32,7 +33,7 @@ export class ResidentTiles {
     this.drawn = [root];
     if (root.vertices > 0) this.vertexBytes = (this.cellBytes - 12 * root.triangles) / root.vertices;
     if (this.bytes > this.budget)
-      throw new Error(`the coarsest tile takes ${this.bytes} bytes, and the memory budget is ${this.budget}`);
+      throw new Problem(`${root.url}: the coarsest tile takes ${this.bytes} bytes, and the memory budget is ${this.budget}`);
   }
 
   // For each frame, before it is drawn. `share` is what limits lose or gain, `seen(cell)` whether the camera sees it.

@@ -1,12 +1,13 @@
 // A tileset of `lodestone export --tiles --morph` as a tree of cells, and the rules of drawing it: render/lod/radii.h and
 // selection.h. Distances are in the unit cube of the model.
 import {limitedBoxDistance} from './limits.js';
+import {Problem} from './problem.js';
 
 const GUARD = 4e-6;  // relative, for the rounding of 32-bit floats in the shader
 
 export async function loadTileset(url, fetchJson) {
   const json = await fetchJson(url), figures = json.extras?.lodestone;
-  if (!figures) throw new Error(`${url}: has no figures for morphing; export it with --morph`);
+  if (!figures) throw new Problem(`${url}: has no figures for morphing; export it with --morph`);
   const cells = [];
   // Large trees are cut into tilesets of their own, one folder below.
   const visit = async (tile, base, parent) => {
