@@ -169,11 +169,12 @@ class OnSlurm(ClusterCase):
         self.write("sweep.toml", SWEEP)
         output = self.check_snakemake("--profile", CLUSTER / "slurm", "--latency-wait", "10", memory=100, minutes=5,
                                       environment=self.slurm.environment)
-        self.assertEqual(output.count("Submitted"), 4, output)  # the data and three shards
+        self.assertEqual(output.count("Submitted"), 5, output)  # the data, three shards and the report
         jobs = self.slurm.ask("scontrol", "show", "job", "--oneliner").decode()
-        self.assertEqual(jobs.count("JobState=COMPLETED"), 4, jobs)
+        self.assertEqual(jobs.count("JobState=COMPLETED"), 5, jobs)
         self.assertEqual(self.summary(), {"name": "test", "runs": 6, "repetitions": 12, "ran": 12, "failures": []})
         self.check_complete()
+        self.assertIn("<html", (self.folder / "out.html").read_text())
 
 
 if __name__ == "__main__":
