@@ -100,6 +100,14 @@ void transform_mesh(RawMesh& mesh, const Affine3d& map) {
     for (Triangle& t : *triangles) std::swap(t.v[1], t.v[2]);
 }
 
+RawMesh in_model_space(const IndexedMesh& mesh) {
+  RawMesh raw;
+  raw.positions.reserve(mesh.positions.size());
+  for (const Vec3f& p : mesh.positions) raw.positions.push_back(mesh.transform.to_model(p));
+  raw.triangles = mesh.triangles;
+  return raw;
+}
+
 Vec3f unit_normal(Vec3d direction) {
   const double size = length(direction);
   if (!(size > 0) || !std::isfinite(size)) return {};

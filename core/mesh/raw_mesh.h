@@ -15,6 +15,9 @@ void append_mesh(RawMesh& mesh, RawMesh&& part, const std::string& name);
 // Moves positions, turns normals; triangles of a mirrored mesh are turned round, so that outside stays outside.
 void transform_mesh(RawMesh& mesh, const Affine3d& map);
 
+// Positions, in the space of the model, and triangles; attributes are left out.
+[[nodiscard]] RawMesh in_model_space(const IndexedMesh& mesh);
+
 // Of unit length; zero when it has no direction.
 [[nodiscard]] Vec3f unit_normal(Vec3d direction);
 

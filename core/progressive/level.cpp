@@ -46,6 +46,25 @@ std::vector<Triangle> LevelFinder::compute_level(std::uint32_t vertices) const {
   return out;
 }
 
+RawMesh LevelFinder::level_mesh(std::uint32_t vertices) const {
+  RawMesh raw;
+  const auto prefix = [&](const auto& values) {
+    const std::size_t count = std::min<std::size_t>(values.size(), vertices);
+    return std::vector(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  for (std::uint32_t v = 0; v < vertices; ++v) raw.positions.push_back(mesh_->transform.to_model(mesh_->positions[v]));
+  raw.triangles = compute_level(vertices);
+  raw.wedges.uv = prefix(mesh_->wedges.uv);
+  raw.wedges.normal = prefix(mesh_->wedges.normal);
+  raw.wedges.colour = prefix(mesh_->wedges.colour);
+  raw.materials = mesh_->wedges.materials;
+  raw.textures = mesh_->wedges.textures;
+  if (!raw.materials.empty())
+    for (const Triangle& t : raw.triangles)
+      raw.wedges.material.push_back(mesh_->wedges.material.empty() ? 0 : mesh_->wedges.material[t.v[0]]);
+  return raw;
+}
+
 std::vector<std::uint32_t> LevelFinder::compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const {
   std::vector<std::uint32_t> ancestor(fine);
   for (std::uint32_t v = 0; v < std::min(coarse, fine); ++v) ancestor[v] = v;

@@ -25,6 +25,8 @@ class LevelFinder {
 
   // The triangles of a level of vertices_for() vertices, into the first so many vertices.
   [[nodiscard]] std::vector<Triangle> compute_level(std::uint32_t vertices) const;
+  // The same with its vertices alone and their attributes, in the space of the model.
+  [[nodiscard]] RawMesh level_mesh(std::uint32_t vertices) const;
   // For every vertex of the finer level the vertex of the coarser one that it comes from: itself, where it is there.
   // Vertices that travel from their ancestors' places, normals and texture coordinates to their own make the geomorph.
   [[nodiscard]] std::vector<std::uint32_t> compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const;

@@ -28,37 +28,16 @@ std::uint32_t choose(const LodOptions& options, const LevelFinder& levels, const
   return levels.vertices_for_error(static_cast<float>(*options.error / mesh.transform.scale));
 }
 
-// The vertices of the level alone, in the space of the model.
-RawMesh level_as_mesh(const ProgressiveMesh& mesh, std::uint32_t vertices, std::vector<Triangle>&& triangles) {
-  RawMesh raw;
-  const auto prefix = [&](const auto& values) {
-    const std::size_t count = std::min<std::size_t>(values.size(), vertices);
-    return std::vector(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
-  };
-  for (std::uint32_t v = 0; v < vertices; ++v) raw.positions.push_back(mesh.transform.to_model(mesh.positions[v]));
-  raw.wedges.uv = prefix(mesh.wedges.uv);
-  raw.wedges.normal = prefix(mesh.wedges.normal);
-  raw.wedges.colour = prefix(mesh.wedges.colour);
-  raw.materials = mesh.wedges.materials;
-  raw.textures = mesh.wedges.textures;
-  if (!raw.materials.empty())
-    for (const Triangle& t : triangles)
-      raw.wedges.material.push_back(mesh.wedges.material.empty() ? 0 : mesh.wedges.material[t.v[0]]);
-  raw.triangles = std::move(triangles);
-  return raw;
-}
-
 void run(const LodOptions& options, const CommonOptions& common) {
   check_files(common, {{"IN", options.input}}, {{"--output", options.output}});
   const ProgressiveMesh mesh = load_progressive(options.input, options.prefix);
   const LevelFinder levels(mesh);
   const CpuClock clock;
   const std::uint32_t vertices = choose(options, levels, mesh);
-  std::vector<Triangle> triangles = levels.compute_level(vertices);
+  const RawMesh raw = levels.level_mesh(vertices);
   const StageTime time = clock.elapsed();
-  if (triangles.empty())
+  if (raw.triangles.empty())
     throw InputError(describe(options.input, "", "the level has no triangles", "ask for a finer one"));
-  const RawMesh raw = level_as_mesh(mesh, vertices, std::move(triangles));
   write_mesh(options.output, view_of(raw));
   const double error = levels.error_of(vertices) * mesh.transform.scale;
   write_json(common, {{"input", options.input},

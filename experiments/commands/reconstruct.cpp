@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/io/mesh_writer.h"
+#include "core/mesh/raw_mesh.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/metrics/cost.h"
@@ -136,13 +137,6 @@ std::string level_name(const std::string& output, int level) {
       .string();
 }
 
-RawMesh original_space(const IndexedMesh& mesh) {
-  RawMesh raw;
-  for (const Vec3f& p : mesh.positions) raw.positions.push_back(mesh.transform.to_model(p));
-  raw.triangles = mesh.triangles;
-  return raw;
-}
-
 class ReconstructRun {
  public:
   ReconstructRun(const ReconstructOptions& options, const CommonOptions& common)
@@ -242,7 +236,7 @@ class ReconstructRun {
   // Distances both ways, and the share of the visible surface that has the new one within a sample's spacing.
   std::string measure(const Reconstruction& result, nlohmann::json& row, Scheduler& scheduler) {
     progress_.phase("comparing");
-    const MeshDistance d = compare_meshes(original_space(mesh_), result.mesh, {}, scheduler);
+    const MeshDistance d = compare_meshes(in_model_space(mesh_), result.mesh, {}, scheduler);
     row["distance"] = {{"diagonal", d.diagonal}, {"from_input", to_json(d.forward)}, {"to_input", to_json(d.backward)}};
     const ReconstructReport& r = result.report;
     const SurfaceCoverage seen =

@@ -1,0 +1,104 @@
+#include "experiments/studies/frame_measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiments/metrics/flip.h"
+#include "experiments/metrics/leaks.h"
+#include "experiments/metrics/pops.h"
+#include "experiments/metrics/t_junctions.h"
+
+namespace lodestone {
+namespace {
+
+// Of a T-junction: beyond rounding, below anything that can be seen.
+constexpr double junction_tolerance = 1e-6;
+
+// Black, red, yellow, white.
+Image heat_map(const ErrorMap& map) {
+  Image image{map.size, {}, {}};
+  for (const float value : map.value)
+    for (const float channel : {3 * value, 3 * value - 1, 3 * value - 2, 1.0f})
+      image.rgba.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f))));
+  return image;
+}
+
+}  // namespace
+
+SurfaceMeasures::SurfaceMeasures(const Hierarchy& hierarchy, Scheduler& scheduler)
+    : hierarchy_(hierarchy), scheduler_(scheduler), basis_(make_crack_basis(hierarchy, scheduler)) {}
+
+SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, ImageSize size, bool follows, const Image* full) {
+  const MorphContext& morph = frame.morph;
+  const Screen screen(frame.view_projection, size);
+  Selection whole;
+  select_cells(hierarchy_, *morph.radii, morph.viewpoint, {}, whole);
+  SurfaceSample sample;
+  for (const SelectedCell& s : whole.cells)
+    sample.triangles += static_cast<double>(hierarchy_.cells[s.cell].triangles.size());
+
+  sample.open_edges = static_cast<double>(residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges);
+  const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, &screen);
+  sample.gap = 100 * gaps.gap_max, sample.gap_mean = 100 * gaps.gap_mean, sample.gap_pixels = gaps.gap_max_pixels;
+  sample.t_junctions = static_cast<double>(t_junctions(morph, whole, junction_tolerance, scheduler_).vertices);
+  if (basis_.unpaired.empty()) {
+    LeakConfig config;
+    if (full) config.full_depth = full->depth;
+    const LeakReport leaks = find_leaks(morph, whole, screen, scheduler_, config);
+    sample.torn_pixels = static_cast<double>(leaks.torn);
+    sample.leak_pixels = static_cast<double>(leaks.leak_pixels());
+  }
+  if (follows && previous_) sample.jump = jump_to(morph, whole, screen);
+  previous_ = std::move(whole);
+  previous_radii_ = *morph.radii;
+  previous_viewpoint_ = morph.viewpoint;
+  return sample;
+}
+
+JumpSample SurfaceMeasures::jump_to(const MorphContext& morph, const Selection& whole, const Screen& screen) {
+  MorphContext before = morph;
+  before.viewpoint = previous_viewpoint_;
+  before.radii = &previous_radii_;
+  const PopReport pops =
+      largest_jump(before, *previous_, morph, whole, scheduler_, {.percentiles = true, .screen = &screen});
+  JumpSample jump{100 * pops.max_jump, 100 * pops.p99_jump, pops.max_jump_pixels, pops.p99_jump_pixels, {}, {}};
+  if (pops.step > 0) jump.per_step = pops.max_jump / pops.step;
+  if (pops.bounded) jump.over_bound = pops.jump_over_bound;
+  return jump;
+}
+
+PictureSample PictureMeasures::measure(const Image& picture, Image full, const ViewProjection& view_projection,
+                                       bool follows) {
+  Frame now{std::move(full), {}, {}, view_projection};
+  now.absolute = absolute_error(now.full, picture);
+  now.flip = flip_error(now.full, picture, scheduler_);
+  PictureSample sample;
+  ImageQualityConfig config;
+  config.with_flip = false;
+  sample.quality = image_quality(now.full, picture, scheduler_, config);
+  sample.quality.flip = summarise(now.flip.value);
+  if (follows && previous_) {
+    const auto pops = [&](ErrorMap Frame::*map) {
+      return image_pops({&((*previous_).*map), &previous_->full, previous_->view_projection},
+                        {&(now.*map), &now.full, now.view_projection}, scheduler_);
+    };
+    sample.pops = pops(&Frame::absolute);
+    sample.flip_pops = pops(&Frame::flip);
+  }
+  previous_ = std::move(now);
+  return sample;
+}
+
+void WorstPicture::offer(const Image& picture, const Image& full, double flip) {
+  if (flip <= flip_) return;
+  flip_ = flip, picture_ = picture, full_ = full;
+}
+
+void WorstPicture::write(const std::string& directory, Scheduler& scheduler) const {
+  if (flip_ < 0) return;
+  write_png(directory + "/worst-drawn.png", picture_);
+  write_png(directory + "/worst-full.png", full_);
+  write_png(directory + "/worst-flip.png", heat_map(flip_error(full_, picture_, scheduler)));
+}
+
+}  // namespace lodestone

@@ -1,0 +1,56 @@
+#include "experiments/studies/model_drawer.h"
+
+#include "experiments/studies/rounds.h"
+#include "parallel/cpu_clock.h"
+
+namespace lodestone {
+
+ViewConfig view_of_model(ImageSize size, int samples) {
+  ViewConfig config = view_config(scene_of("input"), size);
+  config.samples = samples;
+  return config;
+}
+
+ViewConfig at_full_detail(ViewConfig config) {
+  config.radii.rule = RadiiRule::per_level;
+  config.radii.kappa0 = 1e6f;  // nothing is so far away
+  return config;
+}
+
+ModelDrawer::ModelDrawer(const Hierarchy& hierarchy, const ViewConfig& config, std::string_view backend,
+                         Scheduler& scheduler)
+    : config_(config), view_(scene_of("input"), {{&hierarchy}}), renderer_(make_renderer(backend, scheduler)) {
+  view_.upload(*renderer_);
+}
+
+ModelDrawer::Drawn ModelDrawer::draw(const Camera& camera) {
+  Drawn drawn;
+  const CpuClock clock;
+  view_.look(camera, config_);
+  drawn.select_ms = 1000 * clock.elapsed().seconds;
+  drawn.stats = view_.draw(*renderer_);
+  const StageTime time = clock.elapsed();
+  drawn.total_ms = 1000 * time.seconds;
+  drawn.cpu_ms = 1000 * time.cpu_seconds;
+  return drawn;
+}
+
+FlightTimes time_flight(ModelDrawer& drawer, std::span<const Shot> shots, int rounds, const RunContext& context) {
+  FlightTimes times;
+  for (const Shot& shot : shots) (void)drawer.draw(shot.camera);
+  for (int round = 0; round < rounds; ++round) {
+    check_cancelled(context);
+    for (const Shot& shot : shots) {
+      const ModelDrawer::Drawn drawn = drawer.draw(shot.camera);
+      times.frame_ms.push_back(drawn.total_ms), times.select_ms.push_back(drawn.select_ms);
+      times.cpu_ms.push_back(drawn.cpu_ms);
+      times.triangles += static_cast<double>(drawn.stats.triangles);
+      times.cells += static_cast<double>(drawn.stats.cells);
+    }
+  }
+  const auto frames = static_cast<double>(times.frame_ms.size());
+  if (frames > 0) times.triangles /= frames, times.cells /= frames;
+  return times;
+}
+
+}  // namespace lodestone

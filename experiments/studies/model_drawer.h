@@ -1,0 +1,52 @@
+// One model before a camera, as the experiments draw it.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "experiments/studies/experiment.h"
+#include "experiments/studies/viewpoints.h"
+#include "parallel/scheduler.h"
+#include "render/renderer.h"
+#include "render/scene/scene_view.h"
+
+namespace lodestone {
+
+// As a scene of one model asks for.
+[[nodiscard]] ViewConfig view_of_model(ImageSize size, int samples);
+// The same, drawn from M_L alone.
+[[nodiscard]] ViewConfig at_full_detail(ViewConfig config);
+
+class ModelDrawer {
+ public:
+  // Hierarchy and scheduler outlive it. Throws what make_renderer throws.
+  ModelDrawer(const Hierarchy& hierarchy, const ViewConfig& config, std::string_view backend, Scheduler& scheduler);
+
+  struct Drawn {
+    FrameStats stats;
+    double select_ms = 0, total_ms = 0, cpu_ms = 0;
+  };
+  Drawn draw(const Camera& camera);
+
+  [[nodiscard]] const SceneView& view() const { return view_; }
+  [[nodiscard]] Renderer& renderer() { return *renderer_; }
+
+ private:
+  ViewConfig config_;
+  SceneView view_;
+  std::unique_ptr<Renderer> renderer_;
+};
+
+// Of every frame in every round.
+struct FlightTimes {
+  std::vector<double> frame_ms, select_ms, cpu_ms;
+  double triangles = 0, cells = 0;  // drawn in a frame, mean
+};
+// All shots once to warm up, then `rounds` times.
+[[nodiscard]] FlightTimes time_flight(ModelDrawer& drawer, std::span<const Shot> shots, int rounds,
+                                      const RunContext& context);
+
+}  // namespace lodestone

@@ -1,0 +1,31 @@
+// The pictures of a flight against those of the full model, as columns: the same for every system.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "experiments/metrics/image_pops.h"
+#include "experiments/metrics/image_quality.h"
+#include "experiments/studies/experiment.h"
+#include "experiments/studies/row_verdict.h"
+
+namespace lodestone {
+
+struct PictureSample {
+  ImageQuality quality;
+  std::optional<ImagePops> pops, flip_pops;  // where it follows the frame before
+};
+
+class PictureSummary {
+ public:
+  void add(PictureSample sample) { samples_.push_back(std::move(sample)); }
+
+  [[nodiscard]] static std::vector<ColumnInfo> columns();
+  void add_to(Row& row) const;
+  static void check(RowVerdict& verdict);
+
+ private:
+  std::vector<PictureSample> samples_;
+};
+
+}  // namespace lodestone

@@ -1,0 +1,102 @@
+#include "experiments/studies/study_input.h"
+
+#include <iterator>
+
+#include "core/base/error.h"
+#include "parallel/cpu_clock.h"
+#include "parallel/load.h"
+#include "parallel/prepare.h"
+
+namespace lodestone {
+namespace {
+
+std::vector<std::string> simplifier_names() {
+  std::vector<std::string> names;
+  for (const SimplifierKind kind : all_simplifier_kinds) names.emplace_back(name_of(kind));
+  return names;
+}
+
+}  // namespace
+
+void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more) {
+  list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more) {
+  list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+ParameterInfo threads_parameter() { return {"threads", 0, "", "workers; 0: all that the machine has", 0, 4096, {}}; }
+
+std::vector<ParameterInfo> build_parameters() {
+  const BuildConfig config;
+  return {
+      {"sigma0", 0.2, "", "displacement bound: |v - P(v)| <= sigma0 h / 2", 1e-4, 2, {}},
+      {"cell_triangles", config.cell_triangles, "", "mean triangles per finest cell that L is chosen for", 1, 1e9, {}},
+      {"finest_level", -1, "", "L; -1: from cell_triangles", -1, max_level, {}},
+      {"simplifier", "quadric", "", "what collapses", 0, 0, simplifier_names()},
+      {"placement", "default", "", "where survivors stand", 0, 0, {"default", "optimal", "endpoint"}},
+      {"strategy", "graph", "", "how the work is orchestrated", 0, 0, {"serial", "levels", "graph"}},
+  };
+}
+
+std::vector<ParameterInfo> picture_parameters() {
+  return {
+      {"width", 640, "pixels", "of the picture", 16, 16384, {}},
+      {"height", 360, "pixels", "of the picture", 16, 16384, {}},
+      {"samples", 1, "", "samples a pixel: 1 or 4", 1, 4, {}},
+  };
+}
+
+ImageSize view_size(const Parameters& parameters) {
+  return {parameters.integer("width"), parameters.integer("height")};
+}
+
+std::unique_ptr<Scheduler> study_scheduler(const Parameters& parameters) {
+  return make_tbb_scheduler(parameters.integer("threads"));
+}
+
+BuildConfig build_config(const Parameters& parameters, const RunContext& context) {
+  BuildConfig config;
+  config.sigma0 = static_cast<float>(parameters.number("sigma0"));
+  config.cell_triangles = static_cast<std::uint32_t>(parameters.integer("cell_triangles"));
+  config.finest_level = parameters.integer("finest_level");
+  config.simplifier = simplifier_kind(parameters.text("simplifier"));
+  if (parameters.text("placement") != "default") config.placement = placement(parameters.text("placement"));
+  config.strategy = strategy(parameters.text("strategy"));
+  config.cancel = context.cancel;
+  return config;
+}
+
+ReadConfig study_reading() {
+  ReadConfig reading;
+  reading.attributes = false;
+  reading.fill_voids = true;
+  return reading;
+}
+
+StudyMesh read_study_mesh(const RunContext& context, Scheduler& scheduler, const ReadConfig& reading) {
+  if (context.input.empty()) throw InputError("the run has no input; name data in its sweep");
+  StudyMesh result;
+  const CpuClock reading_clock;
+  RawMesh raw = load_mesh(context.input, scheduler, reading);
+  result.read = reading_clock.elapsed();
+  const CpuClock welding_clock;
+  Repairs repairs;
+  result.mesh = prepare_mesh(std::move(raw), repairs, scheduler, context.input);
+  result.weld = welding_clock.elapsed();
+  return result;
+}
+
+Hierarchy build_study_hierarchy(const Parameters& parameters, const RunContext& context, Scheduler& scheduler) {
+  return build_hierarchy(read_study_mesh(context, scheduler).mesh, build_config(parameters, context), scheduler);
+}
+
+std::string failed_checks(const VerifyReport& report) {
+  std::string failed;
+  for (const VerifyCheck& check : report.checks)
+    if (!check.passed) failed += (failed.empty() ? "" : ", ") + check.name;
+  return failed;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,50 @@
+// Parameters that several experiments have, and the way from a file to what they work on.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/verify.h"
+#include "core/io/read_config.h"
+#include "core/mesh/indexed_mesh.h"
+#include "experiments/studies/experiment.h"
+#include "parallel/build.h"
+#include "parallel/scheduler.h"
+#include "parallel/stage_time.h"
+#include "render/camera.h"
+
+namespace lodestone {
+
+void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more);
+void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more);
+
+[[nodiscard]] ParameterInfo threads_parameter();
+[[nodiscard]] std::vector<ParameterInfo> build_parameters();    // how a hierarchy is built, strategy included
+[[nodiscard]] std::vector<ParameterInfo> picture_parameters();  // width, height, samples
+[[nodiscard]] ImageSize view_size(const Parameters& parameters);
+
+// As `threads` says.
+[[nodiscard]] std::unique_ptr<Scheduler> study_scheduler(const Parameters& parameters);
+[[nodiscard]] BuildConfig build_config(const Parameters& parameters, const RunContext& context);
+
+// Without attributes, height grids without voids.
+[[nodiscard]] ReadConfig study_reading();
+
+// A mesh ready for everything else.
+struct StudyMesh {
+  IndexedMesh mesh;
+  StageTime read, weld;
+};
+// Throws what reading and preparing throw; InputError for a run without input.
+[[nodiscard]] StudyMesh read_study_mesh(const RunContext& context, Scheduler& scheduler,
+                                        const ReadConfig& reading = study_reading());
+// The hierarchy of it, built as the parameters say.
+[[nodiscard]] Hierarchy build_study_hierarchy(const Parameters& parameters, const RunContext& context,
+                                              Scheduler& scheduler);
+
+// Their names, separated by commas.
+[[nodiscard]] std::string failed_checks(const VerifyReport& report);
+
+}  // namespace lodestone

@@ -1,0 +1,172 @@
+// Experiment `table`: hierarchies of large models from file to file, within a limit of memory, as a published table has
+// them. What is published of a model of that size stands beside as a text: a parameter, so that nobody takes it for a
+// measurement.
+#include <algorithm>
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "core/hierarchy/verify.h"
+#include "experiments/metrics/cost.h"
+#include "experiments/studies/catalogue.h"
+#include "experiments/studies/result_hash.h"
+#include "experiments/studies/rounds.h"
+#include "experiments/studies/row_verdict.h"
+#include "experiments/studies/study_input.h"
+#include "experiments/version.h"
+#include "parallel/mesh_stream.h"
+#include "parallel/out_of_core.h"
+#include "parallel/save.h"
+#include "render/lod/radii.h"
+
+namespace lodestone {
+namespace {
+
+std::vector<ParameterInfo> parameters() {
+  std::vector<ParameterInfo> list{
+      threads_parameter(),
+      {"model", "the input", "", "what the input stands for", 0, 0, {}},
+      {"published", "not known", "", "what is published of a model of this size", 0, 0, {}},
+      {"memory_limit", 0.0, "GiB", "what needs more is built out of core; 0: no limit", 0, 1e6, {}},
+  };
+  append(list, build_parameters());
+  return list;
+}
+
+std::vector<ColumnInfo> columns() {
+  using enum ColumnInfo::Kind;
+  return {
+      {"vertices", "", "of the input", count},
+      {"triangles", "", "of the input", count},
+      {"levels", "", "of the hierarchy", count},
+      {"hlod_vertices", "", "of all levels, a copy for each cell", count},
+      {"hlod_triangles", "", "of all levels", count},
+      {"bytes", "bytes", "of the file, not compressed", cost},
+      {"out_of_core", "", "built on disk, as the limit demands", label},
+      {"scratch_bytes", "bytes", "of temporary files", cost},
+      {"seconds", "s", "from file to file: reading, building, writing", cost},
+      {"cpu_seconds", "s", "processor time of all threads", cost},
+      {"build_seconds", "s", "of that, from the mesh to packed levels; out of core without reading and writing", cost},
+      {"mtri_per_core_second", "million/s", "input triangles over processor seconds, reading and writing included",
+       cost},
+      {"peak_memory", "bytes", "largest resident set", cost},
+      {"rho", "", "reach: the least uniform kappa0 that is admissible", accuracy},
+      {"e", "", "largest error of a level over its cell size, as the builder estimates it", accuracy},
+      {"fingerprint", "", "of the triangles of the input", label},
+      {"valid", "", "the file has every property that verify checks", label},
+      {"failed_checks", "", "of verify", label},
+  };
+}
+
+// The scratch file of a run, gone however the run ends.
+class ScratchFile {
+ public:
+  explicit ScratchFile(const RunContext& context) : path_(std::filesystem::path(context.directory) / "scratch.lode") {}
+  ~ScratchFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Built {
+  Hierarchy tables;
+  std::uint64_t bytes = 0, scratch_bytes = 0;
+  double build_seconds = 0;
+  bool out_of_core = false;
+};
+
+Built build_on_disk(const MeshStream& stream, std::uint64_t limit, const std::filesystem::path& target,
+                    const Parameters& parameters, const RunContext& context, Scheduler& scheduler) {
+  OutOfCoreConfig config;
+  config.build = build_config(parameters, context);
+  config.memory_limit = limit;
+  config.program = std::string(program_version());
+  config.progress = [&](const std::string&, double share) { context.progress(share); };
+  OutOfCoreResult result = build_out_of_core(stream, target, config, scheduler);
+  const auto seconds = [&](const char* stage) {
+    const auto found = result.report.stages.find(stage);
+    return found == result.report.stages.end() ? 0 : found->second.seconds;
+  };
+  return {std::move(result.tables), result.file_bytes, result.scratch_bytes,
+          seconds("spill") + seconds("shared") + seconds("hierarchy"), true};
+}
+
+Built build_to_file(const std::filesystem::path& target, const Parameters& parameters, const RunContext& context,
+                    Scheduler& scheduler) {
+  const auto limit = static_cast<std::uint64_t>(parameters.number("memory_limit") * 0x1p30);
+  if (limit > 0)
+    if (const auto stream = open_mesh_stream(context.input, study_reading()))
+      if (in_core_bytes(stream->vertex_count(), stream->triangle_count()) > limit)
+        return build_on_disk(*stream, limit, target, parameters, context, scheduler);
+  Built built;
+  BuildReport report;
+  built.tables =
+      build_hierarchy(read_study_mesh(context, scheduler).mesh, build_config(parameters, context), scheduler, &report);
+  built.bytes = save_lode(built.tables, target, scheduler);
+  built.build_seconds = report.total.seconds;
+  return built;
+}
+
+std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
+  if (context.input.empty()) throw InputError("the run has no input; name data in its sweep");
+  const auto scheduler = study_scheduler(parameters);
+  const ScratchFile file(context);
+  const CostMeter meter;
+  Built built = build_to_file(file.path(), parameters, context, *scheduler);
+  const Cost cost = meter.elapsed();
+
+  const Hierarchy& tables = built.tables;
+  Row row;
+  std::uint64_t triangles = 0, vertices = 0;
+  float error = 0;
+  for (const Level& level : tables.levels) {
+    triangles += level.triangles, vertices += level.vertices;
+    error = std::max(error, level.error);
+  }
+  row["vertices"] = tables.provenance.input_vertices, row["triangles"] = tables.provenance.input_triangles;
+  row["levels"] = tables.levels.size(), row["hlod_vertices"] = vertices, row["hlod_triangles"] = triangles;
+  row["bytes"] = built.bytes, row["scratch_bytes"] = built.scratch_bytes, row["out_of_core"] = built.out_of_core;
+  row["seconds"] = cost.seconds, row["cpu_seconds"] = cost.cpu_seconds, row["build_seconds"] = built.build_seconds;
+  row["mtri_per_core_second"] = static_cast<double>(tables.provenance.input_triangles) * 1e-6 / cost.cpu_seconds;
+  row["peak_memory"] = cost.peak_memory;
+  row["fingerprint"] = to_hex(tables.provenance.fingerprint);
+  if (context.repetition > 0) return {row};
+  row["rho"] = reach(tables, DistanceMetric::euclidean), row["e"] = error;
+  built.tables = {};
+  check_cancelled(context);
+  const VerifyReport report = verify_hierarchy(load_lode(file.path(), *scheduler));
+  row["valid"] = report.valid(), row["failed_checks"] = failed_checks(report);
+  return {row};
+}
+
+std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
+  RowVerdict verdict(columns(), rows);
+  verdict.present("fingerprint");
+  verdict.is_true("valid");
+  verdict.in_order("triangles", "hlod_triangles");
+  verdict.in_order("build_seconds", "seconds");
+  for (const Row& row : rows) {
+    verdict.require(number_in(row, "seconds").value_or(0) > 0, "seconds is missing or not positive");
+    verdict.require(text_in(row, "failed_checks").empty(), "failed checks: " + text_in(row, "failed_checks"));
+    if (row.value("out_of_core", false))
+      verdict.require(number_in(row, "peak_memory").value_or(0) <= parameters.number("memory_limit") * 0x1p30,
+                      "the build took more memory than the limit");
+  }
+  return std::move(verdict).messages();
+}
+
+}  // namespace
+
+Experiment table_experiment() {
+  return {"table",   "What do hierarchies of the published sizes take, in triangles, seconds and memory?",
+          true,      parameters(),
+          columns(), run,
+          verify};
+}
+
+}  // namespace lodestone

@@ -1,0 +1,110 @@
+#include "experiments/studies/viewpoints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/base/error.h"
+#include "experiments/metrics/adversary.h"
+#include "experiments/studies/study_input.h"
+
+namespace lodestone {
+namespace {
+
+// The same numbers on every machine, which std::uniform_real_distribution does not promise.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double share() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  // in [0, 1)
+  Vec3d direction() {
+    const double z = 2 * share() - 1, angle = 2 * std::numbers::pi * share(), r = std::sqrt(1 - z * z);
+    return {r * std::cos(angle), r * std::sin(angle), z};
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+std::vector<Shot> path(const std::vector<Camera>& cameras) {
+  std::vector<Shot> shots;
+  for (const Camera& camera : cameras) shots.push_back({camera, !shots.empty()});
+  return shots;
+}
+
+std::vector<Shot> random_pairs(const Hierarchy& hierarchy, int frames, double step, std::uint64_t seed) {
+  const Sphere sphere = bounding_sphere(hierarchy);
+  Random random(seed);
+  std::vector<Shot> shots;
+  while (static_cast<int>(shots.size()) + 1 < frames) {
+    const double distance = sphere.radius * 1.1 * std::pow(8 / 1.1, random.share());
+    Camera camera;
+    camera.position = sphere.centre + distance * random.direction();
+    camera.target = sphere.centre + 0.5 * sphere.radius * std::cbrt(random.share()) * random.direction();
+    shots.push_back({camera, false});
+    camera.position = camera.position + step * distance * random.direction();
+    shots.push_back({camera, true});
+  }
+  return shots;
+}
+
+std::vector<Shot> adversarial_pairs(const Hierarchy& hierarchy, const Radii& radii, int frames) {
+  AdversaryConfig config;
+  config.per_level = static_cast<std::size_t>(frames / 2) / hierarchy.levels.size() + 1;
+  std::vector<Shot> shots;
+  for (const AdversarialView& view : adversarial_views(hierarchy, radii, config)) {
+    Camera camera;
+    camera.target = hierarchy.transform.to_model(hierarchy.cells[view.cell].positions[view.vertex]);
+    camera.position = hierarchy.transform.to_model(view.viewpoint);
+    shots.push_back({camera, false});
+    camera.position = hierarchy.transform.to_model(view.across);
+    shots.push_back({camera, true});
+  }
+  if (shots.empty()) throw InputError("no vertex of this hierarchy is shared between cells: it cannot crack");
+  if (shots.size() > static_cast<std::size_t>(frames)) shots.resize(static_cast<std::size_t>(frames));
+  return shots;
+}
+
+}  // namespace
+
+std::vector<ParameterInfo> path_parameters() {
+  return {
+      {"frames", 60, "", "of the path; of pairs, both count", 2, 100000, {}},
+      {"from", 0.0, "", "where on the path the frames begin: 0 is its begin, 1 its end", 0, 1, {}},
+      {"to", 1.0, "", "where on the path the frames end", 0, 1, {}},
+  };
+}
+
+std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const std::string& path, const Parameters& parameters) {
+  const double from = parameters.number("from"), to = parameters.number("to");
+  if (!(from < to)) throw InputError("from must be less than to: the part of the path that the frames are spread over");
+  const int frames = parameters.integer("frames");
+  const auto all = static_cast<int>(std::min(std::ceil(frames / (to - from)), 1e6));
+  std::vector<Camera> cameras = path == "orbit" ? orbit_path(hierarchy, all) : fly_in_path(hierarchy, all);
+  const auto first = static_cast<std::ptrdiff_t>(from * (all - frames) / std::max(from + 1 - to, 1e-9));
+  cameras.erase(cameras.begin(), cameras.begin() + std::clamp<std::ptrdiff_t>(first, 0, all - frames));
+  cameras.resize(static_cast<std::size_t>(frames));
+  return cameras;
+}
+
+std::vector<ParameterInfo> viewpoint_parameters() {
+  std::vector<ParameterInfo> list{
+      {"camera", "fly-in", "", "path or viewpoints", 0, 0, {"orbit", "fly-in", "random", "adversarial"}},
+      {"step", 0.01, "", "of random pairs, over the distance from the model's middle", 1e-6, 0.5, {}},
+      {"seed", 1, "", "of random viewpoints", 0, 1e9, {}},
+  };
+  append(list, path_parameters());
+  return list;
+}
+
+std::vector<Shot> viewpoints(const Hierarchy& hierarchy, const Radii& radii, const Parameters& parameters) {
+  const std::string camera = parameters.text("camera");
+  const int frames = parameters.integer("frames");
+  if (camera == "orbit" || camera == "fly-in") return path(path_cameras(hierarchy, camera, parameters));
+  if (camera == "random")
+    return random_pairs(hierarchy, frames, parameters.number("step"),
+                        static_cast<std::uint64_t>(parameters.integer("seed")));
+  return adversarial_pairs(hierarchy, radii, frames);
+}
+
+}  // namespace lodestone

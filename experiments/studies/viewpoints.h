@@ -1,0 +1,37 @@
+// Where a model is looked at from: camera paths, and viewpoints that are hard on a level of detail.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/hierarchy/hierarchy.h"
+#include "experiments/studies/experiment.h"
+#include "render/camera.h"
+#include "render/lod/radii.h"
+
+namespace lodestone {
+
+struct Shot {
+  Camera camera;
+  bool follows = false;  // the shot before is a small step away: pops are measured between the two
+};
+
+// "frames", and the part of a path that they are spread over, "from" and "to".
+[[nodiscard]] std::vector<ParameterInfo> path_parameters();
+// Of "orbit" or "fly-in". Throws InputError where the part has no length.
+[[nodiscard]] std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const std::string& path,
+                                               const Parameters& parameters);
+
+// "camera" (orbit, fly-in, random, adversarial), "step", "seed", and those of a path.
+[[nodiscard]] std::vector<ParameterInfo> viewpoint_parameters();
+
+// orbit, fly-in: the frames of a path, each following the one before.
+// random: pairs of viewpoints a step apart, spread evenly over directions, and between 1.1 and 8 radii of the bounding
+// sphere in the logarithm of the distance, looking at a point within its inner half.
+// adversarial: pairs on both sides of the exchange of a cell, where inadmissible radii crack first
+// (metrics/adversary.h). Throws InputError when there are no adversarial viewpoints.
+[[nodiscard]] std::vector<Shot> viewpoints(const Hierarchy& hierarchy, const Radii& radii,
+                                           const Parameters& parameters);
+
+}  // namespace lodestone

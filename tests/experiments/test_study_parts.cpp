@@ -1,0 +1,182 @@
+// What experiments are put together from: timing, verdicts, viewpoints, summaries, copies of a mesh.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/mesh/clean.h"
+#include "core/mesh/generate.h"
+#include "experiments/studies/result_hash.h"
+#include "experiments/studies/rounds.h"
+#include "experiments/studies/row_verdict.h"
+#include "experiments/studies/scaling_work.h"
+#include "experiments/studies/surface_summary.h"
+#include "experiments/studies/viewpoints.h"
+#include "parallel/build.h"
+
+namespace lodestone {
+namespace {
+
+IndexedMesh sphere(std::uint64_t triangles) {
+  Repairs repairs;
+  return clean_mesh(generate_mesh({Shape::sphere, triangles, 1}), repairs);
+}
+
+Hierarchy built(float sigma0, Scheduler& scheduler) {
+  BuildConfig config;
+  config.sigma0 = sigma0;
+  config.cell_triangles = 100;
+  return build_hierarchy(sphere(3000), config, scheduler);
+}
+
+TEST(Rounds, SpreadOfOddEvenAndNone) {
+  const Spread odd = spread_of({3, 1, 2});
+  EXPECT_EQ(odd.median, 2);
+  EXPECT_EQ(odd.least, 1);
+  EXPECT_EQ(odd.most, 3);
+  EXPECT_EQ(spread_of({4, 1, 2, 3}).median, 2.5);
+  EXPECT_EQ(spread_of({}).median, 0);
+}
+
+TEST(Rounds, TheFirstOneWarmsUp) {
+  int calls = 0;
+  const Rounds rounds = time_rounds(3, {}, [&] { return StageTime{double(++calls), 0}; });
+  EXPECT_EQ(calls, 4);
+  EXPECT_EQ(rounds.wall, (std::vector<double>{2, 3, 4}));
+}
+
+TEST(Rounds, CancellationEndsThem) {
+  const CancelFlag cancelled = true;
+  RunContext context;
+  context.cancel = &cancelled;
+  EXPECT_THROW((void)time_rounds(3, context, [] { return StageTime{}; }), Cancelled);
+}
+
+const std::vector<ColumnInfo> columns{{"name", "", "label", ColumnInfo::Kind::label},
+                                      {"n", "", "count", ColumnInfo::Kind::count},
+                                      {"s", "s", "cost", ColumnInfo::Kind::cost},
+                                      {"s_min", "s", "cost", ColumnInfo::Kind::cost},
+                                      {"s_max", "s", "cost", ColumnInfo::Kind::cost}};
+
+std::size_t faults(
+    const std::vector<Row>& rows, const std::function<void(RowVerdict&)>& checks = [](RowVerdict&) {}) {
+  RowVerdict verdict(columns, rows);
+  checks(verdict);
+  return std::move(verdict).messages().size();
+}
+
+TEST(RowVerdict, KnowsColumnsAndTheirKinds) {
+  EXPECT_EQ(faults({{{"name", "a"}, {"n", 3}, {"s", -0.5}}}), 0u);
+  EXPECT_EQ(faults({{{"name", nullptr}, {"n", nullptr}}}), 0u);
+  EXPECT_EQ(faults({}), 1u);
+  EXPECT_EQ(faults({Row(3)}), 1u);
+  EXPECT_EQ(faults({{{"other", 1}}}), 1u);
+  EXPECT_EQ(faults({{{"name", 3}}}), 1u);
+  EXPECT_EQ(faults({{{"n", -1}}}), 1u);
+  EXPECT_EQ(faults({{{"n", "many"}}}), 1u);
+  EXPECT_EQ(faults({{{"s", std::nan("")}}}), 1u);
+  EXPECT_EQ(faults({{{"s", INFINITY}}}), 1u);
+}
+
+TEST(RowVerdict, Checks) {
+  const Row good = {{"name", "a"}, {"s", 2}, {"s_min", 1}, {"s_max", 3}};
+  EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.spread("s"); }), 0u);
+  for (const auto& [column, value] : {std::pair{"s", 0}, {"s", 4}, {"s_min", 3}}) {
+    Row bad = good;
+    bad[column] = value;
+    EXPECT_GT(faults({bad}, [](RowVerdict& v) { v.spread("s"); }), 0u) << column;
+  }
+  EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.at_most("s", 2); }), 0u);
+  EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.at_most("s", 1.9); }), 1u);
+  EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.present("n"); }), 1u);
+  EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.present("name"); }), 0u);
+  EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.equal("s", "s_min"); }), 1u);
+  EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.equal("s", "n"); }), 0u);  // a column that is not there
+  EXPECT_EQ(faults({{{"name", false}}}, [](RowVerdict& v) { v.is_true("name"); }), 1u);
+}
+
+TEST(SurfaceSummary, TakesTheWorstFrameAndLeavesOutWhatNoneHas) {
+  SurfaceSummary summary;
+  summary.add({.triangles = 10, .open_edges = 0});
+  summary.add(
+      {.triangles = 30, .open_edges = 4, .gap = 0.5, .torn_pixels = 2, .jump = JumpSample{0.1, 0.05, 3, 2, 0.7, 0.9}});
+  Row row;
+  summary.add_to(row);
+  EXPECT_EQ(row.at("surface_triangles"), 20);
+  EXPECT_EQ(row.at("open_edges"), 4);
+  EXPECT_EQ(row.at("cracked_frames"), 50);
+  EXPECT_EQ(row.at("torn_pixels"), 2);
+  EXPECT_TRUE(row.at("leak_pixels").is_null());
+  EXPECT_EQ(row.at("jump_over_bound"), 0.9);
+  summary.add({.jump = JumpSample{}});  // no bound in one frame: none at all
+  summary.add_to(row);
+  EXPECT_TRUE(row.at("jump_over_bound").is_null());
+}
+
+class Viewpoints : public ::testing::Test {
+ protected:
+  Hierarchy hierarchy_ = built(0.2f, *make_serial_scheduler());
+
+  [[nodiscard]] std::vector<Shot> shots(const char* camera, int frames, int seed = 1) const {
+    const Parameters parameters(viewpoint_parameters(), {{"camera", camera}, {"frames", frames}, {"seed", seed}});
+    RadiiConfig config;
+    config.rule = RadiiRule::uniform;
+    config.kappa0 = 1.0f;
+    return viewpoints(hierarchy_, make_radii(hierarchy_, config), parameters);
+  }
+};
+
+TEST_F(Viewpoints, PathsFollowAndPairsDoInPairs) {
+  for (const char* path : {"orbit", "fly-in"}) {
+    const std::vector<Shot> path_shots = shots(path, 5);
+    ASSERT_EQ(path_shots.size(), 5u);
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(path_shots[i].follows, i > 0);
+  }
+  for (const char* pairs : {"random", "adversarial"}) {
+    const std::vector<Shot> pair_shots = shots(pairs, 8);
+    ASSERT_GE(pair_shots.size(), 2u);
+    ASSERT_LE(pair_shots.size(), 8u);
+    for (std::size_t i = 0; i < pair_shots.size(); ++i) EXPECT_EQ(pair_shots[i].follows, i % 2 == 1) << pairs;
+  }
+}
+
+TEST_F(Viewpoints, RandomOnesFollowFromTheSeedAndKeepTheirStep) {
+  const std::vector<Shot> first = shots("random", 40), again = shots("random", 40), other = shots("random", 40, 2);
+  const Sphere bounds = bounding_sphere(hierarchy_);
+  ASSERT_EQ(first.size(), 40u);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i].camera, again[i].camera);
+    const double distance = length(first[i].camera.position - bounds.centre) / bounds.radius;
+    EXPECT_GT(distance, 1.08);
+    EXPECT_LT(distance, 8.1);
+    if (i % 2 == 1) {
+      EXPECT_NEAR(length(first[i].camera.position - first[i - 1].camera.position) /
+                      length(first[i - 1].camera.position - bounds.centre),
+                  0.01, 1e-9);
+    }
+  }
+  EXPECT_FALSE(first[0].camera == other[0].camera);
+}
+
+TEST(SideBySide, CopiesDoNotTouch) {
+  const IndexedMesh one = sphere(500);
+  const auto scheduler = make_serial_scheduler();
+  for (const int copies : {1, 2, 3, 9}) {
+    const IndexedMesh many = side_by_side(one, copies, *scheduler);
+    EXPECT_EQ(many.triangles.size(), static_cast<std::size_t>(copies) * one.triangles.size());
+    EXPECT_EQ(many.positions.size(), static_cast<std::size_t>(copies) * one.positions.size());
+  }
+}
+
+TEST(ResultHash, TellsResultsApart) {
+  const auto scheduler = make_serial_scheduler();
+  const Hierarchy a = built(0.2f, *scheduler);
+  const Hierarchy b = built(0.2f, *make_tbb_scheduler(3));
+  const Hierarchy c = built(0.1f, *scheduler);
+  EXPECT_EQ(hash_of(a), hash_of(b));
+  EXPECT_NE(hash_of(a), hash_of(c));
+  EXPECT_EQ(to_hex(hash_of(a)).size(), 16u);
+}
+
+}  // namespace
+}  // namespace lodestone
