@@ -118,7 +118,9 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   if (context.repetition == 0) {
     add_geometry(row, in_model_space(mesh), made.mesh, *scheduler);
     row["coverage"] =
-        100 * coverage(made.report.views.visible_points, made.mesh, mesh.transform, made.report.spacing, *scheduler);
+        100 *
+        measure_coverage(made.report.views.visible_points, made.mesh, mesh.transform, made.report.spacing, *scheduler)
+            .share;
     check_cancelled(context);
     if (config.backend == "soft")
       same = same && hash == hash_of(reconstruct(mesh, config, *make_serial_scheduler()).mesh);
