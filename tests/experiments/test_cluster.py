@@ -16,6 +16,7 @@ from sweep_case import HEAD, SweepCase, section
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CLUSTER = ROOT / "experiments/cluster"
+OUR_CHILD = ["setpriv", "--pdeathsig", "TERM"]  # ends with this process, however that ends
 SWEEP = HEAD + section("x = [1, 2, 3, 4, 5, 6]", "repetitions = 2")
 
 
@@ -23,9 +24,9 @@ def snakemake(folder, *arguments, environment=None, **config):
     """Runs it in the folder; returns (status, output)."""
     settings = [f"{key}={value}" for key, value in {"sweep": "sweep.toml", "output": "out", "shards": 3,
                                                     "lodestone": command_case.PROGRAM, **config}.items()]
-    done = subprocess.run(["snakemake", "-s", CLUSTER / "Snakefile", *arguments, "--config", *settings], cwd=folder,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300, check=False,
-                          env={**os.environ, "XDG_CACHE_HOME": str(folder), **(environment or {})})
+    done = subprocess.run([*OUR_CHILD, "snakemake", "-s", CLUSTER / "Snakefile", *arguments, "--config", *settings],
+                          cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300,
+                          check=False, env={**os.environ, "XDG_CACHE_HOME": str(folder), **(environment or {})})
     return done.returncode, done.stdout.decode()
 
 
@@ -123,10 +124,10 @@ class Slurm:
         return "".join(f"{key}={value}\n" for key, value in lines.items())
 
     def run_daemon(self, *command):
-        """In the foreground, and to end with this process however that ends."""
+        """In the foreground."""
         path = {**os.environ, "PATH": os.environ.get("PATH", "") + ":/usr/sbin:/sbin", **self.environment}
         with open(self.folder / f"{command[0]}.out", "wb") as log:
-            self.daemons.append(subprocess.Popen(["setpriv", "--pdeathsig", "TERM", *map(str, command)], stdout=log, stderr=log, env=path,
+            self.daemons.append(subprocess.Popen([*OUR_CHILD, *map(str, command)], stdout=log, stderr=log, env=path,
                                                  start_new_session=True))
 
     def ask(self, *command):
