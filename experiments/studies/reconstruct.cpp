@@ -117,10 +117,9 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   row["hash"] = to_hex(hash);
   if (context.repetition == 0) {
     add_geometry(row, in_model_space(mesh), made.mesh, *scheduler);
-    row["coverage"] =
-        100 *
-        measure_coverage(made.report.views.visible_points, made.mesh, mesh.transform, made.report.spacing, *scheduler)
-            .share;
+    row["coverage"] = 100 * measure_coverage(made.report.views.visible_points, made.mesh, mesh.transform,
+                                             made.report.spacing, *scheduler)
+                                .share;
     check_cancelled(context);
     if (config.backend == "soft")
       same = same && hash == hash_of(reconstruct(mesh, config, *make_serial_scheduler()).mesh);
