@@ -63,7 +63,7 @@ async function testExchanges(browser) {
         camera.position.set(0, 0.1, z);
         camera.lookAt(0, 0, 0);
         camera.updateMatrixWorld(true);
-        for (let k = 0; k < 60; ++k) m.approach(camera, height, 6, 10);  // until limits have sunk
+        for (let k = 0; k < 60 && m.approach(camera, height, 6, 10); ++k);  // until limits have sunk
         renderer.render(scene, camera);
         const out = new Uint8Array(4 * width * height);
         gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, out);

@@ -144,7 +144,7 @@ class Page {
       const tileset = await loadTileset(new URL(url, location.href).href, json);
       const made = new TilesView(name, tileset, this.renderer.capabilities.getMaxAnisotropy(),
                                  {request: async (at, signal) => (await ask(at, signal)).arrayBuffer(),
-                                  say: (e) => this.say(e.message), budget: 2 ** 20 * this.megabytes});
+                                  say: (e) => this.say(e.message), budget: Math.floor(2 ** 20 * this.megabytes)});
       await made.start();
       return made;
     });
