@@ -31,8 +31,7 @@ struct Assembly::WedgeLists {
   }
 };
 
-Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence,
-                   ProgressiveMesh&& room)
+Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence, ProgressiveMesh&& room)
     : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)), out_(std::move(room)) {
   out_.errors.clear();
 }
