@@ -43,6 +43,8 @@ std::vector<ColumnInfo> columns() {
       {"view_count", "", "views that were drawn", count},
       {"view_triangles", "", "of all views' meshes, before they are merged", count},
       {"coverage", "%", "of the visible surface that has the result within a sample's spacing", accuracy},
+      {"visible_rms", "% of the diagonal", "distance of the visible surface from the result, root of the mean square",
+       accuracy},
       {"border_edges", "", "of the result", count},
       {"manifold", "", "no edge of more than two triangles, no vertex of more than one fan", label},
       {"closed", "", "the result has no border", label},
@@ -117,9 +119,10 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   row["hash"] = to_hex(hash);
   if (context.repetition == 0) {
     add_geometry(row, in_model_space(mesh), made.mesh, *scheduler);
-    row["coverage"] = 100 * measure_coverage(made.report.views.visible_points, made.mesh, mesh.transform,
-                                             made.report.spacing, *scheduler)
-                                .share;
+    const SurfaceCoverage seen =
+        measure_coverage(made.report.views.visible_points, made.mesh, mesh.transform, made.report.spacing, *scheduler);
+    row["coverage"] = 100 * seen.share;
+    row["visible_rms"] = 100 * seen.rms * mesh.transform.scale / diagonal_of(in_model_space(mesh));
     check_cancelled(context);
     if (config.backend == "soft")
       same = same && hash == hash_of(reconstruct(mesh, config, *make_serial_scheduler()).mesh);
