@@ -45,9 +45,10 @@ async function testSameLevel(browser) {
   await quiet();
   await addStock(page);
   for (const share of [0.3, 0.6, 1]) {
+    await page.evaluate((s) => window.lodestone.setSlider(s), share);
+    await quiet();  // the slider has a thousand steps, and the page would go on to the nearest
     await page.evaluate((s) => {
       const [m] = window.lodestone.models;
-      window.lodestone.setSlider(Math.round(s * m.ladder.top) / m.ladder.top);
       m.show(Math.round(s * m.ladder.top));
       window.lodestone.renderer.render(window.lodestone.scene, window.lodestone.camera);
     }, share);
