@@ -77,7 +77,7 @@ void RunFolder::describe_run(const SweepRun& run) const {
   const std::string text = text_of({{"experiment", run.experiment->name},
                                     {"data", run.data},
                                     {"input", run.input.path},
-                                    {"input_hash", run.input.sha256},
+                                    {"input_sha256", run.input.sha256},
                                     {"program", run.program},
                                     {"parameters", run.parameters}});
   const fs::path target = path_ / "parameters.json";

@@ -51,8 +51,10 @@ class Runs(SweepCase):
         self.assertEqual(data["generate"], {"shape": "box", "triangles": 12, "seed": 1})
         recorded = self.read(run, "parameters.json")
         self.assertEqual(recorded["parameters"], parameters)
-        self.assertEqual((recorded["experiment"], recorded["data"], recorded["input_hash"], recorded["program"]),
+        self.assertEqual((recorded["experiment"], recorded["data"], recorded["input_sha256"], recorded["program"]),
                          ("probe", "tiny", data["sha256"], plan["program"]))
+        self.lodestone("report", "out", "-o", "out.html", "--quiet")
+        self.assertIn(data["sha256"], (self.folder / "out.html").read_text())
         content = (self.folder / recorded["input"]).read_bytes()
         self.assertEqual(data["bytes"], len(content))
         self.assertEqual(self.rows(run, 0)[0]["bytes"], len(content))
