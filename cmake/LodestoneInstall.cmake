@@ -23,6 +23,7 @@ set(lodestone_provider_libjpeg-turbo::turbojpeg "find_dependency(libjpeg-turbo)"
 set(lodestone_provider_draco::draco "find_dependency(draco)")
 set(lodestone_provider_meshoptimizer::meshoptimizer "find_dependency(meshoptimizer)")
 set(lodestone_provider_nlohmann_json::nlohmann_json "find_dependency(nlohmann_json)")
+set(lodestone_provider_OpenSSL::Crypto "find_dependency(OpenSSL COMPONENTS Crypto)")
 set(lodestone_provider_fmt::fmt "find_dependency(fmt)")
 set(lodestone_provider_CLI11::CLI11 "find_dependency(CLI11)")
 set(lodestone_provider_zstd::libzstd_shared "find_dependency(zstd)")
