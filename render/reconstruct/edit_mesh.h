@@ -50,6 +50,19 @@ class EditMesh {
   // The triangles around v that are reached from one of them over edges that end in v.
   [[nodiscard]] std::vector<std::uint32_t> fan(std::uint32_t v, std::uint32_t first) const;
 
+  // Gives v's fans, all but one, vertices of their own: new_vertex(fan) adds one and returns its number. Returns how many.
+  template <typename NewVertex>
+  std::size_t part_fans(std::uint32_t v, NewVertex&& new_vertex) {
+    std::size_t added = 0;
+    for (; !around(v).empty(); ++added) {
+      const std::vector<std::uint32_t> first = fan(v, around(v).front());
+      if (first.size() == around(v).size()) break;
+      const std::uint32_t own = new_vertex(first);
+      for (const std::uint32_t t : first) move_corner(t, v, own);
+    }
+    return added;
+  }
+
   // A gap at a vertex: between the border edge that leaves it and the one that arrives, going round outside of the
   // triangles of one fan.
   struct Gap {

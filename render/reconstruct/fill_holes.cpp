@@ -153,18 +153,15 @@ std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_tri
 std::size_t split_vertices(SeamMesh& seam) {
   std::size_t added = 0;
   for (const std::uint32_t v : seam.borders.pinched())
-    while (!seam.mesh.around(v).empty()) {
-      const std::vector<std::uint32_t> fan = seam.mesh.fan(v, seam.mesh.around(v).front());
-      if (fan.size() == seam.mesh.around(v).size()) break;
+    added += seam.mesh.part_fans(v, [&](const std::vector<std::uint32_t>& fan) {
       const std::uint32_t own = seam.add_vertex(seam.position[v], seam.normal[v], v);
       for (std::uint32_t e = seam.borders.first(v); e != BorderLoops::none; e = seam.borders.edge(e).sibling)
         if (std::find(fan.begin(), fan.end(), seam.mesh.at(v, seam.borders.edge(e).to)) != fan.end()) {
           seam.borders.move_start(e, own);
           break;
         }
-      for (const std::uint32_t t : fan) seam.mesh.move_corner(t, v, own);
-      ++added;
-    }
+      return own;
+    });
   return added;
 }
 

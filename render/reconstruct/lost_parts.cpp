@@ -54,14 +54,11 @@ void drop_open_pieces(EditMesh& mesh) {
 void split_fans(EditMesh& edit, MergedMesh& mesh) {
   const auto count = static_cast<std::uint32_t>(edit.vertex_count());
   for (std::uint32_t v = 0; v < count; ++v)
-    while (!edit.around(v).empty()) {
-      const std::vector<std::uint32_t> fan = edit.fan(v, edit.around(v).front());
-      if (fan.size() == edit.around(v).size()) break;
-      const std::uint32_t own = edit.add_vertex();
+    edit.part_fans(v, [&](const std::vector<std::uint32_t>&) {
       mesh.position.push_back(Vec3f(mesh.position[v]));
       mesh.pixel.push_back(std::uint32_t{mesh.pixel[v]});
-      for (const std::uint32_t t : fan) edit.move_corner(t, v, own);
-    }
+      return edit.add_vertex();
+    });
 }
 
 // As a manifold; `pixel` holds a triangle of each vertex.
