@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
-#include <optional>
+#include <utility>
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks.h"
-#include "experiments/metrics/pops.h"
+#include "experiments/metrics/jump_tracker.h"
+#include "experiments/metrics/order_statistics.h"
 #include "experiments/metrics/screen_error.h"
 #include "render/lod/selection.h"
 
@@ -37,19 +38,10 @@ class Prover {
     for (const SelectedCell& s : whole.cells) row.selected_triangles += hierarchy_.cells[s.cell].triangles.size();
     row.open_edges += residual_edges(morph, whole, basis_, scheduler_, crack_scratch_).open_edges;
     row.gap_max = std::max(row.gap_max, double{vertex_gaps(morph, whole, basis_, scheduler_, crack_scratch_).gap_max});
-    if (previous_radii_) {
-      MorphContext before = morph;
-      before.viewpoint = previous_viewpoint_;
-      before.radii = &*previous_radii_;
-      before.limits = previous_limits_;
-      const PopReport pop = largest_jump(before, previous_, morph, whole, scheduler_, {.limit_rate = limit_rate_});
-      row.max_jump = std::max(row.max_jump, double{pop.max_jump});
-      row.jump_over_bound = std::max(row.jump_over_bound, double{pop.jump_over_bound});
+    if (const auto jumps = jumps_.follow(morph, std::move(whole), scheduler_, {.limit_rate = limit_rate_})) {
+      row.max_jump = std::max(row.max_jump, jumps->max_jump);
+      row.jump_over_bound = std::max(row.jump_over_bound, jumps->jump_over_bound);
     }
-    previous_ = std::move(whole);
-    previous_viewpoint_ = morph.viewpoint;
-    previous_radii_ = *morph.radii;
-    previous_limits_.assign(morph.limits.begin(), morph.limits.end());
   }
 
  private:
@@ -58,10 +50,7 @@ class Prover {
   Scheduler& scheduler_;
   CrackBasis basis_;
   CrackScratch crack_scratch_;
-  Selection previous_;
-  Vec3f previous_viewpoint_;
-  std::optional<Radii> previous_radii_;
-  std::vector<DetailLimit> previous_limits_;
+  JumpTracker jumps_;
 };
 
 // Of the surface in the frame, drawn or culled, from the full one.
@@ -72,13 +61,6 @@ double measured_screen_error(const ModelFrame& model, ImageSize size, const Hier
   Selection all;
   select_cells(whole, *morph.radii, morph.viewpoint, {.limits = morph.limits}, all);
   return screen_error(morph, all, model.view_projection, size, basis, scheduler).largest();
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -131,7 +113,7 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
     result.jump_over_bound_max = std::max(result.jump_over_bound_max, row.jump_over_bound);
     result.frames.push_back(std::move(row));
   }
-  result.milliseconds_median = median(totals);
+  result.milliseconds_median = median_of(std::move(totals));
   return result;
 }
 

@@ -6,19 +6,12 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "experiments/metrics/order_statistics.h"
 
 namespace lodestone {
 namespace {
 
 constexpr std::size_t channels = 4, colours = 3;
-
-// The least value that a share of the values does not exceed. Reorders them.
-double quantile(std::vector<float>& values, double share) {
-  const auto rank = static_cast<std::ptrdiff_t>(std::ceil(share * static_cast<double>(values.size())));
-  const auto at = values.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 }  // namespace
 

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <optional>
 
+#include "experiments/metrics/order_statistics.h"
+
 namespace lodestone {
 namespace {
 
@@ -33,9 +35,7 @@ DirectedDeviation summarise(std::vector<double>& angles) {
   const auto count = static_cast<double>(angles.size());
   result.mean = sum / count;
   result.max = *std::max_element(angles.begin(), angles.end());
-  const auto at = angles.begin() + static_cast<std::ptrdiff_t>(std::ceil(0.99 * count)) - 1;
-  std::nth_element(angles.begin(), at, angles.end());
-  result.p99 = *at;
+  result.p99 = quantile(angles, 0.99);
   return result;
 }
 

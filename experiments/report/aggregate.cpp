@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <set>
 
+#include "experiments/metrics/order_statistics.h"
 #include "experiments/metrics/scaling.h"
 #include "experiments/report/number_text.h"
 
@@ -200,13 +200,6 @@ const ColumnInfo* SettingTable::find(const std::string& name) const {
     for (const ColumnInfo& column : *list)
       if (column.name == name) return &column;
   return nullptr;
-}
-
-double median_of(std::vector<double> values) {
-  assert(!values.empty());
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : values[half - 1] + (values[half] - values[half - 1]) / 2;
 }
 
 SettingTable aggregate(const SweepRecord& sweep) {

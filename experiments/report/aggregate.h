@@ -41,9 +41,6 @@ struct SettingTable {
   [[nodiscard]] const ColumnInfo* find(const std::string& name) const;  // parameter or column
 };
 
-// Median, of an even number of values the mean of the two in the middle. `values` must not be empty.
-[[nodiscard]] double median_of(std::vector<double> values);
-
 // Rows of unverified, failed and missing runs are left out. O(rows log rows).
 [[nodiscard]] SettingTable aggregate(const SweepRecord& sweep);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "experiments/metrics/order_statistics.h"
 #include "experiments/metrics/pareto.h"
 #include "experiments/report/number_text.h"
 #include "experiments/report/outcome.h"

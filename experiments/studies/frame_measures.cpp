@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "experiments/metrics/flip.h"
 #include "experiments/metrics/leaks.h"
-#include "experiments/metrics/pops.h"
 #include "experiments/metrics/t_junctions.h"
 
 namespace lodestone {
@@ -21,6 +21,15 @@ Image heat_map(const ErrorMap& map) {
     for (const float channel : {3 * value, 3 * value - 1, 3 * value - 2, 1.0f})
       image.rgba.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f))));
   return image;
+}
+
+// Lengths in percent of the model's size.
+JumpSample sample_of(const PopReport& jumps) {
+  JumpSample sample{
+      100 * jumps.max_jump, 100 * jumps.p99_jump, jumps.max_jump_pixels, jumps.p99_jump_pixels, {}, {}};
+  if (jumps.step > 0) sample.per_step = jumps.max_jump / jumps.step;
+  if (jumps.bounded) sample.over_bound = jumps.jump_over_bound;
+  return sample;
 }
 
 }  // namespace
@@ -48,23 +57,10 @@ SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, ImageSize size, 
     sample.torn_pixels = static_cast<double>(leaks.torn);
     sample.leak_pixels = static_cast<double>(leaks.leak_pixels());
   }
-  if (follows && previous_) sample.jump = jump_to(morph, whole, screen);
-  previous_ = std::move(whole);
-  previous_radii_ = *morph.radii;
-  previous_viewpoint_ = morph.viewpoint;
+  if (!follows) jumps_.forget();
+  const auto jumps = jumps_.follow(morph, std::move(whole), scheduler_, {.percentiles = true, .screen = &screen});
+  if (jumps) sample.jump = sample_of(*jumps);
   return sample;
-}
-
-JumpSample SurfaceMeasures::jump_to(const MorphContext& morph, const Selection& whole, const Screen& screen) {
-  MorphContext before = morph;
-  before.viewpoint = previous_viewpoint_;
-  before.radii = &previous_radii_;
-  const PopReport pops =
-      largest_jump(before, *previous_, morph, whole, scheduler_, {.percentiles = true, .screen = &screen});
-  JumpSample jump{100 * pops.max_jump, 100 * pops.p99_jump, pops.max_jump_pixels, pops.p99_jump_pixels, {}, {}};
-  if (pops.step > 0) jump.per_step = pops.max_jump / pops.step;
-  if (pops.bounded) jump.over_bound = pops.jump_over_bound;
-  return jump;
 }
 
 PictureSample PictureMeasures::measure(const Image& picture, Image full, const ViewProjection& view_projection,

@@ -7,6 +7,7 @@
 
 #include "experiments/metrics/cracks.h"
 #include "experiments/metrics/error_map.h"
+#include "experiments/metrics/jump_tracker.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/surface_summary.h"
 #include "parallel/scheduler.h"
@@ -26,16 +27,11 @@ class SurfaceMeasures {
   [[nodiscard]] SurfaceSample measure(const ModelFrame& frame, ImageSize size, bool follows, const Image* full);
 
  private:
-  [[nodiscard]] JumpSample jump_to(const MorphContext& morph, const Selection& whole, const Screen& screen);
-
   const Hierarchy& hierarchy_;
   Scheduler& scheduler_;
   CrackBasis basis_;
   CrackScratch scratch_;
-
-  std::optional<Selection> previous_;
-  Radii previous_radii_;
-  Vec3f previous_viewpoint_;
+  JumpTracker jumps_;
 };
 
 // Pictures against those of the full model.

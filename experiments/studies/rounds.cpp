@@ -1,15 +1,6 @@
 #include "experiments/studies/rounds.h"
 
-#include <algorithm>
-
 namespace lodestone {
-
-Spread spread_of(std::vector<double> values) {
-  if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  const std::size_t upper = values.size() / 2, lower = (values.size() - 1) / 2;
-  return {(values[lower] + values[upper]) / 2, values.front(), values.back()};
-}
 
 void add_spread_columns(std::vector<ColumnInfo>& columns, const std::string& name, const std::string& unit,
                         const std::string& meaning) {

@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "experiments/metrics/order_statistics.h"
 #include "experiments/studies/experiment.h"
 #include "parallel/stage_time.h"
 
 namespace lodestone {
-
-struct Spread {
-  double median = 0, least = 0, most = 0;
-};
-// Of an even number of values, the mean of the two in the middle; zeros for none.
-[[nodiscard]] Spread spread_of(std::vector<double> values);
 
 // Wall and processor seconds of some rounds of the same work.
 struct Rounds {

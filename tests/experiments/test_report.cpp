@@ -82,12 +82,6 @@ SweepRecord make_sweep(std::vector<ColumnInfo> columns, std::vector<std::string>
   return sweep;
 }
 
-TEST(Median, OfOddAndEvenNumbers) {
-  EXPECT_EQ(median_of({3}), 3);
-  EXPECT_EQ(median_of({9, 1, 4}), 4);
-  EXPECT_EQ(median_of({9, 1, 4, 5}), 4.5);
-}
-
 TEST(Aggregate, CostsAreMediansAndAccuracyIsWhereItWasMeasured) {
   SweepRecord sweep = make_sweep({{"seconds", "s", "", Kind::cost}, {"gap", "pixels", "", Kind::accuracy}}, {"kappa0"});
   sweep.runs.push_back(

@@ -29,15 +29,6 @@ Hierarchy built(float sigma0, Scheduler& scheduler) {
   return build_hierarchy(sphere(3000), config, scheduler);
 }
 
-TEST(Rounds, SpreadOfOddEvenAndNone) {
-  const Spread odd = spread_of({3, 1, 2});
-  EXPECT_EQ(odd.median, 2);
-  EXPECT_EQ(odd.least, 1);
-  EXPECT_EQ(odd.most, 3);
-  EXPECT_EQ(spread_of({4, 1, 2, 3}).median, 2.5);
-  EXPECT_EQ(spread_of({}).median, 0);
-}
-
 TEST(Rounds, TheFirstOneWarmsUp) {
   int calls = 0;
   const Rounds rounds = time_rounds(3, {}, [&] { return StageTime{double(++calls), 0}; });
