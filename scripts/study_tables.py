@@ -29,8 +29,9 @@ TABLES = {
           ("CPU seconds", "cpu_seconds"), ("RMS, %", "rms"), ("max, %", "error_max"), ("coverage, %", "coverage"),
           ("slivers, %", "slivers"), ("manifold", "manifold")]),
         ("Progressive meshes", ("progressive",),
-         [("data", "data"), ("triangles", "triangles"), ("share, %", "share"), ("CPU seconds", "cpu_seconds"), ("RMS, %", "rms"),
-          ("max, %", "error_max"), ("normals, degrees", "normal_mean"), ("residual edges", "residual_edges")]),
+         [("data", "data"), ("metric", "metric"), ("triangles", "triangles"), ("share, %", "share"),
+          ("CPU seconds", "cpu_seconds"), ("RMS, %", "rms"), ("max, %", "error_max"), ("normals, degrees", "normal_mean"),
+          ("residual edges", "residual_edges")]),
     ],
     "ablation": [
         ("Below and above the admissible border", ("border", "metrics"),

@@ -52,7 +52,7 @@ std::vector<FigurePanel> make_panels(const FigureRequest& spec, const std::vecto
                                    [&](const FigurePanel& p) { return p.y_unit == unit && !unit.empty(); });
     panel_of.push_back(static_cast<std::size_t>(same - panels.begin()));
     if (same == panels.end())
-      panels.push_back({y, unit, {}, {}});
+      panels.push_back({y, unit, column != nullptr && column->kind == ColumnInfo::Kind::quality, {}, {}});
     else
       same->y_name += ", " + y;
   }
@@ -190,6 +190,23 @@ void add_series(Figure& figure, const std::vector<Sample>& samples) {
         "Several settings fall on one point: it is their median, and the whiskers are their range");
 }
 
+FigureFront make_front(const std::string& data, const std::vector<const Sample*>& members, bool more_is_better) {
+  std::vector<CostError> points;
+  for (const Sample* s : members) points.push_back({s->point.x, more_is_better ? -s->point.y : s->point.y});
+  FigureFront front{data, points.size(), {}, {}};
+  const std::vector<std::size_t> indices = pareto_front(points);
+  for (const std::size_t i : indices) front.points.push_back(members[i]->point);
+  if (more_is_better) {  // decibels and similarities have no scale of powers of ten
+    for (std::size_t i = 0; i < indices.size(); ++i) front.choices.push_back({front.points[i].y, i});
+    return front;
+  }
+  for (const double limit : error_limits(points))
+    if (const auto i = cheapest_within(points, limit))
+      front.choices.push_back(
+          {limit, static_cast<std::size_t>(std::find(indices.begin(), indices.end(), *i) - indices.begin())});
+  return front;
+}
+
 void add_fronts(Figure& figure, const std::vector<Sample>& samples) {
   if (!figure.categories.empty()) {
     figure.notes.emplace_back("No Pareto front: the cost is no number");
@@ -199,18 +216,8 @@ void add_fronts(Figure& figure, const std::vector<Sample>& samples) {
     std::map<std::string, std::vector<const Sample*>> inputs;
     for (const Sample& s : samples)
       if (s.panel == panel) inputs[s.data].push_back(&s);
-    for (const auto& [data, members] : inputs) {
-      std::vector<CostError> points;
-      for (const Sample* s : members) points.push_back({s->point.x, s->point.y});
-      FigureFront front{data, points.size(), {}, {}};
-      const std::vector<std::size_t> indices = pareto_front(points);
-      for (const std::size_t i : indices) front.points.push_back(members[i]->point);
-      for (const double limit : error_limits(points))
-        if (const auto i = cheapest_within(points, limit))
-          front.choices.push_back(
-              {limit, static_cast<std::size_t>(std::find(indices.begin(), indices.end(), *i) - indices.begin())});
-      figure.panels[panel].fronts.push_back(std::move(front));
-    }
+    for (const auto& [data, members] : inputs)
+      figure.panels[panel].fronts.push_back(make_front(data, members, figure.panels[panel].more_is_better));
   }
 }
 

@@ -26,7 +26,7 @@ struct FigureFront {
   std::string data;
   std::size_t candidates = 0;       // settings that it was chosen from
   std::vector<FigurePoint> points;  // by rising cost
-  // For round limits of the error: the cheapest setting that keeps it, an index of `points`.
+  // For round limits of the error the cheapest setting that keeps it, an index of `points`; of quality, all points.
   struct Choice {
     double limit = 0;
     std::size_t point = 0;
@@ -37,9 +37,15 @@ struct FigureFront {
 // Curves with a y axis in common: columns of the same unit.
 struct FigurePanel {
   std::string y_name, y_unit;
+  bool more_is_better = false;  // of y
   std::vector<FigureSeries> series;
   std::vector<FigureFront> fronts;  // where the figure asks for them
 };
+
+// "at most" or "at least": how a limit of y is kept.
+[[nodiscard]] inline const char* limit_text(const FigurePanel& panel) {
+  return panel.more_is_better ? "at least" : "at most";
+}
 
 struct FigureMark {
   double x = 0;

@@ -30,9 +30,9 @@ std::string place_text(const Figure& figure, const OutcomePoint& point) {
 std::string describe_front(const Figure& figure, const FigurePanel& panel, const FigureFront& front) {
   const auto& choice = front.choices.at(front.choices.size() / 2);
   const FigurePoint& point = front.points.at(choice.point);
-  return fmt::format("{}{} of {} settings on the front; {} of at most {} costs {}{}",
+  return fmt::format("{}{} of {} settings on the front; {} of {} {} costs {}{}",
                      panel.fronts.size() > 1 ? front.data + ": " : "", front.points.size(), front.candidates,
-                     panel.y_name, with_unit(choice.limit, panel.y_unit), with_unit(point.x, figure.x_unit),
+                     panel.y_name, limit_text(panel), with_unit(choice.limit, panel.y_unit), with_unit(point.x, figure.x_unit),
                      point.label.empty() ? "" : " (" + point.label + ")");
 }
 

@@ -33,7 +33,7 @@ Shown choose_columns(const SettingTable& table) {
     for (const ColumnInfo& column : *list) {
       const SettingCell& first = table.settings.front().at(column.name);
       const bool parameter = list == &table.parameters;
-      const bool measured = column.kind == ColumnInfo::Kind::cost || column.kind == ColumnInfo::Kind::accuracy;
+      const bool measured = column.kind != ColumnInfo::Kind::label && column.kind != ColumnInfo::Kind::count;
       if (count_values(table, column.name) > 1 || (!parameter && measured && !first.value.is_null()))
         shown.columns.push_back(column);
       else if (!first.value.is_null())

@@ -19,7 +19,8 @@ using Row = nlohmann::json;
 
 // A column that a row may have besides the parameters.
 struct ColumnInfo {
-  enum class Kind { label, accuracy, cost, count };
+  // Of accuracy less is better, of quality (PSNR, SSIM) more.
+  enum class Kind { label, accuracy, quality, cost, count };
 
   std::string name;
   std::string unit;     // "s", "% of the diagonal", "pixels", ...; empty: none

@@ -35,8 +35,8 @@ std::vector<ColumnInfo> PictureSummary::columns() {
   return {
       {"image_error", "%", "difference from the full model's picture, mean over pixels and frames", accuracy},
       {"image_error_p99", "%", "difference that 99 % of a picture's pixels do not exceed, most", accuracy},
-      {"psnr", "dB", "of the worst picture that differs at all", accuracy},
-      {"ssim", "", "of the worst picture", accuracy},
+      {"psnr", "dB", "of the worst picture that differs at all", quality},
+      {"ssim", "", "of the worst picture", quality},
       {"flip", "", "FLIP from the full model's picture, mean over pixels and frames", accuracy},
       {"pop_p99", "%", "change of the difference that 99 % of a picture's pixels do not exceed, most", accuracy},
       {"pop_max", "%", "largest change of the difference from one picture to the next", accuracy},

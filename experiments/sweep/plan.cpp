@@ -16,6 +16,8 @@ const char* kind_name(ColumnInfo::Kind kind) {
       return "label";
     case ColumnInfo::Kind::accuracy:
       return "accuracy";
+    case ColumnInfo::Kind::quality:
+      return "quality";
     case ColumnInfo::Kind::cost:
       return "cost";
     case ColumnInfo::Kind::count:

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -294,6 +295,22 @@ TEST(Figures, FrontsNameTheCheapestSettingForAnError) {
   EXPECT_EQ(front.points[front.choices[1].point].x, 2.0);
   EXPECT_EQ(figure.outcome,
             "3 of 6 settings on the front; gap of at most 1 pixels costs 2 s (kappa0 = 2, blend = linear).");
+}
+
+TEST(Figures, FrontsOfQualityRise) {
+  SweepRecord sweep = make_sweep({{"psnr", "dB", "", Kind::quality}, {"seconds", "s", "", Kind::cost}}, {"tolerance"});
+  for (const auto& [tolerance, psnr, seconds] :
+       {std::array{1.0, 42.0, 3.0}, {2.0, 38.0, 2.0}, {3.0, 35.0, 2.5}, {4.0, 33.0, 1.0}})
+    sweep.runs.push_back(make_run(std::to_string(tolerance), "sphere", {{"tolerance", tolerance}},
+                                  {{{{"psnr", psnr}, {"seconds", seconds}}}}));
+  const SettingTable table = aggregate(sweep);
+  FigureRequest request;
+  request.sweeps = {"sweep"}, request.x = "seconds", request.y = {"psnr"}, request.pareto = true;
+  const Figure figure = make_figure(request, {&table});
+  std::vector<double> front;
+  for (const FigurePoint& p : figure.panels.at(0).fronts.at(0).points) front.push_back(p.y);
+  EXPECT_EQ(front, (std::vector<double>{33, 38, 42})) << "35 dB for 2.5 s is beaten by 38 dB for 2 s";
+  EXPECT_EQ(figure.outcome, "3 of 4 settings on the front; psnr of at least 38 dB costs 2 s (tolerance = 2).");
 }
 
 TEST(Figures, TextsAndBarsStandAtPlacesOfTheirOwn) {
