@@ -97,7 +97,11 @@ std::string to_csv(const Report& report) {
     }
   std::string csv = "study,sweep,experiment,run,data,repetition,state";
   for (const auto* names : {&parameters, &columns})
-    for (const std::string& name : *names) csv.append(1, ',').append(csv_field(name));
+    for (const std::string& name : *names) {
+      // An experiment may set what another one measures.
+      const bool taken = names == &parameters && std::find(columns.begin(), columns.end(), name) != columns.end();
+      csv.append(1, ',').append(csv_field(taken ? "parameter." + name : name));
+    }
   csv += "\n";
   for (const StudyReport& entry : report.studies)
     for (const SweepRecord& sweep : entry.study.sweeps)

@@ -41,15 +41,16 @@ const ColumnInfo* find_column(const std::vector<const SettingTable*>& tables, co
   return nullptr;
 }
 
-// Columns of the same unit share a panel.
+// Columns of the same unit share a panel; not where fronts are drawn, since a front is that of one error.
 std::vector<FigurePanel> make_panels(const FigureRequest& spec, const std::vector<const SettingTable*>& tables,
                                      std::vector<std::size_t>& panel_of) {
   std::vector<FigurePanel> panels;
   for (const std::string& y : spec.y) {
     const ColumnInfo* column = find_column(tables, y);
     const std::string unit = shown_unit(column != nullptr ? column->unit : "").name;
-    const auto same = std::find_if(panels.begin(), panels.end(),
-                                   [&](const FigurePanel& p) { return p.y_unit == unit && !unit.empty(); });
+    const auto same = std::find_if(panels.begin(), panels.end(), [&](const FigurePanel& p) {
+      return p.y_unit == unit && !unit.empty() && !spec.pareto;
+    });
     panel_of.push_back(static_cast<std::size_t>(same - panels.begin()));
     if (same == panels.end())
       panels.push_back({y, unit, column != nullptr && column->kind == ColumnInfo::Kind::quality, {}, {}});
@@ -288,7 +289,11 @@ json to_json(const FigurePanel& panel) {
     fronts.push_back(
         {{"data", f.data}, {"candidates", f.candidates}, {"points", to_json(f.points)}, {"choices", choices}});
   }
-  return {{"y_name", panel.y_name}, {"y_unit", panel.y_unit}, {"series", series}, {"fronts", fronts}};
+  return {{"y_name", panel.y_name},
+          {"y_unit", panel.y_unit},
+          {"more_is_better", panel.more_is_better},
+          {"series", series},
+          {"fronts", fronts}};
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ std::string number_text(double value) {
   const bool whole = value == std::round(value);
   if (!whole || std::abs(value) >= 1e15) {
     // Four digits; what they show as a whole number of thousands is no longer read as one.
-    return std::abs(value) >= 10000 && std::abs(value) < 1e15 ? number_text(std::round(value))
-                                                              : fmt::format("{:.4g}", value);
+    return std::abs(value) >= 9999.5 && std::abs(value) < 1e15 ? number_text(std::round(value))
+                                                               : fmt::format("{:.4g}", value);
   }
   std::string text = fmt::format("{:.0f}", std::abs(value));
   for (int place = static_cast<int>(text.size()) - 3; place > 0; place -= 3)

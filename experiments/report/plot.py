@@ -55,8 +55,15 @@ def few_whole(values):
             min(b - a for a, b in zip(different, different[1:])) * 14 > different[-1] - different[0])
 
 
-def set_log(axis, set_scale, values):
-    """A logarithmic axis; zeros get a linear piece below the smallest value that is above 0."""
+def room_for_all(places, span):
+    """Whether every place has room for a tick of its own on an axis over so many powers of ten: few, apart, and short."""
+    apart = all(math.log10(b / a) > span / 12 for a, b in zip(places, places[1:]))
+    return 1 < len(places) <= 9 and apart and all(len(number(v)) <= 6 for v in places)
+
+
+def set_log(axis, set_scale, values, places=()):
+    """A logarithmic axis over values, with ticks at the places if there is room; zeros get a linear piece below the smallest
+    value that is above 0."""
     positive = [v for v in values if v > 0]
     if not positive or min(values) < 0:
         return
@@ -70,10 +77,9 @@ def set_log(axis, set_scale, values):
         axis.set_view_interval(-0.2 * threshold, 1.5 * max(values), ignore=True)
     else:
         set_scale("log")
-        different = sorted(set(positive))
-        roomy = all(b / a > 10 ** ((high - low) / 12) for a, b in zip(different, different[1:]))
-        if axis.axis_name == "x" and 1 < len(different) <= 9 and roomy:
-            axis.set_major_locator(ticker.FixedLocator(different))
+        places = sorted(set(places))
+        if room_for_all(places, high - low):
+            axis.set_major_locator(ticker.FixedLocator(places))
             axis.set_minor_locator(ticker.NullLocator())
         elif high - low < 2.5:
             axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
@@ -102,6 +108,7 @@ def draw_points(axes, figure, series, n, name):
 
 
 def draw_bars(axes, series, n, count, name):
+    """The n-th of count bars at each place: the same one in all panels, where a series may be missing."""
     width = 0.8 / count
     for k, p in enumerate(series["points"]):
         x = p["x"] - 0.4 + (n + 0.5) * width
@@ -128,6 +135,7 @@ def draw_marks(axes, marks):
 def finish_axes(axes, figure, panel, narrow):
     points = [p for series in panel["series"] for p in series["points"]]
     x, y = [p["x"] for p in points], ends(points, "y")
+    from_zero = figure["kind"] == "bar" or not panel["more_is_better"]  # similarities crowd below 1
     axes.set_xlabel(label(figure["x_name"], figure["x_unit"]))
     axes.set_ylabel(label(panel["y_name"], panel["y_unit"]))
     for axis in (axes.xaxis, axes.yaxis):
@@ -138,14 +146,14 @@ def finish_axes(axes, figure, panel, narrow):
                         ha="right" if long else "center")
         axes.set_xlim(-0.6, len(figure["categories"]) - 0.4)
     elif figure["log_x"]:
-        set_log(axes.xaxis, axes.set_xscale, x)
+        set_log(axes.xaxis, axes.set_xscale, ends(points, "x"), x)
     elif few_whole(x):
         axes.set_xticks(sorted(set(x)))
     elif narrow:
         axes.xaxis.set_major_locator(ticker.MaxNLocator(5))
     if figure["log_y"]:
         set_log(axes.yaxis, axes.set_yscale, y)
-    elif y and min(y) >= 0:
+    elif y and min(y) >= 0 and from_zero:
         axes.set_ylim(bottom=0, top=None if max(y) > 0 else 1)
     axes.grid(True, color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
@@ -173,7 +181,7 @@ def draw(figure, narrow):
         for n, series in enumerate(panel["series"]):
             place = order.get(series["name"], n)
             if figure["kind"] == "bar":
-                draw_bars(axes, series, n, len(panel["series"]), f"points-{k}-{n}")
+                draw_bars(axes, series, place, max(1, len(names)), f"points-{k}-{n}")
             else:
                 draw_points(axes, figure, series, place, f"points-{k}-{n}")
         reach = max((p["x"] for series in panel["series"] for p in series["points"]), default=0)

@@ -219,7 +219,7 @@ class Faults(CommandCase):
                              (lambda s: s["figures"][0].update(sweep=["x"]), "a sweep 'x' that is not there"),
                              (lambda s: s["figures"][0].update(kind="pie"), "line, scatter or bar"),
                              (lambda s: s["sweeps"][0].update(repetitions=-1), "'repetitions' is no count"),
-                             (lambda s: s["sweeps"][0]["columns"][0].update(kind="x"), "label, accuracy, cost or count"),
+                             (lambda s: s["sweeps"][0]["columns"][0].update(kind="x"), "label, accuracy, quality, cost or count"),
                              (lambda s: s["sweeps"][0]["runs"][0].update(id="../x"), "'id' is no name of a folder")):
             sheet = json.loads(json.dumps(study.sheet))
             change(sheet)
@@ -227,6 +227,18 @@ class Faults(CommandCase):
             self.refused(*self.report(), names=["sweep.json", says])
         (study.path / "sweep.json").write_text("{")
         self.refused(*self.report(), names=["sweep.json", "is no JSON"])
+
+    def test_what_one_sweep_sets_and_another_measures_has_two_columns(self):
+        study = SweepFolder(self.folder / "study")
+        study.sweep("waits", [column("multiple", "accuracy")], [parameter("seconds")])
+        study.rows(study.run("waits", "", {"seconds": 0.5}), 0, [{"multiple": 1}])
+        study.sweep("builds", [column("seconds", "cost", "s")], [parameter("sigma0")])
+        study.rows(study.run("builds", "sphere", {"sigma0": 0.2}), 0, [{"seconds": 7}])
+        study.write()
+        self.lodestone(*self.report(), "--csv", "rows.csv", "--quiet")
+        waits, builds = csv.DictReader(io.StringIO((self.folder / "rows.csv").read_text()))
+        self.assertEqual((waits["parameter.seconds"], waits["seconds"]), ("0.5", ""))
+        self.assertEqual((builds["parameter.seconds"], builds["seconds"]), ("", "7"))
 
     def test_nothing_verified_is_reported_and_no_success(self):
         study = SweepFolder(self.folder / "study")

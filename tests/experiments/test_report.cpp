@@ -313,6 +313,23 @@ TEST(Figures, FrontsOfQualityRise) {
   EXPECT_EQ(figure.outcome, "3 of 4 settings on the front; psnr of at least 38 dB costs 2 s (tolerance = 2).");
 }
 
+TEST(Figures, AFrontIsThatOfOneError) {
+  SweepRecord sweep = make_sweep(
+      {{"rms", "%", "", Kind::accuracy}, {"error_max", "%", "", Kind::accuracy}, {"seconds", "s", "", Kind::cost}},
+      {"sigma0"});
+  for (const double sigma0 : {1.0, 2.0})
+    sweep.runs.push_back(make_run(std::to_string(sigma0), "sphere", {{"sigma0", sigma0}},
+                                  {{{{"rms", sigma0}, {"error_max", 10 * sigma0}, {"seconds", 3 - sigma0}}}}));
+  const SettingTable table = aggregate(sweep);
+  FigureRequest request;
+  request.sweeps = {"sweep"}, request.x = "seconds", request.y = {"rms", "error_max"};
+  EXPECT_EQ(make_figure(request, {&table}).panels.size(), 1U) << "one unit, one axis";
+  request.pareto = true;
+  const Figure figure = make_figure(request, {&table});
+  ASSERT_EQ(figure.panels.size(), 2U);
+  for (const FigurePanel& panel : figure.panels) EXPECT_EQ(panel.fronts.at(0).candidates, 2U);
+}
+
 TEST(Figures, TextsAndBarsStandAtPlacesOfTheirOwn) {
   const SettingTable table = aggregate(border_sweep());
   FigureRequest request;
@@ -349,6 +366,8 @@ TEST(NumberText, IsForPeople) {
   EXPECT_EQ(number_text(0.0123456), "0.01235");
   EXPECT_EQ(number_text(1.5e-7), "1.5e-07");
   EXPECT_EQ(number_text(123456.7), "123,457");
+  EXPECT_EQ(number_text(9999.4), "9999");
+  EXPECT_EQ(number_text(9999.7), "10,000");
   EXPECT_EQ(number_text(1e20), "1e+20");
   EXPECT_EQ(number_text(NAN), "not a number");
   EXPECT_EQ(value_text(true), "yes");

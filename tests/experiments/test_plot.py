@@ -1,0 +1,79 @@
+"""experiments/report/plot.py: what its pictures say, by the SVG that it writes."""
+
+import importlib.util
+import io
+import os
+import pathlib
+import re
+import sys
+import unittest
+import xml.etree.ElementTree as ET
+
+try:
+    import matplotlib
+except ImportError:                                            # the command, too, tries that of the system next
+    if sys.executable != "/usr/bin/python3" and pathlib.Path("/usr/bin/python3").exists():
+        os.execv("/usr/bin/python3", ["/usr/bin/python3", "-B", *sys.argv])
+    print("no python3 with matplotlib: skipped")
+    sys.exit(77)
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2] / "experiments/report/plot.py"
+spec = importlib.util.spec_from_file_location("plot", SOURCE)
+plot = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(plot)
+matplotlib.rcParams["svg.fonttype"] = "none"                   # text stays text
+
+
+def point(x, y, reach=1.0):
+    return {"x": x, "x_least": x / reach, "x_most": x * reach, "y": y, "y_least": y, "y_most": y, "label": ""}
+
+
+def panel(series, more_is_better=False):
+    return {"y_name": "y", "y_unit": "", "more_is_better": more_is_better, "fronts": [],
+            "series": [{"name": name, "points": points} for name, points in series.items()]}
+
+
+def figure(*panels, **settings):
+    return {"title": "", "kind": "line", "x_name": "x", "x_unit": "", "log_x": False, "log_y": False, "categories": [],
+            "marks": [], "panels": list(panels), **settings}
+
+
+def drawn(what, narrow=False):
+    return ET.parse(io.StringIO(plot.draw(what, narrow)))
+
+
+def texts(svg):
+    return [text.text for text in svg.iter(f"{{{plot.SVG}}}text")]
+
+
+class Plot(unittest.TestCase):
+    def colour(self, svg, group):
+        shape = next(g for g in svg.iter(f"{{{plot.SVG}}}g") if g.get("id") == group)
+        return re.search("fill: (#[0-9a-f]{6})", ET.tostring(shape, encoding="unicode"))[1]
+
+    def test_bars_have_the_colour_of_the_legend_in_every_panel(self):
+        svg = drawn(figure(panel({"s": [point(0, 1)], "t": [point(0, 2)]}), panel({"t": [point(0, 3)], "s": [point(0, 4)]}),
+                           kind="bar", categories=["one"]))
+        self.assertEqual(self.colour(svg, "points-0-0-0"), self.colour(svg, "points-1-1-0"), "s")
+        self.assertEqual(self.colour(svg, "points-0-1-0"), self.colour(svg, "points-1-0-0"), "t")
+        self.assertNotEqual(self.colour(svg, "points-0-0-0"), self.colour(svg, "points-0-1-0"))
+
+    def test_round_places_get_ticks_of_their_own_and_measured_ones_do_not(self):
+        threads = texts(drawn(figure(panel({"": [point(x, x) for x in (1, 2, 4, 64)]}), log_x=True)))
+        for place in ("1", "2", "4", "64"):
+            self.assertIn(place, threads)
+        measured = (2.49885925, 3.2795525, 5.25669075)
+        for text in texts(drawn(figure(panel({"": [point(x, x) for x in measured]}), log_x=True))):
+            self.assertLessEqual(len(text), 6)
+        wide = texts(drawn(figure(panel({"": [point(x, 100 * x, reach=10000) for x in (1, 2, 4)]}), log_x=True)))
+        self.assertNotIn("2", wide, "whiskers leave no room for it")
+
+    def test_errors_start_at_zero_and_similarities_where_they_differ(self):
+        values = {"": [point(x, 0.9825 + 0.004 * x) for x in range(4)]}
+        self.assertIn("0", texts(drawn(figure(panel(values), x_name="")))[4:])
+        lowest = min(float(text) for text in texts(drawn(figure(panel(values, more_is_better=True)))) if text.startswith("0."))
+        self.assertGreater(lowest, 0.97)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
