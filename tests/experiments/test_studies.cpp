@@ -50,7 +50,9 @@ std::vector<Case> cases() {
         {"error_mean", 1e3},
         {"slivers", 101},
         {"normal_mean", 181}}},
-      {"effects", with(picture, {{"rounds", 1}, {"frames", 3}}), {{"effects", "other"}, {"frame_ms", -1}}},
+      {"effects",
+       with(picture, {{"rounds", 1}, {"frames", 3}}),
+       {{"effects", "other"}, {"frame_ms", -1}, {"gain_ms_min", 1e9}}},
       {"families",
        with(shallow, {{"rounds", 1}, {"level_count", 1}}),
        {{"family", "progressive"}, {"triangles", 1}, {"rms", 1e3}, {"cpu_seconds", Row()}}},
@@ -254,6 +256,30 @@ TEST_F(Studies, DiscreteLevelsCrackOnThePathOnWhichTheMorphDoesNot) {
   EXPECT_GT(number(discrete, "open_edges"), 0);
   EXPECT_GT(number(discrete, "gap_pixels"), 0);
   EXPECT_GT(number(discrete, "torn_pixels"), 0);
+}
+
+// A single round has one value, whatever its frames differ by.
+TEST_F(Studies, FramesOfAPathAreNoRepetitions) {
+  const Row path = {{"rounds", 1}, {"frames", 6}, {"width", 64}, {"height", 48}};
+  for (const char* name : {"effects", "flight", "raster", "systems"})
+    for (const Row& row : rows_of(name, name == std::string("effects") ? path : with(shallow, path), 1)) {
+      EXPECT_EQ(row.at("frame_ms_min"), row.at("frame_ms_max")) << name;
+      EXPECT_EQ(row.at("frame_cpu_ms_min"), row.at("frame_cpu_ms_max")) << name;
+      EXPECT_GT(number(row, "frame_ms_worst"), number(row, "frame_ms_max")) << name;
+    }
+}
+
+TEST_F(Studies, GainsAreThoseOfARound) {
+  const std::vector<Row> rows = rows_of("effects", {{"rounds", 1}, {"frames", 3}, {"width", 64}, {"height", 48}});
+  const Row& planned = rows.front();
+  for (const Row& row : rows) {
+    const double gain = number(planned, "frame_ms") - number(row, "frame_ms");
+    EXPECT_EQ(row.at("gain_ms"), gain);
+    EXPECT_EQ(row.at("gain_ms_min"), gain);
+    EXPECT_EQ(row.at("gain_ms_max"), gain);
+    EXPECT_DOUBLE_EQ(number(row, "gain"), 100 * gain / number(planned, "frame_ms"));
+    EXPECT_EQ(row.at("gain_cpu_ms"), number(planned, "frame_cpu_ms") - number(row, "frame_cpu_ms"));
+  }
 }
 
 TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
