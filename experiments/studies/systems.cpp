@@ -1,7 +1,8 @@
 // Experiment `systems`: the same model, the same path and the same radii under several systems of levels of detail, by
 // the same measures of cracks and pops.
 //
-// A run is one system, so that its frame times are its own. Timing passes come first and measure nothing else.
+// A run is one system, so that its frame times and its processor time are its own; systems are compared by repetitions
+// that take turns. Timing passes come first and measure nothing else.
 #include <algorithm>
 #include <cmath>
 
@@ -32,7 +33,7 @@ std::vector<std::string> system_names() {
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
-      rounds_parameter(1),
+      rounds_parameter(3),
       {"system", "morph", "", "of levels of detail", 0, 0, system_names()},
       {"backend", "soft", "", "that draws", 0, 0, {"soft", "gl"}},
       {"pixel_error", 1.0, "pixels", "tolerance that all systems keep to", 1e-3, 1e3, {}},

@@ -210,6 +210,16 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
   EXPECT_EQ(files, 6u);
 }
 
+// A run is one system: times of two are comparable by repetitions alone, which take turns.
+TEST(SweepFiles, SystemsTakeTurns) {
+  const std::string file = std::string(LODESTONE_SOURCE_DIR) + "/experiments/sweeps/systems.toml";
+  for (const SweepSection& sweep : load_sweep_file(file, false).sweeps) {
+    EXPECT_GE(sweep.repetitions, 3) << sweep.name;
+    for (const Row& setting : sweep.settings)
+      EXPECT_GE(Parameters(sweep.experiment->parameters, setting).integer("rounds"), 3) << sweep.name;
+  }
+}
+
 // ---- what the studies are for ----
 
 double number(const Row& row, const char* column) { return row.at(column).get<double>(); }
