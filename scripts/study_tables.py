@@ -72,8 +72,10 @@ TABLES = {
          [("model", "model"), ("data", "data"), ("published", "published"), ("limit, GiB", "memory_limit"),
           ("vertices", "vertices"), ("triangles", "triangles"), ("HLOD vertices", "hlod_vertices"),
           ("HLOD triangles", "hlod_triangles"), ("seconds", "seconds"), ("CPU seconds", "cpu_seconds"),
-          ("build, s", "build_seconds"), ("Mtri per core-second", "mtri_per_core_second"), ("peak MB", "peak_memory", MB),
-          ("file MB", "bytes", MB), ("valid", "valid")]),
+          ("read, s", "read_seconds"), ("build, s", "build_seconds"), ("of that spill, s", "spill_seconds"),
+          ("write, s", "write_seconds"), ("build, CPU s", "build_cpu_seconds"), ("Mtri per core-second", "mtri_per_core_second"),
+          ("file to file", "mtri_per_core_second_file"), ("peak MB", "peak_memory", MB), ("file MB", "bytes", MB),
+          ("valid", "valid")]),
         ("Families of levels at equal triangles", ("families",),
          [("data", "data"), ("family", "family"), ("level", "level"), ("triangles", "triangles"), ("seconds", "seconds"),
           ("CPU seconds", "cpu_seconds"), ("all levels at once", "all_levels"), ("RMS, %", "rms"), ("max, %", "error_max"),
@@ -101,7 +103,8 @@ def cell(value, divisor=1):
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, dict):                                # over repetitions or rounds
-        return f"{number(value['median'], divisor)} ({number(value['least'], divisor)}-{number(value['most'], divisor)})"
+        median, least, most = (number(value[key], divisor) for key in ("median", "least", "most"))
+        return median if median == least == most else f"{median} ({least}-{most})"
     return number(value, divisor) if isinstance(value, (int, float)) else str(value)
 
 

@@ -89,6 +89,10 @@ std::vector<Case> cases() {
         {"fingerprint", Row()},
         {"hlod_triangles", 1},
         {"build_seconds", 1e9},
+        {"read_seconds", 1e9},
+        {"write_seconds", 1e9},
+        {"spill_seconds", 1e9},
+        {"build_cpu_seconds", 1e9},
         {"seconds", 0},
         {"out_of_core", true}}},
   };
@@ -315,6 +319,19 @@ TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
     }
 }
 
+TEST_F(Studies, MillionsPerCoreSecondAreThoseOfBuilding) {
+  for (const auto& [name, of_building] : {std::pair{"build", "cpu_seconds"}, {"table", "build_cpu_seconds"}}) {
+    const Row row = rows_of(name, shallow, 1).front();
+    EXPECT_DOUBLE_EQ(number(row, "mtri_per_core_second") * number(row, of_building), number(row, "triangles") * 1e-6);
+  }
+  const Row table = rows_of("table", shallow, 1).front();
+  EXPECT_GT(number(table, "read_seconds"), 0);
+  EXPECT_GT(number(table, "write_seconds"), 0);
+  EXPECT_TRUE(table.at("spill_seconds").is_null());
+  EXPECT_DOUBLE_EQ(number(table, "mtri_per_core_second_file") * number(table, "cpu_seconds"),
+                   number(table, "triangles") * 1e-6);
+}
+
 TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   const std::string large = (folder_ / "large.ply").string();
   generate_ply({Shape::sphere, 2'000'000, 1}, large, *make_serial_scheduler());
@@ -324,8 +341,11 @@ TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   context.input = large;
   context.directory = folder_.string();
   const std::vector<Row> rows = experiment.run(parameters, context);
-  EXPECT_EQ(rows.front().at("out_of_core"), true);
-  EXPECT_GT(number(rows.front(), "scratch_bytes"), 0);
+  const Row& row = rows.front();
+  EXPECT_EQ(row.at("out_of_core"), true);
+  EXPECT_GT(number(row, "scratch_bytes"), 0);
+  for (const char* column : {"read_seconds", "spill_seconds", "write_seconds"}) EXPECT_GT(number(row, column), 0);
+  EXPECT_LT(number(row, "spill_seconds"), number(row, "build_seconds"));
   EXPECT_EQ(joined(experiment.verify(parameters, rows)), "");
 }
 
