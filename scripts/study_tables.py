@@ -6,8 +6,8 @@ MB = 1e6
 TABLES = {
     "scaling": [
         ("Strong and weak scaling", ("strong", "weak"),
-         [("data", "data"), ("task", "task"), ("mode", "mode"), ("workers", "workers"), ("seconds", "seconds"),
-          ("CPU seconds", "cpu_seconds"), ("speed-up", "speedup"), ("efficiency, %", "efficiency"), ("Karp-Flatt", "karp_flatt"),
+         [("data", "data"), ("task", "task"), ("mode", "mode"), ("workers", "workers"),
+          ("processors", "processors"), ("seconds", "seconds"), ("CPU seconds", "cpu_seconds"), ("speed-up", "speedup"), ("efficiency, %", "efficiency"), ("Karp-Flatt", "karp_flatt"),
           ("busy, %", "busy"), ("idle, s", "idle"), ("same result", "same")]),
         ("Strategies of the build", ("strategies",),
          [("data", "data"), ("cell triangles", "cell_triangles"), ("strategy", "strategy"), ("workers", "workers"),

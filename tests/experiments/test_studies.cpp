@@ -11,6 +11,7 @@
 #include "experiments/studies/experiment.h"
 #include "experiments/sweep/sweep_file.h"
 #include "parallel/generate.h"
+#include "parallel/processors.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -78,7 +79,12 @@ std::vector<Case> cases() {
        {{"manifold", false}, {"same", false}, {"triangles", 0}, {"coverage", 101}, {"seconds_max", 0}}},
       {"scaling",
        with(shallow, {{"threads", 2}, {"rounds", 2}}),
-       {{"same", false}, {"hash", "0000000000000000"}, {"speedup", 7}, {"efficiency", 1}, {"seconds", Row()}}},
+       {{"same", false},
+        {"hash", "0000000000000000"},
+        {"processors", 3},
+        {"speedup", 7},
+        {"efficiency", 1},
+        {"seconds", Row()}}},
       {"systems",
        with(with(shallow, picture), {{"frames", 3}}),
        {{"open_edges", 1}, {"gap_pixels", 1}, {"jump_over_bound", 1.01}, {"frame_ms", Row()}, {"image_error", 101}}},
@@ -313,6 +319,8 @@ TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
       EXPECT_EQ(rows[1].at("workers"), 2);
       EXPECT_EQ(rows[2].at("workers"), 3);
       EXPECT_EQ(joined(faults("scaling", given, rows)), "") << task << ' ' << mode;
+      for (const Row& row : rows)
+        EXPECT_EQ(number(row, "processors"), std::min<double>(number(row, "workers"), allowed_processors().size()));
       const bool weak = std::string(mode) == "weak";
       EXPECT_EQ(weak, number(rows[2], "work") > 2 * number(rows[0], "work")) << task << ' ' << mode;
       EXPECT_EQ(weak, rows[2].at("karp_flatt").is_null());

@@ -27,7 +27,7 @@ class Cells(unittest.TestCase):
         self.assertEqual(self.spread(2.5001, 2.5, 2.5002), "2.5")
 
     def test_may_be_empty_or_words(self):
-        self.assertEqual([study_tables.cell(value) for value in (None, True, False, "morph")], ["", "yes", "no", "morph"])
+        self.assertEqual([study_tables.cell(value) for value in (None, True, "morph")], ["", "yes", "morph"])
 
 
 class Columns(CommandCase):
