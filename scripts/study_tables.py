@@ -104,7 +104,8 @@ def cell(value, divisor=1):
         return "yes" if value else "no"
     if isinstance(value, dict):                                # over repetitions or rounds
         median, least, most = (number(value[key], divisor) for key in ("median", "least", "most"))
-        return median if median == least == most else f"{median} ({least}-{most})"
+        dash = " to " if value["least"] < 0 else "-"           # gains may be losses
+        return median if median == least == most else f"{median} ({least}{dash}{most})"
     return number(value, divisor) if isinstance(value, (int, float)) else str(value)
 
 

@@ -20,6 +20,7 @@ class Cells(unittest.TestCase):
 
     def test_have_a_range_where_it_can_be_seen(self):
         self.assertEqual(self.spread(2.5, 2, 3), "2.5 (2-3)")
+        self.assertEqual(self.spread(-2, -3, -1), "-2 (-3 to -1)")
         self.assertEqual(self.spread(2e6, 1e6, 2e6, study_tables.MB), "2 (1-2)")
 
     def test_have_none_where_all_print_alike(self):
