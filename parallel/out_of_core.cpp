@@ -235,9 +235,11 @@ class OutOfCoreBuild {
   }
 
   [[nodiscard]] OutOfCoreResult result() {
-    for (const auto& [name, time] : result_.report.stages) {
-      result_.report.total.seconds += time.seconds;
-      result_.report.total.cpu_seconds += time.cpu_seconds;
+    for (const char* stage : {"spill", "shared", "hierarchy"}) {  // what build_hierarchy does, too
+      const auto time = result_.report.stages.find(stage);
+      if (time == result_.report.stages.end()) continue;  // done by the build that is continued
+      result_.report.total.seconds += time->second.seconds;
+      result_.report.total.cpu_seconds += time->second.cpu_seconds;
     }
     result_.tables = std::move(stored_.tables);
     return std::move(result_);

@@ -52,7 +52,9 @@ struct OutOfCoreResult {
   Hierarchy tables;  // without payloads
   std::uint64_t file_bytes = 0, scratch_bytes = 0;
   std::uint64_t blocks = 0, blocks_resumed = 0;  // resumed: done by an earlier, interrupted build
-  BuildReport report;                            // stages: clean, spill, shared, hierarchy, write
+  // Stages: clean, spill, shared, hierarchy, write. The total is that of spill, shared and hierarchy, temporary files
+  // included, which cannot be told apart: from a stream that is clean to packed levels, as build_hierarchy has it.
+  BuildReport report;
 };
 
 // Throws ResourceError naming the need when the limit is too small, FileError when a disk is full, what clean_stream

@@ -6,8 +6,8 @@ MB = 1e6
 TABLES = {
     "scaling": [
         ("Strong and weak scaling", ("strong", "weak"),
-         [("data", "data"), ("task", "task"), ("mode", "mode"), ("workers", "workers"), ("seconds", "seconds"),
-          ("CPU seconds", "cpu_seconds"), ("speed-up", "speedup"), ("efficiency, %", "efficiency"), ("Karp-Flatt", "karp_flatt"),
+         [("data", "data"), ("task", "task"), ("mode", "mode"), ("workers", "workers"),
+          ("processors", "processors"), ("seconds", "seconds"), ("CPU seconds", "cpu_seconds"), ("speed-up", "speedup"), ("efficiency, %", "efficiency"), ("Karp-Flatt", "karp_flatt"),
           ("busy, %", "busy"), ("idle, s", "idle"), ("same result", "same")]),
         ("Strategies of the build", ("strategies",),
          [("data", "data"), ("cell triangles", "cell_triangles"), ("strategy", "strategy"), ("workers", "workers"),
@@ -22,8 +22,9 @@ TABLES = {
           ("valid", "valid")]),
         ("Drawing", ("view",),
          [("data", "data"), ("backend", "backend"), ("pixel error", "pixel_error"), ("triangles", "triangles"),
-          ("ms a frame", "frame_ms"), ("CPU ms", "frame_cpu_ms"), ("error on the screen, pixels", "screen_error"),
-          ("image error, %", "image_error"), ("PSNR, dB", "psnr"), ("SSIM", "ssim"), ("FLIP", "flip")]),
+          ("ms a frame", "frame_ms"), ("slowest, ms", "frame_ms_worst"), ("CPU ms", "frame_cpu_ms"),
+          ("error on the screen, pixels", "screen_error"), ("image error, %", "image_error"), ("PSNR, dB", "psnr"),
+          ("SSIM", "ssim"), ("FLIP", "flip")]),
         ("Reconstructing", ("reconstruct",),
          [("data", "data"), ("resolution", "resolution"), ("views", "view_count"), ("merge", "merge"), ("triangles", "triangles"),
           ("CPU seconds", "cpu_seconds"), ("RMS, %", "rms"), ("max, %", "error_max"), ("coverage, %", "coverage"),
@@ -63,15 +64,18 @@ TABLES = {
           ("residual edges", "open_edges"), ("cracked, %", "cracked_frames"), ("gap, pixels", "gap_pixels"),
           ("torn pixels", "torn_pixels"), ("jump, pixels", "jump_pixels"), ("jump / bound", "jump_over_bound"),
           ("image error, %", "image_error"), ("FLIP", "flip"), ("pop p99, %", "pop_p99"), ("FLIP pop p99", "flip_pop_p99"),
-          ("FLIP pop area", "flip_pop_area"), ("ms a frame", "frame_ms")]),
+          ("FLIP pop area", "flip_pop_area"), ("ms a frame", "frame_ms"),
+          ("slowest, ms", "frame_ms_worst")]),
     ],
     "published": [
         ("Stand-ins for the published models", ("size_1", "size_2", "size_3", "size_4"),
          [("model", "model"), ("data", "data"), ("published", "published"), ("limit, GiB", "memory_limit"),
           ("vertices", "vertices"), ("triangles", "triangles"), ("HLOD vertices", "hlod_vertices"),
           ("HLOD triangles", "hlod_triangles"), ("seconds", "seconds"), ("CPU seconds", "cpu_seconds"),
-          ("build, s", "build_seconds"), ("Mtri per core-second", "mtri_per_core_second"), ("peak MB", "peak_memory", MB),
-          ("file MB", "bytes", MB), ("valid", "valid")]),
+          ("read, s", "read_seconds"), ("build, s", "build_seconds"), ("of that spill, s", "spill_seconds"),
+          ("write, s", "write_seconds"), ("build, CPU s", "build_cpu_seconds"), ("Mtri per core-second", "mtri_per_core_second"),
+          ("file to file", "mtri_per_core_second_file"), ("peak MB", "peak_memory", MB), ("file MB", "bytes", MB),
+          ("valid", "valid")]),
         ("Families of levels at equal triangles", ("families",),
          [("data", "data"), ("family", "family"), ("level", "level"), ("triangles", "triangles"), ("seconds", "seconds"),
           ("CPU seconds", "cpu_seconds"), ("all levels at once", "all_levels"), ("RMS, %", "rms"), ("max, %", "error_max"),
@@ -99,7 +103,9 @@ def cell(value, divisor=1):
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, dict):                                # over repetitions or rounds
-        return f"{number(value['median'], divisor)} ({number(value['least'], divisor)}-{number(value['most'], divisor)})"
+        median, least, most = (number(value[key], divisor) for key in ("median", "least", "most"))
+        dash = " to " if value["least"] < 0 else "-"           # gains may be losses
+        return median if median == least == most else f"{median} ({least}{dash}{most})"
     return number(value, divisor) if isinstance(value, (int, float)) else str(value)
 
 

@@ -207,6 +207,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   const Totals sum = totals(hierarchy);
   const auto input = static_cast<double>(hierarchy.provenance.input_triangles);
   const Lattice lattice = hierarchy.transform.lattice;
+  // Of building, reading and writing apart, in core and out of it.
   const double rate = input * 1e-6 / std::max(built.report.total.cpu_seconds, 1e-9);
   nlohmann::json result = level_ratios(hierarchy);
   result.update({{"input", options.input},

@@ -197,7 +197,9 @@ void add_sweep(CLI::App& app) {
       ->description("Threads that make data; those of a run are a parameter of its experiment");
   command.add_option("FILE", options->file, "The sweep file (.toml)");
   command.add_option("-o,--output", options->directory, "Folder of the sweep; made if it is not there")->required();
-  command.add_option("--jobs", options->jobs, "Runs at a time; times are comparable with 1 only")
+  command
+      .add_option("--jobs", options->jobs,
+                  "Runs at a time, as far as there are processors for them; times are comparable with 1 only")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command.add_option("--shard", options->shard, "Part i of n of the runs, as 2/8");

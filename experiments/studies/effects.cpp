@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "experiments/studies/catalogue.h"
+#include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
@@ -35,18 +36,18 @@ std::vector<ColumnInfo> columns() {
       {"effect", "", "the one that is left out", label},
       {"switched_on", "", "effects that run", label},
       {"triangles", "", "drawn in a frame, median", count},
-      {"frame_cpu_ms", "ms", "processor time of a frame, all threads", cost},
-      {"gain_ms", "ms", "of a frame, against the planned effects: what the effect costs; of everything, what is lost",
-       cost},
-      {"gain", "%", "the same as a share of the planned frame", cost},
-      {"gain_cpu_ms", "ms", "likewise of the processor time of a frame", cost},
       {"hash", "", "of the last picture", label},
       {"differing", "%", "pixels of the last picture that differ visibly from those of the plan, with everything on",
        accuracy},
       {"same_picture", "", "with everything on it is that of the plan: to the bit on soft, but for rounding on gl",
        label},
   };
-  add_spread_columns(list, "frame_ms", "ms", "a frame, from camera to picture");
+  append(list, frame_columns("a frame, from camera to picture"));
+  add_spread_columns(list, "gain_ms", "ms",
+                     "frame of the planned effects less this one, of the rounds: what the effect costs; of everything, "
+                     "what is lost");
+  add_spread_columns(list, "gain", "%", "the same as a share of the planned frame");
+  add_spread_columns(list, "gain_cpu_ms", "ms", "likewise of the processor time of a frame");
   return list;
 }
 
@@ -54,7 +55,8 @@ std::vector<ColumnInfo> columns() {
 struct Choice {
   std::string label, effect, switched_on;
   EffectRequest request;
-  std::vector<double> milliseconds, cpu_milliseconds, triangles;
+  FrameRounds times;
+  std::vector<double> triangles;
   Image last;
 };
 
@@ -78,12 +80,12 @@ std::vector<std::string> planned_effects(SceneView& view, const ViewConfig& conf
 }
 
 std::vector<Choice> choices(const std::vector<std::string>& planned) {
-  std::vector<Choice> list{{"planned", "", joined(planned), parse_effects("auto"), {}, {}, {}, {}},
-                           {"everything", "", "all", parse_effects("all"), {}, {}, {}, {}}};
+  std::vector<Choice> list{{"planned", "", joined(planned), parse_effects("auto"), {}, {}, {}},
+                           {"everything", "", "all", parse_effects("all"), {}, {}, {}}};
   for (const std::string& name : planned) {
     std::vector<std::string> rest = planned;
     std::erase(rest, name);
-    list.push_back({"without " + name, name, joined(rest), parse_effects(joined(rest)), {}, {}, {}, {}});
+    list.push_back({"without " + name, name, joined(rest), parse_effects(joined(rest)), {}, {}, {}});
   }
   return list;
 }
@@ -92,17 +94,31 @@ std::vector<Choice> choices(const std::vector<std::string>& planned) {
 void fly_once(Choice& choice, SceneView& view, ViewConfig config, const std::vector<Camera>& cameras,
               Renderer& renderer, bool timed) {
   config.effects = choice.request;
+  std::vector<StageTime> frames;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const CpuClock clock;
     view.look(cameras[i], config);
     const FrameStats stats = view.draw(renderer);
     const StageTime time = clock.elapsed();
     if (!timed || i == 0) continue;
-    choice.milliseconds.push_back(1000 * time.seconds);
-    choice.cpu_milliseconds.push_back(1000 * time.cpu_seconds);
+    frames.push_back(time);
     choice.triangles.push_back(static_cast<double>(stats.triangles));
   }
+  if (timed) choice.times.add(frames);
   choice.last = renderer.read_back();
+}
+
+// Of each round, in which all choices took their turns: so what the machine does meanwhile is in both times.
+void add_gains(Row& row, const FrameRounds& choice, const FrameRounds& planned) {
+  std::vector<double> gain, share, cpu;
+  for (std::size_t round = 0; round < planned.wall_ms.size(); ++round) {
+    gain.push_back(planned.wall_ms[round] - choice.wall_ms[round]);
+    share.push_back(100 * gain.back() / planned.wall_ms[round]);
+    cpu.push_back(planned.cpu_ms[round] - choice.cpu_ms[round]);
+  }
+  add_spread(row, "gain_ms", gain);
+  add_spread(row, "gain", share);
+  add_spread(row, "gain_cpu_ms", cpu);
 }
 
 // Programs of other effects round otherwise on gl, which shows in single pixels of edges.
@@ -112,13 +128,9 @@ Row row_of(const Choice& choice, const Choice& planned, bool to_the_bit) {
   Row row;
   row["effects"] = choice.label, row["effect"] = choice.effect.empty() ? Row() : Row(choice.effect);
   row["switched_on"] = choice.switched_on;
-  add_spread(row, "frame_ms", choice.milliseconds);
-  row["frame_cpu_ms"] = spread_of(choice.cpu_milliseconds).median;
+  add_frames(row, choice.times);
+  add_gains(row, choice.times, planned.times);
   row["triangles"] = spread_of(choice.triangles).median;
-  const double base = spread_of(planned.milliseconds).median;
-  const double gain = base - row["frame_ms"].get<double>();
-  row["gain_ms"] = gain, row["gain"] = 100 * gain / base;
-  row["gain_cpu_ms"] = spread_of(planned.cpu_milliseconds).median - row["frame_cpu_ms"].get<double>();
   row["hash"] = to_hex(hash_of(choice.last));
   if (choice.label != "everything") return row;
   const double differing = difference(choice.last, planned.last).differing_share;
@@ -157,7 +169,11 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
 
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
-  verdict.spread("frame_ms");
+  check_frames(verdict);
+  for (const std::string gain : {"gain_ms", "gain", "gain_cpu_ms"}) {
+    verdict.in_order(gain + "_min", gain);
+    verdict.in_order(gain, gain + "_max");
+  }
   verdict.present("effects");
   verdict.is_true("same_picture");
   const auto labelled = [&](const char* label) {

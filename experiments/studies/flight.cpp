@@ -52,9 +52,9 @@ std::vector<ColumnInfo> columns() {
       {"admissible", "", "every morph band has a width: no crack, no pop", label},
       {"triangles", "", "drawn in a frame, mean", cost},
       {"cells", "", "drawn in a frame, mean", cost},
-      {"select_ms", "ms", "radii and selection of a frame, median", cost},
+      {"select_ms", "ms", "radii and selection of a frame; mean over the path, median of the rounds", cost},
   };
-  add_spread_columns(list, "frame_ms", "ms", "a frame, from camera to picture");
+  append(list, frame_columns("a frame, from camera to picture"));
   append(list, SurfaceSummary::columns());
   append(list, PictureSummary::columns());
   return list;
@@ -83,8 +83,8 @@ void add_border(Row& row, const RadiiConfig& config, const Hierarchy& hierarchy)
 }
 
 void add_times(Row& row, const FlightTimes& times) {
-  add_spread(row, "frame_ms", times.frame_ms);
-  row["select_ms"] = spread_of(times.select_ms).median;
+  add_frames(row, times.frames);
+  row["select_ms"] = median_of(times.select_ms);
   row["triangles"] = times.triangles, row["cells"] = times.cells;
 }
 
@@ -140,7 +140,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
 
 std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
-  verdict.spread("frame_ms");
+  check_frames(verdict);
   verdict.present("admissible");
   verdict.in_order("triangles", "surface_triangles");
   SurfaceSummary::check(verdict, parameters.text("blend") != "step");

@@ -27,29 +27,31 @@ ModelDrawer::Drawn ModelDrawer::draw(const Camera& camera) {
   Drawn drawn;
   const CpuClock clock;
   view_.look(camera, config_);
-  drawn.select_ms = 1000 * clock.elapsed().seconds;
+  drawn.select_seconds = clock.elapsed().seconds;
   drawn.stats = view_.draw(*renderer_);
-  const StageTime time = clock.elapsed();
-  drawn.total_ms = 1000 * time.seconds;
-  drawn.cpu_ms = 1000 * time.cpu_seconds;
+  drawn.time = clock.elapsed();
   return drawn;
 }
 
 FlightTimes time_flight(ModelDrawer& drawer, std::span<const Shot> shots, int rounds, const RunContext& context) {
   FlightTimes times;
   for (const Shot& shot : shots) (void)drawer.draw(shot.camera);
+  const auto count = static_cast<double>(shots.size());
   for (int round = 0; round < rounds; ++round) {
     check_cancelled(context);
+    std::vector<StageTime> frames;
+    double select_seconds = 0;
     for (const Shot& shot : shots) {
       const ModelDrawer::Drawn drawn = drawer.draw(shot.camera);
-      times.frame_ms.push_back(drawn.total_ms), times.select_ms.push_back(drawn.select_ms);
-      times.cpu_ms.push_back(drawn.cpu_ms);
+      frames.push_back(drawn.time);
+      select_seconds += drawn.select_seconds;
       times.triangles += static_cast<double>(drawn.stats.triangles);
       times.cells += static_cast<double>(drawn.stats.cells);
     }
+    times.frames.add(frames);
+    times.select_ms.push_back(1000 * select_seconds / count);
   }
-  const auto frames = static_cast<double>(times.frame_ms.size());
-  if (frames > 0) times.triangles /= frames, times.cells /= frames;
+  times.triangles /= count * rounds, times.cells /= count * rounds;
   return times;
 }
 

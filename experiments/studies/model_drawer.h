@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "experiments/studies/experiment.h"
+#include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/viewpoints.h"
 #include "parallel/scheduler.h"
 #include "render/renderer.h"
@@ -27,7 +28,8 @@ class ModelDrawer {
 
   struct Drawn {
     FrameStats stats;
-    double select_ms = 0, total_ms = 0, cpu_ms = 0;
+    StageTime time;
+    double select_seconds = 0;  // of that: radii and selection
   };
   Drawn draw(const Camera& camera);
 
@@ -40,12 +42,12 @@ class ModelDrawer {
   std::unique_ptr<Renderer> renderer_;
 };
 
-// Of every frame in every round.
 struct FlightTimes {
-  std::vector<double> frame_ms, select_ms, cpu_ms;
+  FrameRounds frames;
+  std::vector<double> select_ms;    // of a frame, mean of each round
   double triangles = 0, cells = 0;  // drawn in a frame, mean
 };
-// All shots once to warm up, then `rounds` times.
+// All shots once to warm up, then `rounds` times. There is at least one.
 [[nodiscard]] FlightTimes time_flight(ModelDrawer& drawer, std::span<const Shot> shots, int rounds,
                                       const RunContext& context);
 

@@ -63,7 +63,8 @@ void RowVerdict::is_true(const std::string& column) {
 void RowVerdict::in_order(const std::string& lower, const std::string& upper) {
   for (const Row& row : rows_) {
     const auto a = number_in(row, lower), b = number_in(row, upper);
-    if (a && b) require(*a <= *b * (1 + 1e-12), fmt::format("{} = {:g} is above {} = {:g}", lower, *a, upper, *b));
+    if (a && b)
+      require(*a <= *b + 1e-12 * std::abs(*b), fmt::format("{} = {:g} is above {} = {:g}", lower, *a, upper, *b));
   }
 }
 

@@ -2,7 +2,9 @@
 //
 // One run times all numbers of workers, taking turns, so that a machine that drifts does so for all of them alike, and
 // knows the time of one worker that speed-up is measured against. Strong scaling does the same work with more workers;
-// weak scaling gives every worker as much to do as one alone has.
+// weak scaling gives every worker as much to do as one alone has. Workers are bound to as many processors as there
+// are of them, on different cores as long as there are some: else one would wander over all, and two share a core or
+// not.
 #include "experiments/metrics/scaling.h"
 
 #include <algorithm>
@@ -14,6 +16,7 @@
 #include "experiments/studies/scaling_work.h"
 #include "experiments/studies/study_input.h"
 #include "parallel/cpu_clock.h"
+#include "parallel/processors.h"
 #include "parallel/trace.h"
 
 namespace lodestone {
@@ -38,6 +41,7 @@ std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
   std::vector<ColumnInfo> list{
       {"workers", "", "that did it", count},
+      {"processors", "", "that the workers were bound to, on different cores first", count},
       {"work", "", "triangles of the input, or pixels", count},
       {"speedup", "", "work per second over that of one worker", cost},
       {"efficiency", "%", "speed-up over workers", cost},
@@ -64,6 +68,8 @@ std::vector<int> worker_counts(int most) {
 // The job of one number of workers, and its times.
 struct Contender {
   int workers = 1;
+  std::vector<int> processors;
+  std::size_t bound = 0;  // processors, as the system says while the job runs
   std::shared_ptr<Trace> trace;
   std::unique_ptr<Scheduler> scheduler;
   std::unique_ptr<ScalingJob> job;
@@ -71,17 +77,22 @@ struct Contender {
   std::vector<double> busy, tail;
   std::vector<std::uint64_t> hashes;
 
-  Contender(int n, const IndexedMesh& mesh, const Parameters& parameters, const RunContext& context)
+  Contender(int n, const std::vector<int>& all, const IndexedMesh& mesh, const Parameters& parameters,
+            const RunContext& context)
       : workers(n),
+        processors(all.begin(), all.begin() + std::min<std::ptrdiff_t>(n, std::ssize(all))),
         trace(std::make_shared<Trace>(n)),
         scheduler(make_tracing_scheduler(make_tbb_scheduler(n), trace)),
         job(make_scaling_job(mesh, parameters, context, parameters.text("mode") == "weak" ? n : 1, *scheduler)) {}
 
   void warm_up() {
+    const BoundThreads binding(processors);
     job->prepare();
     job->run();
   }
   void run() {
+    const BoundThreads binding(processors);
+    bound = allowed_processors().size();
     job->prepare();
     const double begin = trace->now();
     const CpuClock clock;
@@ -96,8 +107,10 @@ struct Contender {
 std::vector<Contender> race(const Parameters& parameters, const RunContext& context) {
   const std::unique_ptr<Scheduler> all = study_scheduler(parameters);
   const StudyMesh input = read_study_mesh(context, *all);
+  const std::vector<int> processors = one_per_core_first(allowed_processors());
   std::vector<Contender> contenders;
-  for (const int n : worker_counts(all->workers())) contenders.emplace_back(n, input.mesh, parameters, context);
+  for (const int n : worker_counts(all->workers()))
+    contenders.emplace_back(n, processors, input.mesh, parameters, context);
   for (Contender& contender : contenders) contender.warm_up();
   const int rounds = parameters.integer("rounds");
   for (int round = 0; round < rounds; ++round) {
@@ -124,7 +137,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
     Row row;
     add_spread(row, "seconds", c.times.wall);
     add_spread(row, "cpu_seconds", c.times.cpu);
-    row["workers"] = c.workers, row["work"] = c.job->work();
+    row["workers"] = c.workers, row["processors"] = c.bound, row["work"] = c.job->work();
     row["speedup"] = results[i].speedup, row["efficiency"] = 100 * results[i].efficiency;
     row["karp_flatt"] = strong && c.workers > 1 ? Row(results[i].karp_flatt) : Row();
     const double busy = spread_of(c.busy).median;
@@ -144,6 +157,7 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   verdict.present("hash");
   verdict.is_true("same");
   verdict.at_most("busy", 100.001);
+  verdict.in_order("processors", "workers");
   for (const Row& row : rows) {
     const double workers = number_in(row, "workers").value_or(0), speedup = number_in(row, "speedup").value_or(0);
     verdict.require(workers >= 1, "a row has no workers");

@@ -26,7 +26,9 @@ void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more) {
   list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-ParameterInfo threads_parameter() { return {"threads", 0, "", "workers; 0: all that the machine has", 0, 4096, {}}; }
+ParameterInfo threads_parameter() {
+  return {"threads", 0, "", "workers, and processors to be pinned to; 0: all that there are", 0, 4096, {}};
+}
 
 std::vector<ParameterInfo> build_parameters() {
   const BuildConfig config;

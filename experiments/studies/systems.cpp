@@ -1,13 +1,15 @@
 // Experiment `systems`: the same model, the same path and the same radii under several systems of levels of detail, by
 // the same measures of cracks and pops.
 //
-// A run is one system, so that its frame times are its own. Timing passes come first and measure nothing else.
+// A run is one system, so that its frame times and its processor time are its own; systems are compared by repetitions
+// that take turns. Timing passes come first and measure nothing else.
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/error.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/frame_measures.h"
+#include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/rounds.h"
@@ -31,7 +33,7 @@ std::vector<std::string> system_names() {
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
-      rounds_parameter(1),
+      rounds_parameter(3),
       {"system", "morph", "", "of levels of detail", 0, 0, system_names()},
       {"backend", "soft", "", "that draws", 0, 0, {"soft", "gl"}},
       {"pixel_error", 1.0, "pixels", "tolerance that all systems keep to", 1e-3, 1e3, {}},
@@ -50,9 +52,8 @@ std::vector<ColumnInfo> columns() {
       {"admissible", "", "the system promises neither cracks nor pops with these radii", label},
       {"triangles", "", "drawn in a frame, mean", cost},
       {"pictures", "", "drawn for a frame, mean", cost},
-      {"frame_cpu_ms", "ms", "processor time of a frame, all threads, median", cost},
   };
-  add_spread_columns(list, "frame_ms", "ms", "a frame, from camera to picture; reading it back for a blend included");
+  append(list, frame_columns("a frame, from camera to picture, reading it back for a blend included"));
   append(list, SurfaceSummary::columns());
   append(list, PictureSummary::columns());
   return list;
@@ -81,22 +82,23 @@ SurfaceSample surface_of(const SystemRow& row, const SystemModel& model, bool fo
 
 void add_times(Row& row, SystemPictures& pictures, LodSystem system, const std::vector<Camera>& cameras,
                const ViewConfig& view, int rounds, const RunContext& context) {
-  std::vector<double> wall, cpu;
+  FrameRounds times;
   double drawn = 0, triangles = 0;
-  for (int round = 0; round <= rounds; ++round)
+  for (int round = 0; round <= rounds; ++round) {
+    std::vector<StageTime> frames;
+    drawn = triangles = 0;  // the same in every round
     for (const Camera& camera : cameras) {
       check_cancelled(context);
       const CpuClock clock;
       const SystemPicture picture = pictures.draw(system, camera, view);
-      const StageTime time = clock.elapsed();
-      if (round == 0) continue;  // warms up
-      wall.push_back(1000 * time.seconds), cpu.push_back(1000 * time.cpu_seconds);
+      frames.push_back(clock.elapsed());
       drawn += picture.pictures, triangles += static_cast<double>(picture.stats.triangles);
     }
-  const auto frames = static_cast<double>(wall.size());
-  add_spread(row, "frame_ms", wall);
-  row["frame_cpu_ms"] = spread_of(cpu).median;
-  row["pictures"] = drawn / frames, row["triangles"] = triangles / frames;
+    if (round > 0) times.add(frames);  // the first one warms up
+  }
+  const auto count = static_cast<double>(cameras.size());
+  add_frames(row, times);
+  row["pictures"] = drawn / count, row["triangles"] = triangles / count;
 }
 
 std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
@@ -141,7 +143,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
 
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
-  verdict.spread("frame_ms");
+  check_frames(verdict);
   verdict.present("admissible");
   SurfaceSummary::check(verdict, true);
   PictureSummary::check(verdict);

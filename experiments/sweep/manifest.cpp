@@ -1,15 +1,12 @@
 #include "experiments/sweep/manifest.h"
 
-#include <sched.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <set>
 
-#include "core/base/error.h"
+#include "parallel/processors.h"
 
 namespace lodestone {
 namespace {
@@ -50,25 +47,6 @@ double load_average() {
 }
 
 }  // namespace
-
-std::vector<int> allowed_processors() {
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  std::vector<int> processors;
-  if (sched_getaffinity(0, sizeof set, &set) != 0) return processors;
-  for (int i = 0; i < CPU_SETSIZE; ++i)
-    if (CPU_ISSET(i, &set)) processors.push_back(i);
-  return processors;
-}
-
-void pin_to(const std::vector<int>& processors) {
-  if (processors.empty()) return;
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  for (const int i : processors) CPU_SET(i, &set);
-  if (sched_setaffinity(0, sizeof set, &set) != 0)
-    throw ResourceError(std::string("cannot pin the run to its processors: ") + strerror(errno));
-}
 
 nlohmann::json machine_facts() {
   const auto memory =

@@ -4,14 +4,8 @@
 #include <ctime>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <vector>
 
 namespace lodestone {
-
-// Processors that this process may use, by number.
-[[nodiscard]] std::vector<int> allowed_processors();
-// This thread and those it will start run on these alone; none: wherever they may. Throws ResourceError.
-void pin_to(const std::vector<int>& processors);
 
 // CPU, cores, affinity, memory, system and load: of this machine, as this process may use it. The machine's name is
 // nobody's business and not in it.

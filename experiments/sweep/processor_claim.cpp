@@ -30,7 +30,7 @@ int claim(int processor) {
 }  // namespace
 
 ProcessorClaim::ProcessorClaim(int threads, const std::vector<int>& allowed) {
-  const auto wanted = static_cast<std::size_t>(threads > 0 ? threads : 0);
+  const auto wanted = threads > 0 ? static_cast<std::size_t>(threads) : allowed.size();
   for (const int processor : allowed) {
     if (processors_.size() == wanted) return;
     const int descriptor = claim(processor);

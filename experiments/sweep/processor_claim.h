@@ -8,8 +8,8 @@ namespace lodestone {
 class ProcessorClaim {
  public:
   ProcessorClaim() = default;
-  // The first `threads` of the allowed processors that no other run has; none when these are too few, or for
-  // threads = 0. A claim ends with this object, or with the process.
+  // The first `threads` of the allowed processors that no other run has, in their order; all of them for threads = 0.
+  // None when these are too few. A claim ends with this object, or with the process.
   ProcessorClaim(int threads, const std::vector<int>& allowed);
   ~ProcessorClaim();
   ProcessorClaim(ProcessorClaim&& other) noexcept;

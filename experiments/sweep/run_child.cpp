@@ -14,6 +14,7 @@
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/program_identity.h"
 #include "experiments/sweep/run_folder.h"
+#include "parallel/processors.h"
 
 namespace lodestone {
 namespace {
@@ -64,11 +65,20 @@ nlohmann::json manifest() {
   return facts;
 }
 
+// Where a run is not pinned, it has nevertheless as many processors as it asks for: more threads would share them.
+void check_threads(const nlohmann::json& parameters) {
+  const auto threads = parameters.value("threads", std::size_t{0}), processors = allowed_processors().size();
+  if (threads > processors)
+    throw InputError(
+        fmt::format("threads = {}: there are {} processors that this process may use", threads, processors));
+}
+
 // Rows go into the work folder; what is wrong with them, or with the run, is returned.
 std::optional<Fault> run_experiment(const nlohmann::json& job, const WorkFolder& work, RunContext& context) {
   try {
     const Experiment& experiment = find_experiment(job.at("experiment"));
     const Parameters parameters(experiment.parameters, job.at("parameters"));
+    check_threads(job.at("parameters"));
     const std::vector<Row> rows = experiment.run(parameters, context);
     std::vector<std::string> messages = faulty_values(experiment, rows);
     if (messages.empty()) messages = experiment.verify(parameters, rows);

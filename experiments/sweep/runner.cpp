@@ -15,6 +15,7 @@
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/time_left.h"
+#include "parallel/processors.h"
 
 namespace lodestone {
 namespace {
@@ -40,6 +41,8 @@ struct Job {
   std::time_t started;
   Clock::time_point start;
   std::unique_ptr<ChildProcess> child;
+
+  [[nodiscard]] bool is_pinned() const { return !claim.processors().empty(); }
 };
 
 // The last line that the child has written, where it may have said why it ended.
@@ -64,7 +67,7 @@ std::optional<Fault> crash_of(const ChildEnd& end, const std::filesystem::path& 
 class Runner {
  public:
   Runner(const std::vector<SweepRun>& runs, const RunnerConfig& config, const RunnerCallbacks& callbacks)
-      : runs_(runs), config_(config), callbacks_(callbacks), allowed_(allowed_processors()) {
+      : runs_(runs), config_(config), callbacks_(callbacks), allowed_(one_per_core_first(allowed_processors())) {
     for (const SweepRun& run : runs) folders_.emplace_back(config.directory, run.id).tidy();
     list_tasks();
   }
@@ -120,7 +123,8 @@ class Runner {
       }
   }
 
-  // The first task that nobody works on; false when there is none at the moment.
+  // The first task that nobody works on; false when there is none at the moment, or when it has to wait for processors
+  // that jobs of this process have. Those of other processes may be had for hours.
   bool start_next() {
     for (auto task = pending_.begin(); task != pending_.end();) {
       if (ended(*task)) {  // by another process
@@ -130,7 +134,9 @@ class Runner {
       }
       FileLock lock = folders_[task->run].try_lock();
       if (lock.held() && !ended(*task)) {
-        start(*task, std::move(lock));
+        ProcessorClaim claim(runs_[task->run].parameters.value("threads", 0), allowed_);
+        if (claim.processors().empty() && std::ranges::any_of(jobs_, &Job::is_pinned)) return false;
+        start(*task, std::move(lock), std::move(claim));
         pending_.erase(task);
         return true;
       }
@@ -139,23 +145,22 @@ class Runner {
     return false;
   }
 
-  void start(const Task& task, FileLock lock) {
+  void start(const Task& task, FileLock lock, ProcessorClaim claim) {
     const RunFolder& folder = folders_[task.run];
     folder.clear();
     try {
       folder.describe_run(runs_[task.run]);
-      launch(task, std::move(lock));
+      launch(task, std::move(lock), std::move(claim));
     } catch (...) {
       folder.clear();
       throw;
     }
   }
 
-  void launch(const Task& task, FileLock lock) {
+  void launch(const Task& task, FileLock lock, ProcessorClaim claim) {
     const SweepRun& run = runs_[task.run];
     const RunFolder& folder = folders_[task.run];
     const WorkFolder work = folder.begin(task.repetition);
-    ProcessorClaim claim(run.parameters.value("threads", 0), allowed_);
     write_aside(work.job(), nlohmann::json{{"experiment", run.experiment->name},
                                            {"parameters", run.parameters},
                                            {"input", run.input.path},
@@ -206,7 +211,8 @@ class Runner {
                                   {"end", utc(std::time(nullptr))},
                                   {"wall_seconds", seconds},
                                   {"cpu_seconds", end.cpu_seconds},
-                                  {"jobs", config_.jobs}};
+                                  {"jobs", config_.jobs},
+                                  {"pinned", job.is_pinned()}};
     const std::optional<Fault> fault = folder.take_over(job.task.repetition, facts, crash_of(end, folder.log()));
     ++result_.ran;
     time_left_.ended(job.task.run, seconds, true);

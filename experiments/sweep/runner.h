@@ -17,8 +17,8 @@ namespace lodestone {
 struct RunnerConfig {
   std::filesystem::path directory;
   int jobs = 1;  // at once; times of runs that share a machine are not comparable
-  // A run whose experiment has a parameter `threads` is pinned to so many processors that it has for itself, as long as
-  // there are so many.
+  // A run is pinned to as many processors as its parameter `threads` says, 0: to all, which it has for itself. It waits
+  // for those of the other jobs; where another process has them, it is not pinned.
   const CancelFlag* cancel = nullptr;
 };
 

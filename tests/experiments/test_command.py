@@ -84,7 +84,8 @@ class Build(CommandCase):
         for stage in (result, *result["stages"].values()):
             self.assertGreaterEqual(stage["seconds"], 0)
             self.assertGreaterEqual(stage["cpu_seconds"], 0)
-        self.assertGreater(result["mtri_per_core_second"], 0)
+        self.assertAlmostEqual(result["mtri_per_core_second"] * result["stages"]["build"]["cpu_seconds"],
+                               result["input_triangles"] * 1e-6, delta=0.2 * result["input_triangles"] * 1e-6)
         self.assertTrue(all(count == 0 for count in result["repairs"].values()), result["repairs"])
 
     def test_repairs_are_counted(self):

@@ -6,6 +6,7 @@ import pathlib
 import pty
 import re
 import subprocess
+import time
 import unittest
 
 import command_case
@@ -71,11 +72,26 @@ class Runs(SweepCase):
 
     def test_pinned_to_as_many_processors_as_threads(self):
         allowed = sorted(os.sched_getaffinity(0))
-        self.sweep(HEAD + section(f"threads = [0, 1, {len(allowed) + 1}]"))
-        affinity = {p["threads"]: self.read(run, "manifest.0.json")["affinity"] for run, p, _ in self.runs()}
-        self.assertEqual(affinity[0], allowed)
-        self.assertIn(len(affinity[1]), (1, len(allowed)))  # all of them where another test has the processors
-        self.assertEqual(affinity[len(allowed) + 1], allowed)
+        self.sweep(HEAD + section("threads = [0, 1]"))
+        manifests = {p["threads"]: self.read(run, "manifest.0.json") for run, p, _ in self.runs()}
+        self.assertEqual(manifests[0]["affinity"], allowed)
+        # All of them, and not pinned, where another test has the processors.
+        self.assertEqual(len(manifests[1]["affinity"]), 1 if manifests[1]["pinned"] else len(allowed))
+
+    def test_more_threads_than_processors(self):
+        allowed = len(os.sched_getaffinity(0))
+        self.write("sweep.toml", HEAD + section(f"threads = [1, {allowed + 1}]"))
+        self.failing("sweep.toml", "-o", "out", names=["1 of 2", f"threads = {allowed + 1}: there are {allowed} processors"])
+        self.assertEqual([self.file(run, "rows.0.jsonl").exists() for run, _, _ in self.runs()], [True, False])
+
+    def test_jobs_on_all_processors_take_turns(self):
+        self.write("sweep.toml", HEAD + section("x = [1, 2, 3], threads = 0, seconds = 0.4"))
+        begin = time.monotonic()
+        self.lodestone("sweep", "sweep.toml", "-o", "out", "--jobs", 3)
+        seconds = time.monotonic() - begin
+        self.check_complete()
+        if all(self.read(run, "manifest.0.json")["pinned"] for run, _, _ in self.runs()):  # by no other test
+            self.assertGreater(seconds, 1.2)
 
     def test_rounds(self):
         text = self.write("sweep.toml", HEAD + section("x = [1, 2, 3]", "repetitions = 2")).name

@@ -11,6 +11,7 @@
 #include "experiments/studies/experiment.h"
 #include "experiments/sweep/sweep_file.h"
 #include "parallel/generate.h"
+#include "parallel/processors.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -50,7 +51,9 @@ std::vector<Case> cases() {
         {"error_mean", 1e3},
         {"slivers", 101},
         {"normal_mean", 181}}},
-      {"effects", with(picture, {{"rounds", 1}, {"frames", 3}}), {{"effects", "other"}, {"frame_ms", -1}}},
+      {"effects",
+       with(picture, {{"rounds", 1}, {"frames", 3}}),
+       {{"effects", "other"}, {"frame_ms", -1}, {"gain_ms_min", 1e9}}},
       {"families",
        with(shallow, {{"rounds", 1}, {"level_count", 1}}),
        {{"family", "progressive"}, {"triangles", 1}, {"rms", 1e3}, {"cpu_seconds", Row()}}},
@@ -76,7 +79,12 @@ std::vector<Case> cases() {
        {{"manifold", false}, {"same", false}, {"triangles", 0}, {"coverage", 101}, {"seconds_max", 0}}},
       {"scaling",
        with(shallow, {{"threads", 2}, {"rounds", 2}}),
-       {{"same", false}, {"hash", "0000000000000000"}, {"speedup", 7}, {"efficiency", 1}, {"seconds", Row()}}},
+       {{"same", false},
+        {"hash", "0000000000000000"},
+        {"processors", 3},
+        {"speedup", 7},
+        {"efficiency", 1},
+        {"seconds", Row()}}},
       {"systems",
        with(with(shallow, picture), {{"frames", 3}}),
        {{"open_edges", 1}, {"gap_pixels", 1}, {"jump_over_bound", 1.01}, {"frame_ms", Row()}, {"image_error", 101}}},
@@ -87,6 +95,10 @@ std::vector<Case> cases() {
         {"fingerprint", Row()},
         {"hlod_triangles", 1},
         {"build_seconds", 1e9},
+        {"read_seconds", 1e9},
+        {"write_seconds", 1e9},
+        {"spill_seconds", 1e9},
+        {"build_cpu_seconds", 1e9},
         {"seconds", 0},
         {"out_of_core", true}}},
   };
@@ -208,6 +220,16 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
   EXPECT_EQ(files, 6u);
 }
 
+// A run is one system: times of two are comparable by repetitions alone, which take turns.
+TEST(SweepFiles, SystemsTakeTurns) {
+  const std::string file = std::string(LODESTONE_SOURCE_DIR) + "/experiments/sweeps/systems.toml";
+  for (const SweepSection& sweep : load_sweep_file(file, false).sweeps) {
+    EXPECT_GE(sweep.repetitions, 3) << sweep.name;
+    for (const Row& setting : sweep.settings)
+      EXPECT_GE(Parameters(sweep.experiment->parameters, setting).integer("rounds"), 3) << sweep.name;
+  }
+}
+
 // ---- what the studies are for ----
 
 double number(const Row& row, const char* column) { return row.at(column).get<double>(); }
@@ -256,6 +278,30 @@ TEST_F(Studies, DiscreteLevelsCrackOnThePathOnWhichTheMorphDoesNot) {
   EXPECT_GT(number(discrete, "torn_pixels"), 0);
 }
 
+// A single round has one value, whatever its frames differ by.
+TEST_F(Studies, FramesOfAPathAreNoRepetitions) {
+  const Row path = {{"rounds", 1}, {"frames", 6}, {"width", 64}, {"height", 48}};
+  for (const char* name : {"effects", "flight", "raster", "systems"})
+    for (const Row& row : rows_of(name, name == std::string("effects") ? path : with(shallow, path), 1)) {
+      EXPECT_EQ(row.at("frame_ms_min"), row.at("frame_ms_max")) << name;
+      EXPECT_EQ(row.at("frame_cpu_ms_min"), row.at("frame_cpu_ms_max")) << name;
+      EXPECT_GT(number(row, "frame_ms_worst"), number(row, "frame_ms_max")) << name;
+    }
+}
+
+TEST_F(Studies, GainsAreThoseOfARound) {
+  const std::vector<Row> rows = rows_of("effects", {{"rounds", 1}, {"frames", 3}, {"width", 64}, {"height", 48}});
+  const Row& planned = rows.front();
+  for (const Row& row : rows) {
+    const double gain = number(planned, "frame_ms") - number(row, "frame_ms");
+    EXPECT_EQ(row.at("gain_ms"), gain);
+    EXPECT_EQ(row.at("gain_ms_min"), gain);
+    EXPECT_EQ(row.at("gain_ms_max"), gain);
+    EXPECT_DOUBLE_EQ(number(row, "gain"), 100 * gain / number(planned, "frame_ms"));
+    EXPECT_EQ(row.at("gain_cpu_ms"), number(planned, "frame_cpu_ms") - number(row, "frame_cpu_ms"));
+  }
+}
+
 TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
   for (const char* task : {"build", "raster", "reconstruct", "progressive"})
     for (const char* mode : {"strong", "weak"}) {
@@ -273,10 +319,25 @@ TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
       EXPECT_EQ(rows[1].at("workers"), 2);
       EXPECT_EQ(rows[2].at("workers"), 3);
       EXPECT_EQ(joined(faults("scaling", given, rows)), "") << task << ' ' << mode;
+      for (const Row& row : rows)
+        EXPECT_EQ(number(row, "processors"), std::min<double>(number(row, "workers"), allowed_processors().size()));
       const bool weak = std::string(mode) == "weak";
       EXPECT_EQ(weak, number(rows[2], "work") > 2 * number(rows[0], "work")) << task << ' ' << mode;
       EXPECT_EQ(weak, rows[2].at("karp_flatt").is_null());
     }
+}
+
+TEST_F(Studies, MillionsPerCoreSecondAreThoseOfBuilding) {
+  for (const auto& [name, of_building] : {std::pair{"build", "cpu_seconds"}, {"table", "build_cpu_seconds"}}) {
+    const Row row = rows_of(name, shallow, 1).front();
+    EXPECT_DOUBLE_EQ(number(row, "mtri_per_core_second") * number(row, of_building), number(row, "triangles") * 1e-6);
+  }
+  const Row table = rows_of("table", shallow, 1).front();
+  EXPECT_GT(number(table, "read_seconds"), 0);
+  EXPECT_GT(number(table, "write_seconds"), 0);
+  EXPECT_TRUE(table.at("spill_seconds").is_null());
+  EXPECT_DOUBLE_EQ(number(table, "mtri_per_core_second_file") * number(table, "cpu_seconds"),
+                   number(table, "triangles") * 1e-6);
 }
 
 TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
@@ -288,8 +349,11 @@ TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   context.input = large;
   context.directory = folder_.string();
   const std::vector<Row> rows = experiment.run(parameters, context);
-  EXPECT_EQ(rows.front().at("out_of_core"), true);
-  EXPECT_GT(number(rows.front(), "scratch_bytes"), 0);
+  const Row& row = rows.front();
+  EXPECT_EQ(row.at("out_of_core"), true);
+  EXPECT_GT(number(row, "scratch_bytes"), 0);
+  for (const char* column : {"read_seconds", "spill_seconds", "write_seconds"}) EXPECT_GT(number(row, column), 0);
+  EXPECT_LT(number(row, "spill_seconds"), number(row, "build_seconds"));
   EXPECT_EQ(joined(experiment.verify(parameters, rows)), "");
 }
 

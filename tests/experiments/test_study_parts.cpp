@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
+#include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
@@ -43,6 +44,44 @@ TEST(Rounds, CancellationEndsThem) {
   EXPECT_THROW((void)time_rounds(3, context, [] { return StageTime{}; }), Cancelled);
 }
 
+TEST(FrameRounds, RangesAreOverRoundsAndNotOverFrames) {
+  FrameRounds rounds;
+  const StageTime fast{0.001, 0.002}, slow{0.009, 0.016};
+  rounds.add(std::vector{fast, slow});
+  rounds.add(std::vector{fast, fast, slow, slow});
+  Row row;
+  add_frames(row, rounds);
+  for (const char* column : {"frame_ms", "frame_ms_min", "frame_ms_max"}) EXPECT_DOUBLE_EQ(row.at(column), 5) << column;
+  for (const char* column : {"frame_cpu_ms", "frame_cpu_ms_min", "frame_cpu_ms_max"})
+    EXPECT_DOUBLE_EQ(row.at(column), 9) << column;
+  EXPECT_DOUBLE_EQ(row.at("frame_ms_worst"), 9);
+
+  rounds.add(std::vector{fast});
+  add_frames(row, rounds);
+  EXPECT_DOUBLE_EQ(row.at("frame_ms"), 5);
+  EXPECT_DOUBLE_EQ(row.at("frame_ms_min"), 1);
+  EXPECT_DOUBLE_EQ(row.at("frame_ms_worst"), 9);
+}
+
+TEST(FrameRounds, AreCheckedForTheirOrder) {
+  FrameRounds rounds;
+  for (const double seconds : {0.3, 0.1, 0.1}) rounds.add(std::vector{StageTime{seconds, seconds}});
+  Row good;
+  add_frames(good, rounds);
+  const auto faults = [](const Row& row) {
+    const std::vector<Row> rows{row};
+    RowVerdict verdict(frame_columns("a frame"), rows);
+    check_frames(verdict);
+    return std::move(verdict).messages().size();
+  };
+  EXPECT_EQ(faults(good), 0u);
+  for (const auto& [column, value] : {std::pair{"frame_ms", 400}, {"frame_ms_worst", 1}, {"frame_cpu_ms_min", 200}}) {
+    Row bad = good;
+    bad[column] = value;
+    EXPECT_GT(faults(bad), 0u) << column;
+  }
+}
+
 const std::vector<ColumnInfo> columns{{"name", "", "label", ColumnInfo::Kind::label},
                                       {"n", "", "count", ColumnInfo::Kind::count},
                                       {"s", "s", "cost", ColumnInfo::Kind::cost},
@@ -77,6 +116,9 @@ TEST(RowVerdict, Checks) {
     bad[column] = value;
     EXPECT_GT(faults({bad}, [](RowVerdict& v) { v.spread("s"); }), 0u) << column;
   }
+  for (const double same : {-2.0, 0.0, 2.0})
+    EXPECT_EQ(faults({{{"s_min", same}, {"s", same}}}, [](RowVerdict& v) { v.in_order("s_min", "s"); }), 0u) << same;
+  EXPECT_EQ(faults({{{"s_min", -1}, {"s", -2}}}, [](RowVerdict& v) { v.in_order("s_min", "s"); }), 1u);
   EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.at_most("s", 2); }), 0u);
   EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.at_most("s", 1.9); }), 1u);
   EXPECT_EQ(faults({good}, [](RowVerdict& v) { v.present("n"); }), 1u);

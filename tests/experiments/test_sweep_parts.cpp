@@ -130,7 +130,14 @@ TEST(ProcessorClaim, NobodyHasOneTwice) {
   }
   EXPECT_TRUE(ProcessorClaim(3, allowed).processors().empty());
   EXPECT_EQ(ProcessorClaim(1, allowed).processors(), std::vector<int>{9002}) << "what was too few was given back";
-  EXPECT_TRUE(ProcessorClaim(0, allowed).processors().empty());
+  EXPECT_TRUE(ProcessorClaim(0, allowed).processors().empty()) << "all of them, and one is taken";
+}
+
+TEST(ProcessorClaim, IsOfAllForNoNumberAndInTheirOrder) {
+  const std::vector<int> allowed = {9006, 9004, 9005};
+  const ProcessorClaim all(0, allowed);
+  EXPECT_EQ(all.processors(), allowed);
+  EXPECT_TRUE(ProcessorClaim(1, allowed).processors().empty());
 }
 
 TEST(TimeLeft, ExpectsWhatWasMeasured) {

@@ -203,6 +203,13 @@ TEST_F(OutOfCore, ReportsStagesProgressAndScratch) {
   EXPECT_EQ(steps, (std::vector<std::string>{"reading", "sorting", "sharing", "building", "writing"}));
   for (const char* stage : {"clean", "spill", "shared", "hierarchy", "write"})
     EXPECT_TRUE(result.report.stages.contains(stage)) << stage;
+  double building = 0, processors = 0;  // without reading and writing
+  for (const char* stage : {"spill", "shared", "hierarchy"}) {
+    building += result.report.stages.at(stage).seconds;
+    processors += result.report.stages.at(stage).cpu_seconds;
+  }
+  EXPECT_DOUBLE_EQ(result.report.total.seconds, building);
+  EXPECT_DOUBLE_EQ(result.report.total.cpu_seconds, processors);
   EXPECT_EQ(result.file_bytes, fs::file_size(folder_ / "m.lode"));
   EXPECT_GT(result.scratch_bytes, 12 * result.tables.provenance.input_triangles);
   EXPECT_EQ(result.blocks_resumed, 0u);
