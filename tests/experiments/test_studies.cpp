@@ -230,6 +230,26 @@ TEST_F(Studies, UniformRadiiCrackBelowTheBorderAndNotAbove) {
   EXPECT_NEAR(number(above, "over_border"), 1.05, 1e-6);
 }
 
+// Among the leaks are some of the background, which need the full model's silhouette.
+TEST_F(Studies, LeaksDoNotDependOnWhichPicturesAreAskedFor) {
+  generate_ply({Shape::sphere, 20000, 1}, sphere_, *make_serial_scheduler());
+  const auto leaks = [&](bool image) {
+    const Row row = rows_of("flight", {{"radii", "uniform"},
+                                       {"camera", "adversarial"},
+                                       {"kappa0_over_rho", 0.3},
+                                       {"cell_triangles", 500},
+                                       {"frames", 8},
+                                       {"width", 320},
+                                       {"height", 360},
+                                       {"image", image}})
+                        .front();
+    return number(row, "leak_pixels");
+  };
+  const double without_pictures = leaks(false);
+  EXPECT_GT(without_pictures, 0);
+  EXPECT_EQ(without_pictures, leaks(true));
+}
+
 TEST_F(Studies, AStepPopsAndDoesNotCrack) {
   const auto row = [&](const char* blend) {
     return rows_of("flight", with(shallow, {{"kappa0", 1.0}, {"frames", 40}, {"blend", blend}})).front();
