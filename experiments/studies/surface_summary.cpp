@@ -23,7 +23,9 @@ std::vector<ColumnInfo> SurfaceSummary::columns() {
       {"jump_per_step", "", "largest way of a vertex over that of the viewpoint", accuracy},
       {"jump_pixels", "pixels", "largest way of a vertex in the picture, without the camera's own", accuracy},
       {"jump_p99_pixels", "pixels", "way that 99 % of the vertices in view do not exceed, most", accuracy},
-      {"jump_over_bound", "", "largest jump over its analytic bound; above 1: a pop; null: there is no bound",
+      {"jump_over_bound", "",
+       "largest jump over the analytic bound of the morph (of blend = step: of a linear one); above 1: a pop; null: "
+       "there is no bound",
        accuracy},
   };
 }

@@ -1,7 +1,7 @@
 #include "experiments/systems/system_flight.h"
 
 #include <algorithm>
-#include <optional>
+#include <limits>
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks.h"
@@ -119,6 +119,7 @@ class Flight {
     MorphContext morph_before = before.context(), morph_after = after.context();
     morph_before.radii = &before.morph;
     morph_after.radii = &after.morph;
+    morph_before.blend = morph_after.blend = config_.view.blend;  // `step` has another one of its own
     const std::vector<double> bounds = jump_bounds(morph_before, morph_after);
     const PopReport jumps = largest_jump(before.context(), before.whole, after.context(), after.whole, scheduler_,
                                          {.percentiles = true, .screen = &screen, .bounds = bounds});
@@ -127,7 +128,8 @@ class Flight {
     row.jump_p99 = std::max(row.jump_p99, unit * jumps.p99_jump);
     row.jump_max_pixels = std::max(row.jump_max_pixels, jumps.max_jump_pixels);
     row.jump_p99_pixels = std::max(row.jump_p99_pixels, jumps.p99_jump_pixels);
-    row.jump_over_bound = std::max(row.jump_over_bound, jumps.jump_over_bound);
+    row.jump_over_bound =
+        std::max(row.jump_over_bound, jumps.bounded ? jumps.jump_over_bound : std::numeric_limits<double>::infinity());
   }
 
   const SystemFlightConfig& config_;

@@ -47,7 +47,8 @@ struct SystemRow {
   // Of vertices since the frame before. A cross-fade moves none: what it shows is in the pictures alone, and the jumps
   // are left at 0, as they are where the selections cannot be compared.
   double jump_max = 0, jump_p99 = 0, jump_max_pixels = 0, jump_p99_pixels = 0;
-  double jump_over_bound = 0;  // of the morph's analytic bound, for discrete and step, too; infinite: it has none
+  // Of the analytic bound of the morph by the view's own blend, for discrete and step, too; infinite: it has none.
+  double jump_over_bound = 0;
 };
 
 // Called with each row as it is done, by frame and then in the order of `systems`, with the picture, the one of the

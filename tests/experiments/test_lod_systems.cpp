@@ -205,6 +205,41 @@ TEST(SystemFlight, TellsTheSystemsApart) {
   EXPECT_EQ(fade.jump_over_bound, 0);
 }
 
+// Of one path by the systems that let vertices jump, the largest ratio.
+std::map<LodSystem, double> jumps_over_bound(Scene scene, Blend blend) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene, {{&torus()}});
+  SystemFlightConfig config;
+  config.cameras = approach(8);
+  config.view = view_config(view.scene(), {32, 24});
+  config.view.blend = blend;
+  config.systems = {LodSystem::step, LodSystem::discrete};
+  config.quality = {.with_flip = false, .with_ssim = false};
+  config.leaks = false;
+  std::map<LodSystem, double> largest;
+  for (const SystemRow& row : fly_systems(view, *renderer, config, *scheduler))
+    largest[row.system] = std::max(largest[row.system], row.jump_over_bound);
+  return largest;
+}
+
+// Neither of the two morphs, so that the view's blend changes what they are measured by and nothing else.
+TEST(SystemFlight, JumpsAreMeasuredByTheBoundOfTheViewsBlend) {
+  auto linear = jumps_over_bound(scene_of_torus(), Blend::linear),
+       smooth = jumps_over_bound(scene_of_torus(), Blend::smoothstep);
+  for (const LodSystem system : {LodSystem::step, LodSystem::discrete}) {
+    EXPECT_GT(smooth[system], 0) << name_of(system);
+    EXPECT_DOUBLE_EQ(linear[system], 1.5 * smooth[system]) << name_of(system);
+  }
+}
+
+TEST(SystemFlight, JumpsHaveNoBoundWhereTheMorphHasNone) {
+  Scene scene = scene_of_torus(0.3f);
+  scene.radii.rule = RadiiRule::uniform;
+  for (const auto& [system, ratio] : jumps_over_bound(scene, Blend::linear))
+    EXPECT_EQ(ratio, std::numeric_limits<double>::infinity()) << name_of(system);
+}
+
 TEST(SystemFlight, RefusesWhatItCannotCompare) {
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler), null = make_renderer("null", *scheduler);
