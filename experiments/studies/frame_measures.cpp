@@ -11,9 +11,6 @@
 namespace lodestone {
 namespace {
 
-// Of a T-junction: beyond rounding, below anything that can be seen.
-constexpr double junction_tolerance = 1e-6;
-
 // Black, red, yellow, white.
 Image heat_map(const ErrorMap& map) {
   Image image{map.size, {}, {}};
@@ -50,7 +47,8 @@ SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, const Shot& shot
   sample.open_edges = static_cast<double>(residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges);
   const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, &screen);
   sample.gap = 100 * gaps.gap_max, sample.gap_mean = 100 * gaps.gap_mean, sample.gap_pixels = gaps.gap_max_pixels;
-  sample.t_junctions = static_cast<double>(t_junctions(morph, whole, junction_tolerance, scheduler_).vertices);
+  const double near = junction_tolerance * cell_size(hierarchy_.finest());
+  sample.t_junctions = static_cast<double>(t_junctions(morph, whole, near, scheduler_).vertices);
   if (full_) {
     full_->draw(shot.camera);
     const Image full = full_->renderer().read_back();

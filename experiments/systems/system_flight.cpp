@@ -94,10 +94,8 @@ class Flight {
       gap_sum += unit * gaps.gap_mean * static_cast<double>(gaps.gaps);
       pixel_sum += gaps.gap_mean_pixels * static_cast<double>(gaps.gaps_in_view);
       in_view += gaps.gaps_in_view;
-      if (config_.junction_tolerance >= 0)
-        row.t_junctions += t_junctions(context, model.whole,
-                                       config_.junction_tolerance * cell_size(model.hierarchy->finest()), scheduler_)
-                               .junctions;
+      const double near = junction_tolerance * cell_size(model.hierarchy->finest());
+      row.t_junctions += t_junctions(context, model.whole, near, scheduler_).vertices;
       if (config_.leaks && bases_[m].closed) add_leaks(context, model, screen, full, row);
       if (row.frame > 0 && row.system != LodSystem::cross_fade) add_jumps(past.models[m], model, screen, row);
     }

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks.h"
+#include "experiments/studies/frame_measures.h"
 #include "experiments/systems/lod_system.h"
 #include "experiments/systems/system_flight.h"
 #include "tests/experiments/lod_frames.h"
@@ -231,6 +232,37 @@ TEST(SystemFlight, JumpsAreMeasuredByTheBoundOfTheViewsBlend) {
     EXPECT_GT(smooth[system], 0) << name_of(system);
     EXPECT_DOUBLE_EQ(linear[system], 1.5 * smooth[system]) << name_of(system);
   }
+}
+
+// The experiments `flight` and `systems` measure a surface alike: what discrete levels draw, by either.
+TEST(SystemFlight, MeasuresASurfaceAsAFlightDoes) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene_of_torus(), {{&torus()}});
+  SystemFlightConfig config;
+  config.cameras = approach(6);
+  config.view = view_config(view.scene(), size);
+  config.systems = {LodSystem::discrete};
+  config.quality = {.with_flip = false, .with_ssim = false};
+  SurfaceMeasures measures(torus(), size, *scheduler);
+  std::uint64_t junctions = 0;
+  (void)fly_systems(view, *renderer, config, *scheduler,
+                    [&](const SystemRow& row, const SystemPicture& drawn, const Image&) {
+                      const SystemModel& model = drawn.models.front();
+                      ModelFrame frame;
+                      frame.morph = model.context();
+                      frame.view_projection = model.view_projection;
+                      const SurfaceSample sample = measures.measure(frame, {config.cameras[row.frame], row.frame > 0});
+                      const double percent = 100 / torus().transform.scale;
+                      EXPECT_EQ(sample.open_edges, row.open_edges);
+                      EXPECT_EQ(sample.t_junctions, row.t_junctions);
+                      EXPECT_EQ(sample.torn_pixels, row.torn_pixels);
+                      EXPECT_EQ(sample.gap_pixels, row.gap_max_pixels);
+                      EXPECT_NEAR(sample.gap, percent * row.gap_max, 1e-9);
+                      EXPECT_NEAR(sample.gap_mean, percent * row.gap_mean, 1e-9);
+                      junctions += row.t_junctions;
+                    });
+  EXPECT_GT(junctions, 0u);
 }
 
 TEST(SystemFlight, JumpsHaveNoBoundWhereTheMorphHasNone) {
