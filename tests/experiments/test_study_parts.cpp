@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
+#include "experiments/studies/picture_summary.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
@@ -102,6 +103,28 @@ TEST(SurfaceSummary, TakesTheWorstFrameAndLeavesOutWhatNoneHas) {
   summary.add({.jump = JumpSample{}});  // no bound in one frame: none at all
   summary.add_to(row);
   EXPECT_TRUE(row.at("jump_over_bound").is_null());
+}
+
+ImageQuality picture(double mean, double p99, double psnr, double ssim, double flip) {
+  ImageQuality quality;
+  quality.mean_absolute = mean, quality.absolute.p99 = p99, quality.absolute.pixels = 100;
+  quality.psnr = psnr, quality.ssim = ssim, quality.flip.mean = flip;
+  return quality;
+}
+
+TEST(QualitySummary, AveragesErrorsAndTellsTheWorstPicture) {
+  QualitySummary summary;
+  Row row = Row::object();
+  summary.add_to(row);
+  EXPECT_TRUE(row.empty());
+  summary.add(picture(0.01, 0.2, 40, 0.9, 0.25));
+  summary.add(picture(0.03, 0.1, 30, 0.95, 0.125));
+  summary.add_to(row);
+  const std::vector<std::pair<const char*, double>> expected{
+      {"image_error", 2}, {"image_error_worst", 3}, {"image_error_p99", 20}, {"psnr", 30},
+      {"ssim", 0.9},      {"flip", 0.1875},         {"flip_worst", 0.25}};
+  for (const auto& [column, value] : expected) EXPECT_DOUBLE_EQ(row.at(column), value) << column;
+  EXPECT_EQ(row.size(), QualitySummary::columns().size());
 }
 
 class Viewpoints : public ::testing::Test {
