@@ -47,6 +47,7 @@ SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, const Shot& shot
   sample.open_edges = static_cast<double>(residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges);
   const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, &screen);
   sample.gap = 100 * gaps.gap_max, sample.gap_mean = 100 * gaps.gap_mean, sample.gap_pixels = gaps.gap_max_pixels;
+  sample.gap_mean_pixels = gaps.gap_mean_pixels;
   const double near = junction_tolerance * cell_size(hierarchy_.finest());
   sample.t_junctions = static_cast<double>(t_junctions(morph, whole, near, scheduler_).vertices);
   if (full_) {

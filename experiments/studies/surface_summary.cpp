@@ -15,6 +15,8 @@ std::vector<ColumnInfo> SurfaceSummary::columns() {
       {"gap_max", percent, "largest distance of two places at which one vertex is drawn", accuracy},
       {"gap_mean", percent, "mean of these distances where there are any, of the worst frame", accuracy},
       {"gap_pixels", "pixels", "largest distance of two places at which one vertex is drawn", accuracy},
+      {"gap_mean_pixels", "pixels", "mean of these distances where there are any in view, of the worst frame",
+       accuracy},
       {"t_junctions", "",
        "border vertices nearer to the inside of another border edge than 1 % of a finest cell's side, most", accuracy},
       {"torn_pixels", "pixels", "rays through a crack of a closed model, hidden or not, most", accuracy},
@@ -47,6 +49,7 @@ void SurfaceSummary::add_to(Row& row) const {
   for (const SurfaceSample& s : samples_) {
     most("open_edges", s.open_edges), most("t_junctions", s.t_junctions);
     most("gap_max", s.gap), most("gap_mean", s.gap_mean), most("gap_pixels", s.gap_pixels);
+    most("gap_mean_pixels", s.gap_mean_pixels);
     most("torn_pixels", s.torn_pixels), most("leak_pixels", s.leak_pixels);
     if (!s.jump) continue;
     most("jump_max", s.jump->largest), most("jump_p99", s.jump->p99), most("jump_per_step", s.jump->per_step);
@@ -59,6 +62,7 @@ void SurfaceSummary::add_to(Row& row) const {
 
 void SurfaceSummary::check(RowVerdict& verdict, bool continuous_blend) {
   verdict.in_order("gap_mean", "gap_max");
+  verdict.in_order("gap_mean_pixels", "gap_pixels");
   verdict.in_order("jump_p99", "jump_max");
   verdict.in_order("jump_p99_pixels", "jump_pixels");
   verdict.at_most("cracked_frames", 100);

@@ -122,6 +122,7 @@ class Flight {
     const PopReport jumps = largest_jump(before.context(), before.whole, after.context(), after.whole, scheduler_,
                                          {.percentiles = true, .screen = &screen, .bounds = bounds});
     const double unit = after.hierarchy->transform.scale;
+    row.step = std::max(row.step, unit * jumps.step);
     row.jump_max = std::max(row.jump_max, unit * jumps.max_jump);
     row.jump_p99 = std::max(row.jump_p99, unit * jumps.p99_jump);
     row.jump_max_pixels = std::max(row.jump_max_pixels, jumps.max_jump_pixels);

@@ -44,6 +44,7 @@ struct SystemRow {
   std::uint64_t leak_pixels = 0, torn_pixels = 0;
   // Of vertices since the frame before. A cross-fade moves none: what it shows is in the pictures alone, and the jumps
   // are left at 0, as they are where the selections cannot be compared.
+  double step = 0;  // way of the viewpoint, longest
   double jump_max = 0, jump_p99 = 0, jump_max_pixels = 0, jump_p99_pixels = 0;
   // Of the analytic bound of the morph by the view's own blend, for discrete and step, too; infinite: it has none.
   double jump_over_bound = 0;

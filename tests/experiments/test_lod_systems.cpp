@@ -258,6 +258,12 @@ TEST(SystemFlight, MeasuresASurfaceAsAFlightDoes) {
                       EXPECT_EQ(sample.t_junctions, row.t_junctions);
                       EXPECT_EQ(sample.torn_pixels, row.torn_pixels);
                       EXPECT_EQ(sample.gap_pixels, row.gap_max_pixels);
+                      EXPECT_EQ(sample.gap_mean_pixels, row.gap_mean_pixels);
+                      ASSERT_EQ(sample.jump.has_value(), row.frame > 0);
+                      if (sample.jump) {
+                        EXPECT_NEAR(sample.jump->largest, percent * row.jump_max, 1e-9);
+                        EXPECT_NEAR(sample.jump->per_step.value(), row.jump_max / row.step, 1e-9);
+                      }
                       EXPECT_NEAR(sample.gap, percent * row.gap_max, 1e-9);
                       EXPECT_NEAR(sample.gap_mean, percent * row.gap_mean, 1e-9);
                       junctions += row.t_junctions;

@@ -90,14 +90,19 @@ TEST(RowVerdict, Checks) {
 TEST(SurfaceSummary, TakesTheWorstFrameAndLeavesOutWhatNoneHas) {
   SurfaceSummary summary;
   summary.add({.triangles = 10, .open_edges = 0});
-  summary.add(
-      {.triangles = 30, .open_edges = 4, .gap = 0.5, .torn_pixels = 2, .jump = JumpSample{0.1, 0.05, 3, 2, 0.7, 0.9}});
+  summary.add({.triangles = 30,
+               .open_edges = 4,
+               .gap = 0.5,
+               .gap_mean_pixels = 3,
+               .torn_pixels = 2,
+               .jump = JumpSample{0.1, 0.05, 3, 2, 0.7, 0.9}});
   Row row;
   summary.add_to(row);
   EXPECT_EQ(row.at("surface_triangles"), 20);
   EXPECT_EQ(row.at("open_edges"), 4);
   EXPECT_EQ(row.at("cracked_frames"), 50);
   EXPECT_EQ(row.at("torn_pixels"), 2);
+  EXPECT_EQ(row.at("gap_mean_pixels"), 3);
   EXPECT_TRUE(row.at("leak_pixels").is_null());
   EXPECT_EQ(row.at("jump_over_bound"), 0.9);
   summary.add({.jump = JumpSample{}});  // no bound in one frame: none at all
@@ -125,6 +130,50 @@ TEST(QualitySummary, AveragesErrorsAndTellsTheWorstPicture) {
       {"ssim", 0.9},      {"flip", 0.1875},         {"flip_worst", 0.25}};
   for (const auto& [column, value] : expected) EXPECT_DOUBLE_EQ(row.at(column), value) << column;
   EXPECT_EQ(row.size(), QualitySummary::columns().size());
+}
+
+TEST(PictureSummary, TakesPopsOfPairsThatHavePixelsInCommon) {
+  const auto expect = [](const std::vector<PictureSample>& samples, const Row& expected) {
+    PictureSummary summary;
+    for (const PictureSample& sample : samples) summary.add(sample);
+    Row row = Row::object();
+    summary.add_to(row);
+    for (const auto& [column, value] : expected.items()) {
+      ASSERT_EQ(row.contains(column), !value.is_null()) << column;
+      if (row.contains(column)) {
+        EXPECT_DOUBLE_EQ(row.at(column), value) << column;
+      }
+    }
+  };
+  const PictureSample first{picture(0.01, 0.2, 40, 0.9, 0.25), {}, {}};
+  PictureSample second = first, third = first, apart = first;
+  second.pops = ImagePops{0.01, 0.1, 0.5, 0.02, 0.25, 20, 15, 80, 20};
+  second.flip_pops = ImagePops{0.02, 0.3, 0.4, 0.05, 0.5, 40, 30, 80, 20};
+  third.pops = ImagePops{0.03, 0.05, 0.25, 0.04, 0.125, 10, 7, 90, 10};
+  third.flip_pops = ImagePops{0.01, 0.2, 0.6, 0.01, 0.25, 20, 10, 90, 10};
+  apart.pops = apart.flip_pops = ImagePops{.without_predecessor = 100};
+  const Row both = {{"image_error", 1.0},
+                    {"flip", 0.25},
+                    {"pop_p50", 3.0},
+                    {"pop_p99", 10.0},
+                    {"pop_max", 50.0},
+                    {"pop_mean", 3.0},
+                    {"pop_changed", 25.0},
+                    {"pop_area", 15.0},
+                    {"without_predecessor", 20.0},
+                    {"flip_pop_p50", 0.02},
+                    {"flip_pop_p99", 0.3},
+                    {"flip_pop_max", 0.6},
+                    {"flip_pop_mean", 0.03},
+                    {"flip_pop_changed", 50.0},
+                    {"flip_pop_area", 30.0}};
+  expect({first, second, third}, both);
+  Row without = both;
+  without["without_predecessor"] = 100.0;
+  expect({first, second, third, apart}, without);
+  expect({first, apart},
+         {{"flip", 0.25}, {"pop_mean", Row()}, {"flip_pop_p99", Row()}, {"without_predecessor", 100.0}});
+  expect({first}, {{"flip", 0.25}, {"pop_mean", Row()}, {"without_predecessor", Row()}});
 }
 
 class Viewpoints : public ::testing::Test {
