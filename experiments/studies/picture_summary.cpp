@@ -50,7 +50,8 @@ std::vector<ColumnInfo> QualitySummary::columns() {
       {"image_error", "%", "difference from the full model's picture, mean over pixels and frames", accuracy},
       {"image_error_worst", "%", "the same of the worst picture, mean over its pixels", accuracy},
       {"image_error_p99", "%", "difference that 99 % of a picture's pixels do not exceed, most", accuracy},
-      {"psnr", "dB", "of the worst picture that differs at all", quality},
+      {"psnr", "dB", "of the worst picture; where all are equal at least this: as if one colour of one pixel differed",
+       quality},
       {"ssim", "", "of the worst picture", quality},
       {"flip", "", "FLIP from the full model's picture, mean over pixels and frames", accuracy},
       {"flip_worst", "", "the same of the worst picture, mean over its pixels", accuracy},
@@ -63,12 +64,13 @@ void QualitySummary::add_to(Row& row) const {
   for (const ImageQuality& quality : samples_) {
     error += quality.mean_absolute, worst_error = std::max(worst_error, quality.mean_absolute);
     flip += quality.flip.mean, worst_flip = std::max(worst_flip, quality.flip.mean);
-    p99 = std::max(p99, quality.absolute.p99), ssim = std::min(ssim, quality.ssim), psnr = std::min(psnr, quality.psnr);
+    p99 = std::max(p99, quality.absolute.p99), ssim = std::min(ssim, quality.ssim);
+    psnr = std::min({psnr, quality.psnr, largest_psnr(quality.absolute.pixels)});
   }
   const auto frames = static_cast<double>(samples_.size());
   row["image_error"] = 100 * error / frames, row["image_error_worst"] = 100 * worst_error;
   row["image_error_p99"] = 100 * p99, row["ssim"] = ssim;
-  row["psnr"] = std::isfinite(psnr) ? Row(psnr) : Row();
+  row["psnr"] = psnr;
   row["flip"] = flip / frames, row["flip_worst"] = worst_flip;
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
@@ -174,6 +175,20 @@ TEST(PictureSummary, TakesPopsOfPairsThatHavePixelsInCommon) {
   expect({first, apart},
          {{"flip", 0.25}, {"pop_mean", Row()}, {"flip_pop_p99", Row()}, {"without_predecessor", 100.0}});
   expect({first}, {{"flip", 0.25}, {"pop_mean", Row()}, {"without_predecessor", Row()}});
+}
+
+TEST(QualitySummary, OfEqualPicturesThePsnrIsTheLargestFiniteOne) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const auto psnr_of = [](std::vector<ImageQuality> pictures) {
+    QualitySummary summary;
+    for (const ImageQuality& quality : pictures) summary.add(quality);
+    Row row;
+    summary.add_to(row);
+    return row.at("psnr").get<double>();
+  };
+  const ImageQuality equal = picture(0, 0, infinite, 1, 0);
+  EXPECT_DOUBLE_EQ(psnr_of({equal, equal}), 10 * std::log10(255.0 * 255.0 * 3 * 100));
+  EXPECT_EQ(psnr_of({equal, picture(0.01, 0.2, 40, 0.9, 0.25)}), 40);
 }
 
 class Viewpoints : public ::testing::Test {
