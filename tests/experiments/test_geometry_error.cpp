@@ -8,6 +8,8 @@
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
 #include "experiments/metrics/geometry_error.h"
+#include "experiments/metrics/position_resolution.h"
+#include "experiments/studies/geometry_columns.h"
 #include "parallel/compare.h"
 
 namespace lodestone {
@@ -171,6 +173,23 @@ TEST(GeometryError, PutsTheMeasuresTogether) {
   EXPECT_DOUBLE_EQ(part.hausdorff * part.distance.diagonal,
                    std::max(part.distance.forward.max, part.distance.backward.max));
   EXPECT_THROW((void)geometry_error(reference, {}, {}, *scheduler), InputError);
+}
+
+// What rounding alone can make is no error; twice as much is one.
+TEST(GeometryColumns, AreZeroBelowTheResolutionOfPositions) {
+  const auto scheduler = make_serial_scheduler();
+  RawMesh reference = generate_mesh({Shape::torus, 2000, 1}), copy = reference;
+  const Vec3d far{100.1, -70.3, 0.7};
+  for (Vec3d& p : copy.positions) p = (p + far) - far;
+  Row row;
+  add_geometry(row, reference, copy, *scheduler);
+  EXPECT_GT(geometry_error(reference, copy, {}, *scheduler).hausdorff, 0);
+  for (const char* column : {"rms", "error_max", "error_mean", "error_p99"}) EXPECT_EQ(row.at(column), 0) << column;
+
+  const double apart = 2 * position_resolution * std::sqrt(2.0);
+  add_geometry(row, square(4, 0), square(4, 0, apart), *scheduler);
+  EXPECT_NEAR(row.at("rms").get<double>(), 200 * position_resolution, 1e-12);
+  EXPECT_EQ(row.at("normal_mean"), 0);
 }
 
 }  // namespace
