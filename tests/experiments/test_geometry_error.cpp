@@ -175,6 +175,44 @@ TEST(GeometryError, PutsTheMeasuresTogether) {
   EXPECT_THROW((void)geometry_error(reference, {}, {}, *scheduler), InputError);
 }
 
+MeshQuality right_triangle(double leg) {
+  const std::vector<Vec3d> positions{{0, 0, 0}, {1, 0, 0}, {0, leg, 0}};
+  return measure_quality(positions, std::vector<Triangle>{{{0, 1, 2}}});
+}
+
+// With legs 1 and t the longest edge is sqrt(1 + t^2), and the height above it t over that.
+TEST(MeshQuality, SliversAreTwentyTimesAsLongAsHigh) {
+  for (const double t : {1.0, 0.5, 1.0 / 19, 1.0 / 21, 1e-6}) {
+    const MeshQuality quality = right_triangle(t);
+    EXPECT_NEAR(quality.worst_aspect, (1 + t * t) / t, 1e-9 / t) << t;
+    EXPECT_EQ(quality.slivers, t < 0.05 ? 1u : 0u) << t;
+    EXPECT_EQ(quality.no_area, 0u);
+    EXPECT_NEAR(quality.border_length, 1 + t + std::sqrt(1 + t * t), 1e-12);
+  }
+  EXPECT_EQ(sliver_aspect, 20);
+}
+
+TEST(MeshQuality, TrianglesWithoutAreaAreSliversWithoutAspect) {
+  const std::vector<Vec3d> positions{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}};
+  const std::vector<Triangle> triangles{{{0, 1, 2}}, {{0, 1, 3}}, {{0, 1, 1}}};  // the last one does not count
+  const MeshQuality quality = measure_quality(positions, triangles);
+  EXPECT_EQ(quality.triangles, 2u);
+  EXPECT_EQ(quality.no_area, 1u);
+  EXPECT_EQ(quality.slivers, 1u);
+  EXPECT_EQ(quality.sliver_share(), 0.5);
+  EXPECT_DOUBLE_EQ(quality.worst_aspect, 2);
+  EXPECT_EQ(right_triangle(0).worst_aspect, 0);
+  EXPECT_EQ(measure_quality({}, {}).sliver_share(), 0);
+}
+
+TEST(MeshQuality, BordersAreEdgesOfOneTriangle) {
+  const RawMesh sheet = square(4, 30);
+  EXPECT_NEAR(measure_quality(sheet.positions, sheet.triangles).border_length, 4, 1e-12);
+  EXPECT_EQ(measure_quality(sheet.positions, sheet.triangles).border_edges, 16u);
+  const RawMesh closed = generate_mesh({Shape::box, 300, 1});
+  EXPECT_EQ(measure_quality(closed.positions, closed.triangles).border_length, 0);
+}
+
 // What rounding alone can make is no error; twice as much is one.
 TEST(GeometryColumns, AreZeroBelowTheResolutionOfPositions) {
   const auto scheduler = make_serial_scheduler();

@@ -7,6 +7,8 @@
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
+#include "experiments/studies/frame_measures.h"
+#include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
@@ -109,6 +111,49 @@ TEST(SurfaceSummary, TakesTheWorstFrameAndLeavesOutWhatNoneHas) {
   summary.add({.jump = JumpSample{}});  // no bound in one frame: none at all
   summary.add_to(row);
   EXPECT_TRUE(row.at("jump_over_bound").is_null());
+}
+
+// Two steps and a leap: what a sample says of the surface is what the metrics say of its frame, and of jumps where it
+// follows the frame before.
+TEST(SurfaceMeasures, TakeJumpsFromTheFrameBeforeThatAFrameFollows) {
+  const auto scheduler = make_serial_scheduler();
+  const Hierarchy hierarchy = built(0.2f, *scheduler);
+  const ImageSize size{64, 48};
+  ModelDrawer drawer(hierarchy, view_of_model(size, 1), "null", *scheduler);
+  SurfaceMeasures measures(hierarchy, size, *scheduler);
+  const std::vector<Camera> path = fly_in_path(hierarchy, 12);
+  struct Past {
+    Vec3f viewpoint;
+    Radii radii;
+    Selection whole;
+  };
+  std::vector<Past> frames;
+  std::vector<SurfaceSample> samples;
+  const std::vector<Shot> shots{{path[6], false}, {path[7], true}, {path[9], false}};
+  for (const Shot& shot : shots) {
+    (void)drawer.draw(shot.camera);
+    const ModelFrame& frame = drawer.view().frame().only();
+    samples.push_back(measures.measure(frame, shot));
+    Past& past = frames.emplace_back(Past{frame.morph.viewpoint, *frame.morph.radii, {}});
+    select_cells(hierarchy, past.radii, past.viewpoint, {}, past.whole);
+    double triangles = 0;
+    for (const SelectedCell& s : past.whole.cells)
+      triangles += static_cast<double>(hierarchy.cells[s.cell].triangles.size());
+    EXPECT_EQ(samples.back().triangles, triangles);
+    EXPECT_EQ(samples.back().leak_pixels, 0);
+  }
+  EXPECT_FALSE(samples[0].jump);
+  EXPECT_FALSE(samples[2].jump);
+  const auto morph = [&](const Past& past) {
+    return MorphContext{&hierarchy, &past.radii, Blend::smoothstep, past.viewpoint};
+  };
+  const PopReport jumps =
+      largest_jump(morph(frames[0]), frames[0].whole, morph(frames[1]), frames[1].whole, *scheduler);
+  ASSERT_GT(jumps.max_jump, 0);
+  ASSERT_TRUE(samples[1].jump);
+  EXPECT_EQ(samples[1].jump->largest, 100 * jumps.max_jump);
+  EXPECT_EQ(samples[1].jump->per_step, jumps.max_jump / jumps.step);
+  EXPECT_EQ(samples[1].jump->over_bound, jumps.jump_over_bound);
 }
 
 ImageQuality picture(double mean, double p99, double psnr, double ssim, double flip) {
