@@ -1,4 +1,5 @@
-// Below which distances say nothing: positions of hierarchies, maps and progressive meshes are float32 in the unit cube.
+// Below which distances say nothing: positions of hierarchies, maps and progressive meshes are float32 in the unit
+// cube.
 #pragma once
 
 namespace lodestone {
