@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t channels = 4, colours = 3;
 
+// PSNR where the squares of all differences add up to this.
+double decibels(double pixels, double squares) { return 10 * std::log10(255.0 * 255.0 * colours * pixels / squares); }
+
 }  // namespace
 
 void check_comparable(const Image& a, const Image& b) {
@@ -57,6 +60,8 @@ ErrorMap absolute_error(const Image& a, const Image& b) {
   return map;
 }
 
+double largest_psnr(std::uint64_t pixels) { return decibels(static_cast<double>(pixels), 1); }
+
 double psnr(const Image& a, const Image& b) {
   check_comparable(a, b);
   std::uint64_t sum = 0;
@@ -66,8 +71,7 @@ double psnr(const Image& a, const Image& b) {
     sum += static_cast<std::uint64_t>(d * d);
   }
   if (sum == 0) return std::numeric_limits<double>::infinity();
-  const double values = static_cast<double>(a.rgba.size() / channels * colours);
-  return 10 * std::log10(255.0 * 255.0 * values / static_cast<double>(sum));
+  return decibels(static_cast<double>(a.rgba.size() / channels), static_cast<double>(sum));
 }
 
 }  // namespace lodestone

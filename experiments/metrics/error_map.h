@@ -34,6 +34,10 @@ struct ErrorSummary {
 // Mean square error of red, green and blue in decibels below full scale; infinite for equal pictures.
 [[nodiscard]] double psnr(const Image& a, const Image& b);
 
+// The largest that is finite: of two pictures of so many pixels, one of them at least, that differ by the least step of
+// one colour of one pixel.
+[[nodiscard]] double largest_psnr(std::uint64_t pixels);
+
 // Throws InputError, as said above.
 void check_comparable(const Image& a, const Image& b);
 

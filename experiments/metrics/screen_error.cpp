@@ -1,9 +1,11 @@
 #include "experiments/metrics/screen_error.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "experiments/metrics/drawn_mesh.h"
+#include "experiments/metrics/position_resolution.h"
 #include "experiments/metrics/screen.h"
 
 namespace lodestone {
@@ -30,6 +32,7 @@ Farthest farthest(std::size_t count, const PointOf& point_of, const TriangleBvh&
       const TriangleBvh::Nearest nearest = other.nearest(p, hint);
       hint = nearest.slot;
       ++own.points;
+      if (resolved(std::sqrt(nearest.squared_distance)) == 0) continue;
       if (const auto to = screen.project(nearest.point)) own.pixels = std::max(own.pixels, distance(*from, *to));
     }
   });

@@ -2,7 +2,8 @@
 //
 // Points of either surface inside the picture are taken to the nearest point of the other one; both are projected, and
 // the distance of the two in the picture counts. Points of the drawn surface are its vertices and the centres of its
-// triangles, those of the full one its vertices.
+// triangles, those of the full one its vertices. Points that are nearer than positions are exact
+// (position_resolution.h) have no distance.
 #pragma once
 
 #include <cstdint>

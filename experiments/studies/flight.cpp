@@ -106,7 +106,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   row["admissible"] = drawn.view().admissible();
   if (context.repetition > 0) return {row};
 
-  SurfaceMeasures surface(hierarchy, *scheduler);
+  SurfaceMeasures surface(hierarchy, size, *scheduler);
   const bool with_pictures = parameters.flag("image");
   ModelDrawer picture(hierarchy, view, with_pictures ? "soft" : "null", *scheduler);
   ModelDrawer full(hierarchy, at_full_detail(view), with_pictures ? "soft" : "null", *scheduler);
@@ -118,13 +118,10 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
     check_cancelled(context);
     picture.draw(shots[i].camera);
     const ModelFrame& frame = picture.view().frame().only();
-    Image whole;
+    cracks_and_pops.add(surface.measure(frame, shots[i]));
     if (with_pictures) {
       full.draw(shots[i].camera);
-      whole = full.renderer().read_back();
-    }
-    cracks_and_pops.add(surface.measure(frame, size, shots[i].follows, with_pictures ? &whole : nullptr));
-    if (with_pictures) {
+      const Image whole = full.renderer().read_back();
       const Image seen = picture.renderer().read_back();
       PictureSample sample = pictures.measure(seen, whole, frame.view_projection, shots[i].follows);
       worst.offer(seen, whole, sample.quality.flip.mean);

@@ -11,9 +11,6 @@
 namespace lodestone {
 namespace {
 
-// Of a T-junction: beyond rounding, below anything that can be seen.
-constexpr double junction_tolerance = 1e-6;
-
 // Black, red, yellow, white.
 Image heat_map(const ErrorMap& map) {
   Image image{map.size, {}, {}};
@@ -33,12 +30,14 @@ JumpSample sample_of(const PopReport& jumps) {
 
 }  // namespace
 
-SurfaceMeasures::SurfaceMeasures(const Hierarchy& hierarchy, Scheduler& scheduler)
-    : hierarchy_(hierarchy), scheduler_(scheduler), basis_(make_crack_basis(hierarchy, scheduler)) {}
+SurfaceMeasures::SurfaceMeasures(const Hierarchy& hierarchy, ImageSize size, Scheduler& scheduler)
+    : hierarchy_(hierarchy), size_(size), scheduler_(scheduler), basis_(make_crack_basis(hierarchy, scheduler)) {
+  if (basis_.unpaired.empty()) full_.emplace(hierarchy, at_full_detail(view_of_model(size, 1)), "soft", scheduler);
+}
 
-SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, ImageSize size, bool follows, const Image* full) {
+SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, const Shot& shot) {
   const MorphContext& morph = frame.morph;
-  const Screen screen(frame.view_projection, size);
+  const Screen screen(frame.view_projection, size_);
   Selection whole;
   select_cells(hierarchy_, *morph.radii, morph.viewpoint, {}, whole);
   SurfaceSample sample;
@@ -48,15 +47,17 @@ SurfaceSample SurfaceMeasures::measure(const ModelFrame& frame, ImageSize size, 
   sample.open_edges = static_cast<double>(residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges);
   const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, &screen);
   sample.gap = 100 * gaps.gap_max, sample.gap_mean = 100 * gaps.gap_mean, sample.gap_pixels = gaps.gap_max_pixels;
-  sample.t_junctions = static_cast<double>(t_junctions(morph, whole, junction_tolerance, scheduler_).vertices);
-  if (basis_.unpaired.empty()) {
-    LeakConfig config;
-    if (full) config.full_depth = full->depth;
-    const LeakReport leaks = find_leaks(morph, whole, screen, scheduler_, config);
+  sample.gap_mean_pixels = gaps.gap_mean_pixels;
+  const double near = junction_tolerance * cell_size(hierarchy_.finest());
+  sample.t_junctions = static_cast<double>(t_junctions(morph, whole, near, scheduler_).vertices);
+  if (full_) {
+    full_->draw(shot.camera);
+    const Image full = full_->renderer().read_back();
+    const LeakReport leaks = find_leaks(morph, whole, screen, scheduler_, {.full_depth = full.depth});
     sample.torn_pixels = static_cast<double>(leaks.torn);
     sample.leak_pixels = static_cast<double>(leaks.leak_pixels());
   }
-  if (!follows) jumps_.forget();
+  if (!shot.follows) jumps_.forget();
   const auto jumps = jumps_.follow(morph, std::move(whole), scheduler_, {.percentiles = true, .screen = &screen});
   if (jumps) sample.jump = sample_of(*jumps);
   return sample;

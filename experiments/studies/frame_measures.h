@@ -8,6 +8,7 @@
 #include "experiments/metrics/cracks.h"
 #include "experiments/metrics/error_map.h"
 #include "experiments/metrics/jump_tracker.h"
+#include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/surface_summary.h"
 #include "parallel/scheduler.h"
@@ -19,19 +20,22 @@ namespace lodestone {
 // The drawn surface of a morphing hierarchy, whole and before culling.
 class SurfaceMeasures {
  public:
-  // The hierarchy outlives it. Leaks are looked for where the surface is closed.
-  SurfaceMeasures(const Hierarchy& hierarchy, Scheduler& scheduler);
+  // Of pictures of a size. The hierarchy outlives it.
+  SurfaceMeasures(const Hierarchy& hierarchy, ImageSize size, Scheduler& scheduler);
 
-  // `follows`: the frame measured before is a step away. `full`: the picture of the full model by the same camera, or
-  // null.
-  [[nodiscard]] SurfaceSample measure(const ModelFrame& frame, ImageSize size, bool follows, const Image* full);
+  // `frame` is what the shot's camera sees.
+  [[nodiscard]] SurfaceSample measure(const ModelFrame& frame, const Shot& shot);
 
  private:
   const Hierarchy& hierarchy_;
+  ImageSize size_;
   Scheduler& scheduler_;
   CrackBasis basis_;
   CrackScratch scratch_;
   JumpTracker jumps_;
+  // Draws M_L, for the silhouette that leaks of the background lie in. Of closed models alone, and of its own: what
+  // leaks must not depend on which pictures are asked for, nor on what draws them.
+  std::optional<ModelDrawer> full_;
 };
 
 // Pictures against those of the full model.

@@ -1,8 +1,10 @@
 #include "experiments/studies/geometry_columns.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "experiments/metrics/geometry_error.h"
+#include "experiments/metrics/position_resolution.h"
 
 namespace lodestone {
 
@@ -31,11 +33,12 @@ double diagonal_of(const RawMesh& mesh) {
 
 void add_geometry(Row& row, const RawMesh& reference, const RawMesh& mesh, Scheduler& scheduler) {
   const GeometryError error = geometry_error(reference, mesh, {}, scheduler);
-  row["rms"] = 100 * error.rms;
-  row["error_max"] = 100 * error.hausdorff;
-  row["error_mean"] = 100 * error.mean;
-  row["error_p99"] = 100 * error.p99;
-  row["normal_mean"] = std::max(error.normals.forward.mean, error.normals.backward.mean);
+  constexpr double degrees = 180 / std::numbers::pi;
+  row["rms"] = 100 * resolved(error.rms);
+  row["error_max"] = 100 * resolved(error.hausdorff);
+  row["error_mean"] = 100 * resolved(error.mean);
+  row["error_p99"] = 100 * resolved(error.p99);
+  row["normal_mean"] = degrees * resolved(std::max(error.normals.forward.mean, error.normals.backward.mean) / degrees);
   row["slivers"] = 100 * error.quality.sliver_share();
 }
 

@@ -16,15 +16,34 @@ struct PictureSample {
   std::optional<ImagePops> pops, flip_pops;  // where it follows the frame before
 };
 
+// Pictures one by one, as columns.
+class QualitySummary {
+ public:
+  void add(ImageQuality quality) { samples_.push_back(std::move(quality)); }
+
+  [[nodiscard]] static std::vector<ColumnInfo> columns();
+  // Nothing where nothing was added.
+  void add_to(Row& row) const;
+  static void check(RowVerdict& verdict);
+
+ private:
+  std::vector<ImageQuality> samples_;
+};
+
+// And what changes from one to the next.
 class PictureSummary {
  public:
-  void add(PictureSample sample) { samples_.push_back(std::move(sample)); }
+  void add(PictureSample sample) {
+    quality_.add(sample.quality);
+    samples_.push_back(std::move(sample));
+  }
 
   [[nodiscard]] static std::vector<ColumnInfo> columns();
   void add_to(Row& row) const;
   static void check(RowVerdict& verdict);
 
  private:
+  QualitySummary quality_;
   std::vector<PictureSample> samples_;
 };
 

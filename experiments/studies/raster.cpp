@@ -1,13 +1,12 @@
 // Experiment `raster`: what drawing costs, and how near the picture is to that of the full model.
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "experiments/metrics/cost.h"
 #include "experiments/metrics/image_quality.h"
 #include "experiments/metrics/screen_error.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/model_drawer.h"
+#include "experiments/studies/picture_summary.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
@@ -40,14 +39,11 @@ std::vector<ColumnInfo> columns() {
       {"mtri_per_second", "million/s", "triangles drawn over frame_ms", cost},
       {"peak_memory", "bytes", "largest resident set while drawing, the model included", cost},
       {"screen_error", "pixels", "largest distance in the picture between what is drawn and the full model", accuracy},
-      {"image_error", "%", "mean difference from the full model's picture", accuracy},
-      {"psnr", "dB", "of the worst picture that differs at all", quality},
-      {"ssim", "", "of the worst picture", quality},
-      {"flip", "", "mean FLIP of the worst picture", accuracy},
       {"hash", "", "of all pictures", label},
       {"same", "", "a single thread draws the same pictures", label},
   };
   append(list, frame_columns("a frame, from camera to picture"));
+  append(list, QualitySummary::columns());
   return list;
 }
 
@@ -62,8 +58,8 @@ std::uint64_t hash_of_pictures(ModelDrawer& drawer, std::span<const Shot> shots,
   return sum;
 }
 
-// What is worst of some frames, against the full model drawn by the same backend.
-class WorstFrame {
+// Some frames against the full model drawn by the same backend.
+class FrameAccuracy {
  public:
   void measure(ModelDrawer& drawn, ModelDrawer& full, const Shot& shot, ImageSize size, const ScreenErrorBasis& basis,
                Scheduler& scheduler) {
@@ -76,22 +72,17 @@ class WorstFrame {
     full.draw(shot.camera);
     const Image picture = drawn.renderer().read_back();
     if (picture.rgba.empty()) return;
-    const ImageQuality quality = image_quality(full.renderer().read_back(), picture, scheduler);
-    pictures_ = true;
-    mean_ = std::max(mean_, quality.mean_absolute), flip_ = std::max(flip_, quality.flip.mean);
-    psnr_ = std::min(psnr_, quality.psnr), ssim_ = std::min(ssim_, quality.ssim);
+    quality_.add(image_quality(full.renderer().read_back(), picture, scheduler));
   }
 
   void add_to(Row& row) const {
     row["screen_error"] = screen_;
-    if (!pictures_) return;
-    row["image_error"] = 100 * mean_, row["flip"] = flip_, row["ssim"] = ssim_;
-    row["psnr"] = std::isfinite(psnr_) ? Row(psnr_) : Row();
+    quality_.add_to(row);
   }
 
  private:
-  bool pictures_ = false;
-  double screen_ = 0, mean_ = 0, flip_ = 0, ssim_ = 1, psnr_ = std::numeric_limits<double>::infinity();
+  double screen_ = 0;
+  QualitySummary quality_;
 };
 
 void add_accuracy(Row& row, ModelDrawer& drawn, const ViewConfig& view, const Hierarchy& hierarchy,
@@ -106,12 +97,12 @@ void add_accuracy(Row& row, ModelDrawer& drawn, const ViewConfig& view, const Hi
   if (measured == 0) return;
   ModelDrawer full(hierarchy, at_full_detail(view), backend, scheduler);
   const ScreenErrorBasis basis(hierarchy);
-  WorstFrame worst;
+  FrameAccuracy accuracy;
   for (std::size_t i = 0; i < measured; ++i) {
     check_cancelled(context);
-    worst.measure(drawn, full, shots[i * shots.size() / measured], view_size(parameters), basis, scheduler);
+    accuracy.measure(drawn, full, shots[i * shots.size() / measured], view_size(parameters), basis, scheduler);
   }
-  worst.add_to(row);
+  accuracy.add_to(row);
   if (backend != "null") write_png(context.directory + "/last.png", drawn.renderer().read_back());
 }
 
@@ -144,8 +135,7 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   verdict.is_true("same");
   // The tolerance is a bound for estimated errors; decision 0004 says how far an estimate may be off.
   verdict.at_most("screen_error", 2 * parameters.number("pixel_error"));
-  for (const char* column : {"ssim", "flip"}) verdict.at_most(column, 1 + 1e-9);
-  verdict.at_most("image_error", 100);
+  QualitySummary::check(verdict);
   return std::move(verdict).messages();
 }
 

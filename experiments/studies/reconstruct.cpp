@@ -7,6 +7,7 @@
 #include "core/mesh/raw_mesh.h"
 #include "experiments/metrics/cost.h"
 #include "experiments/metrics/mesh_quality.h"
+#include "experiments/metrics/position_resolution.h"
 #include "experiments/metrics/surface_coverage.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/geometry_columns.h"
@@ -122,7 +123,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
     const SurfaceCoverage seen =
         measure_coverage(made.report.views.visible_points, made.mesh, mesh.transform, made.report.spacing, *scheduler);
     row["coverage"] = 100 * seen.share;
-    row["visible_rms"] = 100 * seen.rms * mesh.transform.scale / diagonal_of(in_model_space(mesh));
+    row["visible_rms"] = 100 * resolved(seen.rms * mesh.transform.scale / diagonal_of(in_model_space(mesh)));
     check_cancelled(context);
     if (config.backend == "soft")
       same = same && hash == hash_of(reconstruct(mesh, config, *make_serial_scheduler()).mesh);

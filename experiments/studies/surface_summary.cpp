@@ -15,7 +15,10 @@ std::vector<ColumnInfo> SurfaceSummary::columns() {
       {"gap_max", percent, "largest distance of two places at which one vertex is drawn", accuracy},
       {"gap_mean", percent, "mean of these distances where there are any, of the worst frame", accuracy},
       {"gap_pixels", "pixels", "largest distance of two places at which one vertex is drawn", accuracy},
-      {"t_junctions", "", "border vertices inside a border edge, most", accuracy},
+      {"gap_mean_pixels", "pixels", "mean of these distances where there are any in view, of the worst frame",
+       accuracy},
+      {"t_junctions", "",
+       "border vertices nearer to the inside of another border edge than 1 % of a finest cell's side, most", accuracy},
       {"torn_pixels", "pixels", "rays through a crack of a closed model, hidden or not, most", accuracy},
       {"leak_pixels", "pixels", "where a closed model shows its inside or what is behind it, most", accuracy},
       {"jump_max", percent, "largest way of a vertex from one frame to the next", accuracy},
@@ -23,7 +26,9 @@ std::vector<ColumnInfo> SurfaceSummary::columns() {
       {"jump_per_step", "", "largest way of a vertex over that of the viewpoint", accuracy},
       {"jump_pixels", "pixels", "largest way of a vertex in the picture, without the camera's own", accuracy},
       {"jump_p99_pixels", "pixels", "way that 99 % of the vertices in view do not exceed, most", accuracy},
-      {"jump_over_bound", "", "largest jump over its analytic bound; above 1: a pop; null: there is no bound",
+      {"jump_over_bound", "",
+       "largest jump over the analytic bound of the morph (of blend = step: of a linear one); above 1: a pop; null: "
+       "there is no bound",
        accuracy},
   };
 }
@@ -44,6 +49,7 @@ void SurfaceSummary::add_to(Row& row) const {
   for (const SurfaceSample& s : samples_) {
     most("open_edges", s.open_edges), most("t_junctions", s.t_junctions);
     most("gap_max", s.gap), most("gap_mean", s.gap_mean), most("gap_pixels", s.gap_pixels);
+    most("gap_mean_pixels", s.gap_mean_pixels);
     most("torn_pixels", s.torn_pixels), most("leak_pixels", s.leak_pixels);
     if (!s.jump) continue;
     most("jump_max", s.jump->largest), most("jump_p99", s.jump->p99), most("jump_per_step", s.jump->per_step);
@@ -56,6 +62,7 @@ void SurfaceSummary::add_to(Row& row) const {
 
 void SurfaceSummary::check(RowVerdict& verdict, bool continuous_blend) {
   verdict.in_order("gap_mean", "gap_max");
+  verdict.in_order("gap_mean_pixels", "gap_pixels");
   verdict.in_order("jump_p99", "jump_max");
   verdict.in_order("jump_p99_pixels", "jump_pixels");
   verdict.at_most("cracked_frames", 100);

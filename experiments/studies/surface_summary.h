@@ -18,7 +18,7 @@ struct JumpSample {
 
 // One frame, whole and before culling.
 struct SurfaceSample {
-  double triangles = 0, open_edges = 0, gap = 0, gap_mean = 0, gap_pixels = 0, t_junctions = 0;
+  double triangles = 0, open_edges = 0, gap = 0, gap_mean = 0, gap_pixels = 0, gap_mean_pixels = 0, t_junctions = 0;
   std::optional<double> torn_pixels{}, leak_pixels{};  // of closed models
   std::optional<JumpSample> jump{};                    // where it follows the frame before
 };

@@ -67,6 +67,7 @@ SurfaceSample surface_of(const SystemRow& row, const SystemModel& model, bool fo
     sample.triangles += static_cast<double>(model.hierarchy->cells[s.cell].triangles.size());
   sample.open_edges = static_cast<double>(row.open_edges);
   sample.gap = percent * row.gap_max, sample.gap_mean = percent * row.gap_mean, sample.gap_pixels = row.gap_max_pixels;
+  sample.gap_mean_pixels = row.gap_mean_pixels;
   sample.t_junctions = static_cast<double>(row.t_junctions);
   if (row.closed) {
     sample.torn_pixels = static_cast<double>(row.torn_pixels);
@@ -75,6 +76,7 @@ SurfaceSample surface_of(const SystemRow& row, const SystemModel& model, bool fo
   // Nothing moves in a cross-fade: what changes is in the pictures alone.
   if (!follows || row.system == LodSystem::cross_fade) return sample;
   JumpSample jump{percent * row.jump_max, percent * row.jump_p99, row.jump_max_pixels, row.jump_p99_pixels, {}, {}};
+  if (row.step > 0) jump.per_step = row.jump_max / row.step;
   if (std::isfinite(row.jump_over_bound)) jump.over_bound = row.jump_over_bound;
   sample.jump = jump;
   return sample;

@@ -1,7 +1,7 @@
 #include "experiments/systems/system_flight.h"
 
 #include <algorithm>
-#include <optional>
+#include <limits>
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks.h"
@@ -94,10 +94,8 @@ class Flight {
       gap_sum += unit * gaps.gap_mean * static_cast<double>(gaps.gaps);
       pixel_sum += gaps.gap_mean_pixels * static_cast<double>(gaps.gaps_in_view);
       in_view += gaps.gaps_in_view;
-      if (config_.junction_tolerance >= 0)
-        row.t_junctions += t_junctions(context, model.whole,
-                                       config_.junction_tolerance * cell_size(model.hierarchy->finest()), scheduler_)
-                               .junctions;
+      const double near = junction_tolerance * cell_size(model.hierarchy->finest());
+      row.t_junctions += t_junctions(context, model.whole, near, scheduler_).vertices;
       if (config_.leaks && bases_[m].closed) add_leaks(context, model, screen, full, row);
       if (row.frame > 0 && row.system != LodSystem::cross_fade) add_jumps(past.models[m], model, screen, row);
     }
@@ -119,15 +117,18 @@ class Flight {
     MorphContext morph_before = before.context(), morph_after = after.context();
     morph_before.radii = &before.morph;
     morph_after.radii = &after.morph;
+    morph_before.blend = morph_after.blend = config_.view.blend;  // `step` has another one of its own
     const std::vector<double> bounds = jump_bounds(morph_before, morph_after);
     const PopReport jumps = largest_jump(before.context(), before.whole, after.context(), after.whole, scheduler_,
                                          {.percentiles = true, .screen = &screen, .bounds = bounds});
     const double unit = after.hierarchy->transform.scale;
+    row.step = std::max(row.step, unit * jumps.step);
     row.jump_max = std::max(row.jump_max, unit * jumps.max_jump);
     row.jump_p99 = std::max(row.jump_p99, unit * jumps.p99_jump);
     row.jump_max_pixels = std::max(row.jump_max_pixels, jumps.max_jump_pixels);
     row.jump_p99_pixels = std::max(row.jump_p99_pixels, jumps.p99_jump_pixels);
-    row.jump_over_bound = std::max(row.jump_over_bound, jumps.jump_over_bound);
+    row.jump_over_bound =
+        std::max(row.jump_over_bound, jumps.bounded ? jumps.jump_over_bound : std::numeric_limits<double>::infinity());
   }
 
   const SystemFlightConfig& config_;

@@ -21,8 +21,6 @@ struct SystemFlightConfig {
   ImagePopConfig pops;
   bool geometry = true;  // cracks and jumps of the drawn surface
   bool leaks = true;     // of closed models: asks for geometry
-  // Tolerance of T-junctions over h of the finest level; negative: they are not looked for.
-  double junction_tolerance = 0.01;
   const CancelFlag* cancel = nullptr;
 };
 
@@ -41,13 +39,15 @@ struct SystemRow {
   std::uint64_t open_edges = 0;  // residual edges
   std::uint64_t gaps = 0;
   double gap_max = 0, gap_mean = 0, gap_max_pixels = 0, gap_mean_pixels = 0;
-  std::uint64_t t_junctions = 0;
-  bool closed = false;  // all models are: leaks have a meaning
+  std::uint64_t t_junctions = 0;  // border vertices within junction_tolerance of an edge
+  bool closed = false;            // all models are: leaks have a meaning
   std::uint64_t leak_pixels = 0, torn_pixels = 0;
   // Of vertices since the frame before. A cross-fade moves none: what it shows is in the pictures alone, and the jumps
   // are left at 0, as they are where the selections cannot be compared.
+  double step = 0;  // way of the viewpoint, longest
   double jump_max = 0, jump_p99 = 0, jump_max_pixels = 0, jump_p99_pixels = 0;
-  double jump_over_bound = 0;  // of the morph's analytic bound, for discrete and step, too; infinite: it has none
+  // Of the analytic bound of the morph by the view's own blend, for discrete and step, too; infinite: it has none.
+  double jump_over_bound = 0;
 };
 
 // Called with each row as it is done, by frame and then in the order of `systems`, with the picture, the one of the

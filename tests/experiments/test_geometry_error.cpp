@@ -8,6 +8,8 @@
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
 #include "experiments/metrics/geometry_error.h"
+#include "experiments/metrics/position_resolution.h"
+#include "experiments/studies/geometry_columns.h"
 #include "parallel/compare.h"
 
 namespace lodestone {
@@ -171,6 +173,61 @@ TEST(GeometryError, PutsTheMeasuresTogether) {
   EXPECT_DOUBLE_EQ(part.hausdorff * part.distance.diagonal,
                    std::max(part.distance.forward.max, part.distance.backward.max));
   EXPECT_THROW((void)geometry_error(reference, {}, {}, *scheduler), InputError);
+}
+
+MeshQuality right_triangle(double leg) {
+  const std::vector<Vec3d> positions{{0, 0, 0}, {1, 0, 0}, {0, leg, 0}};
+  return measure_quality(positions, std::vector<Triangle>{{{0, 1, 2}}});
+}
+
+// With legs 1 and t the longest edge is sqrt(1 + t^2), and the height above it t over that.
+TEST(MeshQuality, SliversAreTwentyTimesAsLongAsHigh) {
+  for (const double t : {1.0, 0.5, 1.0 / 19, 1.0 / 21, 1e-6}) {
+    const MeshQuality quality = right_triangle(t);
+    EXPECT_NEAR(quality.worst_aspect, (1 + t * t) / t, 1e-9 / t) << t;
+    EXPECT_EQ(quality.slivers, t < 0.05 ? 1u : 0u) << t;
+    EXPECT_EQ(quality.no_area, 0u);
+    EXPECT_NEAR(quality.border_length, 1 + t + std::sqrt(1 + t * t), 1e-12);
+  }
+  EXPECT_EQ(sliver_aspect, 20);
+}
+
+TEST(MeshQuality, TrianglesWithoutAreaAreSliversWithoutAspect) {
+  const std::vector<Vec3d> positions{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}};
+  const std::vector<Triangle> triangles{{{0, 1, 2}}, {{0, 1, 3}}, {{0, 1, 1}}};  // the last one does not count
+  const MeshQuality quality = measure_quality(positions, triangles);
+  EXPECT_EQ(quality.triangles, 2u);
+  EXPECT_EQ(quality.no_area, 1u);
+  EXPECT_EQ(quality.slivers, 1u);
+  EXPECT_EQ(quality.sliver_share(), 0.5);
+  EXPECT_DOUBLE_EQ(quality.worst_aspect, 2);
+  EXPECT_EQ(right_triangle(0).worst_aspect, 0);
+  EXPECT_EQ(measure_quality({}, {}).sliver_share(), 0);
+}
+
+TEST(MeshQuality, BordersAreEdgesOfOneTriangle) {
+  const RawMesh sheet = square(4, 30);
+  EXPECT_NEAR(measure_quality(sheet.positions, sheet.triangles).border_length, 4, 1e-12);
+  EXPECT_EQ(measure_quality(sheet.positions, sheet.triangles).border_edges, 16u);
+  const RawMesh closed = generate_mesh({Shape::box, 300, 1});
+  EXPECT_EQ(measure_quality(closed.positions, closed.triangles).border_length, 0);
+}
+
+// What rounding alone can make is no error; twice as much is one.
+TEST(GeometryColumns, AreZeroBelowTheResolutionOfPositions) {
+  const auto scheduler = make_serial_scheduler();
+  RawMesh reference = generate_mesh({Shape::torus, 2000, 1}), copy = reference;
+  const Vec3d far{100.1, -70.3, 0.7};
+  for (Vec3d& p : copy.positions) p = (p + far) - far;
+  Row row;
+  add_geometry(row, reference, copy, *scheduler);
+  EXPECT_GT(geometry_error(reference, copy, {}, *scheduler).hausdorff, 0);
+  for (const char* column : {"rms", "error_max", "error_mean", "error_p99"}) EXPECT_EQ(row.at(column), 0) << column;
+
+  const double apart = 2 * position_resolution * std::sqrt(2.0);
+  add_geometry(row, square(4, 0), square(4, 0, apart), *scheduler);
+  EXPECT_NEAR(row.at("rms").get<double>(), 200 * position_resolution, 1e-12);
+  EXPECT_EQ(row.at("normal_mean"), 0);
 }
 
 }  // namespace

@@ -132,6 +132,14 @@ TEST(AbsoluteError, CountsTheWorstColourAndNoAlpha) {
   EXPECT_EQ(quality.flip.pixels, 0u);
 }
 
+TEST(AbsoluteError, OneStepOfOneColourHasTheLargestFinitePsnr) {
+  const Image a = uniform({7, 3}, {10, 20, 30});
+  Image b = a;
+  b.rgba[4 * 5 + 1] += 1;
+  EXPECT_EQ(psnr(a, b), largest_psnr(21));
+  EXPECT_DOUBLE_EQ(largest_psnr(21), 10 * std::log10(255.0 * 255.0 * 3 * 21));
+}
+
 TEST(AbsoluteError, EqualPicturesAreInfinitelyGood) {
   const auto scheduler = make_serial_scheduler();
   const Image a = pattern(small, 1);

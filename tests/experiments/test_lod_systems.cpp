@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks.h"
+#include "experiments/studies/frame_measures.h"
 #include "experiments/systems/lod_system.h"
 #include "experiments/systems/system_flight.h"
 #include "tests/experiments/lod_frames.h"
@@ -203,6 +204,78 @@ TEST(SystemFlight, TellsTheSystemsApart) {
   EXPECT_GT(discrete.pops.changed_share, morph.pops.changed_share);
   EXPECT_EQ(fade.pictures, 2);
   EXPECT_EQ(fade.jump_over_bound, 0);
+}
+
+// Of one path by the systems that let vertices jump, the largest ratio.
+std::map<LodSystem, double> jumps_over_bound(Scene scene, Blend blend) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene, {{&torus()}});
+  SystemFlightConfig config;
+  config.cameras = approach(8);
+  config.view = view_config(view.scene(), {32, 24});
+  config.view.blend = blend;
+  config.systems = {LodSystem::step, LodSystem::discrete};
+  config.quality = {.with_flip = false, .with_ssim = false};
+  config.leaks = false;
+  std::map<LodSystem, double> largest;
+  for (const SystemRow& row : fly_systems(view, *renderer, config, *scheduler))
+    largest[row.system] = std::max(largest[row.system], row.jump_over_bound);
+  return largest;
+}
+
+// Neither of the two morphs, so that the view's blend changes what they are measured by and nothing else.
+TEST(SystemFlight, JumpsAreMeasuredByTheBoundOfTheViewsBlend) {
+  auto linear = jumps_over_bound(scene_of_torus(), Blend::linear),
+       smooth = jumps_over_bound(scene_of_torus(), Blend::smoothstep);
+  for (const LodSystem system : {LodSystem::step, LodSystem::discrete}) {
+    EXPECT_GT(smooth[system], 0) << name_of(system);
+    EXPECT_DOUBLE_EQ(linear[system], 1.5 * smooth[system]) << name_of(system);
+  }
+}
+
+// The experiments `flight` and `systems` measure a surface alike: what discrete levels draw, by either.
+TEST(SystemFlight, MeasuresASurfaceAsAFlightDoes) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene_of_torus(), {{&torus()}});
+  SystemFlightConfig config;
+  config.cameras = approach(6);
+  config.view = view_config(view.scene(), size);
+  config.systems = {LodSystem::discrete};
+  config.quality = {.with_flip = false, .with_ssim = false};
+  SurfaceMeasures measures(torus(), size, *scheduler);
+  std::uint64_t junctions = 0;
+  (void)fly_systems(view, *renderer, config, *scheduler,
+                    [&](const SystemRow& row, const SystemPicture& drawn, const Image&) {
+                      const SystemModel& model = drawn.models.front();
+                      ModelFrame frame;
+                      frame.morph = model.context();
+                      frame.view_projection = model.view_projection;
+                      const SurfaceSample sample = measures.measure(frame, {config.cameras[row.frame], row.frame > 0});
+                      const double percent = 100 / torus().transform.scale;
+                      EXPECT_EQ(sample.open_edges, row.open_edges);
+                      EXPECT_EQ(sample.t_junctions, row.t_junctions);
+                      EXPECT_EQ(sample.torn_pixels, row.torn_pixels);
+                      EXPECT_EQ(sample.gap_pixels, row.gap_max_pixels);
+                      EXPECT_EQ(sample.gap_mean_pixels, row.gap_mean_pixels);
+                      ASSERT_EQ(sample.jump.has_value(), row.frame > 0);
+                      if (sample.jump) {
+                        EXPECT_NEAR(sample.jump->largest, percent * row.jump_max, 1e-9);
+                        EXPECT_NEAR(sample.jump->per_step.value(), row.jump_max / row.step, 1e-9);
+                      }
+                      EXPECT_NEAR(sample.gap, percent * row.gap_max, 1e-9);
+                      EXPECT_NEAR(sample.gap_mean, percent * row.gap_mean, 1e-9);
+                      junctions += row.t_junctions;
+                    });
+  EXPECT_GT(junctions, 0u);
+}
+
+TEST(SystemFlight, JumpsHaveNoBoundWhereTheMorphHasNone) {
+  Scene scene = scene_of_torus(0.3f);
+  scene.radii.rule = RadiiRule::uniform;
+  for (const auto& [system, ratio] : jumps_over_bound(scene, Blend::linear))
+    EXPECT_EQ(ratio, std::numeric_limits<double>::infinity()) << name_of(system);
 }
 
 TEST(SystemFlight, RefusesWhatItCannotCompare) {

@@ -2,11 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
+#include "experiments/studies/frame_measures.h"
 #include "experiments/studies/frame_rounds.h"
+#include "experiments/studies/model_drawer.h"
+#include "experiments/studies/picture_summary.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
@@ -131,19 +135,147 @@ TEST(RowVerdict, Checks) {
 TEST(SurfaceSummary, TakesTheWorstFrameAndLeavesOutWhatNoneHas) {
   SurfaceSummary summary;
   summary.add({.triangles = 10, .open_edges = 0});
-  summary.add(
-      {.triangles = 30, .open_edges = 4, .gap = 0.5, .torn_pixels = 2, .jump = JumpSample{0.1, 0.05, 3, 2, 0.7, 0.9}});
+  summary.add({.triangles = 30,
+               .open_edges = 4,
+               .gap = 0.5,
+               .gap_mean_pixels = 3,
+               .torn_pixels = 2,
+               .jump = JumpSample{0.1, 0.05, 3, 2, 0.7, 0.9}});
   Row row;
   summary.add_to(row);
   EXPECT_EQ(row.at("surface_triangles"), 20);
   EXPECT_EQ(row.at("open_edges"), 4);
   EXPECT_EQ(row.at("cracked_frames"), 50);
   EXPECT_EQ(row.at("torn_pixels"), 2);
+  EXPECT_EQ(row.at("gap_mean_pixels"), 3);
   EXPECT_TRUE(row.at("leak_pixels").is_null());
   EXPECT_EQ(row.at("jump_over_bound"), 0.9);
   summary.add({.jump = JumpSample{}});  // no bound in one frame: none at all
   summary.add_to(row);
   EXPECT_TRUE(row.at("jump_over_bound").is_null());
+}
+
+// Two steps and a leap: what a sample says of the surface is what the metrics say of its frame, and of jumps where it
+// follows the frame before.
+TEST(SurfaceMeasures, TakeJumpsFromTheFrameBeforeThatAFrameFollows) {
+  const auto scheduler = make_serial_scheduler();
+  const Hierarchy hierarchy = built(0.2f, *scheduler);
+  const ImageSize size{64, 48};
+  ModelDrawer drawer(hierarchy, view_of_model(size, 1), "null", *scheduler);
+  SurfaceMeasures measures(hierarchy, size, *scheduler);
+  const std::vector<Camera> path = fly_in_path(hierarchy, 12);
+  struct Past {
+    Vec3f viewpoint;
+    Radii radii;
+    Selection whole;
+  };
+  std::vector<Past> frames;
+  std::vector<SurfaceSample> samples;
+  const std::vector<Shot> shots{{path[6], false}, {path[7], true}, {path[9], false}};
+  for (const Shot& shot : shots) {
+    (void)drawer.draw(shot.camera);
+    const ModelFrame& frame = drawer.view().frame().only();
+    samples.push_back(measures.measure(frame, shot));
+    Past& past = frames.emplace_back(Past{frame.morph.viewpoint, *frame.morph.radii, {}});
+    select_cells(hierarchy, past.radii, past.viewpoint, {}, past.whole);
+    double triangles = 0;
+    for (const SelectedCell& s : past.whole.cells)
+      triangles += static_cast<double>(hierarchy.cells[s.cell].triangles.size());
+    EXPECT_EQ(samples.back().triangles, triangles);
+    EXPECT_EQ(samples.back().leak_pixels, 0);
+  }
+  EXPECT_FALSE(samples[0].jump);
+  EXPECT_FALSE(samples[2].jump);
+  const auto morph = [&](const Past& past) {
+    return MorphContext{&hierarchy, &past.radii, Blend::smoothstep, past.viewpoint};
+  };
+  const PopReport jumps =
+      largest_jump(morph(frames[0]), frames[0].whole, morph(frames[1]), frames[1].whole, *scheduler);
+  ASSERT_GT(jumps.max_jump, 0);
+  ASSERT_TRUE(samples[1].jump);
+  EXPECT_EQ(samples[1].jump->largest, 100 * jumps.max_jump);
+  EXPECT_EQ(samples[1].jump->per_step, jumps.max_jump / jumps.step);
+  EXPECT_EQ(samples[1].jump->over_bound, jumps.jump_over_bound);
+}
+
+ImageQuality picture(double mean, double p99, double psnr, double ssim, double flip) {
+  ImageQuality quality;
+  quality.mean_absolute = mean, quality.absolute.p99 = p99, quality.absolute.pixels = 100;
+  quality.psnr = psnr, quality.ssim = ssim, quality.flip.mean = flip;
+  return quality;
+}
+
+TEST(QualitySummary, AveragesErrorsAndTellsTheWorstPicture) {
+  QualitySummary summary;
+  Row row = Row::object();
+  summary.add_to(row);
+  EXPECT_TRUE(row.empty());
+  summary.add(picture(0.01, 0.2, 40, 0.9, 0.25));
+  summary.add(picture(0.03, 0.1, 30, 0.95, 0.125));
+  summary.add_to(row);
+  const std::vector<std::pair<const char*, double>> expected{
+      {"image_error", 2}, {"image_error_worst", 3}, {"image_error_p99", 20}, {"psnr", 30},
+      {"ssim", 0.9},      {"flip", 0.1875},         {"flip_worst", 0.25}};
+  for (const auto& [column, value] : expected) EXPECT_DOUBLE_EQ(row.at(column), value) << column;
+  EXPECT_EQ(row.size(), QualitySummary::columns().size());
+}
+
+TEST(PictureSummary, TakesPopsOfPairsThatHavePixelsInCommon) {
+  const auto expect = [](const std::vector<PictureSample>& samples, const Row& expected) {
+    PictureSummary summary;
+    for (const PictureSample& sample : samples) summary.add(sample);
+    Row row = Row::object();
+    summary.add_to(row);
+    for (const auto& [column, value] : expected.items()) {
+      ASSERT_EQ(row.contains(column), !value.is_null()) << column;
+      if (row.contains(column)) {
+        EXPECT_DOUBLE_EQ(row.at(column), value) << column;
+      }
+    }
+  };
+  const PictureSample first{picture(0.01, 0.2, 40, 0.9, 0.25), {}, {}};
+  PictureSample second = first, third = first, apart = first;
+  second.pops = ImagePops{0.01, 0.1, 0.5, 0.02, 0.25, 20, 15, 80, 20};
+  second.flip_pops = ImagePops{0.02, 0.3, 0.4, 0.05, 0.5, 40, 30, 80, 20};
+  third.pops = ImagePops{0.03, 0.05, 0.25, 0.04, 0.125, 10, 7, 90, 10};
+  third.flip_pops = ImagePops{0.01, 0.2, 0.6, 0.01, 0.25, 20, 10, 90, 10};
+  apart.pops = apart.flip_pops = ImagePops{.without_predecessor = 100};
+  const Row both = {{"image_error", 1.0},
+                    {"flip", 0.25},
+                    {"pop_p50", 3.0},
+                    {"pop_p99", 10.0},
+                    {"pop_max", 50.0},
+                    {"pop_mean", 3.0},
+                    {"pop_changed", 25.0},
+                    {"pop_area", 15.0},
+                    {"without_predecessor", 20.0},
+                    {"flip_pop_p50", 0.02},
+                    {"flip_pop_p99", 0.3},
+                    {"flip_pop_max", 0.6},
+                    {"flip_pop_mean", 0.03},
+                    {"flip_pop_changed", 50.0},
+                    {"flip_pop_area", 30.0}};
+  expect({first, second, third}, both);
+  Row without = both;
+  without["without_predecessor"] = 100.0;
+  expect({first, second, third, apart}, without);
+  expect({first, apart},
+         {{"flip", 0.25}, {"pop_mean", Row()}, {"flip_pop_p99", Row()}, {"without_predecessor", 100.0}});
+  expect({first}, {{"flip", 0.25}, {"pop_mean", Row()}, {"without_predecessor", Row()}});
+}
+
+TEST(QualitySummary, OfEqualPicturesThePsnrIsTheLargestFiniteOne) {
+  const double infinite = std::numeric_limits<double>::infinity();
+  const auto psnr_of = [](std::vector<ImageQuality> pictures) {
+    QualitySummary summary;
+    for (const ImageQuality& quality : pictures) summary.add(quality);
+    Row row;
+    summary.add_to(row);
+    return row.at("psnr").get<double>();
+  };
+  const ImageQuality equal = picture(0, 0, infinite, 1, 0);
+  EXPECT_DOUBLE_EQ(psnr_of({equal, equal}), 10 * std::log10(255.0 * 255.0 * 3 * 100));
+  EXPECT_EQ(psnr_of({equal, picture(0.01, 0.2, 40, 0.9, 0.25)}), 40);
 }
 
 class Viewpoints : public ::testing::Test {
