@@ -61,6 +61,13 @@ std::optional<Fault> crash_of(const ChildEnd& end, const std::filesystem::path& 
   return crash;
 }
 
+// Rows are recorded under the hash that the input had when the sweep began. What is there now may be something else.
+std::optional<Fault> change_of(const SweepInput& input) {
+  const std::optional<std::string> changed = changed_file(input);
+  if (!changed) return {};
+  return Fault{"error", {*changed + " changed since the sweep began; run again with --resume"}};
+}
+
 class Runner {
  public:
   Runner(const std::vector<SweepRun>& runs, const RunnerConfig& config, const RunnerCallbacks& callbacks)
@@ -144,7 +151,10 @@ class Runner {
     folder.clear();
     try {
       folder.describe_run(runs_[task.run]);
-      launch(task, std::move(lock));
+      if (const std::optional<Fault> change = change_of(runs_[task.run].input))
+        refuse(task, *change);
+      else
+        launch(task, std::move(lock));
     } catch (...) {
       folder.clear();
       throw;
@@ -167,6 +177,14 @@ class Runner {
     auto child = std::make_unique<ChildProcess>(std::vector<std::string>{"sweep-run", work.path.string()}, folder.log(),
                                                 lock.descriptor());
     jobs_.push_back({task, std::move(lock), std::move(claim), now, Clock::now(), std::move(child)});
+  }
+
+  // Ends a repetition that was not started.
+  void refuse(const Task& task, const Fault& fault) {
+    const RunFolder& folder = folders_[task.run];
+    (void)folder.begin(task.repetition);
+    append_to_log(folder, fmt::format("--- repetition {}: {}\n", task.repetition, fault.messages.front()));
+    record(task, std::time(nullptr), 0, 0, fault);
   }
 
   static void append_to_log(const RunFolder& folder, const std::string& line) {
@@ -197,21 +215,26 @@ class Runner {
   }
 
   void take_over(const Job& job, const ChildEnd& end) {
-    const SweepRun& run = runs_[job.task.run];
-    const RunFolder& folder = folders_[job.task.run];
-    const double seconds = seconds_since(job.start);
+    std::optional<Fault> fault = change_of(runs_[job.task.run].input);
+    if (!fault) fault = crash_of(end, folders_[job.task.run].log());
+    record(job.task, job.started, seconds_since(job.start), end.cpu_seconds, std::move(fault));
+  }
+
+  // `fault` is known here; what the child found is in its work folder. The task is pending or a job no more afterwards.
+  void record(const Task& task, std::time_t started, double seconds, double cpu_seconds, std::optional<Fault> fault) {
+    const SweepRun& run = runs_[task.run];
     const nlohmann::json facts = {{"experiment", run.experiment->name},
-                                  {"repetition", job.task.repetition},
-                                  {"start", utc(job.started)},
+                                  {"repetition", task.repetition},
+                                  {"start", utc(started)},
                                   {"end", utc(std::time(nullptr))},
                                   {"wall_seconds", seconds},
-                                  {"cpu_seconds", end.cpu_seconds},
+                                  {"cpu_seconds", cpu_seconds},
                                   {"jobs", config_.jobs}};
-    const std::optional<Fault> fault = folder.take_over(job.task.repetition, facts, crash_of(end, folder.log()));
+    fault = folders_[task.run].take_over(task.repetition, facts, std::move(fault));
     ++result_.ran;
-    time_left_.ended(job.task.run, seconds, true);
+    time_left_.ended(task.run, seconds, true);
     callbacks_.ended(
-        {run, job.task.repetition, seconds, fault, result_.all - pending_.size() - jobs_.size() + 1, result_.all});
+        {run, task.repetition, seconds, fault, result_.all - pending_.size() - jobs_.size() + 1, result_.all});
   }
 
   void tell_progress() {

@@ -6,11 +6,12 @@ import pathlib
 import pty
 import re
 import subprocess
+import time
 import unittest
 
 import command_case
 from command_case import model
-from sweep_case import HEAD, SweepCase, section
+from sweep_case import HEAD, SweepCase, children_in, end_quietly, section, start
 
 
 class Experiments(SweepCase):
@@ -174,6 +175,31 @@ class Resume(SweepCase):
         mesh.write_bytes(model("b.ply", "generate", "sphere", "--triangles", 500).read_bytes())
         self.assertEqual(self.sweep(text, "--resume")["ran"], 1)
         self.assertEqual(len(list((self.folder / "out/runs").iterdir())), 2)
+
+    def test_data_that_changes_during_a_sweep_is_not_recorded_under_its_old_hash(self):
+        box = model("a.ply", "generate", "box", "--triangles", 12).read_bytes()
+        mesh = self.write("m.ply", box)
+        self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "m.ply" }\n' +
+                   section("x = [1, 2, 3], seconds = [0, 1]"))
+        process = start("sweep.toml", "-o", "out", cwd=self.folder)
+        end = time.monotonic() + 60
+        while not (children_in(self.folder) and list(self.folder.glob("out/runs/*/rows.0.jsonl"))):
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.02)
+        mesh.write_bytes(model("b.ply", "generate", "sphere", "--triangles", 500).read_bytes())
+        status, _, errors = end_quietly(process)
+        self.assertEqual(status, 1)
+        self.assertIn("error: m.ply changed since the sweep began; run again with --resume", errors)
+        done = [self.file(run, "rows.0.jsonl").exists() for run, _, _ in self.runs()]
+        for (run, _, _), is_done in zip(self.runs(), done):
+            self.assertNotEqual(self.file(run, "fault.0.json").exists(), is_done)
+            if is_done:
+                self.assertEqual(self.rows(run, 0)[0]["bytes"], len(box))
+        self.assertIn(done.count(False), range(1, 6))
+        self.check_clean()
+        summary = self.results("sweep", "sweep.toml", "-o", "out", "--resume", "--quiet")
+        self.assertEqual(summary["ran"], 6)
+        self.check_complete()
 
     def test_failures_are_tried_again_but_not_what_does_not_verify(self):
         text = HEAD + section('failure = ["first", "verify"]', "repetitions = 2")

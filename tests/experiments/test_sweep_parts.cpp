@@ -1,5 +1,6 @@
 // Parts of the sweep engine: hashes, remembered content, processors, the share done, what a row may hold.
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -78,6 +79,30 @@ TEST(ContentHashes, BelieveTheirMemoryAsLongAsTimesAndSizeAgree) {
   EXPECT_EQ(ContentHashes(memory).of(file).sha256, "remembered");
   std::ofstream(file) << "abcd";
   EXPECT_EQ(ContentHashes(memory).of(file).sha256, sha256("abcd"));
+}
+
+TEST(ContentHashes, KnowWhichFilesHaveChangedSince) {
+  const Folder folder;
+  const fs::path set = folder / "set";
+  fs::create_directories(set / "deep");
+  std::ofstream(set / "a") << "1";
+  std::ofstream(set / "deep" / "b") << "2";
+  const auto hashed = [&](const fs::path& path) { return ContentHashes(folder / "hashes.json").of(path); };
+  SweepInput input = hashed(set);
+  EXPECT_FALSE(changed_file(input));
+  EXPECT_FALSE(changed_file({})) << "not yet made";
+  poll(nullptr, 0, 20);  // times are no finer than a tick of the system
+  std::ofstream(set / "deep" / "b") << "3";
+  EXPECT_EQ(changed_file(input), (set / "deep" / "b").string());
+  input = hashed(set);
+  std::ofstream(set / "c") << "4";
+  EXPECT_EQ(changed_file(input), (set / "c").string());
+  input = hashed(set / "a");
+  fs::rename(set / "c", set / "a");
+  EXPECT_EQ(changed_file(input), (set / "a").string());
+  input = hashed(set / "a");
+  fs::remove(set / "a");
+  EXPECT_EQ(changed_file(input), (set / "a").string());
 }
 
 TEST(ContentHashes, OfFoldersKnowNamesAndContents) {
