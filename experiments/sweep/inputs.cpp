@@ -50,11 +50,16 @@ void append(InputFiles& files, const InputFiles& more) {
   throw InputError(describe(file.file, source.place, source.name + ": " + what, remedy));
 }
 
-constexpr const char* unpack = "unpack the models with scripts/data";
+// Our models come from an archive; where anybody else's are to be had, we do not know.
+bool is_ours(const fs::path& path) {
+  return fs::absolute(path).lexically_normal().generic_string().find("/build/data/") != std::string::npos;
+}
 
 void expect(const SweepFile& file, const DataSource& source, const std::string& path) {
   std::error_code ignored;
-  if (!fs::exists(path, ignored)) fail(file, source, path + " is missing", unpack);
+  if (fs::exists(path, ignored)) return;
+  fail(file, source, path + " is missing",
+       is_ours(path) ? "unpack the models with scripts/data" : "correct the path, or put the file there");
 }
 
 // Files that are read besides the one that is named.
@@ -74,7 +79,8 @@ SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHas
   SweepInput input = hashes.of(source.path);
   if (!source.sha256.empty() && input.sha256 != source.sha256)
     fail(file, source, fmt::format("{} has the sha256 {}, not {}", source.path, input.sha256, source.sha256),
-         std::string(unpack) + ", or correct the sha256");
+         is_ours(source.path) ? "unpack the models with scripts/data, or correct the sha256"
+                              : "take the right file, or correct the sha256");
   const std::vector<std::string> companions = companions_of(source);
   if (companions.empty()) return input;
   Sha256 all;

@@ -366,16 +366,18 @@ class Failures(SweepCase):
     def test_missing_and_other_data(self):
         self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "none.ply" }\n' + section("x = 1"))
         self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
-                     names=["sweep.toml: line 3: tiny", "none.ply is missing", "scripts/data"])
-        self.failing("sweep.toml", "-o", "out", names=["none.ply is missing", "scripts/data"])
+                     names=["sweep.toml: line 3: tiny", "none.ply is missing; correct the path"])
+        self.failing("sweep.toml", "-o", "out", names=["none.ply is missing; correct the path"])
+        self.write("ours.toml", 'name = "test"\n[data]\ntiny = { path = "build/data/none.ply" }\n' + section("x = 1"))
+        self.failing("ours.toml", "-o", "out3", names=["build/data/none.ply is missing; unpack", "scripts/data"])
         self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
         text = f'name = "test"\n[data]\ntiny = {{ path = "m.ply", sha256 = "{"0" * 64}" }}\n' + section("x = 1")
         self.write("sweep.toml", text)
-        line = self.failing("sweep.toml", "-o", "out2", names=["line 3: tiny", "has the sha256", "not 0000", "scripts/data"])
+        line = self.failing("sweep.toml", "-o", "out2", names=["line 3: tiny", "has the sha256", "not 0000", "or correct"])
         right = line.split("has the sha256 ")[1][:64]
         self.assertEqual(right, subprocess.run(["sha256sum", self.folder / "m.ply"], capture_output=True, text=True,
                                                check=True).stdout[:64])
-        self.sweep(text.replace("0" * 64, right), output="out3")
+        self.sweep(text.replace("0" * 64, right), output="out4")
 
     def test_scenes_and_companions_count(self):
         self.write("scene.toml", '[[model]]\nfile = "m.ply"\n')
@@ -399,6 +401,8 @@ class Failures(SweepCase):
         self.write("sweep.toml", HEAD + section("x = 1") + '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "x"\ny = "gap"\n')
         self.refused("sweep", "sweep.toml", "-o", "out", names=["line 14", "'gap' is neither a parameter nor a column"])
         self.refused("sweep", "none.toml", "-o", "out", names=["none.toml", "cannot be opened"])
+        (self.folder / "folder").mkdir()
+        self.refused("sweep", "folder", "-o", "out", names=["folder: is a folder", ".toml"])
         self.refused("sweep", "-o", "out", names=["FILE"])
 
 
