@@ -16,7 +16,8 @@ namespace {
 using nlohmann::json;
 
 // Manifest keys in which the repetitions of one study should agree.
-constexpr std::array one_of_a_kind = {"program", "commit", "compiler", "flags", "host", "cpu", "cores", "memory_bytes"};
+constexpr std::array one_of_a_kind = {"program", "commit", "compiler",     "flags",   "host",
+                                      "cpu",     "cores",  "memory_bytes", "renderer"};
 
 // Values by key, nested objects by dotted names, each with the number of its repetitions.
 using Values = std::map<std::string, std::map<std::string, std::size_t>>;

@@ -167,6 +167,7 @@ class Runner {
     const WorkFolder work = folder.begin(task.repetition);
     ProcessorClaim claim(run.parameters.value("threads", 0), allowed_);
     write_aside(work.job(), nlohmann::json{{"experiment", run.experiment->name},
+                                           {"program", run.program},
                                            {"parameters", run.parameters},
                                            {"input", run.input.path},
                                            {"repetition", task.repetition},

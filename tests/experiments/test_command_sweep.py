@@ -62,6 +62,10 @@ class Runs(SweepCase):
         manifest = self.read(run, "manifest.0.json")
         for key in ("commit", "dirty", "compiler", "flags", "build_type", "version", "cpu", "cores", "system", "load"):
             self.assertIn(key, manifest)
+        self.assertNotIn("gl", manifest)
+        for library in manifest["libraries"]:
+            self.assertRegex(library, r"\A/[^ ]+\.so[^ ]* ([0-9a-f]{8,64})\Z")
+        self.assertTrue(any("libmeshoptimizer" in library for library in manifest["libraries"]))
         self.assertRegex(manifest["start"], r"\A\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ\Z")
         self.assertLess(0, manifest["wall_seconds"])
         self.assertLess(0, manifest["cpu_seconds"])
@@ -69,6 +73,20 @@ class Runs(SweepCase):
         self.assertLess(manifest["peak_bytes"], manifest["memory_bytes"])
         self.assertIn("probe at work, repetition 0", self.file(run, "log.txt").read_text())
         self.assertEqual(list(self.file(run, "").glob("**/*.tmp")), [])
+
+    def test_manifest_has_the_driver_of_what_drew_on_gl(self):
+        self.write("sweep.toml", HEAD.replace("box", "sphere").replace("12", "500") + section(
+            'backend = ["null", "gl"], rounds = 1, measured_frames = 0, frames = 2, width = 64, height = 48').replace(
+                "probe", "raster"))
+        done = command_case.call("sweep", "sweep.toml", "-o", "out", "--quiet", cwd=self.folder)
+        drawn = {parameters["backend"]: run for run, parameters, _ in self.runs()}
+        if done.returncode != 0 and re.search("OpenGL|LODESTONE_GL", done.stderr.decode()):
+            self.skipTest(done.stderr.decode())
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        self.assertNotIn("gl", self.read(drawn["null"], "manifest.0.json"))
+        driver = self.read(drawn["gl"], "manifest.0.json")["gl"]
+        self.assertEqual(sorted(driver), ["renderer", "vendor", "version"])
+        self.assertTrue(all(driver.values()), driver)
 
     def test_pinned_to_as_many_processors_as_threads(self):
         allowed = sorted(os.sched_getaffinity(0))
@@ -242,6 +260,21 @@ class Identity(SweepCase):
         text = b"Lodestone: level of detail of large triangle surfaces"
         other = self.program("changed", lambda content: content.replace(text, text.replace(b"Lode", b"Bode")))
         self.assertNotEqual(other[0], program)
+
+
+    def test_run_of_another_program_is_an_error(self):
+        self.sweep(HEAD + section("x = 1"))
+        (run, parameters, _), = self.runs()
+        job = {"experiment": "probe", "parameters": parameters, "input": self.read(run, "parameters.json")["input"],
+               "repetition": 0, "processors": []}
+        for program, expected in ((self.plan()["program"], False), ("0" * 64, True)):
+            work = self.folder / program
+            (work / "files").mkdir(parents=True)
+            (work / "job.json").write_text(json.dumps({**job, "program": program}))
+            self.lodestone("sweep-run", work, "--report", 1)
+            self.assertEqual((work / "fault.json").exists(), expected)
+            self.assertNotEqual((work / "rows.jsonl").exists(), expected)
+        self.assertIn("libraries changed since the sweep began", (work / "fault.json").read_text())
 
 
 class Shards(SweepCase):

@@ -1,15 +1,18 @@
 // Parts of the sweep engine: hashes, remembered content, processors, the share done, what a row may hold.
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include "core/base/error.h"
 #include "experiments/sweep/inputs.h"
+#include "experiments/sweep/libraries.h"
 #include "experiments/sweep/probe.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/program_identity.h"
@@ -17,6 +20,7 @@
 #include "experiments/sweep/sha256.h"
 #include "experiments/sweep/time_left.h"
 #include "experiments/version.h"
+#include "render/graphics_driver.h"
 
 namespace lodestone {
 namespace {
@@ -127,6 +131,38 @@ TEST(ProgramIdentity, IsOneHash) {
   EXPECT_EQ(program_hash(), program_hash());
   for (const char* key : {"program", "version", "commit", "dirty", "compiler", "flags", "build_type"})
     EXPECT_TRUE(program_facts().contains(key)) << key;
+}
+
+bool has(const std::vector<LoadedLibrary>& libraries, const std::string& name) {
+  return std::any_of(libraries.begin(), libraries.end(), [&](const LoadedLibrary& library) {
+    return fs::path(library.path).filename().string().starts_with(name);
+  });
+}
+
+TEST(Libraries, AreKnownByWhatIdentifiesThem) {
+  const std::vector<LoadedLibrary> loaded = loaded_libraries(), deciding = deciding_libraries();
+  EXPECT_TRUE(has(loaded, "libc.so"));
+  EXPECT_FALSE(has(deciding, "libc.so")) << "security updates replace it often";
+  EXPECT_TRUE(has(deciding, "libtbb.so"));
+  EXPECT_TRUE(has(deciding, "libmeshoptimizer.so"));
+  for (const LoadedLibrary& library : loaded) EXPECT_GE(library.identity.size(), 16u) << library.path;
+  for (const LoadedLibrary& library : deciding) EXPECT_TRUE(has(loaded, fs::path(library.path).filename().string()));
+}
+
+TEST(Libraries, OnesThatAreLoadedLaterDoNotDecide) {
+  const std::size_t deciding = deciding_libraries().size(), loaded = loaded_libraries().size();
+  void* const opened = dlopen("libEGL.so.1", RTLD_NOW);
+  if (!opened) GTEST_SKIP() << "no libEGL here";
+  EXPECT_GT(loaded_libraries().size(), loaded);
+  EXPECT_EQ(deciding_libraries().size(), deciding);
+  dlclose(opened);
+}
+
+TEST(GraphicsDriver, IsTheLastThatWasAsked) {
+  note_graphics_driver({"vendor", "first", "1"});
+  note_graphics_driver({"vendor", "second", "2"});
+  ASSERT_TRUE(last_graphics_driver());
+  EXPECT_EQ(last_graphics_driver()->renderer, "second");
 }
 
 TEST(ProgramIdentity, CommitIsWhatLooksLikeOne) {
