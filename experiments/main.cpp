@@ -50,7 +50,7 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     print_error(usage_error(app, e));
   } catch (const Cancelled&) {
-    print_error("interrupted; no unfinished file was left");
+    fmt::print(stderr, "{}", interrupt_line());
     return interrupt_status();
   } catch (const std::bad_alloc&) {
     print_error("out of memory; close other programs or use a smaller input");

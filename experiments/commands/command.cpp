@@ -18,7 +18,7 @@ namespace {
 
 CancelFlag interrupted{false}, polled{false};
 std::atomic<int> received{0};
-std::atomic<const char*> interrupt_line{"lodestone: interrupted; no unfinished file was left\n"};
+std::atomic<const char*> line_when_interrupted{"lodestone: interrupted; no unfinished file was left\n"};
 static_assert(std::atomic<const char*>::is_always_lock_free && CancelFlag::is_always_lock_free &&
                   std::atomic<int>::is_always_lock_free,
               "the signal handler may only touch lock-free atomics");
@@ -28,7 +28,7 @@ void on_interrupt(int signal) {
   received = signal;
   if (!interrupted.exchange(true) && polled) return;
   remove_temporaries();
-  const std::string_view line = interrupt_line.load();
+  const std::string_view line = line_when_interrupted.load();
   [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
   std::_Exit(128 + signal);
 }
@@ -60,7 +60,9 @@ const CancelFlag& interrupt_flag() {
   return interrupted;
 }
 
-void set_interrupt_line(const char* line) { interrupt_line = line; }
+void set_interrupt_line(const char* line) { line_when_interrupted = line; }
+
+const char* interrupt_line() { return line_when_interrupted; }
 
 int interrupt_status() { return 128 + received; }
 

@@ -37,8 +37,9 @@ void install_interrupt_handler();
 [[nodiscard]] const CancelFlag& interrupt_flag();
 // Throws Cancelled when the flag is set.
 void check_interrupt();
-// What the handler prints when it ends the process, a line with its end; a literal.
+// What is printed when the command was interrupted, a line with its end; a literal.
 void set_interrupt_line(const char* line);
+[[nodiscard]] const char* interrupt_line();
 // 128 + signal, once the flag is set.
 [[nodiscard]] int interrupt_status();
 

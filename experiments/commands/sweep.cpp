@@ -128,15 +128,20 @@ nlohmann::json summary(const SweepFile& file, const std::vector<SweepRun>& runs,
 }
 
 void merge(const SweepOptions& options, const CommonOptions& common) {
-  const MergeResult result = merge_sweeps(options.merge, options.directory);
+  const MergeResult result = merge_sweeps({options.merge, options.directory, options.dry_run});
   write_json(common, {{"name", result.name},
-                      {"repetitions", result.repetitions},
+                      {"repetitions", result.all},
                       {"done", result.done},
                       {"taken", result.taken},
-                      {"failed", result.failed}});
+                      {"failed", result.failed},
+                      {"missing", result.missing}});
   if (!common.quiet && common.json != "-")
-    fmt::print("{}: {} of {} repetitions taken over, {} have rows, {} failed\n", options.directory, result.taken,
-               result.repetitions, result.done, result.failed);
+    fmt::print("{}: {} of {} repetitions {}taken over, {} have rows, {} failed, {} missing\n", options.directory,
+               result.taken, result.all, options.dry_run ? "would be " : "", result.done, result.failed,
+               result.missing);
+  if (result.failed + result.missing > 0 && !options.dry_run)
+    throw InputError(fmt::format("{}: of {} repetitions, {} failed and {} are missing", options.directory, result.all,
+                                 result.failed, result.missing));
 }
 
 void run(const SweepOptions& options, const CommonOptions& common) {
@@ -187,7 +192,7 @@ void add_sweep(CLI::App& app) {
   const auto common = std::make_shared<CommonOptions>();
   const auto options = std::make_shared<SweepOptions>();
   CLI::App& command =
-      add_command(app, "sweep", "Run an experiment over parameters and data",
+      add_command(app, "sweep", "Run an experiment over parameters and data; status 1 when a run failed",
                   "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --dry-run\n"
                   "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --small\n"
                   "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --resume --shard 2/8\n"
@@ -197,17 +202,24 @@ void add_sweep(CLI::App& app) {
       ->description("Threads that make data; those of a run are a parameter of its experiment");
   command.add_option("FILE", options->file, "The sweep file (.toml)");
   command.add_option("-o,--output", options->directory, "Folder of the sweep; made if it is not there")->required();
+  CLI::Option* const merge = command.add_option("--merge", options->merge,
+                                                "Instead of FILE: bring together what shards left in these folders; "
+                                                "status 1 when repetitions failed or are missing");
   command
       .add_option("--jobs", options->jobs,
                   "Runs at a time, as far as there are processors for them; times are comparable with 1 only")
       ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  command.add_option("--shard", options->shard, "Part i of n of the runs, as 2/8");
-  command.add_flag("--resume", options->resume, "Run what is missing, has changed, or ended without rows");
-  command.add_flag("--dry-run", options->dry_run, "Print the runs and what is done of them; change nothing");
-  command.add_flag("--prepare", options->prepare, "Make the data and list the runs in sweep.json, and run none");
-  command.add_option("--merge", options->merge, "Instead of FILE: bring together what shards left in these folders");
-  command.add_flag("--small", options->small, "With what the file has under 'small'");
+      ->capture_default_str()
+      ->excludes(merge);
+  command.add_option("--shard", options->shard, "Part i of n of the runs, as 2/8")->excludes(merge);
+  command.add_flag("--resume", options->resume, "Run what is missing, has changed, or ended without rows")
+      ->excludes(merge);
+  CLI::Option* const dry_run =
+      command.add_flag("--dry-run", options->dry_run, "Print the runs and what is done of them; change nothing");
+  command.add_flag("--prepare", options->prepare, "Make the data and list the runs in sweep.json, and run none")
+      ->excludes(merge)
+      ->excludes(dry_run);
+  command.add_flag("--small", options->small, "With what the file has under 'small'")->excludes(merge);
   command.callback([options, common] { run(*options, *common); });
   add_child(app);
 }

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "experiments/metrics/order_statistics.h"
@@ -46,8 +45,8 @@ SettingCell cost_cell(const std::vector<const Row*>& rows, const std::string& co
   return {median_of(numbers), *least, *most, static_cast<int>(numbers.size())};
 }
 
-// The first value that there is. Others should equal it; a sum in another order may differ in the last digits.
-SettingCell first_cell(const std::vector<json>& values, bool& steady) {
+// The first value that there is; others equal it (unsteady_results).
+SettingCell first_cell(const std::vector<json>& values) {
   SettingCell cell;
   for (const json& value : values) {
     if (value.is_null()) continue;
@@ -55,19 +54,15 @@ SettingCell first_cell(const std::vector<json>& values, bool& steady) {
       cell = plain_cell(value);
     else
       ++cell.count;
-    const bool equal = value.is_number() && cell.is_number()
-                           ? std::abs(value.get<double>() - cell.number()) <= 1e-9 * std::abs(cell.number())
-                           : value == cell.value;
-    steady = steady && equal;
   }
   return cell;
 }
 
-SettingCell join(const ColumnInfo& column, const std::vector<const Row*>& rows, bool& steady) {
+SettingCell join(const ColumnInfo& column, const std::vector<const Row*>& rows) {
   const std::vector<json> values = values_of(rows, column.name);
   const bool text =
       std::any_of(values.begin(), values.end(), [](const json& v) { return v.is_string() || v.is_boolean(); });
-  return column.kind == Kind::cost && !text ? cost_cell(rows, column.name) : first_cell(values, steady);
+  return column.kind == Kind::cost && !text ? cost_cell(rows, column.name) : first_cell(values);
 }
 
 void add_run(SettingTable& table, const SweepRecord& sweep, std::size_t index) {
@@ -75,19 +70,13 @@ void add_run(SettingTable& table, const SweepRecord& sweep, std::size_t index) {
   std::vector<std::vector<const Row*>> rows;  // by place in the run, then repetition
   for (const Repetition& repetition : run.repetitions) {
     if (!repetition.has_rows || repetition.fault) continue;
-    if (!rows.empty() && rows.size() != repetition.rows.size())
-      table.unsteady.push_back(fmt::format("the number of rows of run {}", run.id));
     rows.resize(std::max(rows.size(), repetition.rows.size()));
     for (std::size_t i = 0; i < repetition.rows.size(); ++i) rows[i].push_back(&repetition.rows[i]);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     SettingRow setting{index, i, {{"sweep", plain_cell(sweep.name)}, {"data", plain_cell(run.data)}}};
     for (const auto& [name, value] : run.parameters.items()) setting.cells[name] = plain_cell(value);
-    for (const ColumnInfo& column : sweep.columns) {
-      bool steady = true;
-      setting.cells[column.name] = join(column, rows[i], steady);
-      if (!steady) table.unsteady.push_back(fmt::format("{} of run {}", column.name, run.id));
-    }
+    for (const ColumnInfo& column : sweep.columns) setting.cells[column.name] = join(column, rows[i]);
     table.settings.push_back(std::move(setting));
   }
 }

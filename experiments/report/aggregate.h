@@ -36,7 +36,6 @@ struct SettingTable {
   std::vector<ColumnInfo> columns;     // without ranges NAME_min and NAME_max; with speedup ... where `threads` varies
   std::vector<SettingRow> settings;    // of runs that may be reported, in the sweep's order
   std::vector<std::string> varied;     // parameters and "data" with more than one value, texts that part rows of a run
-  std::vector<std::string> unsteady;   // what should not have changed between repetitions and did, in words
 
   [[nodiscard]] const ColumnInfo* find(const std::string& name) const;  // parameter or column
 };

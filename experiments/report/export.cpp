@@ -68,6 +68,7 @@ json to_json(const RunRecord& run) {
           {"input", run.input},
           {"input_sha256", run.input_sha256},
           {"state", state_name(state_of(run))},
+          {"unsteady", run.unsteady},
           {"repetitions", repetitions}};
 }
 

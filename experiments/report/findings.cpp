@@ -16,7 +16,8 @@ namespace {
 using nlohmann::json;
 
 // Manifest keys in which the repetitions of one study should agree.
-constexpr std::array one_of_a_kind = {"program", "commit", "compiler", "flags", "host", "cpu", "cores", "memory_bytes"};
+constexpr std::array one_of_a_kind = {"program", "commit", "compiler",     "flags",   "host",
+                                      "cpu",     "cores",  "memory_bytes", "renderer"};
 
 // Values by key, nested objects by dotted names, each with the number of its repetitions.
 using Values = std::map<std::string, std::map<std::string, std::size_t>>;
@@ -125,17 +126,9 @@ std::vector<ManifestLine> summarize_manifests(const Study& study) {
   return lines;
 }
 
-std::vector<std::string> list_oddities(const Study& study, const std::vector<SettingTable>& tables) {
-  constexpr std::size_t shown = 5;
+std::vector<std::string> list_oddities(const Study& study) {
   std::vector<std::string> oddities;
   add_mixtures(oddities, study);
-  for (const SettingTable& table : tables) {
-    for (std::size_t i = 0; i < std::min(shown, table.unsteady.size()); ++i)
-      oddities.push_back(fmt::format("Sweep {}: {} differs between repetitions", table.sweep, table.unsteady[i]));
-    if (table.unsteady.size() > shown)
-      oddities.push_back(fmt::format("Sweep {}: {} more values differ between repetitions", table.sweep,
-                                     table.unsteady.size() - shown));
-  }
   for (const SweepRecord& sweep : study.sweeps)
     if (const RunCounts counts = count_runs(sweep); counts.incomplete > 0)
       oddities.push_back(fmt::format("Sweep {}: repetitions are missing of {}; the spread is of those that are there",

@@ -23,8 +23,8 @@ struct ManifestLine {
 };
 [[nodiscard]] std::vector<ManifestLine> summarize_manifests(const Study& study);
 
-// In words: several machines or programs, sources that were changed, results that differ between repetitions, runs that
-// lack repetitions, runs of other settings in the folder.
-[[nodiscard]] std::vector<std::string> list_oddities(const Study& study, const std::vector<SettingTable>& tables);
+// In words: several machines or programs, sources that were changed, runs that lack repetitions, runs of other settings
+// in the folder.
+[[nodiscard]] std::vector<std::string> list_oddities(const Study& study);
 
 }  // namespace lodestone

@@ -51,6 +51,7 @@ std::vector<Problem> list_problems(const Study& study) {
         else if (!r.has_rows)
           lacking += (lacking.empty() ? "" : ", ") + std::to_string(r.number);
       }
+      if (!run.unsteady.empty()) problems.push_back({&sweep, &run, "all", kind_text("verify"), joined(run.unsteady)});
       if (!lacking.empty()) problems.push_back({&sweep, &run, lacking, "not yet run", ""});
     }
   return problems;

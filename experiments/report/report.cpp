@@ -24,7 +24,7 @@ Report make_report(const std::vector<std::filesystem::path>& folders) {
           if (table.sweep == name) tables.push_back(&table);
       entry.figures.push_back(make_figure(request, tables));
     }
-    entry.oddities = list_oddities(entry.study, entry.tables);
+    entry.oddities = list_oddities(entry.study);
     all.insert(all.end(), entry.figures.begin(), entry.figures.end());
     report.studies.push_back(std::move(entry));
   }

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -158,7 +159,32 @@ Repetition read_repetition(const fs::path& folder, int number, const std::set<st
   return repetition;
 }
 
-RunRecord read_run(const Object& o, const fs::path& runs, int repetitions, const std::set<std::string>& columns) {
+bool agree(const json& one, const json& other) {
+  if (!one.is_number() || !other.is_number()) return one == other;
+  return std::abs(one.get<double>() - other.get<double>()) <= 1e-9 * std::abs(one.get<double>());
+}
+
+std::string exact_text(const json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+// Of the rows at each place, each against the first that has the column. Empty: none.
+std::string difference_in(const ColumnInfo& column, const std::vector<const Repetition*>& repetitions) {
+  if (column.kind == ColumnInfo::Kind::cost || repetitions.empty()) return {};
+  for (std::size_t i = 0; i < repetitions.front()->rows.size(); ++i) {
+    json first;
+    for (const Repetition* repetition : repetitions) {
+      const json value = repetition->rows[i].value(column.name, json());
+      if (first.is_null()) first = value;
+      if (value.is_null() || agree(first, value)) continue;
+      return fmt::format("{} differs between repetitions: {} and {}", column.name, exact_text(first),
+                         exact_text(value));
+    }
+  }
+  return {};
+}
+
+RunRecord read_run(const Object& o, const fs::path& runs, int repetitions, const std::vector<ColumnInfo>& columns) {
+  std::set<std::string> names;
+  for (const ColumnInfo& column : columns) names.insert(column.name);
   RunRecord run;
   run.id = o.text("id");
   run.data = o.text_or_nothing("data");
@@ -174,7 +200,8 @@ RunRecord read_run(const Object& o, const fs::path& runs, int repetitions, const
     run.input = stored.text_or_nothing("input");
     run.input_sha256 = stored.text_or_nothing("input_sha256");
   }
-  for (int r = 0; r < repetitions; ++r) run.repetitions.push_back(read_repetition(folder, r, columns));
+  for (int r = 0; r < repetitions; ++r) run.repetitions.push_back(read_repetition(folder, r, names));
+  run.unsteady = unsteady_results(run, columns);
   if (fs::is_directory(folder))
     for (const fs::directory_entry& entry : fs::directory_iterator(folder))
       if (entry.path().extension() == ".png") run.pictures.push_back(entry.path());
@@ -193,12 +220,8 @@ SweepRecord read_sweep(const Object& o, const fs::path& runs) {
   for (const Object& p : o.objects("parameters"))
     sweep.parameters.push_back(
         {p.text("name"), nullptr, p.text_or_nothing("unit"), p.text_or_nothing("description"), 0, 0, {}});
-  std::set<std::string> columns;
-  for (const Object& c : o.objects("columns")) {
-    sweep.columns.push_back(read_column(c));
-    columns.insert(sweep.columns.back().name);
-  }
-  for (const Object& r : o.objects("runs")) sweep.runs.push_back(read_run(r, runs, sweep.repetitions, columns));
+  for (const Object& c : o.objects("columns")) sweep.columns.push_back(read_column(c));
+  for (const Object& r : o.objects("runs")) sweep.runs.push_back(read_run(r, runs, sweep.repetitions, sweep.columns));
   return sweep;
 }
 
@@ -215,7 +238,22 @@ std::size_t count_other_runs(const Study& study) {
 
 }  // namespace
 
+std::vector<std::string> unsteady_results(const RunRecord& run, const std::vector<ColumnInfo>& columns) {
+  std::vector<const Repetition*> repetitions;
+  for (const Repetition& r : run.repetitions)
+    if (r.has_rows && !r.fault) repetitions.push_back(&r);
+  std::vector<std::string> unsteady;
+  for (std::size_t i = 1; i < repetitions.size(); ++i)
+    if (const std::size_t one = repetitions.front()->rows.size(), other = repetitions[i]->rows.size(); one != other)
+      return {fmt::format("the number of rows differs between repetitions: {} and {}", one, other)};
+  for (const ColumnInfo& column : columns)
+    if (const std::string difference = difference_in(column, repetitions); !difference.empty())
+      unsteady.push_back(difference);
+  return unsteady;
+}
+
 RunState state_of(const RunRecord& run) {
+  if (!run.unsteady.empty()) return RunState::unverified;
   std::size_t good = 0, faults = 0;
   for (const Repetition& r : run.repetitions) {
     if (r.fault && r.fault->kind == "verify") return RunState::unverified;

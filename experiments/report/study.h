@@ -43,14 +43,20 @@ struct RunRecord {
   nlohmann::json parameters = nlohmann::json::object();
   std::string program, input, input_sha256;  // of parameters.json; empty where it has none
   std::vector<Repetition> repetitions;       // as many as the sweep asks for, in order
+  std::vector<std::string> unsteady;         // what differs between repetitions and must not, in words
   std::vector<std::filesystem::path> pictures;
 };
+
+// Equal settings on equal input give equal results: all but costs, as far as both of two repetitions have them. Of
+// numbers the last digits may differ, as of a sum in another order. The columns that do not, with two of their values,
+// once each; of repetitions without fault.
+[[nodiscard]] std::vector<std::string> unsteady_results(const RunRecord& run, const std::vector<ColumnInfo>& columns);
 
 // What became of a run.
 enum class RunState {
   complete,
   incomplete,  // some repetitions have rows that may be reported
-  unverified,  // the rows of at least one repetition are wrong: none may be reported
+  unverified,  // the rows of at least one repetition are wrong, or not those of another: none may be reported
   failed,      // every repetition that began ended in an error or a crash
   missing      // not yet run
 };

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "experiments/sweep/files.h"
+#include "experiments/sweep/sheet.h"
 
 namespace lodestone {
 namespace {
@@ -33,10 +34,10 @@ void check_directory(const fs::path& directory, const std::string& sweep, bool r
   if (name.empty()) throw InputError("--output: the folder name is empty");
   if (!fs::exists(directory, ignored)) return;
   if (!fs::is_directory(directory, ignored)) throw InputError(describe(name, "", "is a file", "name a folder"));
-  const nlohmann::json before = read_json(directory / "sweep.json");
-  if (before.is_object() && before.value("name", sweep) != sweep)
-    throw InputError(describe(name, "", "holds the sweep '" + before.value("name", "") + "'", "choose another folder"));
-  if (!before.is_object() && !fs::exists(directory / ".lock", ignored) && !fs::is_empty(directory, ignored))
+  const std::optional<SweepSheet> before = read_sheet(directory);
+  if (before && before->name != sweep)
+    throw InputError(describe(name, "", "holds the sweep '" + before->name + "'", "choose another folder"));
+  if (!before && !fs::exists(directory / ".lock", ignored) && !fs::is_empty(directory, ignored))
     throw InputError(describe(name, "", "holds other files and no sweep", "choose an empty folder"));
   const std::size_t results = resume ? 0 : runs_with_results(directory);
   if (results > 0)

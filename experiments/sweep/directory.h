@@ -7,7 +7,8 @@
 
 namespace lodestone {
 
-// Throws InputError when the directory holds something else than this sweep, or results and `resume` is off.
+// Throws InputError when the directory holds something else than this sweep, a sweep.json that cannot be read, or
+// results while `resume` is off.
 void check_directory(const std::filesystem::path& directory, const std::string& sweep, bool resume);
 
 // Inputs found or made, runs listed in sweep.json. One process at a time does so, others wait.

@@ -32,16 +32,34 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   return files;
 }
 
+FileState state_of(const fs::path& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return {path.string()};
+  return {path.string(),
+          {status.st_size, static_cast<std::int64_t>(status.st_ino), status.st_mtim.tv_sec, status.st_mtim.tv_nsec,
+           status.st_ctim.tv_sec, status.st_ctim.tv_nsec}};
+}
+
+void append(InputFiles& files, const InputFiles& more) {
+  files.files.insert(files.files.end(), more.files.begin(), more.files.end());
+  files.folders.insert(files.folders.end(), more.folders.begin(), more.folders.end());
+}
+
 [[noreturn]] void fail(const SweepFile& file, const DataSource& source, const std::string& what,
                        const std::string& remedy) {
   throw InputError(describe(file.file, source.place, source.name + ": " + what, remedy));
 }
 
-constexpr const char* unpack = "unpack the models with scripts/data";
+// Our models come from an archive; where anybody else's are to be had, we do not know.
+bool is_ours(const fs::path& path) {
+  return fs::absolute(path).lexically_normal().generic_string().find("/build/data/") != std::string::npos;
+}
 
 void expect(const SweepFile& file, const DataSource& source, const std::string& path) {
   std::error_code ignored;
-  if (!fs::exists(path, ignored)) fail(file, source, path + " is missing", unpack);
+  if (fs::exists(path, ignored)) return;
+  fail(file, source, path + " is missing",
+       is_ours(path) ? "unpack the models with scripts/data" : "correct the path, or put the file there");
 }
 
 // Files that are read besides the one that is named.
@@ -61,18 +79,22 @@ SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHas
   SweepInput input = hashes.of(source.path);
   if (!source.sha256.empty() && input.sha256 != source.sha256)
     fail(file, source, fmt::format("{} has the sha256 {}, not {}", source.path, input.sha256, source.sha256),
-         std::string(unpack) + ", or correct the sha256");
+         is_ours(source.path) ? "unpack the models with scripts/data, or correct the sha256"
+                              : "take the right file, or correct the sha256");
   const std::vector<std::string> companions = companions_of(source);
   if (companions.empty()) return input;
   Sha256 all;
   all.add(input.sha256 + "\n");
+  InputFiles files = *input.hashed;
   for (const std::string& companion : companions) {
     expect(file, source, companion);
     const SweepInput part = hashes.of(companion);
     all.add(part.sha256 + "\n");
     input.bytes += part.bytes;
+    append(files, *part.hashed);
   }
   input.sha256 = all.finish();
+  input.hashed = std::make_shared<InputFiles>(std::move(files));
   return input;
 }
 
@@ -80,7 +102,7 @@ SweepInput find_generated(const DataSource& source, ContentHashes& hashes, const
   const fs::path target = config.directory / "data" /
                           fmt::format("{}-{}-{}.ply", source.shape, source.generate->triangles, source.generate->seed);
   if (!fs::exists(target)) {
-    if (!config.make) return {target.string(), "", 0};
+    if (!config.make) return {target.string(), "", 0, nullptr};
     const auto scheduler = make_tbb_scheduler(config.threads);
     (void)generate_ply(*source.generate, target, *scheduler, config.cancel,
                        [&](double share) { config.progress(source.name, share); });
@@ -90,22 +112,36 @@ SweepInput find_generated(const DataSource& source, ContentHashes& hashes, const
 
 }  // namespace
 
+std::optional<std::string> changed_file(const SweepInput& input) {
+  if (!input.hashed) return {};
+  std::set<std::string> known;
+  for (const FileState& file : input.hashed->files) {
+    if (state_of(file.path) != file) return file.path;
+    known.insert(file.path);
+  }
+  for (const std::string& folder : input.hashed->folders) {
+    if (!fs::is_directory(folder)) return folder;
+    for (const fs::path& file : files_below(folder))
+      if (!known.contains(file.string())) return file.string();
+  }
+  return {};
+}
+
 ContentHashes::ContentHashes(fs::path memory) : memory_(std::move(memory)), known_(read_json(memory_)) {
   if (!known_.is_object()) known_ = nlohmann::json::object();
 }
 
-std::string ContentHashes::of_file(const fs::path& path, std::uint64_t& bytes) {
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0) throw FileError(describe(path.string(), "", "cannot be read"));
-  bytes += static_cast<std::uint64_t>(status.st_size);
-  const nlohmann::json key = {status.st_size,         status.st_ino,         status.st_mtim.tv_sec,
-                              status.st_mtim.tv_nsec, status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
+std::string ContentHashes::of_file(const fs::path& path, InputFiles& files) {
+  const FileState state = state_of(path);  // before its content is read
+  if (state == FileState{path.string()}) throw FileError(describe(path.string(), "", "cannot be read"));
+  files.files.push_back(state);
+  const nlohmann::json key = state.key;
   const std::string name = fs::absolute(path).lexically_normal().string();
   const auto found = known_.find(name);
   if (found != known_.end() && found->is_object() && found->value("key", nlohmann::json()) == key)
     return found->value("sha256", "");
   const std::string hash = sha256_of_file(path);
-  if (std::time(nullptr) - status.st_ctim.tv_sec > settled_after) {
+  if (std::time(nullptr) - state.key[4] > settled_after) {
     known_[name] = {{"key", key}, {"sha256", hash}};
     changed_ = true;
   }
@@ -113,15 +149,19 @@ std::string ContentHashes::of_file(const fs::path& path, std::uint64_t& bytes) {
 }
 
 SweepInput ContentHashes::of(const fs::path& path) {
-  SweepInput input{path.string(), "", 0};
+  SweepInput input{path.string(), "", 0, nullptr};
+  InputFiles files;
   if (!fs::is_directory(path)) {
-    input.sha256 = of_file(path, input.bytes);
-    return input;
+    input.sha256 = of_file(path, files);
+  } else {
+    files.folders.push_back(path.string());
+    Sha256 all;
+    for (const fs::path& file : files_below(path))
+      all.add(of_file(file, files) + "  " + fs::relative(file, path).generic_string() + "\n");
+    input.sha256 = all.finish();
   }
-  Sha256 all;
-  for (const fs::path& file : files_below(path))
-    all.add(of_file(file, input.bytes) + "  " + fs::relative(file, path).generic_string() + "\n");
-  input.sha256 = all.finish();
+  for (const FileState& file : files.files) input.bytes += static_cast<std::uint64_t>(file.key[0]);
+  input.hashed = std::make_shared<InputFiles>(std::move(files));
   return input;
 }
 

@@ -1,17 +1,35 @@
 // The inputs of a sweep as files: found or generated, and identified by their content.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "experiments/sweep/sweep_file.h"
 #include "parallel/scheduler.h"
 
 namespace lodestone {
+
+// A file as it was when it was hashed. What is written to it afterwards changes at least one of its times.
+struct FileState {
+  std::string path;
+  // Size, inode, seconds and nanoseconds of the last change of the content, and of the inode. All 0: there is none.
+  std::array<std::int64_t, 6> key{};
+
+  friend bool operator==(const FileState&, const FileState&) = default;
+};
+
+struct InputFiles {
+  std::vector<FileState> files;
+  std::vector<std::string> folders;  // that these were found in, where a folder was asked for
+};
 
 struct SweepInput {
   std::string path;
@@ -19,7 +37,11 @@ struct SweepInput {
   // what else belongs to it. Empty: not yet made.
   std::string sha256;
   std::uint64_t bytes = 0;
+  std::shared_ptr<const InputFiles> hashed;  // what that is of; null: not yet made
 };
+
+// The first of the files that is not as it was when it was hashed, has gone, or has come to a folder. O(files).
+[[nodiscard]] std::optional<std::string> changed_file(const SweepInput& input);
 
 // SHA-256 of files, remembered in a file of the sweep's directory by size and times, so that gigabytes are not read
 // again by every process. What has changed within the last seconds is not remembered: it could change again unseen.
@@ -32,7 +54,7 @@ class ContentHashes {
   void save() const;
 
  private:
-  std::string of_file(const std::filesystem::path& path, std::uint64_t& bytes);
+  std::string of_file(const std::filesystem::path& path, InputFiles& files);
 
   std::filesystem::path memory_;
   nlohmann::json known_;

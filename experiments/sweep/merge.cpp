@@ -1,40 +1,48 @@
 #include "experiments/sweep/merge.h"
 
 #include <algorithm>
-#include <set>
 
 #include "core/base/error.h"
+#include "experiments/sweep/directory.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/run_folder.h"
+#include "experiments/sweep/sheet.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
 
-// sweep.json; where files lie on the machine that wrote it decides nothing.
-nlohmann::json sweep_of(const fs::path& folder) {
-  nlohmann::json sweep = read_json(folder / "sweep.json");
-  if (!sweep.is_object() || !sweep.contains("sweeps"))
-    throw InputError(describe(folder.string(), "", "holds no sweep", "name folders that lodestone sweep has written"));
-  for (auto& [name, data] : sweep["data"].items()) data.erase("path");
-  return sweep;
+// The sheet that all folders have.
+SweepSheet common_sheet(const MergeConfig& config) {
+  std::optional<SweepSheet> common;
+  for (const std::string& folder : config.from) {
+    std::optional<SweepSheet> sheet = read_sheet(folder);
+    if (!sheet)
+      throw InputError(describe(folder, "", "holds no sweep", "name folders that lodestone sweep has written"));
+    if (common && sheet->content != common->content)
+      throw InputError(describe(folder, "", "is not the same sweep as " + config.from.front(),
+                                "merge what the same program has made of the same file and data"));
+    if (!common) common = std::move(sheet);
+  }
+  check_directory(config.to, common->name, true);
+  if (const auto there = read_sheet(config.to); there && there->content != common->content)
+    throw InputError(describe(config.to.string(), "", "holds another sweep", "choose another folder"));
+  return *std::move(common);
 }
 
-// Each run of the sweep once, with its repetitions.
-std::vector<std::pair<std::string, int>> runs_in(const nlohmann::json& sweep) {
-  std::vector<std::pair<std::string, int>> runs;
-  for (const nlohmann::json& section : sweep.at("sweeps"))
-    for (const nlohmann::json& run : section.at("runs")) {
-      const std::string id = run.at("id");
-      const int repetitions = section.at("repetitions");
-      const auto known = std::find_if(runs.begin(), runs.end(), [&](const auto& r) { return r.first == id; });
-      if (known == runs.end())
-        runs.emplace_back(id, repetitions);
-      else
-        known->second = std::max(known->second, repetitions);
-    }
-  return runs;
+// What there is of a repetition.
+struct Outcome {
+  bool rows = false, fault = false;
+};
+
+Outcome outcome_of(const RunFolder& run, int repetition) {
+  return {run.has_rows(repetition), run.fault(repetition).has_value()};
+}
+
+// Rows are worth more than an error, and anything more than nothing; what is there stays.
+bool is_wanted(const Outcome& offered, const Outcome& there) {
+  return !there.rows && (offered.rows || (offered.fault && !there.fault));
 }
 
 void copy_text(const fs::path& from, const fs::path& to) { write_durably(to, read_text(from)); }
@@ -49,53 +57,62 @@ void take_run(const RunFolder& from, const RunFolder& to) {
   }
 }
 
-// In the order of RunFolder::take_over(). False when there is nothing to take.
-bool take_repetition(const RunFolder& from, const RunFolder& to, int repetition) {
-  const bool has_rows = from.has_rows(repetition);
-  if (to.has_rows(repetition) || (!has_rows && !from.fault(repetition))) return false;
-  if (!has_rows && to.fault(repetition)) return false;
+// In the order of RunFolder::take_over().
+void take_repetition(const RunFolder& from, const RunFolder& to, int repetition) {
+  const Outcome outcome = outcome_of(from, repetition);
   copy_text(from.manifest_file(repetition), to.manifest_file(repetition));
-  if (from.fault(repetition))
+  if (outcome.fault)
     copy_text(from.fault_file(repetition), to.fault_file(repetition));
   else
     fs::remove(to.fault_file(repetition));
-  if (has_rows) copy_text(from.rows_file(repetition), to.rows_file(repetition));
-  return true;
+  if (outcome.rows) copy_text(from.rows_file(repetition), to.rows_file(repetition));
+}
+
+// One run, whose lock is held unless nothing is to be written.
+void merge_run(const SheetRun& run, const MergeConfig& config, MergeResult& result) {
+  const RunFolder target(config.to, run.id);
+  std::vector<Outcome> outcomes;
+  for (int i = 0; i < run.repetitions; ++i) outcomes.push_back(outcome_of(target, i));
+  for (const std::string& folder : config.from) {
+    const RunFolder source(folder, run.id);
+    if (!config.dry_run && fs::exists(source.path())) take_run(source, target);
+    for (int i = 0; i < run.repetitions; ++i) {
+      const Outcome offered = outcome_of(source, i);
+      if (!is_wanted(offered, outcomes[i])) continue;
+      if (!config.dry_run) take_repetition(source, target, i);
+      outcomes[i] = offered;
+      ++result.taken;
+    }
+  }
+  result.all += outcomes.size();
+  for (const Outcome& outcome : outcomes) {
+    result.done += outcome.rows ? 1 : 0;
+    result.failed += outcome.fault ? 1 : 0;
+    result.missing += !outcome.rows && !outcome.fault ? 1 : 0;
+  }
 }
 
 }  // namespace
 
-MergeResult merge_sweeps(const std::vector<std::string>& from, const fs::path& to) {
-  const nlohmann::json sweep = sweep_of(from.front());
-  for (const std::string& other : from)
-    if (sweep_of(other) != sweep)
-      throw InputError(describe(other, "", "is not the same sweep as " + from.front(),
-                                "merge what the same program has made of the same file and data"));
-  make_folder(to);
-  const FileLock lock(to / ".lock");
-  remove_temporaries_in(to);
-  if (fs::exists(to / "sweep.json") && sweep_of(to) != sweep)
-    throw InputError(describe(to.string(), "", "holds another sweep", "choose another folder"));
-  copy_text(fs::path(from.front()) / "sweep.json", to / "sweep.json");
-
+MergeResult merge_sweeps(const MergeConfig& config) {
+  const SweepSheet sheet = common_sheet(config);
   MergeResult result;
-  result.name = sweep.at("name");
-  for (const auto& [id, repetitions] : runs_in(sweep)) {
-    const RunFolder target(to, id);
+  result.name = sheet.name;
+  if (config.dry_run) {
+    for (const SheetRun& run : sheet.runs) merge_run(run, config, result);
+    return result;
+  }
+  make_folder(config.to);
+  const FileLock lock(config.to / ".lock");
+  remove_temporaries_in(config.to);
+  copy_text(fs::path(config.from.front()) / "sweep.json", config.to / "sweep.json");
+  for (const SheetRun& run : sheet.runs) {
+    const RunFolder target(config.to, run.id);
     const FileLock run_lock = target.try_lock();
     if (!run_lock.held())
       throw InputError(describe(target.path().string(), "", "another process works on it", "wait for it"));
     target.clear();
-    for (const std::string& other : from) {
-      const RunFolder source(other, id);
-      if (fs::exists(source.path())) take_run(source, target);
-      for (int i = 0; i < repetitions; ++i) result.taken += take_repetition(source, target, i) ? 1 : 0;
-    }
-    for (int i = 0; i < repetitions; ++i) {
-      ++result.repetitions;
-      result.done += target.has_rows(i) ? 1 : 0;
-      result.failed += target.fault(i) ? 1 : 0;
-    }
+    merge_run(run, config, result);
   }
   return result;
 }

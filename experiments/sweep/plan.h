@@ -17,7 +17,7 @@ namespace lodestone {
 struct SweepRun {
   std::string id;  // 16 hexadecimal digits; empty while the input has yet to be made
   const Experiment* experiment = nullptr;
-  std::string program;      // hash of the executable
+  std::string program;      // hash of executable and libraries
   std::string sweep, data;  // names, of the first sweep that has it
   nlohmann::json given;     // what the file sets
   nlohmann::json parameters;

@@ -3,12 +3,14 @@
 #include <elf.h>
 
 #include <cstring>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "core/io/mapped_file.h"
+#include "experiments/sweep/libraries.h"
 #include "experiments/sweep/sha256.h"
 #include "experiments/version.h"
 
@@ -52,31 +54,36 @@ std::optional<std::vector<Bytes>> decisive_sections(Bytes file) {
   return sections;
 }
 
-std::string hash_executable() {
+std::string hash_program() {
   const MappedFile file("/proc/self/exe");
   Sha256 hash;
   const auto sections = decisive_sections(file.bytes());
   if (!sections) hash.add(file.bytes());
   for (const Bytes bytes : sections.value_or(std::vector<Bytes>{})) hash.add(bytes);
+  for (const LoadedLibrary& library : deciding_libraries())
+    hash.add(library.identity + "  " + std::filesystem::path(library.path).filename().string() + "\n");
   return hash.finish();
 }
 
 }  // namespace
 
 const std::string& program_hash() {
-  static const std::string hash = hash_executable();
+  static const std::string hash = hash_program();
   return hash;
 }
 
 nlohmann::json program_facts() {
   const ProgramCommit commit = program_commit();
+  std::vector<std::string> libraries;
+  for (const LoadedLibrary& library : loaded_libraries()) libraries.push_back(library.path + " " + library.identity);
   return {{"program", program_hash()},
           {"version", program_version()},
           {"commit", commit.hash},
           {"dirty", commit.dirty},
           {"compiler", LODESTONE_COMPILER},
           {"flags", LODESTONE_FLAGS},
-          {"build_type", LODESTONE_BUILD_TYPE}};
+          {"build_type", LODESTONE_BUILD_TYPE},
+          {"libraries", libraries}};
 }
 
 }  // namespace lodestone

@@ -15,6 +15,7 @@
 #include "experiments/sweep/program_identity.h"
 #include "experiments/sweep/run_folder.h"
 #include "parallel/processors.h"
+#include "render/graphics_driver.h"
 
 namespace lodestone {
 namespace {
@@ -58,10 +59,13 @@ std::vector<Row> readable(const Experiment& experiment, std::vector<Row> rows) {
   return rows;
 }
 
-nlohmann::json manifest() {
+// `machine` as it was before the run, whose own load it does not have. What the run has loaded is known afterwards.
+nlohmann::json manifest(const nlohmann::json& machine) {
   nlohmann::json facts = program_facts();
-  facts.update(machine_facts());
+  facts.update(machine);
   facts["peak_bytes"] = peak_resident_bytes();
+  if (const auto driver = last_graphics_driver())
+    facts["gl"] = {{"vendor", driver->vendor}, {"renderer", driver->renderer}, {"version", driver->version}};
   return facts;
 }
 
@@ -76,6 +80,9 @@ void check_threads(const nlohmann::json& parameters) {
 // Rows go into the work folder; what is wrong with them, or with the run, is returned.
 std::optional<Fault> run_experiment(const nlohmann::json& job, const WorkFolder& work, RunContext& context) {
   try {
+    // The parent's executable is this one, whatever has become of its file; libraries are loaded anew.
+    if (job.at("program") != program_hash())
+      return Fault{"error", {"the program's libraries changed since the sweep began; run again with --resume"}};
     const Experiment& experiment = find_experiment(job.at("experiment"));
     const Parameters parameters(experiment.parameters, job.at("parameters"));
     check_threads(job.at("parameters"));
@@ -118,6 +125,7 @@ void run_child(const fs::path& folder, int report, const CancelFlag& cancel) {
   const nlohmann::json job = read_json(work.job());
   if (!job.is_object()) throw InputError(describe(work.job().string(), "", "is no job of a sweep"));
   pin_to(job.at("processors").get<std::vector<int>>());
+  const nlohmann::json machine = machine_facts();
   RunContext context;
   context.input = job.at("input");
   context.directory = work.scratch().string();
@@ -127,7 +135,7 @@ void run_child(const fs::path& folder, int report, const CancelFlag& cancel) {
   const std::optional<Fault> fault = run_experiment(job, work, context);
   if (cancel) throw Cancelled{};
   if (fault) write_aside(work.fault(), to_json(*fault).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-  write_aside(work.manifest(), manifest().dump());
+  write_aside(work.manifest(), manifest(machine).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace lodestone

@@ -45,6 +45,13 @@ struct Job {
   [[nodiscard]] bool is_pinned() const { return !claim.processors().empty(); }
 };
 
+// What a repetition took.
+struct Spent {
+  std::time_t started = 0;
+  double seconds = 0, cpu_seconds = 0;  // wall, and of all its threads
+  bool pinned = false;
+};
+
 // The last line that the child has written, where it may have said why it ended.
 std::string last_words(const std::filesystem::path& log) {
   std::string text = read_text(log);
@@ -62,6 +69,13 @@ std::optional<Fault> crash_of(const ChildEnd& end, const std::filesystem::path& 
   Fault crash{"crash", {end.reason()}};
   if (!words.empty()) crash.messages.push_back(words);
   return crash;
+}
+
+// Rows are recorded under the hash that the input had when the sweep began. What is there now may be something else.
+std::optional<Fault> change_of(const SweepInput& input) {
+  const std::optional<std::string> changed = changed_file(input);
+  if (!changed) return {};
+  return Fault{"error", {*changed + " changed since the sweep began; run again with --resume"}};
 }
 
 class Runner {
@@ -150,7 +164,10 @@ class Runner {
     folder.clear();
     try {
       folder.describe_run(runs_[task.run]);
-      launch(task, std::move(lock), std::move(claim));
+      if (const std::optional<Fault> change = change_of(runs_[task.run].input))
+        refuse(task, *change);
+      else
+        launch(task, std::move(lock), std::move(claim));
     } catch (...) {
       folder.clear();
       throw;
@@ -162,6 +179,7 @@ class Runner {
     const RunFolder& folder = folders_[task.run];
     const WorkFolder work = folder.begin(task.repetition);
     write_aside(work.job(), nlohmann::json{{"experiment", run.experiment->name},
+                                           {"program", run.program},
                                            {"parameters", run.parameters},
                                            {"input", run.input.path},
                                            {"repetition", task.repetition},
@@ -172,6 +190,14 @@ class Runner {
     auto child = std::make_unique<ChildProcess>(std::vector<std::string>{"sweep-run", work.path.string()}, folder.log(),
                                                 lock.descriptor());
     jobs_.push_back({task, std::move(lock), std::move(claim), now, Clock::now(), std::move(child)});
+  }
+
+  // Ends a repetition that was not started.
+  void refuse(const Task& task, const Fault& fault) {
+    const RunFolder& folder = folders_[task.run];
+    (void)folder.begin(task.repetition);
+    append_to_log(folder, fmt::format("--- repetition {}: {}\n", task.repetition, fault.messages.front()));
+    record(task, {std::time(nullptr)}, fault);
   }
 
   static void append_to_log(const RunFolder& folder, const std::string& line) {
@@ -202,22 +228,27 @@ class Runner {
   }
 
   void take_over(const Job& job, const ChildEnd& end) {
-    const SweepRun& run = runs_[job.task.run];
-    const RunFolder& folder = folders_[job.task.run];
-    const double seconds = seconds_since(job.start);
+    std::optional<Fault> fault = change_of(runs_[job.task.run].input);
+    if (!fault) fault = crash_of(end, folders_[job.task.run].log());
+    record(job.task, {job.started, seconds_since(job.start), end.cpu_seconds, job.is_pinned()}, std::move(fault));
+  }
+
+  // `fault` is known here; what the child found is in its work folder. The task is pending or a job no more afterwards.
+  void record(const Task& task, const Spent& spent, std::optional<Fault> fault) {
+    const SweepRun& run = runs_[task.run];
     const nlohmann::json facts = {{"experiment", run.experiment->name},
-                                  {"repetition", job.task.repetition},
-                                  {"start", utc(job.started)},
+                                  {"repetition", task.repetition},
+                                  {"start", utc(spent.started)},
                                   {"end", utc(std::time(nullptr))},
-                                  {"wall_seconds", seconds},
-                                  {"cpu_seconds", end.cpu_seconds},
+                                  {"wall_seconds", spent.seconds},
+                                  {"cpu_seconds", spent.cpu_seconds},
                                   {"jobs", config_.jobs},
-                                  {"pinned", job.is_pinned()}};
-    const std::optional<Fault> fault = folder.take_over(job.task.repetition, facts, crash_of(end, folder.log()));
+                                  {"pinned", spent.pinned}};
+    fault = folders_[task.run].take_over(task.repetition, facts, std::move(fault));
     ++result_.ran;
-    time_left_.ended(job.task.run, seconds, true);
+    time_left_.ended(task.run, spent.seconds, true);
     callbacks_.ended(
-        {run, job.task.repetition, seconds, fault, result_.all - pending_.size() - jobs_.size() + 1, result_.all});
+        {run, task.repetition, spent.seconds, fault, result_.all - pending_.size() - jobs_.size() + 1, result_.all});
   }
 
   void tell_progress() {

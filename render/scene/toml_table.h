@@ -143,8 +143,11 @@ class TomlTable {
   std::set<std::string> read_;
 };
 
-// Throws FileError when the file cannot be read, InputError with the line when it is no TOML.
+// Throws FileError when the file cannot be read, InputError with the line when it is no TOML, or is a folder.
 [[nodiscard]] inline toml::table parse_toml(const std::string& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    throw InputError(describe(file, {}, "is a folder", "name a file (.toml)"));
   std::ifstream in(file, std::ios::binary);
   if (!in) throw FileError(describe(file, {}, "cannot be opened for reading"));
   std::ostringstream text;

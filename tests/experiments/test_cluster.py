@@ -12,6 +12,7 @@ import time
 import unittest
 
 import command_case
+from command_case import model
 from sweep_case import HEAD, SweepCase, section
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -47,11 +48,25 @@ class Locally(ClusterCase):
         self.check_snakemake("--cores", "2")
         self.assertEqual(self.summary(), {"name": "test", "runs": 6, "repetitions": 12, "ran": 12, "failures": []})
         self.check_complete()
-        self.assertIn("Nothing to be done", self.check_snakemake("--cores", "2"))
+        self.check_snakemake("--cores", "2")
+        self.assertEqual((self.summary()["runs"], self.summary()["ran"]), (6, 0))
         self.write("sweep.toml", SWEEP.replace("x = [", "x = [7, "))
         self.check_snakemake("--cores", "2")
         self.assertEqual((self.summary()["runs"], self.summary()["ran"]), (7, 2))
         self.check_complete()
+
+    def test_a_second_call_sees_changed_data_and_tries_errors_again(self):
+        mesh = self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
+        self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "m.ply" }\n' +
+                   section('failure = ["none", "error", "verify"]'))
+        self.assertIn("2 failed", self.check_snakemake("--cores", "2"))
+        self.assertIn("2 failed", self.check_snakemake("--cores", "2"))
+        self.assertEqual((self.summary()["ran"], len(self.summary()["failures"])), (1, 2))
+        before = self.plan()["data"]["tiny"]["sha256"]
+        mesh.write_bytes(model("b.ply", "generate", "sphere", "--triangles", 500).read_bytes())
+        self.check_snakemake("--cores", "2")
+        self.assertEqual(self.summary()["ran"], 3)
+        self.assertNotEqual(self.plan()["data"]["tiny"]["sha256"], before)
 
     def test_failed_runs_are_gathered_and_errors_are_errors(self):
         self.write("sweep.toml", HEAD + section('failure = ["none", "crash", "verify"]'))
@@ -176,6 +191,8 @@ class OnSlurm(ClusterCase):
         self.assertEqual(self.summary(), {"name": "test", "runs": 6, "repetitions": 12, "ran": 12, "failures": []})
         self.check_complete()
         self.assertIn("<html", (self.folder / "out.html").read_text())
+        logs = sorted(path.name.rsplit("-", 1)[0] for path in (self.folder / "out.shards/logs").iterdir())
+        self.assertEqual(logs, ["prepare", "report", "shard-1", "shard-2", "shard-3"])
 
 
 if __name__ == "__main__":

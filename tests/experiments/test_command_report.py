@@ -201,6 +201,21 @@ class Faults(CommandCase):
         self.lodestone(*self.report(), "--csv", "rows.csv", "--quiet")
         self.assertIn("length is no column of flight", PageParser((self.folder / "report.html").read_text()).text)
 
+    def test_results_that_differ_between_repetitions_are_left_out(self):
+        study = small_study(self.folder / "study")
+        study.sheet["sweeps"][0]["columns"].append(column("fingerprint", "label"))
+        first, second = (study.path / "runs" / run["id"] for run in study.sheet["sweeps"][0]["runs"])
+        for folder, prints in ((first, "ab"), (second, "aa")):
+            for repetition in range(2):
+                study.rows(folder, repetition, [{"seconds": 1 + repetition, "gap": 0, "fingerprint": prints[repetition]}])
+        study.write()
+        self.assertIn("1 verified, 1 not verified", self.lodestone(*self.report(), "--json", "report.json"))
+        page = PageParser((self.folder / "report.html").read_text())
+        self.assertIn("fingerprint differs between repetitions: a and b", page.text)
+        sweep = json.loads((self.folder / "report.json").read_text())["studies"][0]["sweeps"][0]
+        self.assertEqual([run["state"] for run in sweep["runs"]], ["unverified", "complete"])
+        self.assertEqual([setting["run"] for setting in sweep["settings"]], [second.name])
+
     def test_broken_files_are_named(self):
         study = small_study(self.folder / "study")
         study.write()

@@ -11,7 +11,7 @@ import unittest
 
 import command_case
 from command_case import model
-from sweep_case import HEAD, SweepCase, section
+from sweep_case import HEAD, SweepCase, children_in, end_quietly, section, start
 
 
 class Experiments(SweepCase):
@@ -62,6 +62,10 @@ class Runs(SweepCase):
         manifest = self.read(run, "manifest.0.json")
         for key in ("commit", "dirty", "compiler", "flags", "build_type", "version", "cpu", "cores", "system", "load"):
             self.assertIn(key, manifest)
+        self.assertNotIn("gl", manifest)
+        for library in manifest["libraries"]:
+            self.assertRegex(library, r"\A/[^ ]+\.so[^ ]* ([0-9a-f]{8,64})\Z")
+        self.assertTrue(any("libmeshoptimizer" in library for library in manifest["libraries"]))
         self.assertRegex(manifest["start"], r"\A\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ\Z")
         self.assertLess(0, manifest["wall_seconds"])
         self.assertLess(0, manifest["cpu_seconds"])
@@ -69,6 +73,20 @@ class Runs(SweepCase):
         self.assertLess(manifest["peak_bytes"], manifest["memory_bytes"])
         self.assertIn("probe at work, repetition 0", self.file(run, "log.txt").read_text())
         self.assertEqual(list(self.file(run, "").glob("**/*.tmp")), [])
+
+    def test_manifest_has_the_driver_of_what_drew_on_gl(self):
+        self.write("sweep.toml", HEAD.replace("box", "sphere").replace("12", "500") + section(
+            'backend = ["null", "gl"], rounds = 1, measured_frames = 0, frames = 2, width = 64, height = 48').replace(
+                "probe", "raster"))
+        done = command_case.call("sweep", "sweep.toml", "-o", "out", "--quiet", cwd=self.folder)
+        drawn = {parameters["backend"]: run for run, parameters, _ in self.runs()}
+        if done.returncode != 0 and re.search("OpenGL|LODESTONE_GL", done.stderr.decode()):
+            self.skipTest(done.stderr.decode())
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        self.assertNotIn("gl", self.read(drawn["null"], "manifest.0.json"))
+        driver = self.read(drawn["gl"], "manifest.0.json")["gl"]
+        self.assertEqual(sorted(driver), ["renderer", "vendor", "version"])
+        self.assertTrue(all(driver.values()), driver)
 
     def test_pinned_to_as_many_processors_as_threads(self):
         allowed = sorted(os.sched_getaffinity(0))
@@ -191,6 +209,31 @@ class Resume(SweepCase):
         self.assertEqual(self.sweep(text, "--resume")["ran"], 1)
         self.assertEqual(len(list((self.folder / "out/runs").iterdir())), 2)
 
+    def test_data_that_changes_during_a_sweep_is_not_recorded_under_its_old_hash(self):
+        box = model("a.ply", "generate", "box", "--triangles", 12).read_bytes()
+        mesh = self.write("m.ply", box)
+        self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "m.ply" }\n' +
+                   section("x = [1, 2, 3], seconds = [0, 1]"))
+        process = start("sweep.toml", "-o", "out", cwd=self.folder)
+        end = time.monotonic() + 60
+        while not (children_in(self.folder) and list(self.folder.glob("out/runs/*/rows.0.jsonl"))):
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.02)
+        mesh.write_bytes(model("b.ply", "generate", "sphere", "--triangles", 500).read_bytes())
+        status, _, errors = end_quietly(process)
+        self.assertEqual(status, 1)
+        self.assertIn("error: m.ply changed since the sweep began; run again with --resume", errors)
+        done = [self.file(run, "rows.0.jsonl").exists() for run, _, _ in self.runs()]
+        for (run, _, _), is_done in zip(self.runs(), done):
+            self.assertNotEqual(self.file(run, "fault.0.json").exists(), is_done)
+            if is_done:
+                self.assertEqual(self.rows(run, 0)[0]["bytes"], len(box))
+        self.assertIn(done.count(False), range(1, 6))
+        self.check_clean()
+        summary = self.results("sweep", "sweep.toml", "-o", "out", "--resume", "--quiet")
+        self.assertEqual(summary["ran"], 6)
+        self.check_complete()
+
     def test_failures_are_tried_again_but_not_what_does_not_verify(self):
         text = HEAD + section('failure = ["first", "verify"]', "repetitions = 2")
         self.write("sweep.toml", text)
@@ -234,6 +277,21 @@ class Identity(SweepCase):
         self.assertNotEqual(other[0], program)
 
 
+    def test_run_of_another_program_is_an_error(self):
+        self.sweep(HEAD + section("x = 1"))
+        (run, parameters, _), = self.runs()
+        job = {"experiment": "probe", "parameters": parameters, "input": self.read(run, "parameters.json")["input"],
+               "repetition": 0, "processors": []}
+        for program, expected in ((self.plan()["program"], False), ("0" * 64, True)):
+            work = self.folder / program
+            (work / "files").mkdir(parents=True)
+            (work / "job.json").write_text(json.dumps({**job, "program": program}))
+            self.lodestone("sweep-run", work, "--report", 1)
+            self.assertEqual((work / "fault.json").exists(), expected)
+            self.assertNotEqual((work / "rows.jsonl").exists(), expected)
+        self.assertIn("libraries changed since the sweep began", (work / "fault.json").read_text())
+
+
 class Shards(SweepCase):
     TEXT = HEAD + section("x = [1, 2, 3, 4, 5]", "repetitions = 2")
 
@@ -246,7 +304,7 @@ class Shards(SweepCase):
         for i in (1, 2, 3):
             self.sweep(self.TEXT, "--shard", f"{i}/3", output=f"part{i}")
         merged = self.results("sweep", "--merge", "part1", "part2", "part3", "-o", "all", "--quiet")
-        self.assertEqual(merged, {"name": "test", "repetitions": 10, "done": 10, "taken": 10, "failed": 0})
+        self.assertEqual(merged, {"name": "test", "repetitions": 10, "done": 10, "taken": 10, "failed": 0, "missing": 0})
         self.check_complete("all")
         again = self.results("sweep", "--merge", "part1", "-o", "all", "--quiet")
         self.assertEqual(again["taken"], 0)
@@ -255,12 +313,64 @@ class Shards(SweepCase):
         self.refused("sweep", "--merge", "part1", "nowhere", "-o", "both", names=["nowhere", "holds no sweep"])
         self.refused("sweep", "sweep.toml", "--merge", "part1", "-o", "both", names=["--merge takes no FILE"])
 
-    def test_merging_keeps_failures(self):
+    def test_merging_keeps_failures_and_ends_with_them(self):
         self.write("sweep.toml", HEAD + section('failure = ["none", "error", "verify"]'))
         self.failing("sweep.toml", "-o", "part", names=["2 of 3"])
-        merged = self.results("sweep", "--merge", "part", "-o", "all", "--quiet")
-        self.assertEqual((merged["done"], merged["failed"]), (2, 2))
+        self.failing("--merge", "part", "-o", "all", "--quiet", "--json", "merged.json",
+                     names=["all: of 3 repetitions, 2 failed and 0 are missing"])
+        merged = json.loads((self.folder / "merged.json").read_text())
+        self.assertEqual((merged["done"], merged["failed"], merged["taken"]), (2, 2, 3))
         self.check_clean("all")
+
+    def test_merging_too_few_ends_with_what_is_missing(self):
+        self.sweep(self.TEXT, "--shard", "1/3", output="part1")
+        self.failing("--merge", "part1", "-o", "all", names=["of 10 repetitions, 0 failed and 6 are missing"])
+        self.sweep(self.TEXT, "--resume", output="all")
+        self.check_complete("all")
+
+    def test_dry_run_of_merging_counts_and_writes_nothing(self):
+        for i in (1, 2):
+            self.sweep(self.TEXT, "--shard", f"{i}/3", output=f"part{i}")
+        before = self.listing()
+        told = self.lodestone("sweep", "--merge", "part1", "part2", "part1", "-o", "all", "--dry-run")
+        self.assertEqual(told, "all: 8 of 10 repetitions would be taken over, 8 have rows, 0 failed, 2 missing\n")
+        self.assertEqual(self.listing(), before)
+
+    def test_merging_refuses_what_does_not_go_with_it(self):
+        self.sweep(self.TEXT, output="part")
+        for option in (["--resume"], ["--shard", "1/2"], ["--small"], ["--jobs", 2], ["--prepare"]):
+            self.refused("sweep", "--merge", "part", "-o", "all", *option, names=["--merge", option[0], "--help"])
+        self.refused("sweep", "sweep.toml", "-o", "out", "--prepare", "--dry-run", names=["--prepare", "--dry-run"])
+
+    def test_merging_into_something_else(self):
+        self.sweep(self.TEXT, output="part")
+        (self.folder / "home").mkdir()
+        self.write("home/letter.txt", "dear")
+        self.refused("sweep", "--merge", "part", "-o", "home", names=["home", "holds other files"])
+        self.refused("sweep", "--merge", "part", "-o", "sweep.toml", names=["is a file"])
+        self.sweep(self.TEXT.replace('"test"', '"other"'), output="other")
+        self.refused("sweep", "--merge", "part", "-o", "other", names=["other", "holds the sweep 'other'"])
+
+    def test_sweep_json_that_was_changed_is_named(self):
+        self.sweep(self.TEXT, output="part")
+        whole = self.plan("part")
+        for change, says in ((lambda s: s.update(name=3), "'name' is no text"),
+                             (lambda s: s.update(sweeps=3), "'sweeps' is no list"),
+                             (lambda s: s.pop("sweeps"), "has no 'sweeps'"),
+                             (lambda s: s["sweeps"].append(3), "has no 'runs'"),
+                             (lambda s: s["sweeps"][0].update(repetitions="x"), "'repetitions' is no count"),
+                             (lambda s: s["sweeps"][0]["runs"][0].update(id="../x"), "'id' is not that of a run")):
+            sheet = json.loads(json.dumps(whole))
+            change(sheet)
+            self.write("part/sweep.json", json.dumps(sheet))
+            names = ["part/sweep.json", says, "--resume"]
+            self.refused("sweep", "--merge", "part", "-o", "all", names=names)
+            self.refused("sweep", "sweep.toml", "-o", "part", "--resume", names=names)
+            self.refused("sweep", "sweep.toml", "-o", "part", "--dry-run", names=names)
+        self.write("part/sweep.json", "[")
+        self.refused("sweep", "--merge", "part", "-o", "all", names=["part/sweep.json", "is no JSON object"])
+        (self.folder / "part/sweep.json").unlink()
+        self.assertEqual(self.sweep(self.TEXT, "--resume", output="part")["ran"], 0)
 
     def test_wrong_shard(self):
         self.write("sweep.toml", self.TEXT)
@@ -304,16 +414,18 @@ class Failures(SweepCase):
     def test_missing_and_other_data(self):
         self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "none.ply" }\n' + section("x = 1"))
         self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
-                     names=["sweep.toml: line 3: tiny", "none.ply is missing", "scripts/data"])
-        self.failing("sweep.toml", "-o", "out", names=["none.ply is missing", "scripts/data"])
+                     names=["sweep.toml: line 3: tiny", "none.ply is missing; correct the path"])
+        self.failing("sweep.toml", "-o", "out", names=["none.ply is missing; correct the path"])
+        self.write("ours.toml", 'name = "test"\n[data]\ntiny = { path = "build/data/none.ply" }\n' + section("x = 1"))
+        self.failing("ours.toml", "-o", "out3", names=["build/data/none.ply is missing; unpack", "scripts/data"])
         self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
         text = f'name = "test"\n[data]\ntiny = {{ path = "m.ply", sha256 = "{"0" * 64}" }}\n' + section("x = 1")
         self.write("sweep.toml", text)
-        line = self.failing("sweep.toml", "-o", "out2", names=["line 3: tiny", "has the sha256", "not 0000", "scripts/data"])
+        line = self.failing("sweep.toml", "-o", "out2", names=["line 3: tiny", "has the sha256", "not 0000", "or correct"])
         right = line.split("has the sha256 ")[1][:64]
         self.assertEqual(right, subprocess.run(["sha256sum", self.folder / "m.ply"], capture_output=True, text=True,
                                                check=True).stdout[:64])
-        self.sweep(text.replace("0" * 64, right), output="out3")
+        self.sweep(text.replace("0" * 64, right), output="out4")
 
     def test_scenes_and_companions_count(self):
         self.write("scene.toml", '[[model]]\nfile = "m.ply"\n')
@@ -337,6 +449,8 @@ class Failures(SweepCase):
         self.write("sweep.toml", HEAD + section("x = 1") + '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "x"\ny = "gap"\n')
         self.refused("sweep", "sweep.toml", "-o", "out", names=["line 14", "'gap' is neither a parameter nor a column"])
         self.refused("sweep", "none.toml", "-o", "out", names=["none.toml", "cannot be opened"])
+        (self.folder / "folder").mkdir()
+        self.refused("sweep", "folder", "-o", "out", names=["folder: is a folder", ".toml"])
         self.refused("sweep", "-o", "out", names=["FILE"])
 
 

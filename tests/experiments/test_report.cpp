@@ -100,7 +100,6 @@ TEST(Aggregate, CostsAreMediansAndAccuracyIsWhereItWasMeasured) {
   EXPECT_EQ(table.settings[0].at("kappa0").value, 2.0);
   EXPECT_EQ(table.settings[0].at("data").value, "sphere");
   EXPECT_TRUE(table.settings[0].at("nothing").value.is_null());
-  EXPECT_TRUE(table.unsteady.empty());
   EXPECT_TRUE(table.varied.empty());
 }
 
@@ -145,21 +144,43 @@ TEST(Aggregate, WhatDoesNotVerifyIsLeftOutWithAllItsRepetitions) {
   EXPECT_EQ(counts.unverified + counts.failed + counts.missing, 3U);
 }
 
-TEST(Aggregate, ChangesBetweenRepetitionsAreTold) {
-  SweepRecord sweep = make_sweep({{"triangles", "", "", Kind::count}, {"gap", "", "", Kind::accuracy}}, {});
-  sweep.runs.push_back(make_run("a", "", json::object(),
-                                {{{{"triangles", 10}, {"gap", 0.1}}}, {{{"triangles", 11}, {"gap", 0.1 + 1e-17}}}}));
-  const SettingTable table = aggregate(sweep);
-  ASSERT_EQ(table.unsteady.size(), 1U);
-  EXPECT_NE(table.unsteady[0].find("triangles"), std::string::npos);
+// What unsteady_results() says of a run with these rows.
+std::vector<std::string> unsteady(std::vector<std::vector<Row>> rows) {
+  const std::vector<ColumnInfo> columns{{"hash", "", "", Kind::label},
+                                        {"triangles", "", "", Kind::count},
+                                        {"gap", "", "", Kind::accuracy},
+                                        {"seconds", "s", "", Kind::cost}};
+  return unsteady_results(make_run("a", "", json::object(), std::move(rows)), columns);
 }
 
-TEST(Aggregate, RepetitionsWithOtherNumbersOfRowsAreTold) {
-  SweepRecord sweep = make_sweep({{"seconds", "s", "", Kind::cost}}, {});
-  sweep.runs.push_back(make_run("a", "", json::object(), {{{{"seconds", 1}}}, {{{"seconds", 2}}, {{"seconds", 3}}}}));
+TEST(Repetitions, ResultsAreEqualAndCostsAreNot) {
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(unsteady({}), Texts{});
+  EXPECT_EQ(unsteady({{{{"triangles", 10}, {"gap", 0.1}, {"seconds", 1}}},
+                      {{{"triangles", 10}, {"gap", 0.1 + 1e-17}, {"seconds", 2}}}}),
+            Texts{});
+  EXPECT_EQ(unsteady({{{{"hash", "a"}, {"gap", 0.1}}}, {{{"hash", "a"}}}, {{{"hash", "a"}, {"gap", nullptr}}}}),
+            Texts{})
+      << "what was not measured again does not differ";
+  EXPECT_EQ(unsteady({{{{"triangles", 10}}}, {{{"triangles", 11}}}}),
+            Texts{"triangles differs between repetitions: 10 and 11"});
+  EXPECT_EQ(unsteady({{{{"gap", nullptr}}}, {{{"gap", 0.25}}}, {{{"gap", 0.5}, {"hash", "b"}}}}),
+            Texts{"gap differs between repetitions: 0.25 and 0.5"});
+  EXPECT_EQ(unsteady({{{{"hash", "a"}, {"gap", 1}}}, {{{"hash", "b"}, {"gap", 2}}}}).size(), 2U);
+  EXPECT_EQ(unsteady({{{{"seconds", 1}}}, {{{"seconds", 2}}, {{"seconds", 3}}}}),
+            Texts{"the number of rows differs between repetitions: 1 and 2"});
+}
+
+TEST(Aggregate, RunsWhoseResultsDifferAreLeftOut) {
+  SweepRecord sweep = make_sweep({{"triangles", "", "", Kind::count}}, {});
+  for (const char* id : {"a", "b"})
+    sweep.runs.push_back(make_run(id, "", json::object(), {{{{"triangles", 10}}}, {{{"triangles", 10}}}}));
+  sweep.runs[0].repetitions[1].rows[0]["triangles"] = 11;
+  for (RunRecord& run : sweep.runs) run.unsteady = unsteady_results(run, sweep.columns);
+  EXPECT_EQ(state_of(sweep.runs[0]), RunState::unverified);
   const SettingTable table = aggregate(sweep);
-  EXPECT_EQ(table.settings.size(), 2U);
-  EXPECT_EQ(table.unsteady, std::vector<std::string>{"the number of rows of run a"});
+  ASSERT_EQ(table.settings.size(), 1U);
+  EXPECT_EQ(table.settings[0].run, 1U);
 }
 
 TEST(Aggregate, RowsOfARunAreJoinedByPlaceAndToldApartByTexts) {

@@ -1,14 +1,18 @@
 // Parts of the sweep engine: hashes, remembered content, processors, the share done, what a row may hold.
+#include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 
 #include "core/base/error.h"
 #include "experiments/sweep/inputs.h"
+#include "experiments/sweep/libraries.h"
 #include "experiments/sweep/probe.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/program_identity.h"
@@ -16,6 +20,7 @@
 #include "experiments/sweep/sha256.h"
 #include "experiments/sweep/time_left.h"
 #include "experiments/version.h"
+#include "render/graphics_driver.h"
 
 namespace lodestone {
 namespace {
@@ -80,6 +85,30 @@ TEST(ContentHashes, BelieveTheirMemoryAsLongAsTimesAndSizeAgree) {
   EXPECT_EQ(ContentHashes(memory).of(file).sha256, sha256("abcd"));
 }
 
+TEST(ContentHashes, KnowWhichFilesHaveChangedSince) {
+  const Folder folder;
+  const fs::path set = folder / "set";
+  fs::create_directories(set / "deep");
+  std::ofstream(set / "a") << "1";
+  std::ofstream(set / "deep" / "b") << "2";
+  const auto hashed = [&](const fs::path& path) { return ContentHashes(folder / "hashes.json").of(path); };
+  SweepInput input = hashed(set);
+  EXPECT_FALSE(changed_file(input));
+  EXPECT_FALSE(changed_file({})) << "not yet made";
+  poll(nullptr, 0, 20);  // times are no finer than a tick of the system
+  std::ofstream(set / "deep" / "b") << "3";
+  EXPECT_EQ(changed_file(input), (set / "deep" / "b").string());
+  input = hashed(set);
+  std::ofstream(set / "c") << "4";
+  EXPECT_EQ(changed_file(input), (set / "c").string());
+  input = hashed(set / "a");
+  fs::rename(set / "c", set / "a");
+  EXPECT_EQ(changed_file(input), (set / "a").string());
+  input = hashed(set / "a");
+  fs::remove(set / "a");
+  EXPECT_EQ(changed_file(input), (set / "a").string());
+}
+
 TEST(ContentHashes, OfFoldersKnowNamesAndContents) {
   const Folder folder;
   const fs::path set = folder / "set";
@@ -102,6 +131,38 @@ TEST(ProgramIdentity, IsOneHash) {
   EXPECT_EQ(program_hash(), program_hash());
   for (const char* key : {"program", "version", "commit", "dirty", "compiler", "flags", "build_type"})
     EXPECT_TRUE(program_facts().contains(key)) << key;
+}
+
+bool has(const std::vector<LoadedLibrary>& libraries, const std::string& name) {
+  return std::any_of(libraries.begin(), libraries.end(), [&](const LoadedLibrary& library) {
+    return fs::path(library.path).filename().string().starts_with(name);
+  });
+}
+
+TEST(Libraries, AreKnownByWhatIdentifiesThem) {
+  const std::vector<LoadedLibrary> loaded = loaded_libraries(), deciding = deciding_libraries();
+  EXPECT_TRUE(has(loaded, "libc.so"));
+  EXPECT_FALSE(has(deciding, "libc.so")) << "security updates replace it often";
+  EXPECT_TRUE(has(deciding, "libtbb.so"));
+  EXPECT_TRUE(has(deciding, "libmeshoptimizer.so"));
+  for (const LoadedLibrary& library : loaded) EXPECT_GE(library.identity.size(), 16u) << library.path;
+  for (const LoadedLibrary& library : deciding) EXPECT_TRUE(has(loaded, fs::path(library.path).filename().string()));
+}
+
+TEST(Libraries, OnesThatAreLoadedLaterDoNotDecide) {
+  const std::size_t deciding = deciding_libraries().size(), loaded = loaded_libraries().size();
+  void* const opened = dlopen("libEGL.so.1", RTLD_NOW);
+  if (!opened) GTEST_SKIP() << "no libEGL here";
+  EXPECT_GT(loaded_libraries().size(), loaded);
+  EXPECT_EQ(deciding_libraries().size(), deciding);
+  dlclose(opened);
+}
+
+TEST(GraphicsDriver, IsTheLastThatWasAsked) {
+  note_graphics_driver({"vendor", "first", "1"});
+  note_graphics_driver({"vendor", "second", "2"});
+  ASSERT_TRUE(last_graphics_driver());
+  EXPECT_EQ(last_graphics_driver()->renderer, "second");
 }
 
 TEST(ProgramIdentity, CommitIsWhatLooksLikeOne) {

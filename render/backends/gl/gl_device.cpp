@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "core/base/error.h"
+#include "render/graphics_driver.h"
 
 namespace lodestone {
 namespace {
@@ -41,6 +42,7 @@ GlDevice query_device() {
   GlDevice device;
   device.renderer = text(GL_RENDERER);
   device.version = text(GL_VERSION);
+  note_graphics_driver({text(GL_VENDOR), device.renderer, device.version});
   if (const int version = epoxy_gl_version(); version < needed_version)
     throw UnsupportedError("OpenGL 4.5 is missing: " + device.renderer + " has " + std::to_string(version / 10) + "." +
                            std::to_string(version % 10));

@@ -1,0 +1,82 @@
+#include "experiments/sweep/sheet.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "experiments/sweep/files.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// What is asked of a file that a person may have changed.
+class Checker {
+ public:
+  explicit Checker(fs::path path) : path_(std::move(path)) {}
+
+  void require(bool holds, const std::string& what) const {
+    if (!holds)
+      throw InputError(describe(path_.string(), "", what, "remove it and run the sweep with --resume to have it anew"));
+  }
+  [[nodiscard]] const json& member(const json& object, const char* key) const {
+    require(object.is_object() && object.contains(key), std::string("has no '") + key + "' where one belongs");
+    return object.at(key);
+  }
+  [[nodiscard]] const json& list(const json& object, const char* key) const {
+    const json& value = member(object, key);
+    require(value.is_array(), std::string("'") + key + "' is no list");
+    return value;
+  }
+  [[nodiscard]] std::string text(const json& object, const char* key) const {
+    const json& value = member(object, key);
+    require(value.is_string(), std::string("'") + key + "' is no text");
+    return value.get<std::string>();
+  }
+  [[nodiscard]] int repetitions(const json& object) const {
+    const json& value = member(object, "repetitions");
+    require(value.is_number_unsigned() && value.get<std::uint64_t>() <= 1'000'000, "'repetitions' is no count");
+    return value.get<int>();
+  }
+  // Of a run; it is the name of a folder.
+  [[nodiscard]] std::string id(const json& object) const {
+    const std::string id = text(object, "id");
+    require(id.size() == 16 && id.find_first_not_of("0123456789abcdef") == std::string::npos,
+            "'id' is not that of a run");
+    return id;
+  }
+
+ private:
+  fs::path path_;
+};
+
+void add_run(std::vector<SheetRun>& runs, const SheetRun& run) {
+  const auto known = std::ranges::find(runs, run.id, &SheetRun::id);
+  if (known == runs.end())
+    runs.push_back(run);
+  else
+    known->repetitions = std::max(known->repetitions, run.repetitions);
+}
+
+}  // namespace
+
+std::optional<SweepSheet> read_sheet(const fs::path& folder) {
+  const fs::path path = folder / "sweep.json";
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) return {};
+  const Checker check(path);
+  SweepSheet sheet;
+  sheet.content = json::parse(read_text(path), nullptr, false);
+  check.require(sheet.content.is_object(), "is no JSON object");
+  sheet.name = check.text(sheet.content, "name");
+  for (const json& section : check.list(sheet.content, "sweeps"))
+    for (const json& run : check.list(section, "runs"))
+      add_run(sheet.runs, {check.id(run), check.repetitions(section)});
+  if (const auto data = sheet.content.find("data"); data != sheet.content.end() && data->is_object())
+    for (auto& [name, source] : data->items())
+      if (source.is_object()) source.erase("path");
+  return sheet;
+}
+
+}  // namespace lodestone
