@@ -32,8 +32,8 @@ std::string describe_front(const Figure& figure, const FigurePanel& panel, const
   const FigurePoint& point = front.points.at(choice.point);
   return fmt::format("{}{} of {} settings on the front; {} of {} {} costs {}{}",
                      panel.fronts.size() > 1 ? front.data + ": " : "", front.points.size(), front.candidates,
-                     panel.y_name, limit_text(panel), with_unit(choice.limit, panel.y_unit), with_unit(point.x, figure.x_unit),
-                     point.label.empty() ? "" : " (" + point.label + ")");
+                     panel.y_name, limit_text(panel), with_unit(choice.limit, panel.y_unit),
+                     with_unit(point.x, figure.x_unit), point.label.empty() ? "" : " (" + point.label + ")");
 }
 
 std::string describe_fronts(const Figure& figure, const FigurePanel& panel) {

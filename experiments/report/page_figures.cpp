@@ -27,8 +27,8 @@ std::string range_text(double value, double least, double most) {
 void add_choices(Html& page, const Figure& figure, const FigurePanel& panel) {
   open_table(page, fmt::format("Cheapest setting for a given {}", panel.y_name), "sort");
   page.add("<thead><tr><th scope=\"col\">input</th>{}{}{}<th scope=\"col\">setting</th></tr></thead>\n<tbody>\n",
-           Raw{heading_cell(fmt::format("{} {}", panel.y_name, limit_text(panel)), panel.y_unit)}, Raw{heading_cell(figure.x_name, figure.x_unit)},
-           Raw{heading_cell(panel.y_name, panel.y_unit)});
+           Raw{heading_cell(fmt::format("{} {}", panel.y_name, limit_text(panel)), panel.y_unit)},
+           Raw{heading_cell(figure.x_name, figure.x_unit)}, Raw{heading_cell(panel.y_name, panel.y_unit)});
   for (const FigureFront& front : panel.fronts)
     for (const FigureFront::Choice& choice : front.choices) {
       const FigurePoint& p = front.points.at(choice.point);

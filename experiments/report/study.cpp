@@ -104,9 +104,11 @@ FigureRequest read_figure(const Object& o) {
 
 ColumnInfo read_column(const Object& o) {
   using Kind = ColumnInfo::Kind;
-  static const std::vector<std::pair<std::string, Kind>> kinds = {
-      {"label", Kind::label}, {"accuracy", Kind::accuracy}, {"quality", Kind::quality}, {"cost", Kind::cost},
-      {"count", Kind::count}};
+  static const std::vector<std::pair<std::string, Kind>> kinds = {{"label", Kind::label},
+                                                                  {"accuracy", Kind::accuracy},
+                                                                  {"quality", Kind::quality},
+                                                                  {"cost", Kind::cost},
+                                                                  {"count", Kind::count}};
   const std::string kind = o.text("kind");
   const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& entry) { return entry.first == kind; });
   if (found == kinds.end()) o.fail("'kind' is not label, accuracy, quality, cost or count");

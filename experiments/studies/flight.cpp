@@ -34,7 +34,7 @@ std::vector<ParameterInfo> parameters() {
       {"delta", 0.0, "cell sizes", "guard for a stale selection", 0, 100, {}},
       {"blend", "smoothstep", "", "blending function", 0, 0, blend_names()},
       {"metric", "euclidean", "", "distance", 0, 0, {"euclidean", "chebyshev"}},
-      {"image", false, "", "measure pictures, too: error, and pops against the full model's", 0, 0, {}},
+      {"image", false, "", "measure the backend's pictures, too: error, and pops against the full model's", 0, 0, {}},
   };
   append(list, viewpoint_parameters());
   append(list, picture_parameters());
@@ -108,8 +108,9 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
 
   SurfaceMeasures surface(hierarchy, *scheduler);
   const bool with_pictures = parameters.flag("image");
-  ModelDrawer picture(hierarchy, view, with_pictures ? "soft" : "null", *scheduler);
-  ModelDrawer full(hierarchy, at_full_detail(view), with_pictures ? "soft" : "null", *scheduler);
+  const std::string backend = with_pictures ? parameters.text("backend") : "null";
+  ModelDrawer picture(hierarchy, view, backend, *scheduler);
+  ModelDrawer full(hierarchy, at_full_detail(view), backend, *scheduler);
   PictureMeasures pictures(*scheduler);
   SurfaceSummary cracks_and_pops;
   PictureSummary summary;

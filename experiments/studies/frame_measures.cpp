@@ -25,8 +25,7 @@ Image heat_map(const ErrorMap& map) {
 
 // Lengths in percent of the model's size.
 JumpSample sample_of(const PopReport& jumps) {
-  JumpSample sample{
-      100 * jumps.max_jump, 100 * jumps.p99_jump, jumps.max_jump_pixels, jumps.p99_jump_pixels, {}, {}};
+  JumpSample sample{100 * jumps.max_jump, 100 * jumps.p99_jump, jumps.max_jump_pixels, jumps.p99_jump_pixels, {}, {}};
   if (jumps.step > 0) sample.per_step = jumps.max_jump / jumps.step;
   if (jumps.bounded) sample.over_bound = jumps.jump_over_bound;
   return sample;

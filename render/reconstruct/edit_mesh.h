@@ -50,7 +50,8 @@ class EditMesh {
   // The triangles around v that are reached from one of them over edges that end in v.
   [[nodiscard]] std::vector<std::uint32_t> fan(std::uint32_t v, std::uint32_t first) const;
 
-  // Gives v's fans, all but one, vertices of their own: new_vertex(fan) adds one and returns its number. Returns how many.
+  // Gives v's fans, all but one, vertices of their own: new_vertex(fan) adds one and returns its number. Returns how
+  // many.
   template <typename NewVertex>
   std::size_t part_fans(std::uint32_t v, NewVertex&& new_vertex) {
     std::size_t added = 0;

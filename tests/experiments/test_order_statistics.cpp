@@ -1,9 +1,9 @@
-#include "experiments/metrics/order_statistics.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
+
+#include "experiments/metrics/order_statistics.h"
 
 namespace lodestone {
 namespace {

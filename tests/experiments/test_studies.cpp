@@ -293,6 +293,16 @@ TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   EXPECT_EQ(joined(experiment.verify(parameters, rows)), "");
 }
 
+// What a backend that draws nothing would get by another one's pictures would make it the cheapest of all.
+TEST_F(Studies, PicturesAreThoseOfTheBackend) {
+  const auto rows = [&](const char* backend) {
+    return rows_of(
+        "flight", with(shallow, {{"backend", backend}, {"image", true}, {"frames", 2}, {"width", 64}, {"height", 48}}));
+  };
+  EXPECT_THROW((void)rows("null"), InputError);
+  EXPECT_GT(number(rows("soft").front(), "image_error"), 0);
+}
+
 TEST_F(Studies, ContradictionsAndMissingInputAreErrors) {
   EXPECT_THROW((void)rows_of("flight", {{"kappa0", 2.0}, {"kappa0_over_rho", 1.0}}), InputError);
   for (const Experiment& experiment : studies())
