@@ -36,6 +36,13 @@ struct RunContext {
   std::function<void(double)> progress = [](double) {};  // share done
 };
 
+// What is wrong with a setting.
+struct SettingFault {
+  std::vector<std::string> parameters;  // that are at odds; told at the last one that is given
+  std::string what;                     // in words, with the remedy
+  bool idle = false;                    // the one parameter has no effect beside the others
+};
+
 struct Experiment {
   std::string name;
   std::string question;  // what it answers, as a sentence with a question mark
@@ -45,6 +52,8 @@ struct Experiment {
   std::function<std::vector<Row>(const Parameters&, const RunContext&)> run;
   // What is wrong with the rows, in words; empty: they may be reported.
   std::function<std::vector<std::string>(const Parameters&, const std::vector<Row>&)> verify;
+  // What contradicts itself, told before anything is run: run() may count on there being nothing. Empty: nothing can.
+  std::function<std::vector<SettingFault>(const Parameters&)> check{};
 };
 
 // All experiments, by name. Names are unique.

@@ -68,7 +68,6 @@ RadiiConfig radii_config(const Parameters& parameters, const Hierarchy& hierarch
   config.delta = static_cast<float>(parameters.number("delta"));
   config.pixel_error = static_cast<float>(parameters.number("pixel_error"));
   const double kappa0 = parameters.number("kappa0"), ratio = parameters.number("kappa0_over_rho");
-  if (kappa0 > 0 && ratio > 0) throw InputError("kappa0 and kappa0_over_rho exclude each other; give one of them");
   if (kappa0 > 0) config.kappa0 = static_cast<float>(kappa0);
   if (ratio > 0)
     config.kappa0 = static_cast<float>(ratio * (reach(hierarchy, config.metric) + 3 * double{config.delta}));
@@ -139,6 +138,25 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return {row};
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  const bool kappa0 = parameters.number("kappa0") > 0, ratio = parameters.number("kappa0_over_rho") > 0;
+  verdict.require(!kappa0 || !ratio, {"kappa0", "kappa0_over_rho"},
+                  assignment(parameters, "kappa0") + " and " + assignment(parameters, "kappa0_over_rho") +
+                      " exclude each other; give one of them");
+  verdict.require(kappa0 || ratio || parameters.text("radii") != "uniform", {"radii"},
+                  assignment(parameters, "radii") + " needs kappa0 or kappa0_over_rho");
+  verdict.idle(kappa0 || ratio, "pixel_error", assignment(parameters, kappa0 ? "kappa0" : "kappa0_over_rho"));
+  const bool draws = parameters.text("backend") != "null";
+  verdict.require(draws || !parameters.flag("image"), {"image", "backend"},
+                  "image = true needs a backend that draws; set backend to soft or gl");
+  verdict.idle(!draws, "samples", assignment(parameters, "backend"));
+  check_viewpoints(verdict, parameters);
+  check_picture(verdict, parameters);
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("frame_ms");
@@ -155,7 +173,7 @@ Experiment flight_experiment() {
   return {"flight",  "What does a morphing hierarchy draw along a path, where does it crack, and how far does it pop?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

@@ -138,6 +138,15 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return {row};
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  verdict.idle(parameters.text("backend") == "null", "samples", assignment(parameters, "backend"));
+  check_viewpoints(verdict, parameters);
+  check_picture(verdict, parameters);
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("frame_ms");
@@ -156,7 +165,7 @@ Experiment raster_experiment() {
   return {"raster",  "What does a frame cost, and how near is it to the picture of the full model?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

@@ -15,6 +15,7 @@
 #include "experiments/studies/study_input.h"
 #include "parallel/cpu_clock.h"
 #include "parallel/trace.h"
+#include "render/position_map/map_view.h"
 
 namespace lodestone {
 namespace {
@@ -25,7 +26,7 @@ std::vector<ParameterInfo> parameters() {
       rounds_parameter(5),
       {"task", "build", "", "what the workers do", 0, 0, scaling_tasks()},
       {"mode", "strong", "", "strong: the same work for all; weak: as much for each", 0, 0, {"strong", "weak"}},
-      {"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, 65536, {}},
+      {"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, largest_map_side, {}},
       {"frames", 8, "", "of raster, once around the model", 2, 10000, {}},
   };
   append(list, build_parameters());
@@ -137,6 +138,17 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return rows;
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  const std::string name = parameters.text("task"), task = assignment(parameters, "task");
+  verdict.idle(name != "reconstruct", "resolution", task);
+  for (const char* of_raster : {"frames", "width", "height"}) verdict.idle(name != "raster", of_raster, task);
+  const bool builds = name == "build" || name == "raster";
+  for (const ParameterInfo& info : build_parameters()) verdict.idle(!builds, info.name, task);
+  if (builds) check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("seconds");
@@ -167,7 +179,7 @@ Experiment scaling_experiment() {
   return {"scaling", "What do more workers bring, for the same work and for as much work each?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

@@ -48,6 +48,22 @@ std::vector<ParameterInfo> picture_parameters() {
   };
 }
 
+void check_build(SettingVerdict& verdict, const Parameters& parameters) {
+  const std::string simplifier = parameters.text("simplifier");
+  verdict.require(simplifier == "quadric" || parameters.text("placement") != "optimal", {"simplifier", "placement"},
+                  assignment(parameters, "simplifier") +
+                      " leaves its vertices where they are; only quadric knows the "
+                      "placement optimal");
+  verdict.idle(simplifier != "quadric", "placement", assignment(parameters, "simplifier"));
+  verdict.idle(parameters.integer("finest_level") >= 0, "cell_triangles", assignment(parameters, "finest_level"));
+}
+
+void check_picture(SettingVerdict& verdict, const Parameters& parameters) {
+  const int samples = parameters.integer("samples");
+  verdict.require(samples == 1 || samples == 4, {"samples"},
+                  assignment(parameters, "samples") + ": a pixel has 1 or 4 samples");
+}
+
 ImageSize view_size(const Parameters& parameters) {
   return {parameters.integer("width"), parameters.integer("height")};
 }

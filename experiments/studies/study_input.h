@@ -10,6 +10,7 @@
 #include "core/io/read_config.h"
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/studies/setting_verdict.h"
 #include "parallel/build.h"
 #include "parallel/scheduler.h"
 #include "parallel/stage_time.h"
@@ -23,6 +24,9 @@ void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more);
 [[nodiscard]] ParameterInfo threads_parameter();
 [[nodiscard]] std::vector<ParameterInfo> build_parameters();    // how a hierarchy is built, strategy included
 [[nodiscard]] std::vector<ParameterInfo> picture_parameters();  // width, height, samples
+// What an experiment with these parameters has to refuse.
+void check_build(SettingVerdict& verdict, const Parameters& parameters);
+void check_picture(SettingVerdict& verdict, const Parameters& parameters);
 [[nodiscard]] ImageSize view_size(const Parameters& parameters);
 
 // As `threads` says.

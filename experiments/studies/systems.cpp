@@ -139,6 +139,15 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return {row};
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  verdict.idle(parameters.text("system") != "cross-fade", "fade_width", assignment(parameters, "system"));
+  check_path(verdict, parameters);
+  check_picture(verdict, parameters);
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("frame_ms");
@@ -154,7 +163,7 @@ Experiment systems_experiment() {
   return {"systems", "On the same path, what cracks and what pops under which system of levels of detail?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "experiments/sweep/contradictions.h"
 #include "experiments/sweep/design.h"
 #include "render/scene/toml_table.h"
 
@@ -144,6 +145,12 @@ struct SweepReader {
     table.integer("count", design.count, 1, most_settings);
     design.count_at = table.find("count");
   }
+
+  std::vector<nlohmann::json> settings(const Design& design, const TomlTable& table) const {
+    std::vector<nlohmann::json> made = settings_of(design, experiment.parameters, table);
+    refuse_contradictions(design, made, experiment, table);
+    return made;
+  }
 };
 
 Design::Kind design_kind(TomlTable& table) {
@@ -186,14 +193,14 @@ SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile&
   section.repetitions = reader.repetitions(table);
   Design design;
   read_design(table, at, reader, design);
-  section.settings = settings_of(design, section.experiment->parameters, table);
+  section.settings = reader.settings(design, table);
 
   table.sub_table("small", [&](TomlTable& small) {
     SweepSection smaller = section;
     if (small.has("data")) smaller.data = reader.data(small, *table.find("small"));
     if (small.has("repetitions")) smaller.repetitions = reader.repetitions(small);
     reader.design(small, design);
-    smaller.settings = settings_of(design, section.experiment->parameters, small);
+    smaller.settings = reader.settings(design, small);
     for (const char* key : {"data", "repetitions", "parameters", "count"}) (void)small.find(key);
     if (file.small) section = std::move(smaller);
   });

@@ -320,6 +320,11 @@ class Failures(SweepCase):
         self.refused("sweep", "sweep.toml", "-o", "out", names=["sweep.toml: line 8: sweep 1, unknown parameter 'y'"])
         self.write("sweep.toml", HEAD + section("x = 1") + '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "x"\ny = "gap"\n')
         self.refused("sweep", "sweep.toml", "-o", "out", names=["line 14", "'gap' is neither a parameter nor a column"])
+        flight = ('[[sweep]]\nname = "s"\nexperiment = "flight"\ndata = "tiny"\n'
+                  "[sweep.parameters]\nkappa0 = 2.0\nkappa0_over_rho = 0.5\n")
+        self.write("sweep.toml", HEAD + flight)
+        self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
+                     names=["sweep.toml: line 10: sweep 1, kappa0 = 2.0 and kappa0_over_rho = 0.5 exclude each other"])
         self.refused("sweep", "none.toml", "-o", "out", names=["none.toml", "cannot be opened"])
         self.refused("sweep", "-o", "out", names=["FILE"])
 

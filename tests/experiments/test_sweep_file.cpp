@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/studies/setting_verdict.h"
 #include "experiments/sweep/plan.h"
 #include "experiments/sweep/sweep_file.h"
 
@@ -27,7 +28,17 @@ const std::vector<Experiment>& known_experiments() {
     Experiment clock = flight;
     clock.name = "clock";
     clock.takes_input = false;
-    return std::vector<Experiment>{flight, clock};
+    Experiment strict = clock;
+    strict.name = "strict";
+    strict.check = [](const Parameters& parameters) {
+      SettingVerdict verdict;
+      const bool step = parameters.text("blend") == "step";
+      verdict.require(!step || !parameters.flag("fast"), {"fast", "blend"},
+                      "a step cannot be fast; take another blend");
+      verdict.idle(step, "kappa0", assignment(parameters, "blend"));
+      return std::move(verdict).faults();
+    };
+    return std::vector<Experiment>{flight, clock, strict};
   }();
   return all;
 }
@@ -52,6 +63,10 @@ class SweepFiles : public testing::Test {
     return "name = \"test\"\n\n[data]\nball = { generate = \"sphere\" }\n[[sweep]]\nname = \"s\"\nexperiment = "
            "\"clock\"\n" +
            rest;
+  }
+  static std::string strict(const std::string& rest) {
+    std::string text = clock(rest);
+    return text.replace(text.find("clock"), 5, "strict");
   }
   std::vector<nlohmann::json> settings(const std::string& rest, bool small = false) const {
     return load(clock(rest), small).sweeps.at(0).settings;
@@ -198,6 +213,30 @@ TEST_F(SweepFiles, WhatIsWrongIsToldWithItsLine) {
   refused("name = \"x\"\n= 3", 2, "is not valid TOML");
   refused("title = \"x\"", 1, "needs a name");
   EXPECT_THROW((void)load("name = \"x\""), InputError);
+}
+
+TEST_F(SweepFiles, ContradictionsAreToldWithTheLineOfTheParameter) {
+  refused(strict("[sweep.parameters]\nfast = true\nblend = \"step\""), 10, "a step cannot be fast; take another blend");
+  refused(strict("[sweep.parameters]\nfast = [false, true]\nblend = [\"linear\", \"step\"]"), 10, "cannot be fast");
+  refused(strict("design = \"list\"\nparameters = [{ fast = true },\n { fast = true, blend = \"step\" }]"), 10,
+          "cannot be fast");
+  refused(strict("design = \"random\"\ncount = 2\n[sweep.parameters]\nfast = true\nblend = [\"step\", \"linear\"]"), 12,
+          "cannot be fast");
+  refused(strict("parameters = { fast = true }\nsmall = { parameters = { blend = \"step\" } }"), 9,
+          "small, a step cannot be fast");
+}
+
+TEST_F(SweepFiles, ParametersGivenForNothingAreRefused) {
+  refused(strict("[sweep.parameters]\nblend = \"step\"\nkappa0 = 2"), 10,
+          "kappa0 has no effect beside blend = \"step\"; leave it out");
+  refused(strict("[sweep.parameters]\nblend = [\"linear\", \"step\"]\nkappa0 = [1, 2]"), 10,
+          "kappa0 has no effect beside blend = \"step\", where its values make equal runs");
+  refused(strict("design = \"list\"\nparameters = [{ kappa0 = 3 }, { blend = \"step\" },\n"
+                 "{ blend = \"step\", kappa0 = 3 }]"),
+          10, "equal runs");
+  // Of use to one of the settings, and no two runs are equal.
+  EXPECT_EQ(load(strict("parameters = { blend = [\"linear\", \"step\"], kappa0 = 3 }")).sweeps[0].settings.size(), 2u);
+  EXPECT_EQ(load(strict("parameters = { blend = \"step\" }")).sweeps[0].settings.size(), 1u);
 }
 
 TEST(Plan, IdsDependOnWhatDecidesTheResult) {
