@@ -17,6 +17,16 @@ namespace lodestone {
 // What a row says: name -> number, text, truth value or null (not measured in this row). A flat object.
 using Row = nlohmann::json;
 
+// What a setting has to say for a column to be measured: one of these conditions.
+struct ColumnNeed {
+  struct Condition {
+    std::string parameter;
+    ParameterValue value;
+    bool is = true;  // false: any other value
+  };
+  std::vector<Condition> any;
+};
+
 // A column that a row may have besides the parameters.
 struct ColumnInfo {
   // Of accuracy less is better, of quality (PSNR, SSIM) more.
@@ -26,6 +36,7 @@ struct ColumnInfo {
   std::string unit;     // "s", "% of the diagonal", "pixels", ...; empty: none
   std::string meaning;  // for the report
   Kind kind = Kind::count;
+  std::vector<ColumnNeed> needs{};  // all of them; empty: every setting has it
 };
 
 struct RunContext {

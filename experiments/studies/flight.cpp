@@ -44,11 +44,16 @@ std::vector<ParameterInfo> parameters() {
 
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
+  const ColumnNeed by_kappa0{{{"kappa0", 0.0, false}, {"kappa0_over_rho", 0.0, false}}};
   std::vector<ColumnInfo> list{
       {"frame_count", "", "viewpoints", count},
       {"rho", "", "reach in the metric of the run: the admissible border of uniform radii", accuracy},
-      {"kappa0_used", "cell sizes", "least selection radius that was used; none with a tolerance in pixels", accuracy},
-      {"over_border", "", "kappa0 over the admissible border rho + 3 delta", accuracy},
+      {"kappa0_used",
+       "cell sizes",
+       "least selection radius that was used; none with a tolerance in pixels",
+       accuracy,
+       {by_kappa0}},
+      {"over_border", "", "kappa0 over the admissible border rho + 3 delta", accuracy, {by_kappa0}},
       {"admissible", "", "every morph band has a width: no crack, no pop", label},
       {"triangles", "", "drawn in a frame, mean", cost},
       {"cells", "", "drawn in a frame, mean", cost},
@@ -56,7 +61,7 @@ std::vector<ColumnInfo> columns() {
   };
   add_spread_columns(list, "frame_ms", "ms", "a frame, from camera to picture");
   append(list, SurfaceSummary::columns());
-  append(list, PictureSummary::columns());
+  append(list, needing({{{"image", true}}}, PictureSummary::columns()));
   return list;
 }
 

@@ -32,6 +32,7 @@ std::vector<ParameterInfo> parameters() {
 
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
+  const ColumnNeed measured{{{"measured_frames", 0, false}}}, drawn{{{"backend", "null", false}}};
   std::vector<ColumnInfo> list{
       {"input_triangles", "", "of the model", count},
       {"triangles", "", "drawn in a frame, mean", cost},
@@ -40,11 +41,15 @@ std::vector<ColumnInfo> columns() {
       {"frame_cpu_ms", "ms", "processor time of a frame, all threads, median", cost},
       {"mtri_per_second", "million/s", "triangles drawn over the frame time", cost},
       {"peak_memory", "bytes", "largest resident set while drawing, the model included", cost},
-      {"screen_error", "pixels", "largest distance in the picture between what is drawn and the full model", accuracy},
-      {"image_error", "%", "mean difference from the full model's picture", accuracy},
-      {"psnr", "dB", "of the worst picture that differs at all", quality},
-      {"ssim", "", "of the worst picture", quality},
-      {"flip", "", "mean FLIP of the worst picture", accuracy},
+      {"screen_error",
+       "pixels",
+       "largest distance in the picture between what is drawn and the full model",
+       accuracy,
+       {measured}},
+      {"image_error", "%", "mean difference from the full model's picture", accuracy, {measured, drawn}},
+      {"psnr", "dB", "of the worst picture that differs at all", quality, {measured, drawn}},
+      {"ssim", "", "of the worst picture", quality, {measured, drawn}},
+      {"flip", "", "mean FLIP of the worst picture", accuracy, {measured, drawn}},
       {"hash", "", "of all pictures", label},
       {"same", "", "a single thread draws the same pictures", label},
   };

@@ -26,6 +26,11 @@ void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more) {
   list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
+std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> columns) {
+  for (ColumnInfo& column : columns) column.needs.push_back(need);
+  return columns;
+}
+
 ParameterInfo threads_parameter() { return {"threads", 0, "", "workers; 0: all that the machine has", 0, 4096, {}}; }
 
 std::vector<ParameterInfo> build_parameters() {

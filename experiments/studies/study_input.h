@@ -21,6 +21,9 @@ namespace lodestone {
 void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more);
 void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more);
 
+// The columns, with one more need each.
+[[nodiscard]] std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> columns);
+
 [[nodiscard]] ParameterInfo threads_parameter();
 [[nodiscard]] std::vector<ParameterInfo> build_parameters();    // how a hierarchy is built, strategy included
 [[nodiscard]] std::vector<ParameterInfo> picture_parameters();  // width, height, samples

@@ -44,8 +44,12 @@ std::vector<ParameterInfo> parameters() {
   return list;
 }
 
+// The one column of surfaces that is not measured here.
+constexpr const char* without_step = "jump_per_step";
+
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
+  const ColumnNeed of_vertices{{{"system", "cross-fade", false}}};  // which moves none
   std::vector<ColumnInfo> list{
       {"admissible", "", "the system promises neither cracks nor pops with these radii", label},
       {"triangles", "", "drawn in a frame, mean", cost},
@@ -53,7 +57,11 @@ std::vector<ColumnInfo> columns() {
       {"frame_cpu_ms", "ms", "processor time of a frame, all threads, median", cost},
   };
   add_spread_columns(list, "frame_ms", "ms", "a frame, from camera to picture; reading it back for a blend included");
-  append(list, SurfaceSummary::columns());
+  for (ColumnInfo& column : SurfaceSummary::columns()) {
+    if (column.name == without_step) continue;
+    if (column.name.starts_with("jump_")) column.needs.push_back(of_vertices);
+    list.push_back(std::move(column));
+  }
   append(list, PictureSummary::columns());
   return list;
 }
@@ -134,6 +142,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
                       context.progress(static_cast<double>(frame.frame) / static_cast<double>(config.cameras.size()));
                     });
   cracks_and_pops.add_to(row);
+  row.erase(without_step);
   seen.add_to(row);
   worst.write(context.directory, *scheduler);
   return {row};

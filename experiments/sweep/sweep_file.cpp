@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "experiments/sweep/column_presence.h"
 #include "experiments/sweep/contradictions.h"
 #include "experiments/sweep/design.h"
 #include "render/scene/toml_table.h"
@@ -174,6 +175,21 @@ void read_design(TomlTable& table, const toml::node& at, const SweepReader& read
   table.integer("seed", design.seed, 0, std::numeric_limits<std::int64_t>::max());
 }
 
+// Whether the settings of the sweep have the column: an error where none has, a note where some have not.
+void check_presence(TomlTable& table, const char* key, const std::string& name, const SweepSection& sweep,
+                    const std::string& where, SweepFile& file) {
+  const ColumnPresence found = presence(sweep, name);
+  if (found.remedy.empty()) return;
+  if (found.settings == 0)
+    table.fail(*table.find(key), key,
+               fmt::format("'{0}' is measured in no setting of sweep '{1}'; {2} in sweep '{1}'", name, sweep.name,
+                           found.remedy));
+  file.notes.push_back(
+      fmt::format("line {}: {}, {} '{}' is measured in {} of {} settings of sweep '{}' only; for the others {}",
+                  table.find(key)->source().begin.line, where, key, name, found.settings, sweep.settings.size(),
+                  sweep.name, found.remedy));
+}
+
 SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile& file, const ExperimentLookup& lookup) {
   SweepSection section;
   read_name(table, at.source(), section.name);
@@ -207,28 +223,19 @@ SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile&
   return section;
 }
 
-// What a figure may name: parameters and columns of its sweeps, and what a reader joins to the rows.
-std::set<std::string> names_of(const SweepSection& sweep) {
-  std::set<std::string> names{"data", "repetition"};
-  for (const ParameterInfo& info : sweep.experiment->parameters) {
-    names.insert(info.name);
-    // Derived by the report from the times over the numbers of threads.
-    if (info.name == "threads") names.insert({"speedup", "efficiency", "karp_flatt"});
-  }
-  for (const ColumnInfo& column : sweep.experiment->columns) names.insert(column.name);
-  return names;
-}
-
+// `measured`: the names are nothing without numbers.
 void check_names(TomlTable& table, const char* key, const std::vector<std::string>& given, const FigureSpec& figure,
-                 const SweepFile& file) {
+                 bool measured, SweepFile& file) {
   for (const SweepSection& sweep : file.sweeps) {
     if (std::find(figure.sweep.begin(), figure.sweep.end(), sweep.name) == figure.sweep.end()) continue;
-    const std::set<std::string> known = names_of(sweep);
-    for (const std::string& name : given)
+    const std::set<std::string> known = figure_names(*sweep.experiment);
+    for (const std::string& name : given) {
       if (!known.contains(name))
         table.fail(*table.find(key), key,
                    fmt::format("'{}' is neither a parameter nor a column of {} (sweep {}); known are {}", name,
                                sweep.experiment->name, sweep.name, joined({known.begin(), known.end()})));
+      if (measured) check_presence(table, key, name, sweep, "figure '" + figure.title + "'", file);
+    }
   }
 }
 
@@ -238,7 +245,7 @@ void one_of(TomlTable& table, const char* key, std::string& to, const std::vecto
     table.fail(*table.find(key), key, "must be one of " + joined(choices));
 }
 
-FigureSpec read_figure(TomlTable& table, const toml::node& at, const SweepFile& file) {
+FigureSpec read_figure(TomlTable& table, const toml::node& at, SweepFile& file) {
   FigureSpec figure;
   table.text("title", figure.title);
   figure.sweep = texts(table, "sweep");
@@ -254,10 +261,10 @@ FigureSpec read_figure(TomlTable& table, const toml::node& at, const SweepFile& 
   for (const std::string& name : figure.sweep)
     if (std::ranges::find(file.sweeps, name, &SweepSection::name) == file.sweeps.end())
       table.fail(*table.find("sweep"), "sweep", "'" + name + "' is no sweep of this file");
-  check_names(table, "x", {figure.x}, figure, file);
-  check_names(table, "y", figure.y, figure, file);
-  check_names(table, "series", figure.series, figure, file);
-  if (!figure.mark.empty()) check_names(table, "mark", {figure.mark}, figure, file);
+  check_names(table, "x", {figure.x}, figure, true, file);
+  check_names(table, "y", figure.y, figure, true, file);
+  check_names(table, "series", figure.series, figure, false, file);
+  if (!figure.mark.empty()) check_names(table, "mark", {figure.mark}, figure, true, file);
   return figure;
 }
 

@@ -46,6 +46,7 @@ struct SweepFile {
   std::vector<DataSource> data;  // all, whether a sweep uses them or not
   std::vector<SweepSection> sweeps;
   std::vector<FigureSpec> figures;
+  std::vector<std::string> notes;  // of what is no error, but ought to be known before hours have gone
 };
 
 using ExperimentLookup = std::function<const Experiment&(const std::string&)>;

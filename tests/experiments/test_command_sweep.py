@@ -134,6 +134,19 @@ class Runs(SweepCase):
         self.assertEqual(dry[0], f"s  {self.runs()[0][0]}  tiny  x=1.0  2 of 2 done")
         self.assertEqual(self.listing(), before)
 
+    def test_settings_without_a_number_are_told_before(self):
+        text = (HEAD + '[[sweep]]\nname = "s"\nexperiment = "raster"\ndata = "tiny"\n'
+                'parameters = { backend = ["null", "soft"] }\n'
+                '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "frame_ms"\ny = "psnr"\n')
+        self.write("sweep.toml", text)
+        dry = self.lodestone("sweep", "sweep.toml", "-o", "out", "--dry-run")
+        note = "note: sweep.toml: line 13: figure 't', y 'psnr' is measured in 1 of 2 settings of sweep 's' only; "
+        self.assertIn(note, dry)
+        self.write("sweep.toml", text.replace('["null", "soft"]', '"null"'))
+        self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
+                     names=["line 13", "'psnr' is measured in no setting of sweep 's'", 'something else than "null"'])
+        self.assertIn("something else than", self.lodestone("experiments", "raster"))
+
     def test_prepare_runs_nothing(self):
         text = self.write("sweep.toml", HEAD + section("x = [1, 2]")).name
         self.lodestone("sweep", text, "-o", "out", "--prepare")

@@ -294,6 +294,28 @@ TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
 }
 
 // What a backend that draws nothing would get by another one's pictures would make it the cheapest of all.
+// Columns with needs: numbers in the settings that meet them, none in one that does not.
+TEST_F(Studies, ColumnsAreThereAsTheirNeedsSay) {
+  const auto measured = [&](const char* name, const Row& given, const char* column) {
+    const Row small = {{"frames", 3}, {"width", 64}, {"height", 48}};
+    const std::vector<Row> rows = rows_of(name, with(with(shallow, small), given));
+    return std::ranges::any_of(rows, [&](const Row& row) { return row.value(column, Row()).is_number(); });
+  };
+  for (const char* column : {"image_error", "flip_pop_max"}) {
+    EXPECT_TRUE(measured("flight", {{"image", true}, {"backend", "soft"}}, column)) << column;
+    EXPECT_FALSE(measured("flight", {{"backend", "soft"}}, column)) << column;
+  }
+  EXPECT_TRUE(measured("flight", {{"kappa0", 1.0}}, "over_border"));
+  EXPECT_FALSE(measured("flight", Row::object(), "over_border"));
+  const Row orbit = {{"camera", "orbit"}, {"rounds", 1}};
+  EXPECT_TRUE(measured("raster", orbit, "flip"));
+  EXPECT_FALSE(measured("raster", with(orbit, {{"backend", "null"}}), "flip"));
+  EXPECT_TRUE(measured("raster", with(orbit, {{"backend", "null"}}), "screen_error"));
+  EXPECT_FALSE(measured("raster", with(orbit, {{"measured_frames", 0}}), "screen_error"));
+  EXPECT_TRUE(measured("systems", {{"system", "step"}}, "jump_max"));
+  EXPECT_FALSE(measured("systems", {{"system", "cross-fade"}}, "jump_max"));
+}
+
 TEST_F(Studies, PicturesAreThoseOfTheBackend) {
   const auto rows = [&](const char* backend) {
     return rows_of(
@@ -352,6 +374,17 @@ TEST(StudyList, ContradictionsAreKnownBeforeARun) {
                                     }))
         << name << ' ' << given;
   }
+}
+
+TEST(StudyList, WhatColumnsNeedIsThere) {
+  for (const Experiment& experiment : studies())
+    for (const ColumnInfo& column : experiment.columns)
+      for (const ColumnNeed& need : column.needs) {
+        EXPECT_FALSE(need.any.empty()) << column.name;
+        for (const auto& [parameter, value, is] : need.any)
+          EXPECT_NO_THROW(Parameters(experiment.parameters, {{parameter, value}}))
+              << experiment.name << ' ' << column.name;
+      }
 }
 
 TEST(StudyList, DefaultsAndTestedSettingsAreWithoutContradiction) {

@@ -24,12 +24,19 @@ const std::vector<Experiment>& known_experiments() {
                          {"kappa0", 2.0, "cells", "", 0.1, 100, {}},
                          {"threads", 1, "", "", 1, 64, {}},
                          {"fast", false, "", "", 0, 0, {}}};
-    flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy}, {"rho", "", "", ColumnInfo::Kind::count}};
+    flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy},
+                      {"rho", "", "", ColumnInfo::Kind::count},
+                      {"seconds", "s", "", ColumnInfo::Kind::cost}};
     Experiment clock = flight;
     clock.name = "clock";
     clock.takes_input = false;
     Experiment strict = clock;
     strict.name = "strict";
+    const ColumnNeed fast{{{"fast", true}}}, no_step{{{"blend", "step", false}}},
+        far{{{"kappa0", 3.0}, {"fast", true}}};
+    strict.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy, {fast, no_step}},
+                      {"rho", "", "", ColumnInfo::Kind::count, {far}},
+                      {"plain", "", "", ColumnInfo::Kind::cost}};
     strict.check = [](const Parameters& parameters) {
       SettingVerdict verdict;
       const bool step = parameters.text("blend") == "step";
@@ -156,8 +163,9 @@ TEST_F(SweepFiles, SmallReplacesParameterByParameter) {
 
 TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
   const std::string head = clock("[[figure]]\ntitle = \"t\"\n");
-  const SweepFile file =
-      load(head + "sweep = \"s\"\nx = \"kappa0\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"");
+  const std::string scaling = "sweep = \"s\"\nx = \"kappa0\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"";
+  const std::string threads = clock("parameters = { threads = [1, 2] }\n[[figure]]\ntitle = \"t\"\n");
+  const SweepFile file = load(threads + scaling);
   ASSERT_EQ(file.figures.size(), 1u);
   EXPECT_EQ(file.figures[0].y, (std::vector<std::string>{"gap", "speedup"}));
   EXPECT_EQ(file.figures[0].kind, "line");
@@ -237,6 +245,28 @@ TEST_F(SweepFiles, ParametersGivenForNothingAreRefused) {
   // Of use to one of the settings, and no two runs are equal.
   EXPECT_EQ(load(strict("parameters = { blend = [\"linear\", \"step\"], kappa0 = 3 }")).sweeps[0].settings.size(), 2u);
   EXPECT_EQ(load(strict("parameters = { blend = \"step\" }")).sweeps[0].settings.size(), 1u);
+}
+
+TEST_F(SweepFiles, FiguresOfWhatNoSettingHasAreRefused) {
+  const auto figure = [](const std::string& parameters, const std::string& rest) {
+    return strict("parameters = { " + parameters + " }\n[[figure]]\ntitle = \"t\"\nsweep = \"s\"\n" + rest);
+  };
+  refused(figure("", "x = \"kappa0\"\ny = \"gap\""), 13,
+          "'gap' is measured in no setting of sweep 's'; set fast = true and blend to something else than \"step\" in "
+          "sweep 's'");
+  refused(figure("", "x = \"rho\"\ny = \"plain\""), 12, "set kappa0 = 3.0 or fast = true in sweep 's'");
+  refused(figure("", "x = \"kappa0\"\ny = \"plain\"\nmark = \"rho\""), 14, "measured in no setting");
+  refused(figure("", "x = \"kappa0\"\ny = \"speedup\""), 13, "'speedup' is neither a parameter nor a column");
+  refused(clock("parameters = { threads = [2, 4] }\n[[figure]]\ntitle = \"t\"\nsweep = \"s\"\nx = \"threads\"\n"
+                "y = \"efficiency\""),
+          13, "set threads to several numbers, 1 among them, in sweep 's'");
+
+  const SweepFile all = load(figure("fast = true", "x = \"rho\"\ny = [\"gap\", \"plain\"]\nseries = \"kappa0\""));
+  EXPECT_EQ(all.notes, std::vector<std::string>{});
+  const SweepFile some = load(figure("fast = [false, true]", "x = \"kappa0\"\ny = [\"plain\", \"gap\"]"));
+  EXPECT_EQ(some.notes, std::vector<std::string>{
+                            "line 13: figure 't', y 'gap' is measured in 1 of 2 settings of sweep 's' only; for "
+                            "the others set fast = true and blend to something else than \"step\""});
 }
 
 TEST(Plan, IdsDependOnWhatDecidesTheResult) {
