@@ -198,6 +198,7 @@ SweepRecord read_sweep(const Object& o, const fs::path& runs) {
     sweep.columns.push_back(read_column(c));
     columns.insert(sweep.columns.back().name);
   }
+  sweep.metrics = o.texts("metrics");
   for (const Object& r : o.objects("runs")) sweep.runs.push_back(read_run(r, runs, sweep.repetitions, columns));
   return sweep;
 }

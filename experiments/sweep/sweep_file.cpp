@@ -190,7 +190,20 @@ void check_presence(TomlTable& table, const char* key, const std::string& name, 
                   sweep.name, found.remedy));
 }
 
-SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile& file, const ExperimentLookup& lookup) {
+std::vector<std::string> read_metrics(TomlTable& table, const SweepSection& sweep, SweepFile& file) {
+  const std::vector<std::string> metrics = texts(table, "metrics");
+  const std::set<std::string> known = column_names(*sweep.experiment);
+  for (const std::string& name : metrics) {
+    if (!known.contains(name))
+      table.fail(*table.find("metrics"), "metrics",
+                 fmt::format("'{}' is no column of {}; known are {}", name, sweep.experiment->name,
+                             joined({known.begin(), known.end()})));
+    check_presence(table, "metrics", name, sweep, "sweep '" + sweep.name + "'", file);
+  }
+  return metrics;
+}
+
+SweepSection read_sweep(TomlTable& table, const toml::node& at, SweepFile& file, const ExperimentLookup& lookup) {
   SweepSection section;
   read_name(table, at.source(), section.name);
   for (const SweepSection& other : file.sweeps)
@@ -220,6 +233,7 @@ SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile&
     for (const char* key : {"data", "repetitions", "parameters", "count"}) (void)small.find(key);
     if (file.small) section = std::move(smaller);
   });
+  section.metrics = read_metrics(table, section, file);
   return section;
 }
 

@@ -30,6 +30,7 @@ struct SweepSection {
   std::vector<std::string> data;  // names; empty for an experiment that takes none
   int repetitions = 1;
   std::vector<nlohmann::json> settings;  // what each run sets, as an object; no two alike
+  std::vector<std::string> metrics;      // columns that the tables of the report show; empty: all
 };
 
 // As the decision has it; `sweep` and `y` are never empty, other texts may be.

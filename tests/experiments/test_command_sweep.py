@@ -135,17 +135,20 @@ class Runs(SweepCase):
         self.assertEqual(self.listing(), before)
 
     def test_settings_without_a_number_are_told_before(self):
-        text = (HEAD + '[[sweep]]\nname = "s"\nexperiment = "raster"\ndata = "tiny"\n'
+        text = (HEAD + '[[sweep]]\nname = "s"\nexperiment = "raster"\ndata = "tiny"\nmetrics = ["frame_ms"]\n'
                 'parameters = { backend = ["null", "soft"] }\n'
                 '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "frame_ms"\ny = "psnr"\n')
         self.write("sweep.toml", text)
         dry = self.lodestone("sweep", "sweep.toml", "-o", "out", "--dry-run")
-        note = "note: sweep.toml: line 13: figure 't', y 'psnr' is measured in 1 of 2 settings of sweep 's' only; "
+        note = "note: sweep.toml: line 14: figure 't', y 'psnr' is measured in 1 of 2 settings of sweep 's' only; "
         self.assertIn(note, dry)
         self.write("sweep.toml", text.replace('["null", "soft"]', '"null"'))
         self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
-                     names=["line 13", "'psnr' is measured in no setting of sweep 's'", 'something else than "null"'])
+                     names=["line 14", "'psnr' is measured in no setting of sweep 's'", 'something else than "null"'])
         self.assertIn("something else than", self.lodestone("experiments", "raster"))
+        self.write("sweep.toml", HEAD + section("x = 1", 'metrics = ["multiple"]'))
+        self.lodestone("sweep", "sweep.toml", "-o", "out")
+        self.assertEqual(self.plan()["sweeps"][0]["metrics"], ["multiple"])
 
     def test_prepare_runs_nothing(self):
         text = self.write("sweep.toml", HEAD + section("x = [1, 2]")).name

@@ -269,6 +269,19 @@ TEST_F(SweepFiles, FiguresOfWhatNoSettingHasAreRefused) {
                             "the others set fast = true and blend to something else than \"step\""});
 }
 
+TEST_F(SweepFiles, MetricsAreColumnsThatTheSettingsHave) {
+  const SweepFile file = load(strict("metrics = [\"plain\", \"rho\"]\nparameters = { kappa0 = [2, 3] }"));
+  EXPECT_EQ(file.sweeps[0].metrics, (std::vector<std::string>{"plain", "rho"}));
+  ASSERT_EQ(file.notes.size(), 1u);
+  EXPECT_NE(file.notes[0].find("line 8: sweep 's', metrics 'rho' is measured in 1 of 2 settings"), std::string::npos);
+  EXPECT_EQ(make_plan(file, {}).json.at("sweeps").at(0).at("metrics"), Json({"plain", "rho"}));
+  refused(strict("metrics = [\"plain\", \"gaps\"]"), 8, "'gaps' is no column of strict; known are gap, plain, rho");
+  refused(strict("metrics = \"kappa0\""), 8, "'kappa0' is no column of strict");
+  refused(strict("metrics = [\"gap\"]"), 8, "'gap' is measured in no setting of sweep 's'; set fast = true");
+  refused(strict("metrics = [\"plain\", \"plain\"]"), 8, "has 'plain' twice");
+  refused(strict("metrics = []"), 8, "must be a text, or texts");
+}
+
 TEST(Plan, IdsDependOnWhatDecidesTheResult) {
   SweepRun run;
   run.experiment = &known_experiments().front();
