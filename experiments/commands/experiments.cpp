@@ -5,6 +5,7 @@
 
 #include "experiments/commands/command.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/sweep/column_presence.h"
 #include "experiments/sweep/plan.h"
 
 namespace lodestone {
@@ -58,8 +59,8 @@ void print(const Experiment& experiment) {
   }
   fmt::print("\n{:<20} {:<16} {:<14} {}\n", "column", "kind", "unit", "meaning");
   for (const ColumnInfo& column : experiment.columns)
-    fmt::print("{:<20} {:<16} {:<14} {}\n", column.name, to_json(column).at("kind").get<std::string>(), column.unit,
-               column.meaning);
+    fmt::print("{:<20} {:<16} {:<14} {}{}\n", column.name, to_json(column).at("kind").get<std::string>(), column.unit,
+               column.meaning, column.needs.empty() ? "" : " (" + needs_text(column) + ")");
 }
 
 void run(const std::string& name, const CommonOptions& common) {

@@ -47,6 +47,10 @@ int ended_repetitions(const SweepRun& run, const std::filesystem::path& director
   return count;
 }
 
+void print_notes(const SweepFile& file) {
+  for (const std::string& note : file.notes) fmt::print("note: {}: {}\n", file.file, note);
+}
+
 void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOptions& common) {
   const auto inputs = find_inputs(file, data_names(file), {.directory = options.directory, .make = false});
   const SweepPlan plan = make_plan(file, inputs);
@@ -73,10 +77,11 @@ void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOpt
                     {"done", ended}});
   }
   if (printed) {
+    print_notes(file);
     fmt::print("{} runs, {} repetitions, {} done\n", json.size(), repetitions, done);
     for (const std::string& name : unmade) fmt::print("{} has yet to be generated; its runs have no id before\n", name);
   }
-  write_json(common, {{"name", file.name}, {"runs", json}});
+  write_json(common, {{"name", file.name}, {"runs", json}, {"notes", file.notes}});
 }
 
 SweepPlan prepare(const SweepFile& file, const SweepOptions& options, const CommonOptions& common) {
@@ -159,6 +164,7 @@ void run(const SweepOptions& options, const CommonOptions& common) {
   if (options.dry_run) return dry_run(file, options, common);
   set_interrupt_line("lodestone: interrupted; finished runs were kept, --resume continues\n");
   const bool printed = !common.quiet && common.json != "-";
+  if (printed) print_notes(file);
   if (printed && options.jobs > 1)
     fmt::print("note: {} runs at a time share the machine; their times are not comparable\n", options.jobs);
   const SweepPlan plan = prepare(file, options, common);

@@ -100,16 +100,6 @@ bool is_hash(const std::string& text) {
   return text.size() >= 8 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
-bool parts_rows(const SettingTable& table, const std::string& label) {
-  std::map<std::size_t, std::set<std::string>> of_run;
-  for (const SettingRow& setting : table.settings)
-    if (const json& value = setting.at(label).value; value.is_string() || value.is_number()) {
-      if (value.is_string() && is_hash(value.get<std::string>())) return false;
-      of_run[setting.run].insert(value.dump());
-    }
-  return std::any_of(of_run.begin(), of_run.end(), [](const auto& entry) { return entry.second.size() > 1; });
-}
-
 // Whether a label says nothing that the names before it have not said.
 bool is_told(const SettingTable& table, const std::string& label, const std::vector<std::string>& names) {
   std::map<std::string, json> told;
@@ -189,6 +179,16 @@ const ColumnInfo* SettingTable::find(const std::string& name) const {
     for (const ColumnInfo& column : *list)
       if (column.name == name) return &column;
   return nullptr;
+}
+
+bool parts_rows(const SettingTable& table, const std::string& column) {
+  std::map<std::size_t, std::set<std::string>> of_run;
+  for (const SettingRow& setting : table.settings)
+    if (const json& value = setting.at(column).value; value.is_string() || value.is_number()) {
+      if (value.is_string() && is_hash(value.get<std::string>())) return false;
+      of_run[setting.run].insert(value.dump());
+    }
+  return std::any_of(of_run.begin(), of_run.end(), [](const auto& entry) { return entry.second.size() > 1; });
 }
 
 SettingTable aggregate(const SweepRecord& sweep) {

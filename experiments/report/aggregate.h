@@ -43,6 +43,9 @@ struct SettingTable {
 // Rows of unverified, failed and missing runs are left out. O(rows log rows).
 [[nodiscard]] SettingTable aggregate(const SweepRecord& sweep);
 
+// Whether a column has several numbers or texts in one run: rows are told apart by it. Hashes tell nobody anything.
+[[nodiscard]] bool parts_rows(const SettingTable& table, const std::string& column);
+
 // "kappa0 = 2, blend = step": what a setting has of `names`.
 [[nodiscard]] std::string setting_label(const SettingRow& setting, const std::vector<std::string>& names);
 

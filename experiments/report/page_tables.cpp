@@ -27,13 +27,35 @@ struct Shown {
   std::vector<ColumnInfo> columns, same;
 };
 
-Shown choose_columns(const SettingTable& table) {
+// Of the columns those that the sweep lists, behind what tells rows apart; all where it lists none.
+std::vector<ColumnInfo> wanted_columns(const SweepRecord& sweep, const SettingTable& table) {
+  if (sweep.metrics.empty()) return table.columns;
+  const auto is_listed = [&](const ColumnInfo& column) {
+    return std::ranges::find(sweep.metrics, column.name) != sweep.metrics.end();
+  };
+  std::vector<ColumnInfo> wanted;
+  for (const ColumnInfo& column : table.columns)
+    if ((column.kind == ColumnInfo::Kind::label || column.kind == ColumnInfo::Kind::count) && !is_listed(column) &&
+        parts_rows(table, column.name))
+      wanted.push_back(column);
+  for (const std::string& name : sweep.metrics)
+    for (const auto* list : {&table.columns, &sweep.columns})  // ranges are columns of the sweep alone
+      if (const auto found = std::ranges::find(*list, name, &ColumnInfo::name); found != list->end()) {
+        wanted.push_back(*found);
+        break;
+      }
+  return wanted;
+}
+
+Shown choose_columns(const SweepRecord& sweep, const SettingTable& table) {
   Shown shown;
-  for (const auto* list : {&table.parameters, &table.columns})
+  const std::vector<ColumnInfo> wanted = wanted_columns(sweep, table);
+  for (const auto* list : {&table.parameters, &wanted})
     for (const ColumnInfo& column : *list) {
       const SettingCell& first = table.settings.front().at(column.name);
       const bool parameter = list == &table.parameters;
-      const bool measured = column.kind != ColumnInfo::Kind::label && column.kind != ColumnInfo::Kind::count;
+      const bool measured =
+          !sweep.metrics.empty() || (column.kind != ColumnInfo::Kind::label && column.kind != ColumnInfo::Kind::count);
       if (count_values(table, column.name) > 1 || (!parameter && measured && !first.value.is_null()))
         shown.columns.push_back(column);
       else if (!first.value.is_null())
@@ -89,7 +111,7 @@ void add_cell(Html& page, const ColumnInfo& column, const SettingCell& cell, boo
 }
 
 void add_table(Html& page, const SweepRecord& sweep, const SettingTable& table) {
-  const Shown shown = choose_columns(table);
+  const Shown shown = choose_columns(sweep, table);
   add_meanings(page, shown.columns);
   add_same(page, table, shown.same);
   open_table(page,

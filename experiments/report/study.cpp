@@ -221,6 +221,7 @@ SweepRecord read_sweep(const Object& o, const fs::path& runs) {
     sweep.parameters.push_back(
         {p.text("name"), nullptr, p.text_or_nothing("unit"), p.text_or_nothing("description"), 0, 0, {}});
   for (const Object& c : o.objects("columns")) sweep.columns.push_back(read_column(c));
+  sweep.metrics = o.texts("metrics");
   for (const Object& r : o.objects("runs")) sweep.runs.push_back(read_run(r, runs, sweep.repetitions, sweep.columns));
   return sweep;
 }

@@ -70,6 +70,7 @@ struct SweepRecord {
   int repetitions = 1;
   std::vector<ParameterInfo> parameters;  // name, unit and description
   std::vector<ColumnInfo> columns;
+  std::vector<std::string> metrics;  // columns that the table shows beside parameters; empty: all
   std::vector<RunRecord> runs;
 };
 

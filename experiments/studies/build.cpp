@@ -144,6 +144,12 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return {row};
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("seconds");
@@ -167,7 +173,7 @@ Experiment build_experiment() {
   return {"build",   "What does a hierarchy cost to build, and how far are its levels from the input?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

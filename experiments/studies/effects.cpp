@@ -167,6 +167,12 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return rows;
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  check_picture(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   check_frames(verdict);
@@ -193,7 +199,7 @@ Experiment effects_experiment() {
   return {"effects", "What does each effect cost in a scene, and what does the planner save?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

@@ -17,6 +17,16 @@ namespace lodestone {
 // What a row says: name -> number, text, truth value or null (not measured in this row). A flat object.
 using Row = nlohmann::json;
 
+// What a setting has to say for a column to be measured: one of these conditions.
+struct ColumnNeed {
+  struct Condition {
+    std::string parameter;
+    ParameterValue value;
+    bool is = true;  // false: any other value
+  };
+  std::vector<Condition> any;
+};
+
 // A column that a row may have besides the parameters.
 struct ColumnInfo {
   // Of accuracy less is better, of quality (PSNR, SSIM) more.
@@ -26,6 +36,7 @@ struct ColumnInfo {
   std::string unit;     // "s", "% of the diagonal", "pixels", ...; empty: none
   std::string meaning;  // for the report
   Kind kind = Kind::count;
+  std::vector<ColumnNeed> needs{};  // all of them; empty: every setting has it
 };
 
 struct RunContext {
@@ -34,6 +45,13 @@ struct RunContext {
   int repetition = 0;     // from 0
   const CancelFlag* cancel = nullptr;
   std::function<void(double)> progress = [](double) {};  // share done
+};
+
+// What is wrong with a setting.
+struct SettingFault {
+  std::vector<std::string> parameters;  // that are at odds; told at the last one that is given
+  std::string what;                     // in words, with the remedy
+  bool idle = false;                    // the one parameter has no effect beside the others
 };
 
 struct Experiment {
@@ -45,6 +63,8 @@ struct Experiment {
   std::function<std::vector<Row>(const Parameters&, const RunContext&)> run;
   // What is wrong with the rows, in words; empty: they may be reported.
   std::function<std::vector<std::string>(const Parameters&, const std::vector<Row>&)> verify;
+  // What contradicts itself, told before anything is run: run() may count on there being nothing. Empty: nothing can.
+  std::function<std::vector<SettingFault>(const Parameters&)> check{};
 };
 
 // All experiments, by name. Names are unique.

@@ -173,6 +173,12 @@ void check_levels(RowVerdict& verdict) {
   }
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("seconds");
@@ -193,7 +199,8 @@ Experiment families_experiment() {
       parameters(),
       columns(),
       [](const Parameters& parameters, const RunContext& context) { return Comparison(parameters, context).run(); },
-      verify};
+      verify,
+      check};
 }
 
 }  // namespace lodestone

@@ -34,7 +34,7 @@ std::vector<ParameterInfo> parameters() {
       {"delta", 0.0, "cell sizes", "guard for a stale selection", 0, 100, {}},
       {"blend", "smoothstep", "", "blending function", 0, 0, blend_names()},
       {"metric", "euclidean", "", "distance", 0, 0, {"euclidean", "chebyshev"}},
-      {"image", false, "", "measure pictures, too: error, and pops against the full model's", 0, 0, {}},
+      {"image", false, "", "measure the backend's pictures, too: error, and pops against the full model's", 0, 0, {}},
   };
   append(list, viewpoint_parameters());
   append(list, picture_parameters());
@@ -44,11 +44,16 @@ std::vector<ParameterInfo> parameters() {
 
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
+  const ColumnNeed by_kappa0{{{"kappa0", 0.0, false}, {"kappa0_over_rho", 0.0, false}}};
   std::vector<ColumnInfo> list{
       {"frame_count", "", "viewpoints", count},
       {"rho", "", "reach in the metric of the run: the admissible border of uniform radii", accuracy},
-      {"kappa0_used", "cell sizes", "least selection radius that was used; none with a tolerance in pixels", accuracy},
-      {"over_border", "", "kappa0 over the admissible border rho + 3 delta", accuracy},
+      {"kappa0_used",
+       "cell sizes",
+       "least selection radius that was used; none with a tolerance in pixels",
+       accuracy,
+       {by_kappa0}},
+      {"over_border", "", "kappa0 over the admissible border rho + 3 delta", accuracy, {by_kappa0}},
       {"admissible", "", "every morph band has a width: no crack, no pop", label},
       {"triangles", "", "drawn in a frame, mean", cost},
       {"cells", "", "drawn in a frame, mean", cost},
@@ -56,7 +61,7 @@ std::vector<ColumnInfo> columns() {
   };
   append(list, frame_columns("a frame, from camera to picture"));
   append(list, SurfaceSummary::columns());
-  append(list, PictureSummary::columns());
+  append(list, needing({{{"image", true}}}, PictureSummary::columns()));
   return list;
 }
 
@@ -68,7 +73,6 @@ RadiiConfig radii_config(const Parameters& parameters, const Hierarchy& hierarch
   config.delta = static_cast<float>(parameters.number("delta"));
   config.pixel_error = static_cast<float>(parameters.number("pixel_error"));
   const double kappa0 = parameters.number("kappa0"), ratio = parameters.number("kappa0_over_rho");
-  if (kappa0 > 0 && ratio > 0) throw InputError("kappa0 and kappa0_over_rho exclude each other; give one of them");
   if (kappa0 > 0) config.kappa0 = static_cast<float>(kappa0);
   if (ratio > 0)
     config.kappa0 = static_cast<float>(ratio * (reach(hierarchy, config.metric) + 3 * double{config.delta}));
@@ -108,8 +112,9 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
 
   SurfaceMeasures surface(hierarchy, size, *scheduler);
   const bool with_pictures = parameters.flag("image");
-  ModelDrawer picture(hierarchy, view, with_pictures ? "soft" : "null", *scheduler);
-  ModelDrawer full(hierarchy, at_full_detail(view), with_pictures ? "soft" : "null", *scheduler);
+  const std::string backend = with_pictures ? parameters.text("backend") : "null";
+  ModelDrawer picture(hierarchy, view, backend, *scheduler);
+  ModelDrawer full(hierarchy, at_full_detail(view), backend, *scheduler);
   PictureMeasures pictures(*scheduler);
   SurfaceSummary cracks_and_pops;
   PictureSummary summary;
@@ -135,6 +140,25 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return {row};
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  const bool kappa0 = parameters.number("kappa0") > 0, ratio = parameters.number("kappa0_over_rho") > 0;
+  verdict.require(!kappa0 || !ratio, {"kappa0", "kappa0_over_rho"},
+                  assignment(parameters, "kappa0") + " and " + assignment(parameters, "kappa0_over_rho") +
+                      " exclude each other; give one of them");
+  verdict.require(kappa0 || ratio || parameters.text("radii") != "uniform", {"radii"},
+                  assignment(parameters, "radii") + " needs kappa0 or kappa0_over_rho");
+  verdict.idle(kappa0 || ratio, "pixel_error", assignment(parameters, kappa0 ? "kappa0" : "kappa0_over_rho"));
+  const bool draws = parameters.text("backend") != "null";
+  verdict.require(draws || !parameters.flag("image"), {"image", "backend"},
+                  "image = true needs a backend that draws; set backend to soft or gl");
+  verdict.idle(!draws, "samples", assignment(parameters, "backend"));
+  check_viewpoints(verdict, parameters);
+  check_picture(verdict, parameters);
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   check_frames(verdict);
@@ -151,7 +175,7 @@ Experiment flight_experiment() {
   return {"flight",  "What does a morphing hierarchy draw along a path, where does it crack, and how far does it pop?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

@@ -31,6 +31,7 @@ std::vector<ParameterInfo> parameters() {
 
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
+  const ColumnNeed measured{{{"measured_frames", 0, false}}}, drawn{{{"backend", "null", false}}};
   std::vector<ColumnInfo> list{
       {"input_triangles", "", "of the model", count},
       {"triangles", "", "drawn in a frame, mean", cost},
@@ -38,12 +39,16 @@ std::vector<ColumnInfo> columns() {
       {"select_ms", "ms", "radii and selection of a frame; mean over the path, median of the rounds", cost},
       {"mtri_per_second", "million/s", "triangles drawn over frame_ms", cost},
       {"peak_memory", "bytes", "largest resident set while drawing, the model included", cost},
-      {"screen_error", "pixels", "largest distance in the picture between what is drawn and the full model", accuracy},
+      {"screen_error",
+       "pixels",
+       "largest distance in the picture between what is drawn and the full model",
+       accuracy,
+       {measured}},
       {"hash", "", "of all pictures", label},
       {"same", "", "a single thread draws the same pictures", label},
   };
   append(list, frame_columns("a frame, from camera to picture"));
-  append(list, QualitySummary::columns());
+  append(list, needing(measured, needing(drawn, QualitySummary::columns())));
   return list;
 }
 
@@ -128,6 +133,15 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return {row};
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  verdict.idle(parameters.text("backend") == "null", "samples", assignment(parameters, "backend"));
+  check_viewpoints(verdict, parameters);
+  check_picture(verdict, parameters);
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   check_frames(verdict);
@@ -145,7 +159,7 @@ Experiment raster_experiment() {
   return {"raster",  "What does a frame cost, and how near is it to the picture of the full model?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

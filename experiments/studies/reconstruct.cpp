@@ -16,6 +16,7 @@
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
 #include "parallel/cpu_clock.h"
+#include "render/position_map/map_view.h"
 
 namespace lodestone {
 namespace {
@@ -24,13 +25,13 @@ std::vector<ParameterInfo> parameters() {
   return {
       threads_parameter(),
       rounds_parameter(3),
-      {"resolution", 256.0, "pixels", "along the longest side of the bounding box", 8, 65536, {}},
+      {"resolution", 256.0, "pixels", "along the longest side of the bounding box", 8, largest_map_side, {}},
       {"views", 0, "", "views in all; 6: the faces of the box; 0: as many as the uncovered area asks for", 0, 999, {}},
       {"merge", "stitch", "", "how the views become one mesh", 0, 0, {"stitch", "concatenate"}},
       {"projection", "orthographic", "", "of the views", 0, 0, {"orthographic", "perspective"}},
       {"backend", "soft", "", "that draws the maps", 0, 0, {"soft", "gl"}},
       {"condense", true, "", "maps are drawn at twice the resolution and condensed", 0, 0, {}},
-      {"sharp", 35.0, "degrees", "angle from which sharp features are recovered; 0: none", 0, 180, {}},
+      {"sharp", 35.0, "degrees", "angle from which sharp features are recovered; 0: none", 0, 179, {}},
   };
 }
 

@@ -18,6 +18,7 @@
 #include "parallel/cpu_clock.h"
 #include "parallel/processors.h"
 #include "parallel/trace.h"
+#include "render/position_map/map_view.h"
 
 namespace lodestone {
 namespace {
@@ -28,7 +29,7 @@ std::vector<ParameterInfo> parameters() {
       rounds_parameter(5),
       {"task", "build", "", "what the workers do", 0, 0, scaling_tasks()},
       {"mode", "strong", "", "strong: the same work for all; weak: as much for each", 0, 0, {"strong", "weak"}},
-      {"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, 65536, {}},
+      {"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, largest_map_side, {}},
       {"frames", 8, "", "of raster, once around the model", 2, 10000, {}},
   };
   append(list, build_parameters());
@@ -45,7 +46,11 @@ std::vector<ColumnInfo> columns() {
       {"work", "", "triangles of the input, or pixels", count},
       {"speedup", "", "work per second over that of one worker", cost},
       {"efficiency", "%", "speed-up over workers", cost},
-      {"karp_flatt", "", "serial share that would explain the speed-up; of strong scaling", cost},
+      {"karp_flatt",
+       "",
+       "serial share that would explain the speed-up; of strong scaling",
+       cost,
+       {ColumnNeed{{{"mode", "strong"}}}, ColumnNeed{{{"threads", 1, false}}}}},
       {"busy", "%", "of the workers' time, inside tasks", cost},
       {"idle", "s", "of all workers together, not inside tasks", cost},
       {"idle_tail", "s", "at the end, with a worker that has nothing left to do", cost},
@@ -150,6 +155,17 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return rows;
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  const std::string name = parameters.text("task"), task = assignment(parameters, "task");
+  verdict.idle(name != "reconstruct", "resolution", task);
+  for (const char* of_raster : {"frames", "width", "height"}) verdict.idle(name != "raster", of_raster, task);
+  const bool builds = name == "build" || name == "raster";
+  for (const ParameterInfo& info : build_parameters()) verdict.idle(!builds, info.name, task);
+  if (builds) check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("seconds");
@@ -181,7 +197,7 @@ Experiment scaling_experiment() {
   return {"scaling", "What do more workers bring, for the same work and for as much work each?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

@@ -26,6 +26,11 @@ void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more) {
   list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
+std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> columns) {
+  for (ColumnInfo& column : columns) column.needs.push_back(need);
+  return columns;
+}
+
 ParameterInfo threads_parameter() {
   return {"threads", 0, "", "workers, and processors to be pinned to; 0: all that there are", 0, 4096, {}};
 }
@@ -48,6 +53,22 @@ std::vector<ParameterInfo> picture_parameters() {
       {"height", 360, "pixels", "of the picture", 16, 16384, {}},
       {"samples", 1, "", "samples a pixel: 1 or 4", 1, 4, {}},
   };
+}
+
+void check_build(SettingVerdict& verdict, const Parameters& parameters) {
+  const std::string simplifier = parameters.text("simplifier");
+  verdict.require(simplifier == "quadric" || parameters.text("placement") != "optimal", {"simplifier", "placement"},
+                  assignment(parameters, "simplifier") +
+                      " leaves its vertices where they are; only quadric knows the "
+                      "placement optimal");
+  verdict.idle(simplifier != "quadric", "placement", assignment(parameters, "simplifier"));
+  verdict.idle(parameters.integer("finest_level") >= 0, "cell_triangles", assignment(parameters, "finest_level"));
+}
+
+void check_picture(SettingVerdict& verdict, const Parameters& parameters) {
+  const int samples = parameters.integer("samples");
+  verdict.require(samples == 1 || samples == 4, {"samples"},
+                  assignment(parameters, "samples") + ": a pixel has 1 or 4 samples");
 }
 
 ImageSize view_size(const Parameters& parameters) {

@@ -10,6 +10,7 @@
 #include "core/io/read_config.h"
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/studies/setting_verdict.h"
 #include "parallel/build.h"
 #include "parallel/scheduler.h"
 #include "parallel/stage_time.h"
@@ -20,9 +21,15 @@ namespace lodestone {
 void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more);
 void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more);
 
+// The columns, with one more need each.
+[[nodiscard]] std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> columns);
+
 [[nodiscard]] ParameterInfo threads_parameter();
 [[nodiscard]] std::vector<ParameterInfo> build_parameters();    // how a hierarchy is built, strategy included
 [[nodiscard]] std::vector<ParameterInfo> picture_parameters();  // width, height, samples
+// What an experiment with these parameters has to refuse.
+void check_build(SettingVerdict& verdict, const Parameters& parameters);
+void check_picture(SettingVerdict& verdict, const Parameters& parameters);
 [[nodiscard]] ImageSize view_size(const Parameters& parameters);
 
 // As `threads` says.

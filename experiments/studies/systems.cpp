@@ -48,13 +48,17 @@ std::vector<ParameterInfo> parameters() {
 
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
+  const ColumnNeed of_vertices{{{"system", "cross-fade", false}}};  // which moves none
   std::vector<ColumnInfo> list{
       {"admissible", "", "the system promises neither cracks nor pops with these radii", label},
       {"triangles", "", "drawn in a frame, mean", cost},
       {"pictures", "", "drawn for a frame, mean", cost},
   };
   append(list, frame_columns("a frame, from camera to picture, reading it back for a blend included"));
-  append(list, SurfaceSummary::columns());
+  for (ColumnInfo& column : SurfaceSummary::columns()) {
+    if (column.name.starts_with("jump_")) column.needs.push_back(of_vertices);
+    list.push_back(std::move(column));
+  }
   append(list, PictureSummary::columns());
   return list;
 }
@@ -143,6 +147,15 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   return {row};
 }
 
+std::vector<SettingFault> check(const Parameters& parameters) {
+  SettingVerdict verdict;
+  verdict.idle(parameters.text("system") != "cross-fade", "fade_width", assignment(parameters, "system"));
+  check_path(verdict, parameters);
+  check_picture(verdict, parameters);
+  check_build(verdict, parameters);
+  return std::move(verdict).faults();
+}
+
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   check_frames(verdict);
@@ -158,7 +171,7 @@ Experiment systems_experiment() {
   return {"systems", "On the same path, what cracks and what pops under which system of levels of detail?",
           true,      parameters(),
           columns(), run,
-          verify};
+          verify,    check};
 }
 
 }  // namespace lodestone

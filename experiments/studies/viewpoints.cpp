@@ -1,6 +1,7 @@
 #include "experiments/studies/viewpoints.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -75,9 +76,15 @@ std::vector<ParameterInfo> path_parameters() {
   };
 }
 
+void check_path(SettingVerdict& verdict, const Parameters& parameters) {
+  verdict.require(parameters.number("from") < parameters.number("to"), {"from", "to"},
+                  assignment(parameters, "from") + " must be less than " + assignment(parameters, "to") +
+                      ": the part of the path that the frames are spread over");
+}
+
 std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const std::string& path, const Parameters& parameters) {
   const double from = parameters.number("from"), to = parameters.number("to");
-  if (!(from < to)) throw InputError("from must be less than to: the part of the path that the frames are spread over");
+  assert(from < to);
   const int frames = parameters.integer("frames");
   const auto all = static_cast<int>(std::min(std::ceil(frames / (to - from)), 1e6));
   std::vector<Camera> cameras = path == "orbit" ? orbit_path(hierarchy, all) : fly_in_path(hierarchy, all);
@@ -95,6 +102,14 @@ std::vector<ParameterInfo> viewpoint_parameters() {
   };
   append(list, path_parameters());
   return list;
+}
+
+void check_viewpoints(SettingVerdict& verdict, const Parameters& parameters) {
+  const std::string name = parameters.text("camera"), camera = assignment(parameters, "camera");
+  const bool path = name == "orbit" || name == "fly-in";
+  for (const char* only : {"step", "seed"}) verdict.idle(name != "random", only, camera);
+  for (const char* only : {"from", "to"}) verdict.idle(!path, only, camera);
+  if (path) check_path(verdict, parameters);
 }
 
 std::vector<Shot> viewpoints(const Hierarchy& hierarchy, const Radii& radii, const Parameters& parameters) {

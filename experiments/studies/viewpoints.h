@@ -7,6 +7,7 @@
 
 #include "core/hierarchy/hierarchy.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/studies/setting_verdict.h"
 #include "render/camera.h"
 #include "render/lod/radii.h"
 
@@ -19,12 +20,15 @@ struct Shot {
 
 // "frames", and the part of a path that they are spread over, "from" and "to".
 [[nodiscard]] std::vector<ParameterInfo> path_parameters();
-// Of "orbit" or "fly-in". Throws InputError where the part has no length.
+// The part has to have a length.
+void check_path(SettingVerdict& verdict, const Parameters& parameters);
+// Of "orbit" or "fly-in".
 [[nodiscard]] std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const std::string& path,
                                                const Parameters& parameters);
 
 // "camera" (orbit, fly-in, random, adversarial), "step", "seed", and those of a path.
 [[nodiscard]] std::vector<ParameterInfo> viewpoint_parameters();
+void check_viewpoints(SettingVerdict& verdict, const Parameters& parameters);
 
 // orbit, fly-in: the frames of a path, each following the one before.
 // random: pairs of viewpoints a step apart, spread evenly over directions, and between 1.1 and 8 radii of the bounding

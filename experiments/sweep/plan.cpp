@@ -48,6 +48,7 @@ nlohmann::json section_json(const SweepSection& section) {
                          {"repetitions", section.repetitions},
                          {"parameters", nlohmann::json::array()},
                          {"columns", nlohmann::json::array()},
+                         {"metrics", section.metrics},
                          {"runs", nlohmann::json::array()}};
   for (const ParameterInfo& info : experiment.parameters)
     json["parameters"].push_back({{"name", info.name}, {"unit", info.unit}, {"description", info.description}});

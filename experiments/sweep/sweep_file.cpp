@@ -7,6 +7,8 @@
 #include <limits>
 #include <set>
 
+#include "experiments/sweep/column_presence.h"
+#include "experiments/sweep/contradictions.h"
 #include "experiments/sweep/design.h"
 #include "render/scene/toml_table.h"
 
@@ -144,6 +146,12 @@ struct SweepReader {
     table.integer("count", design.count, 1, most_settings);
     design.count_at = table.find("count");
   }
+
+  std::vector<nlohmann::json> settings(const Design& design, const TomlTable& table) const {
+    std::vector<nlohmann::json> made = settings_of(design, experiment.parameters, table);
+    refuse_contradictions(design, made, experiment, table);
+    return made;
+  }
 };
 
 Design::Kind design_kind(TomlTable& table) {
@@ -167,7 +175,35 @@ void read_design(TomlTable& table, const toml::node& at, const SweepReader& read
   table.integer("seed", design.seed, 0, std::numeric_limits<std::int64_t>::max());
 }
 
-SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile& file, const ExperimentLookup& lookup) {
+// Whether the settings of the sweep have the column: an error where none has, a note where some have not.
+void check_presence(TomlTable& table, const char* key, const std::string& name, const SweepSection& sweep,
+                    const std::string& where, SweepFile& file) {
+  const ColumnPresence found = presence(sweep, name);
+  if (found.remedy.empty()) return;
+  if (found.settings == 0)
+    table.fail(*table.find(key), key,
+               fmt::format("'{0}' is measured in no setting of sweep '{1}'; {2} in sweep '{1}'", name, sweep.name,
+                           found.remedy));
+  file.notes.push_back(
+      fmt::format("line {}: {}, {} '{}' is measured in {} of {} settings of sweep '{}' only; for the others {}",
+                  table.find(key)->source().begin.line, where, key, name, found.settings, sweep.settings.size(),
+                  sweep.name, found.remedy));
+}
+
+std::vector<std::string> read_metrics(TomlTable& table, const SweepSection& sweep, SweepFile& file) {
+  const std::vector<std::string> metrics = texts(table, "metrics");
+  const std::set<std::string> known = column_names(*sweep.experiment);
+  for (const std::string& name : metrics) {
+    if (!known.contains(name))
+      table.fail(*table.find("metrics"), "metrics",
+                 fmt::format("'{}' is no column of {}; known are {}", name, sweep.experiment->name,
+                             joined({known.begin(), known.end()})));
+    check_presence(table, "metrics", name, sweep, "sweep '" + sweep.name + "'", file);
+  }
+  return metrics;
+}
+
+SweepSection read_sweep(TomlTable& table, const toml::node& at, SweepFile& file, const ExperimentLookup& lookup) {
   SweepSection section;
   read_name(table, at.source(), section.name);
   for (const SweepSection& other : file.sweeps)
@@ -186,42 +222,34 @@ SweepSection read_sweep(TomlTable& table, const toml::node& at, const SweepFile&
   section.repetitions = reader.repetitions(table);
   Design design;
   read_design(table, at, reader, design);
-  section.settings = settings_of(design, section.experiment->parameters, table);
+  section.settings = reader.settings(design, table);
 
   table.sub_table("small", [&](TomlTable& small) {
     SweepSection smaller = section;
     if (small.has("data")) smaller.data = reader.data(small, *table.find("small"));
     if (small.has("repetitions")) smaller.repetitions = reader.repetitions(small);
     reader.design(small, design);
-    smaller.settings = settings_of(design, section.experiment->parameters, small);
+    smaller.settings = reader.settings(design, small);
     for (const char* key : {"data", "repetitions", "parameters", "count"}) (void)small.find(key);
     if (file.small) section = std::move(smaller);
   });
+  section.metrics = read_metrics(table, section, file);
   return section;
 }
 
-// What a figure may name: parameters and columns of its sweeps, and what a reader joins to the rows.
-std::set<std::string> names_of(const SweepSection& sweep) {
-  std::set<std::string> names{"data", "repetition"};
-  for (const ParameterInfo& info : sweep.experiment->parameters) {
-    names.insert(info.name);
-    // Derived by the report from the times over the numbers of threads.
-    if (info.name == "threads") names.insert({"speedup", "efficiency", "karp_flatt"});
-  }
-  for (const ColumnInfo& column : sweep.experiment->columns) names.insert(column.name);
-  return names;
-}
-
+// `measured`: the names are nothing without numbers.
 void check_names(TomlTable& table, const char* key, const std::vector<std::string>& given, const FigureSpec& figure,
-                 const SweepFile& file) {
+                 bool measured, SweepFile& file) {
   for (const SweepSection& sweep : file.sweeps) {
     if (std::find(figure.sweep.begin(), figure.sweep.end(), sweep.name) == figure.sweep.end()) continue;
-    const std::set<std::string> known = names_of(sweep);
-    for (const std::string& name : given)
+    const std::set<std::string> known = figure_names(*sweep.experiment);
+    for (const std::string& name : given) {
       if (!known.contains(name))
         table.fail(*table.find(key), key,
                    fmt::format("'{}' is neither a parameter nor a column of {} (sweep {}); known are {}", name,
                                sweep.experiment->name, sweep.name, joined({known.begin(), known.end()})));
+      if (measured) check_presence(table, key, name, sweep, "figure '" + figure.title + "'", file);
+    }
   }
 }
 
@@ -231,7 +259,7 @@ void one_of(TomlTable& table, const char* key, std::string& to, const std::vecto
     table.fail(*table.find(key), key, "must be one of " + joined(choices));
 }
 
-FigureSpec read_figure(TomlTable& table, const toml::node& at, const SweepFile& file) {
+FigureSpec read_figure(TomlTable& table, const toml::node& at, SweepFile& file) {
   FigureSpec figure;
   table.text("title", figure.title);
   figure.sweep = texts(table, "sweep");
@@ -247,10 +275,10 @@ FigureSpec read_figure(TomlTable& table, const toml::node& at, const SweepFile& 
   for (const std::string& name : figure.sweep)
     if (std::ranges::find(file.sweeps, name, &SweepSection::name) == file.sweeps.end())
       table.fail(*table.find("sweep"), "sweep", "'" + name + "' is no sweep of this file");
-  check_names(table, "x", {figure.x}, figure, file);
-  check_names(table, "y", figure.y, figure, file);
-  check_names(table, "series", figure.series, figure, file);
-  if (!figure.mark.empty()) check_names(table, "mark", {figure.mark}, figure, file);
+  check_names(table, "x", {figure.x}, figure, true, file);
+  check_names(table, "y", figure.y, figure, true, file);
+  check_names(table, "series", figure.series, figure, false, file);
+  if (!figure.mark.empty()) check_names(table, "mark", {figure.mark}, figure, true, file);
   return figure;
 }
 

@@ -30,6 +30,7 @@ struct SweepSection {
   std::vector<std::string> data;  // names; empty for an experiment that takes none
   int repetitions = 1;
   std::vector<nlohmann::json> settings;  // what each run sets, as an object; no two alike
+  std::vector<std::string> metrics;      // columns that the tables of the report show; empty: all
 };
 
 // As the decision has it; `sweep` and `y` are never empty, other texts may be.
@@ -46,6 +47,7 @@ struct SweepFile {
   std::vector<DataSource> data;  // all, whether a sweep uses them or not
   std::vector<SweepSection> sweeps;
   std::vector<FigureSpec> figures;
+  std::vector<std::string> notes;  // of what is no error, but ought to be known before hours have gone
 };
 
 using ExperimentLookup = std::function<const Experiment&(const std::string&)>;

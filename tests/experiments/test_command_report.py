@@ -82,6 +82,28 @@ class WholeReport(CommandCase):
         self.lodestone("report", "ablation", "-o", "report.html", "--quiet", *more)
         return PageParser((self.folder / "report.html").read_text())
 
+    def test_listed_metrics_are_what_the_tables_show(self):
+        def heads(metrics):
+            study = SweepFolder(self.folder / ("study" + "-".join(metrics)))
+            study.sweep("s", [column("level", "count"), column("family", "label"), column("triangles", "count"),
+                              column("hash", "label"), column("gap", "accuracy"), column("seconds", "cost", "s"),
+                              column("seconds_min", "cost", "s")], [parameter("kappa0")])
+            if metrics:
+                study.sheet["sweeps"][0]["metrics"] = metrics
+            for kappa0 in (1.0, 4.0):
+                study.rows(study.run("s", "sphere", {"kappa0": kappa0}), 0, [
+                    {"level": level, "family": "hlod", "triangles": 9 * kappa0, "hash": f"{level}" * 16, "gap": kappa0 - level,
+                     "seconds": kappa0, "seconds_min": kappa0 / 2} for level in (1, 2)])
+            self.lodestone("report", study.write(), "-o", "m.html", "--quiet", "--csv", "m.csv")
+            self.assertIn("seconds_min", (self.folder / "m.csv").read_text())
+            page = (self.folder / "m.html").read_text()
+            table = page[page.index("Sweep s: 4 settings"):]
+            return re.findall(r'<th scope="col"[^>]*>([a-z_0-9]+)', table[:table.index("</thead>")])
+
+        self.assertEqual(heads([]), ["kappa0", "level", "triangles", "hash", "gap", "seconds", "run"])
+        self.assertEqual(heads(["seconds", "gap"]), ["kappa0", "level", "seconds", "gap", "run"])
+        self.assertEqual(heads(["seconds_min"]), ["kappa0", "level", "seconds_min", "run"])
+
     def test_page_stands_alone_and_says_what_was_found(self):
         page = self.page()
         self.assertEqual(page.outside, [])

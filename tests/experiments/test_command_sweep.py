@@ -168,6 +168,22 @@ class Runs(SweepCase):
         self.assertEqual(dry[0], f"s  {self.runs()[0][0]}  tiny  x=1.0  2 of 2 done")
         self.assertEqual(self.listing(), before)
 
+    def test_settings_without_a_number_are_told_before(self):
+        text = (HEAD + '[[sweep]]\nname = "s"\nexperiment = "raster"\ndata = "tiny"\nmetrics = ["frame_ms"]\n'
+                'parameters = { backend = ["null", "soft"] }\n'
+                '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "frame_ms"\ny = "psnr"\n')
+        self.write("sweep.toml", text)
+        dry = self.lodestone("sweep", "sweep.toml", "-o", "out", "--dry-run")
+        note = "note: sweep.toml: line 14: figure 't', y 'psnr' is measured in 1 of 2 settings of sweep 's' only; "
+        self.assertIn(note, dry)
+        self.write("sweep.toml", text.replace('["null", "soft"]', '"null"'))
+        self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
+                     names=["line 14", "'psnr' is measured in no setting of sweep 's'", 'something else than "null"'])
+        self.assertIn("something else than", self.lodestone("experiments", "raster"))
+        self.write("sweep.toml", HEAD + section("x = 1", 'metrics = ["multiple"]'))
+        self.lodestone("sweep", "sweep.toml", "-o", "out")
+        self.assertEqual(self.plan()["sweeps"][0]["metrics"], ["multiple"])
+
     def test_prepare_runs_nothing(self):
         text = self.write("sweep.toml", HEAD + section("x = [1, 2]")).name
         self.lodestone("sweep", text, "-o", "out", "--prepare")
@@ -448,6 +464,11 @@ class Failures(SweepCase):
         self.refused("sweep", "sweep.toml", "-o", "out", names=["sweep.toml: line 8: sweep 1, unknown parameter 'y'"])
         self.write("sweep.toml", HEAD + section("x = 1") + '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "x"\ny = "gap"\n')
         self.refused("sweep", "sweep.toml", "-o", "out", names=["line 14", "'gap' is neither a parameter nor a column"])
+        flight = ('[[sweep]]\nname = "s"\nexperiment = "flight"\ndata = "tiny"\n'
+                  "[sweep.parameters]\nkappa0 = 2.0\nkappa0_over_rho = 0.5\n")
+        self.write("sweep.toml", HEAD + flight)
+        self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
+                     names=["sweep.toml: line 10: sweep 1, kappa0 = 2.0 and kappa0_over_rho = 0.5 exclude each other"])
         self.refused("sweep", "none.toml", "-o", "out", names=["none.toml", "cannot be opened"])
         (self.folder / "folder").mkdir()
         self.refused("sweep", "folder", "-o", "out", names=["folder: is a folder", ".toml"])

@@ -380,8 +380,115 @@ TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   EXPECT_EQ(joined(experiment.verify(parameters, rows)), "");
 }
 
-TEST_F(Studies, ContradictionsAndMissingInputAreErrors) {
-  EXPECT_THROW((void)rows_of("flight", {{"kappa0", 2.0}, {"kappa0_over_rho", 1.0}}), InputError);
+// What a backend that draws nothing would get by another one's pictures would make it the cheapest of all.
+// Columns with needs: numbers in the settings that meet them, none in one that does not.
+TEST_F(Studies, ColumnsAreThereAsTheirNeedsSay) {
+  const auto measured = [&](const char* name, const Row& given, const char* column) {
+    const Row small = {{"frames", 3}, {"width", 64}, {"height", 48}};
+    const std::vector<Row> rows = rows_of(name, with(with(shallow, small), given));
+    return std::ranges::any_of(rows, [&](const Row& row) { return row.value(column, Row()).is_number(); });
+  };
+  for (const char* column : {"image_error", "flip_pop_max"}) {
+    EXPECT_TRUE(measured("flight", {{"image", true}, {"backend", "soft"}}, column)) << column;
+    EXPECT_FALSE(measured("flight", {{"backend", "soft"}}, column)) << column;
+  }
+  EXPECT_TRUE(measured("flight", {{"kappa0", 1.0}}, "over_border"));
+  EXPECT_FALSE(measured("flight", Row::object(), "over_border"));
+  const Row orbit = {{"camera", "orbit"}, {"rounds", 1}};
+  EXPECT_TRUE(measured("raster", orbit, "flip"));
+  EXPECT_FALSE(measured("raster", with(orbit, {{"backend", "null"}}), "flip"));
+  EXPECT_TRUE(measured("raster", with(orbit, {{"backend", "null"}}), "screen_error"));
+  EXPECT_FALSE(measured("raster", with(orbit, {{"measured_frames", 0}}), "screen_error"));
+  EXPECT_TRUE(measured("systems", {{"system", "step"}}, "jump_max"));
+  EXPECT_FALSE(measured("systems", {{"system", "cross-fade"}}, "jump_max"));
+}
+
+TEST_F(Studies, PicturesAreThoseOfTheBackend) {
+  const auto rows = [&](const char* backend) {
+    return rows_of(
+        "flight", with(shallow, {{"backend", backend}, {"image", true}, {"frames", 2}, {"width", 64}, {"height", 48}}));
+  };
+  EXPECT_THROW((void)rows("null"), InputError);
+  EXPECT_GT(number(rows("soft").front(), "image_error"), 0);
+}
+
+// A setting that an experiment refuses, the parameter at which it does, and part of the reason.
+struct Refusal {
+  std::string experiment;
+  Row given;
+  std::string parameter, part;
+  bool idle = false;
+};
+
+std::vector<Refusal> refusals() {
+  return {
+      {"flight", {{"kappa0", 2.0}, {"kappa0_over_rho", 0.5}}, "kappa0_over_rho", "exclude each other"},
+      {"flight", {{"radii", "uniform"}}, "radii", "needs kappa0 or kappa0_over_rho"},
+      {"flight", {{"image", true}, {"backend", "null"}}, "backend", "set backend to soft or gl"},
+      {"flight", {{"image", true}}, "backend", "set backend to soft or gl"},
+      {"flight", {{"from", 0.5}, {"to", 0.5}}, "to", "from = 0.5 must be less than to = 0.5"},
+      {"flight", {{"kappa0", 2.0}, {"pixel_error", 2.0}}, "pixel_error", "beside kappa0 = 2.0", true},
+      {"flight", {{"kappa0_over_rho", 2.0}, {"pixel_error", 2.0}}, "pixel_error", "beside kappa0_over_rho", true},
+      {"flight", {{"camera", "fly-in"}, {"seed", 3}}, "seed", "beside camera = \"fly-in\"", true},
+      {"flight", {{"camera", "adversarial"}, {"step", 0.1}}, "step", "beside camera", true},
+      {"flight", {{"camera", "random"}, {"from", 0.1}}, "from", "beside camera", true},
+      {"flight", {{"camera", "adversarial"}, {"to", 0.1}}, "to", "beside camera", true},
+      {"flight", {{"backend", "null"}, {"samples", 4}}, "samples", "beside backend", true},
+      {"raster", {{"backend", "null"}, {"samples", 4}}, "samples", "beside backend", true},
+      {"raster", {{"samples", 2}}, "samples", "1 or 4 samples"},
+      {"raster", {{"camera", "orbit"}, {"from", 0.8}, {"to", 0.1}}, "to", "must be less than"},
+      {"effects", {{"samples", 3}}, "samples", "1 or 4 samples"},
+      {"systems", {{"from", 1.0}}, "to", "must be less than"},
+      {"systems", {{"system", "morph"}, {"fade_width", 1.0}}, "fade_width", "beside system", true},
+      {"build", {{"simplifier", "cluster"}, {"placement", "optimal"}}, "placement", "only quadric"},
+      {"families", {{"simplifier", "meshopt"}, {"placement", "endpoint"}}, "placement", "beside simplifier", true},
+      {"table", {{"finest_level", 3}, {"cell_triangles", 100}}, "cell_triangles", "beside finest_level = 3", true},
+      {"scaling", {{"task", "build"}, {"resolution", 64.0}}, "resolution", "beside task", true},
+      {"scaling", {{"task", "progressive"}, {"sigma0", 0.1}}, "sigma0", "beside task", true},
+      {"scaling", {{"task", "reconstruct"}, {"frames", 3}}, "frames", "beside task", true},
+      {"scaling", {{"task", "raster"}, {"simplifier", "cluster"}, {"placement", "optimal"}}, "placement", "quadric"},
+  };
+}
+
+TEST(StudyList, ContradictionsAreKnownBeforeARun) {
+  for (const auto& [name, given, parameter, part, idle] : refusals()) {
+    const Experiment& experiment = find_experiment(name);
+    const std::vector<SettingFault> faults = experiment.check(Parameters(experiment.parameters, given));
+    EXPECT_TRUE(std::ranges::any_of(faults,
+                                    [&](const SettingFault& fault) {
+                                      return fault.parameters.back() == parameter &&
+                                             fault.what.find(part) != std::string::npos && fault.idle == idle;
+                                    }))
+        << name << ' ' << given;
+  }
+}
+
+TEST(StudyList, WhatColumnsNeedIsThere) {
+  for (const Experiment& experiment : studies())
+    for (const ColumnInfo& column : experiment.columns)
+      for (const ColumnNeed& need : column.needs) {
+        EXPECT_FALSE(need.any.empty()) << column.name;
+        for (const auto& [parameter, value, is] : need.any)
+          EXPECT_NO_THROW(Parameters(experiment.parameters, {{parameter, value}}))
+              << experiment.name << ' ' << column.name;
+      }
+}
+
+TEST(StudyList, DefaultsAndTestedSettingsAreWithoutContradiction) {
+  const auto check = [](const std::string& name, const Row& given) {
+    const Experiment& experiment = find_experiment(name);
+    if (!experiment.check) return;
+    for (const SettingFault& fault : experiment.check(Parameters(experiment.parameters, given))) {
+      EXPECT_TRUE(fault.idle && !given.contains(fault.parameters.front())) << name << ": " << fault.what;
+      for (const std::string& parameter : fault.parameters)
+        EXPECT_TRUE(Parameters(experiment.parameters, given).json().contains(parameter)) << parameter;
+    }
+  };
+  for (const Experiment& experiment : studies()) check(experiment.name, Row::object());
+  for (const Case& one : cases()) check(one.experiment, one.parameters);
+}
+
+TEST_F(Studies, MissingInputIsAnError) {
   for (const Experiment& experiment : studies())
     EXPECT_THROW((void)experiment.run(Parameters(experiment.parameters, Row::object()), RunContext{}), InputError)
         << experiment.name;

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/studies/setting_verdict.h"
 #include "experiments/sweep/plan.h"
 #include "experiments/sweep/sweep_file.h"
 
@@ -23,11 +24,28 @@ const std::vector<Experiment>& known_experiments() {
                          {"kappa0", 2.0, "cells", "", 0.1, 100, {}},
                          {"threads", 1, "", "", 1, 64, {}},
                          {"fast", false, "", "", 0, 0, {}}};
-    flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy}, {"rho", "", "", ColumnInfo::Kind::count}};
+    flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy},
+                      {"rho", "", "", ColumnInfo::Kind::count},
+                      {"seconds", "s", "", ColumnInfo::Kind::cost}};
     Experiment clock = flight;
     clock.name = "clock";
     clock.takes_input = false;
-    return std::vector<Experiment>{flight, clock};
+    Experiment strict = clock;
+    strict.name = "strict";
+    const ColumnNeed fast{{{"fast", true}}}, no_step{{{"blend", "step", false}}},
+        far{{{"kappa0", 3.0}, {"fast", true}}};
+    strict.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy, {fast, no_step}},
+                      {"rho", "", "", ColumnInfo::Kind::count, {far}},
+                      {"plain", "", "", ColumnInfo::Kind::cost}};
+    strict.check = [](const Parameters& parameters) {
+      SettingVerdict verdict;
+      const bool step = parameters.text("blend") == "step";
+      verdict.require(!step || !parameters.flag("fast"), {"fast", "blend"},
+                      "a step cannot be fast; take another blend");
+      verdict.idle(step, "kappa0", assignment(parameters, "blend"));
+      return std::move(verdict).faults();
+    };
+    return std::vector<Experiment>{flight, clock, strict};
   }();
   return all;
 }
@@ -52,6 +70,10 @@ class SweepFiles : public testing::Test {
     return "name = \"test\"\n\n[data]\nball = { generate = \"sphere\" }\n[[sweep]]\nname = \"s\"\nexperiment = "
            "\"clock\"\n" +
            rest;
+  }
+  static std::string strict(const std::string& rest) {
+    std::string text = clock(rest);
+    return text.replace(text.find("clock"), 5, "strict");
   }
   std::vector<nlohmann::json> settings(const std::string& rest, bool small = false) const {
     return load(clock(rest), small).sweeps.at(0).settings;
@@ -141,8 +163,9 @@ TEST_F(SweepFiles, SmallReplacesParameterByParameter) {
 
 TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
   const std::string head = clock("[[figure]]\ntitle = \"t\"\n");
-  const SweepFile file =
-      load(head + "sweep = \"s\"\nx = \"kappa0\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"");
+  const std::string scaling = "sweep = \"s\"\nx = \"kappa0\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"";
+  const std::string threads = clock("parameters = { threads = [1, 2] }\n[[figure]]\ntitle = \"t\"\n");
+  const SweepFile file = load(threads + scaling);
   ASSERT_EQ(file.figures.size(), 1u);
   EXPECT_EQ(file.figures[0].y, (std::vector<std::string>{"gap", "speedup"}));
   EXPECT_EQ(file.figures[0].kind, "line");
@@ -198,6 +221,65 @@ TEST_F(SweepFiles, WhatIsWrongIsToldWithItsLine) {
   refused("name = \"x\"\n= 3", 2, "is not valid TOML");
   refused("title = \"x\"", 1, "needs a name");
   EXPECT_THROW((void)load("name = \"x\""), InputError);
+}
+
+TEST_F(SweepFiles, ContradictionsAreToldWithTheLineOfTheParameter) {
+  refused(strict("[sweep.parameters]\nfast = true\nblend = \"step\""), 10, "a step cannot be fast; take another blend");
+  refused(strict("[sweep.parameters]\nfast = [false, true]\nblend = [\"linear\", \"step\"]"), 10, "cannot be fast");
+  refused(strict("design = \"list\"\nparameters = [{ fast = true },\n { fast = true, blend = \"step\" }]"), 10,
+          "cannot be fast");
+  refused(strict("design = \"random\"\ncount = 2\n[sweep.parameters]\nfast = true\nblend = [\"step\", \"linear\"]"), 12,
+          "cannot be fast");
+  refused(strict("parameters = { fast = true }\nsmall = { parameters = { blend = \"step\" } }"), 9,
+          "small, a step cannot be fast");
+}
+
+TEST_F(SweepFiles, ParametersGivenForNothingAreRefused) {
+  refused(strict("[sweep.parameters]\nblend = \"step\"\nkappa0 = 2"), 10,
+          "kappa0 has no effect beside blend = \"step\"; leave it out");
+  refused(strict("[sweep.parameters]\nblend = [\"linear\", \"step\"]\nkappa0 = [1, 2]"), 10,
+          "kappa0 has no effect beside blend = \"step\", where its values make equal runs");
+  refused(strict("design = \"list\"\nparameters = [{ kappa0 = 3 }, { blend = \"step\" },\n"
+                 "{ blend = \"step\", kappa0 = 3 }]"),
+          10, "equal runs");
+  // Of use to one of the settings, and no two runs are equal.
+  EXPECT_EQ(load(strict("parameters = { blend = [\"linear\", \"step\"], kappa0 = 3 }")).sweeps[0].settings.size(), 2u);
+  EXPECT_EQ(load(strict("parameters = { blend = \"step\" }")).sweeps[0].settings.size(), 1u);
+}
+
+TEST_F(SweepFiles, FiguresOfWhatNoSettingHasAreRefused) {
+  const auto figure = [](const std::string& parameters, const std::string& rest) {
+    return strict("parameters = { " + parameters + " }\n[[figure]]\ntitle = \"t\"\nsweep = \"s\"\n" + rest);
+  };
+  refused(figure("", "x = \"kappa0\"\ny = \"gap\""), 13,
+          "'gap' is measured in no setting of sweep 's'; set fast = true and blend to something else than \"step\" in "
+          "sweep 's'");
+  refused(figure("", "x = \"rho\"\ny = \"plain\""), 12, "set kappa0 = 3.0 or fast = true in sweep 's'");
+  refused(figure("", "x = \"kappa0\"\ny = \"plain\"\nmark = \"rho\""), 14, "measured in no setting");
+  refused(figure("", "x = \"kappa0\"\ny = \"speedup\""), 13, "'speedup' is neither a parameter nor a column");
+  refused(clock("parameters = { threads = [2, 4] }\n[[figure]]\ntitle = \"t\"\nsweep = \"s\"\nx = \"threads\"\n"
+                "y = \"efficiency\""),
+          13, "set threads to several numbers, 1 among them, in sweep 's'");
+
+  const SweepFile all = load(figure("fast = true", "x = \"rho\"\ny = [\"gap\", \"plain\"]\nseries = \"kappa0\""));
+  EXPECT_EQ(all.notes, std::vector<std::string>{});
+  const SweepFile some = load(figure("fast = [false, true]", "x = \"kappa0\"\ny = [\"plain\", \"gap\"]"));
+  EXPECT_EQ(some.notes, std::vector<std::string>{
+                            "line 13: figure 't', y 'gap' is measured in 1 of 2 settings of sweep 's' only; for "
+                            "the others set fast = true and blend to something else than \"step\""});
+}
+
+TEST_F(SweepFiles, MetricsAreColumnsThatTheSettingsHave) {
+  const SweepFile file = load(strict("metrics = [\"plain\", \"rho\"]\nparameters = { kappa0 = [2, 3] }"));
+  EXPECT_EQ(file.sweeps[0].metrics, (std::vector<std::string>{"plain", "rho"}));
+  ASSERT_EQ(file.notes.size(), 1u);
+  EXPECT_NE(file.notes[0].find("line 8: sweep 's', metrics 'rho' is measured in 1 of 2 settings"), std::string::npos);
+  EXPECT_EQ(make_plan(file, {}).json.at("sweeps").at(0).at("metrics"), Json({"plain", "rho"}));
+  refused(strict("metrics = [\"plain\", \"gaps\"]"), 8, "'gaps' is no column of strict; known are gap, plain, rho");
+  refused(strict("metrics = \"kappa0\""), 8, "'kappa0' is no column of strict");
+  refused(strict("metrics = [\"gap\"]"), 8, "'gap' is measured in no setting of sweep 's'; set fast = true");
+  refused(strict("metrics = [\"plain\", \"plain\"]"), 8, "has 'plain' twice");
+  refused(strict("metrics = []"), 8, "must be a text, or texts");
 }
 
 TEST(Plan, IdsDependOnWhatDecidesTheResult) {
