@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/studies/effects_parameter.h"
 #include "experiments/sweep/plan.h"
 #include "experiments/sweep/sweep_file.h"
 
@@ -22,7 +23,8 @@ const std::vector<Experiment>& known_experiments() {
     flight.parameters = {{"blend", "linear", "", "", 0, 0, {"linear", "step", "cosine"}},
                          {"kappa0", 2.0, "cells", "", 0.1, 100, {}},
                          {"threads", 1, "", "", 1, 64, {}},
-                         {"fast", false, "", "", 0, 0, {}}};
+                         {"fast", false, "", "", 0, 0, {}},
+                         effects_parameter("")};
     flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy}, {"rho", "", "", ColumnInfo::Kind::count}};
     Experiment clock = flight;
     clock.name = "clock";
@@ -137,6 +139,18 @@ TEST_F(SweepFiles, SmallReplacesParameterByParameter) {
   EXPECT_EQ(settings(text, true), expected);
   EXPECT_EQ(load(clock(text), true).sweeps[0].repetitions, 1);
   refused(clock("small = { parameters = { threads = 99 } }"), 8, "from 1 to 64");
+}
+
+TEST_F(SweepFiles, EffectsAreThoseOfTheRenderer) {
+  const auto made = settings(R"(parameters = { effects = ["auto", "none", "wireframe,head-light", "fog"] })");
+  ASSERT_EQ(made.size(), 4u);
+  EXPECT_EQ(made[1].at("effects"), "none");
+  EXPECT_EQ(made[2].at("effects"), "head-light,wireframe");
+  refused(clock("\nparameters = { effects = [\"auto\", \"head-light,glow\"] }"), 9,
+          "effects = \"head-light,glow\": unknown effect 'glow'; known are auto, all, none, geomorph");
+  refused(clock("parameters = { effects = \"\" }"), 8, "unknown effect ''");
+  refused(clock("parameters = { effects = [\"fog,wireframe\", \"wireframe,fog\"] }"), 8,
+          "has the value \"wireframe,fog\" twice");
 }
 
 TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
