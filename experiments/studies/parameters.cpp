@@ -68,6 +68,11 @@ std::string known_texts(const ParameterInfo& info) {
   return text;
 }
 
+bool names_file(const ParameterInfo& info, const ParameterValue& value) {
+  return info.others && info.others->look_into && value.is_string() &&
+         std::ranges::find(info.choices, value.get<std::string>()) == info.choices.end();
+}
+
 Parameters::Parameters(const std::vector<ParameterInfo>& known, const nlohmann::json& given)
     : values_(nlohmann::json::object()) {
   std::vector<std::string> names;

@@ -18,6 +18,9 @@ struct OtherTexts {
   std::string what;  // in words, as "a recorded path (.json)"
   // The text in the form in which equal ones are equal; none: it is no such text. Throws InputError that says more.
   std::function<std::optional<std::string>(const std::string&)> usual_form;
+  // They name files, relative to the sweep file, and this throws Error for one that is missing or wrong. Null: they
+  // name none.
+  std::function<void(const std::string& path)> look_into = {};
 };
 
 struct ParameterInfo {
@@ -34,11 +37,13 @@ struct ParameterInfo {
 // Its choices and what else it may be, separated by commas; empty: any text, or no text.
 [[nodiscard]] std::string known_texts(const ParameterInfo& info);
 
+[[nodiscard]] bool names_file(const ParameterInfo& info, const ParameterValue& value);
+
 // All parameters of one run, resolved: each of the experiment's, and no other.
 class Parameters {
  public:
   // Throws InputError, with the name and the remedy: for a name that `known` lacks, a value of another kind, out of
-  // range, or not among its texts. What `given` leaves out has its default.
+  // range, or not among its texts; files are not looked into. What `given` leaves out has its default.
   Parameters(const std::vector<ParameterInfo>& known, const nlohmann::json& given);
 
   [[nodiscard]] double number(const std::string& name) const { return values_.at(name).get<double>(); }

@@ -38,7 +38,7 @@ std::vector<ParameterInfo> parameters() {
       {"pixel_error", 1.0, "pixels", "tolerance that all systems keep to", 1e-3, 1e3, {}},
       effects_parameter("of all pictures; geomorph, which is the system's own, runs in any case"),
       {"fade_width", 0.25, "", "of cross-fade: way of a fade over the distance at which it begins", 0, 10, {}},
-      {"camera", "fly-in", "", "path", 0, 0, {"orbit", "fly-in"}},
+      camera_parameter("path", {"orbit", "fly-in"}),
   };
   append(list, path_parameters());
   append(list, picture_parameters());
@@ -113,7 +113,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   config.systems = {system};
   config.system.fade_width = parameters.number("fade_width");
   config.cancel = context.cancel;
-  config.cameras = path_cameras(hierarchy, parameters.text("camera"), parameters);
+  config.cameras = path_cameras(hierarchy, parameters);
 
   SceneView scene(scene_of("input"), {{&hierarchy}});
   const auto renderer = make_renderer(parameters.text("backend"), *scheduler);

@@ -21,6 +21,17 @@ nlohmann::json sweep_of(const fs::path& folder) {
   return sweep;
 }
 
+void copy_text(const fs::path& from, const fs::path& to) { write_durably(to, read_text(from)); }
+
+// Files that parameters name: each by its content, so that one that is there is the same.
+void take_files(const nlohmann::json& sweep, const fs::path& from, const fs::path& to) {
+  for (const nlohmann::json& file : sweep.value("files", nlohmann::json::object())) {
+    const fs::path copy = file.at("path").get<std::string>();
+    make_folder((to / copy).parent_path());
+    if (!fs::exists(to / copy)) copy_text(from / copy, to / copy);
+  }
+}
+
 // Each run of the sweep once, with its repetitions.
 std::vector<std::pair<std::string, int>> runs_in(const nlohmann::json& sweep) {
   std::vector<std::pair<std::string, int>> runs;
@@ -36,8 +47,6 @@ std::vector<std::pair<std::string, int>> runs_in(const nlohmann::json& sweep) {
     }
   return runs;
 }
-
-void copy_text(const fs::path& from, const fs::path& to) { write_durably(to, read_text(from)); }
 
 // What belongs to the run and not to a repetition, where `to` has none.
 void take_run(const RunFolder& from, const RunFolder& to) {
@@ -76,6 +85,7 @@ MergeResult merge_sweeps(const std::vector<std::string>& from, const fs::path& t
   remove_temporaries_in(to);
   if (fs::exists(to / "sweep.json") && sweep_of(to) != sweep)
     throw InputError(describe(to.string(), "", "holds another sweep", "choose another folder"));
+  take_files(sweep, from.front(), to);
   copy_text(fs::path(from.front()) / "sweep.json", to / "sweep.json");
 
   MergeResult result;

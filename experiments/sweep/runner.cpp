@@ -157,7 +157,7 @@ class Runner {
     const WorkFolder work = folder.begin(task.repetition);
     ProcessorClaim claim(run.parameters.value("threads", 0), allowed_);
     write_aside(work.job(), nlohmann::json{{"experiment", run.experiment->name},
-                                           {"parameters", run.parameters},
+                                           {"parameters", with_copies(run.parameters, run.files, config_.directory)},
                                            {"input", run.input.path},
                                            {"repetition", task.repetition},
                                            {"processors", claim.processors()}}

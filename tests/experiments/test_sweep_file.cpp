@@ -10,8 +10,11 @@
 
 #include "core/base/error.h"
 #include "experiments/studies/effects_parameter.h"
+#include "experiments/studies/viewpoints.h"
 #include "experiments/sweep/plan.h"
+#include "experiments/sweep/sha256.h"
 #include "experiments/sweep/sweep_file.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -24,7 +27,8 @@ const std::vector<Experiment>& known_experiments() {
                          {"kappa0", 2.0, "cells", "", 0.1, 100, {}},
                          {"threads", 1, "", "", 1, 64, {}},
                          {"fast", false, "", "", 0, 0, {}},
-                         effects_parameter("")};
+                         effects_parameter(""),
+                         camera_parameter("", {"orbit", "fly-in"})};
     flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy}, {"rho", "", "", ColumnInfo::Kind::count}};
     Experiment clock = flight;
     clock.name = "clock";
@@ -153,6 +157,33 @@ TEST_F(SweepFiles, EffectsAreThoseOfTheRenderer) {
           "has the value \"wireframe,fog\" twice");
 }
 
+TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
+  const TestFolder folder;
+  const std::string name = (folder.path() / "walk.json").string();
+  const auto camera = [](const std::string& names) { return clock("\nparameters = { camera = [" + names + "] }"); };
+  const std::string missing = name + ": cannot be opened for reading; name a good file, relative to that of the sweep";
+  refused(camera("\"orbit\", \"" + name + "\""), 9, "camera = \"" + name + "\": ");
+  refused(camera("\"" + name + "\""), 9, missing);
+  refused(clock("design = \"list\"\nparameters = [{},\n{ camera = \"" + name + "\" }]"), 10, missing);
+  refused(camera("\"orbits\""), 9, "known are orbit, fly-in, or the file of a recorded path (.json)");
+
+  const std::string key = R"({"position": [4, 0, 0], "target": [0, 0, 0]})";
+  for (const auto& [content, wrong] : {std::pair{std::string("{"), "is not valid JSON"},
+                                       {"{\"frames\": []}", "\"frames\" is empty"},
+                                       {"{\"frames\": [{\"position\": [1, 2, 3]}]}", "has no \"target\""}}) {
+    folder.write("walk.json", content);
+    refused(camera("\"" + name + "\""), 9, wrong);
+  }
+  folder.write("walk.json", "{\"frames\": [" + key + "]}");
+  const SweepFile file = load(camera("\"fly-in\", \"" + name + "\""));
+  EXPECT_EQ(file.sweeps[0].settings[1].at("camera"), name);
+  ASSERT_EQ(file.files.size(), 1u);
+  EXPECT_EQ(file.files.at(name).sha256, sha256("{\"frames\": [" + key + "]}"));
+  EXPECT_EQ(file.files.at(name).copy, "data/" + file.files.at(name).sha256.substr(0, 16) + ".json");
+  const std::string detour = (folder.path() / "." / "walk.json").string();
+  refused(camera("\"" + name + "\", \"" + detour + "\""), 9, "twice");
+}
+
 TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
   const std::string head = clock("[[figure]]\ntitle = \"t\"\n");
   const SweepFile file =
@@ -235,6 +266,18 @@ TEST(Plan, IdsDependOnWhatDecidesTheResult) {
   EXPECT_TRUE(differs([](SweepRun& r) { r.program = "q"; }));
   EXPECT_TRUE(differs([](SweepRun& r) { r.parameters["a"] = 2; }));
   EXPECT_TRUE(differs([](SweepRun& r) { r.input.sha256 = "j"; }));
+}
+
+TEST(Plan, IdsHaveTheContentOfAFileAndNotItsName) {
+  const auto id = [](const char* name, const char* hash) {
+    SweepRun run;
+    run.experiment = &known_experiments().front();
+    run.parameters = {{"camera", name}};
+    run.files["camera"] = {hash, "data/0.json", nullptr};
+    return run_id(run);
+  };
+  EXPECT_EQ(id("walk.json", "a"), id("stroll.json", "a"));
+  EXPECT_NE(id("walk.json", "a"), id("walk.json", "b"));
 }
 
 TEST(Plan, ShardsAreAPartitionOfOneSize) {
