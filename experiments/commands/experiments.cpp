@@ -21,9 +21,8 @@ std::string range_text(const ParameterInfo& info) {
 }
 
 std::string values_text(const ParameterInfo& info) {
-  std::string text;
-  for (const std::string& choice : info.choices) text += (text.empty() ? "" : ", ") + choice;
-  return text.empty() ? range_text(info) : text;
+  const std::string texts = known_texts(info);
+  return texts.empty() ? range_text(info) : texts;
 }
 
 nlohmann::json parameter_json(const ParameterInfo& info) {
@@ -32,6 +31,7 @@ nlohmann::json parameter_json(const ParameterInfo& info) {
                          {"unit", info.unit},
                          {"description", info.description},
                          {"choices", info.choices}};
+  if (info.others) json["other_texts"] = info.others->what;
   if (info.default_value.is_number() && std::isfinite(info.least)) json["least"] = info.least;
   if (info.default_value.is_number() && std::isfinite(info.most)) json["most"] = info.most;
   return json;

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "experiments/studies/catalogue.h"
+#include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/frame_measures.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/rounds.h"
@@ -34,6 +35,7 @@ std::vector<ParameterInfo> parameters() {
       {"delta", 0.0, "cell sizes", "guard for a stale selection", 0, 100, {}},
       {"blend", "smoothstep", "", "blending function", 0, 0, blend_names()},
       {"metric", "euclidean", "", "distance", 0, 0, {"euclidean", "chebyshev"}},
+      effects_parameter("of the pictures, that of the full model, too"),
       {"image", false, "", "measure the backend's pictures, too: error, and pops against the full model's", 0, 0, {}},
   };
   append(list, viewpoint_parameters());
@@ -100,6 +102,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   ViewConfig view = view_of_model(size, parameters.integer("samples"));
   view.radii = radii;
   view.blend = blend(parameters.text("blend"));
+  view.effects = effect_request(parameters);
   const std::vector<Shot> shots = viewpoints(hierarchy, make_radii(hierarchy, radii), parameters);
 
   Row row;
@@ -107,7 +110,8 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   add_border(row, radii, hierarchy);
   ModelDrawer drawn(hierarchy, view, parameters.text("backend"), *scheduler);
   add_times(row, time_flight(drawn, shots, parameters.integer("rounds"), context));
-  row["admissible"] = drawn.view().admissible();
+  DrawnSurface drawn_surface(view.effects);
+  row["admissible"] = drawn.view().admissible() && drawn_surface.morphs();
   if (context.repetition > 0) return {row};
 
   SurfaceMeasures surface(hierarchy, size, *scheduler);
@@ -122,7 +126,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   for (std::size_t i = 0; i < shots.size(); ++i) {
     check_cancelled(context);
     picture.draw(shots[i].camera);
-    const ModelFrame& frame = picture.view().frame().only();
+    const ModelFrame frame = drawn_surface.of(picture.view().frame().only());
     cracks_and_pops.add(surface.measure(frame, shots[i]));
     if (with_pictures) {
       full.draw(shots[i].camera);

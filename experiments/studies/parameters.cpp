@@ -33,6 +33,18 @@ void check_range(const ParameterInfo& info, const ParameterValue& value) {
        fmt::format("must lie from {:g} to {:g}{}", info.least, info.most, info.unit.empty() ? "" : " " + info.unit));
 }
 
+ParameterValue checked_text(const ParameterInfo& info, const ParameterValue& value) {
+  const std::string text = value;
+  if (std::ranges::find(info.choices, text) != info.choices.end()) return value;
+  if (info.choices.empty() && !info.others) return value;
+  try {
+    if (const auto form = info.others ? info.others->usual_form(text) : std::nullopt) return *form;
+  } catch (const InputError& error) {
+    fail(info, value, error.what());
+  }
+  fail(info, value, "unknown; known are " + known_texts(info));
+}
+
 ParameterValue checked(const ParameterInfo& info, const ParameterValue& value) {
   const ParameterValue& like = info.default_value;
   if (like.is_number_float() && value.is_number()) {
@@ -45,13 +57,21 @@ ParameterValue checked(const ParameterInfo& info, const ParameterValue& value) {
     check_range(info, value);
     return value.get<std::int64_t>();
   }
-  if (value.is_string() && !info.choices.empty() &&
-      std::find(info.choices.begin(), info.choices.end(), value.get<std::string>()) == info.choices.end())
-    fail(info, value, "unknown; known are " + list(info.choices));
-  return value;
+  return value.is_string() ? checked_text(info, value) : value;
 }
 
 }  // namespace
+
+std::string known_texts(const ParameterInfo& info) {
+  std::string text = list(info.choices);
+  if (info.others) text += (text.empty() ? "" : ", ") + info.others->what;
+  return text;
+}
+
+bool names_file(const ParameterInfo& info, const ParameterValue& value) {
+  return info.others && info.others->look_into && value.is_string() &&
+         std::ranges::find(info.choices, value.get<std::string>()) == info.choices.end();
+}
 
 Parameters::Parameters(const std::vector<ParameterInfo>& known, const nlohmann::json& given)
     : values_(nlohmann::json::object()) {

@@ -5,6 +5,7 @@
 #include "experiments/metrics/image_quality.h"
 #include "experiments/metrics/screen_error.h"
 #include "experiments/studies/catalogue.h"
+#include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/result_hash.h"
@@ -21,6 +22,7 @@ std::vector<ParameterInfo> parameters() {
       rounds_parameter(3),
       {"backend", "soft", "", "that draws", 0, 0, {"null", "soft", "gl"}},
       {"pixel_error", 1.0, "pixels", "tolerance", 1e-3, 1e3, {}},
+      effects_parameter("of the pictures, that of the full model, too"),
       {"measured_frames", 4, "", "frames whose picture is held against that of the full model", 0, 10000, {}},
   };
   append(list, viewpoint_parameters());
@@ -66,10 +68,12 @@ std::uint64_t hash_of_pictures(ModelDrawer& drawer, std::span<const Shot> shots,
 // Some frames against the full model drawn by the same backend.
 class FrameAccuracy {
  public:
+  explicit FrameAccuracy(const EffectRequest& effects) : surface_(effects) {}
+
   void measure(ModelDrawer& drawn, ModelDrawer& full, const Shot& shot, ImageSize size, const ScreenErrorBasis& basis,
                Scheduler& scheduler) {
     drawn.draw(shot.camera);
-    const ModelFrame& frame = drawn.view().frame().only();
+    const ModelFrame frame = surface_.of(drawn.view().frame().only());
     Selection whole;
     select_cells(*frame.morph.hierarchy, *frame.morph.radii, frame.morph.viewpoint, {}, whole);
     screen_ =
@@ -86,6 +90,7 @@ class FrameAccuracy {
   }
 
  private:
+  DrawnSurface surface_;
   double screen_ = 0;
   QualitySummary quality_;
 };
@@ -102,7 +107,7 @@ void add_accuracy(Row& row, ModelDrawer& drawn, const ViewConfig& view, const Hi
   if (measured == 0) return;
   ModelDrawer full(hierarchy, at_full_detail(view), backend, scheduler);
   const ScreenErrorBasis basis(hierarchy);
-  FrameAccuracy accuracy;
+  FrameAccuracy accuracy(view.effects);
   for (std::size_t i = 0; i < measured; ++i) {
     check_cancelled(context);
     accuracy.measure(drawn, full, shots[i * shots.size() / measured], view_size(parameters), basis, scheduler);
@@ -116,6 +121,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *scheduler);
   ViewConfig view = view_of_model(view_size(parameters), parameters.integer("samples"));
   view.radii.pixel_error = static_cast<float>(parameters.number("pixel_error"));
+  view.effects = effect_request(parameters);
   const std::vector<Shot> shots = viewpoints(hierarchy, make_radii(hierarchy, view.radii), parameters);
 
   Row row;

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "experiments/studies/catalogue.h"
+#include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/frame_measures.h"
 #include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/model_drawer.h"
@@ -37,8 +38,9 @@ std::vector<ParameterInfo> parameters() {
       {"system", "morph", "", "of levels of detail", 0, 0, system_names()},
       {"backend", "soft", "", "that draws", 0, 0, {"soft", "gl"}},
       {"pixel_error", 1.0, "pixels", "tolerance that all systems keep to", 1e-3, 1e3, {}},
+      effects_parameter("of all pictures; geomorph, which is the system's own, runs in any case"),
       {"fade_width", 0.25, "", "of cross-fade: way of a fade over the distance at which it begins", 0, 10, {}},
-      {"camera", "fly-in", "", "path", 0, 0, {"orbit", "fly-in"}},
+      camera_parameter("path", {"orbit", "fly-in"}),
   };
   append(list, path_parameters());
   append(list, picture_parameters());
@@ -114,10 +116,12 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   SystemFlightConfig config;
   config.view = view_of_model(view_size(parameters), parameters.integer("samples"));
   config.view.radii.pixel_error = static_cast<float>(parameters.number("pixel_error"));
+  config.view.effects = effect_request(parameters);
+  config.view.effects.listed.insert(Effect::geomorph);
   config.systems = {system};
   config.system.fade_width = parameters.number("fade_width");
   config.cancel = context.cancel;
-  config.cameras = path_cameras(hierarchy, parameters.text("camera"), parameters);
+  config.cameras = path_cameras(hierarchy, parameters);
 
   SceneView scene(scene_of("input"), {{&hierarchy}});
   const auto renderer = make_renderer(parameters.text("backend"), *scheduler);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <random>
 
@@ -66,7 +67,29 @@ std::vector<Shot> adversarial_pairs(const Hierarchy& hierarchy, const Radii& rad
   return shots;
 }
 
+std::vector<Camera> whole_path(const Hierarchy& hierarchy, const std::string& camera, int frames) {
+  if (camera == "orbit") return orbit_path(hierarchy, frames);
+  if (camera == "fly-in") return fly_in_path(hierarchy, frames);
+  return read_camera_path(camera, frames);
+}
+
 }  // namespace
+
+ParameterInfo camera_parameter(const std::string& description, std::vector<std::string> names) {
+  const auto usual_form = [](const std::string& text) -> std::optional<std::string> {
+    if (!text.ends_with(".json")) return {};
+    return std::filesystem::path(text).lexically_normal().string();
+  };
+  const auto look_into = [](const std::string& path) { (void)read_camera_keys(path); };
+  return {"camera",
+          "fly-in",
+          "",
+          description,
+          0,
+          0,
+          std::move(names),
+          OtherTexts{"or the file of a recorded path (.json)", usual_form, look_into}};
+}
 
 std::vector<ParameterInfo> path_parameters() {
   return {
@@ -82,12 +105,12 @@ void check_path(SettingVerdict& verdict, const Parameters& parameters) {
                       ": the part of the path that the frames are spread over");
 }
 
-std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const std::string& path, const Parameters& parameters) {
+std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const Parameters& parameters) {
   const double from = parameters.number("from"), to = parameters.number("to");
   assert(from < to);
   const int frames = parameters.integer("frames");
   const auto all = static_cast<int>(std::min(std::ceil(frames / (to - from)), 1e6));
-  std::vector<Camera> cameras = path == "orbit" ? orbit_path(hierarchy, all) : fly_in_path(hierarchy, all);
+  std::vector<Camera> cameras = whole_path(hierarchy, parameters.text("camera"), all);
   const auto first = static_cast<std::ptrdiff_t>(from * (all - frames) / std::max(from + 1 - to, 1e-9));
   cameras.erase(cameras.begin(), cameras.begin() + std::clamp<std::ptrdiff_t>(first, 0, all - frames));
   cameras.resize(static_cast<std::size_t>(frames));
@@ -96,7 +119,7 @@ std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const std::string& 
 
 std::vector<ParameterInfo> viewpoint_parameters() {
   std::vector<ParameterInfo> list{
-      {"camera", "fly-in", "", "path or viewpoints", 0, 0, {"orbit", "fly-in", "random", "adversarial"}},
+      camera_parameter("path or viewpoints", {"orbit", "fly-in", "random", "adversarial"}),
       {"step", 0.01, "", "of random pairs, over the distance from the model's middle", 1e-6, 0.5, {}},
       {"seed", 1, "", "of random viewpoints", 0, 1e9, {}},
   };
@@ -115,11 +138,11 @@ void check_viewpoints(SettingVerdict& verdict, const Parameters& parameters) {
 std::vector<Shot> viewpoints(const Hierarchy& hierarchy, const Radii& radii, const Parameters& parameters) {
   const std::string camera = parameters.text("camera");
   const int frames = parameters.integer("frames");
-  if (camera == "orbit" || camera == "fly-in") return path(path_cameras(hierarchy, camera, parameters));
   if (camera == "random")
     return random_pairs(hierarchy, frames, parameters.number("step"),
                         static_cast<std::uint64_t>(parameters.integer("seed")));
-  return adversarial_pairs(hierarchy, radii, frames);
+  if (camera == "adversarial") return adversarial_pairs(hierarchy, radii, frames);
+  return path(path_cameras(hierarchy, parameters));
 }
 
 }  // namespace lodestone

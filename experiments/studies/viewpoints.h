@@ -22,15 +22,16 @@ struct Shot {
 [[nodiscard]] std::vector<ParameterInfo> path_parameters();
 // The part has to have a length.
 void check_path(SettingVerdict& verdict, const Parameters& parameters);
-// Of "orbit" or "fly-in".
-[[nodiscard]] std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const std::string& path,
-                                               const Parameters& parameters);
+// "camera": one of these names, or the file of a recorded path, as `render --camera` takes it.
+[[nodiscard]] ParameterInfo camera_parameter(const std::string& description, std::vector<std::string> names);
+// Of the path that "camera" names: "orbit", "fly-in" or a file. Throws what read_camera_path throws.
+[[nodiscard]] std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const Parameters& parameters);
 
-// "camera" (orbit, fly-in, random, adversarial), "step", "seed", and those of a path.
+// "camera" (orbit, fly-in, random, adversarial, or a file), "step", "seed", and those of a path.
 [[nodiscard]] std::vector<ParameterInfo> viewpoint_parameters();
 void check_viewpoints(SettingVerdict& verdict, const Parameters& parameters);
 
-// orbit, fly-in: the frames of a path, each following the one before.
+// orbit, fly-in, a file: the frames of a path, each following the one before.
 // random: pairs of viewpoints a step apart, spread evenly over directions, and between 1.1 and 8 radii of the bounding
 // sphere in the logarithm of the distance, looking at a point within its inner half.
 // adversarial: pairs on both sides of the exchange of a cell, where inadmissible radii crack first

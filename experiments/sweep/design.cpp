@@ -22,14 +22,26 @@ const ParameterInfo& info_of(const std::vector<ParameterInfo>& known, const std:
   table.fail_at(at.source(), fmt::format("unknown parameter '{}'; known are {}", name, names));
 }
 
+void look_into(const ParameterInfo& info, const ParameterValue& value, const toml::node& at, const TomlTable& table) {
+  try {
+    info.others->look_into(beside(table.file(), value));
+  } catch (const Error& error) {
+    table.fail_at(at.source(), fmt::format("{} = {}: {}; name a good file, relative to that of the sweep", info.name,
+                                           value.dump(), error.what()));
+  }
+}
+
 // In the kind and range of the parameter.
 ParameterValue checked(const ParameterInfo& info, const ParameterValue& value, const toml::node& at,
                        const TomlTable& table) {
+  ParameterValue usual;
   try {
-    return Parameters({info}, {{info.name, value}}).json().at(info.name);
+    usual = Parameters({info}, {{info.name, value}}).json().at(info.name);
   } catch (const InputError& error) {
     table.fail_at(at.source(), error.what());
   }
+  if (names_file(info, usual)) look_into(info, usual, at, table);
+  return usual;
 }
 
 ParameterValue scalar(const ParameterInfo& info, const toml::node& node, const TomlTable& table) {

@@ -50,6 +50,7 @@ SweepPlan prepare_directory(const SweepFile& file, const InputConfig& config) {
   const FileLock lock(config.directory / ".lock", config.cancel);
   remove_temporaries_in(config.directory);
   SweepPlan plan = make_plan(file, find_inputs(file, data_names(file), config));
+  write_copies(file.files, config.directory);
   const std::string text = plan.json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   const fs::path target = config.directory / "sweep.json";
   if (read_text(target) != text) write_durably(target, text);

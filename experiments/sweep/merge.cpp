@@ -47,6 +47,15 @@ bool is_wanted(const Outcome& offered, const Outcome& there) {
 
 void copy_text(const fs::path& from, const fs::path& to) { write_durably(to, read_text(from)); }
 
+// Files that parameters name: each by its content, so that one that is there is the same.
+void take_files(const nlohmann::json& sweep, const fs::path& from, const fs::path& to) {
+  for (const nlohmann::json& file : sweep.value("files", nlohmann::json::object())) {
+    const fs::path copy = file.at("path").get<std::string>();
+    make_folder((to / copy).parent_path());
+    if (!fs::exists(to / copy)) copy_text(from / copy, to / copy);
+  }
+}
+
 // What belongs to the run and not to a repetition, where `to` has none.
 void take_run(const RunFolder& from, const RunFolder& to) {
   std::error_code ignored;
@@ -105,6 +114,7 @@ MergeResult merge_sweeps(const MergeConfig& config) {
   make_folder(config.to);
   const FileLock lock(config.to / ".lock");
   remove_temporaries_in(config.to);
+  take_files(sheet.content, config.from.front(), config.to);
   copy_text(fs::path(config.from.front()) / "sweep.json", config.to / "sweep.json");
   for (const SheetRun& run : sheet.runs) {
     const RunFolder target(config.to, run.id);

@@ -57,7 +57,8 @@ nlohmann::json section_json(const SweepSection& section) {
 }
 
 // The runs of one sweep, in the order of the file.
-std::vector<SweepRun> section_runs(const SweepSection& section, const std::map<std::string, SweepInput>& inputs) {
+std::vector<SweepRun> section_runs(const SweepSection& section, const ParameterFiles& files,
+                                   const std::map<std::string, SweepInput>& inputs) {
   std::vector<SweepRun> runs;
   const std::vector<std::string> none{""};
   for (const nlohmann::json& setting : section.settings)
@@ -69,6 +70,7 @@ std::vector<SweepRun> section_runs(const SweepSection& section, const std::map<s
       run.data = data;
       run.given = setting;
       run.parameters = Parameters(section.experiment->parameters, setting).json();
+      run.files = files_of(run.parameters, section.experiment->parameters, files);
       if (!data.empty()) run.input = inputs.at(data);
       run.repetitions = section.repetitions;
       if (data.empty() || !run.input.sha256.empty()) run.id = run_id(run);
@@ -85,7 +87,7 @@ nlohmann::json to_json(const ColumnInfo& column) {
 
 std::string run_id(const SweepRun& run) {
   const nlohmann::json identity = {{"experiment", run.experiment->name},
-                                   {"parameters", run.parameters},
+                                   {"parameters", with_hashes(run.parameters, run.files)},
                                    {"input", run.input.sha256},
                                    {"program", run.program}};
   return sha256(identity.dump()).substr(0, 16);
@@ -105,6 +107,7 @@ SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInpu
                {"small", file.small},
                {"program", program_hash()},
                {"data", nlohmann::json::object()},
+               {"files", files_json(file.files)},
                {"figures", nlohmann::json::array()},
                {"sweeps", nlohmann::json::array()}};
   for (const DataSource& source : file.data)
@@ -113,7 +116,7 @@ SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInpu
   std::map<std::string, std::size_t> place;  // of a run, by id
   for (const SweepSection& section : file.sweeps) {
     nlohmann::json json = section_json(section);
-    for (SweepRun& run : section_runs(section, inputs)) {
+    for (SweepRun& run : section_runs(section, file.files, inputs)) {
       json["runs"].push_back({{"id", run.id}, {"data", run.data}, {"parameters", run.parameters}});
       const auto [found, is_new] = place.try_emplace(run.id, plan.runs.size());
       if (is_new || run.id.empty()) {

@@ -21,6 +21,7 @@ struct SweepRun {
   std::string sweep, data;  // names, of the first sweep that has it
   nlohmann::json given;     // what the file sets
   nlohmann::json parameters;
+  ParameterFiles files;  // that parameters name, by parameter
   SweepInput input;
   int repetitions = 1;  // the most that a sweep asks for
 };

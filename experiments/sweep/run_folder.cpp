@@ -79,7 +79,8 @@ void RunFolder::describe_run(const SweepRun& run) const {
                                     {"input", run.input.path},
                                     {"input_sha256", run.input.sha256},
                                     {"program", run.program},
-                                    {"parameters", run.parameters}});
+                                    {"parameters", run.parameters},
+                                    {"files", files_json(run.files)}});
   const fs::path target = path_ / "parameters.json";
   if (read_text(target) != text) write_durably(target, text);
 }

@@ -180,7 +180,7 @@ class Runner {
     const WorkFolder work = folder.begin(task.repetition);
     write_aside(work.job(), nlohmann::json{{"experiment", run.experiment->name},
                                            {"program", run.program},
-                                           {"parameters", run.parameters},
+                                           {"parameters", with_copies(run.parameters, run.files, config_.directory)},
                                            {"input", run.input.path},
                                            {"repetition", task.repetition},
                                            {"processors", claim.processors()}}

@@ -299,6 +299,7 @@ SweepFile load_sweep_file(const std::string& path, bool small, const ExperimentL
     file.sweeps.push_back(read_sweep(sweep, at, file, lookup));
   });
   if (file.sweeps.empty()) throw InputError(describe(path, {}, "has no sweeps", "add a [[sweep]] with an experiment"));
+  file.files = read_parameter_files(file);
   table.tables("figure",
                [&](TomlTable& figure, const toml::node& at) { file.figures.push_back(read_figure(figure, at, file)); });
   table.refuse_others();

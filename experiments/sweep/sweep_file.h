@@ -10,6 +10,7 @@
 
 #include "core/mesh/generate.h"
 #include "experiments/studies/experiment.h"
+#include "experiments/sweep/parameter_files.h"
 
 namespace lodestone {
 
@@ -46,6 +47,7 @@ struct SweepFile {
   bool small = false;
   std::vector<DataSource> data;  // all, whether a sweep uses them or not
   std::vector<SweepSection> sweeps;
+  ParameterFiles files;  // that settings name
   std::vector<FigureSpec> figures;
   std::vector<std::string> notes;  // of what is no error, but ought to be known before hours have gone
 };

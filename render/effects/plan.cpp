@@ -50,6 +50,15 @@ EffectRequest parse_effects(const std::string& text) {
   return request;
 }
 
+std::string to_text(const EffectRequest& request) {
+  if (request.kind == EffectRequest::Kind::automatic) return "auto";
+  if (request.kind == EffectRequest::Kind::all) return "all";
+  std::string names;
+  for (const EffectInfo& info : effect_infos())
+    if (request.listed.contains(info.effect)) names += (names.empty() ? "" : ",") + std::string(name_of(info.effect));
+  return names.empty() ? "none" : names;
+}
+
 void plan_effects(Frame& frame, const EffectRequest& request) {
   frame.effects = {};
   for (ModelFrame& model : frame.models) {

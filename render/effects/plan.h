@@ -23,6 +23,8 @@ struct EffectRequest {
 // "auto", "all", or names separated by commas ("none" for an empty list). Throws InputError for other names, with
 // those that there are.
 [[nodiscard]] EffectRequest parse_effects(const std::string& text);
+// The text of it, names in the order of the effects.
+[[nodiscard]] std::string to_text(const EffectRequest& request);
 
 // Sets the effects of the frame and of its models, whose selections have been made.
 void plan_effects(Frame& frame, const EffectRequest& request);

@@ -325,6 +325,44 @@ TEST_F(Studies, GainsAreThoseOfARound) {
   }
 }
 
+TEST_F(Studies, PicturesHaveTheEffectsThatAreAskedForAndTheFullModelHasThem) {
+  const auto row = [&](const char* effects) {
+    const Row given = {{"frames", 3}, {"rounds", 1}, {"width", 64}, {"height", 48}, {"effects", effects}};
+    const std::vector<Row> rows = rows_of("raster", with(shallow, given));
+    EXPECT_EQ(joined(faults("raster", with(shallow, given), rows)), "") << effects;
+    return rows.front();
+  };
+  const Row plan = row("auto"), all = row("all"), unlit = row("geomorph,smooth-normals");
+  EXPECT_EQ(plan.at("hash"), all.at("hash"));
+  EXPECT_NE(plan.at("hash"), unlit.at("hash"));
+  EXPECT_LT(number(unlit, "image_error"), number(plan, "image_error"));  // flat colour differs at the outline alone
+  const Row picture = {{"frames", 3}, {"width", 64}, {"height", 48}};
+  const auto worst = [&](const char* effects) {
+    return rows_of("systems", with(with(shallow, picture), {{"effects", effects}})).front();
+  };
+  EXPECT_EQ(worst("none").at("admissible"), true);  // the morph is the system's
+  EXPECT_LT(number(worst("none"), "image_error"), number(worst("auto"), "image_error"));
+}
+
+TEST_F(Studies, WithoutGeomorphAFlightCracksAndPops) {
+  generate_ply({Shape::sphere, 30000, 1}, sphere_, *make_serial_scheduler());
+  const auto row = [&](const char* effects) {
+    const Row path = {{"frames", 3}, {"from", 0.3}, {"to", 0.5}, {"pixel_error", 2.0}, {"cell_triangles", 200}};
+    const Row given = with(path, {{"effects", effects}});
+    const std::vector<Row> rows = rows_of("flight", given);
+    EXPECT_EQ(joined(faults("flight", given, rows)), "") << effects;
+    return rows.front();
+  };
+  const Row morph = row("geomorph"), still = row("none");
+  EXPECT_EQ(morph.at("admissible"), true);
+  EXPECT_EQ(number(morph, "open_edges"), 0);
+  EXPECT_EQ(still.at("admissible"), false);
+  EXPECT_GT(number(still, "open_edges"), 0);
+  EXPECT_GT(number(still, "torn_pixels"), 0);
+  EXPECT_GT(number(still, "jump_max"), number(morph, "jump_max"));
+  EXPECT_TRUE(still.at("jump_over_bound").is_null());
+}
+
 TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {
   for (const char* task : {"build", "raster", "reconstruct", "progressive"})
     for (const char* mode : {"strong", "weak"}) {

@@ -1,6 +1,7 @@
 // What experiments are put together from: timing, verdicts, viewpoints, summaries, copies of a mesh.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -18,6 +19,7 @@
 #include "experiments/studies/surface_summary.h"
 #include "experiments/studies/viewpoints.h"
 #include "parallel/build.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -303,6 +305,28 @@ TEST_F(Viewpoints, PathsFollowAndPairsDoInPairs) {
     ASSERT_LE(pair_shots.size(), 8u);
     for (std::size_t i = 0; i < pair_shots.size(); ++i) EXPECT_EQ(pair_shots[i].follows, i % 2 == 1) << pairs;
   }
+}
+
+TEST_F(Viewpoints, PartsOfARecordedPathAreThoseOfTheWhole) {
+  TestFolder folder;
+  const std::string file = (folder.path() / "walk.json").string();
+  const std::vector<Camera> keys = orbit_path(hierarchy_, 5);
+  write_camera_path(file, keys);
+  const auto part = [&](double from, double to, int frames) {
+    return path_cameras(hierarchy_, Parameters(viewpoint_parameters(),
+                                               {{"camera", file}, {"from", from}, {"to", to}, {"frames", frames}}));
+  };
+  const std::vector<Camera> whole = part(0, 1, 9);
+  EXPECT_EQ(whole, read_camera_path(file, 9));
+  EXPECT_EQ(whole.front().position, keys.front().position);
+  EXPECT_EQ(whole.back().position, keys.back().position);
+  const std::vector<Camera> half = part(0.5, 1, 5), all = read_camera_path(file, 10);
+  EXPECT_TRUE(std::equal(half.begin(), half.end(), all.begin() + 5));
+  EXPECT_THROW((void)part(0.5, 0.5, 5), InputError);
+  const std::vector<Shot> path_shots = shots(file.c_str(), 5);
+  ASSERT_EQ(path_shots.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(path_shots[i].follows, i > 0);
+  EXPECT_THROW((void)shots((folder.path() / "none.json").c_str(), 5), FileError);
 }
 
 TEST_F(Viewpoints, RandomOnesFollowFromTheSeedAndKeepTheirStep) {

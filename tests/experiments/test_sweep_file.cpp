@@ -9,9 +9,13 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/setting_verdict.h"
+#include "experiments/studies/viewpoints.h"
 #include "experiments/sweep/plan.h"
+#include "experiments/sweep/sha256.h"
 #include "experiments/sweep/sweep_file.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -23,7 +27,9 @@ const std::vector<Experiment>& known_experiments() {
     flight.parameters = {{"blend", "linear", "", "", 0, 0, {"linear", "step", "cosine"}},
                          {"kappa0", 2.0, "cells", "", 0.1, 100, {}},
                          {"threads", 1, "", "", 1, 64, {}},
-                         {"fast", false, "", "", 0, 0, {}}};
+                         {"fast", false, "", "", 0, 0, {}},
+                         effects_parameter(""),
+                         camera_parameter("", {"orbit", "fly-in"})};
     flight.columns = {{"gap", "", "", ColumnInfo::Kind::accuracy},
                       {"rho", "", "", ColumnInfo::Kind::count},
                       {"seconds", "s", "", ColumnInfo::Kind::cost}};
@@ -159,6 +165,45 @@ TEST_F(SweepFiles, SmallReplacesParameterByParameter) {
   EXPECT_EQ(settings(text, true), expected);
   EXPECT_EQ(load(clock(text), true).sweeps[0].repetitions, 1);
   refused(clock("small = { parameters = { threads = 99 } }"), 8, "from 1 to 64");
+}
+
+TEST_F(SweepFiles, EffectsAreThoseOfTheRenderer) {
+  const auto made = settings(R"(parameters = { effects = ["auto", "none", "wireframe,head-light", "fog"] })");
+  ASSERT_EQ(made.size(), 4u);
+  EXPECT_EQ(made[1].at("effects"), "none");
+  EXPECT_EQ(made[2].at("effects"), "head-light,wireframe");
+  refused(clock("\nparameters = { effects = [\"auto\", \"head-light,glow\"] }"), 9,
+          "effects = \"head-light,glow\": unknown effect 'glow'; known are auto, all, none, geomorph");
+  refused(clock("parameters = { effects = \"\" }"), 8, "unknown effect ''");
+  refused(clock("parameters = { effects = [\"fog,wireframe\", \"wireframe,fog\"] }"), 8,
+          "has the value \"wireframe,fog\" twice");
+}
+
+TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
+  const TestFolder folder;
+  const std::string name = (folder.path() / "walk.json").string();
+  const auto camera = [](const std::string& names) { return clock("\nparameters = { camera = [" + names + "] }"); };
+  const std::string missing = name + ": cannot be opened for reading; name a good file, relative to that of the sweep";
+  refused(camera("\"orbit\", \"" + name + "\""), 9, "camera = \"" + name + "\": ");
+  refused(camera("\"" + name + "\""), 9, missing);
+  refused(clock("design = \"list\"\nparameters = [{},\n{ camera = \"" + name + "\" }]"), 10, missing);
+  refused(camera("\"orbits\""), 9, "known are orbit, fly-in, or the file of a recorded path (.json)");
+
+  const std::string key = R"({"position": [4, 0, 0], "target": [0, 0, 0]})";
+  for (const auto& [content, wrong] : {std::pair{std::string("{"), "is not valid JSON"},
+                                       {"{\"frames\": []}", "\"frames\" is empty"},
+                                       {"{\"frames\": [{\"position\": [1, 2, 3]}]}", "has no \"target\""}}) {
+    folder.write("walk.json", content);
+    refused(camera("\"" + name + "\""), 9, wrong);
+  }
+  folder.write("walk.json", "{\"frames\": [" + key + "]}");
+  const SweepFile file = load(camera("\"fly-in\", \"" + name + "\""));
+  EXPECT_EQ(file.sweeps[0].settings[1].at("camera"), name);
+  ASSERT_EQ(file.files.size(), 1u);
+  EXPECT_EQ(file.files.at(name).sha256, sha256("{\"frames\": [" + key + "]}"));
+  EXPECT_EQ(file.files.at(name).copy, "data/" + file.files.at(name).sha256.substr(0, 16) + ".json");
+  const std::string detour = (folder.path() / "." / "walk.json").string();
+  refused(camera("\"" + name + "\", \"" + detour + "\""), 9, "twice");
 }
 
 TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
@@ -303,6 +348,18 @@ TEST(Plan, IdsDependOnWhatDecidesTheResult) {
   EXPECT_TRUE(differs([](SweepRun& r) { r.program = "q"; }));
   EXPECT_TRUE(differs([](SweepRun& r) { r.parameters["a"] = 2; }));
   EXPECT_TRUE(differs([](SweepRun& r) { r.input.sha256 = "j"; }));
+}
+
+TEST(Plan, IdsHaveTheContentOfAFileAndNotItsName) {
+  const auto id = [](const char* name, const char* hash) {
+    SweepRun run;
+    run.experiment = &known_experiments().front();
+    run.parameters = {{"camera", name}};
+    run.files["camera"] = {hash, "data/0.json", nullptr};
+    return run_id(run);
+  };
+  EXPECT_EQ(id("walk.json", "a"), id("stroll.json", "a"));
+  EXPECT_NE(id("walk.json", "a"), id("walk.json", "b"));
 }
 
 TEST(Plan, ShardsAreAPartitionOfOneSize) {

@@ -102,6 +102,9 @@ TEST(EffectPlan, NamesAndLists) {
   EXPECT_EQ(parse_effects("fog,head-light").listed, (EffectSet{Effect::head_light, Effect::fog}));
   for (const char* wrong : {"", "fog,", "Fog", "fog head-light", "bloom"})
     EXPECT_THROW((void)parse_effects(wrong), InputError) << wrong;
+  for (const char* text : {"auto", "all", "none", "fog", "head-light,fog"})
+    EXPECT_EQ(to_text(parse_effects(text)), text);
+  EXPECT_EQ(to_text(parse_effects("fog,head-light,fog")), "head-light,fog");
   for (std::size_t k = 0; k < effect_count; ++k) {
     const auto effect = static_cast<Effect>(k);
     EXPECT_EQ(effect_named(name_of(effect)), effect);
