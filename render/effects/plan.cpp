@@ -55,7 +55,7 @@ std::string to_text(const EffectRequest& request) {
   if (request.kind == EffectRequest::Kind::all) return "all";
   std::string names;
   for (const EffectInfo& info : effect_infos())
-    if (request.listed.contains(info.effect)) names += (names.empty() ? "" : ",") + std::string(name_of(info.effect));
+    if (request.listed.contains(info.effect)) names.append(names.empty() ? "" : ",").append(name_of(info.effect));
   return names.empty() ? "none" : names;
 }
 

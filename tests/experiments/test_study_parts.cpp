@@ -322,7 +322,6 @@ TEST_F(Viewpoints, PartsOfARecordedPathAreThoseOfTheWhole) {
   EXPECT_EQ(whole.back().position, keys.back().position);
   const std::vector<Camera> half = part(0.5, 1, 5), all = read_camera_path(file, 10);
   EXPECT_TRUE(std::equal(half.begin(), half.end(), all.begin() + 5));
-  EXPECT_THROW((void)part(0.5, 0.5, 5), InputError);
   const std::vector<Shot> path_shots = shots(file.c_str(), 5);
   ASSERT_EQ(path_shots.size(), 5u);
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(path_shots[i].follows, i > 0);
