@@ -129,7 +129,7 @@ std::vector<ParameterInfo> viewpoint_parameters() {
 
 void check_viewpoints(SettingVerdict& verdict, const Parameters& parameters) {
   const std::string name = parameters.text("camera"), camera = assignment(parameters, "camera");
-  const bool path = name == "orbit" || name == "fly-in";
+  const bool path = name != "random" && name != "adversarial";
   for (const char* only : {"step", "seed"}) verdict.idle(name != "random", only, camera);
   for (const char* only : {"from", "to"}) verdict.idle(!path, only, camera);
   if (path) check_path(verdict, parameters);

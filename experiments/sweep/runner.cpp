@@ -259,7 +259,9 @@ class Runner {
       seconds += share > 0 ? share * expected : std::min(elapsed, expected);
       shares += share;
     }
-    callbacks_.progress(time_left_.share(seconds, shares));
+    // What takes longer than expected makes the rest longer, too; a bar that goes back tells nobody anything.
+    share_ = std::max(share_, time_left_.share(seconds, shares));
+    callbacks_.progress(share_);
   }
 
   // Children are asked to end, as they may have scratch files elsewhere, and then made to.
@@ -291,6 +293,7 @@ class Runner {
   std::list<Task> pending_;
   std::list<Job> jobs_;
   TimeLeft time_left_;
+  double share_ = 0;  // done, as it was told
   RunnerResult result_;
 };
 
