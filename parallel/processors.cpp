@@ -2,6 +2,7 @@
 
 #include <sched.h>
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -29,9 +30,9 @@ bool bind_thread(pid_t thread, const std::vector<int>& processors) {
   throw ResourceError(std::string("cannot pin the run to its processors: ") + strerror(errno));
 }
 
-// Threads that one of these has started meanwhile are found by looking again.
-void bind_all_threads(const std::vector<int>& processors) {
-  std::set<pid_t> bound;
+// All but the calling one. Threads that one of these has started meanwhile are found by looking again.
+void bind_others(const std::vector<int>& processors) {
+  std::set<pid_t> bound{gettid()};
   for (bool found = true; found;) {
     found = false;
     for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -78,12 +79,16 @@ std::vector<int> one_per_core_first(const std::vector<int>& processors,
 }
 
 BoundThreads::BoundThreads(const std::vector<int>& processors) : before_(allowed_processors()) {
-  bind_all_threads(processors);
+  // On one processor together, from when they were bound to fewer, they would stay until the system balances its loads.
+  bind_thread(calling_thread, {processors.front()});
+  bind_others(processors.size() > 1 ? std::vector(processors.begin() + 1, processors.end()) : processors);
+  bind_thread(calling_thread, processors);  // it has come to the first, and what it starts may go anywhere
 }
 
 BoundThreads::~BoundThreads() {
   try {
-    bind_all_threads(before_);
+    bind_others(before_);
+    bind_thread(calling_thread, before_);
   } catch (const std::exception&) {  // they stay where they are
   }
 }

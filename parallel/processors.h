@@ -21,7 +21,8 @@ void pin_to(const std::vector<int>& processors);
                                                   const std::function<std::string(int)>& core_of = core_of_processor);
 
 // Binds all threads of the process to some processors, idle ones of a scheduler included, as long as it lives; then to
-// those that the calling thread was allowed before. Nothing else starts threads when it begins and ends. Rather than an
+// those that the calling thread was allowed before. The calling thread begins on the first of them, which the others
+// leave to it where there are more. Nothing else starts threads when it begins and ends. Rather than an
 // observer of the scheduler, which would call the system in the middle of what is timed.
 class BoundThreads {
  public:

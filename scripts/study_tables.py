@@ -29,7 +29,7 @@ TABLES = {
          [("data", "data"), ("resolution", "resolution"), ("views", "view_count"), ("merge", "merge"), ("triangles", "triangles"),
           ("CPU seconds", "cpu_seconds"), ("RMS, %", "rms"), ("max, %", "error_max"), ("coverage, %", "coverage"),
           ("slivers, %", "slivers"), ("manifold", "manifold")]),
-        ("Progressive meshes", ("progressive",),
+        ("Progressive meshes", ("progressive", "progressive_textured"),
          [("data", "data"), ("metric", "metric"), ("triangles", "triangles"), ("share, %", "share"),
           ("CPU seconds", "cpu_seconds"), ("RMS, %", "rms"), ("max, %", "error_max"), ("normals, degrees", "normal_mean"),
           ("residual edges", "residual_edges")]),

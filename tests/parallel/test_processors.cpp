@@ -97,5 +97,16 @@ TEST(PinTo, NothingIsAnywhere) {
   EXPECT_EQ(allowed_processors(), all);
 }
 
+// Otherwise both would go on side by side on the processor that they were bound to before.
+TEST(BoundThreads, LeaveTheFirstToTheCallingOne) {
+  const std::vector<int> all = allowed_processors();
+  if (all.size() < 2) GTEST_SKIP() << "needs two processors";
+  const IdleThread other;
+  const std::vector<int> two(all.begin(), all.begin() + 2);
+  const BoundThreads binding(two);
+  EXPECT_EQ(allowed_processors(), two);
+  EXPECT_EQ(other.processors(), 1);
+}
+
 }  // namespace
 }  // namespace lodestone
