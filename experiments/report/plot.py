@@ -145,6 +145,8 @@ def finish_axes(axes, figure, panel, narrow):
         axes.set_xticks(range(len(figure["categories"])), figure["categories"], rotation=30 if long else 0,
                         ha="right" if long else "center")
         axes.set_xlim(-0.6, len(figure["categories"]) - 0.4)
+    elif len(set(x)) == 1:
+        axes.set_xticks(x[:1])
     elif figure["log_x"]:
         set_log(axes.xaxis, axes.set_xscale, ends(points, "x"), x)
     elif few_whole(x):

@@ -68,6 +68,11 @@ class Plot(unittest.TestCase):
         wide = texts(drawn(figure(panel({"": [point(x, 100 * x, reach=10000) for x in (1, 2, 4)]}), log_x=True)))
         self.assertNotIn("2", wide, "whiskers leave no room for it")
 
+    def test_a_single_place_is_the_only_tick(self):
+        for log_x in (False, True):
+            words = texts(drawn(figure(panel({"": [point(37, 0.5), point(37, 0.6)]}), log_x=log_x)))
+            self.assertEqual([text for text in words if text.isdigit() and text != "0"], ["37"])
+
     def test_errors_start_at_zero_and_similarities_where_they_differ(self):
         values = {"": [point(x, 0.9825 + 0.004 * x) for x in range(4)]}
         self.assertIn("0", texts(drawn(figure(panel(values), x_name="")))[4:])
