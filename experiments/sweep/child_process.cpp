@@ -18,8 +18,36 @@
 namespace lodestone {
 namespace {
 
+// Holds SIGINT and SIGTERM back for as long as it lives. A process forked meanwhile starts with them held back, too, so
+// that this process's handlers never run in a copy of it.
+class SignalsHeld {
+ public:
+  SignalsHeld() {
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    pthread_sigmask(SIG_BLOCK, &signals, &before_);
+  }
+  ~SignalsHeld() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+  SignalsHeld(const SignalsHeld&) = delete;
+  SignalsHeld& operator=(const SignalsHeld&) = delete;
+
+  // In the child: the system's default for them, and no longer held back.
+  void release_by_default() const {
+    ::signal(SIGINT, SIG_DFL);
+    ::signal(SIGTERM, SIG_DFL);
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+
+ private:
+  sigset_t before_{};
+};
+
 // After fork(), in the child: only what may be called there.
-[[noreturn]] void become(char* const* arguments, int log, int report, int inherited, pid_t parent) {
+[[noreturn]] void become(char* const* arguments, int log, int report, int inherited, pid_t parent,
+                         const SignalsHeld& held) {
+  held.release_by_default();
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(127);  // it has ended in between
   const int null = open("/dev/null", O_RDONLY);
@@ -37,6 +65,12 @@ namespace {
 bool ChildEnd::succeeded() const { return WIFEXITED(status) && WEXITSTATUS(status) == 0; }
 
 bool ChildEnd::failed() const { return WIFEXITED(status) && WEXITSTATUS(status) == 1; }
+
+bool ChildEnd::interrupted() const {
+  const auto is_interrupt = [](int number) { return number == SIGINT || number == SIGTERM; };
+  if (WIFSIGNALED(status)) return is_interrupt(WTERMSIG(status));
+  return WIFEXITED(status) && is_interrupt(WEXITSTATUS(status) - 128);
+}
 
 std::string ChildEnd::reason() const {
   if (WIFSIGNALED(status)) return fmt::format("ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
@@ -57,9 +91,13 @@ ChildProcess::ChildProcess(std::vector<std::string> arguments, const std::filesy
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   const pid_t parent = getpid();
-  process_ = fork();
-  if (process_ == 0) become(pointers.data(), output, ends[1], inherited, parent);
-  const int error = errno;
+  int error = 0;
+  {
+    const SignalsHeld held;
+    process_ = fork();
+    if (process_ == 0) become(pointers.data(), output, ends[1], inherited, parent, held);
+    error = errno;
+  }
   close(output);
   close(ends[1]);
   report_ = ends[0];

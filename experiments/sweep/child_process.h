@@ -16,6 +16,7 @@ struct ChildEnd {
   double cpu_seconds = 0;
   [[nodiscard]] bool succeeded() const;
   [[nodiscard]] bool failed() const;         // with status 1, and one line that says why
+  [[nodiscard]] bool interrupted() const;    // by SIGINT or SIGTERM, on its own or in good order
   [[nodiscard]] std::string reason() const;  // "ended by signal 11 (Segmentation fault)"
 };
 

@@ -94,7 +94,7 @@ class Runner {
         }
         if (jobs_.empty() && pending_.empty()) break;
         wait();
-        check_cancel();  // before collect(): children that were told to end as we were have no fault
+        check_cancel();
         collect();
         tell_progress();
       }
@@ -227,7 +227,10 @@ class Runner {
     }
   }
 
+  // A child that was told to end as this process was has no fault; it may have heard of it first.
   void take_over(const Job& job, const ChildEnd& end) {
+    if (end.interrupted()) poll(nullptr, 0, tick_milliseconds);  // which a signal ends
+    if (!end.succeeded()) check_cancel();
     std::optional<Fault> fault = change_of(runs_[job.task.run].input);
     if (!fault) fault = crash_of(end, folders_[job.task.run].log());
     record(job.task, {job.started, seconds_since(job.start), end.cpu_seconds, job.is_pinned()}, std::move(fault));

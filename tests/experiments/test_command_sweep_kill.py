@@ -15,6 +15,7 @@ import command_case
 from sweep_case import HEAD, SweepCase, children_in, end_quietly, kill, section, start
 
 SHIM = os.environ.get("FAILING_DISK", "")
+INTERRUPTED = "lodestone: interrupted; finished runs were kept, --resume continues\n"
 
 
 class Killed(SweepCase):
@@ -99,10 +100,28 @@ class Interrupted(SweepCase):
                 status, _, errors = end_quietly(process)
                 self.assertLess(time.monotonic() - began, 10)
                 self.assertEqual(status, 128 + number)
-                self.assertEqual(errors, "lodestone: interrupted; finished runs were kept, --resume continues\n")
+                self.assertEqual(errors, INTERRUPTED)
                 self.check_clean(output)
                 self.assertEqual(len(list(self.folder.glob(f"{output}/runs/*/rows.0.jsonl"))), 2)
                 self.assertEqual(list(self.folder.glob(f"{output}/runs/*/fault.*")), [])
+
+    def test_while_children_start(self):
+        """A child that has yet to become itself says nothing in the sweep's place."""
+        chance = random.Random(21)
+        self.write("sweep.toml", HEAD + section("x = { from = 1, to = 500, count = 500 }"))
+        for i in range(10):
+            output = f"out{i}"
+            process = start("sweep.toml", "-o", output, "--quiet", "--jobs", 8, cwd=self.folder)
+            end = time.monotonic() + 30
+            while not list(self.folder.glob(f"{output}/runs/*/rows.0.jsonl")):
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.005)
+            time.sleep(chance.uniform(0, 0.2))
+            os.killpg(process.pid, signal.SIGINT)
+            status, _, errors = end_quietly(process)
+            self.assertEqual((status, errors), (128 + signal.SIGINT, INTERRUPTED))
+            self.check_clean(output)
+            self.assertEqual(list(self.folder.glob(f"{output}/runs/*/fault.*")), [])
 
 
 class Shared(SweepCase):
