@@ -1,5 +1,7 @@
 // Experiment `flight`: what a morphing hierarchy draws along a camera path, or from viewpoints that are hard on it:
 // what that costs, whether it cracks, how far it pops.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -67,6 +69,16 @@ std::vector<ColumnInfo> columns() {
   return list;
 }
 
+// kappa0 as a multiple of the least admissible one, which models of one or two levels do not have.
+double kappa0_of(double ratio, const Hierarchy& hierarchy, const RadiiConfig& config) {
+  const double border = reach(hierarchy, config.metric) + 3 * double{config.delta};
+  if (border <= 0)
+    throw InputError(fmt::format(
+        "kappa0_over_rho: any kappa0 is admissible for {} levels, there is no border; give kappa0, or smaller cells",
+        hierarchy.levels.size()));
+  return ratio * border;
+}
+
 RadiiConfig radii_config(const Parameters& parameters, const Hierarchy& hierarchy) {
   RadiiConfig config;
   config.rule = parameters.text("radii") == "uniform" ? RadiiRule::uniform : RadiiRule::per_level;
@@ -76,8 +88,7 @@ RadiiConfig radii_config(const Parameters& parameters, const Hierarchy& hierarch
   config.pixel_error = static_cast<float>(parameters.number("pixel_error"));
   const double kappa0 = parameters.number("kappa0"), ratio = parameters.number("kappa0_over_rho");
   if (kappa0 > 0) config.kappa0 = static_cast<float>(kappa0);
-  if (ratio > 0)
-    config.kappa0 = static_cast<float>(ratio * (reach(hierarchy, config.metric) + 3 * double{config.delta}));
+  if (ratio > 0) config.kappa0 = static_cast<float>(kappa0_of(ratio, hierarchy, config));
   return config;
 }
 

@@ -50,13 +50,12 @@ class Checker {
     }
   }
 
-  // At the last of the parameters that the setting gives.
+  // At the last of the parameters that the setting gives; at the sweep where it gives none.
   [[noreturn]] void fail(std::size_t i, const std::vector<std::string>& names, const std::string& what) const {
     const toml::node* at = design_.list ? design_.list->get(i) : nullptr;
     for (const std::string& name : names)
       if (const toml::node* node = place_of(i, name)) at = node;
-    if (!at) at = design_.values.begin()->second;
-    table_.fail_at(at->source(), what);
+    table_.fail_at(at ? at->source() : table_.source(), what);
   }
 
   [[nodiscard]] const toml::node* place_of(std::size_t i, const std::string& name) const {

@@ -27,6 +27,7 @@ class TomlTable {
 
   [[nodiscard]] bool has(std::string_view key) const { return table_.contains(key); }
   [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] const toml::source_region& source() const { return table_.source(); }
 
   // Leaves `to` as it is where the key is not there.
   void number(const char* key, double& to, double least, double largest) {

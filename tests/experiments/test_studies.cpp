@@ -342,6 +342,15 @@ TEST_F(Studies, MissingInputIsAnError) {
         << experiment.name;
 }
 
+TEST_F(Studies, MultiplesOfABorderNeedOne) {
+  try {
+    (void)rows_of("flight", {{"kappa0_over_rho", 1.05}, {"cell_triangles", 1000000}});
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("give kappa0, or smaller cells"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(Studies, CancellationEndsARun) {
   const CancelFlag cancelled = true;
   RunContext context;
