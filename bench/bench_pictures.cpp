@@ -39,7 +39,7 @@ struct Subject {
     }
   }
   [[nodiscard]] ErrorFrame frame(int i) const {
-    return {&error[i], &full[i].image, full[i].models.front().view_projection};
+    return {{&error[i]}, &full[i].image, full[i].models.front().view_projection};
   }
 
   ImageSize size{1280, 720};

@@ -19,7 +19,8 @@ struct FlipConfig {
 
 // 0: the same; 1: as different as the published normalisation knows, pure green against pure blue. Black against white
 // is 0.967. Colours are sRGB. Throws InputError for pictures of different sizes or pixels_per_degree out of (0, 1000].
-// The same bytes for any number of workers. O(pixels x pixels_per_degree); 28 bytes a pixel.
+// The same bytes for any number of workers. O(pixels x pixels_per_degree), where the pictures differ nearby (by row,
+// between the first and the last difference); 28 bytes a pixel.
 [[nodiscard]] ErrorMap flip_error(const Image& reference, const Image& test, Scheduler& scheduler,
                                   const FlipConfig& config = {});
 

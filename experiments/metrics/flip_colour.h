@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace lodestone::flip {
 
@@ -52,9 +54,23 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
                {x * static_cast<float>(white[0]), y * static_cast<float>(white[1]), z * static_cast<float>(white[2])});
 }
 
+// Of a number in (0, 10], within 2 units in the last place, without a call or a branch: loops over pixels become
+// vectors. A third of the exponent is a guess within 4 %, of which two steps of Halley leave nothing.
+[[nodiscard]] inline float cube_root(float t) {
+  float y = std::bit_cast<float>(std::bit_cast<std::uint32_t>(t) / 3 + 0x2a5137a0u);
+  for (int step = 0; step < 2; ++step) {
+    const float cube = y * y * y;
+    y = y * (cube + 2 * t) / (2 * cube + t);
+  }
+  return y;
+}
+
 [[nodiscard]] inline Colour lab_of_linear(Colour rgb) {
-  constexpr float delta = 6.0f / 29;
-  const auto f = [](float t) { return t > delta * delta * delta ? std::cbrt(t) : t / (3 * delta * delta) + 4.0f / 29; };
+  constexpr float delta = 6.0f / 29, least = delta * delta * delta;
+  const auto f = [](float t) {
+    const float root = cube_root(t > least ? t : least);
+    return t > least ? root : t / (3 * delta * delta) + 4.0f / 29;
+  };
   const Colour xyz = times(xyz_of_rgb, rgb);
   const float x = f(xyz[0] / static_cast<float>(white[0])), y = f(xyz[1] / static_cast<float>(white[1])),
               z = f(xyz[2] / static_cast<float>(white[2]));

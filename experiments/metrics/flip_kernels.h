@@ -7,6 +7,7 @@
 // factor.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -30,6 +31,14 @@ struct WeightedKernel {
 struct Kernels {
   std::array<std::vector<WeightedKernel>, 3> sensitivity;  // of luminance, red-green, blue-yellow
   Kernel smooth, edge, point;                              // Gaussian, its first and second derivative
+
+  // Pixels that the widest of them reaches.
+  [[nodiscard]] std::size_t radius() const {
+    int widest = std::max({smooth.radius(), edge.radius(), point.radius()});
+    for (const std::vector<WeightedKernel>& parts : sensitivity)
+      for (const WeightedKernel& part : parts) widest = std::max(widest, part.kernel.radius());
+    return static_cast<std::size_t>(widest);
+  }
 };
 
 // a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees: published for the three channels.

@@ -1,6 +1,7 @@
 #include "experiments/metrics/image_pops.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <iterator>
@@ -23,10 +24,13 @@ std::size_t pixel_count(ImageSize size) {
 }
 
 void check(const ErrorFrame& before, const ErrorFrame& now, const ImagePopConfig& config) {
-  const ImageSize size = now.error->size;
+  const ImageSize size = now.full->size;
+  if (now.errors.empty() || now.errors.size() != before.errors.size())
+    throw InputError("pops need error maps, as many of one frame as of the other");
   for (const ErrorFrame* frame : {&before, &now}) {
-    if (frame->error->size != size || frame->full->size != size || frame->error->value.size() != pixel_count(size))
-      throw InputError("pops need two error maps and two pictures of one size");
+    for (const ErrorMap* error : frame->errors)
+      if (error->size != size || frame->full->size != size || error->value.size() != pixel_count(size))
+        throw InputError("pops need error maps and two pictures of one size");
     if (frame->full->depth.size() != pixel_count(size))
       throw InputError("pops need pictures of the full model with depth");
   }
@@ -87,63 +91,71 @@ class Reprojection {
   Eye eye_;
 };
 
-// The error map of the frame before, with what each of its pixels sees.
-class PastErrors {
+// Pixels of the frame before that see one point, and what each counts.
+struct Predecessors {
+  std::array<std::size_t, 4> pixel{};
+  std::array<double, 4> weight{};
+  std::size_t count = 0;
+  double weights = 0;
+
+  void add(std::size_t at, double w) {
+    pixel[count] = at, weight[count] = w;
+    ++count;
+    weights += w;
+  }
+  [[nodiscard]] float interpolate(const std::vector<float>& values) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < count; ++k) sum += weight[k] * values[pixel[k]];
+    return static_cast<float>(sum / weights);
+  }
+};
+
+// What the pixels of the frame before see.
+class PastView {
  public:
-  PastErrors(const ErrorFrame& frame, double tolerance)
-      : size_(frame.error->size), error_(frame.error->value), depth_(frame.full->depth), tolerance_(tolerance) {
+  PastView(const ErrorFrame& frame, double tolerance)
+      : size_(frame.full->size), depth_(frame.full->depth), tolerance_(tolerance) {
     // Of the point at window depth d, 1 / w = ((row of w) of the inverse) . (x, y, z, 1), which is linear in z alone
     // for a perspective or parallel projection.
     const glm::dmat4 inverse = inverse_of(frame.view_projection);
     near_ = inverse[2][3], far_ = inverse[3][3];
   }
 
-  // The values that the error at a place may have had.
-  struct Range {
-    float low = 0, high = 0;
-    [[nodiscard]] float distance(float v) const { return std::max({low - v, v - high, 0.0f}); }
-  };
-  [[nodiscard]] std::optional<Range> at(const Origin& origin, int neighbourhood) const {
-    if (!(origin.x > -0.5 && origin.y > -0.5 && origin.x < size_.width + 0.5 && origin.y < size_.height + 0.5))
-      return std::nullopt;
-    return neighbourhood == 0 ? interpolated(origin) : range_around(origin, neighbourhood);
+  // Around the place, of those that see the same depth. None: no predecessor.
+  [[nodiscard]] Predecessors around(const Origin& origin) const {
+    Predecessors found;
+    if (!in_picture(origin)) return found;
+    const double x = origin.x - 0.5, y = origin.y - 0.5;
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    for (int k = 0; k < 4; ++k) {
+      const int px = x0 + (k & 1), py = y0 + (k >> 1);
+      const double weight = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
+      if (weight > 0 && sees(px, py, origin.w)) found.add(index(px, py), weight);
+    }
+    if (!(found.weights > least_weight)) found.count = 0;
+    return found;
+  }
+
+  // Calls use(pixel) for those within `reach` of the one that the place lies in.
+  template <class Use>
+  void within(const Origin& origin, int reach, const Use& use) const {
+    if (!in_picture(origin)) return;
+    const int x = static_cast<int>(std::floor(origin.x)), y = static_cast<int>(std::floor(origin.y));
+    for (int py = y - reach; py <= y + reach; ++py)
+      for (int px = x - reach; px <= x + reach; ++px)
+        if (sees(px, py, origin.w)) use(index(px, py));
   }
 
  private:
   static constexpr double least_weight = 1e-3;
+  [[nodiscard]] bool in_picture(const Origin& origin) const {
+    return origin.x > -0.5 && origin.y > -0.5 && origin.x < size_.width + 0.5 && origin.y < size_.height + 0.5;
+  }
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
   }
   [[nodiscard]] bool sees(int x, int y, double w) const {
     return x >= 0 && y >= 0 && x < size_.width && y < size_.height && same_surface(depth_[index(x, y)], w);
-  }
-  // Between the pixels around the place that see the same depth.
-  [[nodiscard]] std::optional<Range> interpolated(const Origin& origin) const {
-    const double x = origin.x - 0.5, y = origin.y - 0.5;
-    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-    double sum = 0, weights = 0;
-    for (int k = 0; k < 4; ++k) {
-      const int px = x0 + (k & 1), py = y0 + (k >> 1);
-      const double weight = (1 - std::abs(x - px)) * (1 - std::abs(y - py));
-      if (!(weight > 0) || !sees(px, py, origin.w)) continue;
-      sum += weight * error_[index(px, py)];
-      weights += weight;
-    }
-    if (!(weights > least_weight)) return std::nullopt;
-    const auto value = static_cast<float>(sum / weights);
-    return Range{value, value};
-  }
-  // Of the pixels within `reach` of the one that the place lies in.
-  [[nodiscard]] std::optional<Range> range_around(const Origin& origin, int reach) const {
-    const int x = static_cast<int>(std::floor(origin.x)), y = static_cast<int>(std::floor(origin.y));
-    std::optional<Range> range;
-    for (int py = y - reach; py <= y + reach; ++py)
-      for (int px = x - reach; px <= x + reach; ++px) {
-        if (!sees(px, py, origin.w)) continue;
-        const float e = error_[index(px, py)];
-        range = range ? Range{std::min(range->low, e), std::max(range->high, e)} : Range{e, e};
-      }
-    return range;
   }
   [[nodiscard]] bool same_surface(float depth, double w) const {
     if (!(depth < 1)) return std::isinf(w);
@@ -153,45 +165,82 @@ class PastErrors {
   }
 
   ImageSize size_;
-  const std::vector<float>&error_, &depth_;
+  const std::vector<float>& depth_;
   double tolerance_, near_ = 0, far_ = 1;
 };
 
-}  // namespace
+// The pops of one pixel by all of the maps. Where it was is found once: that takes most of the time.
+class PixelPops {
+ public:
+  PixelPops(const ErrorFrame& before, const ErrorFrame& now, const ImagePopConfig& config)
+      : before_(before), now_(now), past_(before, config.depth_tolerance), neighbourhood_(config.neighbourhood) {}
 
-std::vector<float> pop_map(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
-                           const ImagePopConfig& config) {
-  check(before, now, config);
-  const Reprojection reprojection(before, now);
-  const PastErrors past(before, config.depth_tolerance);
-  const ImageSize size = now.error->size;
-  std::vector<float> map(pixel_count(size), no_predecessor);
-  scheduler.for_chunks(static_cast<std::size_t>(size.height), rows_per_chunk, [&](ChunkRange rows) {
-    std::size_t i = rows.begin * static_cast<std::size_t>(size.width);
-    for (std::size_t y = rows.begin; y < rows.end; ++y)
-      for (int x = 0; x < size.width; ++x, ++i) {
-        const auto origin = reprojection.origin(x, static_cast<int>(y));
-        if (!origin) continue;
-        if (const auto range = past.at(*origin, config.neighbourhood)) map[i] = range->distance(now.error->value[i]);
-      }
-  });
-  return map;
-}
+  void measure(std::size_t pixel, const Origin& origin, std::vector<std::vector<float>>& maps) const {
+    if (neighbourhood_ > 0) return measure_range(pixel, origin, maps);
+    const Predecessors found = past_.around(origin);
+    if (found.count == 0) return;
+    for (std::size_t m = 0; m < maps.size(); ++m)
+      maps[m][pixel] = std::abs(now_.errors[m]->value[pixel] - found.interpolate(before_.errors[m]->value));
+  }
 
-ImagePops image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
-                     const ImagePopConfig& config) {
-  const std::vector<float> map = pop_map(before, now, scheduler, config);
+ private:
+  // How far the error lies outside of those that a neighbour had.
+  void measure_range(std::size_t pixel, const Origin& origin, std::vector<std::vector<float>>& maps) const {
+    for (std::size_t m = 0; m < maps.size(); ++m) {
+      float low = std::numeric_limits<float>::infinity(), high = -low;
+      past_.within(origin, neighbourhood_, [&](std::size_t there) {
+        const float e = before_.errors[m]->value[there];
+        low = std::min(low, e), high = std::max(high, e);
+      });
+      const float e = now_.errors[m]->value[pixel];
+      if (low <= high) maps[m][pixel] = std::max({low - e, e - high, 0.0f});
+    }
+  }
+
+  const ErrorFrame &before_, &now_;
+  PastView past_;
+  int neighbourhood_;
+};
+
+ImagePops pops_of(const std::vector<float>& map, ImageSize size, double threshold) {
   std::vector<float> followed;
+  followed.reserve(map.size());
   std::copy_if(map.begin(), map.end(), std::back_inserter(followed), [](float v) { return v >= 0; });
-  const ErrorSummary summary = summarise(followed, config.threshold);
+  const ErrorSummary summary = summarise(followed, threshold);
   ImagePops pops;
   pops.p50 = summary.p50, pops.p99 = summary.p99, pops.max = summary.max, pops.mean = summary.mean;
   pops.changed_share = summary.share_above;
   pops.changed = static_cast<std::uint64_t>(
-      std::count_if(followed.begin(), followed.end(), [&](float v) { return v > config.threshold; }));
-  pops.largest_changed = largest_connected_area(map, now.error->size, config.threshold);
+      std::count_if(followed.begin(), followed.end(), [&](float v) { return v > threshold; }));
+  pops.largest_changed = largest_connected_area(map, size, threshold);
   pops.pixels = followed.size();
   pops.without_predecessor = map.size() - followed.size();
+  return pops;
+}
+
+}  // namespace
+
+std::vector<std::vector<float>> pop_maps(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
+                                         const ImagePopConfig& config) {
+  check(before, now, config);
+  const Reprojection reprojection(before, now);
+  const PixelPops pops(before, now, config);
+  const ImageSize size = now.full->size;
+  std::vector<std::vector<float>> maps(now.errors.size(), std::vector<float>(pixel_count(size), no_predecessor));
+  scheduler.for_chunks(static_cast<std::size_t>(size.height), rows_per_chunk, [&](ChunkRange rows) {
+    std::size_t pixel = rows.begin * static_cast<std::size_t>(size.width);
+    for (std::size_t y = rows.begin; y < rows.end; ++y)
+      for (int x = 0; x < size.width; ++x, ++pixel)
+        if (const auto origin = reprojection.origin(x, static_cast<int>(y))) pops.measure(pixel, *origin, maps);
+  });
+  return maps;
+}
+
+std::vector<ImagePops> image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
+                                  const ImagePopConfig& config) {
+  std::vector<ImagePops> pops;
+  for (const std::vector<float>& map : pop_maps(before, now, scheduler, config))
+    pops.push_back(pops_of(map, now.full->size, config.threshold));
   return pops;
 }
 

@@ -11,6 +11,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <vector>
 
 #include "experiments/metrics/error_map.h"
 #include "parallel/scheduler.h"
@@ -18,10 +20,11 @@
 
 namespace lodestone {
 
-// One frame: its error map, and the picture of the full model by the same camera, with depth. What is drawn does not
-// move between two frames, so that the matrix may be that of any one of its models, the same in both.
+// One frame: its error maps (by different measures, the same ones in both frames), and the picture of the full model by
+// the same camera, with depth. What is drawn does not move between two frames, so that the matrix may be that of any
+// one of its models, the same in both.
 struct ErrorFrame {
-  const ErrorMap* error = nullptr;
+  std::vector<const ErrorMap*> errors;
   const Image* full = nullptr;
   ViewProjection view_projection;
 };
@@ -44,14 +47,15 @@ struct ImagePops {
   std::uint64_t without_predecessor = 0;
 };
 
-// By pixel of frame `now`; -1 where there is no predecessor.
-[[nodiscard]] std::vector<float> pop_map(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
-                                         const ImagePopConfig& config = {});
+// For each error map by pixel of frame `now`; -1 where there is no predecessor.
+[[nodiscard]] std::vector<std::vector<float>> pop_maps(const ErrorFrame& before, const ErrorFrame& now,
+                                                       Scheduler& scheduler, const ImagePopConfig& config = {});
 
-// Throws InputError when a picture has no depth, when the four sizes are not the same, when a matrix cannot be
-// inverted, or when the configuration is out of range. The same bytes for any number of workers.
-[[nodiscard]] ImagePops image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
-                                   const ImagePopConfig& config = {});
+// For each error map. Throws InputError when there is none or not the same number, when a picture has no depth, when
+// sizes are not the same, when a matrix cannot be inverted, or when the configuration is out of range. The same bytes
+// for any number of workers.
+[[nodiscard]] std::vector<ImagePops> image_pops(const ErrorFrame& before, const ErrorFrame& now, Scheduler& scheduler,
+                                                const ImagePopConfig& config = {});
 
 // Size of the largest set of pixels above the threshold that hang together by sides or corners.
 [[nodiscard]] std::uint64_t largest_connected_area(std::span<const float> values, ImageSize size, double threshold);

@@ -1,10 +1,12 @@
 #include "experiments/metrics/ssim.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
 #include "core/base/error.h"
+#include "experiments/metrics/differing_columns.h"
 #include "experiments/metrics/error_map.h"
 
 namespace lodestone {
@@ -34,23 +36,29 @@ double luma(const Image& image, std::size_t pixel) {
   return 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
 }
 
-// Weighted over columns: entry x is centred on column x + window / 2.
-void average_row(const Image& a, const Image& b, int y, const std::array<double, window>& weights, Row& from,
-                 Row& out) {
-  const auto width = static_cast<std::size_t>(a.size.width), places = width - window + 1;
+// Weighted over columns, for some places of the window: entry x is that of columns x .. x + window - 1.
+void average_row(const Image& a, const Image& b, std::size_t y, Columns places,
+                 const std::array<double, window>& weights, Row& from, Row& out) {
+  const auto width = static_cast<std::size_t>(a.size.width);
   for (std::size_t m = 0; m < moments; ++m) {
     from[m].resize(width);
-    out[m].assign(places, 0);
+    out[m].assign(width, 0);
   }
-  for (std::size_t x = 0; x < width; ++x) {
-    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
+  for (std::size_t x = places.begin; x < places.end + window - 1; ++x) {
+    const std::size_t pixel = y * width + x;
     const double u = luma(a, pixel), v = luma(b, pixel);
     from[of_a][x] = u, from[of_b][x] = v;
     from[of_aa][x] = u * u, from[of_bb][x] = v * v, from[of_ab][x] = u * v;
   }
   for (std::size_t m = 0; m < moments; ++m)
     for (std::size_t k = 0; k < window; ++k)
-      for (std::size_t x = 0; x < places; ++x) out[m][x] += weights[k] * from[m][x + k];
+      for (std::size_t x = places.begin; x < places.end; ++x) out[m][x] += weights[k] * from[m][x + k];
+}
+
+// Places of the window that see a difference of the columns. `count`: of a row.
+Columns places_over(Columns columns, std::size_t count) {
+  if (columns.size() == 0) return {};
+  return {columns.begin >= window ? columns.begin - window + 1 : 0, std::min(columns.end, count)};
 }
 
 double index_of(double mean_a, double mean_b, double aa, double bb, double ab) {
@@ -69,6 +77,8 @@ double ssim(const Image& a, const Image& b, Scheduler& scheduler) {
   const auto height = static_cast<std::size_t>(a.size.height);
   const std::size_t places = static_cast<std::size_t>(a.size.width) - window + 1, rows = height - window + 1;
 
+  const DifferingColumns differing(a, b);
+
   std::vector<double> sums(chunk_count(rows, rows_per_chunk), 0);
   scheduler.for_chunks(rows, rows_per_chunk, [&](ChunkRange chunk) {
     // The last `window` rows, averaged over columns, row y at y mod window.
@@ -76,17 +86,20 @@ double ssim(const Image& a, const Image& b, Scheduler& scheduler) {
     Row scratch;
     std::array<std::vector<double>, moments> total;
     for (std::size_t y = chunk.begin; y < chunk.end + window - 1; ++y) {
-      average_row(a, b, static_cast<int>(y), weights, scratch, averaged[y % window]);
+      average_row(a, b, y, places_over(differing.near(y, window - 1, 0), places), weights, scratch,
+                  averaged[y % window]);
       if (y + 1 < chunk.begin + window) continue;
       const std::size_t top = y + 1 - window;
+      const Columns over = places_over(differing.near(top + window / 2, window / 2, 0), places);
       for (std::size_t m = 0; m < moments; ++m) {
         total[m].assign(places, 0);
         for (std::size_t k = 0; k < window; ++k) {
           const std::vector<double>& row = averaged[(top + k) % window][m];
-          for (std::size_t x = 0; x < places; ++x) total[m][x] += weights[k] * row[x];
+          for (std::size_t x = over.begin; x < over.end; ++x) total[m][x] += weights[k] * row[x];
         }
       }
-      for (std::size_t x = 0; x < places; ++x)
+      sums[chunk.index] += static_cast<double>(places - over.size());  // the index of equal windows is 1
+      for (std::size_t x = over.begin; x < over.end; ++x)
         sums[chunk.index] +=
             index_of(total[of_a][x], total[of_b][x], total[of_aa][x], total[of_bb][x], total[of_ab][x]);
     }

@@ -74,12 +74,11 @@ PictureSample PictureMeasures::measure(const Image& picture, Image full, const V
   sample.quality = image_quality(now.full, picture, scheduler_, config);
   sample.quality.flip = summarise(now.flip.value);
   if (follows && previous_) {
-    const auto pops = [&](ErrorMap Frame::*map) {
-      return image_pops({&((*previous_).*map), &previous_->full, previous_->view_projection},
-                        {&(now.*map), &now.full, now.view_projection}, scheduler_);
+    const auto errors = [](const Frame& frame) {
+      return ErrorFrame{{&frame.absolute, &frame.flip}, &frame.full, frame.view_projection};
     };
-    sample.pops = pops(&Frame::absolute);
-    sample.flip_pops = pops(&Frame::flip);
+    const std::vector<ImagePops> pops = image_pops(errors(*previous_), errors(now), scheduler_);
+    sample.pops = pops[0], sample.flip_pops = pops[1];
   }
   previous_ = std::move(now);
   return sample;

@@ -69,12 +69,15 @@ class Flight {
   }
 
   void measure_pops(const Past& past, const PictureErrors& errors, const SystemPicture& full, SystemRow& row) {
-    const auto pops = [&](const ErrorMap& before, const ErrorMap& now) {
-      return image_pops({&before, &full_before_.image, full_before_.models.front().view_projection},
-                        {&now, &full.image, full.models.front().view_projection}, scheduler_, config_.pops);
+    const auto frame = [&](const ErrorMap& absolute, const ErrorMap& flip, const SystemPicture& picture) {
+      ErrorFrame made{{&absolute}, &picture.image, picture.models.front().view_projection};
+      if (config_.quality.with_flip) made.errors.push_back(&flip);
+      return made;
     };
-    row.pops = pops(past.absolute, errors.absolute);
-    if (config_.quality.with_flip) row.flip_pops = pops(past.flip, errors.flip);
+    const std::vector<ImagePops> pops = image_pops(frame(past.absolute, past.flip, full_before_),
+                                                   frame(errors.absolute, errors.flip, full), scheduler_, config_.pops);
+    row.pops = pops.front();
+    if (config_.quality.with_flip) row.flip_pops = pops.back();
   }
 
   void measure_geometry(const SystemPicture& drawn, const Image& full, const Past& past, SystemRow& row) {

@@ -61,7 +61,7 @@ struct Shot {
   Image full{size, {}, {}};
   ViewProjection projection;
   ErrorMap error{size, {}};
-  [[nodiscard]] ErrorFrame frame() const { return {&error, &full, projection}; }
+  [[nodiscard]] ErrorFrame frame() const { return {{&error}, &full, projection}; }
 };
 
 using ErrorAt = std::function<double(int, int)>;
@@ -122,7 +122,11 @@ std::vector<double> naive_pops(const std::vector<Wall>& walls, const Shot& befor
 }
 
 std::vector<float> measured(const Shot& before, const Shot& now, const ImagePopConfig& config = {}) {
-  return pop_map(before.frame(), now.frame(), *make_serial_scheduler(), config);
+  return pop_maps(before.frame(), now.frame(), *make_serial_scheduler(), config).front();
+}
+
+ImagePops pops_of(const Shot& before, const Shot& now, const ImagePopConfig& config = {}) {
+  return image_pops(before.frame(), now.frame(), *make_serial_scheduler(), config).front();
 }
 
 double wave(double x, double y) { return 0.5 + 0.3 * std::sin(0.4 * x) * std::cos(0.3 * y); }
@@ -135,7 +139,7 @@ TEST(ImagePops, ErrorsThatGoWithTheSurfaceAreNone) {
   for (const int shift : {0, 1, 5, -7}) {
     const Shot before = shoot(wall, {{0, 0, 2}}, wave);
     const Shot now = shoot(wall, {{shift * pixel(), 0, 2}}, [&](int x, int y) { return wave(x + shift, y); });
-    const ImagePops pops = image_pops(before.frame(), now.frame(), *make_serial_scheduler());
+    const ImagePops pops = pops_of(before, now);
     EXPECT_LT(pops.max, 1e-4) << shift;
     EXPECT_EQ(pops.changed, 0u);
     EXPECT_EQ(pops.largest_changed, 0u);
@@ -148,7 +152,7 @@ TEST(ImagePops, ErrorsThatGoWithTheSurfaceAreNone) {
 TEST(ImagePops, ErrorsThatStayInThePictureAre) {
   const std::vector<Wall> wall{{}};
   const Shot before = shoot(wall, {{0, 0, 2}}, wave), now = shoot(wall, {{5 * pixel(), 0, 2}}, wave);
-  const ImagePops pops = image_pops(before.frame(), now.frame(), *make_serial_scheduler());
+  const ImagePops pops = pops_of(before, now);
   EXPECT_GT(pops.p50, 0.05);
   EXPECT_GT(pops.changed_share, 0.5);
 }
@@ -161,7 +165,7 @@ TEST(ImagePops, CountsWhatChanges) {
   const Shot now = shoot(wall, {{0, 0, 2}}, [&](int x, int y) {
     return block(x, y) ? 0.75 : single(x, y) ? 0.0 : 0.25 + 0.01;  // below the threshold
   });
-  const ImagePops pops = image_pops(before.frame(), now.frame(), *make_serial_scheduler());
+  const ImagePops pops = pops_of(before, now);
   EXPECT_EQ(pops.changed, 22u);
   EXPECT_EQ(pops.largest_changed, 20u);
   EXPECT_NEAR(pops.max, 0.5, 1e-5);
@@ -170,7 +174,7 @@ TEST(ImagePops, CountsWhatChanges) {
   EXPECT_NEAR(pops.changed_share, 22.0 / (size.width * size.height), 1e-9);
   EXPECT_NEAR(pops.mean, (20 * 0.5 + 2 * 0.25 + (size.width * size.height - 22) * 0.01) / (size.width * size.height),
               1e-5);
-  EXPECT_EQ(image_pops(before.frame(), now.frame(), *make_serial_scheduler(), {.threshold = 0.3}).changed, 20u);
+  EXPECT_EQ(pops_of(before, now, {.threshold = 0.3}).changed, 20u);
 }
 
 // Cameras that move, turn and come nearer, walls before walls and before the sky.
@@ -211,10 +215,9 @@ TEST(ImagePops, ANeighbourhoodForgivesNoise) {
   const Shot before = shoot(wall, {{0, 0, 2}}, at);
   const Shot now =
       shoot(wall, {{0.5 * pixel(), 0, 2}}, [&](int x, int y) { return x == 30 && y > 10 && y < 14 ? 0.7 : at(x, y); });
-  const auto scheduler = make_serial_scheduler();
-  const ImagePops exact = image_pops(before.frame(), now.frame(), *scheduler);
+  const ImagePops exact = pops_of(before, now);
   EXPECT_GT(exact.changed, 300u);
-  const ImagePops near = image_pops(before.frame(), now.frame(), *scheduler, {.neighbourhood = 1});
+  const ImagePops near = pops_of(before, now, {.neighbourhood = 1});
   EXPECT_EQ(near.changed, 3u);
   EXPECT_EQ(near.largest_changed, 3u);
   EXPECT_EQ(near.p99, 0);
@@ -236,7 +239,7 @@ TEST(ImagePops, WhatWasHiddenHasNoPredecessor) {
     return [&walls, eye](int x, int y) { return depth_at(walls, eye, ray(eye, x + 0.5, y + 0.5)) < 2 ? 0.9 : 0.1; };
   };
   const Shot before = shoot(walls, a, error_of(a)), now = shoot(walls, b, error_of(b));
-  const ImagePops pops = image_pops(before.frame(), now.frame(), *make_serial_scheduler());
+  const ImagePops pops = pops_of(before, now);
   EXPECT_LT(pops.max, 1e-5);
   EXPECT_GT(pops.without_predecessor, 48u);
 }
@@ -253,7 +256,7 @@ TEST(ImagePops, TheSkyTurnsWithTheCamera) {
     };
   };
   const Shot before = shoot({}, a, sky(a)), now = shoot({}, b, sky(b));
-  const ImagePops pops = image_pops(before.frame(), now.frame(), *make_serial_scheduler());
+  const ImagePops pops = pops_of(before, now);
   EXPECT_LT(pops.p50, 1e-4);
   EXPECT_LT(pops.max, 0.003);  // half a pixel's worth, where neighbours are outside of the picture; unturned: 0.03
   EXPECT_GT(pops.without_predecessor, 48u);
@@ -300,14 +303,35 @@ TEST(ImagePops, AreTheSameForAnyNumberOfWorkers) {
   const Shot before = shoot(walls, {{0, 0, 2}}, wave), now = shoot(walls, {{0.13, 0.05, 1.9}}, wave);
   const std::vector<float> serial = measured(before, now);
   for (const int threads : {2, 5})
-    EXPECT_EQ(pop_map(before.frame(), now.frame(), *make_tbb_scheduler(threads)), serial);
+    EXPECT_EQ(pop_maps(before.frame(), now.frame(), *make_tbb_scheduler(threads)).front(), serial);
+}
+
+TEST(ImagePops, OfSeveralErrorsAreThoseOfEach) {
+  const std::vector<Wall> walls{{-1, -2, 0.7}, {0.3, -0.4, 0.2}};
+  const Shot before = shoot(walls, {{0, 0, 2}}, wave), now = shoot(walls, {{0.13, 0.05, 1.9}}, wave);
+  Shot others_before = before, others_now = now;
+  for (Shot* shot : {&others_before, &others_now})
+    for (float& e : shot->error.value) e = 0.3f * (1 - e) * e;
+  ErrorFrame both_before = before.frame(), both_now = now.frame();
+  both_before.errors.push_back(&others_before.error), both_now.errors.push_back(&others_now.error);
+  for (const int neighbourhood : {0, 2}) {
+    const ImagePopConfig config{.neighbourhood = neighbourhood};
+    const auto both = pop_maps(both_before, both_now, *make_serial_scheduler(), config);
+    ASSERT_EQ(both.size(), 2u);
+    EXPECT_EQ(both[0], measured(before, now, config));
+    EXPECT_EQ(both[1], measured(others_before, others_now, config));
+  }
+  both_now.errors.pop_back();
+  EXPECT_THROW((void)pop_maps(both_before, both_now, *make_serial_scheduler()), InputError);
+  both_before.errors.clear(), both_now.errors.clear();
+  EXPECT_THROW((void)pop_maps(both_before, both_now, *make_serial_scheduler()), InputError);
 }
 
 TEST(ImagePops, RefuseWhatTheyCannotCompare) {
   const std::vector<Wall> wall{{}};
   const Shot good = shoot(wall, {{0, 0, 2}}, wave);
   const auto refused = [&](const Shot& before, const Shot& now, const ImagePopConfig& config = {}) {
-    EXPECT_THROW((void)image_pops(before.frame(), now.frame(), *make_serial_scheduler(), config), InputError);
+    EXPECT_THROW((void)pops_of(before, now, config), InputError);
   };
   Shot flat = good, small = good, singular = good;
   flat.full.depth.clear();
