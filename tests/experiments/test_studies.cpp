@@ -222,9 +222,6 @@ TEST_F(Studies, MillionsPerCoreSecondAreThoseOfBuilding) {
 }
 
 TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers need a multiple of the memory that is limited here";
-#endif
   const std::string large = (folder_ / "large.ply").string();
   generate_ply({Shape::sphere, 2'000'000, 1}, large, *make_serial_scheduler());
   const Experiment& experiment = find_experiment("table");
@@ -238,7 +235,11 @@ TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   EXPECT_GT(number(row, "scratch_bytes"), 0);
   for (const char* column : {"read_seconds", "spill_seconds", "write_seconds"}) EXPECT_GT(number(row, column), 0);
   EXPECT_LT(number(row, "spill_seconds"), number(row, "build_seconds"));
-  EXPECT_EQ(joined(experiment.verify(parameters, rows)), "");
+  std::vector<std::string> faults = experiment.verify(parameters, rows);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  std::erase(faults, "the build took more memory than the limit");  // sanitizers take a multiple of it for themselves
+#endif
+  EXPECT_EQ(joined(faults), "");
 }
 
 // Columns with needs: numbers in the settings that meet them, none in one that does not.
