@@ -59,7 +59,7 @@ TABLES = {
           ("residual edges", "open_edges")]),
     ],
     "systems": [
-        ("Systems on the same path", ("systems", "orbit"),
+        ("Systems on the same path", ("scans", "generated", "orbit"),
          [("data", "data"), ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"),
           ("residual edges", "open_edges"), ("cracked, %", "cracked_frames"), ("gap, pixels", "gap_pixels"),
           ("torn pixels", "torn_pixels"), ("jump, pixels", "jump_pixels"), ("jump / bound", "jump_over_bound"),

@@ -10,7 +10,6 @@
 
 #include "core/base/error.h"
 #include "core/mesh/disjoint_sets.h"
-#include "experiments/metrics/screen.h"
 #include "render/eye.h"
 
 namespace lodestone {
@@ -40,15 +39,28 @@ void check(const ErrorFrame& before, const ErrorFrame& now, const ImagePopConfig
     throw InputError("pops: the neighbourhood is 0 to 8 pixels");
 }
 
-glm::dmat4 inverse_of(const ViewProjection& vp) {
+glm::dmat4 matrix_of(const ViewProjection& vp) {
   glm::dmat4 m;
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column) m[column][row] = vp.m[static_cast<std::size_t>(4 * row + column)];
-  const glm::dmat4 inverse = glm::inverse(m);
+  return m;
+}
+
+glm::dmat4 inverse_of(const ViewProjection& vp) {
+  const glm::dmat4 inverse = glm::inverse(matrix_of(vp));
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row)
       if (!std::isfinite(inverse[column][row])) throw InputError("pops: a view projection that cannot be inverted");
   return inverse;
+}
+
+// From the window (x and y in pixels from the upper left corner, depth, 1) to clip coordinates.
+glm::dmat4 window_to_clip(ImageSize size) {
+  glm::dmat4 m(1);
+  m[0][0] = 2.0 / size.width, m[3][0] = -1;
+  m[1][1] = -2.0 / size.height, m[3][1] = 1;
+  m[2][2] = 2, m[3][2] = -1;
+  return m;
 }
 
 // Where a pixel's point was in the frame before: a place in its picture and the depth along the view; infinite for the
@@ -57,38 +69,43 @@ struct Origin {
   double x = 0, y = 0, w = 0;
 };
 
-// What the pixels of one frame were in the frame before.
+// What the pixels of one frame were in the frame before. One matrix leads from window to window, another one does for
+// the background: the way through space is in them.
 class Reprojection {
  public:
-  Reprojection(const ErrorFrame& before, const ErrorFrame& now)
-      : size_(now.full->size),
-        depth_(now.full->depth),
-        before_(before.view_projection, size_),
-        to_space_(inverse_of(now.view_projection)),
-        eye_(eye_of(now.view_projection)) {}
+  Reprojection(const ErrorFrame& before, const ErrorFrame& now) : size_(now.full->size), depth_(now.full->depth) {
+    const glm::dmat4 to_space = inverse_of(now.view_projection) * window_to_clip(size_);
+    const glm::dmat4 to_before = glm::inverse(window_to_clip(size_)) * matrix_of(before.view_projection);
+    point_ = to_before * to_space;
+    weight_ = glm::transpose(to_space)[3];
+    // The background is infinitely far away, in the direction from the eye: what both are divided by falls out of the
+    // difference of eye_.w * point and weight * eye.
+    const Eye eye = eye_of(now.view_projection);
+    eye_w_ = eye.w;
+    glm::dmat4 direction = eye_w_ * to_space - glm::outerProduct(glm::dvec4(eye.at.x, eye.at.y, eye.at.z, 0), weight_);
+    for (int column = 0; column < 4; ++column) direction[column][3] = 0;
+    background_ = to_before * direction;
+  }
 
   [[nodiscard]] std::optional<Origin> origin(int x, int y) const {
     const double depth =
         depth_[static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x)];
-    const glm::dvec4 at = to_space_ * glm::dvec4(2 * (x + 0.5) / size_.width - 1, 1 - 2 * (y + 0.5) / size_.height,
-                                                 2 * std::min(depth, 1.0) - 1, 1);
     const bool background = !(depth < 1);
-    // The background is infinitely far away, in the direction from the eye.
-    const Vec3d eye = to_double(eye_.at), numerator{at.x, at.y, at.z};
-    const Vec3d p = background ? (eye_.w * numerator - at.w * eye) : (1 / at.w) * numerator;
-    const double sign = background && at.w * eye_.w < 0 ? -1 : 1;
-    const auto clip = before_.to_clip(sign * p, background ? 0 : 1);
-    if (!(clip[3] > 0)) return std::nullopt;
-    return Origin{(1 + clip[0] / clip[3]) * 0.5 * size_.width, (1 - clip[1] / clip[3]) * 0.5 * size_.height,
-                  background ? std::numeric_limits<double>::infinity() : clip[3]};
+    const glm::dvec4 window(x + 0.5, y + 0.5, std::min(depth, 1.0), 1);
+    const double weight = glm::dot(weight_, window);
+    const glm::dvec4 at = (background ? background_ : point_) * window;
+    const bool turned = background ? weight * eye_w_ < 0 : weight < 0;
+    if (!((turned ? -at.w : at.w) > 0)) return std::nullopt;
+    const double by_w = 1 / at.w;
+    return Origin{at.x * by_w, at.y * by_w, background ? std::numeric_limits<double>::infinity() : at.w / weight};
   }
 
  private:
   ImageSize size_;
   const std::vector<float>& depth_;
-  Screen before_;
-  glm::dmat4 to_space_;
-  Eye eye_;
+  glm::dmat4 point_, background_;  // from the window to the window before, homogeneous with its depth along the view
+  glm::dvec4 weight_;              // what the point in space is to be divided by
+  double eye_w_ = 0;
 };
 
 // Pixels of the frame before that see one point, and what each counts.
@@ -160,8 +177,8 @@ class PastView {
   [[nodiscard]] bool same_surface(float depth, double w) const {
     if (!(depth < 1)) return std::isinf(w);
     if (std::isinf(w)) return false;
-    const double seen = 1 / (near_ * (2.0 * depth - 1) + far_);
-    return std::abs(seen - w) <= tolerance_ * w;
+    const double by_seen = near_ * (2.0 * depth - 1) + far_;  // one over the depth seen, which spares the division
+    return std::abs(1 - by_seen * w) <= tolerance_ * w * by_seen;
   }
 
   ImageSize size_;

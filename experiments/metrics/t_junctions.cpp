@@ -37,26 +37,36 @@ struct BorderEdge {
   std::array<std::uint32_t, 2> end{}, vertex{};
 };
 
-// Edges that the triangles do not run through equally often in both directions.
+// Edges that the triangles do not run through equally often in both directions, in ascending order. Those of one lower
+// end lie side by side; they are few.
 std::vector<BorderEdge> border_edges(std::span<const Triangle> triangles, const std::vector<std::uint32_t>& ids) {
   struct Half {
     BorderEdge edge;
     int sign = 1;
   };
-  std::vector<Half> halves;
-  halves.reserve(3 * triangles.size());
-  for (const Triangle& t : triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t.v[k], b = t.v[(k + 1) % 3];
-      if (ids[a] < ids[b]) halves.push_back({{{ids[a], ids[b]}, {a, b}}, 1});
-      if (ids[b] < ids[a]) halves.push_back({{{ids[b], ids[a]}, {b, a}}, -1});
-    }
-  std::sort(halves.begin(), halves.end(), [](const Half& a, const Half& b) { return a.edge.end < b.edge.end; });
+  const auto for_halves = [&](const auto& use) {
+    for (const Triangle& t : triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = t.v[k], b = t.v[(k + 1) % 3];
+        if (ids[a] < ids[b]) use(Half{{{ids[a], ids[b]}, {a, b}}, 1});
+        if (ids[b] < ids[a]) use(Half{{{ids[b], ids[a]}, {b, a}}, -1});
+      }
+  };
+  std::vector<std::size_t> first(ids.size() + 2, 0);  // by lower end; after placing, where the next one begins
+  for_halves([&](const Half& half) { ++first[half.edge.end[0] + 2]; });
+  for (std::size_t i = 2; i < first.size(); ++i) first[i] += first[i - 1];
+  std::vector<Half> halves(first.back());
+  for_halves([&](const Half& half) { halves[first[half.edge.end[0] + 1]++] = half; });
+
   std::vector<BorderEdge> border;
-  for (std::size_t begin = 0, end = 0; begin < halves.size(); begin = end) {
-    int net = 0;
-    while (end < halves.size() && halves[end].edge.end == halves[begin].edge.end) net += halves[end++].sign;
-    if (net != 0) border.push_back(halves[begin].edge);
+  for (std::size_t lower = 0; lower < ids.size(); ++lower) {
+    const std::span<Half> around(halves.data() + first[lower], halves.data() + first[lower + 1]);
+    std::ranges::sort(around, {}, [](const Half& half) { return half.edge.end[1]; });
+    for (std::size_t begin = 0, end = 0; begin < around.size(); begin = end) {
+      int net = 0;
+      while (end < around.size() && around[end].edge.end == around[begin].edge.end) net += around[end++].sign;
+      if (net != 0) border.push_back(around[begin].edge);
+    }
   }
   return border;
 }
