@@ -27,6 +27,7 @@ VARIABLES = {**{colour: f"var(--s{n})" for n, colour in enumerate(SERIES)},
              INK: "var(--ink)", GRID: "var(--line)", FAINT: "var(--faint)"}
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*"]
 DASHES = ["-", (0, (4, 1.6)), (0, (1.2, 1.4)), (0, (5, 1.4, 1.2, 1.4))]
+HATCHES = [None, "//////", "....", "xxxxx"]
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -88,7 +89,14 @@ def set_log(axis, set_scale, values, places=()):
 
 
 def style(n):
-    return {"color": SERIES[n % 8], "marker": MARKERS[n % 8], "linestyle": DASHES[n // 8 % 4]}
+    """From the ninth series on colours come again, with other marks and dashes."""
+    return {"color": SERIES[n % 8], "marker": MARKERS[(n + n // 8) % 8], "linestyle": DASHES[n // 8 % 4]}
+
+
+def fill(n):
+    """Of bars, which have neither: from the ninth on they are hatched."""
+    colour, hatch = SERIES[n % 8], HATCHES[n // 8 % 4]
+    return {"facecolor": "none" if hatch else colour, "edgecolor": colour, "hatch": hatch}
 
 
 def draw_points(axes, figure, series, n, name):
@@ -113,7 +121,7 @@ def draw_bars(axes, series, n, count, name):
     for k, p in enumerate(series["points"]):
         x = p["x"] - 0.4 + (n + 0.5) * width
         # The edge is there to be seen where the bar has no height.
-        axes.bar(x, p["y"], width * 0.92, color=SERIES[n % 8], edgecolor=SERIES[n % 8], linewidth=0.9,
+        axes.bar(x, p["y"], width * 0.92, **fill(n), linewidth=0.9,
                  label=series["name"] if k == 0 else None, gid=f"{name}-{k}")
         if p["y_most"] > p["y_least"]:
             axes.errorbar(x, p["y"], yerr=[[p["y"] - p["y_least"]], [p["y_most"] - p["y"]]], fmt="none", ecolor=INK,
@@ -242,6 +250,7 @@ def tidy(svg, figure, prefix):
                 value = value.replace("url(#", f"url(#{prefix}-")
             elif key == "style":
                 value = re.sub(r"font: ([\d.]+)px [^;]*", r"font-size: \1px", value)
+                value = value.replace("url(#", f"url(#{prefix}-")  # hatches
                 value = re.sub("#[ab]000[0-9a-f]{2}", lambda m: VARIABLES.get(m[0], m[0]), value)
             element.set(key, value)
     for size in ("width", "height"):

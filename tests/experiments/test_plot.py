@@ -58,6 +58,20 @@ class Plot(unittest.TestCase):
         self.assertEqual(self.colour(svg, "points-0-1-0"), self.colour(svg, "points-1-0-0"), "t")
         self.assertNotEqual(self.colour(svg, "points-0-0-0"), self.colour(svg, "points-0-1-0"))
 
+    def test_the_ninth_series_is_not_the_first_once_more(self):
+        names = [f"s{n:02}" for n in range(18)]
+        what = figure(panel({name: [point(0, 1 + n)] for n, name in enumerate(names)}), kind="bar", categories=["one"])
+        bars = ET.fromstring(plot.tidy(plot.draw(what, False), what, "f0"))
+        groups = [next(g for g in bars.iter(f"{{{plot.SVG}}}g") if g.get("id") == f"f0-points-0-{n}-0") for n in range(18)]
+        looks = [re.findall("(?:fill|stroke): ([^;\"]+)", ET.tostring(group, encoding="unicode")) for group in groups]
+        self.assertEqual(len({tuple(look) for look in looks}), 18)
+        hatches = [re.search(r"fill: url\(#([^)]*)\)", " ".join(f"fill: {fill}" for fill in look)) for look in looks]
+        self.assertEqual([bool(hatch) for hatch in hatches], [n >= 8 for n in range(18)])
+        ids = {element.get("id") for element in bars.iter()}
+        for hatch in filter(None, hatches):
+            self.assertIn(hatch[1], ids)
+        self.assertEqual(len({(plot.style(n)["color"], plot.style(n)["marker"]) for n in range(32)}), 32)
+
     def test_round_places_get_ticks_of_their_own_and_measured_ones_do_not(self):
         threads = texts(drawn(figure(panel({"": [point(x, x) for x in (1, 2, 4, 64)]}), log_x=True)))
         for place in ("1", "2", "4", "64"):
