@@ -5,10 +5,10 @@
 
 #include <string>
 
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
-#include "parallel/build.h"
-#include "parallel/prepare.h"
+#include "parallel/build/build.h"
+#include "parallel/clean/prepare.h"
 
 namespace lodestone {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "core/distance/mesh_distance.h"
-#include "core/hierarchy/level_surface.h"
+#include "core/hierarchy/build/level_surface.h"
 #include "core/mesh/generate.h"
+#include "core/spatial/mesh_distance.h"
 #ifdef LODESTONE_HAS_EMBREE
 #include "bench/embree_points.h"
 #endif

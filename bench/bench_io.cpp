@@ -9,13 +9,13 @@
 #include <memory>
 #include <string>
 
-#include "core/io/mesh_file.h"
-#include "core/io/mesh_writer.h"
+#include "core/formats/mesh_file.h"
+#include "core/formats/mesh_writer.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
-#include "parallel/generate.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/generate.h"
+#include "parallel/mesh/load.h"
 
 namespace {
 

@@ -10,11 +10,11 @@
 #include <memory>
 #include <vector>
 
-#include "core/hierarchy/lode_compress.h"
+#include "core/hierarchy/lode/lode_compress.h"
 #include "core/mesh/generate.h"
-#include "parallel/build.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
+#include "parallel/build/build.h"
+#include "parallel/build/save.h"
+#include "parallel/clean/prepare.h"
 
 namespace {
 

@@ -7,10 +7,10 @@
 #include <memory>
 
 #include "core/mesh/generate.h"
-#include "experiments/metrics/cracks.h"
-#include "experiments/metrics/pops.h"
-#include "parallel/build.h"
-#include "parallel/prepare.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/pops/pops.h"
+#include "parallel/build/build.h"
+#include "parallel/clean/prepare.h"
 
 namespace {
 

@@ -8,14 +8,15 @@
 #include <memory>
 
 #include "core/mesh/generate.h"
-#include "experiments/metrics/image_pops.h"
-#include "experiments/metrics/image_quality.h"
-#include "experiments/metrics/leaks.h"
-#include "experiments/metrics/ssim.h"
-#include "experiments/metrics/t_junctions.h"
+#include "experiments/metrics/cracks/leaks.h"
+#include "experiments/metrics/cracks/t_junctions.h"
+#include "experiments/metrics/pictures/image_quality.h"
+#include "experiments/metrics/pictures/ssim.h"
+#include "experiments/metrics/pops/image_pops.h"
 #include "experiments/systems/system_pictures.h"
-#include "parallel/build.h"
-#include "parallel/prepare.h"
+#include "parallel/build/build.h"
+#include "parallel/clean/prepare.h"
+#include "render/backends/make_renderer.h"
 
 namespace {
 

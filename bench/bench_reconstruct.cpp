@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "core/mesh/generate.h"
-#include "parallel/prepare.h"
+#include "parallel/clean/prepare.h"
 #include "render/position_map/rasterize_map.h"
 #include "render/reconstruct/condense_map.h"
 #include "render/reconstruct/gather.h"

@@ -12,8 +12,9 @@
 
 #include "bench/peers.h"
 #include "bench/simplify_chunks.h"
-#include "core/simplify/quadric_reference.h"
-#include "core/simplify/quadric_simplifier.h"
+#include "core/simplify/make_simplifier.h"
+#include "core/simplify/quadric/quadric_reference.h"
+#include "core/simplify/quadric/quadric_simplifier.h"
 
 namespace lodestone::bench {
 namespace {

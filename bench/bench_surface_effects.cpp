@@ -14,12 +14,12 @@
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
 #include "core/texture/image_codec.h"
-#include "parallel/build.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/prepare.h"
-#include "render/camera.h"
-#include "render/look.h"
-#include "render/renderer.h"
+#include "parallel/build/build.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/scheduler/cpu_clock.h"
+#include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
+#include "render/frame/look.h"
 
 namespace lodestone {
 namespace {

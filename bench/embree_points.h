@@ -12,8 +12,8 @@
 #include <span>
 #include <type_traits>
 
-#include "core/distance/point_triangle.h"
 #include "core/mesh/indexed_mesh.h"
+#include "core/spatial/point_triangle.h"
 
 namespace lodestone {
 

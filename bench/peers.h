@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/vec3.h"
+#include "core/math/vec3.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone::bench {

@@ -11,11 +11,11 @@
 #include <string>
 
 #include "bench/peers.h"
-#include "core/io/mesh_writer.h"
-#include "core/simplify/simplifier.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
+#include "core/formats/mesh_writer.h"
+#include "core/simplify/make_simplifier.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone::bench {
 namespace {

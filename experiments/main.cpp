@@ -12,9 +12,9 @@
 #include <new>
 
 #include "core/base/error.h"
+#include "experiments/command_line/version.h"
 #include "experiments/commands/command.h"
 #include "experiments/commit.h"
-#include "experiments/version.h"
 
 namespace lodestone {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/base/vec2.h"
-#include "core/base/vec3.h"
-#include "core/mesh/triangle.h"
+#include "core/math/triangle.h"
+#include "core/math/vec2.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

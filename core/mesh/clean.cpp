@@ -32,15 +32,9 @@ std::vector<Triangle> finite_triangles(const RawMesh& raw, Repairs& repairs) {
 }
 
 Box3d box_of(const RawMesh& raw, const std::vector<Triangle>& triangles) {
-  constexpr double far = std::numeric_limits<double>::max();
-  Box3d box{{far, far, far}, {-far, -far, -far}};
-  for (const Triangle& t : triangles) {
-    for (const std::uint32_t id : t.v) {
-      const Vec3d p = raw.positions[id];
-      box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y), std::min(box.lo.z, p.z)};
-      box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y), std::max(box.hi.z, p.z)};
-    }
-  }
+  Box3d box;
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t id : t.v) box.extend(raw.positions[id]);
   return box;
 }
 

@@ -8,19 +8,16 @@
 // cyclic order, then vertices that no remaining triangle uses. Survivors keep their order. Triangles of zero area with
 // three distinct vertices stay: they hold the surface together.
 //
-// prepare_mesh (parallel/prepare.h) does the same in parallel.
+// prepare_mesh (parallel/clean/prepare.h) does the same in parallel.
 #pragma once
 
 #include <span>
 #include <string>
 
+#include "core/math/box3.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
-
-struct Box3d {
-  Vec3d lo, hi;
-};
 
 // The transform that takes the longest side of the box to [0, 1]. Throws InputError when it cannot be computed in
 // double precision (extent beyond 1e308, or positive and below 1e-308). A box without extent gives scale 1.

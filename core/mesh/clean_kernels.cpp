@@ -60,10 +60,7 @@ void mark_corners(std::span<const Triangle> triangles, std::span<VertexState> st
 
 void extend_box(std::span<const Vec3d> positions, std::span<const VertexState> states, Box3d& box) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (states[i] != VertexState::used) continue;
-    const Vec3d p = positions[i];
-    box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y), std::min(box.lo.z, p.z)};
-    box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y), std::max(box.hi.z, p.z)};
+    if (states[i] == VertexState::used) box.extend(positions[i]);
   }
 }
 

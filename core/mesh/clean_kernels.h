@@ -1,5 +1,5 @@
 // The steps of core/mesh/clean.h for one chunk of vertices or triangles, or for one bucket of hashed items: what
-// prepare_mesh (parallel/prepare.h) runs side by side. Each may be called at once on disjoint chunks or buckets.
+// prepare_mesh (parallel/clean/prepare.h) runs side by side. Each may be called at once on disjoint chunks or buckets.
 //
 // A triangle that goes is overwritten by (0, 0, 0), which is degenerate, until it is squeezed out at the end: no flags
 // beside the triangles, no second copy of them.

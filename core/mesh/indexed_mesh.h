@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/vec3.h"
+#include "core/math/lattice.h"
+#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
-#include "core/mesh/lattice.h"
-#include "core/mesh/triangle.h"
 
 namespace lodestone {
 

@@ -1,7 +1,7 @@
 // Putting raw meshes together: the parts of a scene, the tiles of a set.
 #pragma once
 
-#include "core/base/affine.h"
+#include "core/math/affine.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {

@@ -40,7 +40,7 @@ struct RefineReport {
 
 // Afterwards no edge is longer than `longest`. A triangle stays where it is in the order or is replaced by its first
 // part, the others follow at the end. Throws InputError when no triangle is left: all had been without area.
-// parallel/refine_mesh.h does the same with several workers.
+// parallel/mesh/refine_mesh.h does the same with several workers.
 RefineReport refine_mesh(IndexedMesh& mesh, double longest);
 
 // The pieces that an orchestration puts together: begin to end, in this order.

@@ -4,8 +4,8 @@
 #include <cctype>
 
 #include "core/base/error.h"
-#include "core/io/atomic_file.h"
-#include "core/progressive/progressive_glb.h"
+#include "core/files/atomic_file.h"
+#include "core/progressive/gltf/progressive_glb.h"
 
 namespace lodestone {
 namespace {

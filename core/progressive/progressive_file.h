@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/progressive/lpm.h"
-#include "core/progressive/progressive_mesh.h"
+#include "core/progressive/lpm/lpm.h"
+#include "core/progressive/mesh/progressive_mesh.h"
 
 namespace lodestone {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "core/io/colour.h"
+#include "core/formats/common/colour.h"
 
 namespace lodestone {
 namespace {

@@ -1,23 +1,23 @@
 // lodestone build: a mesh file in, a .lode file out.
-#include "parallel/build.h"
+#include "parallel/build/build.h"
 
 #include <fmt/core.h>
 
 #include "core/base/error.h"
+#include "experiments/command_line/progress.h"
+#include "experiments/command_line/trace_file.h"
+#include "experiments/command_line/version.h"
 #include "experiments/commands/build_limit.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/metrics/cost.h"
-#include "experiments/progress.h"
-#include "experiments/trace_file.h"
-#include "experiments/version.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/load.h"
-#include "parallel/measure_errors.h"
-#include "parallel/out_of_core.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
-#include "parallel/texture_levels.h"
+#include "experiments/metrics/cost/cost.h"
+#include "parallel/build/measure_errors.h"
+#include "parallel/build/save.h"
+#include "parallel/build/texture_levels.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/out_of_core/out_of_core.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone {
 namespace {

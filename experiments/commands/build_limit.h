@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "parallel/mesh_stream.h"
-#include "parallel/out_of_core.h"
+#include "parallel/out_of_core/mesh_stream.h"
+#include "parallel/out_of_core/out_of_core.h"
 
 namespace lodestone {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/io/atomic_file.h"
+#include "core/files/atomic_file.h"
 
 namespace lodestone {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/commands/files.h"
-#include "parallel/scheduler.h"
-#include "parallel/stage_time.h"
+#include "parallel/scheduler/scheduler.h"
+#include "parallel/scheduler/stage_time.h"
 
 namespace lodestone {
 

@@ -1,5 +1,5 @@
 // lodestone compare: how far two surfaces are from each other, both ways.
-#include "parallel/compare.h"
+#include "parallel/mesh/compare.h"
 
 #include <fmt/core.h>
 
@@ -7,13 +7,13 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/hierarchy/level_mesh.h"
-#include "core/io/mesh_file.h"
+#include "core/formats/mesh_file.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/progress.h"
-#include "parallel/load.h"
-#include "parallel/save.h"
+#include "parallel/build/save.h"
+#include "parallel/mesh/load.h"
 
 namespace lodestone {
 namespace {

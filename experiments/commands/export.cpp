@@ -4,13 +4,13 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/hierarchy/level_mesh.h"
-#include "core/io/mesh_writer.h"
+#include "core/formats/mesh_writer.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
-#include "experiments/progress.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/save.h"
-#include "parallel/save_tiles.h"
+#include "parallel/build/save.h"
+#include "parallel/build/save_tiles.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone {
 namespace {

@@ -4,7 +4,7 @@
 #include <system_error>
 
 #include "core/base/error.h"
-#include "core/io/atomic_file.h"
+#include "core/files/atomic_file.h"
 
 namespace lodestone {
 namespace {

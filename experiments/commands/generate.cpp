@@ -1,12 +1,12 @@
 // lodestone generate: test surfaces of any size.
-#include "parallel/generate.h"
+#include "parallel/mesh/generate.h"
 
 #include <fmt/core.h>
 
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
-#include "experiments/metrics/cost.h"
-#include "experiments/progress.h"
-#include "parallel/cpu_clock.h"
+#include "experiments/metrics/cost/cost.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone {
 namespace {

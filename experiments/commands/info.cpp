@@ -6,14 +6,14 @@
 #include <system_error>
 #include <utility>
 
-#include "core/io/mesh_file.h"
+#include "core/formats/mesh_file.h"
 #include "core/mesh/edge_census.h"
-#include "core/simplify/simplifier.h"
+#include "core/simplify/block/simplifier.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
+#include "parallel/build/save.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/io/mesh_file.h"
+#include "core/formats/mesh_file.h"
 
 namespace lodestone {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "core/io/read_config.h"
+#include "core/formats/common/read_config.h"
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

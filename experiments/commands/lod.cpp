@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/io/mesh_writer.h"
-#include "core/progressive/level.h"
+#include "core/formats/mesh_writer.h"
+#include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "parallel/cpu_clock.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone {
 namespace {

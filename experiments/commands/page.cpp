@@ -7,17 +7,17 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "core/io/atomic_file.h"
-#include "core/io/atomic_folder.h"
+#include "core/files/atomic_file.h"
+#include "core/files/atomic_folder.h"
 #include "core/progressive/progressive_file.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/progress.h"
-#include "parallel/load.h"
-#include "parallel/make_progressive.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
-#include "parallel/save_tiles.h"
+#include "parallel/build/save.h"
+#include "parallel/build/save_tiles.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/progressive/make_progressive.h"
 
 namespace lodestone {
 namespace {

@@ -2,17 +2,17 @@
 #include <fmt/core.h>
 
 #include "core/base/error.h"
-#include "core/progressive/level.h"
+#include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/metrics/cost.h"
-#include "experiments/metrics/progressive_cracks.h"
-#include "experiments/progress.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/load.h"
-#include "parallel/make_progressive.h"
-#include "parallel/prepare.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/metrics/cracks/progressive_cracks.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/progressive/make_progressive.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone {
 namespace {

@@ -6,15 +6,16 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "experiments/command_line/picture_writer.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/flight.h"
-#include "experiments/metrics/adversary.h"
-#include "experiments/picture_writer.h"
-#include "experiments/progress.h"
-#include "parallel/cpu_clock.h"
+#include "experiments/flights/flight.h"
+#include "experiments/metrics/cracks/adversary.h"
+#include "parallel/scheduler/cpu_clock.h"
+#include "render/backends/make_renderer.h"
+#include "render/culling/back_faces.h"
 #include "render/effects/plan.h"
-#include "render/lod/back_faces.h"
 #include "render/scene/open_scene.h"
 
 namespace lodestone {

@@ -4,9 +4,9 @@
 #include <span>
 
 #include "core/base/error.h"
-#include "core/io/atomic_file.h"
+#include "core/files/atomic_file.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
-#include "experiments/progress.h"
 #include "experiments/report/page.h"
 
 namespace lodestone {

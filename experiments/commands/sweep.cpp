@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
-#include "experiments/progress.h"
 #include "experiments/sweep/directory.h"
 #include "experiments/sweep/merge.h"
 #include "experiments/sweep/run_child.h"

@@ -1,5 +1,5 @@
 // lodestone verify: proves the invariants of a .lode file, independently of the builder.
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/verify/verify.h"
 
 #include <fmt/core.h>
 
@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/progress.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
+#include "parallel/build/save.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
 
 namespace lodestone {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "experiments/metrics/order_statistics.h"
-#include "experiments/metrics/scaling.h"
+#include "experiments/metrics/cost/order_statistics.h"
+#include "experiments/metrics/cost/scaling.h"
 #include "experiments/report/number_text.h"
 
 namespace lodestone {

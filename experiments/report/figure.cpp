@@ -6,8 +6,8 @@
 #include <cmath>
 #include <set>
 
-#include "experiments/metrics/order_statistics.h"
-#include "experiments/metrics/pareto.h"
+#include "experiments/metrics/cost/order_statistics.h"
+#include "experiments/metrics/cost/pareto.h"
 #include "experiments/report/number_text.h"
 #include "experiments/report/outcome.h"
 

@@ -1,21 +1,21 @@
 // Experiment `build`: what making a hierarchy costs, and how good the levels are.
-#include "parallel/build.h"
+#include "parallel/build/build.h"
 
 #include <filesystem>
 
-#include "core/hierarchy/level_mesh.h"
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/raw_mesh.h"
-#include "experiments/metrics/cost.h"
+#include "experiments/metrics/cost/cost.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/geometry_columns.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/save.h"
-#include "parallel/trace.h"
+#include "parallel/build/save.h"
+#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/trace.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 #include "experiments/studies/catalogue.h"
-#include "experiments/sweep/probe.h"
+#include "experiments/studies/probe.h"
 
 namespace lodestone {
 

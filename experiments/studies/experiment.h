@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "experiments/studies/parameters.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

@@ -6,17 +6,17 @@
 #include <algorithm>
 #include <array>
 
-#include "core/hierarchy/level_mesh.h"
+#include "core/hierarchy/model/level_mesh.h"
 #include "core/mesh/raw_mesh.h"
-#include "core/progressive/level.h"
-#include "experiments/metrics/mesh_quality.h"
+#include "core/progressive/mesh/level.h"
+#include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/geometry_columns.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/make_progressive.h"
+#include "parallel/progressive/make_progressive.h"
+#include "parallel/scheduler/cpu_clock.h"
 #include "render/reconstruct/reconstruct.h"
 
 namespace lodestone {

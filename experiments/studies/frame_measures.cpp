@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "experiments/metrics/flip.h"
-#include "experiments/metrics/leaks.h"
-#include "experiments/metrics/t_junctions.h"
+#include "experiments/metrics/cracks/leaks.h"
+#include "experiments/metrics/cracks/t_junctions.h"
+#include "experiments/metrics/pictures/flip.h"
 
 namespace lodestone {
 namespace {

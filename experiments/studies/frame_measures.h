@@ -5,15 +5,15 @@
 #include <optional>
 #include <string>
 
-#include "experiments/metrics/cracks.h"
-#include "experiments/metrics/error_map.h"
-#include "experiments/metrics/jump_tracker.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/pictures/error_map.h"
+#include "experiments/metrics/pops/jump_tracker.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/surface_summary.h"
-#include "parallel/scheduler.h"
-#include "render/frame.h"
-#include "render/image.h"
+#include "parallel/scheduler/scheduler.h"
+#include "render/frame/frame.h"
+#include "render/frame/image.h"
 
 namespace lodestone {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numbers>
 
-#include "experiments/metrics/geometry_error.h"
-#include "experiments/metrics/position_resolution.h"
+#include "experiments/metrics/drawn/position_resolution.h"
+#include "experiments/metrics/geometry/geometry_error.h"
 
 namespace lodestone {
 

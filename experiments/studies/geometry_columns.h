@@ -6,7 +6,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/row_verdict.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

@@ -10,8 +10,8 @@
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/viewpoints.h"
-#include "parallel/scheduler.h"
-#include "render/renderer.h"
+#include "parallel/scheduler/scheduler.h"
+#include "render/frame/renderer.h"
 #include "render/scene/scene_view.h"
 
 namespace lodestone {

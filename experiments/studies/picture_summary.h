@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "experiments/metrics/image_pops.h"
-#include "experiments/metrics/image_quality.h"
+#include "experiments/metrics/pictures/image_quality.h"
+#include "experiments/metrics/pops/image_pops.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/row_verdict.h"
 

@@ -3,17 +3,17 @@
 
 #include "core/base/error.h"
 #include "core/mesh/raw_mesh.h"
-#include "core/progressive/level.h"
-#include "experiments/metrics/cost.h"
-#include "experiments/metrics/progressive_cracks.h"
+#include "core/progressive/mesh/level.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/metrics/cracks/progressive_cracks.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/geometry_columns.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/make_progressive.h"
+#include "parallel/progressive/make_progressive.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone {
 namespace {

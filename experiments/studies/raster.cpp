@@ -1,9 +1,9 @@
 // Experiment `raster`: what drawing costs, and how near the picture is to that of the full model.
 #include <algorithm>
 
-#include "experiments/metrics/cost.h"
-#include "experiments/metrics/image_quality.h"
-#include "experiments/metrics/screen_error.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/metrics/drawn/screen_error.h"
+#include "experiments/metrics/pictures/image_quality.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/effects_parameter.h"
 #include "experiments/studies/model_drawer.h"

@@ -5,17 +5,17 @@
 
 #include "core/base/error.h"
 #include "core/mesh/raw_mesh.h"
-#include "experiments/metrics/cost.h"
-#include "experiments/metrics/mesh_quality.h"
-#include "experiments/metrics/position_resolution.h"
-#include "experiments/metrics/surface_coverage.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/metrics/drawn/position_resolution.h"
+#include "experiments/metrics/geometry/mesh_quality.h"
+#include "experiments/metrics/geometry/surface_coverage.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/geometry_columns.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/cpu_clock.h"
+#include "parallel/scheduler/cpu_clock.h"
 #include "render/position_map/map_view.h"
 
 namespace lodestone {

@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "core/io/checksum.h"
+#include "core/files/checksum.h"
 
 namespace lodestone {
 namespace {

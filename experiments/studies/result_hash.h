@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <string>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "core/mesh/indexed_mesh.h"
-#include "core/progressive/progressive_mesh.h"
-#include "render/image.h"
+#include "core/progressive/mesh/progressive_mesh.h"
+#include "render/frame/image.h"
 
 namespace lodestone {
 

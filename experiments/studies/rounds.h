@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/metrics/order_statistics.h"
+#include "experiments/metrics/cost/order_statistics.h"
 #include "experiments/studies/experiment.h"
-#include "parallel/stage_time.h"
+#include "parallel/scheduler/stage_time.h"
 
 namespace lodestone {
 

@@ -5,7 +5,7 @@
 // weak scaling gives every worker as much to do as one alone has. Workers are bound to as many processors as there
 // are of them, on different cores as long as there are some: else one would wander over all, and two share a core or
 // not.
-#include "experiments/metrics/scaling.h"
+#include "experiments/metrics/cost/scaling.h"
 
 #include <algorithm>
 
@@ -15,9 +15,9 @@
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/scaling_work.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/processors.h"
-#include "parallel/trace.h"
+#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/processors.h"
+#include "parallel/scheduler/trace.h"
 #include "render/position_map/map_view.h"
 
 namespace lodestone {

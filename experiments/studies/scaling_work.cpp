@@ -7,8 +7,9 @@
 #include "core/mesh/raw_mesh.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/make_progressive.h"
-#include "parallel/prepare.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/progressive/make_progressive.h"
+#include "render/backends/make_renderer.h"
 #include "render/reconstruct/reconstruct.h"
 #include "render/scene/scene_view.h"
 

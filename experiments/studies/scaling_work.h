@@ -8,7 +8,7 @@
 
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/studies/experiment.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

@@ -3,9 +3,9 @@
 #include <iterator>
 
 #include "core/base/error.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/scheduler/cpu_clock.h"
 
 namespace lodestone {
 namespace {

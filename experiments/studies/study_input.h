@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
-#include "core/hierarchy/verify.h"
-#include "core/io/read_config.h"
+#include "core/formats/common/read_config.h"
+#include "core/hierarchy/model/hierarchy.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/setting_verdict.h"
-#include "parallel/build.h"
-#include "parallel/scheduler.h"
-#include "parallel/stage_time.h"
-#include "render/camera.h"
+#include "parallel/build/build.h"
+#include "parallel/scheduler/scheduler.h"
+#include "parallel/scheduler/stage_time.h"
+#include "render/camera/camera.h"
 
 namespace lodestone {
 

@@ -6,18 +6,18 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/hierarchy/verify.h"
-#include "experiments/metrics/cost.h"
+#include "core/hierarchy/verify/verify.h"
+#include "experiments/command_line/version.h"
+#include "experiments/metrics/cost/cost.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
-#include "experiments/version.h"
-#include "parallel/cpu_clock.h"
-#include "parallel/mesh_stream.h"
-#include "parallel/out_of_core.h"
-#include "parallel/save.h"
+#include "parallel/build/save.h"
+#include "parallel/out_of_core/mesh_stream.h"
+#include "parallel/out_of_core/out_of_core.h"
+#include "parallel/scheduler/cpu_clock.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

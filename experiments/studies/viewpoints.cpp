@@ -8,7 +8,7 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "experiments/metrics/adversary.h"
+#include "experiments/metrics/cracks/adversary.h"
 #include "experiments/studies/study_input.h"
 
 namespace lodestone {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/setting_verdict.h"
-#include "render/camera.h"
+#include "render/camera/camera.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

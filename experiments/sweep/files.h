@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

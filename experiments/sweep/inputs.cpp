@@ -11,7 +11,7 @@
 #include "core/base/error.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/sha256.h"
-#include "parallel/generate.h"
+#include "parallel/mesh/generate.h"
 #include "render/scene/scene_file.h"
 
 namespace lodestone {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "experiments/sweep/sweep_file.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

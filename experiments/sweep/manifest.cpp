@@ -6,7 +6,7 @@
 #include <fstream>
 #include <set>
 
-#include "parallel/processors.h"
+#include "parallel/scheduler/processors.h"
 
 namespace lodestone {
 namespace {

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "core/io/mapped_file.h"
+#include "core/files/mapped_file.h"
+#include "experiments/command_line/version.h"
 #include "experiments/sweep/libraries.h"
 #include "experiments/sweep/sha256.h"
-#include "experiments/version.h"
 
 namespace lodestone {
 namespace {

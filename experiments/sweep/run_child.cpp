@@ -9,13 +9,13 @@
 #include <new>
 
 #include "core/base/error.h"
-#include "experiments/metrics/cost.h"
+#include "experiments/metrics/cost/cost.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/program_identity.h"
 #include "experiments/sweep/run_folder.h"
-#include "parallel/processors.h"
-#include "render/graphics_driver.h"
+#include "parallel/scheduler/processors.h"
+#include "render/backends/gl/graphics_driver.h"
 
 namespace lodestone {
 namespace {

@@ -15,7 +15,7 @@
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/time_left.h"
-#include "parallel/processors.h"
+#include "parallel/scheduler/processors.h"
 
 namespace lodestone {
 namespace {

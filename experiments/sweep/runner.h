@@ -10,7 +10,7 @@
 
 #include "experiments/sweep/plan.h"
 #include "experiments/sweep/run_folder.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

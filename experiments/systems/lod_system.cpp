@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/hierarchy/distance_metric.h"
+#include "core/hierarchy/model/distance_metric.h"
 
 namespace lodestone {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

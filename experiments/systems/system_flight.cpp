@@ -4,11 +4,11 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "experiments/metrics/cracks.h"
-#include "experiments/metrics/leaks.h"
-#include "experiments/metrics/pops.h"
-#include "experiments/metrics/t_junctions.h"
-#include "render/lod/back_faces.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/cracks/leaks.h"
+#include "experiments/metrics/cracks/t_junctions.h"
+#include "experiments/metrics/pops/pops.h"
+#include "render/culling/back_faces.h"
 
 namespace lodestone {
 namespace {

@@ -5,10 +5,10 @@
 #include <functional>
 #include <vector>
 
-#include "experiments/metrics/image_pops.h"
-#include "experiments/metrics/image_quality.h"
+#include "experiments/metrics/pictures/image_quality.h"
+#include "experiments/metrics/pops/image_pops.h"
 #include "experiments/systems/system_pictures.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

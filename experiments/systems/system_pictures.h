@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "experiments/systems/lod_system.h"
-#include "render/renderer.h"
+#include "render/frame/renderer.h"
 #include "render/scene/scene_view.h"
 
 namespace lodestone {

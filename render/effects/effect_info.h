@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace lodestone {
 

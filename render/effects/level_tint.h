@@ -1,4 +1,4 @@
-// Level tint: a hue for each level of the hierarchy (render/shading.h).
+// Level tint: a hue for each level of the hierarchy (render/frame/shading.h).
 #pragma once
 
 #include "render/effects/effect_info.h"

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "render/effects/texture_mapping.h"
-#include "render/look.h"
+#include "render/frame/look.h"
 
 namespace lodestone::effects {
 

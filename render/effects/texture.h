@@ -1,10 +1,10 @@
 // Texture: the base colour of the triangle's material, times its texture, times the albedo. Textures are shown as they
-// are stored, in the sRGB encoding: the picture has no transfer curve (render/shading.h); a material's base colour,
+// are stored, in the sRGB encoding: the picture has no transfer curve (render/frame/shading.h); a material's base colour,
 // which is linear, is encoded first. Alpha is not shown.
 #pragma once
 
 #include "render/effects/texture_mapping.h"
-#include "render/look.h"
+#include "render/frame/look.h"
 
 namespace lodestone::effects {
 

@@ -1,5 +1,5 @@
 // Vertex colours: those of the corners, morphed as the corners are, interpolated over the triangle, times the albedo.
-// They are shown as they are stored, in the sRGB encoding: the picture has no transfer curve (render/shading.h). Their
+// They are shown as they are stored, in the sRGB encoding: the picture has no transfer curve (render/frame/shading.h). Their
 // alpha is not shown.
 #pragma once
 

@@ -21,7 +21,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

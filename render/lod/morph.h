@@ -7,7 +7,7 @@
 
 #include <span>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/blend.h"
 #include "render/lod/limits.h"
 #include "render/lod/radii.h"

@@ -17,8 +17,8 @@
 #include <span>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
-#include "parallel/scheduler.h"
+#include "core/hierarchy/model/hierarchy.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/blend.h"
 
 namespace lodestone {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/hierarchy/family.h"
+#include "core/hierarchy/lode/family.h"
 
 namespace lodestone {
 namespace {

@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "parallel/cell_stream.h"
+#include "parallel/streaming/cell_stream.h"
 #include "render/lod/limits.h"
 #include "render/lod/selection.h"
 

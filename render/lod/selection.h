@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/limits.h"
 #include "render/lod/normal_cones.h"
 #include "render/lod/radii.h"

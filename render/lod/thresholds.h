@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/hierarchy/distance_metric.h"
+#include "core/hierarchy/model/distance_metric.h"
 
 namespace lodestone {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <string>
 
-#include "core/base/box3.h"
-#include "core/base/vec3.h"
+#include "core/math/box3.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/vec2.h"
-#include "core/base/vec3.h"
+#include "core/math/vec2.h"
+#include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
 #include "core/mesh/indexed_mesh.h"
 #include "render/position_map/map_view.h"

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
 
 namespace lodestone {

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/base/vec3.h"
+#include "core/math/vec3.h"
 #include "core/mesh/indexed_mesh.h"
 #include "render/position_map/map_view.h"
 #include "render/position_map/position_map.h"

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/disjoint_sets.h"
+#include "core/base/disjoint_sets.h"
 
 namespace lodestone {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/distance/triangle_bvh.h"
+#include "core/spatial/triangle_bvh.h"
 #include "render/position_map/rasterize_map.h"
 #include "render/position_map/resolve_pixel.h"
 

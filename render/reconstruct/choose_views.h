@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
 
 namespace lodestone {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/triangle.h"
+#include "core/math/triangle.h"
 
 namespace lodestone {
 

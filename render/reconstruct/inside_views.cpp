@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/distance/triangle_bvh.h"
+#include "core/spatial/triangle_bvh.h"
 
 namespace lodestone {
 namespace {

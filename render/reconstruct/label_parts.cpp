@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/mesh/disjoint_sets.h"
+#include "core/base/disjoint_sets.h"
 
 namespace lodestone {
 

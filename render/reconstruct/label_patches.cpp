@@ -1,6 +1,6 @@
 #include "render/reconstruct/label_patches.h"
 
-#include "core/mesh/disjoint_sets.h"
+#include "core/base/disjoint_sets.h"
 
 namespace lodestone {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/ownership.h"
 
 namespace lodestone {

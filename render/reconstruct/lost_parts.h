@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge.h"
 
 namespace lodestone {

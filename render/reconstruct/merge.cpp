@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "parallel/cpu_clock.h"
+#include "parallel/scheduler/cpu_clock.h"
 #include "render/reconstruct/cut_out.h"
 
 namespace lodestone {

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/triangle.h"
-#include "parallel/scheduler.h"
-#include "parallel/stage_time.h"
+#include "core/math/triangle.h"
+#include "parallel/scheduler/scheduler.h"
+#include "parallel/scheduler/stage_time.h"
 #include "render/reconstruct/ownership.h"
 #include "render/reconstruct/seam_mesh.h"
 

@@ -8,8 +8,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/edge_census.h"
-#include "parallel/cpu_clock.h"
-#include "render/position_map/map_renderer.h"
+#include "parallel/scheduler/cpu_clock.h"
+#include "render/backends/make_renderer.h"
 #include "render/reconstruct/condense_map.h"
 #include "render/reconstruct/gather.h"
 #include "render/reconstruct/inside_views.h"

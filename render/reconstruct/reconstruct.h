@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/scheduler.h"
-#include "parallel/stage_time.h"
+#include "parallel/scheduler/scheduler.h"
+#include "parallel/scheduler/stage_time.h"
 #include "render/position_map/map_files.h"
 #include "render/reconstruct/choose_views.h"
 #include "render/reconstruct/lost_parts.h"

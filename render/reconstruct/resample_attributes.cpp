@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/mesh/disjoint_sets.h"
+#include "core/base/disjoint_sets.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/mesh/wedges.h"
 #include "render/reconstruct/surface_walk.h"

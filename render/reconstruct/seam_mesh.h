@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec3.h"
-#include "parallel/scheduler.h"
+#include "core/math/vec3.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/border_loops.h"
 #include "render/reconstruct/edit_mesh.h"
 

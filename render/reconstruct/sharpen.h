@@ -8,7 +8,7 @@
 
 #include <cstddef>
 
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge.h"
 
 namespace lodestone {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <numeric>
 
-#include "core/hierarchy/block_wedges.h"
+#include "core/hierarchy/build/block_wedges.h"
 #include "core/mesh/raw_mesh.h"
-#include "core/simplify/simplifier.h"
+#include "core/simplify/make_simplifier.h"
 #include "render/reconstruct/surface_walk.h"
 
 namespace lodestone {

@@ -9,7 +9,7 @@
 #include <cstddef>
 
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge.h"
 
 namespace lodestone {

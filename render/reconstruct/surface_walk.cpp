@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/distance/point_triangle.h"
+#include "core/spatial/point_triangle.h"
 
 namespace lodestone {
 namespace {

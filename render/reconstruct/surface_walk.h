@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "core/base/vec3.h"
-#include "core/mesh/triangle.h"
+#include "core/math/triangle.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

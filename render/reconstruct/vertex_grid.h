@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/base/vec3.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/triangle.h"
+#include "core/math/triangle.h"
 #include "render/position_map/position_map.h"
 
 namespace lodestone {

@@ -6,11 +6,11 @@
 #include <fstream>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode_format.h"
+#include "core/hierarchy/lode/lode_format.h"
 #include "core/mesh/generate.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
+#include "parallel/build/save.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
 #include "render/scene/scene_file.h"
 
 namespace lodestone {

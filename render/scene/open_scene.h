@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/io/read_config.h"
-#include "parallel/build.h"
-#include "parallel/cell_stream.h"
-#include "parallel/scheduler.h"
+#include "core/formats/common/read_config.h"
+#include "parallel/build/build.h"
+#include "parallel/scheduler/scheduler.h"
+#include "parallel/streaming/cell_stream.h"
 #include "render/lod/resident_cells.h"
 #include "render/scene/scene_view.h"
 

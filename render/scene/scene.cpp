@@ -7,20 +7,13 @@
 namespace lodestone {
 namespace {
 
-struct Box3d {
-  Vec3d lo, hi;
-};
-
 // Bounds of the root, turned and scaled.
 Box3d turned_bounds(const Hierarchy& hierarchy, const Similarity& placement) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box3d box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  Box3d box;
   const Box3f& b = hierarchy.cells.front().bounds;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3f c{corner & 1 ? b.hi.x : b.lo.x, corner & 2 ? b.hi.y : b.lo.y, corner & 4 ? b.hi.z : b.lo.z};
-    const Vec3d p = placement(to_double(c));
-    box.lo = {std::min(box.lo.x, p.x), std::min(box.lo.y, p.y), std::min(box.lo.z, p.z)};
-    box.hi = {std::max(box.hi.x, p.x), std::max(box.hi.y, p.y), std::max(box.hi.z, p.z)};
+    box.extend(placement(to_double(c)));
   }
   return box;
 }

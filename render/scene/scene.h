@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "core/mesh/generate.h"
-#include "render/camera.h"
+#include "render/camera/camera.h"
+#include "render/camera/placement.h"
 #include "render/effects/plan.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
 #include "render/lod/radii.h"
-#include "render/placement.h"
 
 namespace lodestone {
 

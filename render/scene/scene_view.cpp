@@ -4,8 +4,8 @@
 #include <cassert>
 
 #include "core/base/error.h"
-#include "render/light_view.h"
-#include "render/look.h"
+#include "render/camera/light_view.h"
+#include "render/frame/look.h"
 
 namespace lodestone {
 namespace {

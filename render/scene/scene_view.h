@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "render/lod/back_faces.h"
+#include "render/culling/back_faces.h"
+#include "render/frame/renderer.h"
 #include "render/lod/resident_cells.h"
-#include "render/renderer.h"
 #include "render/scene/scene.h"
 
 namespace lodestone {

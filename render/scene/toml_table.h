@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/vec3.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 

@@ -1,7 +1,7 @@
 // A texture as shading reads it: its levels, each half the size of the one before (williams1983).
 //
 // All levels are made once, in memory, and are the same bytes for every backend. Between texels and between levels
-// backends interpolate the bytes as they are: colours go to the picture without a transfer curve (render/shading.h).
+// backends interpolate the bytes as they are: colours go to the picture without a transfer curve (render/frame/shading.h).
 #pragma once
 
 #include <cstdint>

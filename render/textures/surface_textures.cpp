@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/io/colour.h"
+#include "core/formats/common/colour.h"
 #include "core/texture/image_codec.h"
-#include "render/look.h"
+#include "render/frame/look.h"
 
 namespace lodestone {
 namespace {

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
-#include "parallel/scheduler.h"
-#include "render/frame.h"
+#include "core/hierarchy/model/hierarchy.h"
+#include "parallel/scheduler/scheduler.h"
+#include "render/frame/frame.h"
 #include "render/textures/mip_chain.h"
 
 namespace lodestone {

@@ -8,9 +8,9 @@
 
 #include <optional>
 
-#include "parallel/scheduler.h"
-#include "render/frame.h"
-#include "render/image.h"
+#include "parallel/scheduler/scheduler.h"
+#include "render/frame/frame.h"
+#include "render/frame/image.h"
 
 namespace lodestone::viewer {
 

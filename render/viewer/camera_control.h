@@ -4,7 +4,7 @@
 // not a finite number, in the target itself, or beyond what single precision holds, the camera stays as it was.
 #pragma once
 
-#include "render/camera.h"
+#include "render/camera/camera.h"
 
 namespace lodestone::viewer {
 

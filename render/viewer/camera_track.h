@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "render/camera.h"
+#include "render/camera/camera.h"
 
 namespace lodestone::viewer {
 

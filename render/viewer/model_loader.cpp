@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "parallel/cancelling_scheduler.h"
+#include "parallel/scheduler/cancelling_scheduler.h"
 #include "render/scene/scene_file.h"
 
 namespace lodestone::viewer {

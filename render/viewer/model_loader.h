@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "parallel/background_job.h"
+#include "parallel/scheduler/background_job.h"
 #include "render/scene/open_scene.h"
 
 namespace lodestone::viewer {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "render/effects/plan.h"
-#include "render/shading.h"
+#include "render/frame/shading.h"
 
 namespace lodestone::viewer {
 namespace {

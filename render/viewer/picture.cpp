@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "render/backends/gl/gl_renderer.h"
-#include "render/shading.h"
+#include "render/frame/shading.h"
 
 namespace lodestone::viewer {
 namespace {

@@ -2,7 +2,7 @@
 // for windows without 4.5, too.
 #pragma once
 
-#include "render/image.h"
+#include "render/frame/image.h"
 
 namespace lodestone {
 class GlRenderer;

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "render/camera.h"
-#include "render/image.h"
+#include "render/camera/camera.h"
+#include "render/frame/image.h"
 
 namespace lodestone::viewer {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/stopwatch.h"
+#include "render/frame/stopwatch.h"
 #include "render/viewer/band_tint.h"
 
 namespace lodestone::viewer {

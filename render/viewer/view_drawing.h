@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "render/renderer.h"
+#include "render/frame/renderer.h"
 #include "render/scene/scene_view.h"
 #include "render/viewer/model_loader.h"
 #include "render/viewer/projection.h"

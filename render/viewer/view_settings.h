@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "render/camera.h"
+#include "render/camera/camera.h"
 #include "render/lod/radii.h"
 
 namespace lodestone::viewer {

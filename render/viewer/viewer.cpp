@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/gl/gl_renderer.h"
+#include "render/backends/make_renderer.h"
 #include "render/viewer/gui.h"
 #include "render/viewer/panel.h"
 #include "render/viewer/picture.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/viewer/model_loader.h"
 #include "render/viewer/view_state.h"
 

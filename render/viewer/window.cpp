@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/io/atomic_file.h"
+#include "core/files/atomic_file.h"
 
 namespace lodestone::viewer {
 namespace {

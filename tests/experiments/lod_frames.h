@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/lod/morph.h"
 #include "render/lod/radii.h"
 #include "render/lod/selection.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "experiments/studies/experiment.h"
-#include "parallel/generate.h"
+#include "parallel/mesh/generate.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {

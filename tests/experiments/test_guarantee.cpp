@@ -4,12 +4,12 @@
 
 #include <cmath>
 
-#include "experiments/metrics/adversary.h"
-#include "experiments/metrics/cracks.h"
-#include "experiments/metrics/pops.h"
-#include "parallel/build.h"
+#include "experiments/metrics/cracks/adversary.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/pops/pops.h"
+#include "parallel/build/build.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/experiments/naive_metrics.h"
+#include "tests/experiments/metrics/naive_metrics.h"
 #include "tests/experiments/small_meshes.h"
 
 namespace lodestone {

@@ -5,12 +5,12 @@
 #include <random>
 #include <set>
 
-#include "experiments/metrics/cracks.h"
-#include "experiments/metrics/pops.h"
-#include "parallel/build.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/pops/pops.h"
+#include "parallel/build/build.h"
 #include "render/lod/limits.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/experiments/naive_metrics.h"
+#include "tests/experiments/metrics/naive_metrics.h"
 #include "tests/experiments/small_meshes.h"
 
 namespace lodestone {

@@ -5,10 +5,11 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "experiments/metrics/cracks.h"
+#include "experiments/metrics/cracks/cracks.h"
 #include "experiments/studies/frame_measures.h"
 #include "experiments/systems/lod_system.h"
 #include "experiments/systems/system_flight.h"
+#include "render/backends/make_renderer.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"

@@ -6,8 +6,8 @@
 #include <set>
 #include <tuple>
 
-#include "core/hierarchy/verify.h"
-#include "parallel/build.h"
+#include "core/hierarchy/verify/verify.h"
+#include "parallel/build/build.h"
 #include "tests/experiments/naive_hierarchy.h"
 #include "tests/experiments/small_meshes.h"
 

@@ -1,7 +1,7 @@
 // The line of the progress bar.
 #include <gtest/gtest.h>
 
-#include "experiments/progress.h"
+#include "experiments/command_line/progress.h"
 
 namespace lodestone {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "experiments/metrics/pareto.h"
+#include "experiments/metrics/cost/pareto.h"
 #include "experiments/report/findings.h"
 #include "experiments/report/html.h"
 #include "experiments/report/number_text.h"

@@ -14,15 +14,15 @@
 #include <thread>
 
 #include "core/base/error.h"
-#include "experiments/metrics/cracks.h"
-#include "experiments/metrics/pops.h"
-#include "parallel/build.h"
-#include "parallel/cell_stream.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/pops/pops.h"
+#include "parallel/build/build.h"
+#include "parallel/build/save.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/streaming/cell_stream.h"
 #include "render/lod/resident_cells.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/experiments/naive_metrics.h"
+#include "tests/experiments/metrics/naive_metrics.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {

@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/sweep/sweep_file.h"
-#include "parallel/processors.h"
+#include "parallel/scheduler/processors.h"
 #include "tests/experiments/study_case.h"
 
 namespace lodestone {

@@ -18,7 +18,7 @@
 #include "experiments/studies/scaling_work.h"
 #include "experiments/studies/surface_summary.h"
 #include "experiments/studies/viewpoints.h"
-#include "parallel/build.h"
+#include "parallel/build/build.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {

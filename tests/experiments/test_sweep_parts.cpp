@@ -11,16 +11,16 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "experiments/command_line/version.h"
+#include "experiments/studies/probe.h"
 #include "experiments/sweep/inputs.h"
 #include "experiments/sweep/libraries.h"
-#include "experiments/sweep/probe.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/program_identity.h"
 #include "experiments/sweep/run_child.h"
 #include "experiments/sweep/sha256.h"
 #include "experiments/sweep/time_left.h"
-#include "experiments/version.h"
-#include "render/graphics_driver.h"
+#include "render/backends/gl/graphics_driver.h"
 
 namespace lodestone {
 namespace {

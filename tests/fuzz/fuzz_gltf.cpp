@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "core/base/error.h"
-#include "core/io/mesh_readers.h"
-#include "tests/core/wedge_checks.h"
+#include "core/formats/common/mesh_readers.h"
+#include "tests/core/mesh/wedge_checks.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lodestone;

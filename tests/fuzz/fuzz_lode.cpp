@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode_format.h"
+#include "core/hierarchy/lode/lode_format.h"
 
 namespace {
 

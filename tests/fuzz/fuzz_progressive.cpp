@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/progressive/level.h"
-#include "core/progressive/lpm_format.h"
+#include "core/progressive/lpm/lpm_format.h"
+#include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "core/base/error.h"
-#include "core/io/mesh_file.h"
+#include "core/formats/mesh_file.h"
 #include "core/mesh/clean.h"
 
 namespace lodestone {

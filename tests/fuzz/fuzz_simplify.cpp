@@ -5,7 +5,8 @@
 #include <cstring>
 #include <vector>
 
-#include "core/simplify/quadric_simplifier.h"
+#include "core/simplify/make_simplifier.h"
+#include "core/simplify/quadric/quadric_simplifier.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "core/base/error.h"
-#include "core/io/tileset.h"
+#include "core/formats/tiles/tileset.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {

@@ -19,7 +19,7 @@ class SourceTree(unittest.TestCase):
     def test_was_looked_at(self):
         """An empty listing would pass the test above, too."""
         paths = [str(path) for path in layering.sources.files(SOURCE_DIR)]
-        for known in ["core/base/vec3.h", "parallel/tbb_scheduler.cpp", "render/renderer.h", "experiments/version.h"]:
+        for known in ["core/math/vec3.h", "parallel/scheduler/tbb_scheduler.cpp", "render/frame/renderer.h", "experiments/command_line/version.h"]:
             self.assertIn(known, paths)
 
 

@@ -3,7 +3,7 @@
 
 #include "core/mesh/clean.h"
 #include "core/mesh/raw_mesh.h"
-#include "parallel/prepare.h"
+#include "parallel/clean/prepare.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {

@@ -8,7 +8,8 @@
 #include <random>
 #include <string>
 
-#include "core/io/mesh_writer.h"
+#include "core/formats/mesh_writer.h"
+#include "core/formats/ply/ply_writer.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "parallel/background_job.h"
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/background_job.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 namespace {

@@ -7,10 +7,10 @@
 #include <tuple>
 
 #include "core/base/error.h"
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/clean.h"
-#include "parallel/build.h"
-#include "parallel/prepare.h"
+#include "parallel/build/build.h"
+#include "parallel/clean/prepare.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {

@@ -7,14 +7,14 @@
 #include <fstream>
 
 #include "core/base/error.h"
-#include "core/hierarchy/level_mesh.h"
-#include "core/hierarchy/lode_file.h"
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/lode/lode_file.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
-#include "parallel/build.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
+#include "parallel/build/build.h"
+#include "parallel/build/save.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
 
 namespace lodestone {
 namespace {

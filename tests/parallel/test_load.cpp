@@ -6,11 +6,12 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/io/mesh_file.h"
-#include "core/io/mesh_writer.h"
+#include "core/formats/mesh_file.h"
+#include "core/formats/mesh_writer.h"
+#include "core/formats/ply/ply_writer.h"
 #include "core/mesh/generate.h"
-#include "parallel/generate.h"
-#include "parallel/load.h"
+#include "parallel/mesh/generate.h"
+#include "parallel/mesh/load.h"
 #include "tests/test_data.h"
 #include "tests/test_folder.h"
 

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/hierarchy/level_mesh.h"
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
-#include "parallel/build.h"
-#include "parallel/compare.h"
-#include "parallel/measure_errors.h"
-#include "parallel/prepare.h"
+#include "parallel/build/build.h"
+#include "parallel/build/measure_errors.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/compare.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {

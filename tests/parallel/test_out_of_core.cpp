@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode_file.h"
-#include "core/hierarchy/verify.h"
-#include "parallel/load.h"
-#include "parallel/out_of_core.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
+#include "core/hierarchy/lode/lode_file.h"
+#include "core/hierarchy/verify/verify.h"
+#include "parallel/build/save.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/out_of_core/out_of_core.h"
 #include "tests/parallel/stream_meshes.h"
 #include "tests/test_data.h"
 #include "tests/test_folder.h"

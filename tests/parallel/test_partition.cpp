@@ -7,9 +7,9 @@
 #include <random>
 #include <set>
 
-#include "core/hierarchy/fingerprint.h"
-#include "parallel/finest_level.h"
-#include "parallel/partition.h"
+#include "core/hierarchy/model/fingerprint.h"
+#include "parallel/build/finest_level.h"
+#include "parallel/build/partition.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/io/mesh_file.h"
+#include "core/formats/mesh_file.h"
 #include "core/mesh/clean.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
 #include "tests/test_data.h"
 
 namespace lodestone {

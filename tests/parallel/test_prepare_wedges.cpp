@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "core/mesh/clean.h"
-#include "parallel/prepare.h"
+#include "parallel/clean/prepare.h"
 
 namespace lodestone {
 namespace {

@@ -9,7 +9,7 @@
 #include <memory>
 #include <thread>
 
-#include "parallel/processors.h"
+#include "parallel/scheduler/processors.h"
 
 namespace lodestone {
 namespace {

@@ -7,11 +7,11 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "core/progressive/level.h"
-#include "parallel/load.h"
-#include "parallel/make_progressive.h"
-#include "parallel/merge_records.h"
-#include "tests/core/progressive_checks.h"
+#include "core/progressive/mesh/level.h"
+#include "parallel/mesh/load.h"
+#include "parallel/progressive/make_progressive.h"
+#include "parallel/progressive/merge_records.h"
+#include "tests/core/simplify/progressive_checks.h"
 #include "tests/parallel/progressive_meshes.h"
 #include "tests/test_data.h"
 

@@ -5,13 +5,13 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "core/progressive/births.h"
-#include "core/progressive/level.h"
+#include "core/progressive/gltf/progressive_glb.h"
+#include "core/progressive/lpm/range_coder.h"
+#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
-#include "core/progressive/progressive_glb.h"
-#include "core/progressive/range_coder.h"
-#include "parallel/make_progressive.h"
-#include "tests/core/progressive_checks.h"
+#include "parallel/progressive/make_progressive.h"
+#include "tests/core/simplify/progressive_checks.h"
 #include "tests/parallel/progressive_meshes.h"
 
 namespace lodestone {

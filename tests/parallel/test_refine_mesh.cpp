@@ -3,13 +3,13 @@
 
 #include <cmath>
 
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
-#include "parallel/build.h"
-#include "parallel/measure_errors.h"
-#include "parallel/prepare.h"
-#include "parallel/refine_mesh.h"
+#include "parallel/build/build.h"
+#include "parallel/build/measure_errors.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/refine_mesh.h"
 
 namespace lodestone {
 namespace {

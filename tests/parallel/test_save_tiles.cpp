@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
-#include "core/hierarchy/level_mesh.h"
+#include "core/hierarchy/model/level_mesh.h"
 #include "core/mesh/generate.h"
-#include "parallel/build.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
-#include "parallel/save_tiles.h"
-#include "tests/core/io_test_util.h"
+#include "parallel/build/build.h"
+#include "parallel/build/save_tiles.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "tests/core/formats/io_test_util.h"
 
 namespace lodestone {
 namespace {

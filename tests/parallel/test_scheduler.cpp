@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 namespace {

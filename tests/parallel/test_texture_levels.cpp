@@ -5,15 +5,15 @@
 #include <iterator>
 
 #include "core/base/error.h"
-#include "core/hierarchy/level_mesh.h"
-#include "core/hierarchy/verify.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
 #include "core/texture/downsample.h"
-#include "parallel/build.h"
-#include "parallel/prepare.h"
-#include "parallel/save.h"
-#include "parallel/texture_levels.h"
-#include "tests/core/io_test_util.h"
+#include "parallel/build/build.h"
+#include "parallel/build/save.h"
+#include "parallel/build/texture_levels.h"
+#include "parallel/clean/prepare.h"
+#include "tests/core/formats/io_test_util.h"
 
 namespace lodestone {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "parallel/trace.h"
+#include "parallel/scheduler/trace.h"
 
 namespace lodestone {
 namespace {

@@ -6,12 +6,12 @@
 #include <map>
 #include <string_view>
 
-#include "core/hierarchy/level_mesh.h"
-#include "core/io/mesh_writer.h"
-#include "parallel/build.h"
-#include "parallel/load.h"
-#include "parallel/prepare.h"
-#include "tests/core/io_test_util.h"
+#include "core/formats/mesh_writer.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "parallel/build/build.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "tests/core/formats/io_test_util.h"
 #include "tests/test_data.h"
 
 namespace lodestone {

@@ -15,8 +15,8 @@
 #include <tuple>
 #include <vector>
 
-#include "core/hierarchy/fingerprint.h"
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/fingerprint.h"
+#include "core/hierarchy/model/hierarchy.h"
 
 namespace lodestone::test {
 

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "render/camera.h"
+#include "render/camera/camera.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 

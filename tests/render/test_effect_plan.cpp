@@ -4,9 +4,10 @@
 #include <functional>
 
 #include "core/base/error.h"
+#include "render/backends/make_renderer.h"
 #include "render/effects/plan.h"
 #include "render/scene/scene_view.h"
-#include "tests/render/conformance.h"
+#include "tests/render/backends/conformance.h"
 
 namespace lodestone {
 namespace {

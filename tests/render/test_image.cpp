@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "render/image.h"
+#include "render/frame/image.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "render/eye.h"
-#include "render/light_view.h"
-#include "tests/render/effect_scenes.h"
+#include "render/camera/eye.h"
+#include "render/camera/light_view.h"
+#include "tests/render/backends/effect_scenes.h"
 
 namespace lodestone {
 namespace {

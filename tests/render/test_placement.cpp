@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/placement.h"
+#include "render/camera/placement.h"
 
 namespace lodestone {
 namespace {

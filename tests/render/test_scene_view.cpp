@@ -2,8 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "render/backends/make_renderer.h"
 #include "render/scene/scene_view.h"
-#include "tests/render/conformance.h"
+#include "tests/render/backends/conformance.h"
 
 namespace lodestone {
 namespace {

@@ -89,7 +89,7 @@ class Oracle {
   }
 
   // The largest jump between two frames, over what the way of the viewpoint and the share that limits changed by allow
-  // (experiments/metrics/pops.h, with the way of each vertex to its parent instead of the most that there may be).
+  // (experiments/metrics/pops/pops.h, with the way of each vertex to its parent instead of the most that there may be).
   // `every`: of so many points one is looked at, another one in each frame.
   jump(before, after, every = 1, from = 0) {
     const was = this.places(before), is = this.places(after), shares = this.shares(before, after);

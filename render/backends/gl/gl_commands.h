@@ -9,7 +9,7 @@
 #include "render/backends/gl/gl_scene.h"
 #include "render/backends/gl/gl_shaders.h"
 #include "render/backends/gl/gl_stream.h"
-#include "render/renderer.h"
+#include "render/frame/renderer.h"
 
 namespace lodestone {
 

@@ -1,4 +1,4 @@
-// Occlusion culling on the device (render/lod/occlusion.h): the cells of a frame in two parts, the second to be drawn
+// Occlusion culling on the device (render/culling/occlusion.h): the cells of a frame in two parts, the second to be drawn
 // over the depth of the first. A compute shader finds the farthest depths of blocks of pixels; they alone come back.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 #include "render/backends/gl/gl_object.h"
 #include "render/backends/gl/gl_target.h"
-#include "render/lod/occlusion.h"
+#include "render/culling/occlusion.h"
 
 namespace lodestone {
 

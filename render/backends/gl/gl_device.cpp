@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "core/base/error.h"
-#include "render/graphics_driver.h"
+#include "render/backends/gl/graphics_driver.h"
 
 namespace lodestone {
 namespace {

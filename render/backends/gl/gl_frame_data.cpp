@@ -1,9 +1,9 @@
 // What of a frame goes to the device as it is, and which programs draw it.
 #include "render/backends/gl/gl_shaders.h"
+#include "render/camera/eye.h"
 #include "render/effects/effect_info.h"
 #include "render/effects/shadow.h"
-#include "render/eye.h"
-#include "render/shading.h"
+#include "render/frame/shading.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {

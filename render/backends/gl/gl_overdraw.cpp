@@ -4,7 +4,7 @@
 
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_program.h"
-#include "render/shading.h"
+#include "render/frame/shading.h"
 
 namespace lodestone {
 namespace {

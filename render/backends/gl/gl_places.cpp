@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/hierarchy/family.h"
+#include "core/hierarchy/lode/family.h"
 
 namespace lodestone {
 namespace {

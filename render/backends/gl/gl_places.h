@@ -12,7 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/backends/gl/range_allocator.h"
 
 namespace lodestone {

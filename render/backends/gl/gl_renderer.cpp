@@ -23,8 +23,8 @@
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
-#include "render/shading.h"
-#include "render/stopwatch.h"
+#include "render/frame/shading.h"
+#include "render/frame/stopwatch.h"
 
 namespace lodestone {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "render/backends/gl/gl_context.h"
-#include "render/renderer.h"
+#include "render/frame/renderer.h"
 
 namespace lodestone {
 

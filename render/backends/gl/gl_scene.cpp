@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/hierarchy/family.h"
+#include "core/hierarchy/lode/family.h"
 #include "render/backends/gl/gl_device.h"
 #include "render/backends/gl/gl_shaders.h"
 

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "core/hierarchy/hierarchy.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/backends/gl/gl_object.h"
 #include "render/backends/gl/gl_places.h"
 #include "render/backends/gl/gl_stream.h"

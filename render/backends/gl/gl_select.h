@@ -16,7 +16,7 @@
 
 #include "render/backends/gl/gl_object.h"
 #include "render/backends/gl/gl_stream.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace lodestone {
 

@@ -10,7 +10,7 @@
 #include "render/backends/gl/gl_varyings.h"
 #include "render/effects/effect_info.h"
 #include "render/effects/texture_mapping.h"
-#include "render/shading.h"
+#include "render/frame/shading.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {
@@ -185,7 +185,7 @@ void main() {
 }
 )";
 
-// render/shading.h
+// render/frame/shading.h
 constexpr const char* fragment_head = R"(
 in vec3 drawn_position;
 flat in uint drawn_instance;

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <string>
 
-#include "core/hierarchy/cell_code.h"
-#include "core/hierarchy/distance_metric.h"
+#include "core/hierarchy/model/cell_code.h"
+#include "core/hierarchy/model/distance_metric.h"
 #include "render/backends/gl/gl_object.h"
-#include "render/frame.h"
+#include "render/frame/frame.h"
 
 namespace lodestone {
 
@@ -72,7 +72,7 @@ struct GlInstance {
   float viewpoint[4] = {};
   float towards_eye[4] = {};
   float towards_light[4] = {};
-  float eye[4] = {};            // render/eye.h
+  float eye[4] = {};            // render/camera/eye.h
   float base_colour[4] = {};    // w: opacity
   std::uint32_t flags[4] = {};  // flags, first entry of the model's materials, the one after it if there is any
   std::array<GlLevel, max_level + 1> levels{};

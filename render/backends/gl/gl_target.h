@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "render/backends/gl/gl_object.h"
-#include "render/renderer.h"
+#include "render/frame/renderer.h"
 
 namespace lodestone {
 

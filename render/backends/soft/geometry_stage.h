@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "parallel/scheduler.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/backends/soft/kernels.h"
 #include "render/backends/soft/setup_stage.h"
 

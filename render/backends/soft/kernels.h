@@ -11,8 +11,8 @@
 #include "render/backends/soft/soft_renderer.h"
 #include "render/backends/soft/tile_buffer.h"
 #include "render/backends/soft/viewport.h"
+#include "render/camera/eye.h"
 #include "render/effects/ambient_occlusion.h"
-#include "render/eye.h"
 #include "render/lod/limits.h"
 
 namespace lodestone {

@@ -1,4 +1,4 @@
-// Occlusion culling of a picture (render/lod/occlusion.h): which cells are drawn first, and which of the others then.
+// Occlusion culling of a picture (render/culling/occlusion.h): which cells are drawn first, and which of the others then.
 //
 //     first()  -> geometry and tiles -> second() -> geometry, and the tiles that it touched once more -> finish()
 #pragma once
@@ -9,7 +9,7 @@
 
 #include "render/backends/soft/geometry_stage.h"
 #include "render/backends/soft/tile_buffer.h"
-#include "render/lod/occlusion.h"
+#include "render/culling/occlusion.h"
 
 namespace lodestone::soft {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "render/shading.h"
+#include "render/frame/shading.h"
 
 namespace lodestone::soft {
 namespace {

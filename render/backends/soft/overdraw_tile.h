@@ -5,7 +5,7 @@
 #include <span>
 
 #include "render/backends/soft/geometry_stage.h"
-#include "render/image.h"
+#include "render/frame/image.h"
 
 namespace lodestone::soft {
 

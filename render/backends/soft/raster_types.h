@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/hierarchy/hierarchy.h"
-#include "render/frame.h"
+#include "core/hierarchy/model/hierarchy.h"
+#include "render/frame/frame.h"
 
 namespace lodestone::soft {
 

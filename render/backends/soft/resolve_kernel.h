@@ -21,8 +21,8 @@
 #include "render/effects/texture.h"
 #include "render/effects/vertex_colours.h"
 #include "render/effects/wireframe.h"
-#include "render/renderer.h"
-#include "render/shading.h"
+#include "render/frame/renderer.h"
+#include "render/frame/shading.h"
 
 namespace lodestone::soft::LODESTONE_LANES {
 

@@ -20,7 +20,7 @@
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
-#include "render/stopwatch.h"
+#include "render/frame/stopwatch.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {

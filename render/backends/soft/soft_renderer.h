@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "parallel/scheduler.h"
-#include "render/renderer.h"
+#include "parallel/scheduler/scheduler.h"
+#include "render/frame/renderer.h"
 
 namespace lodestone {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "render/backends/soft/raster_types.h"
-#include "render/renderer.h"
+#include "render/frame/renderer.h"
 
 namespace lodestone::soft {
 

@@ -1,4 +1,4 @@
-// .lpm files as they arrive (core/progressive/lpm.h): feed bytes, take a mesh whenever there is more of it.
+// .lpm files as they arrive (core/progressive/lpm/lpm.h): feed bytes, take a mesh whenever there is more of it.
 import {RangeDecoder} from './range_decoder.js';
 import {SplitCodec} from './split_codec.js';
 import {SplitMesh} from './split_mesh.js';

@@ -1,4 +1,4 @@
-// The adaptive binary range decoder of core/progressive/range_coder.h, and its models. Behind the end of the bytes it
+// The adaptive binary range decoder of core/progressive/lpm/range_coder.h, and its models. Behind the end of the bytes it
 // reads zeros.
 
 export class RangeDecoder {

@@ -1,4 +1,4 @@
-// The code of a vertex split, read: core/progressive/split_codec.h. Predictions are the same operations on doubles in the
+// The code of a vertex split, read: core/progressive/lpm/split_codec.h. Predictions are the same operations on doubles in the
 // same order, so that they are the same numbers.
 import {NumberModel, SignedModel, TreeModel, bitModels} from './range_decoder.js';
 import {BACK, FRONT, INSIDE, Star, contradiction} from './split_mesh.js';

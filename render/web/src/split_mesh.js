@@ -1,4 +1,4 @@
-// A mesh that grows by vertex splits: core/progressive/split_mesh.h, step by step.
+// A mesh that grows by vertex splits: core/progressive/mesh/split_mesh.h, step by step.
 
 export const contradiction = () => new Error('the splits contradict each other');
 export const INSIDE = 0, BACK = 1, FRONT = 2;

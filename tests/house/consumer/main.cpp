@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "parallel/build.h"
+#include "parallel/build/build.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 

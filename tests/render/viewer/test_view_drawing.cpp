@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "render/backends/make_renderer.h"
 #include "render/viewer/band_tint.h"
 #include "render/viewer/camera_control.h"
 #include "render/viewer/view_drawing.h"

@@ -7,8 +7,9 @@
 #include <thread>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode_file.h"
-#include "core/io/mesh_writer.h"
+#include "core/formats/mesh_writer.h"
+#include "core/hierarchy/lode/lode_file.h"
+#include "render/backends/make_renderer.h"
 #include "render/viewer/camera_control.h"
 #include "render/viewer/view_session.h"
 #include "tests/render/small_hierarchy.h"

@@ -1,0 +1,55 @@
+// Conventions of colours and texture coordinates of the mesh formats, to those of core/mesh/attributes.h.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "core/math/vec2.h"
+#include "core/mesh/attributes.h"
+
+namespace lodestone {
+
+// [0, 1] to 0..255; what lies outside goes to the nearer end, NaN to 0.
+[[nodiscard]] inline std::uint8_t unit_to_byte(double value) {
+  return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(value, 1.0))) : std::uint8_t{0};
+}
+
+// Linear light in the sRGB encoding (IEC 61966-2-1).
+[[nodiscard]] inline double linear_to_srgb(double value) {
+  if (!(value > 0.0031308)) return 12.92 * value;
+  return 1.055 * std::pow(value, 1 / 2.4) - 0.055;
+}
+
+// And back; of all 256 bytes at once.
+[[nodiscard]] const std::array<float, 256>& linear_of_srgb();
+[[nodiscard]] inline double srgb_to_linear(double value) {
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+}
+
+// Light as 16 bits: the bytes in the sRGB encoding come back exactly.
+using LinearColour = std::array<std::uint16_t, 4>;
+[[nodiscard]] inline LinearColour linear_colour(Rgba8 c) {
+  const auto wide = [](float light) { return static_cast<std::uint16_t>(light * 65535 + 0.5f); };
+  const std::array<float, 256>& linear = linear_of_srgb();
+  return {wide(linear[c.r]), wide(linear[c.g]), wide(linear[c.b]), static_cast<std::uint16_t>(c.a * 257)};
+}
+// Back, from light in [0, 1].
+[[nodiscard]] inline Rgba8 colour_of_linear(double r, double g, double b, double a) {
+  return {unit_to_byte(linear_to_srgb(r)), unit_to_byte(linear_to_srgb(g)), unit_to_byte(linear_to_srgb(b)),
+          unit_to_byte(a)};
+}
+
+// Texture coordinates that count from the lower left corner of the image, as in OBJ, PLY and bare Draco files.
+[[nodiscard]] inline Vec2f from_lower_left(double u, double v) {
+  return {static_cast<float>(u), static_cast<float>(1 - v)};
+}
+
+// And back, for writing them.
+template <class Scalar>
+[[nodiscard]] std::array<Scalar, 2> to_lower_left(Vec2f uv) {
+  return {static_cast<Scalar>(uv.x), static_cast<Scalar>(1 - static_cast<double>(uv.y))};
+}
+
+}  // namespace lodestone

@@ -1,0 +1,109 @@
+#include "core/formats/common/companion_files.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <system_error>
+
+#include "core/base/error.h"
+#include "core/files/byte_reader.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view base64_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+constexpr std::array<std::int8_t, 256> base64_values = [] {
+  std::array<std::int8_t, 256> values{};
+  values.fill(-1);
+  for (std::size_t i = 0; i < base64_digits.size(); ++i)
+    values[static_cast<unsigned char>(base64_digits[i])] = static_cast<std::int8_t>(i);
+  return values;
+}();
+
+std::optional<std::vector<char>> decode_base64(std::string_view text) {
+  while (text.ends_with('=')) text.remove_suffix(1);
+  std::vector<char> bytes;
+  bytes.reserve(text.size() / 4 * 3 + 2);
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    const std::int8_t value = base64_values[static_cast<unsigned char>(c)];
+    if (value < 0) return std::nullopt;
+    bits = bits << 6 | static_cast<std::uint32_t>(value);
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes.push_back(static_cast<char>(bits >> count & 0xFF));
+  }
+  if (count >= 6) return std::nullopt;  // a lone digit is no byte
+  return bytes;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+}  // namespace
+
+std::optional<fs::path> CompanionFiles::find(std::string_view name) const {
+  if (!folder_ || name.empty() || name.find('\0') != std::string_view::npos) return std::nullopt;
+  if (fs::path(name).is_relative() && is_file(*folder_ / name)) return *folder_ / name;
+  std::string slashes(name);
+  std::replace(slashes.begin(), slashes.end(), '\\', '/');
+  if (fs::path(slashes).is_relative() && is_file(*folder_ / slashes)) return *folder_ / slashes;
+  const fs::path last = fs::path(slashes).filename();
+  if (!last.empty() && is_file(*folder_ / last)) return *folder_ / last;
+  return std::nullopt;
+}
+
+std::optional<std::vector<char>> CompanionFiles::read(std::string_view name) const {
+  const std::optional<fs::path> path = find(name);
+  if (!path) return std::nullopt;
+  try {
+    ByteReader input(*path);
+    return read_all(input);
+  } catch (const FileError&) {
+    return std::nullopt;
+  }
+}
+
+std::string percent_decoded(std::string_view uri) {
+  std::string result;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    unsigned code = 0;
+    if (uri[i] == '%' && i + 2 < uri.size()) {
+      const char* digits = uri.data() + i + 1;
+      if (std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2) {
+        result += static_cast<char>(code);
+        i += 2;
+        continue;
+      }
+    }
+    result += uri[i];
+  }
+  return result;
+}
+
+bool is_data_uri(std::string_view uri) { return uri.starts_with("data:"); }
+
+std::optional<std::vector<char>> decode_data_uri(std::string_view uri) {
+  const std::size_t comma = uri.find(',');
+  if (!is_data_uri(uri) || comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64"))
+    return std::nullopt;
+  return decode_base64(uri.substr(comma + 1));
+}
+
+std::string image_media_type(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return "image/png";
+  if (bytes.starts_with("\xff\xd8\xff")) return "image/jpeg";
+  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) return "image/webp";
+  if (bytes.starts_with("\xabKTX 20\xbb\r\n\x1a\n")) return "image/ktx2";
+  return {};
+}
+
+}  // namespace lodestone

@@ -1,0 +1,164 @@
+#include "core/formats/gltf/glb_builder.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/formats/gltf/gltf_meshopt.h"
+
+namespace lodestone {
+namespace {
+
+using nlohmann::json;
+
+// The extension that allows an image of this type; nullptr for PNG and JPEG, which need none.
+const char* extension_for(const std::string& media_type) {
+  if (media_type == "image/webp") return "EXT_texture_webp";
+  return media_type == "image/ktx2" ? "KHR_texture_basisu" : nullptr;
+}
+
+void add_once(json& names, const char* name) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+// Header, JSON and binary chunk.
+std::vector<std::byte> pack(const json& root, std::span<const std::byte> binary) {
+  std::string text = root.dump(-1, ' ', false, json::error_handler_t::replace);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::uint64_t total = 12 + 8 + text.size() + 8 + binary.size();
+  if (total > std::numeric_limits<std::uint32_t>::max())
+    throw ResourceError(describe("", "", "more than 4 GiB, which a .glb file cannot hold", "export a coarser level"));
+  const auto word = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
+  const std::array<std::uint32_t, 5> head{0x46546c67u, 2, word(total), word(text.size()), 0x4e4f534au};
+  const std::array<std::uint32_t, 2> chunk{word(binary.size()), 0x004e4942u};
+  std::vector<std::byte> out(total);
+  std::byte* to = out.data();
+  const auto append = [&](std::span<const std::byte> bytes) { to = std::copy(bytes.begin(), bytes.end(), to); };
+  append(std::as_bytes(std::span(head)));
+  append(std::as_bytes(std::span(text)));
+  append(std::as_bytes(std::span(chunk)));
+  append(binary);
+  return out;
+}
+
+}  // namespace
+
+std::size_t GlbBuilder::add_view(std::span<const std::byte> bytes, GltfTarget target) {
+  const std::size_t offset = binary_.size();
+  binary_.resize(offset + (bytes.size() + 3) / 4 * 4);
+  std::copy(bytes.begin(), bytes.end(), binary_.begin() + static_cast<std::ptrdiff_t>(offset));
+  json view{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
+  if (target != GltfTarget::none) view["target"] = static_cast<int>(target);
+  root["bufferViews"].push_back(std::move(view));
+  return root["bufferViews"].size() - 1;
+}
+
+std::size_t GlbBuilder::add_vertex_shorts(std::span<const std::uint16_t> items) {
+  const std::vector<std::uint32_t> wide(items.begin(), items.end());
+  const std::size_t at = add_accessor(std::span(wide), GltfComponent::unsigned_short, "SCALAR", GltfTarget::vertices);
+  root["bufferViews"][root["accessors"][at]["bufferView"].get<std::size_t>()]["byteStride"] = sizeof(std::uint32_t);
+  return at;
+}
+
+std::size_t GlbBuilder::add_positions(std::span<const Vec3f> positions) {
+  constexpr float far = std::numeric_limits<float>::max();
+  Vec3f lo{far, far, far}, hi{-far, -far, -far};
+  for (const Vec3f p : positions) {
+    lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+    hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+  }
+  const std::size_t at = add_accessor(positions, GltfComponent::floats, "VEC3", GltfTarget::vertices);
+  root["accessors"][at]["min"] = {lo.x, lo.y, lo.z};
+  root["accessors"][at]["max"] = {hi.x, hi.y, hi.z};
+  return at;
+}
+
+std::size_t GlbBuilder::add_indices(std::span<const std::uint32_t> ids, std::size_t vertex_count) {
+  if (vertex_count > 0xffff)  // the largest number is set aside
+    return add_accessor(ids, GltfComponent::unsigned_int, "SCALAR", GltfTarget::indices);
+  const std::vector<std::uint16_t> narrow(ids.begin(), ids.end());
+  return add_accessor(std::span(narrow), GltfComponent::unsigned_short, "SCALAR", GltfTarget::indices);
+}
+
+void GlbBuilder::add_material(const Material& m, std::size_t texture_count) {
+  json pbr{{"baseColorFactor", m.base_colour}, {"metallicFactor", 0}};
+  if (m.texture < texture_count) pbr["baseColorTexture"] = {{"index", m.texture}};
+  json material{{"pbrMetallicRoughness", std::move(pbr)}};
+  if (!m.name.empty()) material["name"] = m.name;
+  if (m.normal_map < texture_count) material["normalTexture"] = {{"index", m.normal_map}};
+  root["materials"].push_back(std::move(material));
+}
+
+void GlbBuilder::add_embedded_texture(const Texture& t) {
+  const std::size_t view = add_view(std::as_bytes(std::span(t.bytes)), GltfTarget::none);
+  add_texture(t, {{"bufferView", view}, {"mimeType", t.media_type}});
+}
+
+void GlbBuilder::add_linked_texture(const Texture& t, const std::string& uri) { add_texture(t, {{"uri", uri}}); }
+
+void GlbBuilder::add_texture(const Texture& t, json image) {
+  constexpr std::array wraps{10497, 33071, 33648};  // REPEAT, CLAMP_TO_EDGE, MIRRORED_REPEAT
+  if (!t.name.empty()) image["name"] = t.name;
+  root["samplers"].push_back(
+      {{"wrapS", wraps[static_cast<std::size_t>(t.wrap_u)]}, {"wrapT", wraps[static_cast<std::size_t>(t.wrap_v)]}});
+  root["images"].push_back(std::move(image));
+  json texture{{"sampler", root["samplers"].size() - 1}};
+  const std::size_t source = root["images"].size() - 1;
+  if (const char* extension = extension_for(t.media_type)) {
+    texture["extensions"][extension]["source"] = source;
+    add_once(root["extensionsUsed"], extension);
+    add_once(root["extensionsRequired"], extension);
+  } else {
+    texture["source"] = source;
+  }
+  root["textures"].push_back(std::move(texture));
+}
+
+std::vector<std::byte> GlbBuilder::finish() {
+  root["buffers"] = {{{"byteLength", binary_.size()}}};
+  return pack(root, binary_);
+}
+
+// Buffer 0 is the file's, buffer 1 what it decompresses to.
+std::vector<std::byte> GlbBuilder::finish_compressed() {
+  constexpr const char* extension = "EXT_meshopt_compression";
+  std::vector<std::byte> packed;
+  std::vector<const json*> accessor_of(root["bufferViews"].size(), nullptr);
+  for (const json& accessor : root["accessors"]) accessor_of[accessor["bufferView"].get<std::size_t>()] = &accessor;
+  for (std::size_t k = 0; k < accessor_of.size(); ++k) {
+    json& view = root["bufferViews"][k];
+    if (accessor_of[k] != nullptr) {
+      compress_view(view, *accessor_of[k], packed);
+    } else {  // an image
+      const auto from = binary_.begin() + view["byteOffset"].get<std::ptrdiff_t>();
+      view["byteOffset"] = packed.size();
+      packed.insert(packed.end(), from, from + view["byteLength"].get<std::ptrdiff_t>());
+    }
+    packed.resize((packed.size() + 3) / 4 * 4);
+  }
+  root["buffers"] = {{{"byteLength", packed.size()}},
+                     {{"byteLength", binary_.size()}, {"extensions", {{extension, {{"fallback", true}}}}}}};
+  add_once(root["extensionsUsed"], extension);
+  add_once(root["extensionsRequired"], extension);
+  return pack(root, packed);
+}
+
+void GlbBuilder::compress_view(json& view, const json& accessor, std::vector<std::byte>& packed) const {
+  const bool indices = view["target"] == static_cast<int>(GltfTarget::indices);
+  const std::size_t length = view["byteLength"], count = accessor["count"],
+                    stride = length / std::max<std::size_t>(count, 1);
+  const auto bytes = std::span(binary_).subspan(view["byteOffset"].get<std::size_t>(), length);
+  const std::vector<std::byte> result = compress_meshopt(bytes, count, stride, indices);
+  view["buffer"] = 1;
+  if (!indices) view["byteStride"] = stride;
+  view["extensions"]["EXT_meshopt_compression"] = {{"buffer", 0},
+                                                   {"byteOffset", packed.size()},
+                                                   {"byteLength", result.size()},
+                                                   {"byteStride", stride},
+                                                   {"count", count},
+                                                   {"mode", indices ? "INDICES" : "ATTRIBUTES"}};
+  packed.insert(packed.end(), result.begin(), result.end());
+}
+
+}  // namespace lodestone

@@ -1,0 +1,149 @@
+#include "core/formats/gltf/gltf_document.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/files/scalar.h"
+#include "core/files/text_scanner.h"
+#include "core/formats/gltf/gltf_meshopt.h"
+
+namespace lodestone {
+namespace {
+
+constexpr const char* truncated = "the file is truncated or damaged";
+constexpr std::uint32_t json_chunk = 0x4E4F534Au, binary_chunk = 0x004E4942u;  // "JSON", "BIN\0"
+
+// What may be required without being understood changes no triangle: it says how surfaces and lights look.
+bool is_known_extension(std::string_view name) {
+  constexpr std::array<std::string_view, 7> known{
+      "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization", "KHR_texture_transform",
+      "EXT_texture_webp",           "KHR_texture_basisu",      "KHR_lights_punctual"};
+  return std::find(known.begin(), known.end(), name) != known.end() || name.starts_with("KHR_materials_");
+}
+
+}  // namespace
+
+GltfDocument::GltfDocument(ByteReader& input) : file_(input.name()), files_(input.folder()), bytes_(read_all(input)) {
+  if (std::string_view(bytes_.data(), bytes_.size()).starts_with("glTF")) {
+    read_binary(bytes_);
+  } else {
+    json_ = parse_json(bytes_, file_);
+    bytes_ = {};
+  }
+  check_asset();
+}
+
+void GltfDocument::read_binary(std::span<const char> bytes) {
+  const auto fail = [&](std::size_t at, const std::string& what) {
+    throw InputError(describe(file_, "byte " + std::to_string(at), what, truncated));
+  };
+  if (bytes.size() < 12) fail(bytes.size(), "the file ends in its header");
+  const auto version = load<std::uint32_t>(bytes.data() + 4);
+  if (version != 2)
+    throw UnsupportedError(
+        describe(file_, "byte 4", "binary glTF of version " + std::to_string(version), "convert it to glTF 2.0"));
+  const auto length = load<std::uint32_t>(bytes.data() + 8);
+  if (length < 12 || length > bytes.size())
+    fail(8, "declares " + std::to_string(length) + " bytes, the file has " + std::to_string(bytes.size()));
+  std::size_t at = 12;
+  bool has_json = false;
+  while (length - at >= 8) {
+    const auto size = load<std::uint32_t>(bytes.data() + at);
+    const auto type = load<std::uint32_t>(bytes.data() + at + 4);
+    if (size > length - at - 8)
+      fail(at,
+           "a chunk of " + std::to_string(size) + " bytes, but only " + std::to_string(length - at - 8) + " follow");
+    const std::span<const char> chunk = bytes.subspan(at + 8, size);
+    if (!has_json) {
+      if (type != json_chunk) fail(at + 4, "the first chunk is no JSON");
+      json_ = parse_json(chunk, file_);
+      has_json = true;
+    } else if (type == binary_chunk && binary_.empty()) {
+      binary_ = chunk;
+    }
+    at += 8 + size;
+  }
+  if (!has_json) fail(at, "has no JSON chunk");
+}
+
+void GltfDocument::check_asset() const {
+  const std::string version = root().at("asset").at("version").string();
+  if (!version.starts_with("2."))
+    throw UnsupportedError(describe(file_, "asset.version", "glTF " + quote(version), "convert it to glTF 2.0"));
+  const std::optional<JsonView> required = root().find("extensionsRequired");
+  for (std::size_t i = 0; required && i < required->size(); ++i) {
+    const std::string& name = required->at(i).string();
+    if (!is_known_extension(name))
+      throw UnsupportedError(describe(file_, required->at(i).place(), "the extension " + quote(name) + " is required",
+                                      "it is not known here; export the model without it"));
+  }
+}
+
+JsonView GltfDocument::item(const char* array, const JsonView& reference) const {
+  const std::uint64_t index = reference.integer();
+  const std::optional<JsonView> items = root().find(array);
+  const std::size_t count = items ? items->size() : 0;
+  if (index >= count)
+    reference.fail("index " + std::to_string(index) + " is out of range, the file has " + std::to_string(count) + " " +
+                   array);
+  return items->at(static_cast<std::size_t>(index));
+}
+
+std::vector<char> GltfDocument::load_buffer(const JsonView& description, std::size_t index) {
+  const std::optional<JsonView> uri = description.find("uri");
+  if (!uri) {
+    if (index == 0 && !binary_.empty()) return {binary_.begin(), binary_.end()};
+    description.fail("has no bytes: neither a 'uri' nor a binary chunk", truncated);
+  }
+  if (is_data_uri(uri->string())) {
+    if (std::optional<std::vector<char>> bytes = decode_data_uri(uri->string())) return std::move(*bytes);
+    uri->fail("damaged data URI; only base64 is read");
+  }
+  const std::string name = percent_decoded(uri->string());
+  if (std::optional<std::vector<char>> bytes = files_.read(name)) return std::move(*bytes);
+  throw FileError(
+      describe(file_, uri->place(), "the buffer " + quote(name) + " cannot be read", "put it beside the model"));
+}
+
+std::span<const char> GltfDocument::buffer(const JsonView& reference) {
+  const JsonView description = item("buffers", reference);
+  const auto index = static_cast<std::size_t>(reference.integer());
+  const std::uint64_t length = description.at("byteLength").integer();
+  std::span<const char> bytes = binary_;
+  // The binary chunk is not copied.
+  if (index != 0 || binary_.empty() || description.find("uri")) {
+    const auto [loaded, is_new] = buffers_.try_emplace(index);
+    if (is_new) loaded->second = load_buffer(description, index);
+    bytes = loaded->second;
+  }
+  if (length > bytes.size())
+    description.fail(
+        "declares " + std::to_string(length) + " bytes, but only " + std::to_string(bytes.size()) + " are there",
+        truncated);
+  return bytes.first(static_cast<std::size_t>(length));
+}
+
+// {"buffer", "byteOffset", "byteLength"}: a buffer view, or its compressed form.
+std::span<const char> GltfDocument::part_of_buffer(const JsonView& range) {
+  const std::span<const char> whole = buffer(range.at("buffer"));
+  const std::uint64_t offset = range.integer_or("byteOffset", 0), length = range.at("byteLength").integer();
+  if (offset > whole.size() || length > whole.size() - offset)
+    range.fail("reaches from byte " + std::to_string(offset) + " to " + std::to_string(offset + length) +
+                   " of a buffer of " + std::to_string(whole.size()) + " bytes",
+               truncated);
+  return whole.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+GltfView GltfDocument::view(const JsonView& reference) {
+  const JsonView description = item("bufferViews", reference);
+  const std::optional<JsonView> extensions = description.find("extensions");
+  const std::optional<JsonView> packed = extensions ? extensions->find("EXT_meshopt_compression") : std::nullopt;
+  if (!packed) return {part_of_buffer(description), static_cast<std::size_t>(description.integer_or("byteStride", 0))};
+  const auto [decompressed, is_new] = decompressed_.try_emplace(static_cast<std::size_t>(reference.integer()));
+  if (is_new) decompressed->second = decompress_meshopt(*packed, part_of_buffer(*packed));
+  return {decompressed->second, static_cast<std::size_t>(packed->at("byteStride").integer())};
+}
+
+}  // namespace lodestone

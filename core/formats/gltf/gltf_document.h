@@ -1,0 +1,56 @@
+// A glTF 2.0 file as JSON and the bytes behind it: chunks, buffers, buffer views, compressed or not.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/files/byte_reader.h"
+#include "core/files/json_view.h"
+#include "core/formats/common/companion_files.h"
+
+namespace lodestone {
+
+struct GltfView {
+  std::span<const char> bytes;  // decompressed
+  std::size_t stride = 0;       // of the view's elements; 0: they follow each other
+};
+
+class GltfDocument {
+ public:
+  // Text (.gltf) or binary (.glb), told apart by the first bytes. Checks chunks, version and required extensions.
+  // Throws InputError for damaged files, UnsupportedError for glTF 1 and for a required extension that is not known.
+  explicit GltfDocument(ByteReader& input);
+  GltfDocument(const GltfDocument&) = delete;  // views refer to it
+  GltfDocument& operator=(const GltfDocument&) = delete;
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] JsonView root() const { return {json_, file_}; }
+  // Item `index` of a top-level array; `reference` is the value that holds the index, for the message.
+  [[nodiscard]] JsonView item(const char* array, const JsonView& reference) const;
+
+  // The bytes of a buffer view, loaded and decompressed when they are first asked for; they live as long as this.
+  // Throws InputError when the buffer is missing or the view reaches beyond it.
+  [[nodiscard]] GltfView view(const JsonView& reference);
+
+ private:
+  void read_binary(std::span<const char> bytes);
+  void check_asset() const;
+  [[nodiscard]] std::span<const char> buffer(const JsonView& reference);
+  [[nodiscard]] std::vector<char> load_buffer(const JsonView& description, std::size_t index);
+  [[nodiscard]] std::span<const char> part_of_buffer(const JsonView& range);
+
+  std::string file_;
+  CompanionFiles files_;
+  std::vector<char> bytes_;       // of a binary file
+  std::span<const char> binary_;  // its second chunk
+  nlohmann::json json_;
+  std::map<std::size_t, std::vector<char>> buffers_, decompressed_;  // by index of buffer, of view
+};
+
+}  // namespace lodestone

@@ -1,0 +1,48 @@
+// Materials and images of a glTF file.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "core/formats/common/texture_set.h"
+#include "core/formats/gltf/gltf_document.h"
+#include "core/math/vec2.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+// A material as a primitive sees it: with the texture coordinates that its base colour takes.
+struct GltfMaterial {
+  std::uint32_t index = no_material;  // in mesh.materials
+  std::string uv_attribute = "TEXCOORD_0";
+  // KHR_texture_transform: (u, v) -> (a u + b v + x, c u + d v + y).
+  std::array<double, 6> uv_map{1, 0, 0, 1, 0, 0};  // a, b, c, d, x, y
+  [[nodiscard]] Vec2f map(double u, double v) const;
+};
+
+// Adds the materials that are used, with their images, to the mesh. A base colour of pbrMetallicRoughness, or the
+// diffuse one of KHR_materials_pbrSpecularGlossiness. An image that cannot be had is a warning.
+class GltfMaterials {
+ public:
+  GltfMaterials(GltfDocument& document, const ByteReader& input, RawMesh& mesh)
+      : document_(&document), mesh_(&mesh), textures_(mesh, input) {}
+
+  // `reference`: the value that holds the index.
+  [[nodiscard]] const GltfMaterial& use(const JsonView& reference);
+
+ private:
+  GltfMaterial read(const JsonView& source);
+  std::uint32_t read_texture(const JsonView& info);
+  std::uint32_t read_image(const JsonView& reference, TextureWraps wraps);
+
+  GltfDocument* document_;
+  RawMesh* mesh_;
+  TextureSet textures_;
+  std::map<std::uint64_t, GltfMaterial> used_;
+  std::map<std::tuple<std::uint64_t, TextureWrap, TextureWrap>, std::uint32_t> images_;
+};
+
+}  // namespace lodestone

@@ -1,0 +1,142 @@
+#include "core/formats/mesh_file.h"
+
+#include <cctype>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/base/error.h"
+#include "core/formats/common/mesh_readers.h"
+#include "core/formats/terrain/grid_readers.h"
+
+namespace lodestone {
+namespace {
+
+std::optional<MeshFormat> format_of_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".ply") return MeshFormat::ply;
+  if (extension == ".obj") return MeshFormat::obj;
+  if (extension == ".stl") return MeshFormat::stl;
+  if (extension == ".off") return MeshFormat::off;
+  if (extension == ".drc") return MeshFormat::draco;
+  if (extension == ".glb" || extension == ".gltf") return MeshFormat::gltf;
+  if (extension == ".json") return MeshFormat::tileset;
+  if (extension == ".hgt") return MeshFormat::hgt;
+  if (extension == ".asc") return MeshFormat::ascii_grid;
+  return std::nullopt;
+}
+
+std::optional<MeshFormat> format_of_content(ByteReader& input) {
+  const std::string_view head = input.window(4096).substr(0, 4096);
+  if (head.starts_with("ply")) return MeshFormat::ply;
+  if (head.starts_with("DRACO")) return MeshFormat::draco;
+  if (head.starts_with("glTF")) return MeshFormat::gltf;
+  if (head.substr(0, head.find_first_of(" \t\r\n")).ends_with("OFF")) return MeshFormat::off;
+  if (head.size() >= 84 && head.find('\0') != std::string_view::npos) {
+    if (is_binary_stl(head, input.size())) return MeshFormat::stl;
+  } else if (head.starts_with("solid")) {
+    return MeshFormat::stl;
+  } else if (head.starts_with("v ") || head.find("\nv ") != std::string_view::npos) {
+    return MeshFormat::obj;
+  }
+  return std::nullopt;
+}
+
+bool is_hierarchy(ByteReader& input) { return input.window(8).starts_with("\x93LODE"); }
+
+// Without a tileset.json.
+RawMesh read_folder(const std::filesystem::path& folder, const ReadConfig& config) {
+  if (list_srtm_tiles(folder).empty())
+    throw UnsupportedError(describe(folder.string(), "", "holds neither a tileset.json nor .hgt tiles",
+                                    "give a file of a mesh, or a folder of tiles"));
+  try {
+    RawMesh mesh = read_srtm_folder(folder, config);
+    require_triangles(mesh, folder.string());
+    return mesh;
+  } catch (const std::bad_alloc&) {
+    throw_out_of_memory(folder.string());
+  }
+}
+
+}  // namespace
+
+bool has_mesh_extension(const std::filesystem::path& path) { return format_of_extension(path).has_value(); }
+
+MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input, const ReadConfig& config) {
+  if (const auto format = format_of_extension(path)) return *format;
+  if (is_hierarchy(input))  // its first bytes may look like a binary STL
+    throw UnsupportedError(
+        describe(input.name(), "", "is a hierarchy (.lode), not a mesh", "give the mesh that it was built from"));
+  if (config.raw_grid) return MeshFormat::raw_grid;
+  if (const auto format = format_of_content(input)) return *format;
+  throw UnsupportedError(describe(
+      input.name(), "", "is of no known mesh format",
+      "give a .ply, .obj, .stl, .off, .drc, .glb, .gltf, .hgt or .asc file, or a tileset.json; or say --grid"));
+}
+
+RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config) {
+  if (input.size() == 0) throw InputError(describe(input.name(), "", "is empty", "give a mesh with triangles"));
+  try {
+    RawMesh mesh = [&] {
+      switch (format) {
+        case MeshFormat::ply:
+          return read_ply(input, config);
+        case MeshFormat::obj:
+          return read_obj(input, config);
+        case MeshFormat::stl:
+          return read_stl(input);
+        case MeshFormat::off:
+          return read_off(input, config);
+        case MeshFormat::draco:
+          return read_draco(input, config);
+        case MeshFormat::gltf:
+          return read_gltf(input, config);
+        case MeshFormat::tileset:
+          return read_tileset(input, config);
+        case MeshFormat::hgt:
+          return read_hgt(input, config);
+        case MeshFormat::ascii_grid:
+          return read_ascii_grid(input, config);
+        case MeshFormat::raw_grid:
+          break;
+      }
+      return read_raw_grid(input, config);
+    }();
+    require_triangles(mesh, input.name());
+    return mesh;
+  } catch (const std::bad_alloc&) {
+    throw_out_of_memory(input.name());
+  } catch (const std::length_error&) {  // a vector of more than can be addressed
+    throw_out_of_memory(input.name());
+  }
+}
+
+RawMesh read_mesh(const std::filesystem::path& path, const ReadConfig& config) {
+  const std::filesystem::path file = mesh_path(path);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return read_folder(file, config);
+  ByteReader input(file);
+  if (input.size() == 0) throw InputError(describe(input.name(), "", "is empty", "give a mesh with triangles"));
+  return read_mesh(input, mesh_format(file, input, config), config);
+}
+
+std::filesystem::path mesh_path(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path / "tileset.json", ignored)) return path / "tileset.json";
+  return path;
+}
+
+void require_triangles(const RawMesh& mesh, const std::string& name) {
+  if (!mesh.triangles.empty()) return;
+  std::string what = "holds no triangle (" + std::to_string(mesh.positions.size()) + " vertices";
+  if (mesh.faces_dropped != 0) what += ", " + std::to_string(mesh.faces_dropped) + " faces of fewer than 3 corners";
+  throw InputError(describe(name, "", what + ")", "give a mesh with triangles"));
+}
+
+void throw_out_of_memory(const std::string& name) {
+  throw ResourceError(describe(name, "", "there is not enough memory to read it", "give a smaller mesh"));
+}
+
+}  // namespace lodestone

@@ -1,0 +1,36 @@
+// 3D Tiles (OGC 18-053r2 and 22-025r4): trees of tiles, each a model of its own.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/files/byte_reader.h"
+#include "core/formats/common/read_config.h"
+#include "core/math/affine.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+struct Tile {
+  std::filesystem::path file;
+  Affine3d map;           // from the model, z up, to the coordinates of the root's parent
+  Affine3d up_to_z;       // turns the model's up axis to z before
+  std::string reference;  // file and place that name it
+};
+
+struct TileList {
+  std::vector<Tile> tiles;  // in the order of the tree
+  std::vector<std::string> warnings;
+};
+
+// The tiles that together are the surface at its finest: with refinement REPLACE those with content of which no
+// descendant has content, with ADD all. External tilesets are followed. Throws InputError for a malformed tileset or
+// one that refers to itself, FileError for a file that is missing, UnsupportedError for implicit tiling. Point clouds,
+// instanced models and composites are left out with a warning.
+[[nodiscard]] TileList list_tiles(ByteReader& input);
+
+// A tile as a mesh in the coordinates of the root's parent: glTF, or one wrapped as Batched 3D Model (.b3dm).
+[[nodiscard]] RawMesh read_tile(const Tile& tile, const ReadConfig& config);
+
+}  // namespace lodestone

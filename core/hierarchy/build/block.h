@@ -1,0 +1,58 @@
+// The kernel of the build: merge the cells of a block on vertex identity, simplify, record P, split into parent cells.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/hierarchy/build/block_wedges.h"
+#include "core/hierarchy/build/cell_build.h"
+#include "core/hierarchy/build/cell_table.h"
+#include "core/hierarchy/build/star_distance.h"
+#include "core/simplify/block/simplifier.h"
+
+namespace lodestone {
+
+// Working memory of one worker, reused between blocks.
+struct BlockScratch {
+  // The merged mesh of the block.
+  std::vector<Vec3f> positions;
+  std::vector<PackedNormal> normals;
+  std::vector<std::uint32_t> ids;
+  std::vector<std::uint8_t> locked;
+  std::vector<Triangle> triangles;
+  std::vector<std::uint32_t> block_id;  // of every vertex of every cell, cell after cell
+  std::vector<Vec2f> uv;                // these three as the attributes say
+  std::vector<Rgba8> colours;
+  std::vector<std::uint32_t> materials;
+  // With wedges: the vertices that they stand at.
+  std::vector<std::uint32_t> vertex_ids;
+  BlockWedges wedges;
+  std::vector<UsageBox> vertex_usage;
+  std::vector<std::uint8_t> vertex_used_by;
+  std::vector<std::uint32_t> local_vertex;  // of each vertex of the parent being made
+  std::vector<Vec2f> moved_uv;
+  std::vector<Rgba8> moved_colours;
+  // Vertices that cells share: their block ids, the union of their copies' usage, and how to find them.
+  std::vector<std::uint32_t> shared;
+  std::vector<UsageBox> usage;
+  std::vector<std::uint32_t> table_keys, table_values;  // shared id -> index in `shared`
+  // Splitting into the parents.
+  std::vector<std::uint8_t> used_by;    // bit i: the i-th parent uses this survivor
+  std::vector<std::uint32_t> members;   // survivors, parent after parent; longer than those
+  std::vector<std::uint32_t> local;     // of a survivor in the parent being made
+  std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
+  std::vector<Triangle> kept;           // of the parent being made; longer than those
+  // For simplifiers that do not measure distances.
+  std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
+  StarDistance surface;          // of the images
+};
+
+// `cells` and `parents` are the builds of levels block.level and block.level - 1, by rank. Fills the parents of the
+// block and the `parents` arrays and displacement statistics of its cells, whose transient memory it releases. Vertices
+// stay on `lattice`, if there is one.
+void build_block(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
+                 std::span<CellBuild> parents, float sigma0, const AttributeSet& attributes, Simplifier& simplifier,
+                 BlockScratch& scratch, Lattice lattice = {});
+
+}  // namespace lodestone

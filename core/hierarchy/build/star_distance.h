@@ -1,0 +1,44 @@
+// How far the vertices of a level are from the surface of the next coarser one: measured, where |v - P(v)| only bounds.
+//
+// A vertex mostly slides along the surface to its parent; the bound of (1) counts all of that way as error. Measured is
+// the distance to the triangles around the parent, and from there on to neighbouring ones as long as they are nearer:
+// never less than the distance of the vertex from the surface, and nearly always that distance. Points between the
+// vertices may be farther.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/math/vec3.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+class StarDistance {
+ public:
+  // The coarse triangles by vertex; degenerate ones are passed over. The spans must outlive the queries.
+  void reset(std::span<const Triangle> triangles, std::span<const Vec3f> positions);
+
+  // The larger of `known` and the squared distance of p from the surface near `vertex`; from the vertex itself where it
+  // has no triangle. Looks no further once a triangle is within `known`: a running maximum makes most queries end at
+  // their first triangle.
+  [[nodiscard]] double farther(double known, Vec3f p, std::uint32_t vertex) const;
+
+ private:
+  static constexpr std::uint32_t none = 0xffff'ffffu;
+  struct Nearest {
+    double squared = 0;
+    std::uint32_t triangle = none;
+  };
+  [[nodiscard]] bool is_near(float known, Vec3f p, std::uint32_t vertex) const;
+  void search_star(double known, const Vec3d& p, std::uint32_t vertex, Nearest& nearest) const;
+  void search_around(double known, const Vec3d& p, std::uint32_t triangle, Nearest& nearest) const;
+
+  std::span<const Triangle> triangles_;
+  std::span<const Vec3f> positions_;
+  std::vector<std::uint32_t> first_;     // of each vertex in `incident_`; one more entry than vertices
+  std::vector<std::uint32_t> incident_;  // triangles
+};
+
+}  // namespace lodestone

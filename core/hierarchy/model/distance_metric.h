@@ -1,0 +1,42 @@
+// The distance d of selection and morph: from the viewpoint to a vertex and to a box.
+//
+// Both functions do the same operations in the same order, and every one of them is monotone under rounding, so that
+// distance(v, box) <= distance(v, x) holds in float for every x in the box: the crack-free proof needs exactly that.
+// Compile without contraction of floating point (the build does).
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "core/math/box3.h"
+#include "core/math/vec3.h"
+
+namespace lodestone {
+
+enum class DistanceMetric : std::uint8_t { euclidean = 0, chebyshev = 1 };
+inline constexpr int distance_metric_count = 2;
+
+// Norm of a vector of non-negative components.
+[[nodiscard]] inline float norm(DistanceMetric metric, float ax, float ay, float az) {
+  if (metric == DistanceMetric::chebyshev) return std::max(std::max(ax, ay), az);
+  return std::sqrt((ax * ax + ay * ay) + az * az);
+}
+
+[[nodiscard]] inline float distance(DistanceMetric metric, Vec3f viewpoint, Vec3f p) {
+  return norm(metric, std::abs(p.x - viewpoint.x), std::abs(p.y - viewpoint.y), std::abs(p.z - viewpoint.z));
+}
+
+[[nodiscard]] inline float distance(DistanceMetric metric, Vec3f viewpoint, const Box3f& box) {
+  const auto outside = [](float lo, float hi, float v) { return std::max(std::max(lo - v, v - hi), 0.0f); };
+  return norm(metric, outside(box.lo.x, box.hi.x, viewpoint.x), outside(box.lo.y, box.hi.y, viewpoint.y),
+              outside(box.lo.z, box.hi.z, viewpoint.z));
+}
+
+// From p to the corner of the box that is farthest from it.
+[[nodiscard]] inline float farthest_corner_distance(DistanceMetric metric, Vec3f p, const Box3f& box) {
+  const auto far = [](float lo, float hi, float v) { return std::max(std::abs(v - lo), std::abs(hi - v)); };
+  return norm(metric, far(box.lo.x, box.hi.x, p.x), far(box.lo.y, box.hi.y, p.y), far(box.lo.z, box.hi.z, p.z));
+}
+
+}  // namespace lodestone

@@ -1,0 +1,136 @@
+// The hierarchical level of detail, in memory: a table of levels, a table of cells, and views of the cells' payloads.
+//
+// The payloads live in `storage` (blocks of the builder, or a mapped .lode file); a Hierarchy is cheap to move, and
+// copies share it. Notation follows docs/architecture.md: level 0 is the root, level `finest` the input; h_l = 2^-l;
+// P maps the vertices of level l to vertices of level l-1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/hierarchy/model/cell_code.h"
+#include "core/hierarchy/model/distance_metric.h"
+#include "core/math/box3.h"
+#include "core/math/float4.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+// A unit normal as two 16-bit signed octahedral coordinates (Meyer et al. 2010): 4 bytes, error below 0.004 degrees.
+struct PackedNormal {
+  std::int16_t u = 0, v = 0;
+  friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
+};
+[[nodiscard]] PackedNormal pack_normal(Vec3f n);  // n need not be of unit length; zero gives +z
+void pack_normals(std::span<const Float4> n, std::span<PackedNormal> packed);  // the same bits; packed is no shorter
+[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);                        // of unit length within rounding
+
+inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
+
+// Which attributes vertices have, beside a normal. `wedges`: several vertices may share a position.
+struct AttributeSet {
+  bool wedges = false, uv = false, colours = false, materials = false;
+  friend bool operator==(const AttributeSet&, const AttributeSet&) = default;
+};
+
+// Attributes of the vertices of a cell, one each or none at all.
+struct CellAttributes {
+  std::span<const Vec2f> uv;
+  std::span<const Rgba8> colours;
+  std::span<const std::uint32_t> materials;  // as in WedgeAttributes: the same for the corners of a triangle
+};
+
+// One cell. Vertex ids in `triangles` and positions in `parents` are local to a cell's payload: triangles index this
+// cell's positions, parents[i] is the index of P(vertex i) in the positions of the *parent* cell.
+//
+// `positions` is V_l(C): every vertex that a triangle of M_L below this cell arrives at, also those that only
+// degenerate triangles use. A vertex that several cells of the level use has a copy in each, the same bits, and one id
+// in `shared_ids`; such vertices come last, shared_ids[k] belonging to positions[positions.size() - shared_ids.size() +
+// k]. The id names a vertex through all levels: P keeps it where a vertex survives.
+//
+// In a hierarchy with attributes every vertex here is a *wedge* (core/mesh/attributes.h): several of them may share a
+// position, they have parents that share one, and P keeps each in its chart. A shared id names a wedge, and one that
+// only a single cell uses counts as shared when another cell uses another wedge of its position.
+struct Cell {
+  CellCode code;
+  std::uint32_t parent = no_cell;                  // index of the parent in Hierarchy::cells
+  std::uint32_t first_child = 0, child_count = 0;  // children are consecutive, in Morton order
+  Box3f bounds;                                    // B(C): box of positions and of the children's B
+  float max_displacement = 0;                      // max d(v, P(v)) over the vertices of this cell; 0 at the root
+  float error = 0;  // distance from M_L, monotone: estimated (docs/decisions/0004), or measured (0011)
+  std::span<const Vec3f> positions;
+  std::span<const PackedNormal> normals;  // one per position
+  CellAttributes attributes;
+  std::span<const std::uint32_t> parents;  // one per position; empty at level 0
+  std::span<const std::uint32_t> shared_ids;
+  std::span<const Triangle> triangles;  // never degenerate
+
+  [[nodiscard]] std::uint32_t first_shared() const {
+    return static_cast<std::uint32_t>(positions.size() - shared_ids.size());
+  }
+};
+
+struct Level {
+  std::uint32_t first_cell = 0, cell_count = 0;  // range in Hierarchy::cells, in Morton order
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;  // copies counted once per cell, as stored
+  // rho_l: largest distance from a vertex of a cell to the farthest corner of the cell's bounds, over h_l, rounded up.
+  std::array<float, distance_metric_count> reach{};
+  float diameter = 0;            // max diam(B(C)) / h_l, Euclidean, rounded up
+  float error = 0;               // e_l: max error of the level's cells over h_l, rounded up
+  float max_edge = 0;            // longest edge over h_l, rounded up
+  std::uint64_t long_edges = 0;  // half-edges longer than sigma0 h_l
+};
+
+struct Provenance {
+  std::uint64_t input_vertices = 0, input_triangles = 0;  // after cleaning
+  Repairs repairs;
+  // Sum modulo 2^64 of triangle_fingerprint over the cleaned input: the same for M_L, whatever the order.
+  std::uint64_t fingerprint = 0;
+  std::uint32_t simplifier = 0;      // SimplifierKind
+  std::uint32_t placement = 0;       // Placement of its survivors
+  std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
+  bool measured_errors = false;      // errors are bounds of what measure_errors says, not estimates
+  bool refined = false;              // M_L has the input's edges beyond sigma0 h_L split (core/mesh/refine.h)
+};
+
+// A texture at half its width and height, `halvings` times over, encoded as the texture is.
+struct TextureCopy {
+  std::uint32_t texture = 0;   // index in Hierarchy::textures
+  std::uint32_t halvings = 0;  // at least 1
+  std::uint32_t width = 0, height = 0;
+  std::vector<char> bytes;
+  friend bool operator==(const TextureCopy&, const TextureCopy&) = default;
+};
+
+struct Hierarchy {
+  Transform transform;
+  float sigma0 = 0;
+  Provenance provenance;
+  std::vector<Level> levels;  // [0] is the root
+  std::vector<Cell> cells;    // by level, then Morton code
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  // What coarser levels show textures with (core/hierarchy/model/texture_levels.h): by texture, then 1, 2, ... halvings.
+  std::vector<TextureCopy> texture_copies;
+  std::shared_ptr<const void> storage;  // keeps the payloads alive
+
+  // Which attributes the vertices of all cells have.
+  AttributeSet attributes;
+
+  [[nodiscard]] int finest() const { return static_cast<int>(levels.size()) - 1; }
+  [[nodiscard]] std::span<const Cell> cells_of(int level) const {
+    const Level& l = levels[static_cast<std::size_t>(level)];
+    return std::span(cells).subspan(l.first_cell, l.cell_count);
+  }
+  // Level of the cell with this index in `cells`.
+  [[nodiscard]] int level_of(std::uint32_t cell) const;
+};
+
+// Bound of (1) for vertices of level l: sigma0 h_l / 2.
+[[nodiscard]] constexpr float displacement_bound(float sigma0, int level) { return sigma0 * cell_size(level) * 0.5f; }
+
+}  // namespace lodestone

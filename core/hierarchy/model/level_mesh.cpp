@@ -1,0 +1,70 @@
+#include "core/hierarchy/model/level_mesh.h"
+
+#include <string>
+#include <unordered_map>
+
+#include "core/base/error.h"
+#include "core/hierarchy/model/texture_levels.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::uint32_t unseen = 0xffff'ffffu;
+
+const Level& level_or_throw(const Hierarchy& hierarchy, int level) {
+  if (level < 0 || level > hierarchy.finest())
+    throw InputError(describe("", "level " + std::to_string(level), "there is no such level",
+                              "give one from 0 to " + std::to_string(hierarchy.finest())));
+  const Level& found = hierarchy.levels[static_cast<std::size_t>(level)];
+  if (found.vertices >= unseen)
+    throw ResourceError(
+        describe("", "level " + std::to_string(level), "more than 2^32 vertices", "export a coarser one"));
+  return found;
+}
+
+void append_attributes(const Hierarchy& hierarchy, const Cell& cell, std::uint32_t v, RawWedges& out) {
+  out.normal.push_back(unpack_normal(cell.normals[v]));
+  if (hierarchy.attributes.uv) out.uv.push_back(cell.attributes.uv[v]);
+  if (hierarchy.attributes.colours) out.colour.push_back(cell.attributes.colours[v]);
+}
+
+}  // namespace
+
+RawMesh level_mesh(const Hierarchy& hierarchy, int level) {
+  const Level& found = level_or_throw(hierarchy, level);
+  RawMesh mesh;
+  mesh.triangles.reserve(found.triangles);
+  mesh.materials = hierarchy.materials;
+  mesh.textures = level_textures(hierarchy, level);
+  const bool attributed = hierarchy.attributes != AttributeSet{} || !hierarchy.materials.empty();
+  std::unordered_map<std::uint32_t, std::uint32_t> by_id;  // of the shared vertices
+  std::vector<std::uint32_t> numbers;                      // of the cell's vertices in `mesh`
+  const auto add = [&](const Cell& cell, std::uint32_t v) {
+    const auto next = static_cast<std::uint32_t>(mesh.positions.size());
+    if (v >= cell.first_shared()) {
+      const auto [at, fresh] = by_id.emplace(cell.shared_ids[v - cell.first_shared()], next);
+      if (!fresh) return at->second;
+    }
+    mesh.positions.push_back(hierarchy.transform.to_model(cell.positions[v]));
+    if (attributed) append_attributes(hierarchy, cell, v, mesh.wedges);
+    return next;
+  };
+  for (const Cell& cell : hierarchy.cells_of(level)) {
+    numbers.assign(cell.positions.size(), unseen);
+    for (const Triangle& t : cell.triangles) {
+      Triangle& out = mesh.triangles.emplace_back();
+      for (std::size_t i = 0; i < 3; ++i) {
+        std::uint32_t& number = numbers[t.v[i]];
+        if (number == unseen) number = add(cell, t.v[i]);
+        out.v[i] = number;
+      }
+      if (hierarchy.attributes.materials)
+        mesh.wedges.material.push_back(cell.attributes.materials[t.v[0]]);
+      else if (!hierarchy.materials.empty())
+        mesh.wedges.material.push_back(0);
+    }
+  }
+  return mesh;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,23 @@
+// Whether the tables and payloads of a hierarchy hang together: what must hold before any index may be followed.
+// The file reader and the verifier both start here.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/hierarchy/model/hierarchy.h"
+
+namespace lodestone {
+
+// The first fault of the level and cell tables, empty when there is none: levels that cut the cells into consecutive
+// runs, one root, Morton order inside the grid, children consecutive and complete, finite boxes and bounds, counts that
+// fit the cells, sigma0 and transform usable.
+[[nodiscard]] std::string table_fault(const Hierarchy& hierarchy);
+
+// The first fault of one cell's payload, nullptr when there is none: span sizes, finite positions, parents and triangle
+// vertices in range, no degenerate triangle. The tables are known to be sound.
+[[nodiscard]] const char* payload_fault(const Hierarchy& hierarchy, std::uint32_t cell);
+// The same of a cell that is not in the table (yet), whose parent cell has so many vertices.
+[[nodiscard]] const char* payload_fault(const Cell& cell, AttributeSet attributes, std::size_t parent_vertices);
+
+}  // namespace lodestone

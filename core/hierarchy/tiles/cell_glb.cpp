@@ -1,0 +1,142 @@
+#include "core/hierarchy/tiles/cell_glb.h"
+
+#include <map>
+
+#include "core/formats/common/colour.h"
+#include "core/formats/gltf/glb_builder.h"
+
+namespace lodestone {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint32_t unseen = 0xffff'ffffu;
+
+class CellEncoder {
+ public:
+  CellEncoder(const Hierarchy& hierarchy, std::uint32_t cell, bool morph)
+      : hierarchy_(hierarchy), cell_(hierarchy.cells[cell]), morph_(morph && cell_.parent != no_cell) {}
+
+  std::vector<std::byte> encode(const TextureUri& texture_uri) {
+    place_node();
+    number_vertices();
+    add_vertices();
+    add_primitives();
+    add_materials(texture_uri);
+    return glb_.finish();
+  }
+
+ private:
+  // (x, y, z) -> scale (x, z, -y), by columns.
+  void place_node() {
+    const double s = hierarchy_.transform.scale;
+    glb_.root["scene"] = 0;
+    glb_.root["scenes"] = {{{"nodes", {0}}}};
+    glb_.root["nodes"] = {{{"mesh", 0}, {"matrix", {s, 0, 0, 0, 0, 0, -s, 0, 0, s, 0, 0, 0, 0, 0, 1}}}};
+  }
+
+  // In the order in which triangles come upon them.
+  void number_vertices() {
+    number_.assign(cell_.positions.size(), unseen);
+    for (const Triangle& t : cell_.triangles)
+      for (const std::uint32_t v : t.v) {
+        if (number_[v] != unseen) continue;
+        number_[v] = static_cast<std::uint32_t>(used_.size());
+        used_.push_back(v);
+      }
+  }
+
+  template <class Value>
+  std::size_t add_values(const Value& value, GltfComponent component, const char* type) {
+    std::vector<decltype(value(0u))> values;
+    values.reserve(used_.size());
+    for (const std::uint32_t v : used_) values.push_back(value(v));
+    return glb_.add_accessor(std::span(std::as_const(values)), component, type, GltfTarget::vertices);
+  }
+
+  void add_vertices() {
+    std::vector<Vec3f> positions;
+    for (const std::uint32_t v : used_) positions.push_back(cell_.positions[v]);
+    attributes_["POSITION"] = glb_.add_positions(positions);
+    attributes_["NORMAL"] =
+        add_values([&](std::uint32_t v) { return unpack_normal(cell_.normals[v]); }, GltfComponent::floats, "VEC3");
+    if (hierarchy_.attributes.uv)
+      attributes_["TEXCOORD_0"] =
+          add_values([&](std::uint32_t v) { return cell_.attributes.uv[v]; }, GltfComponent::floats, "VEC2");
+    if (hierarchy_.attributes.colours) attributes_["COLOR_0"] = add_colours(cell_, {});
+    if (!morph_) return;
+    const Cell& parent = hierarchy_.cells[cell_.parent];
+    attributes_["_PARENT"] =
+        add_values([&](std::uint32_t v) { return parent.positions[cell_.parents[v]]; }, GltfComponent::floats, "VEC3");
+    attributes_["_PARENTNORMAL"] =
+        add_values([&](std::uint32_t v) { return unpack_normal(parent.normals[cell_.parents[v]]); },
+                   GltfComponent::floats, "VEC3");
+    if (hierarchy_.attributes.uv)
+      attributes_["_PARENTTEXCOORD"] = add_values(
+          [&](std::uint32_t v) { return parent.attributes.uv[cell_.parents[v]]; }, GltfComponent::floats, "VEC2");
+    if (hierarchy_.attributes.colours) attributes_["_PARENTCOLOR"] = add_colours(parent, cell_.parents);
+  }
+
+  // By what a vertex of this cell is in the other one.
+  std::size_t add_colours(const Cell& from, std::span<const std::uint32_t> there) {
+    const std::size_t at = add_values(
+        [&](std::uint32_t v) { return linear_colour(from.attributes.colours[there.empty() ? v : there[v]]); },
+        GltfComponent::unsigned_short, "VEC4");
+    glb_.root["accessors"][at]["normalized"] = true;
+    return at;
+  }
+
+  [[nodiscard]] std::uint32_t material_of(const Triangle& t) const {
+    if (hierarchy_.attributes.materials) return cell_.attributes.materials[t.v[0]];
+    return hierarchy_.materials.empty() ? no_material : 0;
+  }
+
+  void add_primitives() {
+    std::map<std::uint32_t, std::vector<std::uint32_t>> by_material;
+    for (const Triangle& t : cell_.triangles) {
+      std::vector<std::uint32_t>& ids = by_material[material_of(t)];
+      for (const std::uint32_t v : t.v) ids.push_back(number_[v]);
+    }
+    for (const auto& [material, ids] : by_material) {
+      json primitive{{"attributes", attributes_}, {"indices", glb_.add_indices(ids, used_.size())}};
+      if (material < hierarchy_.materials.size()) {
+        primitive["material"] = materials_.size();
+        materials_.push_back(material);
+      }
+      glb_.root["meshes"][0]["primitives"].push_back(std::move(primitive));
+    }
+  }
+
+  void add_materials(const TextureUri& texture_uri) {
+    std::map<std::uint32_t, std::uint32_t> textures;  // of the hierarchy -> of the file
+    const auto local = [&](std::uint32_t texture) {
+      if (texture >= hierarchy_.textures.size()) return no_texture;
+      const auto [at, fresh] = textures.emplace(texture, static_cast<std::uint32_t>(textures.size()));
+      if (fresh) glb_.add_linked_texture(hierarchy_.textures[texture], texture_uri(texture));
+      return at->second;
+    };
+    for (const std::uint32_t m : materials_) {
+      Material material = hierarchy_.materials[m];
+      material.texture = local(material.texture);
+      material.normal_map = local(material.normal_map);
+      glb_.add_material(material, textures.size());
+    }
+  }
+
+  const Hierarchy& hierarchy_;
+  const Cell& cell_;
+  bool morph_;
+  GlbBuilder glb_;
+  json attributes_;
+  std::vector<std::uint32_t> number_, used_;  // of the cell's vertices in the file, and the other way
+  std::vector<std::uint32_t> materials_;      // of the hierarchy, by number in the file
+};
+
+}  // namespace
+
+std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, std::uint32_t cell, bool morph,
+                                       const TextureUri& texture_uri) {
+  return CellEncoder(hierarchy, cell, morph).encode(texture_uri);
+}
+
+}  // namespace lodestone

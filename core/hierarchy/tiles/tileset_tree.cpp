@@ -1,0 +1,176 @@
+#include "core/hierarchy/tiles/tileset_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/formats/common/mesh_companions.h"
+#include "core/hierarchy/model/texture_levels.h"
+
+namespace lodestone {
+namespace {
+
+using nlohmann::json;
+
+std::string cell_name(const Hierarchy& hierarchy, std::uint32_t cell) {
+  const CellCoord c = hierarchy.cells[cell].code.coord();
+  std::string name = std::to_string(hierarchy.level_of(cell));
+  char separator = '/';
+  for (const std::uint16_t i : {c.x, c.y, c.z}) {
+    name += separator;
+    name += std::to_string(i);
+    separator = '_';
+  }
+  return name;
+}
+
+double area(Vec3d a, Vec3d b, Vec3d c) { return 0.5 * length(cross(b - a, c - a)); }
+
+double area(Vec2f a, Vec2f b, Vec2f c) {
+  const double ux = b.x - a.x, uy = b.y - a.y, vx = c.x - a.x, vy = c.y - a.y;
+  return 0.5 * std::abs(ux * vy - uy * vx);
+}
+
+// Mean size of a texel on the triangles whose texture is a copy at this level, in normalised units; 0 without any.
+// Triangles that lie in one texel of the texture itself have one colour, and lose nothing.
+double texel_size(const Hierarchy& hierarchy, const Cell& cell, int level) {
+  if (hierarchy.texture_copies.empty() || !hierarchy.attributes.uv) return 0;
+  std::vector<const TextureCopy*> copy_of;  // by material
+  for (const Material& m : hierarchy.materials)
+    copy_of.push_back(m.texture == no_texture ? nullptr : texture_copy(hierarchy, m.texture, level));
+  double surface = 0, texels = 0;
+  for (const Triangle& t : cell.triangles) {
+    const std::uint32_t material = hierarchy.attributes.materials ? cell.attributes.materials[t.v[0]] : 0;
+    const TextureCopy* copy = material < copy_of.size() ? copy_of[material] : nullptr;
+    if (!copy) continue;
+    const auto at = [&](int k) { return to_double(cell.positions[t.v[static_cast<std::size_t>(k)]]); };
+    const auto uv = [&](int k) { return cell.attributes.uv[t.v[static_cast<std::size_t>(k)]]; };
+    const double seen = area(uv(0), uv(1), uv(2)) * copy->width * copy->height;
+    if (std::ldexp(seen, 2 * static_cast<int>(copy->halvings)) < 1) continue;
+    surface += area(at(0), at(1), at(2));
+    texels += seen;
+  }
+  return texels > 0 ? std::sqrt(surface / texels) : 0;
+}
+
+class TreeEncoder {
+ public:
+  TreeEncoder(const Hierarchy& hierarchy, std::span<const double> errors, const TilesetConfig& config)
+      : hierarchy_(hierarchy), config_(config), errors_(errors.begin(), errors.end()) {
+    // Children come after their parents.
+    for (std::size_t c = errors_.size(); c-- > 1;)
+      if (const std::uint32_t parent = hierarchy.cells[c].parent; parent != no_cell)
+        errors_[parent] = std::max(errors_[parent], errors_[c]);
+  }
+
+  std::vector<TilesetFile> encode() {
+    const Vec3d o = hierarchy_.transform.origin;
+    json root = tile(0, 0);
+    root["transform"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, o.x, o.y, o.z, 1};
+    add_file("tileset.json", std::move(root), 0);
+    std::reverse(files_.begin(), files_.end());
+    return std::move(files_);
+  }
+
+ private:
+  // At levels finest - n, finest - 2 n, ... of a large tree.
+  [[nodiscard]] bool is_cut(int level) const {
+    if (hierarchy_.cells.size() <= config_.most_tiles || level == 0 || level == hierarchy_.finest()) return false;
+    return (hierarchy_.finest() - level) % config_.levels_per_file == 0;
+  }
+
+  // `top`: level of the root of the file that it is written to.
+  json tile(std::uint32_t index, int top) {
+    const int level = hierarchy_.level_of(index);
+    const Cell& cell = hierarchy_.cells[index];
+    json tile{{"boundingVolume", box(cell, level)}, {"geometricError", errors_[index]}};
+    if (is_cut(level) && level != top) {
+      const std::string path = cell_name(hierarchy_, index) + ".json";
+      add_file(path, this->tile(index, level), index);
+      tile["content"] = {{"uri", from(top, path)}};
+      return tile;
+    }
+    if (level == top) tile["refine"] = "REPLACE";
+    if (!cell.triangles.empty()) tile["content"] = {{"uri", from(top, tile_path(hierarchy_, index))}};
+    if (config_.morph) tile["extras"] = morph_of(cell, level);
+    for (std::uint32_t k = 0; k < cell.child_count; ++k)
+      tile["children"].push_back(this->tile(cell.first_child + k, top));
+    return tile;
+  }
+
+  // tileset.json lies in the folder itself, the others one below.
+  [[nodiscard]] static std::string from(int top, const std::string& path) { return top == 0 ? path : "../" + path; }
+
+  // Relative to the origin, that is before the root's transform.
+  [[nodiscard]] json box(const Cell& cell, int level) const {
+    const double scale = hierarchy_.transform.scale;
+    const double slack = std::ldexp(1.0, -40) * (1 + hierarchy_.finest() - level);
+    const auto half = [&](float lo, float hi) { return scale * (0.5 * (double{hi} - lo) + slack); };
+    const auto [lo, hi] = cell.bounds;
+    const Vec3d middle = 0.5 * scale * (to_double(lo) + to_double(hi));
+    return {{"box",
+             {middle.x, middle.y, middle.z, half(lo.x, hi.x), 0, 0, 0, half(lo.y, hi.y), 0, 0, 0, half(lo.z, hi.z)}}};
+  }
+
+  [[nodiscard]] static json morph_of(const Cell& cell, int level) {
+    const auto [lo, hi] = cell.bounds;
+    return {{"level", level},
+            {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
+            {"vertices", cell.positions.size()},
+            {"triangles", cell.triangles.size()}};
+  }
+
+  [[nodiscard]] json morph_of_levels() const {
+    json reach, error;
+    for (const Level& level : hierarchy_.levels) {
+      reach.push_back({{"euclidean", level.reach[0]}, {"chebyshev", level.reach[1]}});
+      error.push_back(level.error);
+    }
+    return {{"sigma0", hierarchy_.sigma0}, {"scale", hierarchy_.transform.scale}, {"reach", reach}, {"error", error}};
+  }
+
+  void add_file(const std::string& path, json root, std::uint32_t cell) {
+    json tileset{{"asset", {{"version", "1.1"}}}, {"geometricError", errors_[cell]}, {"root", std::move(root)}};
+    // What is missing where nothing is drawn is the model.
+    if (cell == 0) {
+      const auto [lo, hi] = hierarchy_.cells[0].bounds;
+      const double size = hierarchy_.transform.scale * length(to_double(hi) - to_double(lo));
+      tileset["geometricError"] = std::max(size, errors_[0]);
+      tileset["asset"]["extras"] = {{"generator", "Lodestone"}};
+      if (config_.morph) tileset["extras"]["lodestone"] = morph_of_levels();
+    }
+    files_.push_back({path, tileset.dump()});
+  }
+
+  const Hierarchy& hierarchy_;
+  TilesetConfig config_;
+  std::vector<double> errors_;
+  std::vector<TilesetFile> files_;
+};
+
+}  // namespace
+
+std::string tile_path(const Hierarchy& hierarchy, std::uint32_t cell) { return cell_name(hierarchy, cell) + ".glb"; }
+
+std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int level) {
+  std::string path = "textures/" + std::to_string(texture);
+  if (const TextureCopy* copy = texture_copy(hierarchy, texture, level)) {
+    path += '_';
+    path += std::to_string(copy->halvings);
+  }
+  return path + image_extension(hierarchy.textures[texture].media_type);
+}
+
+double tile_error(const Hierarchy& hierarchy, std::uint32_t cell) {
+  const int level = hierarchy.level_of(cell);
+  if (level == hierarchy.finest()) return 0;
+  const double texel = texel_size(hierarchy, hierarchy.cells[cell], level);
+  return hierarchy.transform.scale * std::max(double{hierarchy.cells[cell].error}, texel);
+}
+
+std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,
+                                         const TilesetConfig& config) {
+  return TreeEncoder(hierarchy, errors, config).encode();
+}
+
+}  // namespace lodestone

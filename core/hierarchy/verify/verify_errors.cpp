@@ -1,0 +1,187 @@
+// Check of the errors, with search structures over whole levels: estimates of the builder, which looks around the
+// parents only, are made again; measured errors are compared with distances at sample points, both ways.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/hierarchy/verify/verify_checks.h"
+#include "core/spatial/triangle_bvh.h"
+
+namespace lodestone::verify {
+namespace {
+
+// What single precision in the builder may lose on a distance.
+constexpr double relative_slack = 1e-4, absolute_slack = 1e-7;
+
+constexpr std::size_t vertices_measured = 250'000;  // per level, about
+
+// The surface of a level without regard to identity: copies of a vertex do not matter to distances. With points:
+// vertices that no triangle of their cell uses, as triangles without extent.
+TriangleBvh surface_of(const Hierarchy& hierarchy, int level, bool with_points) {
+  std::vector<Vec3d> positions;
+  std::vector<Triangle> triangles;
+  std::vector<char> used;
+  for (const Cell& cell : hierarchy.cells_of(level)) {
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    used.assign(cell.positions.size(), 0);
+    for (const Vec3f p : cell.positions) positions.push_back(to_double(p));
+    for (const Triangle& t : cell.triangles) {
+      triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
+      for (const std::uint32_t v : t.v) used[v] = 1;
+    }
+    for (std::uint32_t v = 0; with_points && v < used.size(); ++v)
+      if (!used[v]) triangles.push_back({{v + first, v + first, v + first}});
+  }
+  return TriangleBvh(positions, triangles);
+}
+
+// Estimated errors: a cell's covers those of its children and the way from their vertices to the coarser surface.
+void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
+  const Level& level = hierarchy.levels[static_cast<std::size_t>(coarse)];
+  if (level.triangles == 0) return;
+  const TriangleBvh surface = surface_of(hierarchy, coarse, false);
+  const std::uint64_t fine_vertices = hierarchy.levels[static_cast<std::size_t>(coarse) + 1].vertices;
+  const std::size_t stride = 1 + fine_vertices / vertices_measured;
+  std::uint32_t hint = TriangleBvh::no_hint;
+  std::size_t number = 0;
+  for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+    const Cell& cell = hierarchy.cells[c];
+    for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+      const Cell& child = hierarchy.cells[k];
+      for (std::size_t v = 0; v < child.positions.size(); ++v) {
+        // Vertices that do not move say nothing.
+        if (number++ % stride != 0 || child.positions[v] == cell.positions[child.parents[v]]) continue;
+        const TriangleBvh::Nearest nearest = surface.nearest(to_double(child.positions[v]), hint);
+        hint = nearest.slot;
+        // The image of an island that has collapsed is a point or a line: it counts, although nothing draws it.
+        const double moved2 =
+            squared_length(to_double(child.positions[v]) - to_double(cell.positions[child.parents[v]]));
+        const double needed = double{child.error} + std::sqrt(std::min(nearest.squared_distance, moved2));
+        errors.require(cell.error * (1 + relative_slack) + absolute_slack >= needed, [&] {
+          return place(coarse + 1, k, v) + ": " + std::to_string(needed) +
+                 " from M_L, but the parent cell's error is " + std::to_string(cell.error);
+        });
+      }
+    }
+  }
+}
+
+// Points of a triangle at which distances are compared.
+std::array<Vec3d, 7> samples_of(const Cell& cell, const Triangle& t) {
+  const Vec3d a = to_double(cell.positions[t.v[0]]), b = to_double(cell.positions[t.v[1]]),
+              c = to_double(cell.positions[t.v[2]]);
+  return {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (1.0 / 3) * ((a + b) + c)};
+}
+
+// Measured errors are bounds of the distance of every point both ways. Here they are compared with the distances of
+// corners, middles of edges and middles of triangles, of a regular sample on large levels.
+class MeasuredErrors {
+ public:
+  MeasuredErrors(const Hierarchy& hierarchy, Finding& errors)
+      : hierarchy_(hierarchy), errors_(errors), finest_(surface_of(hierarchy, hierarchy.finest(), false)) {
+    ancestor_.resize(hierarchy.levels.back().cell_count);
+    const Level& level = hierarchy.levels.back();
+    for (std::uint32_t k = 0; k < ancestor_.size(); ++k) ancestor_[k] = level.first_cell + k;
+  }
+
+  // Levels one by one, beginning below the finest.
+  void check(int l) {
+    for (std::uint32_t& cell : ancestor_) cell = hierarchy_.cells[cell].parent;
+    const Level &level = hierarchy_.levels[static_cast<std::size_t>(l)], &fine = hierarchy_.levels.back();
+    const std::size_t stride = 1 + level.triangles * 7 / vertices_measured;
+    std::size_t number = 0;
+    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c)
+      for (const Triangle& t : hierarchy_.cells[c].triangles)
+        if (number++ % stride == 0) compare(l, c, hierarchy_.cells[c], t, finest_);
+    const TriangleBvh surface = surface_of(hierarchy_, l, true);
+    const std::size_t fine_stride = 1 + fine.triangles * 7 / vertices_measured;
+    number = 0;
+    for (std::uint32_t k = 0; k < fine.cell_count; ++k)
+      for (const Triangle& t : hierarchy_.cells[fine.first_cell + k].triangles)
+        if (number++ % fine_stride == 0) compare(l, ancestor_[k], hierarchy_.cells[fine.first_cell + k], t, surface);
+  }
+
+ private:
+  // Of a triangle of `from`, a cell of the one level or the other.
+  void compare(int level, std::uint32_t cell, const Cell& from, const Triangle& t, const TriangleBvh& surface) {
+    const double error = hierarchy_.cells[cell].error;
+    for (const Vec3d p : samples_of(from, t)) {
+      const TriangleBvh::Nearest nearest = surface.nearest(p, hint_);
+      const double distance = std::sqrt(nearest.squared_distance);
+      errors_.require(distance <= error * (1 + relative_slack), [&] {
+        return place(level, cell) + ": a point is " + std::to_string(distance / cell_size(level)) +
+               " h from the other surface, the error stored is " + std::to_string(error / cell_size(level)) + " h";
+      });
+    }
+  }
+
+  const Hierarchy& hierarchy_;
+  Finding& errors_;
+  TriangleBvh finest_;
+  std::vector<std::uint32_t> ancestor_;  // of each finest cell, on the level at hand
+  std::uint32_t hint_ = TriangleBvh::no_hint;
+};
+
+// What the finest level has: a corner of the input is at most half a diagonal of the lattice from its vertex, and so is
+// every point between; a new vertex on an edge is rounded once more.
+double moved_by_lattice(const Hierarchy& hierarchy) {
+  const int bits = hierarchy.transform.lattice.bits;
+  if (bits == 0) return 0;
+  return (hierarchy.provenance.refined ? 2 : 1) * std::sqrt(0.75) * std::ldexp(1.0, -bits);
+}
+
+// Between which values a cell's error must lie whatever it is measured by: its own way from M_L is no longer than what
+// its vertices have moved, on all levels together. A measured error may be too large by the tolerance; and what is left
+// of a triangle that has collapsed to a segment are the segment's ends.
+struct Allowed {
+  double least = 0, most = 0;
+};
+constexpr double measured_slack = 0.06;
+
+std::vector<Allowed> allowed_errors(const Hierarchy& hierarchy) {
+  const bool measured = hierarchy.provenance.measured_errors;
+  const double longest = double{hierarchy.levels.back().max_edge} * cell_size(hierarchy.finest());
+  std::vector<Allowed> allowed(hierarchy.cells.size());
+  std::vector<double> moved(hierarchy.cells.size());
+  for (std::size_t c = hierarchy.cells.size(); c-- > 0;) {
+    const Cell& cell = hierarchy.cells[c];
+    if (cell.child_count == 0) allowed[c].least = allowed[c].most = moved_by_lattice(hierarchy);
+    for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+      const Cell& child = hierarchy.cells[k];
+      moved[c] = std::max(moved[c], moved[k] + child.max_displacement);
+      allowed[c].least = std::max(allowed[c].least, double{child.error});
+      allowed[c].most = measured ? std::max(allowed[c].most, double{child.error})
+                                 : std::max(allowed[c].most, double{child.error} + child.max_displacement);
+    }
+    if (measured && cell.child_count > 0)
+      allowed[c].most =
+          std::max(allowed[c].most, moved_by_lattice(hierarchy) + (1 + measured_slack) * (moved[c] + longest));
+  }
+  return allowed;
+}
+
+}  // namespace
+
+void check_errors(const Hierarchy& hierarchy, Finding& errors) {
+  const std::vector<Allowed> allowed = allowed_errors(hierarchy);
+  std::optional<MeasuredErrors> measured;
+  if (hierarchy.provenance.measured_errors && hierarchy.finest() > 0) measured.emplace(hierarchy, errors);
+  for (int l = hierarchy.finest(); l >= 0; --l) {
+    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
+    double largest = 0;
+    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+      const double error = hierarchy.cells[c].error;
+      errors.require(error >= allowed[c].least && error <= allowed[c].most * (1 + 1e-6), [&] {
+        return place(l, c) + ": error " + std::to_string(error) + " stored, its children allow " +
+               std::to_string(allowed[c].least) + " to " + std::to_string(allowed[c].most);
+      });
+      largest = std::max(largest, error);
+    }
+    check_bound(errors, "error", l, level.error, largest / cell_size(l));
+    if (l < hierarchy.finest()) measured ? measured->check(l) : check_estimated(hierarchy, l, errors);
+  }
+}
+
+}  // namespace lodestone::verify

@@ -1,0 +1,135 @@
+// Checks of lengths, boxes and stored bounds, in double.
+#include <algorithm>
+
+#include "core/hierarchy/verify/verify_checks.h"
+
+namespace lodestone::verify {
+namespace {
+
+double distance(Vec3f a, Vec3f b) { return length(to_double(a) - to_double(b)); }
+
+// Lengths that differ from sigma0 h_l by less than this share may be counted as long or not: float or double decides.
+constexpr double edge_slack = 1e-6;
+
+struct LevelEdges {
+  double longest = 0;
+  std::uint64_t surely_long = 0, perhaps_long = 0;  // perhaps: includes surely
+};
+
+LevelEdges edges_of(const Hierarchy& hierarchy, int level) {
+  LevelEdges result;
+  const double limit = double{hierarchy.sigma0} * cell_size(level);
+  for (const Cell& cell : hierarchy.cells_of(level))
+    for (const Triangle& t : cell.triangles)
+      for (std::size_t e = 0; e < 3; ++e) {
+        const double edge = distance(cell.positions[t.v[e]], cell.positions[t.v[(e + 1) % 3]]);
+        result.longest = std::max(result.longest, edge);
+        result.surely_long += edge > limit * (1 + edge_slack);
+        result.perhaps_long += edge > limit * (1 - edge_slack);
+      }
+  return result;
+}
+
+Vec3d to_farthest_corner(Vec3f p, const Box3f& box) {
+  const auto far = [](double lo, double hi, double v) { return std::max(v - lo, hi - v); };
+  return {far(box.lo.x, box.hi.x, p.x), far(box.lo.y, box.hi.y, p.y), far(box.lo.z, box.hi.z, p.z)};
+}
+
+}  // namespace
+
+void check_bound(Finding& finding, const char* what, int level, float stored, double exact) {
+  finding.require(is_tight_bound(stored, exact), [&] {
+    return "level " + std::to_string(level) + ": " + what + " " + std::to_string(stored) + " stored, " +
+           std::to_string(exact) + " recomputed";
+  });
+}
+
+void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
+  displacement.require(hierarchy.cells[0].max_displacement == 0, [] { return "the root cell has a displacement"; });
+  for (int l = 1; l <= hierarchy.finest(); ++l) {
+    const double limit = double{hierarchy.sigma0} * cell_size(l) / 2;
+    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
+    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+      const Cell& cell = hierarchy.cells[c];
+      const auto& above = hierarchy.cells[cell.parent].positions;
+      double largest = 0;
+      for (std::size_t v = 0; v < cell.positions.size(); ++v) {
+        const double moved = distance(cell.positions[v], above[cell.parents[v]]);
+        displacement.require(moved <= limit, [&] {
+          return place(l, c, v) + ": moves by " + std::to_string(moved / cell_size(l)) +
+                 " h to its parent, more than " + std::to_string(limit / cell_size(l)) + " h";
+        });
+        largest = std::max(largest, moved);
+      }
+      displacement.require(is_tight_bound(cell.max_displacement, largest), [&] {
+        return place(l, c) + ": largest displacement " + std::to_string(cell.max_displacement) + " stored, " +
+               std::to_string(largest) + " recomputed";
+      });
+    }
+  }
+}
+
+void check_lattice(const Hierarchy& hierarchy, Finding& lattice) {
+  if (!hierarchy.transform.lattice) return;
+  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c)
+    for (std::size_t v = 0; v < hierarchy.cells[c].positions.size(); ++v)
+      lattice.require(hierarchy.transform.lattice.holds(hierarchy.cells[c].positions[v]),
+                      [&] { return place(hierarchy.level_of(c), c, v) + ": not on the lattice"; });
+}
+
+// By (1) the image of an edge of at most sigma0 h_l has at most 2 sigma0 h_l = sigma0 h_{l-1}: long edges of a coarse
+// level come from long edges of the finer one.
+void check_edges(const Hierarchy& hierarchy, Finding& edges) {
+  bool all_short = true;
+  edges.require(!hierarchy.provenance.refined || edges_of(hierarchy, hierarchy.finest()).surely_long == 0,
+                [] { return "an edge of the finest level is longer than sigma0 h, although such edges were split"; });
+  for (int l = hierarchy.finest(); l >= 0; --l) {
+    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
+    const LevelEdges found = edges_of(hierarchy, l);
+    check_bound(edges, "longest edge", l, level.max_edge, found.longest / cell_size(l));
+    edges.require(level.long_edges >= found.surely_long && level.long_edges <= found.perhaps_long, [&] {
+      return "level " + std::to_string(l) + ": " + std::to_string(level.long_edges) + " long half-edges stored, " +
+             std::to_string(found.surely_long) + " found";
+    });
+    if (l < hierarchy.finest())
+      edges.require(!all_short || found.surely_long == 0, [&] {
+        return "level " + std::to_string(l) + ": " + std::to_string(found.surely_long) +
+               " half-edges longer than sigma0 h, and none on the finer level";
+      });
+    all_short = found.perhaps_long == 0;
+  }
+}
+
+void check_boxes(const Hierarchy& hierarchy, Finding& boxes) {
+  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c) {
+    const Cell& cell = hierarchy.cells[c];
+    Box3f box;
+    for (const Vec3f p : cell.positions) box.extend(p);
+    for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k)
+      box.extend(hierarchy.cells[k].bounds);
+    boxes.require(box == cell.bounds, [&] {
+      return place(hierarchy.level_of(c), c) + ": not the box of its vertices and of its children's boxes";
+    });
+  }
+}
+
+void check_reach(const Hierarchy& hierarchy, Finding& reach) {
+  for (int l = 0; l <= hierarchy.finest(); ++l) {
+    double euclidean = 0, chebyshev = 0, diameter = 0;
+    for (const Cell& cell : hierarchy.cells_of(l)) {
+      diameter = std::max(diameter, distance(cell.bounds.lo, cell.bounds.hi));
+      for (const Vec3f p : cell.positions) {
+        const Vec3d far = to_farthest_corner(p, cell.bounds);
+        euclidean = std::max(euclidean, length(far));
+        chebyshev = std::max({chebyshev, far.x, far.y, far.z});
+      }
+    }
+    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
+    const double h = cell_size(l);
+    check_bound(reach, "Euclidean reach", l, level.reach[static_cast<int>(DistanceMetric::euclidean)], euclidean / h);
+    check_bound(reach, "Chebyshev reach", l, level.reach[static_cast<int>(DistanceMetric::chebyshev)], chebyshev / h);
+    check_bound(reach, "diameter", l, level.diameter, diameter / h);
+  }
+}
+
+}  // namespace lodestone::verify

@@ -1,0 +1,238 @@
+// Checks of the finest level: its cells, its partition, and that it is the input.
+#include <algorithm>
+#include <numeric>
+
+#include "core/hierarchy/model/fingerprint.h"
+#include "core/hierarchy/verify/verify_checks.h"
+#include "core/mesh/refine.h"
+
+namespace lodestone::verify {
+namespace {
+
+// Corners in file order, rotated so that the least comes first: equal iff the triangles are, with orientation.
+struct Corners {
+  std::array<std::array<float, 3>, 3> p;
+  friend bool operator==(const Corners&, const Corners&) = default;
+  friend auto operator<=>(const Corners&, const Corners&) = default;
+};
+
+Corners corners(Vec3f a, Vec3f b, Vec3f c) {
+  const auto plain = [](Vec3f v) { return std::array{v.x + 0.0f, v.y + 0.0f, v.z + 0.0f}; };  // -0 becomes +0
+  Corners result{{plain(a), plain(b), plain(c)}};
+  std::rotate(result.p.begin(), std::min_element(result.p.begin(), result.p.end()), result.p.end());
+  return result;
+}
+
+// Triangles of a mesh, of whatever making: size() and corners of the i-th.
+class InputTriangles {
+ public:
+  explicit InputTriangles(const IndexedMesh& mesh) : mesh_(mesh) {}
+  template <typename Body>
+  void for_each(Body&& body) const {
+    for (std::uint64_t i = 0; i < mesh_.triangles.size(); ++i) body(i, (*this)[i]);
+  }
+  [[nodiscard]] Corners operator[](std::uint64_t i) const {
+    const auto& v = mesh_.triangles[i].v;
+    return corners(mesh_.positions[v[0]], mesh_.positions[v[1]], mesh_.positions[v[2]]);
+  }
+
+ private:
+  const IndexedMesh& mesh_;
+};
+
+class FinestTriangles {
+ public:
+  explicit FinestTriangles(const Hierarchy& hierarchy) : cells_(hierarchy.cells_of(hierarchy.finest())) {}
+  template <typename Body>
+  void for_each(Body&& body) const {
+    for (std::uint64_t c = 0; c < cells_.size(); ++c)
+      for (std::uint64_t t = 0; t < cells_[c].triangles.size(); ++t) body(c << 32 | t, (*this)[c << 32 | t]);
+  }
+  [[nodiscard]] Corners operator[](std::uint64_t i) const {
+    const Cell& cell = cells_[i >> 32];
+    const auto& v = cell.triangles[i & 0xffff'ffffu].v;
+    return corners(cell.positions[v[0]], cell.positions[v[1]], cell.positions[v[2]]);
+  }
+
+ private:
+  std::span<const Cell> cells_;
+};
+
+// What splitting edges beyond a limit makes of the input, triangle by triangle: the definition of core/mesh/refine.h
+// once more, without ids, since what is split and where follows from positions alone.
+class RefinedTriangles {
+ public:
+  RefinedTriangles(const IndexedMesh& mesh, double longest) : lattice_(mesh.transform.lattice) {
+    const double limit = refine_limit(longest, lattice_);
+    limit2_ = limit * limit;
+    for (const Triangle& t : mesh.triangles)
+      add(to_double(mesh.positions[t.v[0]]), to_double(mesh.positions[t.v[1]]), to_double(mesh.positions[t.v[2]]));
+    std::sort(parts_.begin(), parts_.end());
+    parts_.erase(std::unique(parts_.begin(), parts_.end()), parts_.end());
+  }
+  template <typename Body>
+  void for_each(Body&& body) const {
+    for (std::uint64_t i = 0; i < parts_.size(); ++i) body(i, parts_[i]);
+  }
+  [[nodiscard]] const Corners& operator[](std::uint64_t i) const { return parts_[i]; }
+  [[nodiscard]] std::uint64_t size() const { return parts_.size(); }
+
+ private:
+  [[nodiscard]] bool is_long(Vec3d p, Vec3d q) const { return dot(p - q, p - q) > limit2_; }
+  [[nodiscard]] Vec3f rounded(Vec3d p) const { return lattice_ ? lattice_.nearest(p) : to_float(p); }
+
+  // Turned until the edges that are too long are bc and ca, or ab alone, or all, or none.
+  void add(Vec3d a, Vec3d b, Vec3d c) {
+    const bool ab = is_long(a, b), bc = is_long(b, c), ca = is_long(c, a);
+    const Vec3d m = 0.5 * (a + b), n = 0.5 * (b + c), o = 0.5 * (c + a);
+    if (ab && bc && ca) {
+      add(a, m, o), add(m, b, n), add(o, n, c), add(m, n, o);
+    } else if (bc && ca) {
+      add(c, o, n);
+      const double from_a = dot(a - n, a - n), from_b = dot(b - o, b - o);
+      if (from_a <= from_b) {
+        add(o, a, n), add(a, b, n);
+      } else {
+        add(o, a, b), add(o, b, n);
+      }
+    } else if (ab && !bc && !ca) {
+      add(a, m, c), add(m, b, c);
+    } else if (ab || bc || ca) {
+      add(b, c, a);
+    } else if (const Corners part = corners(rounded(a), rounded(b), rounded(c));
+               part.p[0] != part.p[1] && part.p[1] != part.p[2] && part.p[2] != part.p[0]) {
+      parts_.push_back(part);
+    }
+  }
+
+  Lattice lattice_;
+  double limit2_ = 0;
+  std::vector<Corners> parts_;
+};
+
+// Triangles bucketed by where their least corner lies: both sides are sorted and compared bucket by bucket, which keeps
+// the working set small and needs 8 bytes per triangle instead of 36.
+constexpr int bucket_level = 6;
+constexpr std::size_t bucket_count = std::size_t{1} << (3 * bucket_level);
+
+std::size_t bucket_of(const Corners& t) {
+  return CellCode::from(cell_of({t.p[0][0], t.p[0][1], t.p[0][2]}, bucket_level)).morton;
+}
+
+struct Buckets {
+  std::vector<std::uint64_t> first;      // one per bucket and one more
+  std::vector<std::uint64_t> triangles;  // by bucket
+};
+
+template <typename Triangles>
+Buckets bucketed(const Triangles& triangles, std::uint64_t count) {
+  Buckets result;
+  result.first.assign(bucket_count + 1, 0);
+  triangles.for_each([&](std::uint64_t, const Corners& t) { ++result.first[bucket_of(t) + 1]; });
+  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
+  result.triangles.resize(count);
+  std::vector<std::uint64_t> next(result.first.begin(), result.first.end() - 1);
+  triangles.for_each([&](std::uint64_t i, const Corners& t) { result.triangles[next[bucket_of(t)]++] = i; });
+  return result;
+}
+
+template <typename Triangles>
+void take_sorted(const Triangles& triangles, const Buckets& buckets, std::size_t bucket, std::vector<Corners>& out) {
+  out.clear();
+  for (std::uint64_t i = buckets.first[bucket]; i < buckets.first[bucket + 1]; ++i)
+    out.push_back(triangles[buckets.triangles[i]]);
+  std::sort(out.begin(), out.end());
+}
+
+std::string name_of(const Corners& t) {
+  std::string text = "triangle";
+  for (const auto& p : t.p)
+    text += " (" + std::to_string(p[0]) + ", " + std::to_string(p[1]) + ", " + std::to_string(p[2]) + ")";
+  return text;
+}
+
+// Both as multisets, bucket by bucket.
+template <typename Given>
+void compare(const Given& given, std::uint64_t given_count, const FinestTriangles& kept, std::uint64_t kept_count,
+             Finding& same) {
+  const Buckets given_by_bucket = bucketed(given, given_count);
+  const Buckets kept_by_bucket = bucketed(kept, kept_count);
+  std::vector<Corners> a, b;
+  for (std::size_t bucket = 0; bucket < bucket_count; ++bucket) {
+    take_sorted(given, given_by_bucket, bucket, a);
+    take_sorted(kept, kept_by_bucket, bucket, b);
+    if (a.empty() && b.empty()) continue;
+    same.require(a == b, [&] {
+      const std::size_t shorter = std::min(a.size(), b.size());
+      std::size_t at = 0;
+      while (at < shorter && a[at] == b[at]) ++at;
+      const bool lost = at == b.size() || (at < a.size() && a[at] < b[at]);
+      return name_of(lost ? a[at] : b[at]) +
+             (lost ? ": of the input, but not of the finest level" : ": of the finest level, but not of the input");
+    });
+  }
+}
+
+}  // namespace
+
+// Structure already says that every coarse cell has children, so it is enough to look at the finest ones.
+void check_cells(const Hierarchy& hierarchy, Finding& cells) {
+  const Level& finest = hierarchy.levels.back();
+  for (std::uint32_t c = finest.first_cell; c < finest.first_cell + finest.cell_count; ++c)
+    cells.require(!hierarchy.cells[c].triangles.empty(),
+                  [&] { return place(hierarchy.finest(), c) + ": exists without a triangle of the finest level"; });
+}
+
+void check_partition(const Hierarchy& hierarchy, Finding& partition) {
+  const int l = hierarchy.finest();
+  std::vector<char> used;
+  const Level& finest = hierarchy.levels.back();
+  for (std::uint32_t c = finest.first_cell; c < finest.first_cell + finest.cell_count; ++c) {
+    const Cell& cell = hierarchy.cells[c];
+    used.assign(cell.positions.size(), 0);
+    for (const Triangle& t : cell.triangles) {
+      for (const std::uint32_t v : t.v) used[v] = 1;
+      const Vec3f centre = barycentre(cell.positions[t.v[0]], cell.positions[t.v[1]], cell.positions[t.v[2]]);
+      partition.require(CellCode::from(cell_of(centre, l)) == cell.code,
+                        [&] { return place(l, c) + ": a triangle has its barycentre in another cell"; });
+    }
+    for (std::size_t v = 0; v < cell.positions.size(); ++v) {
+      const Vec3f p = cell.positions[v];
+      partition.require(used[v] != 0, [&] { return place(l, c, v) + ": of no triangle"; });
+      partition.require(Box3f{{0, 0, 0}, {1, 1, 1}}.contains(p), [&] { return place(l, c, v) + ": not in the root"; });
+    }
+  }
+}
+
+void check_fingerprint(const Hierarchy& hierarchy, const LevelIdentity& finest, Finding& fingerprint) {
+  const Provenance& input = hierarchy.provenance;
+  const std::uint64_t triangles = hierarchy.levels.back().triangles;
+  std::uint64_t vertices = 0, sum = 0;
+  for (std::uint32_t i = 0; i < finest.identity.size(); ++i) vertices += finest.identity[i] == i;
+  for (const Cell& cell : hierarchy.cells_of(hierarchy.finest()))
+    for (const Triangle& t : cell.triangles)
+      sum += triangle_fingerprint(cell.positions[t.v[0]], cell.positions[t.v[1]], cell.positions[t.v[2]]);
+  fingerprint.require(triangles == input.input_triangles, [&] {
+    return std::to_string(triangles) + " triangles on the finest level, " + std::to_string(input.input_triangles) +
+           " in the input";
+  });
+  fingerprint.require(vertices == input.input_vertices, [&] {
+    return std::to_string(vertices) + " vertices on the finest level, " + std::to_string(input.input_vertices) +
+           " in the input";
+  });
+  fingerprint.require(sum == input.fingerprint, [] { return "the triangles of the finest level are not the input's"; });
+}
+
+void check_input(const Hierarchy& hierarchy, const IndexedMesh& input, Finding& same) {
+  same.require(hierarchy.transform == input.transform, [] { return "origin or scale differ from the input's"; });
+  const FinestTriangles kept(hierarchy);
+  const std::uint64_t kept_count = hierarchy.levels.back().triangles;
+  if (!hierarchy.provenance.refined) {
+    compare(InputTriangles(input), input.triangles.size(), kept, kept_count, same);
+  } else {
+    const RefinedTriangles given(input, double{hierarchy.sigma0} * cell_size(hierarchy.finest()));
+    compare(given, given.size(), kept, kept_count, same);
+  }
+}
+
+}  // namespace lodestone::verify

@@ -1,0 +1,25 @@
+// Progressive meshes in binary glTF 2.0, which every viewer shows at full resolution.
+//
+// One vertex buffer in the order in which vertices come in, with _PARENTINDEX and _ERROR (in units of the model) as
+// attributes of its own, and a primitive per material, triangles in the order in which they come in. `extras` of the
+// mesh hold the number of vertices of the base. A node takes normalised positions to the model.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/files/byte_reader.h"
+#include "core/progressive/mesh/progressive_mesh.h"
+
+namespace lodestone {
+
+// `compressed`: by EXT_meshopt_compression, without loss. Throws ResourceError for more than 2^24 vertices, beyond
+// which glTF has no number for a parent, and for more than 4 GiB.
+[[nodiscard]] std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed);
+
+// What encode_progressive_glb() wrote, bit for bit. Throws InputError naming the place for anything else, also for glTF
+// without parents.
+[[nodiscard]] ProgressiveMesh read_progressive_glb(ByteReader& input);
+
+}  // namespace lodestone

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+
+#include "core/formats/common/colour.h"
+#include "core/formats/gltf/gltf_accessor.h"
+#include "core/formats/gltf/gltf_document.h"
+#include "core/formats/gltf/gltf_material.h"
+#include "core/progressive/gltf/progressive_glb.h"
+#include "core/progressive/mesh/births.h"
+
+namespace lodestone {
+namespace {
+
+class ProgressiveReader {
+ public:
+  explicit ProgressiveReader(ByteReader& input) : document_(input), materials_(document_, input, assets_) {}
+
+  ProgressiveMesh read() {
+    const JsonView root = document_.root();
+    const JsonView node = root.at("nodes").at(std::size_t{0});
+    const JsonView mesh = document_.item("meshes", node.at("mesh"));
+    const JsonView primitives = mesh.at("primitives");
+    const JsonView attributes = primitives.at(std::size_t{0}).at("attributes");
+    if (!attributes.find("_PARENTINDEX"))
+      attributes.fail("the model is not progressive: it has no attribute _PARENTINDEX",
+                      "make it so with `lodestone progressive`");
+    read_place(node);
+    read_vertices(attributes);
+    const std::uint64_t base = mesh.at("extras").at("progressive").at("baseVertices").integer();
+    if (base > out_.positions.size()) mesh.at("extras").fail("the base has more vertices than the model");
+    out_.base_vertices = static_cast<std::uint32_t>(base);
+    for (std::size_t k = 0; k < primitives.size(); ++k) read_primitive(primitives.at(k), attributes);
+    out_.wedges.materials = std::move(assets_.materials);
+    out_.wedges.textures = std::move(assets_.textures);
+    if (out_.wedges.materials.size() < 2) out_.wedges.material.clear();
+    check_progressive(out_, document_.file());
+    progressive::sort_by_birth(out_);
+    return std::move(out_);
+  }
+
+ private:
+  void read_place(const JsonView& node) {
+    const auto origin = node.numbers_or<3>("translation", {0, 0, 0});
+    const auto scale = node.numbers_or<3>("scale", {1, 1, 1});
+    if (!(scale[0] > 0) || scale[0] != scale[1] || scale[1] != scale[2]) node.fail("the scale is not one number");
+    out_.transform.origin = {origin[0], origin[1], origin[2]};
+    out_.transform.scale = scale[0];
+  }
+
+  [[nodiscard]] std::vector<double> values(const JsonView& attributes, const char* name, int components) {
+    const std::optional<JsonView> reference = attributes.find(name);
+    if (!reference) return {};
+    const GltfAccessor accessor = open_accessor(document_, *reference);
+    if (accessor.components != components)
+      reference->fail("values of " + std::to_string(accessor.components) + " components");
+    if (!out_.positions.empty() && accessor.count != out_.positions.size())
+      reference->fail(std::to_string(accessor.count) + " values for " + std::to_string(out_.positions.size()) +
+                      " vertices");
+    return read_values(accessor, components);
+  }
+
+  void read_vertices(const JsonView& attributes) {
+    const auto place = attributes.at("POSITION");
+    const std::vector<double> p = values(attributes, "POSITION", 3);
+    if (p.empty()) place.fail("there are no vertices");
+    for (std::size_t k = 0; k < p.size(); k += 3) out_.positions.push_back(to_float({p[k], p[k + 1], p[k + 2]}));
+    const JsonView parents = attributes.at("_PARENTINDEX");
+    for (const double value : values(attributes, "_PARENTINDEX", 1)) {
+      if (!(value >= 0 && value < static_cast<double>(out_.positions.size())))
+        parents.fail("there is no vertex for a parent");
+      out_.parents.push_back(static_cast<std::uint32_t>(value));
+    }
+    (void)attributes.at("_ERROR");
+    for (const double e : values(attributes, "_ERROR", 1))
+      out_.errors.push_back(static_cast<float>(e / out_.transform.scale));
+    WedgeAttributes& wedges = out_.wedges;
+    const std::vector<double> n = values(attributes, "NORMAL", 3), uv = values(attributes, "TEXCOORD_0", 2),
+                              c = values(attributes, "COLOR_0", 4);
+    for (std::size_t k = 0; k < n.size(); k += 3) wedges.normal.push_back(to_float({n[k], n[k + 1], n[k + 2]}));
+    for (std::size_t k = 0; k < uv.size(); k += 2)
+      wedges.uv.push_back({static_cast<float>(uv[k]), static_cast<float>(uv[k + 1])});
+    for (std::size_t k = 0; k < c.size(); k += 4)
+      wedges.colour.push_back(colour_of_linear(c[k], c[k + 1], c[k + 2], c[k + 3]));
+    wedges.material.assign(out_.positions.size(), no_material);
+  }
+
+  void read_primitive(const JsonView& primitive, const JsonView& attributes) {
+    if (primitive.at("attributes").json() != attributes.json())
+      primitive.fail("does not share the vertices of the first primitive");
+    if (primitive.integer_or("mode", 4) != 4) primitive.fail("is no list of triangles");
+    std::uint32_t material = no_material;
+    if (const auto reference = primitive.find("material")) material = materials_.use(*reference).index;
+    const JsonView reference = primitive.at("indices");
+    const std::vector<std::uint32_t> ids =
+        read_indices(open_accessor(document_, reference), out_.positions.size(), reference);
+    if (ids.size() % 3 != 0) reference.fail(std::to_string(ids.size()) + " indices are no triangles");
+    for (std::size_t k = 0; k < ids.size(); k += 3) {
+      out_.triangles.push_back({ids[k], ids[k + 1], ids[k + 2]});
+      for (std::size_t c = k; c < k + 3; ++c) out_.wedges.material[ids[c]] = material;
+    }
+  }
+
+  GltfDocument document_;
+  RawMesh assets_;
+  GltfMaterials materials_;
+  ProgressiveMesh out_;
+};
+
+}  // namespace
+
+ProgressiveMesh read_progressive_glb(ByteReader& input) { return ProgressiveReader(input).read(); }
+
+}  // namespace lodestone

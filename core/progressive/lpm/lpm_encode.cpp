@@ -1,0 +1,206 @@
+// The collapses of a progressive mesh, carried out once more from the finest level down, give the splits backwards.
+#include <bit>
+#include <cmath>
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/progressive/collapse/ring_mesh.h"
+#include "core/progressive/lpm/lpm.h"
+#include "core/progressive/lpm/lpm_format.h"
+#include "core/progressive/mesh/births.h"
+
+namespace lodestone {
+namespace {
+
+using namespace progressive;
+
+[[noreturn]] void fail_order() {
+  throw InputError(describe("", "", "the vertices of the model cannot be taken back one by one",
+                            "make it anew with `lodestone progressive`, or write a .glb file"));
+}
+
+// The groups of a mesh, counted.
+struct Groups {
+  std::vector<std::uint32_t> start, number;  // first vertex by group; group by vertex
+  std::uint32_t base = 0;
+  explicit Groups(const ProgressiveMesh& mesh) : number(group_starts(mesh)) {
+    for (std::uint32_t v = 0; v < number.size(); ++v) {
+      if (number[v] == v) start.push_back(v);
+      if (v < mesh.base_vertices) base = static_cast<std::uint32_t>(start.size());
+      number[v] = static_cast<std::uint32_t>(start.size()) - 1;
+    }
+  }
+  [[nodiscard]] std::uint32_t size(std::uint32_t group, std::uint32_t vertices) const {
+    return (group + 1 < start.size() ? start[group + 1] : vertices) - start[group];
+  }
+};
+
+class SplitRecorder {
+ public:
+  SplitRecorder(const ProgressiveMesh& mesh, const Groups& groups) : mesh_(mesh), groups_(groups) {
+    plain_.positions = mesh.positions;
+    plain_.triangles = mesh.triangles;
+    for (const std::uint32_t g : groups.number) plain_.wedges.vertex.push_back(groups.start[g]);
+    rings_.emplace(plain_);
+    rings_->list_corners();
+    rings_->make_rings(0, mesh.positions.size(), arena_);
+    rings_->cut_open();
+    if (rings_->cut_vertices() > 0) fail_order();
+  }
+
+  // In the order in which vertices come in; leaves the base.
+  std::vector<SplitMesh::Split> splits() {
+    std::vector<SplitMesh::Split> out(groups_.start.size() - groups_.base);
+    for (std::size_t g = groups_.start.size(); g-- > groups_.base;) out[g - groups_.base] = take_back(groups_.start[g]);
+    return out;
+  }
+
+  [[nodiscard]] SplitMesh base() const {
+    SplitMesh base;
+    for (std::uint32_t g = 0; g < groups_.base; ++g) {
+      const Ring& ring = rings_->ring(groups_.start[g]);
+      if (ring.size == 0) fail_order();
+      SplitMesh::Star star{{}, ring.open != 0, groups_.start[g], groups_.size(g, mesh_.base_vertices)};
+      for (std::uint32_t k = 0; k < ring.size; ++k)  // the last of an open star has no sector
+        star.spokes.push_back(
+            {groups_.number[ring.ids[k]], k < ring.sectors() ? wedge(groups_.start[g], k) : star.first_wedge});
+      base.stars.push_back(std::move(star));
+    }
+    base.wedge_count = mesh_.base_vertices;
+    return base;
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t wedge(Id v, std::uint32_t k) const {
+    return rings_->has_wedges() ? rings_->ring(v).wedge(k) : v;
+  }
+
+  SplitMesh::Split take_back(Id v) {
+    const Id u = groups_.start[groups_.number[mesh_.parents[v]]];
+    if (rings_->ring(v).find(u) == rings_->ring(v).size) fail_order();
+    Collapse c{.vertex = v, .target = u};
+    if (!rings_->allows(c)) fail_order();
+    const Ring& ring = rings_->ring(v);
+    SplitMesh::Split split;
+    split.parent = groups_.number[u];
+    split.side = ring.open == 0 ? SplitMesh::Side::inside : c.at == 0 ? SplitMesh::Side::back : SplitMesh::Side::front;
+    split.between = ring.open == 0 ? ring.size - 3 : ring.size - 2;
+    const std::uint32_t count = groups_.size(groups_.number[v], mesh_.vertex_count());
+    split.parents.assign(mesh_.parents.begin() + v, mesh_.parents.begin() + v + count);
+    const std::uint32_t first = split.side == SplitMesh::Side::front ? 0 : c.at;
+    for (std::uint32_t n = 0, k = first; n < ring.sectors(); ++n, k = ring.next(k))
+      split.sectors.push_back(wedge(v, k) - v);
+    if (split.side != SplitMesh::Side::front) split.wedge_a = across(ring.ids[ring.next(c.at)], v);
+    if (split.side != SplitMesh::Side::back) split.wedge_b = across(ring.ids[ring.previous(c.at)], u);
+    const bool front = split.side == SplitMesh::Side::front;
+    split.neighbour = groups_.number[ring.ids[front ? ring.previous(c.at) : ring.next(c.at)]];
+    (void)rings_->apply(c, arena_);
+    return split;
+  }
+
+  // The wedge of x in its triangle with `next` behind it.
+  [[nodiscard]] std::uint32_t across(Id x, Id next) const { return rings_->wedge_of(x, next); }
+
+  const ProgressiveMesh& mesh_;
+  const Groups& groups_;
+  IndexedMesh plain_;
+  std::optional<RingMesh> rings_;
+  RingArena arena_;
+};
+
+// The base and what follows; the rings are given back.
+std::pair<SplitMesh, std::vector<SplitMesh::Split>> record(const ProgressiveMesh& mesh, const Groups& groups) {
+  SplitRecorder recorder(mesh, groups);
+  std::vector<SplitMesh::Split> splits = recorder.splits();
+  return {recorder.base(), std::move(splits)};
+}
+
+LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config) {
+  LpmHeader h;
+  const WedgeAttributes& wedges = mesh.wedges;
+  h.settings = {config.position_bits, config.uv_bits,         groups.start.size() < mesh.positions.size(),
+                !wedges.uv.empty(),   !wedges.colour.empty(), !wedges.material.empty()};
+  h.vertices = mesh.vertex_count();
+  h.groups = static_cast<std::uint32_t>(groups.start.size());
+  h.base_groups = groups.base;
+  h.transform = mesh.transform;
+  h.transform.lattice = {};
+  h.materials = wedges.materials;
+  for (const Texture& t : wedges.textures) h.textures.push_back({t.name, t.media_type, t.wrap_u, t.wrap_v, {}});
+  if (wedges.uv.empty()) return h;
+  Vec2f lo = wedges.uv.front(), hi = lo;
+  for (const Vec2f uv : wedges.uv) {
+    lo = {std::min(lo.x, uv.x), std::min(lo.y, uv.y)};
+    hi = {std::max(hi.x, uv.x), std::max(hi.y, uv.y)};
+  }
+  const double steps = static_cast<double>(1u << config.uv_bits);
+  h.uv_low = {lo.x, lo.y};
+  h.uv_step = {(double{hi.x} - lo.x) / steps, (double{hi.y} - lo.y) / steps};
+  return h;
+}
+
+LatticeValues quantize(const ProgressiveMesh& mesh, const Groups& groups, const LpmHeader& h) {
+  LatticeValues values;
+  const double steps = static_cast<double>(1u << h.settings.position_bits);
+  const auto nearest = [](double x) { return static_cast<std::int32_t>(std::floor(x + 0.5)); };
+  for (const std::uint32_t v : groups.start) {
+    const Vec3f p = mesh.positions[v];
+    values.positions.push_back({nearest(p.x * steps), nearest(p.y * steps), nearest(p.z * steps)});
+    values.errors.push_back(static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(mesh.errors[v]) + 0xffff) >> 16));
+  }
+  const auto step = [](double x, double low, double size) { return size > 0 ? (x - low) / size : 0; };
+  for (const Vec2f uv : mesh.wedges.uv)
+    values.uv.push_back(
+        {nearest(step(uv.x, h.uv_low[0], h.uv_step[0])), nearest(step(uv.y, h.uv_low[1], h.uv_step[1]))});
+  values.colours = mesh.wedges.colour;
+  values.materials = mesh.wedges.material;
+  return values;
+}
+
+void append(std::vector<std::byte>& out, std::uint32_t value) {
+  for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::byte>(value >> (8 * k)));
+}
+
+void append_frame(std::vector<std::byte>& out, std::span<const std::byte> bytes, std::uint32_t vertices) {
+  append(out, static_cast<std::uint32_t>(bytes.size()));
+  append(out, crc32(bytes));
+  append(out, vertices);
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
+}  // namespace
+
+LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
+  const Groups groups(mesh);
+  auto [base, splits] = record(mesh, groups);
+  const LpmHeader header = make_header(mesh, groups, config);
+  const LatticeValues source = quantize(mesh, groups, header);
+  LpmBytes out;
+  const std::string text = to_json(header).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (const char* c = lpm_magic; *c != 0; ++c) out.bytes.push_back(static_cast<std::byte>(*c));
+  append(out.bytes, static_cast<std::uint32_t>(text.size()));
+  append(out.bytes, crc32(std::as_bytes(std::span(text))));
+  const auto text_bytes = std::as_bytes(std::span(text));
+  out.bytes.insert(out.bytes.end(), text_bytes.begin(), text_bytes.end());
+
+  SplitMesh growing;
+  growing.stars.reserve(groups.start.size());
+  LatticeValues values;
+  SplitCodec<RangeEncoder> codec(header.settings, growing, values);
+  RangeEncoder coder;
+  codec.code_base(coder, base, source, header.base_groups);
+  append_frame(out.bytes, coder.finish(), growing.wedge_count);
+  out.base = out.bytes.size();
+  for (std::size_t k = 0; k < splits.size();) {
+    const auto groups_now = static_cast<std::uint32_t>(growing.stars.size());
+    const std::size_t end = std::min<std::size_t>(splits.size(), k + splits_in_frame(groups_now));
+    for (; k < end; ++k) codec.code(coder, std::move(splits[k]), source);
+    append_frame(out.bytes, coder.finish(), growing.wedge_count);
+  }
+  out.geometry = out.bytes.size();
+  for (const Texture& t : mesh.wedges.textures)
+    append_frame(out.bytes, std::as_bytes(std::span(t.bytes)), growing.wedge_count);
+  return out;
+}
+
+}  // namespace lodestone

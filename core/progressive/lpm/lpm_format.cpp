@@ -1,0 +1,120 @@
+#include "core/progressive/lpm/lpm_format.h"
+
+#include "core/base/error.h"
+
+namespace lodestone::progressive {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array wraps{"repeat", "clamp", "mirror"};
+
+json texture_index(std::uint32_t index) { return index == no_texture ? json(nullptr) : json(index); }
+
+std::uint32_t read_index(const JsonView& place, const char* key, std::size_t count) {
+  const auto member = place.find(key);
+  if (!member || member->json().is_null()) return no_texture;
+  if (member->integer() >= count) member->fail("there is no such texture");
+  return static_cast<std::uint32_t>(member->integer());
+}
+
+TextureWrap read_wrap(const JsonView& place) {
+  for (std::size_t k = 0; k < wraps.size(); ++k)
+    if (place.string() == wraps[k]) return static_cast<TextureWrap>(k);
+  place.fail("unknown way of wrapping");
+}
+
+std::uint32_t bits_of(const JsonView& place) {
+  const std::uint64_t bits = place.integer();
+  if (bits < 4 || bits > 20) place.fail("is not between 4 and 20");
+  return static_cast<std::uint32_t>(bits);
+}
+
+std::uint32_t count_of(const JsonView& place) {
+  if (place.integer() > 0x7fff'ffffu) place.fail("is more than there can be");
+  return static_cast<std::uint32_t>(place.integer());
+}
+
+}  // namespace
+
+json to_json(const LpmHeader& h) {
+  json materials = json::array(), textures = json::array();
+  for (const Material& m : h.materials)
+    materials.push_back({{"name", m.name},
+                         {"colour", m.base_colour},
+                         {"texture", texture_index(m.texture)},
+                         {"normalMap", texture_index(m.normal_map)}});
+  for (const Texture& t : h.textures)
+    textures.push_back(
+        {{"name", t.name},
+         {"type", t.media_type},
+         {"wrap", {wraps[static_cast<std::size_t>(t.wrap_u)], wraps[static_cast<std::size_t>(t.wrap_v)]}}});
+  return {{"version", 1},
+          {"vertices", h.vertices},
+          {"groups", h.groups},
+          {"baseGroups", h.base_groups},
+          {"positionBits", h.settings.position_bits},
+          {"uvBits", h.settings.uv_bits},
+          {"wedges", h.settings.wedges},
+          {"uv", h.settings.uv},
+          {"colours", h.settings.colours},
+          {"materialIds", h.settings.materials},
+          {"uvLow", h.uv_low},
+          {"uvStep", h.uv_step},
+          {"origin", {h.transform.origin.x, h.transform.origin.y, h.transform.origin.z}},
+          {"scale", h.transform.scale},
+          {"materials", materials},
+          {"textures", textures}};
+}
+
+LpmHeader read_header(const JsonView& json) {
+  if (json.at("version").integer() != 1)
+    throw UnsupportedError("version " + std::to_string(json.at("version").integer()) + " of .lpm is not known");
+  LpmHeader h;
+  h.vertices = count_of(json.at("vertices"));
+  h.groups = count_of(json.at("groups"));
+  h.base_groups = count_of(json.at("baseGroups"));
+  if (h.base_groups > h.groups || h.groups > h.vertices) json.fail("counts that contradict each other");
+  h.settings = {bits_of(json.at("positionBits")), bits_of(json.at("uvBits")),   json.at("wedges").boolean(),
+                json.at("uv").boolean(),          json.at("colours").boolean(), json.at("materialIds").boolean()};
+  h.uv_low = json.at("uvLow").numbers<2>();
+  h.uv_step = json.at("uvStep").numbers<2>();
+  const auto origin = json.at("origin").numbers<3>();
+  h.transform = {{origin[0], origin[1], origin[2]}, json.at("scale").number()};
+  if (!(h.transform.scale > 0)) json.at("scale").fail("is not positive");
+  const JsonView textures = json.at("textures"), materials = json.at("materials");
+  for (std::size_t k = 0; k < textures.size(); ++k) {
+    const JsonView t = textures.at(k), wrap = t.at("wrap");
+    h.textures.push_back({t.string_or("name", ""),
+                          t.at("type").string(),
+                          read_wrap(wrap.at(std::size_t{0})),
+                          read_wrap(wrap.at(std::size_t{1})),
+                          {}});
+  }
+  for (std::size_t k = 0; k < materials.size(); ++k) {
+    const JsonView m = materials.at(k);
+    Material material{m.string_or("name", "")};
+    const auto colour = m.at("colour").numbers<4>();
+    for (std::size_t i = 0; i < 4; ++i) material.base_colour[i] = static_cast<float>(colour[i]);
+    material.texture = read_index(m, "texture", h.textures.size());
+    material.normal_map = read_index(m, "normalMap", h.textures.size());
+    h.materials.push_back(std::move(material));
+  }
+  return h;
+}
+
+std::uint32_t crc32(std::span<const std::byte> bytes) {
+  static const auto table = [] {
+    std::array<std::uint32_t, 256> t{};
+    for (std::uint32_t n = 0; n < 256; ++n) {
+      t[n] = n;
+      for (int k = 0; k < 8; ++k) t[n] = (t[n] & 1) != 0 ? 0xedb8'8320u ^ (t[n] >> 1) : t[n] >> 1;
+    }
+    return t;
+  }();
+  std::uint32_t crc = 0xffff'ffffu;
+  for (const std::byte b : bytes) crc = table[(crc ^ static_cast<std::uint32_t>(b)) & 0xff] ^ (crc >> 8);
+  return ~crc;
+}
+
+}  // namespace lodestone::progressive

@@ -1,0 +1,40 @@
+// The frames and the header of .lpm files, for both directions.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/files/json_view.h"
+#include "core/progressive/lpm/split_codec.h"
+#include "core/progressive/mesh/progressive_mesh.h"
+
+namespace lodestone::progressive {
+
+inline constexpr char lpm_magic[9] = "LODELPM1";
+
+struct LpmHeader {
+  CodecSettings settings;
+  std::uint32_t vertices = 0, groups = 0, base_groups = 0;
+  std::array<double, 2> uv_low{}, uv_step{};
+  Transform transform;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;  // without their bytes
+};
+
+[[nodiscard]] nlohmann::json to_json(const LpmHeader& header);
+[[nodiscard]] LpmHeader read_header(const JsonView& json);
+
+// The polynomial of zlib and PNG (ISO 3309).
+[[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes);
+
+// Frames grow with the mesh: what is on the screen gets finer by a share each time.
+[[nodiscard]] inline std::uint32_t splits_in_frame(std::uint32_t groups) {
+  return std::min(std::max(groups / 2, 256u), 16384u);
+}
+
+}  // namespace lodestone::progressive

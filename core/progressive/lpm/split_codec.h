@@ -1,0 +1,387 @@
+// The code of a vertex split: what it does to the mesh, and where the vertex stands.
+//
+// The parent is one of the vertices so far; what comes out of it is told by the triangles around it, so that a parent,
+// a neighbour and a count replace three index lists (hoppe1998's vertex splits). Positions and texture coordinates are
+// integers, predicted from the star of the new vertex: the middle of its neighbours, moved into their mean plane along
+// the axis closest to its normal once the other two coordinates are known; texture coordinates by the linear map that
+// fits the star best. All of it is exact in double, so that every reader predicts the same.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/progressive/lpm/lattice_values.h"
+#include "core/progressive/lpm/range_coder.h"
+#include "core/progressive/mesh/split_mesh.h"
+
+namespace lodestone::progressive {
+
+// Both directions. `values` and `mesh` grow with the splits; the encoder reads what comes from `source`.
+template <class Coder>
+class SplitCodec {
+ public:
+  SplitCodec(const CodecSettings& settings, SplitMesh& mesh, LatticeValues& values)
+      : settings_(settings), mesh_(mesh), values_(values) {}
+
+  // One split; `split` and `source` mean nothing to a decoder. Throws InputError for what no encoder writes.
+  void code(Coder& coder, SplitMesh::Split split, const LatticeValues& source) {
+    if constexpr (std::is_same_v<Coder, RangeEncoder>) {
+      const std::size_t at = mesh_.stars[split.parent].find(split.neighbour);
+      split.at = static_cast<std::uint32_t>(at);
+    }
+    code_place(coder, split);
+    if (!mesh_.fits(split)) fail();
+    SplitMesh::Star star = mesh_.star_of(split);
+    split.sectors.resize(star.sectors());
+    code_wedges(coder, split, star);
+    const std::size_t group = mesh_.stars.size();
+    code_values(coder, split, star, source, group);
+    mesh_.apply(split, std::move(star));
+  }
+
+  // The base: stars and values without prediction.
+  void code_base(Coder& coder, const SplitMesh& base, const LatticeValues& source, std::uint32_t count) {
+    for (std::uint32_t v = 0; v < count; ++v) {
+      const std::uint32_t wedges = numbers_[0].code(coder, v < base.stars.size() ? base.stars[v].wedges : 0);
+      if (wedges == 0 || wedges > most_wedges) fail();
+      mesh_.stars.push_back({{}, false, mesh_.wedge_count, wedges});
+      mesh_.wedge_count += wedges;
+      values_.positions.push_back(v < source.positions.size() ? source.positions[v] : std::array<std::int32_t, 3>{});
+      for (std::int32_t& x : values_.positions.back())
+        x = static_cast<std::int32_t>(coder.direct(settings_.position_bits + 1, static_cast<std::uint32_t>(x)));
+      code_error(coder, source, v);
+      for (std::uint32_t w = 0; w < wedges; ++w) code_base_wedge(coder, source, mesh_.stars.back().first_wedge + w);
+    }
+    for (std::uint32_t v = 0; v < count; ++v) code_base_star(coder, base, v);
+    check_base();
+  }
+
+ private:
+  static constexpr std::uint32_t most_wedges = 1u << 16, most_spokes = 1u << 20;
+
+  [[noreturn]] static void fail() { throw InputError("the splits contradict each other"); }
+
+  static std::uint32_t bits_for(std::uint32_t count) {
+    return count < 2 ? 0 : static_cast<std::uint32_t>(std::bit_width(count - 1));
+  }
+
+  void code_base_wedge(Coder& coder, const LatticeValues& source, std::size_t wedge) {
+    if (settings_.materials) {
+      const std::uint32_t material = wedge < source.materials.size() ? source.materials[wedge] + 1 : 0;
+      values_.materials.push_back(material_.code(coder, material) - 1);
+    }
+    if (settings_.uv) {
+      values_.uv.push_back(wedge < source.uv.size() ? source.uv[wedge] : std::array<std::int32_t, 2>{});
+      for (std::int32_t& x : values_.uv.back())
+        x = static_cast<std::int32_t>(coder.direct(settings_.uv_bits + 1, static_cast<std::uint32_t>(x)));
+    }
+    if (!settings_.colours) return;
+    values_.colours.push_back(wedge < source.colours.size() ? source.colours[wedge] : Rgba8{});
+    Rgba8& c = values_.colours.back();
+    for (std::uint8_t* x : {&c.r, &c.g, &c.b, &c.a}) *x = static_cast<std::uint8_t>(coder.direct(8, *x));
+  }
+
+  void code_base_star(Coder& coder, const SplitMesh& base, std::uint32_t v) {
+    const auto known = [&] { return v < base.stars.size(); };
+    SplitMesh::Star& star = mesh_.stars[v];
+    star.open = coder.direct(1, known() && base.stars[v].open ? 1 : 0) != 0;
+    const std::uint32_t size =
+        numbers_[1].code(coder, known() ? static_cast<std::uint32_t>(base.stars[v].spokes.size()) : 0);
+    if (size < 2 || size > most_spokes) fail();
+    const std::uint32_t bits = bits_for(static_cast<std::uint32_t>(mesh_.stars.size()));
+    for (std::uint32_t k = 0; k < size; ++k) {
+      SplitMesh::Spoke spoke = known() ? base.stars[v].spokes[k] : SplitMesh::Spoke{};
+      spoke.vertex = coder.direct(bits, spoke.vertex);
+      if (spoke.vertex >= mesh_.stars.size()) fail();
+      const std::uint32_t wedge = coder.direct(bits_for(star.wedges), spoke.wedge - star.first_wedge);
+      if (wedge >= star.wedges) fail();
+      spoke.wedge = star.first_wedge + wedge;
+      star.spokes.push_back(spoke);
+    }
+  }
+
+  // Every spoke has one that comes back, or splits would look for it in vain.
+  void check_base() const {
+    for (std::uint32_t v = 0; v < mesh_.stars.size(); ++v)
+      for (const SplitMesh::Spoke& spoke : mesh_.stars[v].spokes) {
+        if (spoke.vertex == v) fail();
+        (void)mesh_.stars[spoke.vertex].find(v);
+      }
+  }
+
+  void code_place(Coder& coder, SplitMesh::Split& s) {
+    const std::uint32_t bits = bits_for(static_cast<std::uint32_t>(mesh_.stars.size()));
+    const std::uint32_t top = bits > 6 ? 6 : bits;
+    std::uint32_t at = 1;
+    for (std::uint32_t k = 0; k < top; ++k) at = at << 1 | coder.bit(parent_[at], s.parent >> (bits - 1 - k) & 1);
+    at -= 1u << top;
+    s.parent = at << (bits - top) | coder.direct(bits - top, s.parent & ((1u << (bits - top)) - 1));
+    if (s.parent >= mesh_.stars.size()) fail();
+    const SplitMesh::Star& u = mesh_.stars[s.parent];
+    const auto size = static_cast<std::uint32_t>(u.spokes.size());
+    s.side = SplitMesh::Side::inside == s.side || u.open ? s.side : SplitMesh::Side::inside;
+    if (u.open) {
+      const auto side = static_cast<std::uint32_t>(s.side);
+      if (coder.bit(side_[0], side != 0 ? 1 : 0) == 0) {
+        s.side = SplitMesh::Side::inside;
+      } else {
+        s.side = static_cast<SplitMesh::Side>(1 + coder.bit(side_[1], side == 2 ? 1 : 0));
+      }
+    }
+    s.between = between_[std::min(size, 11u)].code(coder, s.between);
+    if (s.side == SplitMesh::Side::front) {
+      s.at = s.between;
+    } else if (s.side == SplitMesh::Side::back) {
+      s.at = size - std::min(size, s.between + 1);
+    } else if (size <= 16) {
+      s.at = at_[size - 1].code(coder, s.at);
+    } else {
+      s.at = coder.direct(bits_for(size), s.at);
+    }
+  }
+
+  // How many wedges the vertex has, where each comes from, in which sectors it is; and those of a and b.
+  void code_wedges(Coder& coder, SplitMesh::Split& s, SplitMesh::Star& star) {
+    const SplitMesh::Star& u = mesh_.stars[s.parent];
+    if (!settings_.wedges) {
+      s.parents.assign(1, u.first_wedge);
+      std::fill(s.sectors.begin(), s.sectors.end(), 0);
+      finish_wedges(s, star);
+      return;
+    }
+    const std::uint32_t count =
+        count_[std::min(u.wedges, 3u)].code(coder, static_cast<std::uint32_t>(s.parents.size()));
+    if (count == 0 || count > most_wedges) fail();
+    s.parents.resize(count);
+    for (std::uint32_t& p : s.parents) p = u.first_wedge + code_local(coder, u.wedges, p - u.first_wedge, from_);
+    std::uint32_t before = 0;
+    for (std::uint32_t& sector : s.sectors) {
+      if (count > 1) {
+        if (coder.bit(same_, sector == before ? 1 : 0) != 0) {
+          sector = before;
+        } else {
+          sector = code_local(coder, count, sector, which_);
+        }
+      } else {
+        sector = 0;
+      }
+      before = sector;
+    }
+    finish_wedges(s, star);
+    if (s.side != SplitMesh::Side::front) {
+      const SplitMesh::Star& a = mesh_.stars[star.spokes[1].vertex];
+      const std::size_t at = a.find(s.parent);
+      s.wedge_a = code_beside(coder, a, at, s.wedge_a, beside_a_);
+    }
+    if (s.side != SplitMesh::Side::back) {
+      const std::size_t b_at = s.side == SplitMesh::Side::front ? s.between : star.spokes.size() - 1;
+      const SplitMesh::Star& b = mesh_.stars[star.spokes[b_at].vertex];
+      s.wedge_b = code_beside(coder, b, b.find(s.parent), s.wedge_b, beside_b_);
+    }
+  }
+
+  void finish_wedges(SplitMesh::Split& s, SplitMesh::Star& star) {
+    for (std::size_t k = 0; k < star.spokes.size(); ++k)
+      star.spokes[k].wedge = star.first_wedge + s.sectors[std::min(k, s.sectors.size() - 1)];
+    if (settings_.wedges) return;
+    const std::size_t b_at = s.side == SplitMesh::Side::front ? s.between : star.spokes.size() - 1;
+    s.wedge_a = mesh_.stars[star.spokes[std::min<std::size_t>(1, b_at)].vertex].first_wedge;
+    s.wedge_b = mesh_.stars[star.spokes[b_at].vertex].first_wedge;
+  }
+
+  // One of `count`.
+  std::uint32_t code_local(Coder& coder, std::uint32_t count, std::uint32_t value, BitModel& first) {
+    if (count < 2) return 0;
+    if (coder.bit(first, value != 0 ? 1 : 0) == 0) return 0;
+    const std::uint32_t out = 1 + coder.direct(bits_for(count - 1), value - 1);
+    if (out >= count) fail();
+    return out;
+  }
+
+  // The wedge of a or b in the new triangle: mostly that on either side of the edge to the parent.
+  std::uint32_t code_beside(Coder& coder, const SplitMesh::Star& star, std::size_t at, std::uint32_t wedge,
+                            std::array<BitModel, 2>& model) {
+    if (star.wedges < 2) return star.first_wedge;
+    const bool last = star.open && at + 1 == star.spokes.size(), first = star.open && at == 0;
+    const std::uint32_t behind = star.spokes[last ? star.previous(at) : at].wedge;
+    const std::uint32_t before = star.spokes[first ? at : star.previous(at)].wedge;
+    if (coder.bit(model[0], wedge == behind ? 0 : 1) == 0) return behind;
+    if (coder.bit(model[1], wedge == before ? 0 : 1) == 0) return before;
+    const std::uint32_t local = coder.direct(bits_for(star.wedges), wedge - star.first_wedge);
+    if (local >= star.wedges) fail();
+    return star.first_wedge + local;
+  }
+
+  void code_error(Coder& coder, const LatticeValues& source, std::size_t group) {
+    const std::uint32_t before = values_.errors.empty() ? 0x7f80 : values_.errors.back();
+    const std::uint32_t drop = group < source.errors.size() ? before - source.errors[group] : 0;
+    const std::uint32_t coded = error_.code(coder, drop);
+    if (coded > before) fail();
+    values_.errors.push_back(static_cast<std::uint16_t>(before - coded));
+  }
+
+  // What is known of a star before its vertex stands: sums over its neighbours.
+  struct Fit {
+    std::array<std::size_t, 3> axis{};  // two along the surface, then the one closest to its normal
+    std::array<double, 3> middle{}, normal{};
+    std::uint32_t scale = 0;  // bits of the largest distance of a neighbour from the first one
+  };
+
+  [[nodiscard]] Fit fit(const SplitMesh::Star& star) const {
+    Fit f;
+    const auto at = [&](std::size_t k) -> const std::array<std::int32_t, 3>& {
+      return values_.positions[star.spokes[k].vertex];
+    };
+    const std::size_t n = star.spokes.size();
+    std::int32_t far = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t m = (k + 1) % n;
+      double d[3], e[3];
+      for (std::size_t i = 0; i < 3; ++i) {
+        f.middle[i] += at(k)[i];
+        d[i] = at(k)[i] - at(0)[i];
+        e[i] = at(m)[i] - at(0)[i];
+        far = std::max(far, std::abs(at(k)[i] - at(0)[i]));
+      }
+      for (std::size_t i = 0; i < 3; ++i)
+        f.normal[i] += d[(i + 1) % 3] * e[(i + 2) % 3] - d[(i + 2) % 3] * e[(i + 1) % 3];
+    }
+    for (double& x : f.middle) x /= static_cast<double>(n);
+    const auto size = [&](std::size_t i) { return std::abs(f.normal[i]); };
+    f.axis[2] = size(0) >= size(1) && size(0) >= size(2) ? 0 : size(1) >= size(2) ? 1 : 2;
+    f.axis[0] = (f.axis[2] + 1) % 3;
+    f.axis[1] = (f.axis[2] + 2) % 3;
+    while (far >> f.scale != 0) ++f.scale;
+    return f;
+  }
+
+  static std::int32_t rounded(double x) { return static_cast<std::int32_t>(std::floor(x + 0.5)); }
+
+  void code_values(Coder& coder, const SplitMesh::Split& s, const SplitMesh::Star& star, const LatticeValues& source,
+                   std::size_t group) {
+    code_error(coder, source, group);
+    const Fit f = fit(star);
+    std::array<std::int32_t, 3> p{}, goal = group < source.positions.size() ? source.positions[group] : p;
+    const std::uint32_t scale = std::min(f.scale, 15u);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t i = f.axis[k];
+      double guess = f.middle[i];
+      if (k == 2 && f.normal[i] != 0) {
+        double slope = 0;
+        for (std::size_t m = 0; m < 2; ++m) slope += f.normal[f.axis[m]] * (p[f.axis[m]] - f.middle[f.axis[m]]);
+        guess -= slope / f.normal[i];
+      }
+      const std::int32_t most = 1 << settings_.position_bits;
+      const std::int32_t from = rounded(std::min(std::max(guess, 0.0), static_cast<double>(most)));
+      p[i] = from + position_[k == 2 ? 1 : 0][scale].code(coder, goal[i] - from);
+      if (p[i] < 0 || p[i] > most) fail();
+    }
+    values_.positions.push_back(p);
+    for (std::uint32_t w = 0; w < s.parents.size(); ++w) code_wedge_values(coder, s, star, source, f, p, w);
+  }
+
+  // The corners of the neighbours in the sectors of a wedge.
+  void list_corners(const SplitMesh::Star& star, std::uint32_t wedge) {
+    corners_.clear();
+    for (std::size_t k = 0; k < star.sectors(); ++k) {
+      if (star.spokes[k].wedge != wedge) continue;
+      const std::size_t m = star.next(k);
+      corners_.push_back({star.spokes[k].vertex, corner_of(star, k, m, true)});
+      corners_.push_back({star.spokes[m].vertex, corner_of(star, k, m, false)});
+    }
+  }
+
+  // The wedge of spoke k or m of the new star in the triangle between them. That triangle is there already, at the
+  // parent, unless the parent is one of the two.
+  [[nodiscard]] std::uint32_t corner_of(const SplitMesh::Star& star, std::size_t k, std::size_t m, bool first) const {
+    const std::uint32_t x = star.spokes[k].vertex, y = star.spokes[m].vertex;
+    if (x == split_parent_) return first ? split_parents_[star.spokes[k].wedge - star.first_wedge] : wedge_a_;
+    if (y == split_parent_) return first ? wedge_b_ : split_parents_[star.spokes[k].wedge - star.first_wedge];
+    const SplitMesh::Star& sx = mesh_.stars[first ? x : y];
+    return sx.spokes[sx.find(first ? y : split_parent_)].wedge;
+  }
+
+  void code_wedge_values(Coder& coder, const SplitMesh::Split& s, const SplitMesh::Star& star,
+                         const LatticeValues& source, const Fit& f, const std::array<std::int32_t, 3>& p,
+                         std::uint32_t w) {
+    const std::size_t wedge = star.first_wedge + w;
+    if (settings_.materials) values_.materials.push_back(values_.materials[s.parents[w]]);
+    if (settings_.uv) {
+      split_parent_ = s.parent, split_parents_ = s.parents, wedge_a_ = s.wedge_a, wedge_b_ = s.wedge_b;
+      list_corners(star, static_cast<std::uint32_t>(wedge));
+      const std::array<double, 2> guess = guess_uv(f, p, s.parents[w]);
+      std::array<std::int32_t, 2> uv{};
+      const std::int32_t most = 1 << settings_.uv_bits;
+      for (std::size_t i = 0; i < 2; ++i) {
+        const std::int32_t from = rounded(std::min(std::max(guess[i], 0.0), static_cast<double>(most)));
+        const std::int32_t goal = wedge < source.uv.size() ? source.uv[wedge][i] : 0;
+        uv[i] = from + uv_[std::min(f.scale, 15u)].code(coder, goal - from);
+        if (uv[i] < 0 || uv[i] > most) fail();
+      }
+      values_.uv.push_back(uv);
+    }
+    if (!settings_.colours) return;
+    Rgba8 c = values_.colours[s.parents[w]];
+    const Rgba8 goal = wedge < source.colours.size() ? source.colours[wedge] : c;
+    const auto code = [&](std::uint8_t& x, std::uint8_t to, std::size_t channel) {
+      x = static_cast<std::uint8_t>(x + colour_[channel].code(coder, static_cast<std::int8_t>(to - x)));
+    };
+    code(c.r, goal.r, 0), code(c.g, goal.g, 1), code(c.b, goal.b, 2), code(c.a, goal.a, 3);
+    values_.colours.push_back(c);
+  }
+
+  // The linear map from the two coordinates along the surface to the texture, by least squares over the corners.
+  [[nodiscard]] std::array<double, 2> guess_uv(const Fit& f, const std::array<std::int32_t, 3>& p,
+                                               std::uint32_t parent) const {
+    if (corners_.empty()) return {double(values_.uv[parent][0]), double(values_.uv[parent][1])};
+    const double n = static_cast<double>(corners_.size());
+    double mx = 0, my = 0, mu = 0, mv = 0;
+    for (const Corner& c : corners_) {
+      mx += values_.positions[c.vertex][f.axis[0]], my += values_.positions[c.vertex][f.axis[1]];
+      mu += values_.uv[c.wedge][0], mv += values_.uv[c.wedge][1];
+    }
+    mx /= n, my /= n, mu /= n, mv /= n;
+    double xx = 0, xy = 0, yy = 0, xu = 0, yu = 0, xv = 0, yv = 0;
+    for (const Corner& c : corners_) {
+      const double x = values_.positions[c.vertex][f.axis[0]] - mx, y = values_.positions[c.vertex][f.axis[1]] - my;
+      const double u = values_.uv[c.wedge][0] - mu, v = values_.uv[c.wedge][1] - mv;
+      xx += x * x, xy += x * y, yy += y * y, xu += x * u, yu += y * u, xv += x * v, yv += y * v;
+    }
+    const double det = xx * yy - xy * xy, x = p[f.axis[0]] - mx, y = p[f.axis[1]] - my;
+    if (!(det > 1e-3 * (xx * yy))) return {mu, mv};
+    return {mu + (x * (xu * yy - yu * xy) + y * (yu * xx - xu * xy)) / det,
+            mv + (x * (xv * yy - yv * xy) + y * (yv * xx - xv * xy)) / det};
+  }
+
+  struct Corner {
+    std::uint32_t vertex, wedge;
+  };
+
+  CodecSettings settings_;
+  SplitMesh& mesh_;
+  LatticeValues& values_;
+  std::vector<Corner> corners_;
+  std::uint32_t split_parent_ = 0, wedge_a_ = 0, wedge_b_ = 0;
+  std::vector<std::uint32_t> split_parents_;
+
+  std::array<NumberModel, 2> numbers_;  // of the base: wedges, spokes
+  std::array<BitModel, 64> parent_;
+  std::array<BitModel, 2> side_;
+  std::array<NumberModel, 12> between_;
+  std::array<TreeModel<4>, 16> at_;
+  std::array<NumberModel, 4> count_;
+  BitModel same_, from_, which_;
+  std::array<BitModel, 2> beside_a_, beside_b_;
+  NumberModel error_, material_;
+  std::array<std::array<SignedModel, 16>, 2> position_;
+  std::array<SignedModel, 16> uv_;
+  std::array<SignedModel, 4> colour_;
+};
+
+}  // namespace lodestone::progressive

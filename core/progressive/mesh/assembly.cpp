@@ -1,0 +1,157 @@
+#include "core/progressive/mesh/assembly.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/progressive/mesh/births.h"
+
+namespace lodestone::progressive {
+
+// Wedges of each vertex, by number.
+struct Assembly::WedgeLists {
+  std::vector<Id> first, wedges;
+
+  explicit WedgeLists(const RingMesh& rings) {
+    const std::size_t count = rings.vertex_count();
+    std::vector<bool> used(count);
+    for (const Triangle& t : rings.corners())
+      for (const Id w : t.v) used[w] = true;
+    first.assign(count + 1, 0);
+    for (Id w = 0; w < count; ++w)
+      if (used[w]) ++first[rings.vertex_of(w) + 1];
+    for (std::size_t v = 1; v <= count; ++v) first[v] += first[v - 1];
+    wedges.resize(first.back());
+    std::vector<Id> fill(first.begin(), first.end() - 1);
+    for (Id w = 0; w < count; ++w)
+      if (used[w]) wedges[fill[rings.vertex_of(w)]++] = w;
+  }
+  [[nodiscard]] std::span<const Id> of(Id v) const {
+    return std::span(wedges).subspan(first[v], first[v + 1] - first[v]);
+  }
+};
+
+Assembly::Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence, ProgressiveMesh&& room)
+    : mesh_(mesh), rings_(rings), sequence_(std::move(sequence)), out_(std::move(room)) {
+  out_.errors.clear();
+}
+
+void Assembly::cut_sequence() {
+  std::size_t kept = 0;
+  for (std::size_t left = mesh_.triangles.size(); kept < sequence_.records.size(); ++kept) {
+    const std::size_t gone = sequence_.records[kept].triangles;
+    if (left < sequence_.base_triangles + gone) break;
+    left -= gone;
+  }
+  sequence_.records.resize(kept);
+}
+
+// The base by number, then what collapsed, last first.
+void Assembly::order() {
+  cut_sequence();
+  std::vector<bool> gone(rings_.vertex_count());
+  float error = 0;
+  for (CollapseRecord& r : sequence_.records) {
+    gone[r.vertex] = true;
+    r.error = error = std::max(error, r.error);
+  }
+  number_.assign(rings_.vertex_count(), no_id);
+  wedges_.reserve(rings_.vertex_count());
+  out_.errors.reserve(rings_.vertex_count());
+  const auto add = [&](Id w, float e) {
+    number_[w] = static_cast<Id>(wedges_.size());
+    wedges_.push_back(w);
+    out_.errors.push_back(e);
+  };
+  std::optional<WedgeLists> lists;
+  if (rings_.has_wedges()) lists.emplace(rings_);
+  const auto add_vertex = [&](Id v, float e) {
+    if (!lists) return add(v, e);
+    for (const Id w : lists->of(v)) add(w, e);
+  };
+  // Copies of one vertex do not stand together, where they would look like its wedges.
+  std::vector<Id> waiting;
+  const auto is_like_last = [&](Id v) {
+    return !wedges_.empty() && rings_.position(rings_.vertex_of(wedges_.back())) == rings_.position(v);
+  };
+  for (Id v = 0; v < rings_.vertex_count(); ++v) {
+    if (gone[v] || (!rings_.is_used(v) && sequence_.parents[v] == no_id)) continue;
+    if (is_like_last(v)) {
+      waiting.push_back(v);
+      continue;
+    }
+    add_vertex(v, error);
+    if (!waiting.empty() && !is_like_last(waiting.back())) {
+      add_vertex(waiting.back(), error);
+      waiting.pop_back();
+    }
+  }
+  for (const Id v : waiting) add_vertex(v, error);
+  out_.base_vertices = static_cast<std::uint32_t>(wedges_.size());
+  if (lists)
+    for (std::size_t k = sequence_.records.size(); k-- > 0;)
+      add_vertex(sequence_.records[k].vertex, sequence_.records[k].error);
+  else
+    wedges_.resize(wedges_.size() + sequence_.records.size()), out_.errors.resize(wedges_.size());
+  make_room();
+}
+
+// Without wedges every collapse is one vertex, and its number is known.
+void Assembly::number(std::size_t begin, std::size_t end) {
+  if (rings_.has_wedges()) return;
+  for (std::size_t k = begin; k < end; ++k) {
+    const CollapseRecord& record = sequence_.records[k];
+    const std::size_t place = wedges_.size() - 1 - k;
+    number_[record.vertex] = static_cast<Id>(place);
+    wedges_[place] = record.vertex;
+    out_.errors[place] = record.error;
+  }
+}
+
+void Assembly::make_room() {
+  const auto like = [&]<class T>(std::vector<T>& to, const std::vector<T>& from) {
+    if (!from.empty()) to.resize(wedges_.size());
+  };
+  out_.positions.resize(wedges_.size());
+  out_.parents.resize(wedges_.size());
+  like(out_.wedges.uv, mesh_.wedges.uv);
+  like(out_.wedges.colour, mesh_.wedges.colour);
+  like(out_.wedges.normal, mesh_.wedges.normal);
+  like(out_.wedges.material, mesh_.wedges.material);
+  out_.transform = mesh_.transform;
+  out_.triangles.resize(mesh_.triangles.size());
+  mapped_ = std::make_unique_for_overwrite<Triangle[]>(mesh_.triangles.size());
+  births_ = std::make_unique_for_overwrite<std::uint32_t[]>(mesh_.triangles.size());
+}
+
+void Assembly::gather(std::size_t begin, std::size_t end) {
+  const auto pick = [&]<class T>(std::vector<T>& to, const std::vector<T>& from) {
+    if (from.empty()) return;
+    for (std::size_t k = begin; k < end; ++k) to[k] = from[rings_.source_of(wedges_[k])];
+  };
+  pick(out_.positions, mesh_.positions);
+  pick(out_.wedges.uv, mesh_.wedges.uv);
+  pick(out_.wedges.colour, mesh_.wedges.colour);
+  pick(out_.wedges.normal, mesh_.wedges.normal);
+  pick(out_.wedges.material, mesh_.wedges.material);
+  for (std::size_t k = std::max<std::size_t>(begin, out_.base_vertices); k < end; ++k)
+    out_.parents[k] = number_[sequence_.parents[wedges_[k]]];
+}
+
+void Assembly::find_groups() { groups_ = group_starts(out_); }
+
+void Assembly::map_triangles(std::size_t begin, std::size_t end) {
+  for (std::size_t t = begin; t < end; ++t) {
+    const Triangle& corners = rings_.corners()[t];
+    mapped_[t] = {number_[corners.v[0]], number_[corners.v[1]], number_[corners.v[2]]};
+    births_[t] = birth(mapped_[t], out_, groups_);
+  }
+}
+
+ProgressiveMesh Assembly::finish() {
+  sort_by_birth({mapped_.get(), out_.triangles.size()}, {births_.get(), out_.triangles.size()}, vertex_count(),
+                out_.triangles.data());
+  return std::move(out_);
+}
+
+}  // namespace lodestone::progressive

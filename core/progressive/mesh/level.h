@@ -1,0 +1,39 @@
+// Levels of a progressive mesh, and what moves between two of them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/progressive/mesh/progressive_mesh.h"
+
+namespace lodestone {
+
+// Finds levels of one progressive mesh, which has to stay alive and as it is.
+class LevelFinder {
+ public:
+  explicit LevelFinder(const ProgressiveMesh& mesh);  // about 30 ns per triangle
+
+  // The finest level of at most so many vertices (at least the base): the number of its vertices, all of a group or
+  // none. The same by triangles, and the coarsest whose error is at most the one given (normalised).
+  [[nodiscard]] std::uint32_t vertices_for(std::uint32_t most_vertices) const;
+  [[nodiscard]] std::uint32_t vertices_for_triangles(std::size_t most_triangles) const;
+  [[nodiscard]] std::uint32_t vertices_for_error(float error) const;
+  [[nodiscard]] std::size_t triangles_of(std::uint32_t vertices) const;
+  [[nodiscard]] float error_of(std::uint32_t vertices) const;
+
+  // The triangles of a level of vertices_for() vertices, into the first so many vertices.
+  [[nodiscard]] std::vector<Triangle> compute_level(std::uint32_t vertices) const;
+  // The same with its vertices alone and their attributes, in the space of the model.
+  [[nodiscard]] RawMesh level_mesh(std::uint32_t vertices) const;
+  // For every vertex of the finer level the vertex of the coarser one that it comes from: itself, where it is there.
+  // Vertices that travel from their ancestors' places, normals and texture coordinates to their own make the geomorph.
+  [[nodiscard]] std::vector<std::uint32_t> compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const;
+
+ private:
+  const ProgressiveMesh* mesh_;
+  std::vector<std::uint32_t> groups_, births_;  // of vertices, of triangles: in ascending order
+};
+
+}  // namespace lodestone

@@ -1,0 +1,16 @@
+// Chooses among the simplifiers.
+#pragma once
+
+#include <memory>
+
+#include "core/simplify/block/simplifier.h"
+
+namespace lodestone {
+
+// Throws InputError when the kind cannot place its survivors so.
+[[nodiscard]] std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind, Placement placement);
+[[nodiscard]] inline std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind) {
+  return make_simplifier(kind, default_placement(kind));
+}
+
+}  // namespace lodestone

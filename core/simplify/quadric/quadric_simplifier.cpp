@@ -1,0 +1,103 @@
+#include "core/simplify/quadric/quadric_simplifier.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <new>
+#include <numeric>
+
+#include "core/base/error.h"
+#include "core/simplify/quadric/quadric_block.h"
+#include "core/simplify/quadric/quadric_piles.h"
+#include "core/simplify/quadric/quadric_seams.h"
+#include "core/simplify/quadric/quadric_split.h"
+
+namespace lodestone {
+
+namespace quadric {
+
+// The system hands out zeroed pages on first touch, so that a small block stays small; calloc says so, operator new
+// would touch them all.
+std::unique_ptr<Arrays, FreeArrays> allocate_arrays() {
+  void* memory = std::calloc(1, sizeof(Arrays) + alignof(Arrays));
+  if (memory == nullptr) throw ResourceError(describe("", "quadric simplifier", "no memory for its arrays"));
+  const auto address = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t aligned = (address + alignof(Arrays) - 1) / alignof(Arrays) * alignof(Arrays);
+  return {reinterpret_cast<Arrays*>(aligned), FreeArrays{memory}};
+}
+
+}  // namespace quadric
+
+namespace {
+
+class QuadricSimplifier final : public Simplifier {
+ public:
+  QuadricSimplifier(bool avx2, Placement placement)
+      : placement_(placement),
+        kernel_(avx2 ? quadric::simplify_block_avx2 : quadric::simplify_block_plain),
+        arrays_(quadric::allocate_arrays()) {}
+
+  const SimplifyResult& simplify(const SimplifyInput& input) override {
+    result_.parent.resize(input.positions.size());
+    result_.positions.resize(input.positions.size());
+    result_.distance.resize(input.positions.size());
+    result_.wedge_parent.clear();
+    if (input.positions.size() <= quadric::id_limit) {
+      kernel_(input, placement_, *arrays_, piles_, seams_of(input), result_);
+    } else {
+      simplify_parts(input);
+    }
+    return result_;
+  }
+  [[nodiscard]] bool knows_wedges() const override { return true; }
+
+ private:
+  quadric::Seams* seams_of(const SimplifyInput& input) { return input.corners.empty() ? nullptr : &seams_; }
+
+  // Vertices on the seams between parts stay for this call; the next level cuts elsewhere.
+  void simplify_parts(const SimplifyInput& input) {
+    for (std::uint32_t v = 0; v < input.positions.size(); ++v) result_.parent[v] = v;
+    std::copy(input.positions.begin(), input.positions.end(), result_.positions.begin());
+    std::fill(result_.distance.begin(), result_.distance.end(), 0.0f);
+    result_.wedge_parent.resize(input.wedge_vertex.size());
+    std::iota(result_.wedge_parent.begin(), result_.wedge_parent.end(), 0u);
+    result_.triangles = 0;
+    const std::size_t parts = splitter_.split(input, quadric::id_limit);
+    for (std::size_t p = 0; p < parts; ++p) {
+      const quadric::Part& part = splitter_.part(input, p);
+      const double share = static_cast<double>(part.triangles.size()) / static_cast<double>(input.triangles.size());
+      const auto target = static_cast<std::size_t>(share * static_cast<double>(input.target_triangles));
+      of_part_.parent.resize(part.vertices.size());
+      of_part_.positions.resize(part.vertices.size());
+      of_part_.distance.resize(part.vertices.size());
+      const SimplifyInput part_input = part.input(input, target);
+      kernel_(part_input, placement_, *arrays_, piles_, seams_of(part_input), of_part_);
+      for (std::size_t v = 0; v < part.vertices.size(); ++v) {
+        result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];
+        result_.positions[part.vertices[v]] = of_part_.positions[v];
+        result_.distance[part.vertices[v]] = of_part_.distance[v];
+      }
+      for (std::size_t w = 0; w < part.wedges.size(); ++w)
+        result_.wedge_parent[part.wedges[w]] = part.wedges[of_part_.wedge_parent[w]];
+      result_.triangles += of_part_.triangles;
+    }
+  }
+
+  Placement placement_;
+  void (*kernel_)(const SimplifyInput&, Placement, quadric::Arrays&, quadric::Piles&, quadric::Seams*, SimplifyResult&);
+  std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
+  quadric::Piles piles_;
+  quadric::Seams seams_;
+  quadric::Splitter splitter_;
+  SimplifyResult result_, of_part_;
+};
+
+}  // namespace
+
+std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set, Placement placement) {
+  if (!is_available(set))
+    throw UnsupportedError(describe("", "quadric simplifier", "this processor has no AVX2", "use the plain kernel"));
+  return std::make_unique<QuadricSimplifier>(set != InstructionSet::plain && is_available(InstructionSet::avx2),
+                                             placement);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,51 @@
+// The point of a triangle nearest to a given point, in double, for every triangle: slivers, segments and points too.
+#pragma once
+
+#include <algorithm>
+
+#include "core/math/vec3.h"
+
+namespace lodestone {
+
+struct NearestPoint {
+  Vec3d point;
+  double squared_distance = 0;
+};
+
+[[nodiscard]] inline double squared_length(Vec3d a) { return dot(a, a); }
+
+[[nodiscard]] inline NearestPoint nearest_on_segment(Vec3d p, Vec3d a, Vec3d b) {
+  const Vec3d ab = b - a;
+  const double along = dot(p - a, ab), whole = dot(ab, ab);
+  const Vec3d q = !(along > 0) || !(whole > 0) ? a : along >= whole ? b : a + (along / whole) * ab;
+  return {q, squared_length(p - q)};
+}
+
+// The distance is always that of `point`, which lies on the triangle within rounding: a normal that is mere noise, as
+// slivers have, may never report less than the true distance. Of a sliver all three edges are looked at; of any other
+// triangle only those that the point lies outside of, since the nearest point is on one of them.
+[[nodiscard]] inline NearestPoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d ab = b - a, ac = c - a, ap = p - a;
+  const Vec3d normal = cross(ab, ac);
+  // Barycentric coordinates of the foot of the perpendicular, times `area2`.
+  const double area2 = squared_length(normal);
+  const double wb = dot(cross(ap, ac), normal), wc = dot(cross(ab, ap), normal), wa = area2 - wb - wc;
+  constexpr double sliver_sine2 = 1e-8;  // beyond it the normal has lost at most four of its sixteen digits
+  const bool sliver = !(area2 > sliver_sine2 * squared_length(ab) * squared_length(ac));
+  NearestPoint best{a, squared_length(ap)};
+  if (area2 > 0 && wa >= 0 && wb >= 0 && wc >= 0) {
+    const Vec3d q = a + (wb / area2) * ab + (wc / area2) * ac;
+    best = {q, squared_length(p - q)};
+    if (!sliver) return best;
+  }
+  const auto consider = [&](Vec3d from, Vec3d to) {
+    const NearestPoint other = nearest_on_segment(p, from, to);
+    if (other.squared_distance < best.squared_distance) best = other;
+  };
+  if (sliver || wc < 0) consider(a, b);
+  if (sliver || wa < 0) consider(b, c);
+  if (sliver || wb < 0) consider(c, a);
+  return best;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,43 @@
+#include "experiments/command_line/picture_writer.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+
+PictureWriter::PictureWriter(std::string folder, std::size_t frames) : folder_(std::move(folder)), frames_(frames) {
+  std::error_code error;
+  created_ = std::filesystem::create_directories(folder_, error);
+  if (error)
+    throw FileError(
+        describe(folder_, "", "cannot create the folder: " + error.message(), "name a folder you may write to"));
+}
+
+PictureWriter::~PictureWriter() {
+  if (finished_) return;
+  std::error_code ignored;
+  for (const std::string& file : written_) std::filesystem::remove(file, ignored);
+  if (created_) std::filesystem::remove(folder_, ignored);
+}
+
+void PictureWriter::add(std::size_t index, Image image) {
+  if (image.rgba.empty()) return;
+  const std::string file = fmt::format("{}/frame{:04}.png", folder_, index);
+  write_png(file, image);
+  written_.push_back(file);
+  constexpr std::size_t on_sheet = 12;
+  const std::size_t steps = std::min(frames_, on_sheet);
+  if (sheet_.size() < steps && index * (steps - 1) >= sheet_.size() * (frames_ - 1)) sheet_.push_back(std::move(image));
+}
+
+void PictureWriter::finish() {
+  if (!sheet_.empty()) write_png(folder_ + "/contact.png", contact_sheet(sheet_));
+  finished_ = true;
+}
+
+}  // namespace lodestone

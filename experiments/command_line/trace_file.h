@@ -1,0 +1,14 @@
+// Traces as files: the JSON of Chrome's trace viewer (chrome://tracing, ui.perfetto.dev).
+#pragma once
+
+#include <string>
+
+#include "parallel/scheduler/trace.h"
+
+namespace lodestone {
+
+// One complete event ("ph": "X") per chunk and task, one thread per worker; times in microseconds. Written aside and
+// renamed. Throws FileError.
+void write_trace(const Trace& trace, const std::string& path);
+
+}  // namespace lodestone

@@ -1,0 +1,114 @@
+#include "experiments/metrics/cracks/adversary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace lodestone {
+namespace {
+
+// The cells of one level that use each shared vertex.
+class Users {
+ public:
+  Users(const Hierarchy& hierarchy, int level) {
+    const std::uint32_t first = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
+    std::uint32_t cell = first;
+    for (const Cell& c : hierarchy.cells_of(level)) {
+      for (const std::uint32_t id : c.shared_ids) users_.push_back(std::uint64_t{id} << 32 | cell);
+      ++cell;
+    }
+    std::sort(users_.begin(), users_.end());
+  }
+
+  // A cell other than `cell` that uses the vertex: preferably one that satisfies the condition; no_cell without any.
+  template <typename Condition>
+  [[nodiscard]] std::uint32_t find(std::uint32_t id, std::uint32_t cell, const Condition& condition) const {
+    std::uint32_t found = no_cell;
+    for (auto user = std::lower_bound(users_.begin(), users_.end(), std::uint64_t{id} << 32);
+         user != users_.end() && *user >> 32 == id; ++user) {
+      const auto other = static_cast<std::uint32_t>(*user);
+      if (other == cell) continue;
+      found = other;
+      if (condition(other)) break;
+    }
+    return found;
+  }
+
+ private:
+  std::vector<std::uint64_t> users_;  // shared id, index of the cell
+};
+
+Vec3d farthest_corner(Vec3f p, const Box3f& box) {
+  const auto far = [](float lo, float hi, float v) { return std::abs(v - lo) > std::abs(hi - v) ? lo : hi; };
+  return {far(box.lo.x, box.hi.x, p.x), far(box.lo.y, box.hi.y, p.y), far(box.lo.z, box.hi.z, p.z)};
+}
+
+double norm(DistanceMetric metric, Vec3d v) {
+  if (metric == DistanceMetric::chebyshev) return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return length(v);
+}
+
+// Beyond the corner by `radius`: z + radius (z - u) / d(u, z). In both metrics the box's nearest point is then z.
+Vec3f viewpoint_behind(DistanceMetric metric, Vec3f u, const Box3f& box, double radius) {
+  const Vec3d z = farthest_corner(u, box), way = z - to_double(u);
+  return to_float(z + (radius / norm(metric, way)) * way);
+}
+
+AdversarialView view_of_vertex(const Hierarchy& hierarchy, const Radii& radii, int level, std::uint32_t index,
+                               std::uint32_t u, const Users& users, double slack) {
+  const Cell& cell = hierarchy.cells[index];
+  const float radius = radii.select[static_cast<std::size_t>(level)];
+  const auto behind = [&](double r) { return viewpoint_behind(radii.metric, cell.positions[u], cell.bounds, r); };
+  const Vec3f inside = behind(radius * (1 - slack)), outside = behind(radius * (1 + slack));
+  const auto unrefined = [&](std::uint32_t c) {
+    return distance(radii.metric, inside, hierarchy.cells[c].bounds) >= radius;
+  };
+  AdversarialView view;
+  view.level = level;
+  view.cell = index;
+  view.vertex = u;
+  view.other = users.find(cell.shared_ids[u - cell.first_shared()], index, unrefined);
+  view.refined = view.other != no_cell && unrefined(view.other);
+  view.viewpoint = view.refined ? inside : outside;
+  view.across = view.refined ? outside : inside;
+  view.reach = farthest_corner_distance(radii.metric, cell.positions[u], cell.bounds) / cell_size(level);
+  return view;
+}
+
+// The view of the cell's shared vertex of largest reach that has somewhere to go.
+std::optional<AdversarialView> best_view(const Hierarchy& hierarchy, const Radii& radii, int level, std::uint32_t index,
+                                         const Users& users, double slack) {
+  const Cell& cell = hierarchy.cells[index];
+  const std::span<const Vec3f> parents = hierarchy.cells[cell.parent].positions;
+  std::optional<std::uint32_t> best;
+  float best_reach = 0;
+  for (std::uint32_t u = cell.first_shared(); u < cell.positions.size(); ++u) {
+    const float reach = farthest_corner_distance(radii.metric, cell.positions[u], cell.bounds);
+    if (reach <= best_reach || parents[cell.parents[u]] == cell.positions[u]) continue;
+    best = u;
+    best_reach = reach;
+  }
+  if (!best) return std::nullopt;
+  return view_of_vertex(hierarchy, radii, level, index, *best, users, slack);
+}
+
+}  // namespace
+
+std::vector<AdversarialView> adversarial_views(const Hierarchy& hierarchy, const Radii& radii,
+                                               const AdversaryConfig& config) {
+  std::vector<AdversarialView> views;
+  for (int level = 1; level < hierarchy.finest(); ++level) {
+    const Users users(hierarchy, level);
+    const Level& l = hierarchy.levels[static_cast<std::size_t>(level)];
+    std::vector<AdversarialView> found;
+    for (std::uint32_t cell = l.first_cell; cell < l.first_cell + l.cell_count; ++cell)
+      if (const auto view = best_view(hierarchy, radii, level, cell, users, config.slack)) found.push_back(*view);
+    std::stable_sort(found.begin(), found.end(),
+                     [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });
+    found.resize(std::min(found.size(), config.per_level));
+    views.insert(views.end(), found.begin(), found.end());
+  }
+  return views;
+}
+
+}  // namespace lodestone

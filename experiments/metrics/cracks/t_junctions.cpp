@@ -1,0 +1,222 @@
+#include "experiments/metrics/cracks/t_junctions.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/spatial/point_triangle.h"
+#include "experiments/metrics/drawn/drawn_mesh.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::size_t edges_per_chunk = 1024;
+
+double axis(Vec3d p, std::size_t k) { return k == 0 ? p.x : k == 1 ? p.y : p.z; }
+
+// One number for all vertices at one place, in the order of places; -0 and +0 are one place.
+std::vector<std::uint32_t> weld(std::span<const Vec3d> positions) {
+  std::vector<std::uint32_t> order(positions.size()), ids(positions.size());
+  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto key = [&](std::uint32_t i) { return std::tuple(positions[i].x, positions[i].y, positions[i].z); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  std::uint32_t id = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i > 0 && key(order[i - 1]) != key(order[i])) ++id;
+    ids[order[i]] = id;
+  }
+  return ids;
+}
+
+// Ends are welded vertices, the lower one first; `vertex` is one of the vertices at each end.
+struct BorderEdge {
+  std::array<std::uint32_t, 2> end{}, vertex{};
+};
+
+// Edges that the triangles do not run through equally often in both directions, in ascending order. Those of one lower
+// end lie side by side; they are few.
+std::vector<BorderEdge> border_edges(std::span<const Triangle> triangles, const std::vector<std::uint32_t>& ids) {
+  struct Half {
+    BorderEdge edge;
+    int sign = 1;
+  };
+  const auto for_halves = [&](const auto& use) {
+    for (const Triangle& t : triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = t.v[k], b = t.v[(k + 1) % 3];
+        if (ids[a] < ids[b]) use(Half{{{ids[a], ids[b]}, {a, b}}, 1});
+        if (ids[b] < ids[a]) use(Half{{{ids[b], ids[a]}, {b, a}}, -1});
+      }
+  };
+  std::vector<std::size_t> first(ids.size() + 2, 0);  // by lower end; after placing, where the next one begins
+  for_halves([&](const Half& half) { ++first[half.edge.end[0] + 2]; });
+  for (std::size_t i = 2; i < first.size(); ++i) first[i] += first[i - 1];
+  std::vector<Half> halves(first.back());
+  for_halves([&](const Half& half) { halves[first[half.edge.end[0] + 1]++] = half; });
+
+  std::vector<BorderEdge> border;
+  for (std::size_t lower = 0; lower < ids.size(); ++lower) {
+    const std::span<Half> around(halves.data() + first[lower], halves.data() + first[lower + 1]);
+    std::ranges::sort(around, {}, [](const Half& half) { return half.edge.end[1]; });
+    for (std::size_t begin = 0, end = 0; begin < around.size(); begin = end) {
+      int net = 0;
+      while (end < around.size() && around[end].edge.end == around[begin].edge.end) net += around[end++].sign;
+      if (net != 0) border.push_back(around[begin].edge);
+    }
+  }
+  return border;
+}
+
+struct BorderVertex {
+  Vec3d position;
+  std::uint32_t id = 0;
+};
+
+// Points in a balanced tree: the middle one of a range splits it along the axis on which the range is widest.
+class PointTree {
+ public:
+  explicit PointTree(std::vector<BorderVertex> points) : points_(std::move(points)), split_(points_.size()) {
+    build(0, points_.size());
+  }
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+
+  // Calls visit(number, point) for all points within `distance` of the segment, and for some that are farther.
+  template <class Visit>
+  void near_segment(Vec3d a, Vec3d b, double distance, const Visit& visit) const {
+    descend(0, points_.size(), a, b, distance, visit);
+  }
+
+ private:
+  void build(std::size_t begin, std::size_t end) {
+    if (begin >= end) return;
+    Vec3d lo = points_[begin].position, hi = lo;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3d p = points_[i].position;
+      lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
+      hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
+    }
+    const Vec3d extent = hi - lo;
+    const std::size_t k = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [k](const BorderVertex& p, const BorderVertex& q) {
+      return std::pair(axis(p.position, k), p.id) < std::pair(axis(q.position, k), q.id);
+    });
+    split_[middle] = static_cast<std::uint8_t>(k);
+    build(begin, middle);
+    build(middle + 1, end);
+  }
+
+  // The part of the segment on either side of the splitting plane, grown by the distance, is what its points can be
+  // near to.
+  template <class Visit>
+  void descend(std::size_t begin, std::size_t end, Vec3d a, Vec3d b, double distance, const Visit& visit) const {
+    if (begin >= end) return;
+    const std::size_t middle = begin + (end - begin) / 2, k = split_[middle];
+    const double plane = axis(points_[middle].position, k), from = axis(a, k), to = axis(b, k);
+    visit(middle, points_[middle]);
+    // Parameter of the segment at a height over the axis.
+    const auto cut = [&](double height) { return a + std::clamp((height - from) / (to - from), 0.0, 1.0) * (b - a); };
+    const bool rising = to > from;
+    if (std::min(from, to) <= plane + distance) {
+      const bool all = std::max(from, to) <= plane + distance;
+      descend(begin, middle, all || rising ? a : cut(plane + distance), all || !rising ? b : cut(plane + distance),
+              distance, visit);
+    }
+    if (std::max(from, to) >= plane - distance) {
+      const bool all = std::min(from, to) >= plane - distance;
+      descend(middle + 1, end, all || !rising ? a : cut(plane - distance), all || rising ? b : cut(plane - distance),
+              distance, visit);
+    }
+  }
+
+  std::vector<BorderVertex> points_;
+  std::vector<std::uint8_t> split_;
+};
+
+std::vector<BorderVertex> border_vertices(const std::vector<BorderEdge>& border, std::span<const Vec3d> positions) {
+  std::vector<BorderVertex> points;
+  for (const BorderEdge& edge : border)
+    for (std::size_t k = 0; k < 2; ++k) points.push_back({positions[edge.vertex[k]], edge.end[k]});
+  const auto by_id = [](const BorderVertex& a, const BorderVertex& b) { return a.id < b.id; };
+  std::sort(points.begin(), points.end(), by_id);
+  points.erase(std::unique(points.begin(), points.end(), [](auto& a, auto& b) { return a.id == b.id; }), points.end());
+  return points;
+}
+
+// Its distance, or nothing (negative) where the vertex does not lie inside the edge.
+double distance_inside(Vec3d p, Vec3d a, Vec3d b, double tolerance) {
+  const NearestPoint foot = nearest_on_segment(p, a, b);
+  const double limit = tolerance * tolerance;
+  const bool inside = foot.squared_distance <= limit && squared_length(foot.point - a) > limit &&
+                      squared_length(foot.point - b) > limit;
+  return inside ? std::sqrt(foot.squared_distance) : -1;
+}
+
+struct Part {
+  TJunctionReport report;
+  std::vector<std::uint32_t> vertices;  // numbers in the tree
+};
+
+void add_junction(double distance, Vec3d where, TJunctionReport& report) {
+  if (report.junctions++ == 0 || distance > report.worst) {
+    report.worst = distance;
+    report.where = where;
+  }
+}
+
+}  // namespace
+
+TJunctionReport t_junctions(std::span<const Vec3d> positions, std::span<const Triangle> triangles, double tolerance,
+                            Scheduler& scheduler) {
+  if (!(tolerance >= 0 && std::isfinite(tolerance)))
+    throw InputError("the tolerance of T-junctions must be at least 0 and finite");
+  if (!std::all_of(positions.begin(), positions.end(), [](Vec3d p) { return is_finite(p); }))
+    throw InputError("T-junctions: a position is not finite; clean the mesh first");
+  const std::vector<BorderEdge> border = border_edges(triangles, weld(positions));
+  const PointTree tree(border_vertices(border, positions));
+  // The tree cuts the segment in floating point: it is asked for a little more than what counts.
+  const double searched = tolerance * (1 + 1e-9) + 1e-15;
+
+  std::vector<Part> parts(chunk_count(border.size(), edges_per_chunk));
+  scheduler.for_chunks(border.size(), edges_per_chunk, [&](ChunkRange chunk) {
+    Part& part = parts[chunk.index];
+    for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
+      const BorderEdge& edge = border[e];
+      const Vec3d a = positions[edge.vertex[0]], b = positions[edge.vertex[1]];
+      tree.near_segment(a, b, searched, [&](std::size_t number, const BorderVertex& vertex) {
+        if (vertex.id == edge.end[0] || vertex.id == edge.end[1]) return;
+        const double distance = distance_inside(vertex.position, a, b, tolerance);
+        if (distance < 0) return;
+        add_junction(distance, vertex.position, part.report);
+        part.vertices.push_back(static_cast<std::uint32_t>(number));
+      });
+    }
+  });
+
+  TJunctionReport report;
+  report.border_edges = border.size();
+  std::vector<std::uint8_t> lies(tree.size(), 0);
+  for (const Part& part : parts) {
+    for (const std::uint32_t v : part.vertices) lies[v] = 1;
+    if (part.report.junctions > 0 && (report.junctions == 0 || part.report.worst > report.worst)) {
+      report.worst = part.report.worst;
+      report.where = part.report.where;
+    }
+    report.junctions += part.report.junctions;
+  }
+  report.vertices = static_cast<std::uint64_t>(std::count(lies.begin(), lies.end(), std::uint8_t{1}));
+  return report;
+}
+
+TJunctionReport t_junctions(const MorphContext& context, const Selection& selection, double tolerance,
+                            Scheduler& scheduler) {
+  const DrawnMesh mesh = drawn_mesh(context, selection);
+  return t_junctions(mesh.positions, mesh.triangles, tolerance, scheduler);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,139 @@
+#include "parallel/build/measure_errors.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+namespace lodestone {
+namespace {
+
+constexpr double negligible_ratio = 1e-5;  // of the cell size: no error below it makes a difference
+constexpr std::size_t tree_grain = 4;      // cells
+
+constexpr double rounding = 1e-15;  // of distances in the unit cube, in double precision
+
+// Rounded up.
+float up(double v) { return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity()); }
+
+struct CellRange {
+  std::uint32_t first = 0, end = 0;
+};
+
+class ErrorMeasurement {
+ public:
+  ErrorMeasurement(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler)
+      : hierarchy_(hierarchy),
+        config_(config),
+        scheduler_(scheduler),
+        meters_(static_cast<std::size_t>(scheduler.workers()), CellErrorMeter(config.cells)),
+        below_(hierarchy.cells.size()),
+        errors_(hierarchy.cells.size()) {}
+
+  void run() {
+    find_descendants();
+    scheduler_.name_work("index the finest level");
+    const LevelSurface finest = surface_of(hierarchy_.finest());
+    for (int level = hierarchy_.finest() - 1; level >= 0; --level) {
+      scheduler_.name_work("measure level " + std::to_string(level));
+      measure_level(level, finest);
+    }
+    store();
+  }
+
+  [[nodiscard]] CellErrorWork work() const {
+    CellErrorWork sum;
+    for (const CellErrorMeter& meter : meters_) {
+      sum.queries += meter.work().queries;
+      sum.pieces += meter.work().pieces;
+    }
+    return sum;
+  }
+
+ private:
+  void check_cancelled() const {
+    if (config_.cancel && *config_.cancel) throw Cancelled{};
+  }
+
+  // Cells of the finest level below each cell, counted from the first one: children are consecutive, level by level.
+  void find_descendants() {
+    const std::uint32_t finest = hierarchy_.levels.back().first_cell;
+    for (auto c = static_cast<std::uint32_t>(hierarchy_.cells.size()); c-- > 0;) {
+      const Cell& cell = hierarchy_.cells[c];
+      below_[c] = c >= finest
+                      ? CellRange{c - finest, c - finest + 1}
+                      : CellRange{below_[cell.first_child].first, below_[cell.first_child + cell.child_count - 1].end};
+    }
+  }
+
+  [[nodiscard]] LevelSurface surface_of(int level) {
+    LevelSurface surface(hierarchy_, level);
+    scheduler_.for_chunks(surface.cell_count(), tree_grain, [&](ChunkRange range) {
+      check_cancelled();
+      for (std::size_t c = range.begin; c < range.end; ++c) surface.build_cell(static_cast<std::uint32_t>(c));
+    });
+    surface.build_rest();
+    return surface;
+  }
+
+  void measure_level(int level, const LevelSurface& finest) {
+    const LevelSurface surface = surface_of(level);
+    const std::uint32_t first = hierarchy_.levels[static_cast<std::size_t>(level)].first_cell;
+    scheduler_.for_chunks(surface.cell_count(), 1, [&](ChunkRange range) {
+      check_cancelled();
+      const auto number = static_cast<std::uint32_t>(range.begin);
+      const Cell& cell = hierarchy_.cells[first + number];
+      double known = 0;
+      for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k)
+        known = std::max(known, errors_[k]);
+      const CellRange below = below_[first + number];
+      errors_[first + number] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(
+          surface, number, finest, below.first, below.end, known, negligible_ratio * cell_size(level));
+      report_progress();
+    });
+  }
+
+  void store() {
+    const float moved = hierarchy_.cells.back().error;
+    for (std::size_t l = 0; l + 1 < hierarchy_.levels.size(); ++l) {
+      Level& level = hierarchy_.levels[l];
+      float largest = 0;
+      for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+        hierarchy_.cells[c].error = up(moved + errors_[c] * (1 + 1e-9) + rounding);
+        largest = std::max(largest, hierarchy_.cells[c].error);
+      }
+      level.error = up(double{largest} / cell_size(static_cast<int>(l)));
+    }
+    hierarchy_.provenance.measured_errors = true;
+  }
+
+  // Most of the work is done on the finest of the coarse levels, which has most of the cells.
+  void report_progress() {
+    if (!config_.progress) return;
+    const std::uint64_t done = ++done_;
+    const std::unique_lock lock(progress_, std::try_to_lock);
+    const std::uint64_t all = hierarchy_.cells.size() - hierarchy_.levels.back().cell_count;
+    if (lock) config_.progress(static_cast<double>(done) / static_cast<double>(all));
+  }
+
+  Hierarchy& hierarchy_;
+  const MeasureConfig& config_;
+  Scheduler& scheduler_;
+  std::vector<CellErrorMeter> meters_;  // by worker
+  std::vector<CellRange> below_;        // by cell, as in Hierarchy::cells
+  std::vector<double> errors_;          // likewise, without what the finest level has
+  std::atomic<std::uint64_t> done_{0};
+  std::mutex progress_;
+};
+
+}  // namespace
+
+CellErrorWork measure_errors(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler) {
+  ErrorMeasurement measurement(hierarchy, config, scheduler);
+  measurement.run();
+  return measurement.work();
+}
+
+}  // namespace lodestone

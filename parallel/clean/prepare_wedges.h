@@ -1,0 +1,45 @@
+// The attributes of a mesh while it is cleaned and welded (parallel/clean/prepare.h).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh/indexed_mesh.h"
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+// Follows the triangles through the cleaning by the wedges of their corners; wedges of one welded vertex with equal
+// attributes become one, the first. For a mesh without attributes every call does nothing.
+class WedgePreparation {
+ public:
+  // Before the triangles change. Moves the attributes out of `raw`.
+  WedgePreparation(RawMesh& raw, Scheduler& scheduler);
+
+  // Before the triangles that have become degenerate are squeezed out.
+  void squeeze(const std::vector<Triangle>& triangles);
+
+  // Once the mesh is clean: turns its vertices into wedges.
+  void attach(IndexedMesh& mesh);
+
+ private:
+  void make_finite();
+  void give_materials();
+  void place_wedges(const IndexedMesh& mesh);
+  void weld();
+  [[nodiscard]] std::uint64_t hash_of(std::size_t wedge) const;
+  [[nodiscard]] bool equal(std::uint32_t a, std::uint32_t b) const;
+  void number();
+
+  Scheduler& scheduler_;
+  RawWedges wedges_;
+  std::vector<Material> materials_;
+  std::vector<Texture> textures_;
+  std::size_t count_ = 0;                // of the wedges in the file; 0 without attributes
+  std::vector<std::uint32_t> vertex_;    // of each of them in the clean mesh; none: no triangle uses it
+  std::vector<std::uint32_t> material_;  // of each; empty where all have the first
+  std::vector<std::uint32_t> numbers_;   // of each: its representative, then its number in the result
+  std::vector<std::uint32_t> kept_;      // representatives, ascending
+};
+
+}  // namespace lodestone

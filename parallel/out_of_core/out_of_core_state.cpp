@@ -1,0 +1,154 @@
+#include "parallel/out_of_core/out_of_core_state.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/files/checksum.h"
+#include "parallel/mesh/vertex_sharing.h"
+#include "parallel/scheduler/first_touch.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::uint32_t journal_version = 1;
+constexpr std::size_t grain = std::size_t{1} << 18;  // vertices; a multiple of 64
+
+// Equal for builds that come to the same temporary files. Form and order of cells are a matter of the very last step.
+std::vector<std::byte> identity_of(const MeshStream& stream, const OutOfCoreConfig& config) {
+  const BuildConfig& build = config.build;
+  ByteWriter out;
+  out.put(journal_version);
+  out.put(stream.identity());
+  out.put(stream.vertex_count());
+  out.put(stream.triangle_count());
+  out.put(build.sigma0);
+  out.put(build.finest_level);
+  out.put(build.finest_level < 0 ? build.cell_triangles : 0u);
+  out.put(build.simplifier);
+  out.put(build.placement.value_or(default_placement(build.simplifier)));
+  out.put(config.lattice.bits);
+  out.put(checksum(std::as_bytes(std::span(config.program))));
+  return {out.bytes().begin(), out.bytes().end()};
+}
+
+BitSet shared_bits(const FinestVertices& vertices) {
+  BitSet bits(vertices.sharing.size());
+  for (std::size_t v = 0; v < vertices.sharing.size(); ++v)
+    if (vertices.sharing[v] & FinestVertices::shared_flag) bits.set(v);
+  return bits;
+}
+
+// What a record of a spilled mesh begins with, in its order.
+template <class AnyMesh, class Value, class List>
+void visit_head(AnyMesh& mesh, const Value& value, const List& list) {
+  value(mesh.level);
+  value(mesh.triangles);
+  value(mesh.transform.origin);
+  value(mesh.transform.scale);
+  value(mesh.transform.lattice.bits);
+  value(mesh.repairs);
+  value(mesh.cells.fingerprint);
+  list(mesh.cells.codes);
+  list(mesh.cells.first_run);
+  list(mesh.cells.runs);
+}
+
+}  // namespace
+
+OutOfCoreFiles::OutOfCoreFiles(const MeshStream& stream, const std::filesystem::path& output,
+                               const OutOfCoreConfig& config) {
+  if (!config.resume) {
+    const std::filesystem::path folder = scratch_folder(config, output).parent_path();
+    const std::filesystem::path at = folder.empty() ? "." : folder;
+    triangles_ = ScratchFile::nameless(at);
+    cells_ = ScratchFile::nameless(at);
+    return;
+  }
+  folder_ = scratch_folder(config, output);
+  std::error_code error;
+  std::filesystem::create_directory(folder_, error);
+  if (error)
+    throw FileError(describe(folder_.string(), "", "cannot create the folder for temporary files: " + error.message(),
+                             "create the folder that it is in, or choose one that you may write to (--scratch)"));
+  const std::vector<std::byte> identity = identity_of(stream, config);
+  bool begun = false, foreign = false;
+  const auto take = [&](Journal::Kind kind, std::span<const std::byte> bytes) {
+    if (!begun) {
+      begun = kind == Journal::Kind::begin && std::ranges::equal(bytes, identity);
+      foreign = !begun;
+    } else if (kind == Journal::Kind::spilled && spilled_.empty()) {
+      spilled_.assign(bytes.begin(), bytes.end());
+    } else if (kind == Journal::Kind::block && !spilled_.empty()) {
+      blocks_.emplace_back(bytes.begin(), bytes.end());
+    }
+    if (foreign)
+      throw InputError(describe(folder_.string(), "",
+                                "holds an interrupted build of another input, with other parameters or by another "
+                                "version of the program",
+                                "remove it, or give another --scratch"));
+    return true;
+  };
+  journal_ = std::make_unique<Journal>(folder_ / "journal", take);
+  if (!begun) journal_->append(Journal::Kind::begin, identity);
+  triangles_ = ScratchFile::named(folder_ / "triangles");
+  cells_ = ScratchFile::named(folder_ / "cells");
+  positions_ = ScratchFile::named(folder_ / "positions");
+  if (has_spilled()) return;
+  triangles_->truncate(0);
+  cells_->truncate(0);
+  positions_->truncate(0);
+}
+
+std::uint64_t OutOfCoreFiles::bytes() const {
+  return triangles_->size() + cells_->size() + (positions_ ? positions_->size() : 0);
+}
+
+void OutOfCoreFiles::record_spilled(const SpilledMesh& mesh) {
+  if (!journal_) return;
+  const std::uint64_t at = positions_->claim(mesh.vertices.positions.size() * sizeof(Vec3f));
+  positions_->write_at(at, bytes_of(std::span<const Vec3f>(mesh.vertices.positions)));
+  ByteWriter out;
+  visit_head(
+      mesh, [&](const auto& value) { out.put(value); }, [&](const auto& list) { out.put_vector(list); });
+  out.put(static_cast<std::uint64_t>(mesh.vertices.positions.size()));
+  out.put_vector(shared_bits(mesh.vertices).words());
+  journal_->append(Journal::Kind::spilled, out.bytes());
+}
+
+SpilledMesh OutOfCoreFiles::take_spilled(Scheduler& scheduler) {
+  SpilledMesh mesh;
+  ByteSource in(spilled_);
+  visit_head(
+      mesh, [&](auto& value) { in.get(value); }, [&](auto& list) { in.get_vector(list); });
+  std::uint64_t vertices = 0;
+  in.get(vertices);
+  BitSet shared;
+  in.get_vector(shared.words());
+  std::vector<std::byte>().swap(spilled_);
+  resize_in_parallel(mesh.vertices.positions, vertices, scheduler);
+  resize_in_parallel(mesh.vertices.sharing, vertices, scheduler);
+  scheduler.for_chunks(vertices, grain, [&](ChunkRange range) {
+    const auto positions = std::span(mesh.vertices.positions).subspan(range.begin, range.end - range.begin);
+    positions_->read_at(range.begin * sizeof(Vec3f), std::as_writable_bytes(positions));
+    for (std::size_t v = range.begin; v < range.end; ++v)
+      mesh.vertices.sharing[v] = shared[v] ? FinestVertices::shared_flag : unowned;
+  });
+  mesh.vertices.shared = number_shared(mesh.vertices.sharing, scheduler);
+  return mesh;
+}
+
+void OutOfCoreFiles::record_block(std::span<const std::byte> record) {
+  if (journal_) journal_->append(Journal::Kind::block, record);
+}
+
+void OutOfCoreFiles::remove() {
+  if (folder_.empty()) return;
+  std::error_code ignored;
+  for (const char* name : {"triangles", "cells", "positions", "journal"})
+    std::filesystem::remove(folder_ / name, ignored);
+  std::filesystem::remove(folder_, ignored);  // unless somebody has put something else there
+}
+
+}  // namespace lodestone

@@ -1,0 +1,169 @@
+#include "parallel/out_of_core/stored_blocks.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/simplify/make_simplifier.h"
+#include "parallel/build/run_blocks.h"
+#include "parallel/out_of_core/journal.h"
+
+namespace lodestone {
+
+// A lane for as long as a block runs; waits for one.
+class StoredBlocks::LaneLease {
+ public:
+  explicit LaneLease(StoredBlocks& blocks) : blocks_(blocks) {
+    std::unique_lock lock(blocks_.lane_mutex_);
+    blocks_.lane_freed_.wait(lock, [&] { return !blocks_.free_lanes_.empty(); });
+    lane_ = blocks_.free_lanes_.back();
+    blocks_.free_lanes_.pop_back();
+  }
+  ~LaneLease() {
+    {
+      const std::lock_guard lock(blocks_.lane_mutex_);
+      blocks_.free_lanes_.push_back(lane_);
+    }
+    blocks_.lane_freed_.notify_one();
+  }
+  LaneLease(const LaneLease&) = delete;
+  LaneLease& operator=(const LaneLease&) = delete;
+  Lane& operator*() const { return *lane_; }
+
+ private:
+  StoredBlocks& blocks_;
+  Lane* lane_;
+};
+
+StoredBlocks::StoredBlocks(const BlockPlan& plan, const SpilledCells& spilled, const SpilledFinest& finest,
+                           CellStore& store, const BuildConfig& config, Lattice lattice, int lanes, Hooks hooks)
+    : plan_(plan),
+      spilled_(spilled),
+      finest_(finest),
+      store_(store),
+      config_(config),
+      lattice_(lattice),
+      hooks_(std::move(hooks)),
+      done_(plan.blocks.size(), 0),
+      lanes_(static_cast<std::size_t>(lanes)) {
+  for (const LevelCells& level : plan.levels) {
+    cells_.emplace_back(level.codes.size());
+    stored_.emplace_back(level.codes.size());
+  }
+  for (Lane& lane : lanes_) {
+    lane.simplifier =
+        make_simplifier(config.simplifier, config.placement.value_or(default_placement(config.simplifier)));
+    free_lanes_.push_back(&lane);
+  }
+}
+
+template <class Visit>
+void StoredBlocks::for_children(const Block& block, const Visit& visit) const {
+  const LevelCells& parents = plan_.levels[static_cast<std::size_t>(block.level) - 1];
+  for (const CellRank parent : block.parents)
+    for (CellRank c = parents.first_child[parent]; c < parents.first_child[parent + 1]; ++c) visit(c);
+}
+
+std::uint64_t StoredBlocks::largest_block(const BlockPlan& plan, const SpilledCells& spilled) {
+  std::uint64_t largest = 0;
+  const std::size_t finest = plan.levels.size() - 1;
+  if (finest == 0) return spilled.triangles_of(0);
+  for (std::uint32_t b = 0; b < plan.block_count[finest]; ++b) {
+    std::uint64_t triangles = 0;
+    for (const CellRank parent : plan.blocks[plan.first_block[finest] + b].parents)
+      for (CellRank c = plan.levels[finest - 1].first_child[parent];
+           c < plan.levels[finest - 1].first_child[parent + 1]; ++c)
+        triangles += spilled.triangles_of(c);
+    largest = std::max(largest, triangles);
+  }
+  return largest;
+}
+
+void StoredBlocks::run(Scheduler& scheduler) {
+  run_blocks(plan_, config_.strategy, scheduler, config_.cancel, [&](std::uint32_t b) {
+    if (!done_[b]) run_block(b);
+  });
+  if (!plan_.blocks.empty()) return;
+  // The root alone.
+  CellBuild& root = cells_.front().front();
+  std::vector<Triangle> triangles(spilled_.triangles_of(0));
+  finest_.make(0, triangles, lanes_.front().finest, root);
+  store_.put(root, false, stored_.front().front());
+  root = {};
+}
+
+void StoredBlocks::run_block(std::uint32_t index) {
+  const Block& block = plan_.blocks[index];
+  const auto level = static_cast<std::size_t>(block.level);
+  {
+    const LaneLease lease(*this);
+    Lane& lane = *lease;
+    load_cells(block, lane);
+    build_block(block, plan_.levels[level - 1], cells_[level], cells_[level - 1], config_.sigma0, {}, *lane.simplifier,
+                lane.block, lattice_);
+    consumed_ += lane.block.triangles.size();
+    store_cells(block);
+  }
+  record(index);
+  if (hooks_.done) hooks_.done(consumed_);
+}
+
+void StoredBlocks::load_cells(const Block& block, Lane& lane) {
+  const auto level = static_cast<std::size_t>(block.level);
+  std::vector<CellBuild>& cells = cells_[level];
+  if (level + 1 < plan_.levels.size())
+    return for_children(block, [&](CellRank c) { store_.get_for_block(stored_[level][c], cells[c]); });
+  std::uint64_t count = 0;
+  for_children(block, [&](CellRank c) { count += spilled_.triangles_of(c); });
+  lane.finest.triangles.resize(count);
+  std::span<Triangle> room = lane.finest.triangles;
+  for_children(block, [&](CellRank c) {
+    const std::uint64_t here = spilled_.triangles_of(c);
+    finest_.make(c, room.first(here), lane.finest, cells[c]);
+    room = room.subspan(here);
+  });
+}
+
+void StoredBlocks::store_cells(const Block& block) {
+  const auto level = static_cast<std::size_t>(block.level);
+  for_children(block, [&](CellRank c) {
+    CellBuild& cell = cells_[level][c];
+    if (level + 1 == plan_.levels.size()) store_.put(cell, false, stored_[level][c]);
+    store_.put_parents(cell, stored_[level][c]);
+    cell = {};
+  });
+  for (const CellRank parent : block.parents) {
+    CellBuild& cell = cells_[level - 1][parent];
+    store_.put(cell, true, stored_[level - 1][parent]);
+    cell = {};
+  }
+}
+
+void StoredBlocks::record(std::uint32_t index) const {
+  if (!hooks_.record) return;
+  const Block& block = plan_.blocks[index];
+  const auto level = static_cast<std::size_t>(block.level);
+  ByteWriter out;
+  out.put(index);
+  for_children(block, [&](CellRank c) { out.put(stored_[level][c]); });
+  for (const CellRank parent : block.parents) out.put(stored_[level - 1][parent]);
+  hooks_.record(out.bytes());
+}
+
+bool StoredBlocks::take_record(std::span<const std::byte> record) {
+  if (record.size() < sizeof(std::uint32_t)) return false;
+  ByteSource in(record);
+  std::uint32_t index = 0;
+  in.get(index);
+  if (index >= plan_.blocks.size()) return false;
+  const Block& block = plan_.blocks[index];
+  std::size_t cells = block.parents.size();
+  for_children(block, [&](CellRank) { ++cells; });
+  if (record.size() != sizeof(index) + cells * sizeof(StoredCell)) return false;
+  const auto level = static_cast<std::size_t>(block.level);
+  for_children(block, [&](CellRank c) { in.get(stored_[level][c]); });
+  for (const CellRank parent : block.parents) in.get(stored_[level - 1][parent]);
+  done_[index] = 1;
+  return true;
+}
+
+}  // namespace lodestone

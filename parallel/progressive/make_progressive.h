@@ -1,0 +1,40 @@
+// Making a mesh progressive, on all cores.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/instruction_set.h"
+#include "core/progressive/collapse/collapse_metric.h"
+#include "core/progressive/mesh/progressive_mesh.h"
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+struct ProgressiveConfig {
+  progressive::MetricKind metric = progressive::MetricKind::quadric;
+  progressive::AttributeWeights weights{};
+  std::size_t base_triangles = 0;  // to stop at; 0: what remains when nothing can collapse
+  InstructionSet instructions = InstructionSet::best;
+};
+
+struct ProgressiveReport {
+  std::uint64_t cut_vertices = 0;  // copies made where the surface was cut apart
+  std::uint64_t cut_edges = 0;     // of three or more triangles, or of triangles turned against each other
+  std::uint64_t base_triangles = 0;
+  std::uint64_t rounds = 0;  // of regions side by side, before the rest was collapsed as one
+};
+
+// Collapses the mesh by half-edges, cheapest first. While it is large that happens in regions, cubes of a grid that
+// moves from round to round: what a region's border holds in place in one round is free in the next, and no round goes
+// far beyond the ranks that others have reached. The result depends on the mesh and the configuration alone.
+//
+// Memory at the peak: about 120 bytes per triangle by geometry alone. Throws InputError when the mesh lacks what the
+// metric measures.
+[[nodiscard]] ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config,
+                                               Scheduler& scheduler, ProgressiveReport& report);
+// The same, of a mesh that is not needed any more: its textures are not copied.
+[[nodiscard]] ProgressiveMesh make_progressive(IndexedMesh&& mesh, const ProgressiveConfig& config,
+                                               Scheduler& scheduler, ProgressiveReport& report);
+
+}  // namespace lodestone

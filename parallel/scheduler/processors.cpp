@@ -1,0 +1,96 @@
+#include "parallel/scheduler/processors.h"
+
+#include <sched.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "core/base/error.h"
+
+namespace lodestone {
+namespace {
+
+constexpr pid_t calling_thread = 0;
+
+// False when there is no such thread any more.
+bool bind_thread(pid_t thread, const std::vector<int>& processors) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int i : processors) CPU_SET(i, &set);
+  if (sched_setaffinity(thread, sizeof set, &set) == 0) return true;
+  if (errno == ESRCH) return false;
+  throw ResourceError(std::string("cannot pin the run to its processors: ") + strerror(errno));
+}
+
+// All but the calling one. Threads that one of these has started meanwhile are found by looking again.
+void bind_others(const std::vector<int>& processors) {
+  std::set<pid_t> bound{gettid()};
+  for (bool found = true; found;) {
+    found = false;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
+      const std::string name = entry.path().filename().string();
+      pid_t thread = 0;
+      std::from_chars(name.data(), name.data() + name.size(), thread);
+      found = (bound.insert(thread).second && bind_thread(thread, processors)) || found;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<int> allowed_processors() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> processors;
+  if (sched_getaffinity(calling_thread, sizeof set, &set) != 0) return processors;
+  for (int i = 0; i < CPU_SETSIZE; ++i)
+    if (CPU_ISSET(i, &set)) processors.push_back(i);
+  return processors;
+}
+
+void pin_to(const std::vector<int>& processors) {
+  if (!processors.empty()) bind_thread(calling_thread, processors);
+}
+
+std::string core_of_processor(int processor) {
+  const std::string number = std::to_string(processor);
+  std::ifstream in("/sys/devices/system/cpu/cpu" + number + "/topology/thread_siblings_list");
+  std::string siblings;
+  return std::getline(in, siblings) ? siblings : "processor " + number;
+}
+
+std::vector<int> one_per_core_first(const std::vector<int>& processors,
+                                    const std::function<std::string(int)>& core_of) {
+  std::map<std::string, int> taken;          // of each core, so far
+  std::vector<std::pair<int, int>> by_turn;  // of its core, and the processor
+  for (const int processor : processors) by_turn.emplace_back(taken[core_of(processor)]++, processor);
+  std::ranges::stable_sort(by_turn, {}, &std::pair<int, int>::first);
+  std::vector<int> order;
+  for (const auto& [turn, processor] : by_turn) order.push_back(processor);
+  return order;
+}
+
+BoundThreads::BoundThreads(const std::vector<int>& processors) : before_(allowed_processors()) {
+  // On one processor together, from when they were bound to fewer, they would stay until the system balances its loads.
+  bind_thread(calling_thread, {processors.front()});
+  bind_others(processors.size() > 1 ? std::vector(processors.begin() + 1, processors.end()) : processors);
+  bind_thread(calling_thread, processors);  // it has come to the first, and what it starts may go anywhere
+}
+
+BoundThreads::~BoundThreads() {
+  try {
+    bind_others(before_);
+    bind_thread(calling_thread, before_);
+  } catch (const std::exception&) {  // they stay where they are
+  }
+}
+
+}  // namespace lodestone

@@ -1,0 +1,99 @@
+#include "parallel/scheduler/trace.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace lodestone {
+namespace {
+
+class TracingScheduler final : public Scheduler {
+ public:
+  TracingScheduler(std::unique_ptr<Scheduler> inner, std::shared_ptr<Trace> trace)
+      : inner_(std::move(inner)), trace_(std::move(trace)) {}
+
+  [[nodiscard]] int workers() const override { return inner_->workers(); }
+  [[nodiscard]] int worker_index() const override { return inner_->worker_index(); }
+  void name_work(std::string_view name) override { name_ = name; }
+
+  void for_chunks(std::size_t count, std::size_t grain, const std::function<void(ChunkRange)>& body) override {
+    inner_->for_chunks(count, grain, [&](ChunkRange range) {
+      const double begin = trace_->now();
+      body(range);
+      trace_->record({name_, range.index, worker_index(), begin, trace_->now()});
+    });
+  }
+
+  void run_graph(const TaskGraph& graph, const std::function<void(std::uint32_t)>& body,
+                 const CancelFlag* cancel) override {
+    inner_->run_graph(
+        graph,
+        [&](std::uint32_t task) {
+          const double begin = trace_->now();
+          body(task);
+          trace_->record({graph.label ? graph.label(task) : name_, task, worker_index(), begin, trace_->now()});
+        },
+        cancel);
+  }
+
+ private:
+  std::unique_ptr<Scheduler> inner_;
+  std::shared_ptr<Trace> trace_;
+  std::string name_;
+};
+
+// Seconds covered by at least one of a worker's events, which are ordered by their ends: inner ones before outer ones.
+double covered(const std::vector<TraceEvent>& events, double from) {
+  double sum = 0, begin = 0;
+  bool any = false;
+  for (std::size_t i = events.size(); i-- > 0;) {
+    const TraceEvent& e = events[i];
+    if (e.begin < from || (any && e.begin >= begin)) continue;  // nested in a later one
+    sum += e.end - e.begin;
+    begin = e.begin;
+    any = true;
+  }
+  return sum;
+}
+
+}  // namespace
+
+Trace::Trace(int workers) : start_(std::chrono::steady_clock::now()), by_worker_(static_cast<std::size_t>(workers)) {}
+
+double Trace::now() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+void Trace::record(TraceEvent event) { by_worker_[static_cast<std::size_t>(event.worker)].push_back(std::move(event)); }
+
+std::vector<TraceEvent> Trace::events() const {
+  std::vector<TraceEvent> all;
+  for (const auto& events : by_worker_) all.insert(all.end(), events.begin(), events.end());
+  return all;
+}
+
+TraceSummary summarize(const Trace& trace, double from) {
+  std::vector<std::vector<TraceEvent>> by_worker(static_cast<std::size_t>(trace.workers()));
+  double first = std::numeric_limits<double>::max(), last = from;
+  for (TraceEvent& e : trace.events()) {
+    if (e.begin < from) continue;
+    first = std::min(first, e.begin);
+    last = std::max(last, e.end);
+    by_worker[static_cast<std::size_t>(e.worker)].push_back(std::move(e));
+  }
+  TraceSummary summary;
+  if (last <= first) return summary;
+  summary.seconds = last - first;
+  double busy = 0, earliest_end = last;
+  for (const auto& events : by_worker) {
+    busy += covered(events, from);
+    earliest_end = std::min(earliest_end, events.empty() ? first : events.back().end);
+  }
+  summary.busy = busy / (summary.seconds * static_cast<double>(by_worker.size()));
+  summary.idle_tail = last - earliest_end;
+  return summary;
+}
+
+std::unique_ptr<Scheduler> make_tracing_scheduler(std::unique_ptr<Scheduler> inner, std::shared_ptr<Trace> trace) {
+  return std::make_unique<TracingScheduler>(std::move(inner), std::move(trace));
+}
+
+}  // namespace lodestone

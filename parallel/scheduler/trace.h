@@ -1,0 +1,50 @@
+// What each worker did when: a scheduler that writes down every chunk and every task of the one that it wraps.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+struct TraceEvent {
+  std::string name;         // what name_work() said, or the label of the task
+  std::uint64_t index = 0;  // of the chunk or task
+  int worker = 0;
+  double begin = 0, end = 0;  // seconds since the trace began
+};
+
+// How well the workers were used between the first event of some work and its last.
+struct TraceSummary {
+  double seconds = 0;    // wall
+  double busy = 0;       // share of workers x seconds that lies inside events
+  double idle_tail = 0;  // seconds at the end in which at least one worker had nothing left to do
+};
+
+class Trace {
+ public:
+  explicit Trace(int workers);
+  [[nodiscard]] double now() const;
+  // Events of one worker do not come from two threads at once.
+  void record(TraceEvent event);
+  // By worker, then by the order in which they ended. Not while a scheduler records.
+  [[nodiscard]] std::vector<TraceEvent> events() const;
+  [[nodiscard]] int workers() const { return static_cast<int>(by_worker_.size()); }
+
+ private:
+  std::chrono::steady_clock::time_point start_;
+  std::vector<std::vector<TraceEvent>> by_worker_;
+};
+
+// Of the events that begin at or after `from`. Nested events count once.
+[[nodiscard]] TraceSummary summarize(const Trace& trace, double from = 0);
+
+// Behaves as `inner` does. Costs two looks at the clock and one record for each chunk and task.
+[[nodiscard]] std::unique_ptr<Scheduler> make_tracing_scheduler(std::unique_ptr<Scheduler> inner,
+                                                                std::shared_ptr<Trace> trace);
+
+}  // namespace lodestone

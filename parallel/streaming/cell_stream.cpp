@@ -1,0 +1,118 @@
+#include "parallel/streaming/cell_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/hierarchy/lode/family.h"
+
+namespace lodestone {
+namespace {
+
+// Where the next cell's arrays begin.
+constexpr std::uint64_t aligned(std::uint64_t bytes) { return (bytes + 15) / 16 * 16; }
+
+}  // namespace
+
+CellStream::CellStream(const std::filesystem::path& path, CellStreamConfig config)
+    : map_(std::make_shared<const MappedFile>(path)),
+      reader_(map_->bytes(), map_, path.string()),
+      config_(std::move(config)) {
+  for (int i = 0; i < std::max(config_.threads, 1); ++i) threads_.emplace_back([this] { work(); });
+}
+
+CellStream::~CellStream() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+std::uint64_t CellStream::family_bytes(std::uint32_t parent) const {
+  const FamilyCells range = family_cells(tables(), parent);
+  std::uint64_t bytes = 0;
+  for (std::uint32_t c = range.begin; c < range.end; ++c) bytes += aligned(reader_.plain_size(c));
+  return bytes;
+}
+
+LoadedFamily CellStream::load(std::uint32_t parent) const {
+  LoadedFamily family;
+  family.parent = parent;
+  family.bytes = family_bytes(parent);
+  family.memory = std::make_unique_for_overwrite<std::byte[]>(family.bytes);
+  const FamilyCells range = family_cells(tables(), parent);
+  std::uint64_t at = 0;
+  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+    family.cells.push_back(reader_.load(c, {family.memory.get() + at, reader_.plain_size(c)}));
+    at += aligned(reader_.plain_size(c));
+    map_->forget(reader_.payload(c));
+  }
+  return family;
+}
+
+std::uint64_t CellStream::busy_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const std::uint32_t parent : loading_) bytes += family_bytes(parent);
+  for (const LoadedFamily& family : loaded_) bytes += family.bytes;
+  return bytes;
+}
+
+void CellStream::request(std::span<const std::uint32_t> parents, std::uint64_t room) {
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.clear();
+    std::uint64_t bytes = busy_bytes();
+    for (const std::uint32_t parent : parents) {
+      const auto is_it = [&](const LoadedFamily& family) { return family.parent == parent; };
+      if (std::find(loading_.begin(), loading_.end(), parent) != loading_.end() ||
+          std::any_of(loaded_.begin(), loaded_.end(), is_it))
+        continue;
+      bytes += family_bytes(parent);
+      if (bytes > room) break;
+      queue_.push_back(parent);
+    }
+  }
+  changed_.notify_all();
+}
+
+std::vector<LoadedFamily> CellStream::collect() {
+  const std::lock_guard lock(mutex_);
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  return std::exchange(loaded_, {});
+}
+
+void CellStream::wait() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return (queue_.empty() && loading_.empty()) || failure_; });
+}
+
+void CellStream::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [&] { return ending_ || !queue_.empty(); });
+    if (ending_) return;
+    const std::uint32_t parent = queue_.front();
+    queue_.pop_front();
+    loading_.push_back(parent);
+    lock.unlock();
+    LoadedFamily family;
+    std::exception_ptr failure;
+    try {
+      if (config_.before_load) config_.before_load(parent);
+      family = load(parent);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    loading_.erase(std::find(loading_.begin(), loading_.end(), parent));
+    if (failure) {
+      failure_ = failure;
+    } else {
+      loaded_.push_back(std::move(family));
+    }
+    changed_.notify_all();
+  }
+}
+
+}  // namespace lodestone

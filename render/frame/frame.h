@@ -1,0 +1,110 @@
+// A frame as plain data: all that a picture depends on.
+#pragma once
+
+#include <vector>
+
+#include "render/camera/camera.h"
+#include "render/frame/effect.h"
+#include "render/frame/shading.h"
+#include "render/lod/morph.h"
+#include "render/lod/selection.h"
+
+namespace lodestone {
+
+// How a placed model looks; its own materials, textures and colours are in its hierarchy. Colours as the picture has
+// them, each channel in [0, 1], without a transfer curve.
+struct Look {
+  Vec3f base_colour = shading::albedo;  // times vertex colour, material and texture
+  float opacity = 1;                    // in [0, 1]
+  bool smooth = true;                   // normals interpolated over a triangle; false: one for each triangle
+  bool vertex_colours = true, textures = true, normal_maps = true;  // those that the model has are shown
+  friend bool operator==(const Look&, const Look&) = default;
+};
+
+// Light from very far away, from one direction.
+struct DirectionalLight {
+  float strength = 0;        // at least 0; 0: none
+  bool shadows = false;      // what is nearer to the light casts a shadow
+  int shadow_texels = 2048;  // a side of the shadow map, from 16 to 8192
+  friend bool operator==(const DirectionalLight&, const DirectionalLight&) = default;
+};
+
+// colour = albedo (ambient + (1 - ambient) min(1, sum of lights)), a light giving strength times cosine.
+struct Lighting {
+  float ambient = shading::ambient;  // in [0, 1]; 1: unlit
+  float head = 1;                    // strength of the light at the eye, at least 0
+  DirectionalLight directional;
+  friend bool operator==(const Lighting&, const Lighting&) = default;
+};
+
+// What is d away from the eye keeps a share exp(-density d) of its colour.
+struct Fog {
+  Vec3f colour{0.7f, 0.75f, 0.8f};
+  float density = 0;  // per unit of clip w, at least 0; 0: none
+  friend bool operator==(const Fog&, const Fog&) = default;
+};
+
+// Darkening of creases, from the depth of the picture.
+struct AmbientOcclusion {
+  float strength = 0;  // in [0, 1]; 0: none
+  float radius = 0;    // units of clip w
+  friend bool operator==(const AmbientOcclusion&, const AmbientOcclusion&) = default;
+};
+
+// Parameters of the effects that concern all models of a frame.
+struct Setting {
+  Lighting lighting;
+  Fog fog;
+  AmbientOcclusion ambient_occlusion;
+  float level_tint = 0;                    // share of the colour that tells the level, in [0, 1]
+  float wireframe = 0;                     // opacity of the edges of triangles, in [0, 1]
+  Vec3f background = shading::background;  // where no model is
+  bool overdraw = false;                   // instead of the picture: how many triangles lie over each other in a pixel
+  friend bool operator==(const Setting&, const Setting&) = default;
+};
+
+// One model, where it is placed. Directions are unit vectors in the model's normalised space.
+struct ModelFrame {
+  std::uint32_t model = 0;  // of those uploaded
+  MorphContext morph;
+  const Selection* selection = nullptr;  // a backend draws its visible cells
+  ViewProjection view_projection;        // of normalised model space
+  Vec3f towards_eye{0, 0, 1};            // where the head light comes from
+  Vec3f towards_light{0, 0, 1};          // where the directional light comes from
+  Look look;
+  EffectSet effects{Effect::geomorph, Effect::smooth_normals, Effect::head_light};
+  // For the shadow map, when the directional light casts shadows: into the light's clip space, and the cells that can
+  // throw a shadow into the picture, in view or not.
+  ViewProjection light_projection;
+  const Selection* casters = nullptr;
+};
+
+struct Frame {
+  std::vector<ModelFrame> models = std::vector<ModelFrame>(1);
+  Setting setting;
+  EffectSet effects;  // passes over the whole picture: shadow, ambient occlusion, transparency, overdraw
+  Lens lens;          // for effects that need distances
+  ImageSize size;
+  // Cells that others hide are left out: changes no picture, and pays where much is hidden. Ignored where an effect
+  // shows what is behind something.
+  bool cull_occluded = false;
+  // Backends that select cells on their device do so, instead of taking ModelFrame::selection: the same cells.
+  bool select_on_device = false;
+  int samples = 1;  // a pixel: 1, or 4 averaged (multisampling: coverage and depth a sample, colour once a triangle)
+
+  // The only model of a frame that has one.
+  [[nodiscard]] ModelFrame& only() { return models.front(); }
+  [[nodiscard]] const ModelFrame& only() const { return models.front(); }
+  // cull_occluded holds: neither transparency nor overdraw, which show what is behind.
+  [[nodiscard]] bool culls_occluded() const {
+    return cull_occluded && !all_effects().contains_any({Effect::transparency, Effect::overdraw});
+  }
+  // Of any model, or of the whole picture.
+  [[nodiscard]] EffectSet all_effects() const {
+    EffectSet set = effects;
+    for (const ModelFrame& m : models) set = set | m.effects;
+    return set;
+  }
+};
+
+}  // namespace lodestone

@@ -1,0 +1,224 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/files/atomic_file.h"
+#include "tests/test_folder.h"
+
+namespace lodestone {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFileTest : public FolderTest {};
+
+std::span<const std::byte> bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
+
+TEST_F(AtomicFileTest, AppearsOnCommitOnly) {
+  const fs::path target = folder_ / "a";
+  AtomicFile file(target);
+  file.write(bytes("hello"));
+  file.flush();
+  EXPECT_FALSE(fs::exists(target));
+  file.commit();
+  EXPECT_EQ(content(target), "hello");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFileTest, LeavesNothingWhenAbandoned) {
+  const fs::path target = folder_ / "a";
+  std::ofstream(target) << "old";
+  {
+    AtomicFile file(target);
+    file.write(bytes("new"));
+  }
+  EXPECT_EQ(content(target), "old");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFileTest, SmallAndLargePiecesKeepTheirOrder) {
+  std::string expected;
+  AtomicFile file(folder_ / "a");
+  for (std::size_t size : {1ul, 700'000ul, 700'000ul, 3'000'000ul, 5ul, 1ul << 20, 1ul}) {
+    const std::string piece(size, static_cast<char>('a' + expected.size() % 26));
+    file.write(bytes(piece));
+    expected += piece;
+    EXPECT_EQ(file.position(), expected.size());
+  }
+  file.commit();
+  EXPECT_EQ(content(folder_ / "a"), expected);
+}
+
+TEST_F(AtomicFileTest, ThreadsWriteDisjointRanges) {
+  AtomicFile file(folder_ / "a");
+  file.write(bytes("head"));
+  std::vector<std::thread> threads;
+  for (int k = 3; k >= 0; --k)
+    threads.emplace_back([&file, k] {
+      file.write_at(4u + 2u * static_cast<unsigned>(k), bytes(std::string(2, static_cast<char>('0' + k))));
+    });
+  for (std::thread& thread : threads) thread.join();
+  file.commit();
+  EXPECT_EQ(content(folder_ / "a"), "head00112233");
+}
+
+TEST_F(AtomicFileTest, FollowsSymbolicLinks) {
+  fs::create_directory(folder_ / "real");
+  std::ofstream(folder_ / "real" / "a") << "old";
+  fs::create_symlink(folder_ / "real" / "a", folder_ / "link");
+  AtomicFile file(folder_ / "link");
+  file.write(bytes("new"));
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(content(folder_ / "real" / "a"), "new");
+}
+
+TEST_F(AtomicFileTest, DevicesAreWrittenToNotReplaced) {
+  AtomicFile file("/dev/null");
+  file.write(bytes("x"));
+  file.commit();
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(AtomicFileTest, FullDiskIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  AtomicFile file("/dev/full");
+  file.write(bytes("x"));
+  EXPECT_THROW(file.commit(), FileError);
+}
+
+TEST_F(AtomicFileTest, ReservedRoomIsWhatIsWritten) {
+  const fs::path target = folder_ / "a";
+  AtomicFile file(target);
+  file.reserve(10);
+  file.write_at(5, bytes("world"));
+  file.write_at(0, bytes("hello"));
+  file.commit();
+  EXPECT_EQ(content(target), "helloworld");
+}
+
+TEST_F(AtomicFileTest, MoreRoomThanThereIsIsAnErrorBeforeAnyWork) {
+  const fs::path target = folder_ / "a";
+  {
+    AtomicFile file(target);
+    try {
+      file.reserve(std::uint64_t{1} << 62);
+      FAIL() << "no disk is so large";
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(target.string()), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_EQ(files(), 0u);
+}
+
+TEST_F(AtomicFileTest, UnwritableTargetsNameTheFile) {
+  for (const fs::path& target : {folder_ / "missing" / "a", folder_}) {
+    try {
+      AtomicFile file(target);
+      ADD_FAILURE() << target;
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find(target.string()), std::string::npos);
+    }
+  }
+  EXPECT_EQ(files(), 0u);
+}
+
+// ---- a process that a signal ends ----
+
+void end_process(int signal) {
+  remove_temporaries();
+  std::_Exit(signal);
+}
+
+// Finished files stay, however many others there are.
+TEST_F(AtomicFileTest, TemporariesGoWhenTheProcessIsAboutToEnd) {
+  EXPECT_EXIT(
+      {
+        AtomicFile finished(folder_ / "finished");
+        finished.commit();
+        std::vector<std::unique_ptr<AtomicFile>> open;
+        for (int i = 0; i < 100; ++i) open.push_back(std::make_unique<AtomicFile>(folder_ / std::to_string(i)));
+        open[7]->write(bytes("half of it"));
+        open[7]->flush();
+        { AtomicFile abandoned(folder_ / "abandoned"); }
+        open.erase(open.begin() + 50);
+        if (files() == 100) end_process(3);
+      },
+      testing::ExitedWithCode(3), "");
+  EXPECT_EQ(files(), 1u);
+  EXPECT_TRUE(fs::exists(folder_ / "finished"));
+}
+
+constexpr std::size_t piece_bytes = 100'000;
+
+// Files made, written, finished or given up, one after the other; never returns.
+[[noreturn]] void write_for_ever(const fs::path& folder, int thread) {
+  for (unsigned i = 0;; ++i) {
+    AtomicFile file(folder / (std::to_string(thread) + "." + std::to_string(i % 3)));
+    file.write(bytes(std::string(piece_bytes, 'x')));
+    file.flush();
+    if (i % 4 != 3) file.commit();
+  }
+}
+
+// The child of a fork: three threads write. With `elsewhere` the signal is not taken by the thread that began, which
+// waits, but by one that is in the middle of writing while others are, too.
+[[noreturn]] void run_child(const fs::path& folder, bool elsewhere) {
+  for (const int number : {SIGINT, SIGTERM}) signal(number, end_process);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t) threads.emplace_back(write_for_ever, folder, t);
+  sigset_t all;
+  sigfillset(&all);
+  if (elsewhere) pthread_sigmask(SIG_BLOCK, &all, nullptr);
+  for (;;) pause();
+}
+
+// At random moments, and always at once with others: the handler runs beside creating, renaming and removing.
+TEST_F(AtomicFileTest, SignalsAtAnyMomentLeaveNoTemporary) {
+  std::mt19937 random(1);
+  for (int trial = 0; trial < 300; ++trial) {
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) run_child(folder_, trial % 2 == 1);
+    while (files() == 0) std::this_thread::yield();
+    std::this_thread::sleep_for(std::chrono::microseconds(random() % 5000));
+    const int signal = trial % 3 == 0 ? SIGTERM : SIGINT;
+    kill(child, signal);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == signal) << status;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      EXPECT_EQ(entry.path().filename().string().find(".tmp."), std::string::npos) << entry << " in trial " << trial;
+      EXPECT_EQ(fs::file_size(entry), piece_bytes) << entry;
+      fs::remove(entry);
+    }
+  }
+}
+
+TEST_F(AtomicFileTest, OrphansAreThoseOfDeadProcesses) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) _exit(0);
+  ASSERT_EQ(waitpid(child, nullptr, 0), child);
+  const std::string dead = ".tmp." + std::to_string(child) + ".0", alive = ".tmp." + std::to_string(getpid()) + ".0";
+  for (const std::string& name : {"a" + dead, "a" + alive, "b" + dead, std::string("a.tmp.notes")})
+    std::ofstream(folder_ / name) << name;
+  remove_orphans(folder_ / "a");
+  EXPECT_FALSE(fs::exists(folder_ / ("a" + dead)));
+  EXPECT_EQ(files(), 3u);
+}
+
+}  // namespace
+}  // namespace lodestone

@@ -1,0 +1,293 @@
+// The verifier passes what is right and names what is wrong: every check is seen failing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "core/hierarchy/verify/verify.h"
+#include "tests/core/hierarchy/tiny_hierarchy.h"
+#include "tests/core/mesh/lattice_meshes.h"
+
+namespace lodestone {
+namespace {
+
+using test::TinyCell;
+using test::TinyHierarchy;
+
+constexpr float sigma0 = 0.6f;
+constexpr int finest = 2;
+
+std::string failures_of(const VerifyReport& report) {
+  std::string names;
+  for (const VerifyCheck& check : report.checks)
+    if (!check.passed) names += check.name + ": " + check.detail + "\n";
+  return names;
+}
+
+TEST(Verify, PassesHierarchiesMadeByTheDefinitions) {
+  for (const bool open : {false, true})
+    for (const int levels : {0, 1, 2, 3})
+      for (const float s : {0.05f, 0.2f, 0.6f}) {
+        const IndexedMesh mesh = test::bumpy_sphere(4, open);
+        const VerifyReport report = verify_hierarchy(test::tiny_hierarchy(mesh, levels, s).hierarchy(), &mesh);
+        EXPECT_TRUE(report.valid()) << "L " << levels << " sigma0 " << s << "\n" << failures_of(report);
+        EXPECT_EQ(report.checks.size(), 15u);
+      }
+}
+
+TEST(Verify, AnswersWithoutTheInputToo) {
+  const VerifyReport report = verify_hierarchy(test::tiny_hierarchy(test::bumpy_sphere(3), 2, 0.2f).hierarchy());
+  EXPECT_TRUE(report.valid());
+  EXPECT_EQ(report.find("input"), nullptr);
+  EXPECT_FALSE(VerifyReport{}.valid());
+}
+
+// Places in a TinyHierarchy that the breakages below aim at.
+std::uint32_t first_of(const TinyHierarchy& t, int level) {
+  return t.tables.levels[static_cast<std::size_t>(level)].first_cell;
+}
+TinyCell& finest_cell(TinyHierarchy& t) { return t.payloads[first_of(t, finest)]; }
+TinyCell& middle_cell(TinyHierarchy& t) { return t.payloads[first_of(t, 1)]; }
+std::size_t first_shared(const TinyCell& c) { return c.positions.size() - c.shared_ids.size(); }
+
+Cell& most_moved_cell(TinyHierarchy& t) {
+  return *std::max_element(t.tables.cells.begin(), t.tables.cells.end(),
+                           [](const Cell& a, const Cell& b) { return a.max_displacement < b.max_displacement; });
+}
+
+// A vertex of the cell that no other cell has and that has another parent to go to.
+std::size_t own_vertex(const TinyCell& cell) {
+  EXPECT_GT(first_shared(cell), 0u);
+  return 0;
+}
+
+struct Breakage {
+  const char* check;  // the one that must fail
+  const char* what;
+  std::function<void(TinyHierarchy&)> apply;
+};
+
+// Another parent than now, within the bound of (1) or not.
+void send_elsewhere(TinyHierarchy& t, std::uint32_t c, std::size_t v) {
+  TinyCell& cell = t.payloads[c];
+  const auto count = static_cast<std::uint32_t>(t.payloads[t.tables.cells[c].parent].positions.size());
+  cell.parents[v] = (cell.parents[v] + 1) % count;
+}
+
+const Breakage breakages[] = {
+    {"structure", "level ranges", [](auto& t) { t.tables.levels[1].first_cell += 1; }},
+    {"structure", "cells of no level", [](auto& t) { t.tables.levels[finest].cell_count -= 1; }},
+    {"structure", "Morton order",
+     [](auto& t) { std::swap(t.tables.cells[first_of(t, 1)].code, t.tables.cells[first_of(t, 1) + 1].code); }},
+    {"structure", "children", [](auto& t) { t.tables.cells[0].child_count -= 1; }},
+    {"structure", "parent", [](auto& t) { t.tables.cells.back().parent = 0; }},
+    {"structure", "stored triangles", [](auto& t) { t.tables.levels[1].triangles += 1; }},
+    {"structure", "stored vertices", [](auto& t) { t.tables.levels[1].vertices += 1; }},
+    {"structure", "vertex index",
+     [](auto& t) { finest_cell(t).triangles[0].v[0] = static_cast<std::uint32_t>(finest_cell(t).positions.size()); }},
+    {"structure", "degenerate", [](auto& t) { finest_cell(t).triangles[0].v[0] = finest_cell(t).triangles[0].v[1]; }},
+    {"structure", "parent index", [](auto& t) { finest_cell(t).parents[0] = 0xffff'ffffu; }},
+    {"structure", "no parents", [](auto& t) { finest_cell(t).parents.pop_back(); }},
+    {"structure", "no normals", [](auto& t) { finest_cell(t).normals.pop_back(); }},
+    {"structure", "too many ids", [](auto& t) { finest_cell(t).shared_ids.resize(100'000); }},
+    {"structure", "NaN", [](auto& t) { finest_cell(t).positions[0].x = std::nanf(""); }},
+    {"structure", "no levels", [](auto& t) { t.tables.levels.clear(); }},
+    {"cells", "empty finest cell",
+     [](auto& t) {
+       t.tables.levels[finest].triangles -= finest_cell(t).triangles.size();
+       finest_cell(t).triangles.clear();
+     }},
+    {"partition", "triangle in the wrong cell", [](auto& t) { t.tables.cells[first_of(t, finest)].code.morton ^= 1; }},
+    {"partition", "vertex of no triangle",
+     [](auto& t) {
+       TinyCell& cell = finest_cell(t);
+       cell.positions.insert(cell.positions.begin(), Vec3f{0.1f, 0.1f, 0.1f});
+       cell.normals.insert(cell.normals.begin(), PackedNormal{});
+       cell.parents.insert(cell.parents.begin(), 0);
+       for (Triangle& triangle : cell.triangles)
+         for (std::uint32_t& v : triangle.v) ++v;
+       t.tables.levels[finest].vertices += 1;
+     }},
+    {"partition", "outside the root", [](auto& t) { finest_cell(t).positions[0].x = -0.001f; }},
+    {"identity", "copies apart",
+     [](auto& t) {
+       Vec3f& p = finest_cell(t).positions.back();
+       p.x = std::nextafter(p.x, 2.0f);
+     }},
+    {"identity", "minus zero is another pattern",
+     [](auto& t) {
+       for (std::size_t c = first_of(t, finest); c < t.payloads.size(); ++c)
+         if (t.payloads[c].shared_ids.back() == finest_cell(t).shared_ids.back()) t.payloads[c].positions.back().x = 0;
+       finest_cell(t).positions.back().x = -0.0f;
+     }},
+    {"identity", "normals apart", [](auto& t) { finest_cell(t).normals.back().u ^= 1; }},
+    {"identity", "shared by one cell", [](auto& t) { finest_cell(t).shared_ids.back() = 0xffff'fff0u; }},
+    {"identity", "twice in one cell",
+     [](auto& t) { finest_cell(t).shared_ids.back() = finest_cell(t).shared_ids.front(); }},
+    {"identity", "not shared, though at one position",
+     [](auto& t) {
+       // The vertex comes first in its cell, so that it may be left out of the shared ones.
+       TinyCell& cell = finest_cell(t);
+       cell.shared_ids.erase(cell.shared_ids.begin());
+     }},
+    {"identity", "id given to another vertex on the next level",
+     [](auto& t) {
+       // Two vertices that survive exchange their ids on level 1, in all copies.
+       const TinyCell& cell = middle_cell(t);
+       ASSERT_GE(cell.shared_ids.size(), 2u);
+       std::vector<std::uint32_t> kept;
+       for (std::size_t c = first_of(t, finest); c < t.payloads.size(); ++c)
+         for (const std::uint32_t id : t.payloads[c].shared_ids)
+           if (std::count(cell.shared_ids.begin(), cell.shared_ids.end(), id) > 0 && (kept.empty() || kept[0] != id))
+             kept.push_back(id);
+       ASSERT_GE(kept.size(), 2u);
+       for (std::size_t c = first_of(t, 1); c < first_of(t, finest); ++c)
+         for (std::uint32_t& id : t.payloads[c].shared_ids) id = id == kept[0] ? kept[1] : id == kept[1] ? kept[0] : id;
+     }},
+    {"parents", "one copy goes elsewhere",
+     [](auto& t) { send_elsewhere(t, first_of(t, finest), finest_cell(t).positions.size() - 1); }},
+    {"parents", "on level 1 too",
+     [](auto& t) { send_elsewhere(t, first_of(t, 1), middle_cell(t).positions.size() - 1); }},
+    {"vertices", "vertex that is no parent",
+     [](auto& t) {
+       TinyCell& cell = t.payloads[0];
+       cell.positions.push_back(cell.positions[0]);
+       cell.normals.push_back(cell.normals[0]);
+       t.tables.levels[0].vertices += 1;
+     }},
+    {"triangles", "own vertex goes elsewhere",
+     [](auto& t) { send_elsewhere(t, first_of(t, finest), own_vertex(finest_cell(t))); }},
+    {"triangles", "turned over",
+     [](auto& t) { std::swap(middle_cell(t).triangles[0].v[0], middle_cell(t).triangles[0].v[1]); }},
+    {"triangles", "one missing",
+     [](auto& t) {
+       middle_cell(t).triangles.pop_back();
+       t.tables.levels[1].triangles -= 1;
+     }},
+    {"triangles", "one twice",
+     [](auto& t) {
+       middle_cell(t).triangles.push_back(middle_cell(t).triangles[0]);
+       t.tables.levels[1].triangles += 1;
+     }},
+    {"displacement", "bound of (1)", [](auto& t) { t.tables.sigma0 *= 0.4f; }},
+    {"displacement", "stored too small",
+     [](auto& t) {
+       float& stored = most_moved_cell(t).max_displacement;
+       stored = std::nextafter(stored, 0.0f);
+     }},
+    {"displacement", "stored too large", [](auto& t) { most_moved_cell(t).max_displacement *= 1.01f; }},
+    {"displacement", "of the root", [](auto& t) { t.tables.cells[0].max_displacement = 0.1f; }},
+    {"edges", "longest too small", [](auto& t) { t.tables.levels[1].max_edge *= 0.999f; }},
+    {"edges", "longest too large", [](auto& t) { t.tables.levels[1].max_edge *= 1.001f; }},
+    {"edges", "long ones of the finest level", [](auto& t) { t.tables.levels[finest].long_edges += 1; }},
+    {"edges", "long ones of another level", [](auto& t) { t.tables.levels[1].long_edges += 1; }},
+    {"boxes", "too large",
+     [](auto& t) { t.tables.cells[1].bounds.hi.x = std::nextafter(t.tables.cells[1].bounds.hi.x, 2.0f); }},
+    {"boxes", "too small",
+     [](auto& t) { t.tables.cells.back().bounds.lo.y = std::nextafter(t.tables.cells.back().bounds.lo.y, 2.0f); }},
+    {"boxes", "without the children's",
+     [](auto& t) {
+       t.tables.cells[0].bounds = {};
+       for (const Vec3f p : t.payloads[0].positions) t.tables.cells[0].bounds.extend(p);
+     }},
+    {"reach", "Euclidean too small", [](auto& t) { t.tables.levels[1].reach[0] *= 0.999f; }},
+    {"reach", "Euclidean too large", [](auto& t) { t.tables.levels[1].reach[0] *= 1.001f; }},
+    {"reach", "Chebyshev too small", [](auto& t) { t.tables.levels[finest].reach[1] *= 0.999f; }},
+    {"reach", "diameter too small", [](auto& t) { t.tables.levels[0].diameter *= 0.999f; }},
+    {"errors", "not 0 on the finest level", [](auto& t) { t.tables.cells.back().error = 1e-6f; }},
+    {"errors", "less than the children's",
+     [](auto& t) { t.tables.cells[0].error = std::nextafter(t.tables.cells[1].error, 0.0f); }},
+    {"errors", "less than the distance of the children's vertices",
+     [](auto& t) { t.tables.cells[0].error = t.tables.cells[1].error; }},
+    {"errors", "absurdly large", [](auto& t) { t.tables.cells[1].error *= 2; }},
+    {"errors", "of the level", [](auto& t) { t.tables.levels[1].error *= 0.99f; }},
+    {"fingerprint", "triangle turned over",
+     [](auto& t) { std::swap(finest_cell(t).triangles[0].v[0], finest_cell(t).triangles[0].v[1]); }},
+    {"fingerprint", "fewer triangles", [](auto& t) { t.tables.provenance.input_triangles -= 1; }},
+    {"fingerprint", "fewer vertices", [](auto& t) { t.tables.provenance.input_vertices -= 1; }},
+    {"fingerprint", "another input", [](auto& t) { t.tables.provenance.fingerprint += 1; }},
+    {"input", "turned over",
+     [](auto& t) { std::swap(finest_cell(t).triangles[0].v[0], finest_cell(t).triangles[0].v[1]); }},
+    {"input", "moved by one place",
+     [](auto& t) {
+       float& x = finest_cell(t).positions[0].x;
+       x = std::nextafter(x, 2.0f);
+     }},
+    {"input", "one twice, one missing", [](auto& t) { finest_cell(t).triangles[0] = finest_cell(t).triangles[1]; }},
+    {"input", "another scale", [](auto& t) { t.tables.transform.scale *= 2; }},
+};
+
+TEST(Verify, SeesEveryBreakageInTheCheckMeantForIt) {
+  const IndexedMesh mesh = test::bumpy_sphere(4);
+  const TinyHierarchy whole = test::tiny_hierarchy(mesh, finest, sigma0);
+  ASSERT_TRUE(verify_hierarchy(whole.hierarchy(), &mesh).valid());
+  for (const Breakage& breakage : breakages) {
+    TinyHierarchy broken = whole;
+    breakage.apply(broken);
+    const VerifyReport report = verify_hierarchy(broken.hierarchy(), &mesh);
+    const VerifyCheck* check = report.find(breakage.check);
+    ASSERT_NE(check, nullptr) << breakage.check;
+    EXPECT_FALSE(check->passed) << breakage.check << ", " << breakage.what << "\n" << failures_of(report);
+    EXPECT_FALSE(check->detail.empty());
+    EXPECT_FALSE(report.valid());
+  }
+}
+
+TEST(Verify, ChecksTheLatticeAndWhatItAddsToTheErrors) {
+  const IndexedMesh mesh = test::on_lattice(test::bumpy_sphere(4), {14});
+  const TinyHierarchy whole = test::tiny_hierarchy(mesh, finest, sigma0);
+  EXPECT_TRUE(verify_hierarchy(whole.hierarchy(), &mesh).valid())
+      << failures_of(verify_hierarchy(whole.hierarchy(), &mesh));
+  const Breakage lattice_breakages[] = {
+      {"structure", "out of range", [](auto& t) { t.tables.transform.lattice.bits = 25; }},
+      {"lattice", "off the lattice on the finest level",
+       [](auto& t) { finest_cell(t).positions[0].x += 0.25f * t.tables.transform.lattice.step(); }},
+      {"lattice", "off the lattice on a coarse level",
+       [](auto& t) { middle_cell(t).positions[0].z += 0.25f * t.tables.transform.lattice.step(); }},
+      {"lattice", "another lattice", [](auto& t) { t.tables.transform.lattice.bits = 13; }},
+      {"errors", "without the lattice's share", [](auto& t) { t.tables.cells.back().error = 0; }},
+      {"errors", "a lattice that is said to be finer", [](auto& t) { t.tables.transform.lattice.bits = 15; }},
+      {"input", "on another lattice", [](auto& t) { t.tables.transform.lattice.bits = 15; }},
+  };
+  for (const Breakage& breakage : lattice_breakages) {
+    TinyHierarchy broken = whole;
+    breakage.apply(broken);
+    const VerifyReport report = verify_hierarchy(broken.hierarchy(), &mesh);
+    EXPECT_FALSE(report.find(breakage.check)->passed) << breakage.what;
+  }
+}
+
+TEST(Verify, RunsNothingOnABrokenStructure) {
+  TinyHierarchy broken = test::tiny_hierarchy(test::bumpy_sphere(3), 2, 0.2f);
+  broken.tables.cells[0].first_child = 0xffff'fff0u;
+  for (const VerifyCheck& check : verify_hierarchy(broken.hierarchy()).checks) EXPECT_FALSE(check.passed) << check.name;
+}
+
+// A stored edge count may follow float or double, but long edges never come from nothing.
+TEST(Verify, AllowsLongEdgesThatTheInputHas) {
+  const IndexedMesh mesh = test::bumpy_sphere(1);  // 32 large triangles
+  const VerifyReport report = verify_hierarchy(test::tiny_hierarchy(mesh, 3, 0.2f).hierarchy(), &mesh);
+  EXPECT_TRUE(report.valid()) << failures_of(report);
+}
+
+TEST(Verify, RefusesLongEdgesWhereTheFinerLevelHasNone) {
+  // Level 0 is stretched, and its stored figures say so truthfully: only the comparison of the levels can object.
+  TinyHierarchy t = test::tiny_hierarchy(test::bumpy_sphere(4), 1, 0.6f);
+  Level& root = t.tables.levels[0];
+  ASSERT_EQ(t.tables.levels[1].long_edges, 0u);
+  for (Vec3f& p : t.payloads[0].positions) p = 64.0f * p;  // exact, so that the longest edge is, too
+  root.max_edge *= 64;
+  for (const Triangle& triangle : t.payloads[0].triangles)
+    for (std::size_t e = 0; e < 3; ++e)
+      root.long_edges += length(t.payloads[0].positions[triangle.v[e]] -
+                                t.payloads[0].positions[triangle.v[(e + 1) % 3]]) > t.tables.sigma0;
+  ASSERT_GT(root.long_edges, 0u);
+  const VerifyReport report = verify_hierarchy(t.hierarchy());
+  EXPECT_NE(report.find("edges")->detail.find("none on the finer level"), std::string::npos);
+  EXPECT_FALSE(report.find("displacement")->passed);
+}
+
+}  // namespace
+}  // namespace lodestone

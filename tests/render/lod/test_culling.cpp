@@ -1,0 +1,175 @@
+// Culling changes no picture: flights drawn with and without it, bit for bit on the soft backend.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "render/backends/make_renderer.h"
+#include "render/culling/back_faces.h"
+#include "tests/render/backends/conformance.h"
+
+namespace lodestone {
+namespace {
+
+struct Flight {
+  std::string name;
+  std::shared_ptr<const Hierarchy> hierarchy;
+  std::vector<Camera> cameras;
+  ImageSize size{320, 200};
+  int samples = 1;
+  std::optional<float> kappa0;
+};
+
+std::vector<Flight> flights() {
+  static const auto torus = test::detail::shared(test::torus_mesh(96, 48), 3);
+  static const auto ball = test::detail::shared(test::sphere_mesh(5), 4);
+  static const auto scan = test::detail::built(Shape::sphere, 60'000);
+  static const auto land = test::detail::built(Shape::terrain, 60'000);
+  std::vector<Flight> all;
+  for (const auto& [name, model] : {std::pair{"torus", torus}, {"ball", ball}, {"scan", scan}, {"land", land}}) {
+    all.push_back({std::string(name) + " orbit", model, orbit_path(*model, 8), {320, 200}, 1, {}});
+    all.push_back({std::string(name) + " fly-in", model, fly_in_path(*model, 16), {320, 200}, 1, {}});
+    all.push_back({std::string(name) + " least", model, fly_in_path(*model, 12), {161, 133}, 1, 0.3f});
+    // To and fro: what was hidden is in sight at once.
+    Flight jumps{std::string(name) + " jumps", model, {}, {320, 200}, 4, 1.0f};
+    const std::vector<Camera> orbit = orbit_path(*model, 6), down = fly_in_path(*model, 6);
+    for (std::size_t k = 0; k < 6; ++k) jumps.cameras.push_back(k % 2 ? orbit[5 - k] : down[k]);
+    all.push_back(jumps);
+  }
+  return all;
+}
+
+struct Drawn {
+  std::vector<Image> images;
+  std::vector<FrameStats> stats;
+};
+
+Drawn fly(const Flight& flight, Renderer& renderer, bool occluded, const BackFaces* back_faces) {
+  Drawn drawn;
+  const Hierarchy& h = *flight.hierarchy;
+  renderer.upload(h);
+  for (const Camera& camera : flight.cameras) {
+    RadiiConfig config;
+    config.image_height = flight.size.height;
+    config.kappa0 = flight.kappa0;
+    const Radii radii = make_radii(h, config);
+    Frame frame;
+    frame.size = flight.size;
+    frame.samples = flight.samples;
+    frame.cull_occluded = occluded;
+    ModelFrame& model = frame.only();
+    model.morph = {&h, &radii, Blend::smoothstep, viewpoint(camera, h.transform)};
+    model.view_projection = view_projection(camera, h, flight.size);
+    const Frustum frustum = frustum_of(model.view_projection);
+    Selection selection;
+    select_cells(h, radii, model.morph.viewpoint,
+                 {&frustum, false, {}, back_faces ? back_faces->cones_from(model.morph.viewpoint) : nullptr},
+                 selection);
+    model.selection = &selection;
+    drawn.stats.push_back(renderer.draw(frame));
+    drawn.images.push_back(renderer.read_back());
+  }
+  return drawn;
+}
+
+std::uint64_t triangles(const Drawn& drawn) {
+  std::uint64_t sum = 0;
+  for (const FrameStats& stats : drawn.stats) sum += stats.triangles;
+  return sum;
+}
+
+void expect_same(const Drawn& a, const Drawn& b, const std::string& name) {
+  for (std::size_t k = 0; k < a.images.size(); ++k) {
+    EXPECT_TRUE(a.images[k].rgba == b.images[k].rgba) << name << ", frame " << k;
+    EXPECT_TRUE(a.images[k].depth == b.images[k].depth) << name << ", frame " << k;
+  }
+}
+
+// Of equally near samples OpenGL keeps the one that is drawn first, and cells of the second part are drawn later. With
+// four samples a pixel that has been met, on silhouettes.
+void expect_same_but_for_ties(const Drawn& a, const Drawn& b, const std::string& name) {
+  for (std::size_t k = 0; k < a.images.size(); ++k) {
+    const ImageDifference d = difference(a.images[k], b.images[k], 0);
+    EXPECT_LE(d.differing, 10u) << name << ", frame " << k;
+    EXPECT_LE(d.max, 8) << name << ", frame " << k;
+    EXPECT_TRUE(a.images[k].depth == b.images[k].depth) << name << ", frame " << k;
+  }
+}
+
+TEST(Culling, OfOccludedCellsChangesNoPicture) {
+  const auto scheduler = make_tbb_scheduler(2);
+  for (const Flight& flight : flights()) {
+    const auto renderer = make_renderer("soft", *scheduler);
+    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, true, nullptr);
+    expect_same(all, culled, flight.name);
+    EXPECT_LE(triangles(culled), triangles(all));
+    std::uint64_t hidden = 0;
+    for (const FrameStats& stats : culled.stats)
+      if (stats.work.contains("hidden cells")) hidden += stats.work.at("hidden cells");
+    EXPECT_EQ(hidden > 0, triangles(culled) < triangles(all));
+    if (flight.name == "ball fly-in") {
+      EXPECT_LT(triangles(culled), 0.8 * static_cast<double>(triangles(all)));
+    }
+  }
+}
+
+TEST(Culling, OfOccludedCellsChangesNoPictureOfGl) {
+  const auto scheduler = make_tbb_scheduler(2);
+  std::string why;
+  const auto renderer = test::renderer_if_possible("gl", *scheduler, why);
+  if (!renderer) GTEST_SKIP() << why;
+  std::uint64_t saved = 0;
+  for (const Flight& flight : flights()) {
+    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, true, nullptr);
+    if (flight.samples == 1) {
+      expect_same(all, culled, flight.name);
+    } else {
+      expect_same_but_for_ties(all, culled, flight.name);
+    }
+    saved += triangles(all) - triangles(culled);
+  }
+  EXPECT_GT(saved, 100'000u);
+}
+
+TEST(Culling, OfOccludedCellsIsTheSameForAnyNumberOfThreads) {
+  const Flight flight = flights()[1];
+  const auto serial = make_serial_scheduler();
+  const Drawn expected = fly(flight, *make_renderer("soft", *serial), true, nullptr);
+  for (const int threads : {1, 3}) {
+    const auto scheduler = make_tbb_scheduler(threads);
+    const Drawn drawn = fly(flight, *make_renderer("soft", *scheduler), true, nullptr);
+    expect_same(expected, drawn, flight.name);
+    EXPECT_EQ(triangles(drawn), triangles(expected));
+  }
+}
+
+TEST(Culling, OfBackFacesChangesNoPicture) {
+  const auto scheduler = make_tbb_scheduler(2);
+  std::uint64_t saved = 0;
+  for (const Flight& flight : flights()) {
+    const BackFaces back_faces(*flight.hierarchy, *scheduler);
+    EXPECT_EQ(back_faces.closed(), !flight.name.starts_with("land"));
+    const auto renderer = make_renderer("soft", *scheduler);
+    const Drawn all = fly(flight, *renderer, false, nullptr), culled = fly(flight, *renderer, false, &back_faces);
+    expect_same(all, culled, flight.name);
+    expect_same(all, fly(flight, *renderer, true, &back_faces), flight.name + ", both");
+    saved += triangles(all) - triangles(culled);
+  }
+  EXPECT_GT(saved, 10'000u);
+}
+
+// Effects that show what is behind something see all of it.
+TEST(Culling, IsIgnoredWhereHiddenThingsShow) {
+  Frame frame;
+  EXPECT_FALSE(frame.culls_occluded());
+  frame.cull_occluded = true;
+  EXPECT_TRUE(frame.culls_occluded());
+  frame.effects.insert(Effect::overdraw);
+  EXPECT_FALSE(frame.culls_occluded());
+  frame.effects = {Effect::shadow};
+  EXPECT_TRUE(frame.culls_occluded());
+  frame.effects.insert(Effect::transparency);
+  EXPECT_FALSE(frame.culls_occluded());
+}
+
+}  // namespace
+}  // namespace lodestone

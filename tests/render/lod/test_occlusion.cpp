@@ -1,0 +1,194 @@
+// Occlusion culling: what is called hidden cannot be seen, by brute force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "render/backends/make_renderer.h"
+#include "render/backends/soft/viewport.h"
+#include "render/culling/occlusion.h"
+#include "tests/render/backends/conformance.h"
+#include "tests/render/small_hierarchy.h"
+#include "tests/test_meshes.h"
+
+namespace lodestone {
+namespace {
+
+using test::SmallHierarchy;
+
+const Hierarchy& torus() {
+  static const SmallHierarchy small = test::small_hierarchy(test::torus_mesh(96, 48), 3, 0.5f);
+  return small.hierarchy;
+}
+
+Camera random_camera(std::mt19937& random, const Hierarchy& h, double lo, double hi) {
+  const auto number = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+  const auto point = [&](double a, double b) { return Vec3d{number(a, b), number(a, b), number(a, b)}; };
+  const auto to_model = [&](Vec3d p) { return h.transform.origin + h.transform.scale * p; };
+  return {to_model(point(lo, hi)), to_model(point(0.2, 0.8)), {0, 0, 1}, number(0.05, 1.8)};
+}
+
+TEST(DepthPyramid, ScreenBoxesHoldWhateverIsDrawnOfTheBox) {
+  std::mt19937 random(1);
+  const auto number = [&](float a, float b) { return std::uniform_real_distribution<float>(a, b)(random); };
+  const ImageSize size{317, 203};
+  std::size_t boxes = 0, inside = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const ViewProjection vp = view_projection(random_camera(random, torus(), -0.4, 1.4), torus(), size);
+    Box3f box;
+    const float side = number(0, 1) < 0.5f ? 0.3f : 1e-3f;
+    box.lo = {number(0, 1), number(0, 1), number(0, 1)};
+    box.hi = {box.lo.x + number(0, side), box.lo.y + number(0, side), box.lo.z + number(0, side)};
+    const auto on_screen = screen_box(vp, box, size);
+    if (!on_screen) continue;
+    ++boxes;
+    const soft::Viewport viewport(size);
+    for (int k = 0; k < 40; ++k) {
+      const auto along = [&](float lo, float hi) { return k < 8 ? (number(0, 1) < 0.5f ? lo : hi) : number(lo, hi); };
+      const soft::ClipVertex clip =
+          soft::to_clip(vp, {along(box.lo.x, box.hi.x), along(box.lo.y, box.hi.y), along(box.lo.z, box.hi.z)});
+      ASSERT_GT(clip.w, 0);
+      if (viewport.needs_clipping(clip)) continue;
+      const soft::WindowVertex v = viewport.snap(clip);
+      EXPECT_GE(v.z, on_screen->nearest);
+      const int x = v.x >> soft::subpixel_bits, y = v.y >> soft::subpixel_bits;
+      if (x < 0 || y < 0 || x >= size.width || y >= size.height) continue;
+      ++inside;
+      EXPECT_TRUE(x >= on_screen->x0 && x <= on_screen->x1 && y >= on_screen->y0 && y <= on_screen->y1)
+          << x << ' ' << y;
+    }
+  }
+  EXPECT_GT(boxes, 1000u);
+  EXPECT_GT(inside, 10'000u);
+}
+
+TEST(DepthPyramid, ABoxThatReachesBehindTheNearPlaneHasNoPlace) {
+  const Hierarchy& h = torus();
+  const Camera camera{h.transform.to_model({0.5f, 0.5f, 0.5f}), h.transform.to_model({0.9f, 0.5f, 0.5f})};
+  const ViewProjection vp = view_projection(camera, h, {64, 64});
+  EXPECT_FALSE(screen_box(vp, {{0.4f, 0.4f, 0.4f}, {0.8f, 0.6f, 0.6f}}, {64, 64}));
+  EXPECT_FALSE(screen_box(vp, {{0.1f, 0.4f, 0.4f}, {0.2f, 0.6f, 0.6f}}, {64, 64}));
+  EXPECT_TRUE(screen_box(vp, {{0.7f, 0.4f, 0.4f}, {0.8f, 0.6f, 0.6f}}, {64, 64}));
+}
+
+TEST(DepthPyramid, HidesWhatEveryBlockHides) {
+  std::mt19937 random(2);
+  const auto whole = [&](int a, int b) { return std::uniform_int_distribution<int>(a, b)(random); };
+  DepthPyramid pyramid;
+  std::size_t hidden = 0, seen = 0;
+  for (int i = 0; i < 400; ++i) {
+    const ImageSize size{whole(1, 300), whole(1, 200)};
+    pyramid.reset(size);
+    ASSERT_EQ(pyramid.columns(), (size.width + 7) / 8);
+    ASSERT_EQ(pyramid.rows(), (size.height + 7) / 8);
+    for (float& far : pyramid.blocks()) far = whole(0, 20) ? 0.1f * static_cast<float>(whole(1, 5)) : 1.0f;
+    pyramid.build();
+    for (int k = 0; k < 50; ++k) {
+      ScreenBox box;
+      box.x0 = whole(0, size.width - 1), box.x1 = std::min(box.x0 + whole(-1, 60), size.width - 1);
+      box.y0 = whole(0, size.height - 1), box.y1 = std::min(box.y0 + whole(-1, 60), size.height - 1);
+      box.nearest = 0.1f * static_cast<float>(whole(1, 6));
+      bool expected = true;
+      for (int y = box.y0; y <= box.y1; ++y)
+        for (int x = box.x0; x <= box.x1; ++x)
+          expected =
+              expected && pyramid.blocks()[static_cast<std::size_t>(y / 8 * pyramid.columns() + x / 8)] < box.nearest;
+      EXPECT_EQ(pyramid.hides(box), expected);
+      ++(expected ? hidden : seen);
+    }
+  }
+  EXPECT_GT(hidden, 1000u);
+  EXPECT_GT(seen, 1000u);
+}
+
+TEST(DepthPyramid, AnEmptyPictureHidesNothingInIt) {
+  DepthPyramid pyramid;
+  pyramid.reset({100, 50});
+  EXPECT_FALSE(pyramid.hides({0, 0, 99, 49, 1}));
+  EXPECT_FALSE(pyramid.hides({50, 20, 50, 20, 0.999f}));
+  EXPECT_TRUE(pyramid.hides({50, 20, 49, 20, 0.5f})) << "nothing of it is in the picture";
+}
+
+// Each block is as far as the farthest of its pixels, also where the picture ends within it.
+TEST(DepthPyramid, BlocksOfAPicture) {
+  const ImageSize size{19, 9};
+  std::vector<float> depth(static_cast<std::size_t>(size.width * size.height), 0.25f);
+  depth[18] = 0.5f;
+  depth[static_cast<std::size_t>(8 * size.width)] = 0.75f;
+  DepthPyramid pyramid;
+  pyramid.reset(size);
+  fill_blocks(depth, size, pyramid);
+  pyramid.build();
+  EXPECT_TRUE(pyramid.hides({0, 0, 15, 7, 0.3f}));
+  EXPECT_FALSE(pyramid.hides({0, 0, 16, 7, 0.3f}));
+  EXPECT_FALSE(pyramid.hides({0, 0, 15, 8, 0.6f}));
+  EXPECT_TRUE(pyramid.hides({0, 0, 18, 8, 0.8f}));
+}
+
+// Without the cells that the finished picture hides it is drawn the same, bit for bit.
+TEST(Occlusion, WithoutHiddenCellsThePictureIsTheSame) {
+  const auto scheduler = make_tbb_scheduler(2);
+  std::mt19937 random(3);
+  const Hierarchy& h = torus();
+  const auto renderer = make_renderer("soft", *scheduler);
+  renderer->upload(h);
+  std::size_t hidden = 0;
+  for (int i = 0; i < 240; ++i) {
+    const Camera camera = random_camera(random, h, -0.3, 1.3);
+    RadiiConfig config;
+    config.kappa0 = std::uniform_real_distribution<float>(0.3f, 4)(random);
+    const Radii radii = make_radii(h, config);
+    const ImageSize size{160, 120};
+    const ViewProjection vp = view_projection(camera, h, size);
+    const Frustum frustum = frustum_of(vp);
+    Selection selection;
+    select_cells(h, radii, viewpoint(camera, h.transform), {&frustum, false}, selection);
+    const auto draw = [&] {
+      Frame frame;
+      frame.only().morph = {&h, &radii, Blend::smoothstep, viewpoint(camera, h.transform)};
+      frame.only().view_projection = vp;
+      frame.size = size;
+      frame.only().selection = &selection;
+      renderer->draw(frame);
+      return renderer->read_back();
+    };
+    const Image all = draw();
+    DepthPyramid pyramid;
+    pyramid.reset(size);
+    fill_blocks(all.depth, size, pyramid);
+    pyramid.build();
+    const std::size_t before = selection.cells.size();
+    std::erase_if(selection.cells,
+                  [&](const SelectedCell& c) { return is_hidden(pyramid, h, c.cell, c.level, vp, size); });
+    hidden += before - selection.cells.size();
+    const Image rest = draw();
+    EXPECT_TRUE(rest.rgba == all.rgba) << "view " << i;
+    EXPECT_TRUE(rest.depth == all.depth) << "view " << i;
+  }
+  EXPECT_GT(hidden, 500u);
+}
+
+TEST(HiddenCells, FollowTheLevels) {
+  const Hierarchy& h = torus();
+  HiddenCells hidden;
+  hidden.reset(h.cells.size());
+  const Cell& root = h.cells[0];
+  ASSERT_GT(root.child_count, 1u);
+  hidden.next_frame();
+  for (std::uint32_t c = 0; c < h.cells.size(); ++c) EXPECT_FALSE(hidden.were_there(h, c)) << "before the first frame";
+  hidden.note(root.first_child);
+  hidden.next_frame();
+  EXPECT_TRUE(hidden.were_there(h, root.first_child));
+  EXPECT_FALSE(hidden.were_there(h, root.first_child + 1));
+  for (std::uint32_t k = 0; k < h.cells[root.first_child].child_count; ++k)
+    EXPECT_TRUE(hidden.were_there(h, h.cells[root.first_child].first_child + k)) << "refined in its place";
+  EXPECT_FALSE(hidden.were_there(h, 0)) << "only one of those below it was hidden";
+  for (std::uint32_t k = 0; k < root.child_count; ++k) hidden.note(root.first_child + k);
+  hidden.next_frame();
+  EXPECT_TRUE(hidden.were_there(h, 0));
+  hidden.next_frame();
+  for (std::uint32_t c = 0; c < h.cells.size(); ++c) EXPECT_FALSE(hidden.were_there(h, c)) << "a frame later";
+}
+
+}  // namespace
+}  // namespace lodestone
