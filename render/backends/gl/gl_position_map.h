@@ -4,6 +4,8 @@
 
 #include <memory>
 
+#include "core/mesh/indexed_mesh.h"
+#include "parallel/scheduler/scheduler.h"
 #include "render/position_map/map_renderer.h"
 
 namespace lodestone {
