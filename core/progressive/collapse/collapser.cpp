@@ -1,7 +1,5 @@
 #include "core/progressive/collapse/collapser.h"
 
-#include "core/base/error.h"
-
 namespace lodestone::progressive {
 
 Collapser::Collapser(RingMesh& rings, CollapseMetric& metric, const CollapseKernel& kernel)
@@ -12,10 +10,7 @@ Collapser::Collapser(RingMesh& rings, CollapseMetric& metric, const CollapseKern
              .parent = std::vector<Id>(rings.vertex_count(), no_id)} {}
 
 const CollapseKernel& collapse_kernel(InstructionSet set) {
-  if (!is_available(set))
-    throw UnsupportedError(describe("", "collapse kernel", "this processor has no AVX2", "use the plain kernel"));
-  return set != InstructionSet::plain && is_available(InstructionSet::avx2) ? avx2_collapse_kernel
-                                                                            : plain_collapse_kernel;
+  return *choose_kernel(set, &plain_collapse_kernel, &avx2_collapse_kernel);
 }
 
 }  // namespace lodestone::progressive

@@ -31,10 +31,9 @@ namespace {
 
 class QuadricSimplifier final : public Simplifier {
  public:
-  QuadricSimplifier(bool avx2, Placement placement)
-      : placement_(placement),
-        kernel_(avx2 ? quadric::simplify_block_avx2 : quadric::simplify_block_plain),
-        arrays_(quadric::allocate_arrays()) {}
+  using Kernel = decltype(&quadric::simplify_block_plain);
+  QuadricSimplifier(Kernel kernel, Placement placement)
+      : placement_(placement), kernel_(kernel), arrays_(quadric::allocate_arrays()) {}
 
   const SimplifyResult& simplify(const SimplifyInput& input) override {
     result_.parent.resize(input.positions.size());
@@ -83,7 +82,7 @@ class QuadricSimplifier final : public Simplifier {
   }
 
   Placement placement_;
-  void (*kernel_)(const SimplifyInput&, Placement, quadric::Arrays&, quadric::Piles&, quadric::Seams*, SimplifyResult&);
+  Kernel kernel_;
   std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
   quadric::Piles piles_;
   quadric::Seams seams_;
@@ -94,10 +93,8 @@ class QuadricSimplifier final : public Simplifier {
 }  // namespace
 
 std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set, Placement placement) {
-  if (!is_available(set))
-    throw UnsupportedError(describe("", "quadric simplifier", "this processor has no AVX2", "use the plain kernel"));
-  return std::make_unique<QuadricSimplifier>(set != InstructionSet::plain && is_available(InstructionSet::avx2),
-                                             placement);
+  return std::make_unique<QuadricSimplifier>(
+      choose_kernel(set, quadric::simplify_block_plain, quadric::simplify_block_avx2), placement);
 }
 
 }  // namespace lodestone

@@ -144,10 +144,10 @@ struct Kernels {
   }
 };
 
-// Null where this processor or this build has it not; `best` is always there.
-[[nodiscard]] const Kernels* find_kernels(InstructionSet set);
+// Throws UnsupportedError where this processor does not have the set.
+[[nodiscard]] const Kernels& find_kernels(InstructionSet set);
 
-namespace baseline {
+namespace plain {
 extern const Kernels kernels;
 }
 namespace avx2 {

@@ -1,4 +1,4 @@
-// Empty where the compiler was not told of AVX2: other processors have the baseline alone.
+// Empty where the compiler was not told of AVX2: other processors have the plain kernels alone.
 #if defined(__AVX2__)
 #include "render/backends/soft/layers_kernel.h"
 #include "render/backends/soft/occlusion_kernel.h"

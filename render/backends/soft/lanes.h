@@ -15,13 +15,8 @@
 #include <immintrin.h>
 #endif
 
+#include "core/base/instruction_set.h"
 #include "render/backends/soft/raster_types.h"
-
-#if defined(__AVX2__)
-#define LODESTONE_LANES avx2
-#else
-#define LODESTONE_LANES baseline
-#endif
 
 namespace lodestone::soft::LODESTONE_LANES {
 

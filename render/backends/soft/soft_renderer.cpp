@@ -10,7 +10,6 @@
 #include <numeric>
 #include <optional>
 
-#include "core/base/error.h"
 #include "render/backends/soft/geometry_stage.h"
 #include "render/backends/soft/layers.h"
 #include "render/backends/soft/occlusion_stage.h"
@@ -282,10 +281,7 @@ class SoftRenderer final : public Renderer {
 }  // namespace soft
 
 std::unique_ptr<Renderer> make_soft_renderer(Scheduler& scheduler, const SoftConfig& config) {
-  const soft::Kernels* kernels = soft::find_kernels(config.instructions);
-  if (!kernels)
-    throw UnsupportedError(describe("", "the soft backend", "this processor has no AVX2", "use the baseline"));
-  return std::make_unique<soft::SoftRenderer>(scheduler, *kernels);
+  return std::make_unique<soft::SoftRenderer>(scheduler, soft::find_kernels(config.instructions));
 }
 
 }  // namespace lodestone

@@ -4,17 +4,14 @@
 
 #include <memory>
 
+#include "core/base/instruction_set.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/frame/renderer.h"
 
 namespace lodestone {
 
-namespace soft {
-enum class InstructionSet : std::uint8_t { best, baseline, avx2 };
-}
-
 struct SoftConfig {
-  soft::InstructionSet instructions = soft::InstructionSet::best;
+  InstructionSet instructions = InstructionSet::best;
 };
 
 // FrameStats::milliseconds: "occlusion" (with Frame::cull_occluded: finding what is hidden), "geometry" (vertices, and

@@ -51,7 +51,7 @@ TEST_P(EffectConformance, GlDrawsWhatSoftDraws) {
 TEST_P(EffectConformance, SameBytesFromEveryInstructionSetAndAnyNumberOfThreads) {
   const EffectScene& scene = scenes()[GetParam()];
   const Image serial = draw_soft(scene).image;
-  const Image baseline = draw_soft(scene, {soft::InstructionSet::baseline}).image;
+  const Image baseline = draw_soft(scene, {InstructionSet::plain}).image;
   EXPECT_TRUE(baseline.rgba == serial.rgba);
   EXPECT_TRUE(baseline.depth == serial.depth);
   const auto scheduler = make_tbb_scheduler(3);

@@ -114,8 +114,8 @@ class Random {
 class SoftCoverage : public ::testing::TestWithParam<std::tuple<InstructionSet, int>> {
  protected:
   void SetUp() override {
-    kernels_ = find_kernels(std::get<0>(GetParam()));
-    if (!kernels_) GTEST_SKIP() << "this processor has no AVX2";
+    if (!is_available(std::get<0>(GetParam()))) GTEST_SKIP() << "this processor has no AVX2";
+    kernels_ = &find_kernels(std::get<0>(GetParam()));
   }
   [[nodiscard]] int samples() const { return std::get<1>(GetParam()); }
   [[nodiscard]] Counts draw(const std::vector<Corners>& triangles) const {
@@ -231,11 +231,11 @@ TEST_P(SoftCoverage, TrianglesBetweenSamplesLeaveNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kernels, SoftCoverage,
-                         ::testing::Combine(::testing::Values(InstructionSet::baseline, InstructionSet::avx2),
+                         ::testing::Combine(::testing::Values(InstructionSet::plain, InstructionSet::avx2),
                                             ::testing::Values(1, 4)),
                          [](const auto& instance) {
                            return std::string(std::get<0>(instance.param) == InstructionSet::avx2 ? "avx2"
-                                                                                                  : "baseline") +
+                                                                                                  : "plain") +
                                   (std::get<1>(instance.param) == 4 ? "_4x" : "");
                          });
 

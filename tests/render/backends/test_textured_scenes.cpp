@@ -95,7 +95,7 @@ TEST_P(TexturedScenes, AllEffectsGiveThePictureOfThoseCalledFor) {
 
 TEST_P(TexturedScenes, SameBytesForAllThreadsAndInstructionSets) {
   TexturedFrame frame(scene());
-  const Image reference = frame.draw(*make_soft_renderer(*scheduler_, {soft::InstructionSet::baseline}));
+  const Image reference = frame.draw(*make_soft_renderer(*scheduler_, {InstructionSet::plain}));
   const auto threads = make_tbb_scheduler(3);
   EXPECT_TRUE(frame.draw(*make_soft_renderer(*threads)).rgba == reference.rgba);
 }
