@@ -9,7 +9,7 @@
 #include "experiments/metrics/pops/pops.h"
 #include "parallel/build/build.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/experiments/metrics/naive_metrics.h"
+#include "tests/experiments/naive_metrics.h"
 #include "tests/experiments/small_meshes.h"
 
 namespace lodestone {

@@ -10,7 +10,7 @@
 #include "parallel/build/build.h"
 #include "render/lod/limits.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/experiments/metrics/naive_metrics.h"
+#include "tests/experiments/naive_metrics.h"
 #include "tests/experiments/small_meshes.h"
 
 namespace lodestone {

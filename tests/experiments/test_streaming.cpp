@@ -22,7 +22,7 @@
 #include "parallel/streaming/cell_stream.h"
 #include "render/lod/resident_cells.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/experiments/metrics/naive_metrics.h"
+#include "tests/experiments/naive_metrics.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {

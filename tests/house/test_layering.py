@@ -4,6 +4,7 @@ import pathlib
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 import layering
 
@@ -32,6 +33,8 @@ class Checker(unittest.TestCase):
                 path = pathlib.Path(folder) / name
                 path.parent.mkdir(parents=True, exist_ok=True)
                 path.write_text(text)
+                if path.suffix in {".h", ".cpp"} and not (path.parent / "CMakeLists.txt").exists():
+                    (path.parent / "CMakeLists.txt").write_text("# A folder.\n")
             return list(layering.violations(folder))
 
     def assert_refused(self, files, *words):
@@ -64,6 +67,43 @@ class Checker(unittest.TestCase):
     def test_refuses_relative_and_unknown_includes(self):
         self.assert_refused({"core/a.h": "", "core/b.h": '#include "a.h"\n'}, "core/b.h", "path from its root")
         self.assert_refused({"core/b.h": '# include "core/none.h"\n'}, "core/none.h")
+
+    def test_refuses_circles_between_folders(self):
+        """Each case closes its circle at another depth, and nowhere else."""
+        cases = {
+            "core/x:": ["core/x/a/1.h core/x/b/1.h", "core/x/b/2.h core/x/a/2.h"],
+            "core:": ["core/x/a/1.h core/y/a/1.h", "core/y/b/1.h core/x/b/1.h"],
+            "core/x: includes form a circle: core/x/": ["core/x/1.h core/x/a/b/1.h", "core/x/a/2.h core/x/2.h"],
+        }
+        for parent, includes in cases.items():
+            files = {file: f'#include "{name}"\n' for file, name in map(str.split, includes)}
+            files.update({name: "" for _, name in map(str.split, includes) if name not in files})
+            with self.subTest(parent=parent):
+                self.assertTrue(any(line.startswith(parent) for line in self.found(files)), self.found(files))
+
+    def test_accepts_includes_along_a_chain_of_folders(self):
+        self.assertEqual(self.found({
+            "core/x/a/1.h": '#include "core/x/b/1.h"\n#include "core/x/a/2.h"\n', "core/x/a/2.h": "",
+            "core/x/b/1.h": '#include "core/y/1.h"\n', "core/y/1.h": '#include "core/0.h"\n', "core/0.h": "",
+        }), [])
+
+    def test_known_exceptions_are_still_needed(self):
+        """An exception whose cause is gone must go, too."""
+        for name in ["KNOWN_CIRCLES", "KNOWN_FULL", "KNOWN_UNTOLD"]:
+            known = getattr(layering, name)
+            for entry in list(known):
+                without = {key: known[key] for key in known if key != entry} if isinstance(known, dict) else [
+                    other for other in known if other != entry]
+                with self.subTest(entry=entry), unittest.mock.patch.object(layering, name, without):
+                    self.assertNotEqual(list(layering.violations(SOURCE_DIR)), [])
+
+    def test_refuses_folders_that_are_full_or_do_not_say_what_they_are(self):
+        files = {f"core/a{i}.{kind}": "" for i in range(layering.MAX_SUBJECTS) for kind in ["h", "cpp"]}
+        self.assertEqual(self.found(files), [])
+        self.assert_refused({**files, "core/b.h": ""}, "core", "26 subjects")
+        for text in ["", "project(x)\n", "# No full stop\n", "# Two lines.\n# And more.\n"]:
+            with self.subTest(text=text):
+                self.assert_refused({"core/a/CMakeLists.txt": text, "core/a/b.h": ""}, "core/a/CMakeLists.txt")
 
     def test_refuses_libraries_out_of_their_place(self):
         cases = {

@@ -11,7 +11,7 @@
 #include "parallel/mesh/load.h"
 #include "parallel/progressive/make_progressive.h"
 #include "parallel/progressive/merge_records.h"
-#include "tests/core/simplify/progressive_checks.h"
+#include "tests/core/progressive/progressive_checks.h"
 #include "tests/parallel/progressive_meshes.h"
 #include "tests/test_data.h"
 

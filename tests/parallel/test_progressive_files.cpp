@@ -11,7 +11,7 @@
 #include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
 #include "parallel/progressive/make_progressive.h"
-#include "tests/core/simplify/progressive_checks.h"
+#include "tests/core/progressive/progressive_checks.h"
 #include "tests/parallel/progressive_meshes.h"
 
 namespace lodestone {

@@ -7,7 +7,7 @@
 #include "render/backends/make_renderer.h"
 #include "render/effects/plan.h"
 #include "render/scene/scene_view.h"
-#include "tests/render/backends/conformance.h"
+#include "tests/render/conformance.h"
 
 namespace lodestone {
 namespace {

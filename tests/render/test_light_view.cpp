@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "render/camera/eye.h"
 #include "render/camera/light_view.h"
-#include "tests/render/backends/effect_scenes.h"
+#include "tests/render/effect_scenes.h"
 
 namespace lodestone {
 namespace {

@@ -4,7 +4,7 @@
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
 #include "render/scene/scene_view.h"
-#include "tests/render/backends/conformance.h"
+#include "tests/render/conformance.h"
 
 namespace lodestone {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "render/backends/gl/page_packer.h"
 #include "render/textures/surface_textures.h"
-#include "tests/render/lod/planar_model.h"
+#include "tests/render/planar_model.h"
 
 namespace lodestone {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_compress.h"
 #include "core/mesh/clean.h"
-#include "tests/core/mesh/lattice_meshes.h"
+#include "tests/core/hierarchy/lattice_meshes.h"
 
 namespace lodestone {
 namespace {

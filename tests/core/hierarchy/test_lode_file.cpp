@@ -13,7 +13,7 @@
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/mesh/clean.h"
 #include "parallel/build/save.h"
-#include "tests/core/mesh/lattice_meshes.h"
+#include "tests/core/hierarchy/lattice_meshes.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "core/hierarchy/verify/verify.h"
+#include "tests/core/hierarchy/lattice_meshes.h"
 #include "tests/core/hierarchy/tiny_hierarchy.h"
-#include "tests/core/mesh/lattice_meshes.h"
 
 namespace lodestone {
 namespace {

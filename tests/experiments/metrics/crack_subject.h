@@ -8,8 +8,8 @@
 
 #include "experiments/metrics/cracks/cracks.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/experiments/metrics/naive_metrics.h"
 #include "tests/experiments/naive_hierarchy.h"
+#include "tests/experiments/naive_metrics.h"
 #include "tests/experiments/small_meshes.h"
 
 namespace lodestone::testing {

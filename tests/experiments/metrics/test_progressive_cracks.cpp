@@ -7,7 +7,7 @@
 
 #include "experiments/metrics/cracks/progressive_cracks.h"
 #include "parallel/progressive/make_progressive.h"
-#include "tests/core/simplify/progressive_checks.h"
+#include "tests/core/progressive/progressive_checks.h"
 #include "tests/parallel/progressive_meshes.h"
 
 namespace lodestone {

@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "render/backends/make_renderer.h"
-#include "tests/render/backends/conformance.h"
+#include "tests/render/conformance.h"
 
 namespace lodestone {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "render/backends/soft/soft_renderer.h"
 #include "render/effects/effect_info.h"
-#include "tests/render/backends/effect_scenes.h"
+#include "tests/render/effect_scenes.h"
 
 namespace lodestone {
 namespace {

@@ -11,7 +11,7 @@
 #include "render/backends/gl/gl_varyings.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "render/frame/shading.h"
-#include "tests/render/backends/effect_scenes.h"
+#include "tests/render/effect_scenes.h"
 
 namespace lodestone {
 namespace {

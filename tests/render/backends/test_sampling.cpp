@@ -3,8 +3,8 @@
 
 #include "core/texture/downsample.h"
 #include "render/backends/make_renderer.h"
-#include "tests/render/backends/conformance.h"
-#include "tests/render/lod/planar_model.h"
+#include "tests/render/conformance.h"
+#include "tests/render/planar_model.h"
 
 namespace lodestone {
 namespace {

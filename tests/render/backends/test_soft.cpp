@@ -10,8 +10,8 @@
 #include "render/backends/soft/kernels.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "render/frame/shading.h"
-#include "tests/render/backends/conformance.h"
 #include "tests/render/backends/obvious_renderer.h"
+#include "tests/render/conformance.h"
 
 namespace lodestone {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "render/backends/make_renderer.h"
 #include "render/backends/soft/soft_renderer.h"
-#include "tests/render/backends/conformance.h"
-#include "tests/render/backends/textured_models.h"
+#include "tests/render/conformance.h"
+#include "tests/render/textured_models.h"
 
 namespace lodestone {
 namespace {

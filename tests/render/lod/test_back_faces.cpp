@@ -8,7 +8,7 @@
 
 #include "render/culling/back_faces.h"
 #include "render/lod/morph.h"
-#include "tests/render/backends/conformance.h"
+#include "tests/render/conformance.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 

@@ -5,7 +5,7 @@
 
 #include "render/backends/make_renderer.h"
 #include "render/culling/back_faces.h"
-#include "tests/render/backends/conformance.h"
+#include "tests/render/conformance.h"
 
 namespace lodestone {
 namespace {

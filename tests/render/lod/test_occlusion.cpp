@@ -7,7 +7,7 @@
 #include "render/backends/make_renderer.h"
 #include "render/backends/soft/viewport.h"
 #include "render/culling/occlusion.h"
-#include "tests/render/backends/conformance.h"
+#include "tests/render/conformance.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 

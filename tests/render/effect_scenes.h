@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "render/camera/light_view.h"
-#include "tests/render/backends/conformance.h"
+#include "tests/render/conformance.h"
 
 namespace lodestone::test {
 

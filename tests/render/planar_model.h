@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "render/textures/mip_chain.h"
-#include "tests/render/backends/textured_models.h"
 #include "tests/render/small_hierarchy.h"
+#include "tests/render/textured_models.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
