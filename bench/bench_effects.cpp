@@ -1,4 +1,4 @@
-// What each effect costs, on `soft` and `gl`: a frame with it against one without, in turn.
+// Cost of each effect, on `soft` and `gl`: a frame with it against one without, in turn.
 //
 // A terrain of half a million triangles that morphs, 1280x720, one and four samples a pixel. Counters: milliseconds of
 // processor time (all threads) a frame with the effect, and how many of them are the effect's. Where there is no OpenGL

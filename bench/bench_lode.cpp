@@ -89,13 +89,13 @@ void unpack(benchmark::State& state, Shape shape) {
   const Hierarchy& hierarchy = model(shape);
   const Lattice lattice = hierarchy.transform.lattice;
   std::vector<std::vector<std::byte>> packed;
-  std::uint64_t packed_bytes = 0, most = 0;
+  std::uint64_t packed_bytes = 0, largest = 0;
   for (const Cell& cell : hierarchy.cells) {
     compress_payload(cell, lattice, packed.emplace_back());
     packed_bytes += packed.back().size();
-    most = std::max(most, plain_bytes(counts_of(cell)));
+    largest = std::max(largest, plain_bytes(counts_of(cell)));
   }
-  std::vector<std::byte> out(most);
+  std::vector<std::byte> out(largest);
   for (auto _ : state)
     for (std::size_t c = 0; c < packed.size(); ++c) {
       const PayloadCounts n = counts_of(hierarchy.cells[c]);

@@ -1,4 +1,4 @@
-// What measuring a frame costs: cracks in both forms and pops, on a generated sphere seen from close by.
+// Cost of measuring a frame: cracks in both forms and pops, on a generated sphere seen from close by.
 //
 // Argument: input triangles. Counter `drawn`: triangles drawn in the frame. Times are CPU times of all workers.
 #include <benchmark/benchmark.h>

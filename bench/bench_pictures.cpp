@@ -1,4 +1,4 @@
-// What comparing pictures costs: FLIP, SSIM, absolute difference, pops and leaks, of frames of 1280x720 pixels.
+// Cost of comparing pictures: FLIP, SSIM, absolute difference, pops and leaks, of frames of 1280x720 pixels.
 //
 // One worker, so that times are those of a core. The pictures are two frames of a generated sphere and the full model;
 // "everywhere": a picture against its negative, as pixels that agree with their surroundings cost next to nothing.

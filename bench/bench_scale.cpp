@@ -1,4 +1,4 @@
-// What a larger model costs: the same flight over a generated surface of a million triangles and over one of N, each
+// Cost of a larger model: the same flight over a generated surface of a million triangles and over one of N, each
 // frame drawn of both in turn, so that whatever else the machine does falls on both alike.
 //
 // Arguments: N in millions, tolerance in pixels, whether hidden cells are left out. Counters: processor milliseconds

@@ -1,6 +1,6 @@
 // One level to a quarter, on chunks of 32 thousand triangles: the project's simplifiers and packaged peers in one run.
 //
-// Rates count input triangles per second of CPU time. Speed never stands without accuracy: rms and max are the
+// Rates count input triangles per second of CPU time. Speed is never given without accuracy: rms and max are the
 // two-sided distance from the input in its mean edges, kept is the share of the triangles left. What each row may use
 // differs and is part of the comparison: what has the name of a SimplifierKind keeps locked vertices and the
 // displacement bound; what begins with `peer_` is a library as it comes and does not know the bound; the cluster and
@@ -81,7 +81,7 @@ void run_own(benchmark::State& state, const std::string& data,
 
 PeerMesh peer_mesh(const Chunk& c) { return {c.positions, c.triangles, c.locked}; }
 
-// What a peer left, with its own vertices.
+// The mesh that a peer made, with its own vertices.
 Chunk chunk_of(const PeerMesh& mesh) {
   const Chunk left{mesh.positions, mesh.triangles, mesh.locked, 0};
   SimplifyResult all;

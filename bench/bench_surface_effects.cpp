@@ -1,4 +1,4 @@
-// What colours, textures and normal maps of a surface cost: the same frame with an effect and without it, in turn, so
+// Cost of colours, textures and normal maps of a surface: the same frame with an effect and without it, in turn, so
 // that whatever else the machine does falls on both alike.
 //
 // Arguments: backend (0: soft, 1: gl), effect, kappa0 in thousandths (a large one: nothing morphs). A terrain of

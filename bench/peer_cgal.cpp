@@ -14,7 +14,7 @@ namespace simplification = CGAL::Surface_mesh_simplification;
 using Kernel = CGAL::Simple_cartesian<double>;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-// Border edges are not collapsed, and their vertices stay.
+// Border edges are not collapsed, and their vertices are kept.
 struct BorderEdges {
   using key_type = Mesh::Edge_index;
   using value_type = bool;

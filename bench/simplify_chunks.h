@@ -91,7 +91,7 @@ inline std::vector<Chunk> cut(const std::vector<Vec3f>& positions, const std::ve
   return chunks;
 }
 
-// What is left of a chunk, and where; the locks stay with their vertices.
+// The simplified chunk and its place; locks belong to their vertices.
 inline Chunk applied(const Chunk& chunk, const SimplifyResult& result) {
   Chunk c;
   std::vector<std::uint32_t> local(result.parent.size(), ~0u);

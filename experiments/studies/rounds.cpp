@@ -13,8 +13,8 @@ void add_spread_columns(std::vector<ColumnInfo>& columns, const std::string& nam
 void add_spread(Row& row, const std::string& name, const std::vector<double>& values) {
   const Spread spread = spread_of(values);
   row[name] = spread.median;
-  row[name + "_min"] = spread.least;
-  row[name + "_max"] = spread.most;
+  row[name + "_min"] = spread.minimum;
+  row[name + "_max"] = spread.maximum;
 }
 
 ParameterInfo rounds_parameter(int rounds) {

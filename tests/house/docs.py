@@ -136,7 +136,7 @@ def names(root, path, text):
     for name in re.findall(r"`([A-Za-z][\w:./]*)`", text):
         if "/" in name and not name.startswith("build/"):
             if not (root / name).exists() and not list(root.glob(name + ".*")):
-                yield f"{path}: names `{name}`, which is no file of the tree"
+                yield f"{path}: names `{name}`, which is not a file of the tree"
         elif re.search(r"[a-z]_[a-z]|[a-z][A-Z]|::", name) and not set(re.split("::|[.]", name)) - {""} <= words:
             yield f"{path}: names `{name}`, which the sources do not have"
 

@@ -94,7 +94,7 @@ def include_violations(root, path, code):
 
 
 def circles(includes):
-    """Circles between folders that `includes`, pairs of paths, form at any depth; one for each parent at the most."""
+    """Circles between folders that `includes`, pairs of paths, form at any depth; at most one for each parent."""
     arrows = collections.defaultdict(lambda: collections.defaultdict(set))
     for file, included in includes:
         a, b = file.parts[:-1], included.parts[:-1]

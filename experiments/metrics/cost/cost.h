@@ -1,4 +1,4 @@
-// What a phase of work costs.
+// Time and memory that a phase of work takes.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct Cost {
   // process up to its end.
   std::uint64_t peak_memory = 0;
   bool peak_of_phase = false;
-  // What there was to do and what came out; whoever did it fills these in, 0: says nothing.
+  // Sizes of input and output, filled in by the caller; 0: not given.
   std::uint64_t bytes = 0, triangles = 0, vertices = 0, cells = 0, draw_calls = 0;
 };
 

@@ -14,7 +14,7 @@ bool counts(const CostError& point) { return std::isfinite(point.cost) && std::i
 double round_up(double value) {
   for (int power = static_cast<int>(std::floor(std::log10(value))) - 1;; ++power)
     for (const double digit : {1.0, 2.0, 5.0}) {
-      // Of decimals, so that 0.02 is the number that is printed as 0.02.
+      // A quotient of decimals, so that 0.02 is the number that is printed as 0.02.
       const double limit = power < 0 ? digit / std::pow(10, -power) : digit * std::pow(10, power);
       if (limit >= value) return limit;
     }
@@ -49,19 +49,19 @@ std::vector<double> error_limits(std::span<const CostError> points) {
   const std::vector<std::size_t> front = pareto_front(points);
   if (front.empty()) return {};
   std::vector<double> limits;
-  const double most = points[front.front()].error;
-  double least = points[front.back()].error;
-  if (least <= 0) {
+  const double worst = points[front.front()].error;
+  double best = points[front.back()].error;
+  if (best <= 0) {
     limits.push_back(0);
-    if (most <= 0) return limits;
+    if (worst <= 0) return limits;
     // The next-best point is where positive limits begin to matter.
     for (const std::size_t i : front)
-      if (points[i].error > 0) least = points[i].error;
+      if (points[i].error > 0) best = points[i].error;
   }
   const std::size_t zeros = limits.size();
-  for (double limit = round_up(least);; limit = round_up(limit * 1.5)) {
+  for (double limit = round_up(best);; limit = round_up(limit * 1.5)) {
     limits.push_back(limit);
-    if (limit >= most) break;
+    if (limit >= worst) break;
   }
   // Over many powers of ten, those alone, and the last.
   if (limits.size() > 9)

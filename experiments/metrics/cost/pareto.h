@@ -1,4 +1,4 @@
-// What accuracy costs: the settings that no other one beats in both.
+// Cost against accuracy: the settings that no other setting beats in both.
 #pragma once
 
 #include <cstddef>
@@ -16,12 +16,12 @@ struct CostError {
 // rising cost. Of equal points the first. O(n log n).
 [[nodiscard]] std::vector<std::size_t> pareto_front(std::span<const CostError> points);
 
-// The cheapest point with an error of at most `limit`, of equally cheap ones the most accurate; none if there is none.
+// The cheapest point with an error of at most `limit`, of equally cheap ones the most accurate; empty if there is none.
 [[nodiscard]] std::optional<std::size_t> cheapest_within(std::span<const CostError> points, double limit);
 
 // Round limits (1, 2, 5 times powers of ten) to ask for the cheapest point of: from the first one that some point keeps
 // to the first that all of the front keep. Zero comes first where a point has no error at all; over many powers of ten
-// these stand alone.
+// these are isolated.
 [[nodiscard]] std::vector<double> error_limits(std::span<const CostError> points);
 
 }  // namespace lodestone

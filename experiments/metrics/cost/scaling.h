@@ -1,4 +1,4 @@
-// What more threads bring: speed-up, efficiency, and the serial share that explains them (karp1990).
+// Gain by more threads: speed-up, efficiency, and the serial share that explains them (karp1990).
 #pragma once
 
 #include <span>

@@ -49,19 +49,28 @@ double norm(DistanceMetric metric, Vec3d v) {
 }
 
 // Beyond the corner by `radius`: z + radius (z - u) / d(u, z). In both metrics the box's nearest point is then z.
-Vec3f viewpoint_behind(DistanceMetric metric, Vec3f u, const Box3f& box, double radius) {
+Vec3f viewpoint_beyond(DistanceMetric metric, Vec3f u, const Box3f& box, double radius) {
   const Vec3d z = farthest_corner(u, box), way = z - to_double(u);
   return to_float(z + (radius / norm(metric, way)) * way);
 }
 
-AdversarialView view_of_vertex(const Hierarchy& hierarchy, const Radii& radii, int level, std::uint32_t index,
-                               std::uint32_t u, const Users& users, double slack) {
+// The level whose views are sought.
+struct ViewedLevel {
+  const Hierarchy& hierarchy;
+  const Radii& radii;
+  int level;
+  double slack;
+  Users users{hierarchy, level};
+};
+
+AdversarialView view_of_vertex(const ViewedLevel& viewed, std::uint32_t index, std::uint32_t u) {
+  const auto& [hierarchy, radii, level, slack, users] = viewed;
   const Cell& cell = hierarchy.cells[index];
   const float radius = radii.select[static_cast<std::size_t>(level)];
-  const auto behind = [&](double r) { return viewpoint_behind(radii.metric, cell.positions[u], cell.bounds, r); };
-  const Vec3f inside = behind(radius * (1 - slack)), outside = behind(radius * (1 + slack));
-  const auto unrefined = [&](std::uint32_t c) {
-    return distance(radii.metric, inside, hierarchy.cells[c].bounds) >= radius;
+  const auto beyond = [&](double r) { return viewpoint_beyond(radii.metric, cell.positions[u], cell.bounds, r); };
+  const Vec3f inside = beyond(radius * (1 - slack)), outside = beyond(radius * (1 + slack));
+  const auto unrefined = [&viewed, inside, radius](std::uint32_t c) {
+    return distance(viewed.radii.metric, inside, viewed.hierarchy.cells[c].bounds) >= radius;
   };
   AdversarialView view;
   view.level = level;
@@ -76,20 +85,19 @@ AdversarialView view_of_vertex(const Hierarchy& hierarchy, const Radii& radii, i
 }
 
 // The view of the cell's shared vertex of largest reach that has somewhere to go.
-std::optional<AdversarialView> best_view(const Hierarchy& hierarchy, const Radii& radii, int level, std::uint32_t index,
-                                         const Users& users, double slack) {
-  const Cell& cell = hierarchy.cells[index];
-  const std::span<const Vec3f> parents = hierarchy.cells[cell.parent].positions;
+std::optional<AdversarialView> best_view(const ViewedLevel& viewed, std::uint32_t index) {
+  const Cell& cell = viewed.hierarchy.cells[index];
+  const std::span<const Vec3f> parents = viewed.hierarchy.cells[cell.parent].positions;
   std::optional<std::uint32_t> best;
   float best_reach = 0;
   for (std::uint32_t u = cell.first_shared(); u < cell.positions.size(); ++u) {
-    const float reach = farthest_corner_distance(radii.metric, cell.positions[u], cell.bounds);
+    const float reach = farthest_corner_distance(viewed.radii.metric, cell.positions[u], cell.bounds);
     if (reach <= best_reach || parents[cell.parents[u]] == cell.positions[u]) continue;
     best = u;
     best_reach = reach;
   }
   if (!best) return std::nullopt;
-  return view_of_vertex(hierarchy, radii, level, index, *best, users, slack);
+  return view_of_vertex(viewed, index, *best);
 }
 
 }  // namespace
@@ -98,11 +106,11 @@ std::vector<AdversarialView> adversarial_views(const Hierarchy& hierarchy, const
                                                const AdversaryConfig& config) {
   std::vector<AdversarialView> views;
   for (int level = 1; level < hierarchy.finest(); ++level) {
-    const Users users(hierarchy, level);
+    const ViewedLevel viewed{hierarchy, radii, level, config.slack};
     const Level& l = hierarchy.levels[static_cast<std::size_t>(level)];
     std::vector<AdversarialView> found;
     for (std::uint32_t cell = l.first_cell; cell < l.first_cell + l.cell_count; ++cell)
-      if (const auto view = best_view(hierarchy, radii, level, cell, users, config.slack)) found.push_back(*view);
+      if (const auto view = best_view(viewed, cell)) found.push_back(*view);
     std::stable_sort(found.begin(), found.end(),
                      [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });
     found.resize(std::min(found.size(), config.per_level));

@@ -1,11 +1,11 @@
 // Adversarial viewpoints: where cracks open first when the radii are not admissible.
 //
 // Take a cell Q of level l, a vertex u that it shares with another cell of the level, and z, the corner of B(Q)
-// farthest from u. The viewpoint stands on the ray from u through z, beyond z by r_l but for a hair, so that Q is about
+// farthest from u. The viewpoint lies on the ray from u through z, beyond z by r_l but for a hair, so that Q is about
 // to be exchanged for its children while u is farther off than Q by its whole reach: d(v_p, u) = r_l + d(u, z). As soon
-// as that is r_{l-1} or more (uniform rule: kappa0 <= d(u, z) / h_l), a cell of level l stands at P(u) and the children
-// of a refined one at u. The hair decides on which of the two sides Q is: on the other one than a cell that shares u.
-// Random viewpoints hardly ever come near this; sweeps below the admissible border need it.
+// as that is r_{l-1} or more (uniform rule: kappa0 <= d(u, z) / h_l), a cell of level l has its vertex at P(u) and the
+// children of a refined one at u. The hair decides on which of the two sides Q is: on the other one than a cell that
+// shares u. Random viewpoints hardly ever come near this; sweeps below the admissible border need it.
 #pragma once
 
 #include <cstdint>
@@ -18,18 +18,18 @@ namespace lodestone {
 
 struct AdversarialView {
   Vec3f viewpoint;           // normalised model space
-  Vec3f across;              // the like on the other side of the exchange of Q
+  Vec3f across;              // a viewpoint on the other side of the exchange of Q
   int level = 0;             // l
   std::uint32_t cell = 0;    // Q
   std::uint32_t other = 0;   // a cell of the level that shares u; refined iff Q is not
   std::uint32_t vertex = 0;  // u, index in Q
-  bool refined = false;      // is Q, seen from `viewpoint`?
+  bool refined = false;      // true if Q is refined, seen from `viewpoint`
   float reach = 0;           // d(u, z) / h_l: at most the level's reach
 };
 
 struct AdversaryConfig {
   std::size_t per_level = 4;  // views per level: the best ones by reach, at most one per cell
-  // How far from r_l the viewpoint stands, relative to r_l: more than rounding (1e-6), less than the relative distance
+  // Distance of the viewpoint from r_l, relative to r_l: more than rounding (1e-6), less than the relative distance
   // from the admissible border at which cracks are to be shown.
   float slack = 1e-5f;
 };

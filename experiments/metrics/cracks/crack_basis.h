@@ -1,5 +1,5 @@
-// What the crack metrics know of a hierarchy beforehand: connectivity alone, so that a frame costs no more than the
-// borders of the cells that it draws.
+// Data of a hierarchy that the crack metrics compute beforehand: connectivity alone, so that a frame costs no more than
+// the borders of the cells that it draws.
 //
 // The boundary of an oriented chain is linear. The drawn surface is the sum over the drawn cells of morphed M_l(C), so
 // its boundary is the sum of the morphed boundaries of M_l(C): an edge that two triangles of one cell run through in

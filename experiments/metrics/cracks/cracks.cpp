@@ -83,7 +83,7 @@ std::uint64_t hash_of(const DrawnEdge& edge) {
   return hash * 0xd6e8'feb8'6659'fd93ull;
 }
 
-// Where each selected cell's edges go: its own boundary, then what is expected of it.
+// Places of each selected cell's edges: its own boundary, then the expected one.
 void lay_out_edges(const Selection& selection, const CrackBasis& basis, CrackScratch& scratch) {
   scratch.edges_begin.clear();
   std::size_t count = 0;

@@ -25,7 +25,7 @@ struct ResidualEdge {
 struct CrackReport {
   std::uint64_t open_edges = 0;       // sum of |multiplicity| of the residual edges; 0: no crack
   std::vector<ResidualEdge> samples;  // some of them
-  // Leaves that no drawn cell stands for, or more than one: not 0 when the selection is no partition of M_L. Their
+  // Leaves that no drawn cell represents, or more than one: not 0 when the selection is not a partition of M_L. Their
   // unpaired half-edges are expected as often as they are drawn.
   std::uint64_t uncovered_leaves = 0;
 };

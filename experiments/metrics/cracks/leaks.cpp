@@ -28,7 +28,7 @@ class ClipPlanes {
  public:
   static constexpr std::size_t count = 5;
   explicit ClipPlanes(ImageSize size) : x_(2 * guard_pixels / size.width), y_(2 * guard_pixels / size.height) {}
-  // Signed; inside: at least 0.
+  // Signed; 0 or more inside.
   [[nodiscard]] double at(std::size_t plane, const Clip& c) const {
     switch (plane) {
       case 0:
@@ -83,7 +83,7 @@ SnappedVertex snap(const Clip& c, ImageSize size) {
 
 using WindowTriangle = std::array<SnappedVertex, 3>;
 
-// How often the surface winds around a point, signed: the sum of the solid angles of its triangles (vanoosterom1983).
+// Winding number of the surface around a point, signed: the sum of the solid angles of its triangles (vanoosterom1983).
 double winding(std::span<const Vec3d> positions, std::span<const Triangle> triangles, Vec3d eye) {
   double sum = 0;
   for (const Triangle& t : triangles) {
@@ -142,7 +142,7 @@ class WindowTriangles {
   std::vector<WindowTriangle> cut_;
 };
 
-// What the rays through the pixels of some rows meet.
+// Hits of the rays through the pixels of some rows.
 struct Band {
   int first_row = 0, rows = 0, width = 0;
   std::vector<std::int32_t> sum;      // triangles that show their face minus those that show their back
@@ -178,7 +178,7 @@ struct Band {
         const std::size_t i =
             static_cast<std::size_t>(y - first_row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
         sum[i] += shows_face ? 1 : -1;
-        // Of two equally near ones the face: they meet at a silhouette.
+        // The face wins when both are equally near: they meet at a silhouette.
         if (z < depth[i] || (z == depth[i] && shows_face)) {
           depth[i] = z;
           nearest[i] = shows_face ? face : back;
@@ -216,7 +216,7 @@ std::vector<std::uint8_t> silhouette(const LeakConfig& config, ImageSize size) {
   return eroded(covered, size, config.silhouette_tolerance);
 }
 
-// What a pixel is.
+// The class of a pixel.
 enum PixelFlag : std::uint8_t { is_covered = 1, is_torn = 2, shows_back = 4 };
 
 // `expected`: the sum along a ray that meets no crack.

@@ -5,9 +5,9 @@
 // if coverage is decided exactly: vertices are snapped to 1/256 pixel and edges have a top-left rule, so that two
 // triangles with a common edge share no pixel and miss none. A sum other than 0 is a ray through a crack, in a layer
 // that is seen or in one that is hidden. From an eye within the surface the sum is -1 (the winding number tells), and
-// backs are what one sees: they are no leaks then.
+// backs are visible: they are not leaks then.
 //
-// What an observer sees of it: a back face where the ray is torn, or the background well inside the silhouette. Which
+// An observer sees a back face where the ray is torn, or the background well inside the silhouette. Which
 // side is the outside follows from the sign of the volume.
 #pragma once
 
@@ -51,7 +51,7 @@ struct LeakReport {
 [[nodiscard]] LeakReport find_leaks(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                                     const Screen& screen, Scheduler& scheduler, const LeakConfig& config = {});
 
-// Of a drawn frame: the whole partition, whether culled or not (keep_culled = true).
+// Leaks of a drawn frame: the whole partition, whether culled or not (keep_culled = true).
 [[nodiscard]] LeakReport find_leaks(const MorphContext& context, const Selection& selection, const Screen& screen,
                                     Scheduler& scheduler, const LeakConfig& config = {});
 

@@ -33,7 +33,7 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
   return out;
 }
 
-// Vertices that move together get the number of the first: of equal position, one behind the other, and with parents
+// Vertices that move together get the number of the first: of equal position, one after the other, and with parents
 // for which that holds, too. Copies where the surface was cut apart do not.
 std::vector<std::uint32_t> group(const ProgressiveMesh& mesh, const std::vector<std::uint32_t>& place) {
   std::vector<std::uint32_t> out(place.size());

@@ -12,11 +12,12 @@
 
 namespace lodestone {
 
-// What experiments count, over h of the finest level. There is no sharp limit between a vertex on an edge and one that
-// misses it. Of 33 frames that crack (sphere, terrain and a scan; no morph, or radii of 0.3 and 0.8 of the border) none
-// has a border vertex within 1e-4 of another border edge, since parents are vertices and no points of edges; half of
-// the frames have 6 % or more of them within 0.01, 19 % within 0.03, and fewer again within 0.1, which is longer than
-// an edge of the finest level. 0.01 is a fifth of such an edge and less. Frames that do not crack have none up to 0.3.
+// The tolerance of the experiments, over h of the finest level. There is no sharp limit between a vertex on an edge and
+// one that misses it. Of 33 frames that crack (sphere, terrain and a scan; no morph, or radii of 0.3 and 0.8 of the
+// border) none has a border vertex within 1e-4 of another border edge, since parents are vertices and no points of
+// edges; half of the frames have 6 % or more of them within 0.01, 19 % within 0.03, and fewer again within 0.1, which
+// is longer than an edge of the finest level. 0.01 is a fifth of such an edge and less. Frames that do not crack have
+// none up to 0.3.
 inline constexpr double junction_tolerance = 0.01;
 
 struct TJunctionReport {
@@ -36,8 +37,9 @@ struct TJunctionReport {
 [[nodiscard]] TJunctionReport t_junctions(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                                           double tolerance, Scheduler& scheduler);
 
-// Of a drawn frame before culling; tolerance in normalised units. A fine vertex that a morph has not brought to its
-// coarse neighbours is off by up to sigma0 h_l / 2: the tolerance says what still counts as lying on the edge.
+// T-junctions of a drawn frame before culling; tolerance in normalised units. A fine vertex that a morph has not
+// brought to its coarse neighbours is off by up to sigma0 h_l / 2: the tolerance says what still counts as lying on the
+// edge.
 [[nodiscard]] TJunctionReport t_junctions(const MorphContext& context, const Selection& selection, double tolerance,
                                           Scheduler& scheduler);
 

@@ -1,10 +1,10 @@
-// Below which distances say nothing: positions of hierarchies, maps and progressive meshes are float32 in the unit
-// cube.
+// Smallest distance that is more than rounding: positions of hierarchies, maps and progressive meshes are float32 in
+// the unit cube.
 #pragma once
 
 namespace lodestone {
 
-// By rounding alone a position there is off by up to half an ulp of what is just below 1, 2^-25, in each coordinate:
+// By rounding alone a position there is off by up to half an ulp of a number just below 1, 2^-25, in each coordinate:
 // sqrt(3) 2^-25 of the unit cube's side, and so at most of the diagonal of what lies in it. Edges are no longer than
 // about 1, so that their directions are off by as many radians. Copies that went through double precision differ by
 // 1e-16: that is noise, and here it is 0.

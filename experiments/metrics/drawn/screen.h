@@ -1,4 +1,4 @@
-// Where points are in a picture: what distances in pixels are measured with.
+// Places of points in a picture, between which distances in pixels are measured.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class Screen {
  public:
   Screen(const ViewProjection& view_projection, ImageSize size) : m_(view_projection), size_(size) {}
 
-  // Nothing for what is behind the near plane.
+  // Empty for a point behind the near plane.
   [[nodiscard]] std::optional<ScreenPoint> project(Vec3d p) const {
     const std::array<double, 4> clip = to_clip(p);
     const auto [x, y, z, w] = clip;
@@ -34,7 +34,7 @@ class Screen {
                        std::abs(x) <= w && std::abs(y) <= w && z <= w};
   }
 
-  // Of a point (last = 1) or a direction (last = 0).
+  // Clip coordinates of a point (last = 1) or a direction (last = 0).
   [[nodiscard]] std::array<double, 4> to_clip(Vec3d p, double last = 1) const {
     std::array<double, 4> clip{};
     for (std::size_t row = 0; row < 4; ++row)

@@ -16,7 +16,7 @@ struct Farthest {
   std::uint64_t points = 0;
 };
 
-// Of `count` points inside the picture, how far the nearest one of `other` is on the screen at most.
+// Largest distance on the screen of `count` points inside the picture from their nearest points of `other`.
 template <class PointOf>
 Farthest farthest(std::size_t count, const PointOf& point_of, const TriangleBvh& other, const Screen& screen,
                   Scheduler& scheduler) {

@@ -1,4 +1,4 @@
-// What --pixel-error promises, measured: how far apart the drawn and the full surface are on the screen.
+// Distance of the drawn from the full surface on the screen, which --pixel-error bounds.
 //
 // Points of either surface inside the picture are taken to the nearest point of the other one; both are projected, and
 // the distance of the two in the picture counts. Points of the drawn surface are its vertices and the centres of its

@@ -1,4 +1,4 @@
-// A mesh against the one that it stands for, by all measures at once.
+// A mesh against its reference, by all measures at once.
 #pragma once
 
 #include "core/spatial/mesh_distance.h"
@@ -9,7 +9,7 @@ namespace lodestone {
 
 struct GeometryError {
   MeshDistance distance;    // forward: from the reference to the mesh; model units; beside the reference's diagonal
-  NormalDeviation normals;  // likewise
+  NormalDeviation normals;  // in the same order
   MeshQuality quality;      // of the mesh
   // The larger of both directions, over the diagonal of the reference's box; 0 where that has no extent.
   double hausdorff = 0, rms = 0, mean = 0, p99 = 0;

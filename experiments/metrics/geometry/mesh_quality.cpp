@@ -36,7 +36,7 @@ class Corners {
     return std::span(listed_).subspan(first_[v], first_[v + 1] - first_[v]);
   }
 
-  // Whether one can walk over edges at v from any of its triangles to any other.
+  // True if edges at v lead from any of its triangles to any other.
   [[nodiscard]] bool is_one_fan(std::uint32_t v) const {
     const auto all = around(v);
     std::vector<std::uint8_t> reached(all.size(), 0);

@@ -1,4 +1,4 @@
-// What a triangle mesh is like, apart from where it lies: slivers, borders, whether it is a manifold.
+// Properties of a triangle mesh that do not depend on its place: slivers, borders, manifoldness.
 #pragma once
 
 #include <cstdint>

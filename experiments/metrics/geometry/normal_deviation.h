@@ -1,4 +1,4 @@
-// How far the normals of two surfaces are apart: at points spread over the area of the one (core/distance), the normal
+// Angles between the normals of two surfaces: at points spread over the area of the one (core/spatial), the normal
 // of the triangle there against that of the triangle of the other which is nearest.
 #pragma once
 

@@ -20,7 +20,7 @@ SurfaceCoverage measure_coverage(std::span<const Vec3d> points, const RawMesh& m
   const TriangleBvh bvh(positions, mesh.triangles);
   struct Part {
     std::size_t near = 0;
-    double sum = 0, most = 0;
+    double sum = 0, max = 0;
   };
   constexpr std::size_t grain = 1024;
   std::vector<Part> parts(chunk_count(points.size(), grain));
@@ -28,13 +28,13 @@ SurfaceCoverage measure_coverage(std::span<const Vec3d> points, const RawMesh& m
     Part& own = parts[range.index];
     for (std::size_t k = range.begin; k < range.end; ++k) {
       const double squared = bvh.nearest(points[k]).squared_distance;
-      own.near += squared <= distance * distance, own.sum += squared, own.most = std::max(own.most, squared);
+      own.near += squared <= distance * distance, own.sum += squared, own.max = std::max(own.max, squared);
     }
   });
   Part all;
-  for (const Part& p : parts) all = {all.near + p.near, all.sum + p.sum, std::max(all.most, p.most)};
+  for (const Part& p : parts) all = {all.near + p.near, all.sum + p.sum, std::max(all.max, p.max)};
   const auto count = static_cast<double>(points.size());
-  return {static_cast<double>(all.near) / count, std::sqrt(all.sum / count), std::sqrt(all.most)};
+  return {static_cast<double>(all.near) / count, std::sqrt(all.sum / count), std::sqrt(all.max)};
 }
 
 }  // namespace lodestone

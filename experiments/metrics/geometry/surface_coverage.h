@@ -1,4 +1,4 @@
-// How much of a surface another one covers.
+// Share of a surface that another one covers.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@ struct SurfaceCoverage {
   double rms = 0, max = 0;  // of the points' distances from the mesh, normalised units
 };
 
-// Of points in normalised space, `distance` in normalised units. A mesh without triangles covers nothing, at infinite
+// Points are in normalised space, `distance` in normalised units. A mesh without triangles covers nothing, at infinite
 // distance; no points are covered, at distance 0. Same bytes for any number of workers.
 [[nodiscard]] SurfaceCoverage measure_coverage(std::span<const Vec3d> points, const RawMesh& mesh,
                                                const Transform& transform, double distance, Scheduler& scheduler);

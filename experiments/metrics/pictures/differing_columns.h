@@ -1,5 +1,5 @@
-// Where two pictures differ, row by row. A metric that looks at the surroundings of a pixel has the value of equal
-// pictures wherever they agree; most of a picture of a model does so, its background at least.
+// The columns in which two pictures differ, row by row. A metric that looks at the surroundings of a pixel has the
+// value of equal pictures wherever they agree; most of a picture of a model does so, its background at least.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ class DifferingColumns {
   // Colours count, alpha does not. Both pictures have the same size.
   DifferingColumns(const Image& a, const Image& b);
 
-  // Of row y: pixels outside see no difference within `across` columns and `down` rows.
+  // The columns of row y: pixels outside see no difference within `across` columns and `down` rows.
   [[nodiscard]] Columns near(std::size_t y, std::size_t down, std::size_t across) const;
 
  private:

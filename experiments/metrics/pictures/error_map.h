@@ -1,4 +1,4 @@
-// How far two pictures are apart, pixel by pixel, and what such a map amounts to.
+// Difference of two pictures, pixel by pixel, and figures that sum up such a map.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct ErrorMap {
   std::vector<float> value;
 };
 
-// What counts as a change that can be seen, where nothing else is said: the same as in difference().
+// Default threshold of a visible change: the same as in difference().
 inline constexpr double visible_change = 8.0 / 255;
 
 struct ErrorSummary {
@@ -24,7 +24,7 @@ struct ErrorSummary {
   std::uint64_t pixels = 0;  // looked at; all figures are 0 when there are none
 };
 
-// p50 and p99: the least value that such a share of the pixels does not exceed.
+// p50 and p99: the smallest value that such a share of the pixels does not exceed.
 [[nodiscard]] ErrorSummary summarise(std::span<const float> values, double threshold = visible_change);
 
 // The largest difference of red, green or blue, over 255. Throws InputError when the sizes differ or a picture is

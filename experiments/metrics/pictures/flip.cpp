@@ -79,7 +79,7 @@ void to_hunt_lab(float* __restrict u, float* __restrict v, float* __restrict w, 
   }
 }
 
-// What FLIP compares in some columns of a row of a picture.
+// Values that FLIP compares in some columns of a row of a picture.
 struct SeenRow {
   std::array<Row, 3> colour;                             // filtered by the contrast sensitivity, L*a*b* after Hunt
   Row edge_across, edge_down, point_across, point_down;  // derivatives of the luminance

@@ -30,7 +30,7 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
   return out;
 }
 
-// By byte: the transfer curve of sRGB undone.
+// Table by byte that undoes the transfer curve of sRGB.
 [[nodiscard]] inline std::array<float, 256> linear_of_srgb() {
   std::array<float, 256> table{};
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -54,8 +54,8 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
                {x * static_cast<float>(white[0]), y * static_cast<float>(white[1]), z * static_cast<float>(white[2])});
 }
 
-// Of a number in (0, 10], within 2 units in the last place, without a call or a branch: loops over pixels become
-// vectors. A third of the exponent is a guess within 4 %, of which two steps of Halley leave nothing.
+// Cube root of a number in (0, 10], within 2 units in the last place, without a call or a branch: loops over pixels
+// become vectors. A third of the exponent is a guess within 4 %, of which two steps of Halley leave nothing.
 [[nodiscard]] inline float cube_root(float t) {
   float y = std::bit_cast<float>(std::bit_cast<std::uint32_t>(t) / 3 + 0x2a5137a0u);
   for (int step = 0; step < 2; ++step) {
@@ -66,10 +66,10 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
 }
 
 [[nodiscard]] inline Colour lab_of_linear(Colour rgb) {
-  constexpr float delta = 6.0f / 29, least = delta * delta * delta;
+  constexpr float delta = 6.0f / 29, cube = delta * delta * delta;
   const auto f = [](float t) {
-    const float root = cube_root(t > least ? t : least);
-    return t > least ? root : t / (3 * delta * delta) + 4.0f / 29;
+    const float root = cube_root(t > cube ? t : cube);
+    return t > cube ? root : t / (3 * delta * delta) + 4.0f / 29;
   };
   const Colour xyz = times(xyz_of_rgb, rgb);
   const float x = f(xyz[0] / static_cast<float>(white[0])), y = f(xyz[1] / static_cast<float>(white[1])),
@@ -80,7 +80,7 @@ inline constexpr double white[3] = {0.950428545, 1.0, 1.088900371};
 // Colours look weaker where it is dark: a and b times 0.01 L.
 [[nodiscard]] inline Colour hunt_lab(Colour lab) { return {lab[0], 0.01f * lab[0] * lab[1], 0.01f * lab[0] * lab[2]}; }
 
-// What a filter has left beyond the colours of the screen is brought back to them.
+// Clamps a filtered colour to the colours of the screen.
 [[nodiscard]] inline Colour hunt_lab_of_opponent(Colour ycc) {
   Colour rgb = linear_of_opponent(ycc);
   for (float& v : rgb) v = std::clamp(v, 0.0f, 1.0f);
@@ -102,14 +102,14 @@ inline constexpr float colour_exponent = 0.7f, feature_exponent = 0.5f, bend_at 
   return largest;
 }
 
-// Of a distance by HyAB: in [0, 1].
+// Error of a distance by HyAB: in [0, 1].
 [[nodiscard]] inline float colour_error(float distance) {
   const float largest = largest_distance(), bend = bend_at * largest, p = std::pow(distance, colour_exponent);
   if (p < bend) return p * (bend_to / bend);
   return bend_to + (p - bend) / (largest - bend) * (1 - bend_to);
 }
 
-// Of a difference of features of luminance in [0, 1].
+// Error of a difference of features of luminance in [0, 1].
 [[nodiscard]] inline float feature_error(float difference) {
   return std::sqrt(difference * 0.70710678f);  // to the power of feature_exponent, over sqrt(2)
 }

@@ -1,7 +1,7 @@
 // The filters of FLIP (andersson2020) as one-dimensional kernels.
 //
 // Contrast sensitivity: of luminance and red-green one Gaussian each, of blue-yellow the sum of two. Normalised to sum
-// 1 over the square that they are cut to, a product of two one-dimensional Gaussians stays one, and a sum of such
+// 1 over the square that they are cut to, a product of two one-dimensional Gaussians remains one, and a sum of such
 // products needs the shares of the parts. Features: a derivative of a Gaussian along one axis times the Gaussian along
 // the other; normalised so that positive weights sum to 1 and negative ones to -1, which is again a property of each
 // factor.

@@ -27,7 +27,7 @@ std::array<double, window> gaussian() {
   return weights;
 }
 
-// What is averaged over the window: both lumas, their squares and their product.
+// Values averaged over the window: both lumas, their squares and their product.
 enum Moment : std::size_t { of_a, of_b, of_aa, of_bb, of_ab, moments };
 using Row = std::array<std::vector<double>, moments>;
 
@@ -36,23 +36,25 @@ double luma(const Image& image, std::size_t pixel) {
   return 0.299 * c[0] + 0.587 * c[1] + 0.114 * c[2];
 }
 
-// Weighted over columns, for some places of the window: entry x is that of columns x .. x + window - 1.
-void average_row(const Image& a, const Image& b, std::size_t y, Columns places,
-                 const std::array<double, window>& weights, Row& from, Row& out) {
+// Moments of row y at each of its pixels, from the place of one window to the end of another.
+void fill_moments(const Image& a, const Image& b, std::size_t y, Columns places, Row& row) {
   const auto width = static_cast<std::size_t>(a.size.width);
-  for (std::size_t m = 0; m < moments; ++m) {
-    from[m].resize(width);
-    out[m].assign(width, 0);
-  }
+  for (std::vector<double>& moment : row) moment.resize(width);
   for (std::size_t x = places.begin; x < places.end + window - 1; ++x) {
     const std::size_t pixel = y * width + x;
     const double u = luma(a, pixel), v = luma(b, pixel);
-    from[of_a][x] = u, from[of_b][x] = v;
-    from[of_aa][x] = u * u, from[of_bb][x] = v * v, from[of_ab][x] = u * v;
+    row[of_a][x] = u, row[of_b][x] = v;
+    row[of_aa][x] = u * u, row[of_bb][x] = v * v, row[of_ab][x] = u * v;
   }
-  for (std::size_t m = 0; m < moments; ++m)
+}
+
+// Weighted over columns, for some places of the window: entry x is that of columns x .. x + window - 1.
+void average_row(const Row& from, Columns places, const std::array<double, window>& weights, Row& out) {
+  for (std::size_t m = 0; m < moments; ++m) {
+    out[m].assign(from[m].size(), 0);
     for (std::size_t k = 0; k < window; ++k)
       for (std::size_t x = places.begin; x < places.end; ++x) out[m][x] += weights[k] * from[m][x + k];
+  }
 }
 
 // Places of the window that see a difference of the columns. `count`: of a row.
@@ -86,8 +88,9 @@ double ssim(const Image& a, const Image& b, Scheduler& scheduler) {
     Row scratch;
     std::array<std::vector<double>, moments> total;
     for (std::size_t y = chunk.begin; y < chunk.end + window - 1; ++y) {
-      average_row(a, b, y, places_over(differing.near(y, window - 1, 0), places), weights, scratch,
-                  averaged[y % window]);
+      const Columns seen = places_over(differing.near(y, window - 1, 0), places);
+      fill_moments(a, b, y, seen, scratch);
+      average_row(scratch, seen, weights, averaged[y % window]);
       if (y + 1 < chunk.begin + window) continue;
       const std::size_t top = y + 1 - window;
       const Columns over = places_over(differing.near(top + window / 2, window / 2, 0), places);

@@ -63,14 +63,14 @@ glm::dmat4 window_to_clip(ImageSize size) {
   return m;
 }
 
-// Where a pixel's point was in the frame before: a place in its picture and the depth along the view; infinite for the
+// The point of a pixel in the frame before: a place in its picture and the depth along the view; infinite for the
 // background.
 struct Origin {
   double x = 0, y = 0, w = 0;
 };
 
-// What the pixels of one frame were in the frame before. One matrix leads from window to window, another one does for
-// the background: the way through space is in them.
+// Reprojection of the pixels of one frame into the frame before. One matrix leads from window to window, another one
+// does for the background: the way through space is in them.
 class Reprojection {
  public:
   Reprojection(const ErrorFrame& before, const ErrorFrame& now) : size_(now.full->size), depth_(now.full->depth) {
@@ -127,12 +127,12 @@ struct Predecessors {
   }
 };
 
-// What the pixels of the frame before see.
+// The points that the pixels of the frame before see.
 class PastView {
  public:
   PastView(const ErrorFrame& frame, double tolerance)
       : size_(frame.full->size), depth_(frame.full->depth), tolerance_(tolerance) {
-    // Of the point at window depth d, 1 / w = ((row of w) of the inverse) . (x, y, z, 1), which is linear in z alone
+    // For the point at window depth d, 1 / w = ((row of w) of the inverse) . (x, y, z, 1), which is linear in z alone
     // for a perspective or parallel projection.
     const glm::dmat4 inverse = inverse_of(frame.view_projection);
     near_ = inverse[2][3], far_ = inverse[3][3];
@@ -201,7 +201,7 @@ class PixelPops {
   }
 
  private:
-  // How far the error lies outside of those that a neighbour had.
+  // Distance of the error from the range of the errors of the neighbours.
   void measure_range(std::size_t pixel, const Origin& origin, std::vector<std::vector<float>>& maps) const {
     for (std::size_t m = 0; m < maps.size(); ++m) {
       float low = std::numeric_limits<float>::infinity(), high = -low;

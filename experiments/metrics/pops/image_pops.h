@@ -3,7 +3,7 @@
 // E_t is the error of the picture at time t against that of the full model, by pixel: absolute difference or FLIP. A
 // pixel of frame t sees a point of the full model, whose depth is known; the cameras of both frames say exactly where
 // the point was in frame t - 1. Where it was seen there, too, pop_t = |E_t - E_{t-1}(where it was)|: an error that
-// stays where it is, however large, is no pop.
+// stays where it is, however large, is not a pop.
 //
 // E_{t-1} is interpolated between the (up to four) pixels around that place that see the same surface: depth within a
 // tolerance of the one expected. Pixels without any have no predecessor: they were hidden or outside of the picture.

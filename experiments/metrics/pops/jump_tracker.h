@@ -14,7 +14,7 @@ class JumpTracker {
   // culled. The hierarchy, the blend and the metric are those of the frame before, and the hierarchy outlives the call.
   [[nodiscard]] std::optional<PopReport> follow(const MorphContext& morph, Selection whole, Scheduler& scheduler,
                                                 const JumpConfig& config = {});
-  // The next frame is no step from the one before.
+  // The next frame does not continue the one before.
   void forget() { has_previous_ = false; }
 
  private:

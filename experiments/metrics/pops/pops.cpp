@@ -94,39 +94,82 @@ double step_length(const MorphContext& before, const MorphContext& after) {
   return length(to_double(after.viewpoint) - to_double(before.viewpoint));
 }
 
-// The earlier of two equal maxima stays, so that chunks combine in their order to the same result.
-void add_jump(const VertexJump& jump, PopReport& report) {
-  if (jump.ratio > 1) ++report.above_bound;
-  if (jump.jump > report.max_jump) {
-    report.max_jump = jump.jump;
-    report.largest = jump;
-  }
-  if (jump.ratio > report.jump_over_bound) {
-    report.jump_over_bound = jump.ratio;
-    report.worst = jump;
-  }
-}
+// What all jumps between two frames are measured with.
+struct Frames {
+  const MorphContext &before, &after;
+  std::span<const DrawnPair> pairs;
+  std::span<const double> bounds;
+  const JumpConfig& config;
+};
 
-// What percentiles are taken of: the jumps > 0.
-struct Distribution {
+// The report of some pairs, and the jumps > 0 of which percentiles are taken.
+struct Part {
+  PopReport report;
   std::vector<double> jumps, pixels;
 };
 
-void add_seen(const VertexJump& jump, const Screen& screen, PopReport& report, std::vector<double>& pixels) {
+// The earlier of two equal maxima is kept, so that chunks combine in their order to the same result.
+void keep_larger(const VertexJump& largest, const VertexJump& worst, PopReport& report) {
+  if (largest.jump > report.max_jump) {
+    report.max_jump = largest.jump;
+    report.largest = largest;
+  }
+  if (worst.ratio > report.jump_over_bound) {
+    report.jump_over_bound = worst.ratio;
+    report.worst = worst;
+  }
+}
+
+void add_seen(const VertexJump& jump, const Screen& screen, Part& part) {
   const auto to = screen.project(to_double(jump.to));
   const auto from = jump.from == jump.to ? to : screen.project(to_double(jump.from));
   if (!from || !to || !(from->inside || to->inside)) return;
-  ++report.vertices_in_view;
+  ++part.report.vertices_in_view;
   const double seen = distance(*from, *to);
   if (!(seen > 0)) return;
-  report.max_jump_pixels = std::max(report.max_jump_pixels, seen);
-  pixels.push_back(seen);
+  part.report.max_jump_pixels = std::max(part.report.max_jump_pixels, seen);
+  part.pixels.push_back(seen);
 }
 
-// Of `count` jumps, all but those listed being 0. Empties the lists.
-double p99_of(std::vector<Distribution>& parts, std::vector<double> Distribution::*list, std::uint64_t count) {
+void add_jump(VertexJump& jump, const JumpConfig& config, Part& part) {
+  if (config.screen) add_seen(jump, *config.screen, part);
+  if (jump.from == jump.to) return;
+  jump.jump = length(to_double(jump.to) - to_double(jump.from));
+  jump.ratio = jump_ratio(jump.jump, jump.bound);
+  if (jump.ratio > 1) ++part.report.above_bound;
+  keep_larger(jump, jump, part.report);
+  if (config.percentiles) part.jumps.push_back(jump.jump);
+}
+
+Part jumps_of(const Frames& frames, ChunkRange chunk) {
+  const Hierarchy& hierarchy = *frames.before.hierarchy;
+  Part part;
+  MorphedCell morphed_before, morphed_after;
+  for (const DrawnPair& pair : frames.pairs.subspan(chunk.begin, chunk.end - chunk.begin)) {
+    const SelectedCell& finer = pair.finer();
+    const std::span<const Vec3f> from = morphed_before.positions(frames.before, pair.before.cell);
+    const std::span<const Vec3f> to = morphed_after.positions(frames.after, pair.after.cell);
+    VertexJump jump;
+    jump.bound = bound_between(frames.bounds, pair.before.level, pair.after.level);
+    jump.cell = finer.cell;
+    jump.level_from = pair.before.level;
+    jump.level_to = pair.after.level;
+    const std::size_t vertices = hierarchy.cells[finer.cell].positions.size();
+    part.report.vertices += vertices;
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+      jump.vertex = v;
+      jump.from = from[drawn_vertex(hierarchy, finer, v, pair.before)];
+      jump.to = to[drawn_vertex(hierarchy, finer, v, pair.after)];
+      add_jump(jump, frames.config, part);
+    }
+  }
+  return part;
+}
+
+// The 99th percentile of `count` jumps, of which all but those listed are 0. Empties the lists.
+double p99_of(std::vector<Part>& parts, std::vector<double> Part::*list, std::uint64_t count) {
   std::vector<double> moved;
-  for (Distribution& part : parts) {
+  for (Part& part : parts) {
     moved.insert(moved.end(), (part.*list).begin(), (part.*list).end());
     part.*list = {};
   }
@@ -178,52 +221,20 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
   report.bounded =
       std::all_of(bounds.begin(), bounds.end(), [](double b) { return b < std::numeric_limits<double>::infinity(); });
 
-  std::vector<PopReport> parts(chunk_count(pairs.size(), pairs_per_chunk));
-  std::vector<Distribution> all(parts.size());
-  scheduler.for_chunks(pairs.size(), pairs_per_chunk, [&](ChunkRange chunk) {
-    MorphedCell morphed_before, morphed_after;
-    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-      const DrawnPair& pair = pairs[i];
-      const SelectedCell& finer = pair.finer();
-      const std::span<const Vec3f> from = morphed_before.positions(before, pair.before.cell);
-      const std::span<const Vec3f> to = morphed_after.positions(after, pair.after.cell);
-      VertexJump jump;
-      jump.bound = bound_between(bounds, pair.before.level, pair.after.level);
-      jump.cell = finer.cell;
-      jump.level_from = pair.before.level;
-      jump.level_to = pair.after.level;
-      const std::size_t vertices = hierarchy.cells[finer.cell].positions.size();
-      parts[chunk.index].vertices += vertices;
-      for (std::uint32_t v = 0; v < vertices; ++v) {
-        jump.vertex = v;
-        jump.from = from[drawn_vertex(hierarchy, finer, v, pair.before)];
-        jump.to = to[drawn_vertex(hierarchy, finer, v, pair.after)];
-        if (config.screen) add_seen(jump, *config.screen, parts[chunk.index], all[chunk.index].pixels);
-        if (jump.from == jump.to) continue;
-        jump.jump = length(to_double(jump.to) - to_double(jump.from));
-        jump.ratio = jump_ratio(jump.jump, jump.bound);
-        add_jump(jump, parts[chunk.index]);
-        if (config.percentiles) all[chunk.index].jumps.push_back(jump.jump);
-      }
-    }
-  });
-  for (const PopReport& part : parts) {
+  const Frames frames{before, after, pairs, bounds, config};
+  std::vector<Part> parts(chunk_count(pairs.size(), pairs_per_chunk));
+  scheduler.for_chunks(pairs.size(), pairs_per_chunk,
+                       [&](ChunkRange chunk) { parts[chunk.index] = jumps_of(frames, chunk); });
+  for (const auto& [part, jumps, pixels] : parts) {
     report.above_bound += part.above_bound;
     report.vertices += part.vertices;
     report.vertices_in_view += part.vertices_in_view;
     report.max_jump_pixels = std::max(report.max_jump_pixels, part.max_jump_pixels);
-    if (part.max_jump > report.max_jump) {
-      report.max_jump = part.max_jump;
-      report.largest = part.largest;
-    }
-    if (part.jump_over_bound > report.jump_over_bound) {
-      report.jump_over_bound = part.jump_over_bound;
-      report.worst = part.worst;
-    }
+    keep_larger(part.largest, part.worst, report);
   }
   if (config.percentiles) {
-    report.p99_jump = p99_of(all, &Distribution::jumps, report.vertices);
-    report.p99_jump_pixels = p99_of(all, &Distribution::pixels, report.vertices_in_view);
+    report.p99_jump = p99_of(parts, &Part::jumps, report.vertices);
+    report.p99_jump_pixels = p99_of(parts, &Part::pixels, report.vertices_in_view);
   }
   return report;
 }

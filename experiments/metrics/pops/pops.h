@@ -8,11 +8,11 @@
 // and moves by formulas of the levels k..m alone. Level 0 never moves.
 //
 // The radii may differ between the frames, too (a field of view that changes asks for others). Interpolate them
-// linearly on the way: what makes radii admissible is linear in them, so they stay so. The share t = (d - a_l) / (c_l -
-// a_l) of the band then changes by at most (|change of v_p| + max(|change of a_l|, |change of c_l|)) / least width: the
-// shift of the band counts as way of the viewpoint, and the smaller of the two widths is the one that divides. So does
-// what detail limits sank or rose by (render/lod/limits.h): with a share `limit_rate` of their excess in a frame, d'
-// changes by at most -2 ln(1 - limit_rate) of itself.
+// linearly on the way: what makes radii admissible is linear in them, so they remain so. The share t = (d - a_l) / (c_l
+// - a_l) of the band then changes by at most (|change of v_p| + max(|change of a_l|, |change of c_l|)) / smallest
+// width: the shift of the band counts as way of the viewpoint, and the smaller of the two widths is the one that
+// divides. So does what detail limits sank or rose by (render/lod/limits.h): with a share `limit_rate` of their excess
+// in a frame, d' changes by at most -2 ln(1 - limit_rate) of itself.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,7 @@ struct PopReport {
   std::uint64_t above_bound = 0;  // vertices with a ratio above 1, those of several cells counted in each
   double step = 0;                // Euclidean length of the step of the viewpoint
   std::uint64_t vertices = 0;     // looked at, those of several cells counted in each
-  // With JumpConfig::percentiles: the least jump that 99 % of the vertices do not exceed, those at rest included.
+  // With JumpConfig::percentiles: the smallest jump that 99 % of the vertices do not exceed, those at rest included.
   double p99_jump = 0;
   // With JumpConfig::screen: jumps as the camera of the later frame sees them, its own way left out. Of the vertices
   // with an end in the picture and none behind the eye.
@@ -77,7 +77,7 @@ inline constexpr double view_rounding = 4.8e-7;
                                               double limit_rate = 0);
 
 // Largest jump of the drawn map of M_L between two frames of one hierarchy with the same blend and metric. Exact: each
-// vertex of the finer of the two drawn cells stands for all vertices of M_L that arrive at it. Selections are whole
+// vertex of the finer of the two drawn cells represents all vertices of M_L that arrive at it. Selections are whole
 // partitions (keep_culled = true), in traversal order; throws InputError when they are not.
 [[nodiscard]] PopReport largest_jump(const MorphContext& before, const Selection& selected_before,
                                      const MorphContext& after, const Selection& selected_after, Scheduler& scheduler,

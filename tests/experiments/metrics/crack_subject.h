@@ -1,4 +1,5 @@
-// What the tests of the crack metrics share: a hierarchy with its basis, whole levels as frames, fast beside slow form.
+// Fixtures of the tests of the crack metrics: a hierarchy with its basis, whole levels as frames, fast beside slow
+// form.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Where cracks appear and where not: frames of sound hierarchies, fast forms beside their slow twins.
+// Cracks appear where they should and nowhere else: frames of valid hierarchies, fast forms beside their slow twins.
 #include <gtest/gtest.h>
 
 #include <vector>

@@ -54,12 +54,12 @@ DirectedDeviation naive_deviation(const ComparedMesh& from, const ComparedMesh& 
     return cross(mesh.positions[t.v[1]] - a, mesh.positions[t.v[2]] - a);
   };
   for (std::size_t i = 0; i < points.size(); ++i) {
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     const Triangle* nearest = nullptr;
     for (const Triangle& t : to.triangles) {
       const double d = nearest_on_triangle(points[i], to.positions[t.v[0]], to.positions[t.v[1]], to.positions[t.v[2]])
                            .squared_distance;
-      if (d < least) least = d, nearest = &t;
+      if (d < smallest) smallest = d, nearest = &t;
     }
     const Vec3d a = normal(from, from.triangles[triangles[i]]), b = normal(to, *nearest);
     angles.push_back(std::acos(std::clamp(dot(a, b) / (length(a) * length(b)), -1.0, 1.0)) * 180 / std::numbers::pi);
@@ -213,7 +213,7 @@ TEST(MeshQuality, BordersAreEdgesOfOneTriangle) {
   EXPECT_EQ(measure_quality(closed.positions, closed.triangles).border_length, 0);
 }
 
-// What rounding alone can make is no error; twice as much is one.
+// A distance within rounding is not an error; twice as much is.
 TEST(GeometryColumns, AreZeroBelowTheResolutionOfPositions) {
   const auto scheduler = make_serial_scheduler();
   RawMesh reference = generate_mesh({Shape::torus, 2000, 1}), copy = reference;

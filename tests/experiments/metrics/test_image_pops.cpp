@@ -45,7 +45,7 @@ double depth_at(const std::vector<Wall>& walls, const Eye3& eye, Vec3d way) {
   return nearest;
 }
 
-// Where a point (or a direction) is seen, in pixels.
+// The place where a point (or a direction) is seen, in pixels.
 struct Seen {
   double x = 0, y = 0, w = 0;
 };
@@ -93,7 +93,7 @@ Shot shoot(const std::vector<Wall>& walls, const Eye3& eye, const ErrorAt& error
   return shot;
 }
 
-// By rays: what a pixel sees, where that was seen, and whether the pixels there saw the same.
+// Traces rays: the point that a pixel sees, its place before, and if the pixels there saw the same.
 std::vector<double> naive_pops(const std::vector<Wall>& walls, const Shot& before, const Shot& now, double tolerance) {
   std::vector<double> pops;
   for (int y = 0; y < size.height; ++y)
@@ -231,7 +231,7 @@ TEST(ImagePops, ANeighbourhoodForgivesNoise) {
   }
 }
 
-// What the near wall hid before is not compared with the near wall.
+// The part that the near wall hid before is not compared with the near wall.
 TEST(ImagePops, WhatWasHiddenHasNoPredecessor) {
   const std::vector<Wall> walls{{-1, -9, 9}, {0.3, -0.4, 0.0}};
   const Eye3 a{{0, 0, 2}}, b{{0.2, 0, 2}};

@@ -136,8 +136,8 @@ TEST(Ssim, EqualsItsSlowTwin) {
     EXPECT_NEAR(ssim(a, b, *scheduler), naive_ssim(a, b), 1e-9);
   }
   for (const auto& [a, b] : nearly_equal_pictures()) EXPECT_NEAR(ssim(a, b, *scheduler), naive_ssim(a, b), 1e-12);
-  const Image least = pattern({11, 11}, 1), other = pattern({11, 11}, 2);
-  EXPECT_NEAR(ssim(least, other, *scheduler), naive_ssim(least, other), 1e-9);
+  const Image smallest = pattern({11, 11}, 1), other = pattern({11, 11}, 2);
+  EXPECT_NEAR(ssim(smallest, other, *scheduler), naive_ssim(smallest, other), 1e-9);
 }
 
 TEST(Ssim, ClosedForms) {

@@ -11,8 +11,8 @@ namespace {
 TEST(Spread, OfOddEvenAndNone) {
   const Spread odd = spread_of({9, 1, 4});
   EXPECT_EQ(odd.median, 4);
-  EXPECT_EQ(odd.least, 1);
-  EXPECT_EQ(odd.most, 9);
+  EXPECT_EQ(odd.minimum, 1);
+  EXPECT_EQ(odd.maximum, 9);
   EXPECT_EQ(median_of({3}), 3);
   EXPECT_EQ(median_of({9, 1, 4, 5}), 4.5);
   EXPECT_EQ(median_of({}), 0);

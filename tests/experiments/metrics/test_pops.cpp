@@ -141,7 +141,7 @@ TEST(Pops, ExchangesOfLevelsAreInvisible) {
   }
 }
 
-// As a camera does whose field of view changes: per-level and uniform radii of other sizes in every frame, with the
+// A camera whose field of view changes: per-level and uniform radii of other sizes in every frame, with the
 // viewpoint at rest and on its way.
 TEST(Pops, StayWithinTheBoundWhileTheRadiiChange) {
   for (const NamedMesh& named : all_meshes()) {
