@@ -74,6 +74,7 @@ foreach(layer ${package_layers})
 endforeach()
 if(TARGET lodestone)
   install(TARGETS lodestone RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(DIRECTORY python DESTINATION ${CMAKE_INSTALL_DATADIR}/lodestone PATTERN __pycache__ EXCLUDE)
 endif()
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lodestone)

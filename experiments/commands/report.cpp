@@ -1,16 +1,18 @@
-// lodestone report: one HTML file of what sweeps have found.
-#include <fmt/core.h>
+// lodestone report: one HTML file of what sweeps have found, made by the Python package lodestone_report (python/).
+#include <unistd.h>
 
-#include <span>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
 
 #include "core/base/error.h"
-#include "core/files/atomic_file.h"
-#include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
-#include "experiments/report/page.h"
 
 namespace lodestone {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct ReportOptions {
   std::vector<std::string> folders;
@@ -18,48 +20,52 @@ struct ReportOptions {
   int pictures = 16;
 };
 
-void write_text(const std::string& path, const std::string& text) {
-  AtomicFile file(path);
-  file.write(std::as_bytes(std::span(text)));
-  file.commit();
+// The folder of the package: beside the installed program, or else in the sources that it was built from.
+fs::path find_package() {
+  std::error_code unreadable;
+  const fs::path program = fs::read_symlink("/proc/self/exe", unreadable);
+  for (const fs::path& folder : {program.parent_path() / LODESTONE_PYTHON_INSTALLED, fs::path(LODESTONE_PYTHON_SOURCE)})
+    if (fs::exists(folder / "lodestone_report")) return folder.lexically_normal();
+  throw FileError(describe(LODESTONE_PYTHON_SOURCE, "", "no Python package lodestone_report",
+                           "install Lodestone again, with its folder share/lodestone/python"));
 }
 
-// The report tells why nothing is reported; whoever waits for figures learns it here.
-void require_rows(const Report& report, const std::string& output) {
-  const RunCounts counts = report.counts();
-  if (counts.reported() > 0) return;
-  throw InputError(fmt::format(
-      "{}: written, but no run has rows that verified: of {} runs, {} did not verify, {} failed, {} are not yet run",
-      output, counts.runs, counts.unverified, counts.failed, counts.missing));
+// Replaces this process, which holds nothing that has to be cleaned up; returns only if there is no such interpreter.
+void execute(const std::string& interpreter, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {interpreter, "-B", "-m", "lodestone_report"});
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  execvp(interpreter.c_str(), pointers.data());
 }
 
-void print_summary(const Report& report, const ReportOptions& options) {
-  for (const StudyReport& entry : report.studies) {
-    const RunCounts& counts = entry.counts;
-    fmt::print("{}: {} runs, {} verified, {} not verified, {} failed, {} missing\n", entry.study.title, counts.runs,
-               counts.reported(), counts.unverified, counts.failed, counts.missing);
-    for (const std::string& oddity : entry.oddities) fmt::print("note: {}\n", oddity);
-    for (const Figure& figure : entry.figures) fmt::print("  {}: {}\n", figure.title, figure.outcome);
-  }
-  if (!report.plots.note.empty()) fmt::print("note: {}\n", report.plots.note);
-  fmt::print("{}: opens in any browser, from disk\n", options.output);
+std::vector<std::string> python_arguments(const ReportOptions& options, const CommonOptions& common) {
+  std::vector<std::string> arguments{"--output=" + options.output, "--pictures=" + std::to_string(options.pictures)};
+  if (!options.csv.empty()) arguments.push_back("--csv=" + options.csv);
+  if (!common.json.empty()) arguments.push_back("--json=" + common.json);
+  if (common.quiet) arguments.emplace_back("--quiet");
+  arguments.emplace_back("--");
+  arguments.insert(arguments.end(), options.folders.begin(), options.folders.end());
+  return arguments;
 }
 
+// Runs the package in $LODESTONE_PYTHON, or else in python3 of the path or of the system. The package itself goes on in
+// the system's Python where the first lacks a module.
 void run(const ReportOptions& options, const CommonOptions& common) {
   std::vector<FileArgument> outputs{{"--output", options.output, ".html"}};
   if (!options.csv.empty()) outputs.push_back({"--csv", options.csv, ".csv"});
   check_files(common, {}, outputs);
-  Progress progress("drawing", common.quiet);
-  progress.phase("drawing");
-  const Report report = make_report({options.folders.begin(), options.folders.end()});
-  PageConfig config;
-  config.picture_bytes = static_cast<std::uint64_t>(options.pictures) << 20;
-  write_text(options.output, make_page(report, config));
-  if (!options.csv.empty()) write_text(options.csv, to_csv(report));
-  write_json(common, to_json(report));
-  progress.clear();
-  require_rows(report, options.output);
-  if (!common.quiet && common.json != "-") print_summary(report, options);
+  const char* more = std::getenv("PYTHONPATH");
+  const std::string path = find_package().string() + (more != nullptr ? std::string(":") + more : "");
+  setenv("PYTHONPATH", path.c_str(), 1);
+  setenv("PYTHONSAFEPATH", "1", 1);  // modules of the current folder are none of the report's
+  const std::vector<std::string> arguments = python_arguments(options, common);
+  const char* chosen = std::getenv("LODESTONE_PYTHON");
+  execute(chosen != nullptr ? chosen : "python3", arguments);
+  if (chosen == nullptr) execute("/usr/bin/python3", arguments);
+  throw FileError(describe(chosen != nullptr ? chosen : "python3", "",
+                           std::string("the report needs Python, which cannot be started: ") + std::strerror(errno),
+                           "apt-get install python3 python3-jinja2 python3-matplotlib (scripts/setup does)"));
 }
 
 }  // namespace
@@ -75,7 +81,10 @@ void add_report(CLI::App& app) {
                   common);
   command.add_option("DIR", options->folders, "Directories that `lodestone sweep` wrote to; finished or not")
       ->required();
-  command.add_option("-o,--output", options->output, "The page, FILE.html")->required();
+  command
+      .add_option("-o,--output", options->output,
+                  "The page, FILE.html; each figure is written as SVG, PDF and CSV to FILE_figures, too")
+      ->required();
   command.add_option("--csv", options->csv, "Also write every row, with parameters and data, as FILE.csv");
   command.add_option("--pictures", options->pictures, "MiB of the runs' pictures that the page may hold; 0: none")
       ->check(CLI::Range(0, 1024))

@@ -104,7 +104,7 @@ SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInpu
   plan.json = {{"name", file.name},
                {"title", file.title},
                {"question", file.question},
-               {"form", name_of(file.form)},
+               {"small", file.small},
                {"program", program_hash()},
                {"data", nlohmann::json::object()},
                {"files", files_json(file.files)},

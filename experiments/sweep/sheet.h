@@ -1,4 +1,4 @@
-// sweep.json as the engine reads it back: what a directory holds. (The report reads more of it: experiments/report.)
+// sweep.json as the engine reads it back: what a directory holds. (The report reads more of it: python/.)
 #pragma once
 
 #include <filesystem>

@@ -159,7 +159,15 @@ class WholeReport(CommandCase):
         page = (self.folder / "report.html").read_text()
         self.assertEqual(page.count("<svg"), 2 * 6)
         self.assertIn("var(--s0)", page)
-        self.assertNotRegex(page, "#[ab]000[0-9a-f]{2}\\b")
+        for svg in re.findall("<svg.*?</svg>", page, re.DOTALL):
+            self.assertNotRegex(svg, "(fill|stroke|color): #", "colours follow light and dark")
+
+    @unittest.skipUnless(HAS_MATPLOTLIB, "python3-matplotlib is not installed")
+    def test_every_figure_has_files_of_its_own(self):
+        self.page()
+        names = [path.name for path in sorted((self.folder / "report_figures").iterdir())]
+        self.assertEqual(len(names), 3 * 6)
+        self.assertEqual(names[:3], [f"01-cracks-below-and-above-the-border{suffix}" for suffix in (".csv", ".pdf", ".svg")])
 
     def test_pictures_are_limited(self):
         page = self.page("--pictures", 0)
@@ -199,7 +207,7 @@ class Faults(CommandCase):
     def test_no_folder(self):
         self.refused(*self.report(), names=["study", "no such folder"])
         self.write("study", "a file")
-        self.refused(*self.report(), names=["study", "is no folder"])
+        self.refused(*self.report(), names=["study", "is not a folder"])
 
     def test_folder_of_something_else(self):
         (self.folder / "study").mkdir()
@@ -209,7 +217,7 @@ class Faults(CommandCase):
         study = small_study(self.folder / "study")
         folder = study.path / "runs" / study.sheet["sweeps"][0]["runs"][1]["id"]
         study.write()
-        for line, says in (('{"seconds": 1', "is no JSON"), ("3", "is no object"), ('{"length": 2}', "'length' is no column"),
+        for line, says in (('{"seconds": 1', "is not JSON"), ("3", "is not an object"), ('{"length": 2}', "'length' is not a column"),
                            ('{"seconds": [1]}', "'seconds' is neither")):
             (folder / "rows.1.jsonl").write_text('{"seconds": 1}\n' + line + "\n")
             self.refused(*self.report(), names=["rows.1.jsonl", "line 2", says])
@@ -245,25 +253,25 @@ class Faults(CommandCase):
         for name in ("fault.0.json", "manifest.0.json", "parameters.json"):
             whole = (folder / name).read_bytes() if (folder / name).exists() else None
             (folder / name).write_text("{")
-            self.refused(*self.report(), names=[name, "is no JSON"])
+            self.refused(*self.report(), names=[name, "is not JSON"])
             (folder / name).unlink() if whole is None else (folder / name).write_bytes(whole)
         self.lodestone(*self.report(), "--quiet")
 
     def test_broken_sheets_are_named(self):
         study = small_study(self.folder / "study")
         for change, says in ((lambda s: s.pop("sweeps"), "has no 'sweeps'"),
-                             (lambda s: s.update(figures=3), "'figures' is no list"),
+                             (lambda s: s.update(figures=3), "'figures' is not a list"),
                              (lambda s: s["figures"][0].update(sweep=["x"]), "a sweep 'x' that is not there"),
                              (lambda s: s["figures"][0].update(kind="pie"), "line, scatter or bar"),
-                             (lambda s: s["sweeps"][0].update(repetitions=-1), "'repetitions' is no count"),
+                             (lambda s: s["sweeps"][0].update(repetitions=-1), "'repetitions' is not a count"),
                              (lambda s: s["sweeps"][0]["columns"][0].update(kind="x"), "label, accuracy, quality, cost or count"),
-                             (lambda s: s["sweeps"][0]["runs"][0].update(id="../x"), "'id' is no name of a folder")):
+                             (lambda s: s["sweeps"][0]["runs"][0].update(id="../x"), "'id' is not the name of a folder")):
             sheet = json.loads(json.dumps(study.sheet))
             change(sheet)
             study.put(study.path / "sweep.json", sheet)
             self.refused(*self.report(), names=["sweep.json", says])
         (study.path / "sweep.json").write_text("{")
-        self.refused(*self.report(), names=["sweep.json", "is no JSON"])
+        self.refused(*self.report(), names=["sweep.json", "is not JSON"])
 
     def test_what_one_sweep_sets_and_another_measures_has_two_columns(self):
         study = SweepFolder(self.folder / "study")
@@ -295,21 +303,48 @@ class Faults(CommandCase):
         for part in ("gap is not 0", "signal 11", "not yet run", "No setting that verified has numbers for gap"):
             self.assertIn(part, page.text)
 
+    def run_with(self, environment, **modules):
+        """Runs the system's Python with modules that consist of these lines."""
+        folder = self.folder / "modules"
+        folder.mkdir(exist_ok=True)
+        for name, line in modules.items():
+            (folder / f"{name}.py").write_text(line + "\n")
+        before = self.listing()
+        done = command_case.call(*self.report(), cwd=self.folder, environment=environment | {"PYTHONPATH": str(folder)})
+        return done, before
+
     def test_without_matplotlib_there_are_no_plots_and_a_note(self):
         small_study(self.folder / "study").write()
-        for name, script in (("bare", "#!/bin/sh\nexit 3\n"), ("broken", "#!/bin/sh\necho no font >&2\nexit 1\n")):
-            python = self.write(name, script)
-            python.chmod(0o755)
-            done = command_case.call(*self.report(), cwd=self.folder, environment={"LODESTONE_PYTHON": str(python)})
+        for line, says in (("raise ImportError", "python3-matplotlib"), ("raise RuntimeError('no font')", "could not draw the plots: no font")):
+            done, _ = self.run_with({"LODESTONE_PYTHON": "/usr/bin/python3"}, matplotlib=line)
             self.assertEqual((done.returncode, done.stderr), (0, b""))
             page = (self.folder / "report.html").read_text()
             self.assertNotIn("<svg", page)
-            said = "python3-matplotlib" if name == "bare" else "could not draw the plots: no font"
-            self.assertIn(said, page)
-            self.assertIn(said, done.stdout.decode())
-        done = command_case.call(*self.report(), cwd=self.folder, environment={"LODESTONE_PYTHON": "/no/such/python"})
-        self.assertEqual(done.returncode, 0)
-        self.assertIn(b"python3-matplotlib", done.stdout)
+            self.assertIn(says, page)
+            self.assertIn(says, done.stdout.decode())
+            self.assertEqual([path.name for path in (self.folder / "report_figures").iterdir()], ["01-gaps.csv"])
+
+    def test_without_python_or_jinja2_the_packages_are_named(self):
+        small_study(self.folder / "study").write()
+        for python, modules in (("/no/such/python", {}), ("/usr/bin/python3", {"jinja2": "raise ImportError"})):
+            done, before = self.run_with({"LODESTONE_PYTHON": python}, **modules)
+            self.assertEqual((done.returncode, done.stdout), (1, b""))
+            self.assertRegex(done.stderr.decode(), r"\Alodestone: [^\n]*python3-jinja2[^\n]*\n\Z")
+            self.assertIn(python, done.stderr.decode())
+            self.assertEqual(self.listing(), before)
+
+    def test_an_environment_without_the_modules_goes_on_in_the_python_of_the_system(self):
+        small_study(self.folder / "study").write()
+        subprocess.run(["/usr/bin/python3", "-m", "venv", "--without-pip", self.folder / "venv"], check=True)
+        path = f"{self.folder / 'venv/bin'}:{os.environ['PATH']}"
+        done = command_case.call(*self.report(), cwd=self.folder, environment={"PATH": path})
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        self.assertTrue((self.folder / "report.html").exists())
+
+    def test_modules_of_the_current_folder_are_not_the_reports(self):
+        small_study(self.folder / "study").write()
+        self.write("json.py", "raise SystemExit(9)")
+        self.lodestone(*self.report(), "--quiet")
 
     @unittest.skipUnless(os.environ.get("FAILING_DISK"), "the failing disk is not built for sanitizers")
     def test_full_disk_leaves_nothing(self):

@@ -23,3 +23,7 @@ package_step(configure AFTER install
                      -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER} ${consumer_flags})
 package_step(build AFTER configure COMMAND ${CMAKE_COMMAND} --build ${package_folder}/build)
 package_step(run AFTER build COMMAND ${package_folder}/build/consumer)
+# The installed program finds the installed package of the report, not that of the sources.
+package_step(report AFTER install
+             COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tests/commands/test_installed_report.py
+                     ${package_folder}/prefix/${CMAKE_INSTALL_BINDIR}/lodestone)

@@ -1,0 +1,115 @@
+"""The command `lodestone report`, which checks its options and calls this: python3 -m lodestone_report DIR... -o FILE.html"""
+
+import argparse
+import importlib.util
+import os
+import signal
+import sys
+
+SYSTEM_PYTHON = "/usr/bin/python3"  # the interpreter that sees Debian's packages
+
+
+def parse_arguments():
+    parser = argparse.ArgumentParser(prog="lodestone report", description="Write what sweeps have found as one web page")
+    parser.add_argument("folders", metavar="DIR", nargs="+", help="directories that `lodestone sweep` wrote to; finished or not")
+    parser.add_argument("-o", "--output", required=True, help="the page, FILE.html")
+    parser.add_argument("--csv", help="also write every row, with parameters and data, as FILE.csv")
+    parser.add_argument("--json", help="also write everything as JSON (- for standard output)")
+    parser.add_argument("--pictures", type=int, default=16, help="MiB of the runs' pictures that the page may hold; 0: none")
+    parser.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    return parser.parse_args()
+
+
+def find_modules():
+    """Goes on in the system's Python where this one lacks a module. Without jinja2 there is no page, without matplotlib there
+    are no plots."""
+    missing = [module for module in ("jinja2", "matplotlib") if importlib.util.find_spec(module) is None]
+    is_chosen = "LODESTONE_PYTHON" in os.environ or sys.executable == SYSTEM_PYTHON
+    if missing and not is_chosen and os.path.exists(SYSTEM_PYTHON):
+        os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, "-B", "-m", __package__, *sys.argv[1:]])
+    try:
+        import jinja2  # noqa: F401
+    except ImportError:
+        raise ImportError(f"{sys.executable}: the report needs the module jinja2, which is missing; "
+                          "apt-get install python3-jinja2 python3-matplotlib (scripts/setup does)") from None
+
+
+def print_summary(studies, output, note):
+    from .findings import count_runs, list_oddities, reported
+
+    for study in studies:
+        counts = count_runs(study.sweeps)
+        print(f"{study.title}: {counts['runs']} runs, {reported(counts)} verified, {counts['unverified']} not verified, "
+              f"{counts['failed']} failed, {counts['missing']} missing")
+        for oddity in list_oddities(study):
+            print(f"note: {oddity}")
+        for figure in study.figures:
+            print(f"  {figure.title}: {figure.outcome}")
+    if note:
+        print(f"note: {note}")
+    print(f"{output}: opens in any browser, from disk")
+
+
+def require_rows(studies, output):
+    """The report tells why nothing is reported; a script that waits for figures learns it here."""
+    from . import StudyError
+    from .findings import count_runs, reported
+
+    counts = count_runs(sweep for study in studies for sweep in study.sweeps)
+    if not reported(counts):
+        raise StudyError(f"{output}: written, but no run has rows that verified: of {counts['runs']} runs, "
+                         f"{counts['unverified']} did not verify, {counts['failed']} failed, {counts['missing']} are not yet run")
+
+
+def run(arguments):
+    find_modules()
+    from . import files, load, write_report
+
+    is_shown = sys.stderr.isatty() and not arguments.quiet
+    print("    drawing\r" if is_shown else "", end="", file=sys.stderr, flush=True)
+    studies = [load(folder) for folder in arguments.folders]
+    note = write_report(studies, arguments.output, csv=arguments.csv, json=None if arguments.json == "-" else arguments.json,
+                        picture_bytes=arguments.pictures << 20)
+    print(" " * 11 + "\r" if is_shown else "", end="", file=sys.stderr, flush=True)
+    if arguments.json == "-":
+        print(files.json_text(files.to_json(studies)), end="")
+    require_rows(studies, arguments.output)
+    if not arguments.quiet and arguments.json != "-":
+        print_summary(studies, arguments.output, note)
+    sys.stdout.flush()
+
+
+class Interrupted(BaseException):
+    pass
+
+
+def interrupt(number, _):
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise Interrupted(number)
+
+
+def main():
+    """Returns the status: 0, 1 after one line on standard error, or 128 + signal."""
+    signal.signal(signal.SIGINT, interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(encoding="utf-8", errors="replace")
+    try:
+        run(parse_arguments())
+        return 0
+    except Interrupted as error:
+        print("lodestone: interrupted; no unfinished file was left", file=sys.stderr)
+        return 128 + error.args[0]
+    except OSError as error:
+        message = f"{error.filename or 'standard output'}: cannot write: {error.strerror}"
+    except MemoryError:
+        message = "out of memory; close other programs or report on fewer folders"
+    except Exception as error:
+        message = str(error) or type(error).__name__
+    print("lodestone:", "".join(c if c.isprintable() else " " for c in message), file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
