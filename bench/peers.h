@@ -1,37 +1,14 @@
-// Simplifiers of other libraries, as they are: no displacement bound, and only OpenMesh and CGAL keep locked vertices.
-//
-// One translation unit each: their headers take a minute to compile.
+// Simplifiers of other libraries that bench_simplify runs beside the project's own.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
-#include "core/math/vec3.h"
-#include "core/mesh/indexed_mesh.h"
+#include "core/simplify/peers/whole_mesh.h"
 
 namespace lodestone::bench {
-
-struct PeerMesh {
-  std::vector<Vec3f> positions;
-  std::vector<Triangle> triangles;
-  std::vector<std::uint8_t> locked;  // one per position, or empty: nothing is locked
-};
-
-// Quadrics and half-edge collapses (DecimaterT with ModQuadricT and ModNormalFlippingT), an exact heap, one thread.
-// Faces that its half-edges cannot hold get vertices of their own, as its readers do it.
-[[nodiscard]] PeerMesh simplify_with_openmesh(const PeerMesh& mesh, std::size_t triangles);
-
-// Quadrics and half-edge collapses in passes. Locks the border when anything is locked, else nothing.
-[[nodiscard]] PeerMesh simplify_with_meshoptimizer(const PeerMesh& mesh, std::size_t triangles);
 
 #ifdef LODESTONE_HAS_CGAL
 // Lindstrom and Turk's cost and placement: memoryless, with volumes and boundaries kept (lindstrom1998). Keeps the
 // whole border. The mesh has to be manifold.
 [[nodiscard]] PeerMesh simplify_with_cgal(const PeerMesh& mesh, std::size_t triangles);
 #endif
-
-// Vertex clustering on a grid, topology not kept.
-[[nodiscard]] PeerMesh cluster_with_meshoptimizer(const PeerMesh& mesh, std::size_t triangles);
 
 }  // namespace lodestone::bench

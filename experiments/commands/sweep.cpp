@@ -18,7 +18,8 @@ struct SweepOptions {
   std::string file, directory, shard;
   std::vector<std::string> merge;
   int jobs = 1;
-  bool resume = false, prepare = false, dry_run = false, small = false;
+  bool resume = false, prepare = false, dry_run = false;
+  SweepForm form = SweepForm::standard;
 };
 
 // What the file sets, as "blend=step kappa0=2".
@@ -159,7 +160,7 @@ void run(const SweepOptions& options, const CommonOptions& common) {
   }
   check_files(common, {{"FILE", options.file}});
   const Shard shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
-  const SweepFile file = load_sweep_file(options.file, options.small);
+  const SweepFile file = load_sweep_file(options.file, options.form);
   check_directory(options.directory, file.name, options.resume || options.dry_run);
   if (options.dry_run) return dry_run(file, options, common);
   set_interrupt_line("lodestone: interrupted; finished runs were kept, --resume continues\n");
@@ -225,7 +226,11 @@ void add_sweep(CLI::App& app) {
   command.add_flag("--prepare", options->prepare, "Make the data and list the runs in sweep.json, and run none")
       ->excludes(merge)
       ->excludes(dry_run);
-  command.add_flag("--small", options->small, "With what the file has under 'small'")->excludes(merge);
+  const auto form = [&](const char* name, SweepForm value, const char* about) {
+    return command.add_flag_callback(name, [options, value] { options->form = value; }, about)->excludes(merge);
+  };
+  form("--small", SweepForm::small, "With what the file has under 'small'")
+      ->excludes(form("--full", SweepForm::full, "With what the file has under 'full'"));
   command.callback([options, common] { run(*options, *common); });
   add_child(app);
 }

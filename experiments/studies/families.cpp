@@ -1,14 +1,17 @@
-// Experiment `families`: the three ways to make levels, at equal numbers of triangles on the same model.
+// Experiment `families`: the ways to make levels, at equal numbers of triangles on the same model.
 //
 // The levels of the hierarchy set the numbers; the progressive mesh is cut to the same, the reconstruction's resolution
 // is found by trying, which is not timed. Hierarchy and progressive mesh give all levels at once: their seconds are
-// those of the whole; a reconstruction makes one. Rounds take turns between the families.
+// those of the whole; a reconstruction makes one, and so does a simplifier of another library, which gets the whole
+// mesh and knows neither blocks nor a displacement bound. Rounds take turns between the families.
 #include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/progressive/mesh/level.h"
+#include "core/simplify/peers/whole_mesh.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/studies/catalogue.h"
 #include "experiments/studies/geometry_columns.h"
@@ -28,6 +31,7 @@ std::vector<ParameterInfo> parameters() {
       rounds_parameter(3),
       {"level_count", 3, "", "levels below the input", 1, 15, {}},
       {"merge", "stitch", "", "of reconstructed levels", 0, 0, {"stitch", "concatenate"}},
+      {"peers", false, "", "whole meshes simplified by meshoptimizer and by OpenMesh are families, too", 0, 0, {}},
   };
   append(list, build_parameters());
   return list;
@@ -36,7 +40,7 @@ std::vector<ParameterInfo> parameters() {
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
   std::vector<ColumnInfo> list{
-      {"family", "", "hlod, progressive or reconstructed", label},
+      {"family", "", "hlod, progressive, reconstructed, meshoptimizer or openmesh", label},
       {"level", "", "levels above the finest", count},
       {"input_triangles", "", "of the input", count},
       {"target", "", "triangles asked for: those of the hierarchy's level", count},
@@ -49,6 +53,10 @@ std::vector<ColumnInfo> columns() {
   append(list, geometry_columns());
   return list;
 }
+
+// In the order of the rows of a level.
+constexpr std::array<std::string_view, 3> own_families{"hlod", "progressive", "reconstructed"};
+constexpr std::array<std::string_view, 2> peer_families{"meshoptimizer", "openmesh"};
 
 // One level of one family: how it is made, and what came out.
 struct Way {
@@ -74,6 +82,7 @@ class Comparison {
     build();  // rounds that warm up
     collapse();
     choose_levels();
+    choose_peers();
     const int rounds = parameters_.integer("rounds");
     for (int round = 0; round < rounds; ++round) {
       hlod_.add(build());
@@ -81,6 +90,7 @@ class Comparison {
       progressive_.add(collapse());
       check_cancelled(context_);
       for (Way& way : reconstructed_) reconstruct_level(way);
+      for (Way& way : peers_) simplify_whole(way);
       context_.progress(static_cast<double>(round + 1) / (rounds + 1));
     }
     return rows();
@@ -113,6 +123,25 @@ class Comparison {
     }
   }
 
+  void choose_peers() {
+    if (!parameters_.flag("peers")) return;
+    for (const Way& level : reconstructed_)
+      for (const std::string_view peer : peer_families)
+        peers_.push_back({std::string(peer), level.level, level.target, false, {}, {}});
+  }
+
+  void simplify_whole(Way& way) {
+    const PeerMesh whole{mesh_.positions, mesh_.triangles, {}};
+    const CpuClock clock;
+    PeerMesh left = way.family == "openmesh" ? simplify_with_openmesh(whole, way.target)
+                                             : simplify_with_meshoptimizer(whole, way.target);
+    way.times.add(clock.elapsed());
+    way.mesh.positions.clear();
+    for (const Vec3f& p : left.positions) way.mesh.positions.push_back(mesh_.transform.to_model(p));
+    way.mesh.triangles = std::move(left.triangles);
+    check_cancelled(context_);
+  }
+
   void reconstruct_level(Way& way) {
     ReconstructConfig config = config_;
     config.resolution = resolutions_[static_cast<std::size_t>(way.level - 1)];
@@ -131,6 +160,8 @@ class Comparison {
       const Way progressive{"progressive", way.level,    way.target,
                             true,          progressive_, levels.level_mesh(levels.vertices_for_triangles(way.target))};
       for (const Way* one : {&hlod, &progressive, &way}) rows.push_back(row_of(*one, reference));
+      for (const Way& peer : peers_)
+        if (peer.level == way.level) rows.push_back(row_of(peer, reference));
     }
     return rows;
   }
@@ -156,13 +187,14 @@ class Comparison {
   Hierarchy hierarchy_;
   ProgressiveMesh collapsed_;
   Rounds hlod_, progressive_;
-  std::vector<Way> reconstructed_;
+  std::vector<Way> reconstructed_, peers_;
   std::vector<double> resolutions_;  // of the reconstructed ones
 };
 
 // A row of each family for every level, and none of them far from the number of triangles that the others have.
-void check_levels(RowVerdict& verdict) {
-  static constexpr std::array families{"hlod", "progressive", "reconstructed"};
+void check_levels(RowVerdict& verdict, bool with_peers) {
+  std::vector<std::string_view> families(own_families.begin(), own_families.end());
+  if (with_peers) families.insert(families.end(), peer_families.begin(), peer_families.end());
   verdict.require(verdict.rows().size() % families.size() == 0, "a family is missing");
   for (std::size_t i = 0; i < verdict.rows().size(); ++i) {
     const Row& row = verdict.rows()[i];
@@ -179,12 +211,12 @@ std::vector<SettingFault> check(const Parameters& parameters) {
   return std::move(verdict).faults();
 }
 
-std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
+std::vector<std::string> verify(const Parameters& parameters, const std::vector<Row>& rows) {
   RowVerdict verdict(columns(), rows);
   verdict.spread("seconds");
   verdict.spread("cpu_seconds");
   check_geometry(verdict);
-  check_levels(verdict);
+  check_levels(verdict, parameters.flag("peers"));
   return std::move(verdict).messages();
 }
 

@@ -42,7 +42,7 @@ std::vector<ParameterInfo> parameters() {
   };
   append(list, viewpoint_parameters());
   append(list, picture_parameters());
-  append(list, build_parameters());
+  append(list, in_core_build_parameters());
   return list;
 }
 

@@ -1,9 +1,11 @@
 // Experiment `progressive`: a progressive mesh, what it costs and how good its levels are.
 #include <algorithm>
+#include <filesystem>
 
 #include "core/base/error.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/progressive/mesh/level.h"
+#include "core/progressive/progressive_file.h"
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/metrics/cracks/progressive_cracks.h"
 #include "experiments/studies/catalogue.h"
@@ -42,6 +44,7 @@ std::vector<ColumnInfo> columns() {
       {"peak_memory", "bytes", "largest resident set while collapsing, the input included", cost},
       {"cut_vertices", "", "copies made where the surface is no manifold", count},
       {"residual_edges", "", "cracks of the level: edges of its border that are no image of the input's", count},
+      {"bytes_per_vertex", "bytes", "of an .lpm of the whole ladder, without images, over its vertices", cost},
       {"hash", "", "of the progressive mesh", label},
       {"same", "", "all rounds and a single worker make the same", label},
   };
@@ -97,6 +100,14 @@ Row level_row(const Made& made, const LevelFinder& levels, std::uint32_t vertice
   return row;
 }
 
+// The file does not stay.
+double lpm_bytes_per_vertex(const ProgressiveMesh& mesh, const RunContext& context) {
+  const std::filesystem::path file = std::filesystem::path(context.directory) / "scratch.lpm";
+  const ProgressiveFileSize size = save_progressive(mesh, file);
+  std::filesystem::remove(file);
+  return static_cast<double>(size.geometry) / static_cast<double>(mesh.positions.size());
+}
+
 std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   const auto scheduler = study_scheduler(parameters);
   ReadConfig reading = study_reading();
@@ -106,6 +117,8 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   const LevelFinder levels(made.mesh);
   const RawMesh reference = in_model_space(mesh);
   const double core_seconds = spread_of(made.times.cpu).median;
+
+  const double bytes_per_vertex = lpm_bytes_per_vertex(made.mesh, context);
 
   std::vector<Row> rows;
   std::size_t target = mesh.triangles.size();
@@ -120,6 +133,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
     row["error_estimate"] = 100 * levels.error_of(vertices) * made.mesh.transform.scale / diagonal_of(reference);
     row["ktri_per_core_second"] = static_cast<double>(mesh.triangles.size()) * 1e-3 / core_seconds;
     row["peak_memory"] = made.peak_memory, row["cut_vertices"] = made.cut_vertices;
+    row["bytes_per_vertex"] = bytes_per_vertex;
     row["hash"] = to_hex(made.hash), row["same"] = made.same;
     add_spread(row, "seconds", made.times.wall);
     add_spread(row, "cpu_seconds", made.times.cpu);

@@ -30,6 +30,13 @@ std::vector<ParameterInfo> parameters() {
       {"merge", "stitch", "", "how the views become one mesh", 0, 0, {"stitch", "concatenate"}},
       {"projection", "orthographic", "", "of the views", 0, 0, {"orthographic", "perspective"}},
       {"backend", "soft", "", "that draws the maps", 0, 0, {"soft", "gl"}},
+      {"detail",
+       2.0,
+       "",
+       "maps are drawn so many times finer, and the mesh is simplified to the resolution; 1: not",
+       1,
+       16,
+       {}},
       {"condense", true, "", "maps are drawn at twice the resolution and condensed", 0, 0, {}},
       {"sharp", 35.0, "degrees", "angle from which sharp features are recovered; 0: none", 0, 179, {}},
   };
@@ -43,11 +50,14 @@ std::vector<ColumnInfo> columns() {
       {"vertices", "", "of the result", count},
       {"pixels", "", "of all maps", count},
       {"view_count", "", "views that were drawn", count},
+      {"inside_views", "", "views whose near plane lies beyond what is in the way", count},
       {"view_triangles", "", "of all views' meshes, before they are merged", count},
       {"coverage", "%", "of the visible surface that has the result within a sample's spacing", accuracy},
       {"visible_rms", "% of the diagonal", "distance of the visible surface from the result, root of the mean square",
        accuracy},
       {"border_edges", "", "of the result", count},
+      {"euler", "", "Euler characteristic of the result", count},
+      {"holes_filled", "", "between the views", count},
       {"manifold", "", "no edge of more than two triangles, no vertex of more than one fan", label},
       {"closed", "", "the result has no border", label},
       {"input_closed", "", "the input has no border", label},
@@ -56,6 +66,7 @@ std::vector<ColumnInfo> columns() {
       {"connect_seconds", "s", "connecting pixels", cost},
       {"merge_seconds", "s", "merging the views", cost},
       {"sharpen_seconds", "s", "recovering sharp features", cost},
+      {"simplify_seconds", "s", "simplifying to the resolution", cost},
       {"mpixels_per_core_second", "million/s", "pixels of the maps over processor seconds", cost},
       {"peak_memory", "bytes", "largest resident set while reconstructing, the input included", cost},
       {"hash", "", "of the result", label},
@@ -75,6 +86,7 @@ ReconstructConfig config_of(const Parameters& parameters) {
   config.projection =
       parameters.text("projection") == "perspective" ? Projection::perspective : Projection::orthographic;
   config.backend = parameters.text("backend");
+  config.detail = parameters.number("detail");
   config.condense = parameters.flag("condense");
   config.sharp_degrees = static_cast<float>(parameters.number("sharp"));
   return config;
@@ -84,12 +96,14 @@ void add_counts(Row& row, const Reconstruction& made) {
   const ReconstructReport& report = made.report;
   row["triangles"] = made.mesh.triangles.size(), row["vertices"] = made.mesh.positions.size();
   row["pixels"] = report.pixels, row["view_count"] = report.views.directions.size();
+  row["inside_views"] = report.views.inside.size(), row["holes_filled"] = report.stitch.holes_filled;
   row["view_triangles"] = report.view_triangles, row["input_closed"] = report.closed;
   row["views_seconds"] = report.choose.seconds, row["draw_seconds"] = report.draw.seconds;
   row["connect_seconds"] = report.connect.seconds, row["merge_seconds"] = report.merge.seconds;
-  row["sharpen_seconds"] = report.sharpen_time.seconds;
+  row["sharpen_seconds"] = report.sharpen_time.seconds, row["simplify_seconds"] = report.simplify.seconds;
   const MeshQuality quality = measure_quality(made.mesh.positions, made.mesh.triangles);
   row["border_edges"] = quality.border_edges, row["manifold"] = quality.manifold(), row["closed"] = quality.closed();
+  row["euler"] = quality.euler;
 }
 
 std::vector<Row> run(const Parameters& parameters, const RunContext& context) {

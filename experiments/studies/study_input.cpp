@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "core/base/error.h"
+#include "parallel/build/measure_errors.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/scheduler/cpu_clock.h"
@@ -47,6 +48,14 @@ std::vector<ParameterInfo> build_parameters() {
   };
 }
 
+std::vector<ParameterInfo> in_core_build_parameters() {
+  std::vector<ParameterInfo> list = build_parameters();
+  list.push_back({"refine", false, "", "edges longer than sigma0 h_L are split before", 0, 0, {}});
+  list.push_back(
+      {"measure_error", false, "", "errors of the levels are measured bounds instead of estimates", 0, 0, {}});
+  return list;
+}
+
 std::vector<ParameterInfo> picture_parameters() {
   return {
       {"width", 640, "pixels", "of the picture", 16, 16384, {}},
@@ -87,6 +96,7 @@ BuildConfig build_config(const Parameters& parameters, const RunContext& context
   config.simplifier = simplifier_kind(parameters.text("simplifier"));
   if (parameters.text("placement") != "default") config.placement = placement(parameters.text("placement"));
   config.strategy = strategy(parameters.text("strategy"));
+  config.refine = parameters.json().value("refine", false);
   config.cancel = context.cancel;
   return config;
 }
@@ -98,7 +108,7 @@ ReadConfig study_reading() {
   return reading;
 }
 
-StudyMesh read_study_mesh(const RunContext& context, Scheduler& scheduler, const ReadConfig& reading) {
+StudyMesh read_study_mesh(const RunContext& context, Scheduler& scheduler, const ReadConfig& reading, Lattice lattice) {
   if (context.input.empty()) throw InputError("the run has no input; name data in its sweep");
   StudyMesh result;
   const CpuClock reading_clock;
@@ -106,13 +116,17 @@ StudyMesh read_study_mesh(const RunContext& context, Scheduler& scheduler, const
   result.read = reading_clock.elapsed();
   const CpuClock welding_clock;
   Repairs repairs;
-  result.mesh = prepare_mesh(std::move(raw), repairs, scheduler, context.input);
+  result.mesh = prepare_mesh(std::move(raw), repairs, scheduler, context.input, lattice);
   result.weld = welding_clock.elapsed();
   return result;
 }
 
 Hierarchy build_study_hierarchy(const Parameters& parameters, const RunContext& context, Scheduler& scheduler) {
-  return build_hierarchy(read_study_mesh(context, scheduler).mesh, build_config(parameters, context), scheduler);
+  Hierarchy hierarchy =
+      build_hierarchy(read_study_mesh(context, scheduler).mesh, build_config(parameters, context), scheduler);
+  if (parameters.json().value("measure_error", false))
+    (void)measure_errors(hierarchy, {{}, context.cancel, {}}, scheduler);
+  return hierarchy;
 }
 
 std::string failed_checks(const VerifyReport& report) {

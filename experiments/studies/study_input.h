@@ -26,6 +26,8 @@ void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more);
 
 [[nodiscard]] ParameterInfo threads_parameter();
 [[nodiscard]] std::vector<ParameterInfo> build_parameters();    // how a hierarchy is built, strategy included
+// Those, and what needs the whole hierarchy in memory: split edges, measured errors.
+[[nodiscard]] std::vector<ParameterInfo> in_core_build_parameters();
 [[nodiscard]] std::vector<ParameterInfo> picture_parameters();  // width, height, samples
 // What an experiment with these parameters has to refuse.
 void check_build(SettingVerdict& verdict, const Parameters& parameters);
@@ -46,8 +48,8 @@ struct StudyMesh {
 };
 // Throws what reading and preparing throw; InputError for a run without input.
 [[nodiscard]] StudyMesh read_study_mesh(const RunContext& context, Scheduler& scheduler,
-                                        const ReadConfig& reading = study_reading());
-// The hierarchy of it, built as the parameters say.
+                                        const ReadConfig& reading = study_reading(), Lattice lattice = {});
+// The hierarchy of it, built as the in-core parameters or the others say, its errors measured if they ask for it.
 [[nodiscard]] Hierarchy build_study_hierarchy(const Parameters& parameters, const RunContext& context,
                                               Scheduler& scheduler);
 

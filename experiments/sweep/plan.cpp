@@ -104,7 +104,7 @@ SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInpu
   plan.json = {{"name", file.name},
                {"title", file.title},
                {"question", file.question},
-               {"small", file.small},
+               {"form", name_of(file.form)},
                {"program", program_hash()},
                {"data", nlohmann::json::object()},
                {"files", files_json(file.files)},

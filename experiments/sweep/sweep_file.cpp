@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <limits>
 #include <set>
@@ -101,7 +102,7 @@ std::vector<DataSource> read_data(TomlTable& root) {
   return sources;
 }
 
-// What a [[sweep]] or its `small` gives.
+// What a [[sweep]], its `small` or its `full` gives.
 struct SweepReader {
   const SweepFile& file;
   const Experiment& experiment;
@@ -224,15 +225,20 @@ SweepSection read_sweep(TomlTable& table, const toml::node& at, SweepFile& file,
   read_design(table, at, reader, design);
   section.settings = reader.settings(design, table);
 
-  table.sub_table("small", [&](TomlTable& small) {
-    SweepSection smaller = section;
-    if (small.has("data")) smaller.data = reader.data(small, *table.find("small"));
-    if (small.has("repetitions")) smaller.repetitions = reader.repetitions(small);
-    reader.design(small, design);
-    smaller.settings = reader.settings(design, small);
-    for (const char* key : {"data", "repetitions", "parameters", "count"}) (void)small.find(key);
-    if (file.small) section = std::move(smaller);
-  });
+  const SweepSection standard = section;
+  for (const SweepForm form : {SweepForm::small, SweepForm::full}) {
+    const std::string key(name_of(form));
+    table.sub_table(key.c_str(), [&](TomlTable& overrides) {
+      SweepSection changed = standard;
+      if (overrides.has("data")) changed.data = reader.data(overrides, *table.find(key.c_str()));
+      if (overrides.has("repetitions")) changed.repetitions = reader.repetitions(overrides);
+      Design changed_design = design;
+      reader.design(overrides, changed_design);
+      changed.settings = reader.settings(changed_design, overrides);
+      for (const char* known : {"data", "repetitions", "parameters", "count"}) (void)overrides.find(known);
+      if (file.form == form) section = std::move(changed);
+    });
+  }
   section.metrics = read_metrics(table, section, file);
   return section;
 }
@@ -284,12 +290,17 @@ FigureSpec read_figure(TomlTable& table, const toml::node& at, SweepFile& file) 
 
 }  // namespace
 
-SweepFile load_sweep_file(const std::string& path, bool small, const ExperimentLookup& lookup) {
+std::string_view name_of(SweepForm form) {
+  constexpr std::array<std::string_view, 3> names{"small", "standard", "full"};
+  return names[static_cast<std::size_t>(form)];
+}
+
+SweepFile load_sweep_file(const std::string& path, SweepForm form, const ExperimentLookup& lookup) {
   const toml::table root = parse_toml(path);
   TomlTable table(root, path, "");
   SweepFile file;
   file.file = path;
-  file.small = small;
+  file.form = form;
   read_name(table, root.source(), file.name);
   file.title = file.name;
   table.text("title", file.title);

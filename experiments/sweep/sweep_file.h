@@ -2,10 +2,12 @@
 // unknown or contradicts itself is an InputError that names the file and the line.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/mesh/generate.h"
@@ -34,6 +36,10 @@ struct SweepSection {
   std::vector<std::string> metrics;      // columns that the tables of the report show; empty: all
 };
 
+// Which sizes a sweep file is run with: its own, or those with the overrides of that name.
+enum class SweepForm : std::uint8_t { small, standard, full };
+[[nodiscard]] std::string_view name_of(SweepForm form);
+
 // As the decision has it; `sweep` and `y` are never empty, other texts may be.
 struct FigureSpec {
   std::string title, x, kind = "line", log, mark;
@@ -44,7 +50,7 @@ struct FigureSpec {
 struct SweepFile {
   std::string file;
   std::string name, title, question;
-  bool small = false;
+  SweepForm form = SweepForm::standard;
   std::vector<DataSource> data;  // all, whether a sweep uses them or not
   std::vector<SweepSection> sweeps;
   ParameterFiles files;  // that settings name
@@ -54,9 +60,9 @@ struct SweepFile {
 
 using ExperimentLookup = std::function<const Experiment&(const std::string&)>;
 
-// `small` applies the overrides of that name; they are checked either way. Throws FileError when the file cannot be
+// The overrides of the form apply; those of the other one are checked as well. Throws FileError when the file cannot be
 // read, InputError for whatever is wrong in it.
-[[nodiscard]] SweepFile load_sweep_file(const std::string& file, bool small,
+[[nodiscard]] SweepFile load_sweep_file(const std::string& file, SweepForm form,
                                         const ExperimentLookup& lookup = find_experiment);
 
 }  // namespace lodestone

@@ -140,12 +140,15 @@ class Runs(SweepCase):
         self.assertEqual(shares, sorted(shares))
         self.assertLess(shares[0], 75)
 
-    def test_small(self):
-        text = HEAD + section("x = [1, 2, 3]", "repetitions = 3\nsmall = { repetitions = 1, parameters = { x = 2 } }")
+    def test_forms(self):
+        text = HEAD + section("x = [1, 2, 3]", "repetitions = 3\nsmall = { repetitions = 1, parameters = { x = 2 } }\n"
+                                               "full = { parameters = { x = [1, 2, 3, 4] } }")
         self.assertEqual(self.sweep(text, "--small")["repetitions"], 1)
-        self.assertTrue(self.plan()["small"])
+        self.assertEqual(self.plan()["form"], "small")
         self.assertEqual(self.sweep(text, "--resume")["ran"], 8)
-        self.assertFalse(self.plan()["small"])
+        self.assertEqual(self.plan()["form"], "standard")
+        self.assertEqual(self.sweep(text, "--resume", "--full")["ran"], 3)
+        self.assertEqual(self.plan()["form"], "full")
         self.check_complete()
 
     def test_two_sweeps_share_a_run(self):

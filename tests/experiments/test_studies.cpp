@@ -32,7 +32,7 @@ std::vector<Case> cases() {
   const Row picture = {{"width", 64}, {"height", 48}};
   return {
       {"build",
-       with(shallow, {{"threads", 2}, {"rounds", 2}, {"error_level", 1}}),
+       with(shallow, {{"threads", 2}, {"rounds", 2}, {"error_level", 1}, {"measure_error", true}, {"compress", true}}),
        {{"valid", false},
         {"failed_checks", "parents"},
         {"hash", "0000000000000000"},
@@ -42,12 +42,13 @@ std::vector<Case> cases() {
         {"stored_triangles", 1},
         {"error_mean", 1e3},
         {"slivers", 101},
+        {"level_distance", 1},
         {"normal_mean", 181}}},
       {"effects",
        with(picture, {{"rounds", 1}, {"frames", 3}}),
        {{"effects", "other"}, {"frame_ms", -1}, {"gain_ms_min", 1e9}}},
       {"families",
-       with(shallow, {{"rounds", 1}, {"level_count", 1}}),
+       with(shallow, {{"rounds", 1}, {"level_count", 1}, {"peers", true}}),
        {{"family", "progressive"}, {"triangles", 1}, {"rms", 1e3}, {"cpu_seconds", Row()}}},
       {"flight",
        with(with(shallow, picture), {{"frames", 4}, {"image", true}, {"kappa0", 1.0}, {"backend", "soft"}}),
@@ -156,16 +157,19 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
   std::size_t files = 0;
   for (const auto& file :
        std::filesystem::directory_iterator(std::string(LODESTONE_SOURCE_DIR) + "/experiments/sweeps")) {
-    const SweepFile full = load_sweep_file(file.path().string(), false);
-    const SweepFile small = load_sweep_file(file.path().string(), true);
+    const SweepFile standard = load_sweep_file(file.path().string(), SweepForm::standard);
+    const SweepFile full = load_sweep_file(file.path().string(), SweepForm::full);
+    const SweepFile small = load_sweep_file(file.path().string(), SweepForm::small);
     EXPECT_EQ(full.name, file.path().stem());
     EXPECT_FALSE(full.figures.empty()) << full.name;
     ASSERT_EQ(full.sweeps.size(), small.sweeps.size());
+    ASSERT_EQ(full.sweeps.size(), standard.sweeps.size());
     for (std::size_t i = 0; i < full.sweeps.size(); ++i) {
       const auto runs = [](const SweepSection& sweep) {
         return sweep.data.size() * sweep.settings.size() * static_cast<std::size_t>(sweep.repetitions);
       };
-      EXPECT_LE(runs(small.sweeps[i]), runs(full.sweeps[i])) << full.name << ' ' << full.sweeps[i].name;
+      EXPECT_LE(runs(small.sweeps[i]), runs(standard.sweeps[i])) << full.name << ' ' << full.sweeps[i].name;
+      EXPECT_LE(runs(standard.sweeps[i]), runs(full.sweeps[i])) << full.name << ' ' << full.sweeps[i].name;
     }
     ++files;
   }
@@ -175,11 +179,12 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
 // A run is one system: times of two are comparable by repetitions alone, which take turns.
 TEST(SweepFiles, SystemsTakeTurns) {
   const std::string file = std::string(LODESTONE_SOURCE_DIR) + "/experiments/sweeps/systems.toml";
-  for (const SweepSection& sweep : load_sweep_file(file, false).sweeps) {
-    EXPECT_GE(sweep.repetitions, 3) << sweep.name;
-    for (const Row& setting : sweep.settings)
-      EXPECT_GE(Parameters(sweep.experiment->parameters, setting).integer("rounds"), 3) << sweep.name;
-  }
+  for (const SweepForm form : {SweepForm::standard, SweepForm::full})
+    for (const SweepSection& sweep : load_sweep_file(file, form).sweeps) {
+      EXPECT_GE(sweep.repetitions, 3) << sweep.name;
+      for (const Row& setting : sweep.settings)
+        EXPECT_GE(Parameters(sweep.experiment->parameters, setting).integer("rounds"), 3) << sweep.name;
+    }
 }
 
 TEST_F(Studies, ScalingTimesEachNumberOfWorkers) {

@@ -67,9 +67,9 @@ class SweepFiles : public testing::Test {
   SweepFiles() : path_(std::filesystem::temp_directory_path() / ("sweep_file_" + std::to_string(getpid()) + ".toml")) {}
   ~SweepFiles() override { std::filesystem::remove(path_); }
 
-  SweepFile load(const std::string& text, bool small = false) const {
+  SweepFile load(const std::string& text, SweepForm form = SweepForm::standard) const {
     std::ofstream(path_) << text;
-    return load_sweep_file(path_.string(), small, lookup);
+    return load_sweep_file(path_.string(), form, lookup);
   }
   // The head of a file whose sweep begins in line 5 and takes no data.
   static std::string clock(const std::string& rest) {
@@ -81,8 +81,8 @@ class SweepFiles : public testing::Test {
     std::string text = clock(rest);
     return text.replace(text.find("clock"), 5, "strict");
   }
-  std::vector<nlohmann::json> settings(const std::string& rest, bool small = false) const {
-    return load(clock(rest), small).sweeps.at(0).settings;
+  std::vector<nlohmann::json> settings(const std::string& rest, SweepForm form = SweepForm::standard) const {
+    return load(clock(rest), form).sweeps.at(0).settings;
   }
   // Expects an error that names the line and has the text.
   void refused(const std::string& text, int line, const std::string& part) const {
@@ -156,15 +156,18 @@ TEST_F(SweepFiles, RandomDrawsStayWhatTheyAre) {
   EXPECT_EQ(std::set<Json>(many.begin(), many.end()).size(), many.size());
 }
 
-TEST_F(SweepFiles, SmallReplacesParameterByParameter) {
+TEST_F(SweepFiles, AFormReplacesParameterByParameter) {
   const std::string text =
       "repetitions = 5\nparameters = { threads = [1, 2, 4], blend = [\"linear\", \"step\"] }\n"
-      "small = { repetitions = 1, parameters = { threads = 2 } }";
+      "small = { repetitions = 1, parameters = { threads = 2 } }\nfull = { parameters = { threads = [1, 2, 4, 8] } }";
   EXPECT_EQ(settings(text).size(), 6u);
+  EXPECT_EQ(settings(text, SweepForm::full).size(), 8u);
+  EXPECT_EQ(load(clock(text), SweepForm::full).sweeps[0].repetitions, 5);
   const std::vector<Json> expected = {{{"blend", "linear"}, {"threads", 2}}, {{"blend", "step"}, {"threads", 2}}};
-  EXPECT_EQ(settings(text, true), expected);
-  EXPECT_EQ(load(clock(text), true).sweeps[0].repetitions, 1);
+  EXPECT_EQ(settings(text, SweepForm::small), expected);
+  EXPECT_EQ(load(clock(text), SweepForm::small).sweeps[0].repetitions, 1);
   refused(clock("small = { parameters = { threads = 99 } }"), 8, "from 1 to 64");
+  refused(clock("full = { parameters = { threads = 99 } }"), 8, "from 1 to 64");
 }
 
 TEST_F(SweepFiles, EffectsAreThoseOfTheRenderer) {

@@ -3,9 +3,9 @@
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
-#include "bench/peers.h"
+#include "core/simplify/peers/whole_mesh.h"
 
-namespace lodestone::bench {
+namespace lodestone {
 namespace {
 
 using Mesh = OpenMesh::TriMesh_ArrayKernelT<>;
@@ -61,4 +61,4 @@ PeerMesh simplify_with_openmesh(const PeerMesh& input, std::size_t triangles) {
   return left;
 }
 
-}  // namespace lodestone::bench
+}  // namespace lodestone

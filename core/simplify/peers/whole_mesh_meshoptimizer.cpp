@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "bench/peers.h"
+#include "core/simplify/peers/whole_mesh.h"
 
-namespace lodestone::bench {
+namespace lodestone {
 namespace {
 
 constexpr float any_error = 1e9f;
@@ -34,4 +34,4 @@ PeerMesh cluster_with_meshoptimizer(const PeerMesh& mesh, std::size_t triangles)
   return with_indices(mesh, out, count);
 }
 
-}  // namespace lodestone::bench
+}  // namespace lodestone
