@@ -35,13 +35,13 @@ def find_modules():
 
 
 def print_summary(studies, output, note):
-    from .findings import count_runs, list_oddities, reported
+    from .findings import count_runs, reported
 
     for study in studies:
         counts = count_runs(study.sweeps)
         print(f"{study.title}: {counts['runs']} runs, {reported(counts)} verified, {counts['unverified']} not verified, "
               f"{counts['failed']} failed, {counts['missing']} missing")
-        for oddity in list_oddities(study):
+        for oddity in study.oddities:
             print(f"note: {oddity}")
         for figure in study.figures:
             print(f"  {figure.title}: {figure.outcome}")

@@ -3,6 +3,7 @@
 import csv
 import io
 import math
+import pathlib
 from collections import defaultdict
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -142,7 +143,7 @@ class Figure:
 
     def save(self, path):
         """Writes path.svg, path.pdf and path.csv; `path` has no suffix."""
-        write_all({f"{path}{suffix}": content for suffix, content in self.contents().items()})
+        write_all({pathlib.Path(f"{path}{suffix}"): content for suffix, content in self.contents().items()})
 
 
 @dataclass

@@ -1,84 +1,58 @@
 """Files that are written as a whole or not at all, and the report as CSV and JSON."""
 
-import contextlib
 import csv
 import io
 import json
 import os
-import pathlib
 import tempfile
 from dataclasses import asdict
 
-from .findings import count_runs, list_oddities
+from .findings import count_runs
 from .study import row_records
-
-
-def write(path, content):
-    """write_all() of a single file."""
-    write_all({path: content})
+from .text import plain
 
 
 def write_all(contents):
-    """Writes files, {path: bytes}, aside and renames them when all are complete; after an error none has been touched.
-    Raises OSError whose filename is the path."""
-    temporaries = {}
+    """Writes files, {path: bytes}, aside and renames them when all are complete: after an error none has changed. A path that
+    is not a regular file (a pipe) is written to directly, and a symbolic link is followed. Raises OSError whose filename is
+    the path."""
+    complete = {}
     try:
         for path, content in contents.items():
-            with named(path):
-                temporaries[path] = write_aside(pathlib.Path(path), content)
-        for path, temporary in list(temporaries.items()):
-            with named(path):
-                if temporary:
-                    os.replace(temporary, pathlib.Path(path).resolve())
-            del temporaries[path]
-    finally:
-        for temporary in filter(None, temporaries.values()):
-            os.unlink(temporary)
-
-
-@contextlib.contextmanager
-def named(path):
-    try:
-        yield
+            if path.exists() and not path.is_file():
+                path.write_bytes(content)
+            else:
+                complete[path] = write_aside(path.resolve(), content)
+        for path in list(complete):
+            os.replace(complete[path], path.resolve())
+            del complete[path]
     except OSError as error:
         error.filename = str(path)
         raise
+    finally:
+        for temporary in complete.values():
+            os.unlink(temporary)
 
 
-def write_aside(path, content):
-    """The name of a complete temporary beside the file that `path` names, symbolic links followed; None where that is not a
-    regular file (a pipe), which is written to."""
-    if path.exists() and not path.is_file():
-        path.write_bytes(content)
-        return None
-    target = path.resolve()
+def write_aside(target, content):
+    """The name of a complete temporary beside target, with its permissions."""
     descriptor, temporary = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     try:
-        written = 0
-        while written < len(content):
-            written += os.pwrite(descriptor, content[written:written + 2**20], written)
-        os.fchmod(descriptor, target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~current_umask())
+        with open(descriptor, "wb", buffering=0):
+            written = 0
+            while written < len(content):
+                written += os.pwrite(descriptor, content[written:written + 2**20], written)
+            os.umask(umask := os.umask(0))
+            os.fchmod(descriptor, target.stat().st_mode & 0o777 if target.exists() else 0o666 & ~umask)
+        return temporary
     except BaseException:
         os.unlink(temporary)
         raise
-    finally:
-        os.close(descriptor)
-    return temporary
-
-
-def current_umask():
-    umask = os.umask(0)
-    os.umask(umask)
-    return umask
 
 
 def encode(text):
     """UTF-8; names of files need not be, and lose what is not."""
     return text.encode(errors="replace")
-
-
-def csv_text(value):
-    return value if isinstance(value, str) else "" if value is None else json.dumps(value)
 
 
 def to_csv(studies):
@@ -88,7 +62,7 @@ def to_csv(studies):
     file = io.StringIO()
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(names)
-    writer.writerows([*map(csv_text, record)] for record in records)
+    writer.writerows(["" if value is None else plain(value) for value in record] for record in records)
     return file.getvalue()
 
 
@@ -117,7 +91,7 @@ def sweep_json(sweep, table):
 
 def study_json(study):
     return {"name": study.name, "title": study.title, "question": study.question, "program": study.program,
-            "oddities": list_oddities(study), "sweeps": [*map(sweep_json, study.sweeps, study.tables)],
+            "oddities": study.oddities, "sweeps": [*map(sweep_json, study.sweeps, study.tables)],
             "figures": [*map(asdict, study.figures)]}
 
 

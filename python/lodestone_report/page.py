@@ -67,6 +67,11 @@ def wrong_rows(study):
     return wrong
 
 
+def heads(columns, table=None):
+    """Heads of columns for the templates: name, unit, true for numbers, meaning."""
+    return [(c.name, shown_unit(c.unit)[0], table is not None and table.has_numbers(c.name), c.meaning) for c in columns]
+
+
 def inputs(study):
     return sorted({(run.data, run.input, run.input_sha256) for run in study.unique_runs() if run.input_sha256})
 
@@ -102,9 +107,9 @@ def environment():
                              undefined=jinja2.StrictUndefined)
     env.filters |= {
         "number": number_text, "value": cell_text, "in": in_unit, "unit": lambda unit: shown_unit(unit)[0],
-        "is_number": is_number, "counted": counted, "alternative": alternative, "inputs": inputs,
+        "is_number": is_number, "counted": counted, "alternative": alternative, "heads": heads, "inputs": inputs,
         "counts": lambda sweep: findings.count_runs([sweep]), "reported": findings.reported,
-        "oddities": findings.list_oddities, "problems": findings.list_problems, "manifest": findings.summarize_manifests,
+        "problems": findings.list_problems, "manifest": findings.summarize_manifests,
         "tables": lambda study: zip(study.sweeps, study.tables), "wrong_rows": wrong_rows,
         "base64": lambda path: base64.b64encode(read_bytes(path)).decode()}
     env.globals |= {"choose_columns": choose_columns, "asset": lambda name: Markup((TEMPLATES / name).read_text()),}

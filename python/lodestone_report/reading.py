@@ -5,6 +5,7 @@ import math
 import pathlib
 
 from .study import COLUMN_KINDS, FIGURE_KINDS, Column, Fault, FigureRequest, Repetition, Run, Study, StudyError, Sweep, is_number
+from .text import plain
 
 
 def refuse_constant(name):
@@ -141,17 +142,13 @@ def agree(one, other):
     return type(one) is type(other) and one == other
 
 
-def exact_text(value):
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
-
-
 def difference_in(name, repetitions):
     """The first two values of a column that differ between repetitions, in words; None if there are none."""
     for rows in zip(*(r.rows for r in repetitions)):
         values = [row[name] for row in rows if row.get(name) is not None]
         for value in values[1:]:
             if not agree(values[0], value):
-                return f"{name} differs between repetitions: {exact_text(values[0])} and {exact_text(value)}"
+                return f"{name} differs between repetitions: {plain(values[0])} and {plain(value)}"
     return None
 
 

@@ -160,6 +160,13 @@ class Study:
         return pandas.DataFrame.from_records(records)
 
     @cached_property
+    def oddities(self):
+        """What to know before reading figures, in words: several machines or programs, missing repetitions, ..."""
+        from .findings import list_oddities
+
+        return list_oddities(self)
+
+    @cached_property
     def tables(self):
         """A SettingTable for each sweep."""
         from .settings import aggregate

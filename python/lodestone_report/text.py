@@ -41,6 +41,10 @@ def with_unit(value, unit):
     return f"{number_text(value)} {unit}".rstrip()
 
 
-def dump(value):
-    """Compact JSON: equal for equal values only, where 1 and 1.0 count as different."""
-    return json.dumps(value, ensure_ascii=False, sort_keys=True, separators=(",", ":"))
+def plain(value):
+    """A text as it is, anything else as JSON."""
+    return value if isinstance(value, str) else dump(value)
+
+
+# Compact JSON of a value: equal for equal values only, where 1 and 1.0 count as different.
+dump = json.JSONEncoder(ensure_ascii=False, sort_keys=True, separators=(",", ":")).encode

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+import pathlib
 import re
 import unittest
 from unittest import mock
@@ -71,10 +72,10 @@ class Page(FolderCase):
         target.write_text("before")
         target.chmod(0o640)
         link.symlink_to(target)
-        files.write(link, b"after")
+        files.write_all({link: b"after"})
         self.assertTrue(link.is_symlink())
         self.assertEqual((target.read_bytes(), target.stat().st_mode & 0o777), (b"after", 0o640))
-        files.write("/dev/null", b"gone")
+        files.write_all({pathlib.Path("/dev/null"): b"gone"})
         self.assertFalse(os.path.isfile("/dev/null"))
 
     def test_drawing_that_fails_is_a_note_and_numbers_are_written(self):
