@@ -4,8 +4,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #endif
 
 namespace lodestone::effects {
@@ -41,11 +41,11 @@ void directional_light(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
 // Normals of the triangles, towards the eye, of any length.
-inline Points faces_towards_eye(const ResolveJob& job, const Surface& s) {
+inline Points faces_towards_eye(const ShadingJob& job, const Surface& s) {
   const Points face = cross(difference(s.corner[1], s.corner[0]), difference(s.corner[2], s.corner[0]));
   const auto eye = [&](const ModelFrame& m) -> const Eye& { return job.eyes[&m - job.frame->models.data()]; };
   const Float w = of_models(s, [&](const ModelFrame& m) { return eye(m).w; });
@@ -54,7 +54,7 @@ inline Points faces_towards_eye(const ResolveJob& job, const Surface& s) {
   return select(away, scaled(all(-1.0f), face), face);
 }
 
-inline void directional_light(const ResolveJob& job, Surface& s, Int lanes) {
+inline void directional_light(const ShadingJob& job, Surface& s, Int lanes) {
   const Int flip = dot(s.normal, faces_towards_eye(job, s)) < 0.0f;
   const Points to = vectors_of_models(s, [](const ModelFrame& m) { return m.towards_light; });
   const Float along = dot(s.normal, to);

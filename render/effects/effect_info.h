@@ -2,7 +2,8 @@
 // its own in this folder, with its code for each backend beside that.
 //
 // Code for `gl` is source text, put together by render/backends/gl/gl_shaders.h. Code for `soft` is a function on the
-// lanes of a group of pixels, put together by render/backends/soft/resolve_kernel.h, which defines LODESTONE_LANES.
+// lanes of a group of pixels (render/surface), put together by render/backends/soft/resolve_kernel.h. It is compiled only
+// where render/surface/lanes.h, which defines LODESTONE_SHADING_LANES, comes first.
 #pragma once
 
 #include <span>

@@ -4,8 +4,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #endif
 
 namespace lodestone::effects {
@@ -34,10 +34,10 @@ void fog(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
-inline void fog(const ResolveJob& job, Surface& s, Int lanes) {
+inline void fog(const ShadingJob& job, Surface& s, Int lanes) {
   const Fog& fog = job.frame->setting.fog;
   if (!(fog.density > 0)) return;
   const Float apart = distances_from_eye(job, s);

@@ -3,8 +3,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #endif
 
 namespace lodestone::effects {
@@ -32,10 +32,10 @@ void head_light(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
-inline void head_light(const ResolveJob& job, Surface& s, Int lanes) {
+inline void head_light(const ShadingJob& job, Surface& s, Int lanes) {
   const Points to = vectors_of_models(s, [](const ModelFrame& m) { return m.towards_eye; });
   const Float cosine = abs(dot(s.normal, to)) / sqrt(max(dot(s.normal, s.normal), all(shading::least_norm2)));
   s.light += as_float(lanes & as_int(job.frame->setting.lighting.head * min(cosine, all(1.0f))));

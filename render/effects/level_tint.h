@@ -3,8 +3,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #endif
 
 namespace lodestone::effects {
@@ -34,10 +34,10 @@ void level_tint(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
-inline void level_tint(const ResolveJob& job, Surface& s, Int lanes) {
+inline void level_tint(const ShadingJob& job, Surface& s, Int lanes) {
   const float share = job.frame->setting.level_tint;
   if (!(share > 0)) return;
   Points tint{};

@@ -51,7 +51,7 @@ void normal_map(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
 // Normals of the surface, of unit length.
@@ -66,7 +66,7 @@ inline Points shading_normals(const Surface& s, const Mapping& m) {
   return scaled(select(turned_away, -scale, scale), s.normal);
 }
 
-inline void normal_map(const ResolveJob& job, Surface& s, Int lanes) {
+inline void normal_map(const ShadingJob& job, Surface& s, Int lanes) {
   lanes &= of_models(s, [](const ModelFrame& m) { return m.look.normal_maps ? 1.0f : 0.0f; }) > 0.0f;
   if (bits(lanes) == 0) return;
   Materials material;

@@ -11,7 +11,7 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 #include "render/effects/directional_light.h"
 #endif
 
@@ -84,7 +84,7 @@ void shadow(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
 // A row of the models' light projections at p, without its last number or with it.
@@ -130,7 +130,7 @@ inline Float hidden_shares(const ShadowView& map, Float u, Float v, Float depth,
   return sum / 9.0f;
 }
 
-inline void shadow(const ResolveJob& job, Surface& s, Int lanes) {
+inline void shadow(const ShadingJob& job, Surface& s, Int lanes) {
   lanes &= s.directional > 0.0f;
   if (bits(lanes) == 0) return;
   const ShadowView& map = job.shadow;

@@ -3,8 +3,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #endif
 
 namespace lodestone::effects {
@@ -67,7 +67,7 @@ void smooth_normals(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
 // unpack_normal, lane by lane.
@@ -121,7 +121,7 @@ template <class CellOf, class VertexOf>
   return interpolated(s, corner(0), corner(1), corner(2));
 }
 
-inline void smooth_normals(const ResolveJob&, Surface& s, Int lanes) {
+inline void smooth_normals(const ShadingJob&, Surface& s, Int lanes) {
   const Points n = interpolated_normals(s);
   const Int smooth = lanes & (of_models(s, [](const ModelFrame& m) { return m.look.smooth ? 1.0f : 0.0f; }) > 0.0f);
   s.normal = bits(smooth) == all_lanes ? n : select(smooth, n, s.normal);

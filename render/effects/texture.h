@@ -31,10 +31,10 @@ void base_texture(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
-inline void texture(const ResolveJob& job, Surface& s, Int lanes) {
+inline void texture(const ShadingJob& job, Surface& s, Int lanes) {
   lanes &= of_models(s, [](const ModelFrame& m) { return m.look.textures ? 1.0f : 0.0f; }) > 0.0f;
   if (bits(lanes) == 0) return;
   Materials material;

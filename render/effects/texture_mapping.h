@@ -15,8 +15,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #include "render/textures/surface_textures.h"
 #endif
 
@@ -93,12 +93,12 @@ vec3 texel_of(uvec4 map) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
 // Materials of the lanes.
 using Materials = const SurfaceMaterial* [width];
-inline void find_materials(const ResolveJob& job, const Surface& s, Materials& to) {
+inline void find_materials(const ShadingJob& job, const Surface& s, Materials& to) {
   for (int k = 0; k < width; ++k) {
     const DrawnCell& cell = *s.cell[k];
     const std::span<const SurfaceMaterial> of_model = job.textures->materials(cell.model->model);
@@ -154,7 +154,7 @@ inline std::array<Coordinates, 3> corner_coordinates(const Surface& s) {
           of_models(s, [&](const ModelFrame& m) { return m.view_projection.m[4 * r + 2]; })};
 }
 
-inline Mapping find_mapping(const ResolveJob& job, Surface& s) {
+inline Mapping find_mapping(const ShadingJob& job, Surface& s) {
   const auto [ta, tb, tc] = corner_coordinates(s);
   if (!s.has_corners) find_corners(s);
   const Points a = s.corner[0], to_b = difference(s.corner[1], a), to_c = difference(s.corner[2], a);
@@ -171,8 +171,8 @@ inline Mapping find_mapping(const ResolveJob& job, Surface& s) {
   // A pixel's step d on the plane: row_x d = w 2 / width, row_y d = 0, with the rows of clip x and y minus what the
   // pixel's window coordinates make of clip w's.
   const Points row_w = projection_row(s, 3), row_0 = projection_row(s, 0), row_1 = projection_row(s, 1);
-  const Float at_x = to_float(s.x) / job.viewport->half_width() - 1.0f,
-              at_y = 1.0f - to_float(s.y) / job.viewport->half_height();
+  const Float at_x = to_float(s.x) / job.half_width - 1.0f,
+              at_y = 1.0f - to_float(s.y) / job.half_height;
   const Points row_x = difference(row_0, scaled(at_x, row_w)), row_y = difference(row_1, scaled(at_y, row_w));
   const Points here{a.x + s.weight[1] * to_b.x + s.weight[2] * to_c.x,
                     a.y + s.weight[1] * to_b.y + s.weight[2] * to_c.y,
@@ -181,7 +181,7 @@ inline Mapping find_mapping(const ResolveJob& job, Surface& s) {
   m.away = cross(row_x, row_y);
   const Points side = cross(row_y, m.normal), up = cross(m.normal, row_x);
   const Float step = w * static_cast<float>(subpixels) / dot(row_x, side);
-  const Float step_x = step / job.viewport->half_width(), step_y = -step / job.viewport->half_height();
+  const Float step_x = step / job.half_width, step_y = -step / job.half_height;
   m.u_x = step_x * dot(m.along_u, side), m.v_x = step_x * dot(m.along_v, side);
   m.u_y = step_y * dot(m.along_u, up), m.v_y = step_y * dot(m.along_v, up);
   return m;
@@ -249,7 +249,7 @@ struct LaneThings {
 }
 
 // Computed once for all effects of a pixel that ask for it.
-inline const Mapping& mapping_of(const ResolveJob& job, Surface& s) {
+inline const Mapping& mapping_of(const ShadingJob& job, Surface& s) {
   if (!s.is_mapped) s.mapping = find_mapping(job, s);
   s.is_mapped = true;
   return s.mapping;
@@ -258,7 +258,7 @@ inline const Mapping& mapping_of(const ResolveJob& job, Surface& s) {
 // Textures of the lanes, by number_of(lane), which may be no_texture; returns where there is one. The other lanes, and
 // those not asked for, repeat one of these.
 template <class NumberOf>
-inline Int find_textures(const ResolveJob& job, const NumberOf& number_of, unsigned asked,
+inline Int find_textures(const ShadingJob& job, const NumberOf& number_of, unsigned asked,
                          const SurfaceTexture* (&to)[width]) {
   std::int32_t there[width]{};
   const SurfaceTexture* any = nullptr;

@@ -5,8 +5,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #endif
 
 namespace lodestone::effects {
@@ -45,7 +45,7 @@ void vertex_colours(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
 // Colours of corner i, each channel in [0, 1], morphed as morph_vertex does. White in lanes whose model has none.
@@ -69,7 +69,7 @@ namespace lodestone::soft::LODESTONE_LANES {
   return {mix(w.x, p.x), mix(w.y, p.y), mix(w.z, p.z)};
 }
 
-inline void vertex_colours(const ResolveJob&, Surface& s, Int lanes) {
+inline void vertex_colours(const ShadingJob&, Surface& s, Int lanes) {
   const Int shown = lanes & gathered([&](int k) {
                       const DrawnCell& cell = *s.cell[k];
                       return cell.model->look.vertex_colours && !cell.own->attributes.colours.empty() ? -1 : 0;

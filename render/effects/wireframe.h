@@ -6,8 +6,8 @@
 
 #include "render/effects/effect_info.h"
 
-#ifdef LODESTONE_LANES
-#include "render/backends/soft/surface_kernel.h"
+#ifdef LODESTONE_SHADING_LANES
+#include "render/surface/surface.h"
 #endif
 
 namespace lodestone::effects {
@@ -67,7 +67,7 @@ void wireframe(inout Surface s) {
 
 }  // namespace lodestone::effects
 
-#ifdef LODESTONE_LANES
+#ifdef LODESTONE_SHADING_LANES
 namespace lodestone::soft::LODESTONE_LANES {
 
 struct ClipPoints {
@@ -84,7 +84,7 @@ inline ClipPoints in_clip_space(const Surface& s, const Points& p) {
 }
 
 // In pixels, from (x, y) to the line through two points; see the GLSL.
-inline Float edge_distances(const ResolveJob& job, ClipPoints p, ClipPoints q, Float x, Float y) {
+inline Float edge_distances(const ShadingJob& job, ClipPoints p, ClipPoints q, Float x, Float y) {
   const auto moved = [](Int out, ClipPoints& to, const ClipPoints& from, Float t) {
     const auto move = [&](Float& a, Float b) { a = select(out, b + t * (a - b), a); };
     move(to.x, from.x), move(to.y, from.y), move(to.w, from.w);
@@ -96,7 +96,7 @@ inline Float edge_distances(const ResolveJob& job, ClipPoints p, ClipPoints q, F
     moved(q_out & ~p_out, q, p, at_p / (at_p - at_q));
   }
   constexpr float pixel = 1.0f / subpixels;
-  const float half_width = job.viewport->half_width() * pixel, half_height = job.viewport->half_height() * pixel;
+  const float half_width = job.half_width * pixel, half_height = job.half_height * pixel;
   const auto window_x = [&](const ClipPoints& c) { return (1.0f + c.x / c.w) * half_width; };
   const auto window_y = [&](const ClipPoints& c) { return (1.0f - c.y / c.w) * half_height; };
   const Float from_x = window_x(p), from_y = window_y(p), along_x = window_x(q) - from_x,
@@ -106,7 +106,7 @@ inline Float edge_distances(const ResolveJob& job, ClipPoints p, ClipPoints q, F
   return select(p_out & q_out, all(1e6f), apart);
 }
 
-inline void wireframe(const ResolveJob& job, Surface& s, Int lanes) {
+inline void wireframe(const ShadingJob& job, Surface& s, Int lanes) {
   const float opacity = job.frame->setting.wireframe;
   if (!(opacity > 0)) return;
   const ClipPoints a = in_clip_space(s, s.corner[0]), b = in_clip_space(s, s.corner[1]),

@@ -11,13 +11,9 @@
 #include "render/backends/soft/soft_renderer.h"
 #include "render/backends/soft/tile_buffer.h"
 #include "render/backends/soft/viewport.h"
-#include "render/camera/eye.h"
 #include "render/effects/ambient_occlusion.h"
 #include "render/lod/limits.h"
-
-namespace lodestone {
-class SurfaceTextures;
-}
+#include "render/surface/shading_job.h"
 
 namespace lodestone::soft {
 
@@ -60,12 +56,6 @@ struct SetupLists {
 // Points shaded, by effect.
 using WorkCounts = std::array<std::uint64_t, effect_count>;
 
-// The map of the directional light, rows from the top; depth null where there is none.
-struct ShadowView {
-  const float* depth = nullptr;
-  int texels = 0;  // a side
-};
-
 // A sample of a tile that a transparent triangle covers.
 struct LayerItem {
   std::uint32_t sample = 0;  // as Fragment has it
@@ -95,16 +85,12 @@ struct LayerLight {
 };
 
 // Stage 4: what is seen in a tile becomes colour and depth of the picture.
-struct ResolveJob {
-  const Frame* frame = nullptr;
+struct ResolveJob : ShadingJob {
   const Viewport* viewport = nullptr;
   const DrawnCells* drawn = nullptr;
-  const Eye* eyes = nullptr;  // of the models of the frame
   PixelRect rect;
   Image* image = nullptr;
   WorkCounts* work = nullptr;
-  const SurfaceTextures* textures = nullptr;  // of the models
-  ShadowView shadow{};
   const LayerLight* layers = nullptr;  // over the tile; only for resolve_layered
   bool keeps_through = false;          // alpha tells how much of the opaque surfaces is seen; else 255
 };

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "render/backends/soft/kernels.h"
-#include "render/backends/soft/lanes.h"
 #include "render/effects/ambient_occlusion.h"
+#include "render/surface/lanes.h"
 
 namespace lodestone::soft::LODESTONE_LANES {
 

@@ -9,13 +9,10 @@
 #include <cstdint>
 #include <span>
 
-#include "core/hierarchy/model/hierarchy.h"
-#include "render/frame/frame.h"
+#include "render/surface/shading_job.h"
 
 namespace lodestone::soft {
 
-inline constexpr int subpixel_bits = 8;
-inline constexpr int subpixels = 1 << subpixel_bits;
 inline constexpr int tile_bits = 6;
 inline constexpr int tile_size = 1 << tile_bits;  // pixels, both ways
 inline constexpr std::size_t tile_pixels = std::size_t{tile_size} * tile_size;
@@ -54,29 +51,6 @@ struct alignas(16) WindowVertex {
 // Bits of an outcode: outside the left, right, bottom, top, near, far plane.
 struct Outside {
   static constexpr std::uint32_t left = 1, right = 2, bottom = 4, top = 8, near = 16, far = 32;
-};
-
-// A triangle of the frame: a number of its own, increasing in drawing order. Numbers of a cell are consecutive and
-// start at a multiple of 256, so that number / 256 finds the cell.
-using TriangleNumber = std::uint32_t;
-inline constexpr int numbers_per_block_bits = 8;
-
-// A visible cell in a frame.
-struct DrawnCell {
-  std::uint32_t cell = 0;  // index in Hierarchy::cells
-  std::uint8_t level = 0;
-  bool morphing = false;  // false: lambda = 1 on the whole of it, neither lambdas nor parents are looked at
-  TriangleNumber first_triangle = 0;
-  const ModelFrame* model = nullptr;
-  const Cell *own = nullptr, *coarser = nullptr;  // the cell; and its parent, where it morphs
-  // Of the vertices of the cell, and of its parent where it morphs; texture coordinates where the model has some.
-  const Vec3f *positions = nullptr, *coarser_positions = nullptr;
-  const Vec2f *uv = nullptr, *coarser_uv = nullptr;
-  // Likewise, and the vertices' parents.
-  const PackedNormal* normals = nullptr;
-  const PackedNormal* coarser_normals = nullptr;
-  const std::uint32_t* parents = nullptr;
-  float* lambdas = nullptr;  // of the vertices where it morphs, as the vertex stage has left them
 };
 
 // The drawn cells, by the numbers of their triangles.

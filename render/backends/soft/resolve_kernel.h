@@ -9,7 +9,6 @@
 #include <array>
 
 #include "core/base/prefetch.h"
-#include "render/backends/soft/lanes.h"
 #include "render/backends/soft/surface_kernel.h"
 #include "render/effects/directional_light.h"
 #include "render/effects/fog.h"
@@ -27,10 +26,10 @@
 namespace lodestone::soft::LODESTONE_LANES {
 
 // Changes the surface in the lanes of the mask.
-using ShadingStep = void (*)(const ResolveJob& job, Surface& s, Int lanes);
+using ShadingStep = void (*)(const ShadingJob& job, Surface& s, Int lanes);
 
 // One normal for the whole triangle, for surfaces without smooth ones.
-inline void face_normals(const ResolveJob&, Surface& s, Int) {
+inline void face_normals(const ShadingJob&, Surface& s, Int) {
   s.normal = cross(difference(s.corner[1], s.corner[0]), difference(s.corner[2], s.corner[0]));
 }
 

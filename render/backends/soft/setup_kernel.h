@@ -6,7 +6,7 @@
 #pragma once
 
 #include "render/backends/soft/kernels.h"
-#include "render/backends/soft/lanes.h"
+#include "render/surface/lanes.h"
 
 namespace lodestone::soft::LODESTONE_LANES {
 

@@ -203,15 +203,12 @@ class SoftRenderer final : public Renderer {
         TileBuffer<Samples>& tile = here.template tile<Samples>();
         const PixelRect rect = grid.rect(k);
         draw_tile<Samples>(kernels_, geometry_.workers(), k, rect, tile);
-        ResolveJob job{&frame,
+        ResolveJob job{{&frame, viewport.half_width(), viewport.half_height(), eyes_.data(), &textures_, shadow},
                        &viewport,
                        &drawn,
-                       eyes_.data(),
                        rect,
                        &image_,
                        &here.work,
-                       &textures_,
-                       shadow,
                        nullptr,
                        effects::has_occlusion_pass(frame)};
         if (has_layers_) {

@@ -4,8 +4,8 @@
 #include <type_traits>
 
 #include "render/backends/soft/kernels.h"
-#include "render/backends/soft/lanes.h"
 #include "render/lod/blend.h"
+#include "render/surface/lanes.h"
 
 namespace lodestone::soft::LODESTONE_LANES {
 
@@ -119,7 +119,7 @@ inline void transform_lanes(const VertexJob& job, const Vec3f* w, const std::uin
     store(lambdas, lambda);
     p = morphed(lambda, p, job.coarser, parents);
   }
-  store_vertices(out, snapped(job, p));
+  store_vertices(reinterpret_cast<float*>(out), snapped(job, p));
 }
 
 template <class Motion>

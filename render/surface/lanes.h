@@ -16,7 +16,10 @@
 #endif
 
 #include "core/base/instruction_set.h"
-#include "render/backends/soft/raster_types.h"
+#include "core/math/vec3.h"
+
+// Where this is defined, effects (render/effects) have their code for lanes.
+#define LODESTONE_SHADING_LANES
 
 namespace lodestone::soft::LODESTONE_LANES {
 
@@ -273,10 +276,9 @@ template <class From>
 #endif
 }
 
-// To consecutive places.
-inline void store_vertices(WindowVertex* to, const Vertices& v) {
+// One after the other.
+inline void store_vertices(float* f, const Vertices& v) {
   const Quads q = transposed(as_float(v.x), as_float(v.y), v.z, v.inverse_w);
-  auto* f = reinterpret_cast<float*>(to);
 #if defined(__AVX2__)
   _mm256_storeu_ps(f, _mm256_permute2f128_ps(q.a, q.b, 0x20));
   _mm256_storeu_ps(f + 8, _mm256_permute2f128_ps(q.c, q.d, 0x20));
