@@ -55,7 +55,7 @@ struct View {
     const auto corners = corners_of(hierarchy.cells.front().bounds, no_placement);
     const Vec3d towards_light{0.5, 0.3, 0.4};
     const LightView light =
-        fit_light(towards_light, corners, corners, frame.setting.lighting.directional.shadow_texels);
+        fit_light(towards_light, corners, corners, frame.settings.lighting.directional.shadow_texels);
     model.light_projection = light_projection(light, no_placement);
     model.towards_light = to_float(light.towards_light);
     frame.lens = {0.736f, 0.414f, 0.15f, 2};
@@ -71,7 +71,7 @@ struct Case {
 
 void light(Frame& frame) {
   frame.only().effects.insert(Effect::directional_light);
-  frame.setting.lighting.directional.strength = 0.7f;
+  frame.settings.lighting.directional.strength = 0.7f;
 }
 
 constexpr Case cases[]{
@@ -79,28 +79,28 @@ constexpr Case cases[]{
     {"wireframe",
      [](Frame& frame) {
        frame.only().effects.insert(Effect::wireframe);
-       frame.setting.wireframe = 0.5f;
+       frame.settings.wireframe = 0.5f;
      }},
     {"overdraw",
      [](Frame& frame) {
        frame.effects.insert(Effect::overdraw);
-       frame.setting.overdraw = true;
+       frame.settings.overdraw = true;
      }},
     {"light_and_shadow",
      [](Frame& frame) {
        light(frame);
        frame.effects.insert(Effect::shadow);
-       frame.setting.lighting.directional.shadows = true;
+       frame.settings.lighting.directional.shadows = true;
      }},
     {"transparency",
      [](Frame& frame) {
        frame.effects.insert(Effect::transparency);
-       frame.only().look.opacity = 0.5f;
+       frame.only().appearance.opacity = 0.5f;
      }},
     {"ambient_occlusion",
      [](Frame& frame) {
        frame.effects.insert(Effect::ambient_occlusion);
-       frame.setting.ambient_occlusion = {0.8f, 0.05f};
+       frame.settings.ambient_occlusion = {0.8f, 0.05f};
      }},
 };
 

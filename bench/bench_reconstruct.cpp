@@ -10,9 +10,9 @@
 #include "core/mesh/generate.h"
 #include "parallel/clean/prepare.h"
 #include "render/position_map/rasterize_map.h"
-#include "render/reconstruct/condense_map.h"
-#include "render/reconstruct/gather.h"
+#include "render/reconstruct/merge/gather.h"
 #include "render/reconstruct/reconstruct.h"
+#include "render/reconstruct/views/condense_map.h"
 
 namespace lodestone {
 namespace {

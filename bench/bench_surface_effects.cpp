@@ -19,7 +19,7 @@
 #include "parallel/scheduler/cpu_clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
-#include "render/frame/look.h"
+#include "render/frame/appearance.h"
 
 namespace lodestone {
 namespace {
@@ -80,7 +80,7 @@ struct Scene {
     const Frustum frustum = frustum_of(frame.only().view_projection);
     select_cells(hierarchy, radii, frame.only().morph.viewpoint, {&frustum, false}, selection);
     frame.only().selection = &selection;
-    frame.only().look = look_of(hierarchy);
+    frame.only().appearance = appearance_of(hierarchy);
   }
 };
 

@@ -20,7 +20,7 @@
 #include "parallel/mesh/load.h"
 #include "parallel/scheduler/cpu_clock.h"
 #include "render/position_map/map_files.h"
-#include "render/reconstruct/resample_attributes.h"
+#include "render/reconstruct/finish/resample_attributes.h"
 
 namespace lodestone {
 namespace {

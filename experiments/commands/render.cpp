@@ -96,7 +96,7 @@ void apply(const RenderOptions& options, Scene& scene) {
   scene.radii = radii_config(options, scene.radii);
   if (options.blend_name) scene.blend = blend(*options.blend_name);
   if (options.effects) scene.effects = parse_effects(*options.effects);
-  if (options.tint) scene.setting.level_tint = 1;
+  if (options.tint) scene.settings.level_tint = 1;
   if (options.frames) scene.camera.frames = *options.frames;
   if (options.camera) scene.camera.path = *options.camera;
 }

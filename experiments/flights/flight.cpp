@@ -86,7 +86,7 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
     if (config.cancel && *config.cancel) throw Cancelled{};
     FrameRow row;
     const Clock::time_point start = Clock::now();
-    row.drawn = scene.look(config.cameras[i], config.view);
+    row.drawn = scene.update(config.cameras[i], config.view);
     const double select = milliseconds_since(start);
     const FrameStats stats = scene.draw(renderer);
     if (row.drawn) result.warnings.insert(result.warnings.end(), stats.warnings.begin(), stats.warnings.end());

@@ -72,7 +72,7 @@ std::vector<std::string> planned_effects(SceneView& view, const ViewConfig& conf
                                          const std::vector<Camera>& cameras) {
   std::vector<std::string> names;
   for (const Camera& camera : cameras) {
-    view.look(camera, config);
+    view.update(camera, config);
     for (const PlannedEffect& effect : explain_plan(view.frame()))
       if (effect.runs && std::ranges::find(names, name_of(effect.effect)) == names.end())
         names.emplace_back(name_of(effect.effect));
@@ -98,7 +98,7 @@ void fly_once(Choice& choice, SceneView& view, ViewConfig config, const std::vec
   std::vector<StageTime> frames;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const CpuClock clock;
-    view.look(cameras[i], config);
+    view.update(cameras[i], config);
     const FrameStats stats = view.draw(renderer);
     const StageTime time = clock.elapsed();
     if (!timed || i == 0) continue;

@@ -27,7 +27,7 @@ ModelDrawer::ModelDrawer(const Hierarchy& hierarchy, const ViewConfig& config, s
 ModelDrawer::Drawn ModelDrawer::draw(const Camera& camera) {
   Drawn drawn;
   const CpuClock clock;
-  view_.look(camera, config_);
+  view_.update(camera, config_);
   drawn.select_seconds = clock.elapsed().seconds;
   drawn.stats = view_.draw(*renderer_);
   drawn.time = clock.elapsed();

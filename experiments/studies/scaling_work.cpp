@@ -81,7 +81,7 @@ class RasterJob : public ScalingJob {
   }
   void run() override {
     for (const Camera& camera : cameras_) {
-      view_.look(camera, config_);
+      view_.update(camera, config_);
       (void)view_.draw(*renderer_);
     }
   }

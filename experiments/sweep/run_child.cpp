@@ -15,7 +15,7 @@
 #include "experiments/sweep/program_identity.h"
 #include "experiments/sweep/run_folder.h"
 #include "parallel/scheduler/processors.h"
-#include "render/backends/gl/graphics_driver.h"
+#include "render/backends/gl/device/graphics_driver.h"
 
 namespace lodestone {
 namespace {

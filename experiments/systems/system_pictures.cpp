@@ -77,7 +77,7 @@ SystemPicture SystemPictures::draw(LodSystem system, const Camera& camera, const
     throw InputError("the system cross-fade is made for one model; this scene has several");
   ViewConfig config = view;
   if (system == LodSystem::step) config.blend = Blend::step;
-  (void)scene_.look(camera, config);
+  (void)scene_.update(camera, config);
 
   SystemPicture picture;
   std::vector<Radii> fine, coarse;

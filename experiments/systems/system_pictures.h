@@ -42,8 +42,8 @@ class SystemPictures {
  public:
   SystemPictures(SceneView& scene, Renderer& renderer, const SystemConfig& config = {});
 
-  // As SceneView::look and Renderer::draw throw; InputError for cross_fade of a scene with several models, which would
-  // fade at different distances. The view of the scene is left at the camera.
+  // As SceneView::update and Renderer::draw throw; InputError for cross_fade of a scene with several models, which
+  // would fade at different distances. The view of the scene is left at the camera.
   [[nodiscard]] SystemPicture draw(LodSystem system, const Camera& camera, const ViewConfig& view);
 
  private:

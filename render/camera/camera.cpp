@@ -1,4 +1,4 @@
-// A pinhole camera as a matrix and as six planes. Everything is computed in double and rounded once at the end, so that
+// A pinhole camera as a matrix. Everything is computed in double and rounded once at the end, so that
 // equal cameras give equal bits whatever called before.
 #include "render/camera/camera.h"
 
@@ -12,6 +12,7 @@
 #include <numbers>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/hierarchy.h"
 
 namespace lodestone {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 // Nearest distance of the near plane, over the extent of the bounds: what a float depth buffer still resolves.
 constexpr double least_near = 1e-4;
 constexpr double least_near_of_all = 1e-6;  // over the extent of all models
-// The bounds are float32 and so is the matrix: far lies this much, relatively, behind the last corner.
+// The bounds are float32 and so is the matrix: far is this much, relatively, beyond the last corner.
 constexpr double far_guard = 1e-3;
 
 glm::dvec3 to_glm(Vec3d v) { return {v.x, v.y, v.z}; }
@@ -94,14 +95,6 @@ DepthRange depth_range(std::span<const PlacedBounds> models, Vec3d eye, Vec3d fo
   range.near = std::max(range.near, least_near_of_all * std::max(largest, range.far));
   range.far = std::max(range.far, 2 * range.near);
   return range;
-}
-
-Plane normalised_plane(double a, double b, double c, double d) {
-  const double norm = std::sqrt(a * a + b * b + c * c);
-  if (!(norm > 0)) return {{0, 0, 0}, 1};  // a degenerate matrix culls nothing
-  // Widened by more than the rounding of a float evaluation in and around the unit cube: culling stays conservative.
-  const double widened = d / norm + 2e-6 * (1 + std::abs(d / norm));
-  return {to_float(Vec3d{a / norm, b / norm, c / norm}), static_cast<float>(widened)};
 }
 
 }  // namespace
@@ -183,21 +176,6 @@ ViewProjection view_projection(const Camera& camera, const Hierarchy& hierarchy,
   const PlacedBounds bounds{{}, hierarchy.cells.empty() ? Box3f{{0, 0, 0}, {1, 1, 1}} : hierarchy.cells.front().bounds};
   return View(in_space(camera, hierarchy.transform.origin, hierarchy.transform.scale), std::span(&bounds, 1), size)
       .projection({});
-}
-
-// Clip space is -w <= x, y, z <= w: each plane is a sum or difference of the last row and another (Gribb and Hartmann
-// 2001).
-Frustum frustum_of(const ViewProjection& vp) {
-  Frustum planes;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      const double sign = side == 0 ? 1 : -1;
-      std::array<double, 4> sum{};
-      for (std::size_t k = 0; k < 4; ++k) sum[k] = double{vp.m[12 + k]} + sign * double{vp.m[4 * axis + k]};
-      planes[2 * axis + side] = normalised_plane(sum[0], sum[1], sum[2], sum[3]);
-    }
-  }
-  return planes;
 }
 
 }  // namespace lodestone

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/hierarchy/model/hierarchy.h"
 #include "render/camera/camera.h"
 
 namespace lodestone {
@@ -139,8 +140,9 @@ glm::dvec3 nearest_of_root(const Hierarchy& hierarchy, glm::dvec3 point) {
   return best;
 }
 
-// Where a ray from outside along -`outwards` first meets the model: aimed at the middle, or else at the coarse surface.
-// The straight way there is free. A ray that misses both times (a coarse surface off the fine one) ends at its aim.
+// The point where a ray from outside along -`outwards` first meets the model: aimed at the middle, or else at the
+// coarse surface. The straight way there is free. A ray that misses both times (a coarse surface off the fine one) ends
+// at its aim.
 Vec3d landing_point(const Hierarchy& hierarchy, glm::dvec3 outwards) {
   const Box3f& box = hierarchy.cells.front().bounds;
   const glm::dvec3 lo(box.lo.x, box.lo.y, box.lo.z), hi(box.hi.x, box.hi.y, box.hi.z), middle = 0.5 * (lo + hi);

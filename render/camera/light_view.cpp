@@ -21,7 +21,7 @@ Vec3d axis_across(Vec3d d) {
   return a.y <= a.z ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
 }
 
-// The least of 2^(k/4) that is not less. A size holds until what it must hold has grown by a fifth.
+// The smallest 2^(k/4) that is not smaller. A size is kept until its contents have grown by a fifth.
 double next_size(double least) {
   constexpr double steps = 4;
   double size = std::exp2(std::ceil(steps * std::log2(least)) / steps);
@@ -34,7 +34,7 @@ struct Extent {
   [[nodiscard]] double half() const { return (hi - lo) / 2; }
 };
 
-// Of the points along an axis.
+// Extent of the points along an axis.
 Extent extent_of(std::span<const Vec3d> points, Vec3d axis) {
   const auto along = [&](Vec3d p) { return dot(p, axis); };
   const auto [lo, hi] = std::ranges::minmax_element(points, {}, along);
@@ -63,7 +63,7 @@ LightView fit_light(Vec3d towards_light, std::span<const Vec3d> receivers, std::
   Extent z = extent_of(receivers, view.towards_light);
   const double z_size = std::max(z.hi - z.lo, 1e-30);
   if (!casters.empty()) {
-    // What lies below all receivers throws no shadow on them.
+    // Casters below all receivers throw no shadow on them.
     z.hi = std::max(z.hi, extent_of(casters, view.towards_light).hi);
   }
   const double least = std::max({x.half(), y.half(), z_size / 1024, 1e-12 * (std::abs(x.hi) + std::abs(y.hi))});

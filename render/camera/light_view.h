@@ -1,9 +1,9 @@
-// From where a directional light sees the scene: the frame of its shadow map, fitted round what may receive a shadow
-// and what may throw one.
+// The view of a directional light onto the scene: the frame of its shadow map, fitted around the receivers and casters
+// of shadows.
 //
-// Parallel projection (williams1978). Moving a camera must not let shadows crawl: the map's side takes one of a few
-// sizes, its texels lie on a lattice that is fixed in the world, and its axes depend on the light alone. So from frame
-// to frame the map moves by whole texels, and what a texel sees stays the same.
+// The projection is parallel (williams1978). Shadows must not crawl when the camera moves: the map's side takes one of
+// a few sizes, its texels lie on a lattice that is fixed in the world, and its axes depend on the light alone. So the
+// map moves by whole texels from frame to frame, and each texel samples the same points.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "core/math/box3.h"
 #include "core/math/vec3.h"
-#include "render/camera/camera.h"
+#include "render/camera/projection.h"
 
 namespace lodestone {
 
@@ -27,17 +27,18 @@ struct LightView {
   friend bool operator==(const LightView&, const LightView&) = default;
 };
 
-// Around the receivers to the sides, around both in depth; with room for shadow_margin texels. `towards_light` is of
-// any length but 0; `texels` a side of the map, at least 4 shadow_margin. Points in world space, such as corners_of
-// gives; without receivers a view of a unit square that nothing needs. Throws InputError where something is not finite.
+// Fits the view around the receivers sideways and around receivers and casters in depth, with room for shadow_margin
+// texels. `towards_light` is of any length but 0; `texels` is a side of the map, at least 4 shadow_margin. Points are
+// in world space, as corners_of returns them; without receivers the view is that of a unit square. Throws InputError if
+// a number is not finite.
 inline constexpr int shadow_margin = 4;
 [[nodiscard]] LightView fit_light(Vec3d towards_light, std::span<const Vec3d> receivers, std::span<const Vec3d> casters,
                                   int texels);
 
-// What ModelFrame::light_projection is for a model: orthogonal, clip w = 1. Computed in double, rounded once.
+// ModelFrame::light_projection of a model: orthogonal, clip w = 1. Computed in double, rounded once.
 [[nodiscard]] ViewProjection light_projection(const LightView& view, const ModelPlacement& placement);
 
-// Of a box of normalised model space, in the world.
+// Corners of a box of normalised model space, in the world.
 [[nodiscard]] std::array<Vec3d, 8> corners_of(const Box3f& box, const ModelPlacement& placement);
 
 }  // namespace lodestone

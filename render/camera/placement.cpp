@@ -14,7 +14,7 @@ Rotation product(const Rotation& a, const Rotation& b) {
   return c;
 }
 
-// Sine and cosine; exact at multiples of a right angle, so that boxes stay boxes.
+// Sine and cosine; exact at multiples of a right angle, so that boxes remain boxes.
 struct Turn {
   double sine, cosine;
   explicit Turn(double degrees) {

@@ -1,4 +1,4 @@
-// Where a model stands: a similarity, since levels of detail are chosen by distances, which a similarity keeps in
+// Placement of a model: a similarity, since levels of detail are chosen by distances, which a similarity keeps in
 // proportion.
 #pragma once
 

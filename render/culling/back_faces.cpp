@@ -111,7 +111,7 @@ void OutsideSpace::fill() {
   }
 }
 
-// Vertices stay in the unit cube: blends of places in it.
+// Vertices remain in the unit cube, as blends of positions in it.
 bool OutsideSpace::contains(Vec3f v) const {
   if (!is_finite(v) || cells_.empty()) return false;
   const auto beyond = [](float c) { return c < -clearance || c > 1 + clearance; };

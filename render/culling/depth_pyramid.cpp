@@ -37,13 +37,13 @@ constexpr double depth_guard = 1e-6;
 // Snapping, and the reach of samples around the middle of a pixel.
 constexpr double pixel_guard = 1;
 
-// In pixels; far outside the picture everything is the same.
+// Pixel coordinate, clamped far outside the picture.
 int pixel(double at, int side) { return static_cast<int>(std::floor(std::clamp(at, -2.0, side + 2.0))); }
 
 }  // namespace
 
 // The ratio of two affine functions is monotone along every line on which the lower one is positive, so that over a box
-// it is least and largest at corners.
+// it has its minimum and maximum at corners.
 std::optional<ScreenBox> screen_box(const ViewProjection& view_projection, const Box3f& box, ImageSize size) {
   Span x, y, z;
   for (int k = 0; k < 8; ++k) {
@@ -92,7 +92,7 @@ void DepthPyramid::build() {
   }
 }
 
-// Descends only where a coarse block does not settle it. Nothing equally far is hidden: of two surfaces at one depth
+// Descends only if a coarse block does not decide. A surface equally far is not hidden: of two surfaces at one depth
 // either may win.
 bool DepthPyramid::nearer(std::size_t level, int x, int y, const Range& finest, float depth) const {
   const Level& l = levels_[level];

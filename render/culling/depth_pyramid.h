@@ -1,8 +1,8 @@
-// What hides what: the farthest depths of a picture, by blocks of pixels and coarser and coarser (greene1993), and
-// where in it a box lies.
+// A pyramid of the farthest depths of a picture, by blocks of pixels and coarser ones (greene1993), and the place of a
+// box in the picture.
 //
-// Everything here errs on the side of being seen. What is called hidden is farther away than what covers each of its
-// pixels, by more than all the roundings of drawing it, so that leaving it out changes no bit of the picture.
+// All answers err on the side of visible. A hidden box is farther away than the surface in each of its pixels, by more
+// than all the roundings of drawing it, so that leaving it out changes no bit of the picture.
 #pragma once
 
 #include <optional>
@@ -21,8 +21,8 @@ struct ScreenBox {
   float nearest = 0;
 };
 
-// Holds every pixel that a triangle with its corners in `box` can touch, those corners transformed in float by any
-// order of operations and snapped to 1/256 of a pixel. Nothing for a box that is not all in front of the near plane.
+// Contains every pixel that a triangle with its corners in `box` can touch, those corners transformed in float by any
+// order of operations and snapped to 1/256 of a pixel. Empty for a box that is not entirely in front of the near plane.
 [[nodiscard]] std::optional<ScreenBox> screen_box(const ViewProjection& view_projection, const Box3f& box,
                                                   ImageSize size);
 
@@ -39,7 +39,7 @@ class DepthPyramid {
   [[nodiscard]] int rows() const { return levels_.front().rows; }
   void build();
 
-  // Is all that the box covers nearer than the box? Nothing of the picture is: true.
+  // True if all pixels that the box covers are nearer than the box, also if it covers none.
   [[nodiscard]] bool hides(const ScreenBox& box) const;
 
  private:

@@ -17,9 +17,9 @@
 
 namespace lodestone::effects {
 
-// Is any darkening asked for? Else there is no pass.
+// True if darkening is requested; else there is no pass.
 [[nodiscard]] inline bool has_occlusion_pass(const Frame& frame) {
-  const AmbientOcclusion& o = frame.setting.ambient_occlusion;
+  const AmbientOcclusion& o = frame.settings.ambient_occlusion;
   return frame.effects.contains(Effect::ambient_occlusion) && o.strength > 0 && o.radius > 0;
 }
 
@@ -28,7 +28,7 @@ inline constexpr float occlusion_bias = 0.05f, occlusion_epsilon = 0.05f;
 // No point lies farther off than this share of the picture's height: the radius is cut to what that is.
 inline constexpr float occlusion_reach = 0.125f;
 
-// On a spiral in the unit disc: equal parts of the radius, turning by the golden angle.
+// Points on a spiral in the unit disc: equal parts of the radius, turning by the golden angle.
 [[nodiscard]] inline std::array<std::array<float, 2>, occlusion_points> occlusion_pattern() {
   std::array<std::array<float, 2>, occlusion_points> points;
   for (std::size_t k = 0; k < occlusion_points; ++k) {
@@ -39,17 +39,17 @@ inline constexpr float occlusion_reach = 0.125f;
   return points;
 }
 
-// What both backends are given.
+// Parameters for both backends.
 struct OcclusionJob {
   float tan_x = 1, tan_y = 1, near = 0, far = 0;  // Lens
   float strength = 0, radius = 0;
   float fog_density = 0;
 };
 [[nodiscard]] inline OcclusionJob occlusion_job(const Frame& frame) {
-  const AmbientOcclusion& o = frame.setting.ambient_occlusion;
+  const AmbientOcclusion& o = frame.settings.ambient_occlusion;
   const bool foggy = frame.all_effects().contains(Effect::fog);
   const Lens& lens = frame.lens;
-  return {lens.tan_x, lens.tan_y, lens.near, lens.far, o.strength, o.radius, foggy ? frame.setting.fog.density : 0};
+  return {lens.tan_x, lens.tan_y, lens.near, lens.far, o.strength, o.radius, foggy ? frame.settings.fog.density : 0};
 }
 
 inline constexpr EffectInfo ambient_occlusion{
@@ -58,7 +58,7 @@ inline constexpr EffectInfo ambient_occlusion{
     .attributes = "",
     .passes = "darkening by the depth of the picture",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      const AmbientOcclusion& o = frame.setting.ambient_occlusion;
+      const AmbientOcclusion& o = frame.settings.ambient_occlusion;
       return o.strength > 0 && o.radius > 0 ? "ambient occlusion is asked for" : "";
     },
     .of_picture = true,

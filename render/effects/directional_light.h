@@ -16,13 +16,13 @@ inline constexpr EffectInfo directional_light{
     .attributes = "",
     .passes = "",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      const Lighting& l = frame.setting.lighting;
+      const Lighting& l = frame.settings.lighting;
       return l.directional.strength > 0 && l.ambient < 1 ? "a directional light is on" : "";
     },
     .glsl =
         {
             .fragment = R"(
-// On the side of its triangle that faces the eye.
+// The normal, turned to the side of its triangle that faces the eye.
 vec3 turned_to_eye(vec3 normal) {
   vec3 face = cross(dFdx(drawn_position), dFdy(drawn_position));
   vec4 eye = instances[instance].eye;
@@ -59,7 +59,7 @@ inline void directional_light(const ShadingJob& job, Surface& s, Int lanes) {
   const Points to = vectors_of_models(s, [](const ModelFrame& m) { return m.towards_light; });
   const Float along = dot(s.normal, to);
   const Float cosine = select(flip, -along, along) / sqrt(max(dot(s.normal, s.normal), all(shading::least_norm2)));
-  const Float strength = all(job.frame->setting.lighting.directional.strength);
+  const Float strength = all(job.frame->settings.lighting.directional.strength);
   s.directional = as_float(lanes & as_int(strength * min(max(cosine, all(0.0f)), all(1.0f))));
   s.light += s.directional;
 }

@@ -1,9 +1,9 @@
-// What an effect says of itself: when a scene calls for it, what it reads and which passes it takes. Each has a file of
-// its own in this folder, with its code for each backend beside that.
+// Description of an effect: when a scene calls for it, what it reads and which passes it takes. Each effect has a file
+// in this folder, with its code for each backend.
 //
-// Code for `gl` is source text, put together by render/backends/gl/gl_shaders.h. Code for `soft` is a function on the
-// lanes of a group of pixels (render/surface), put together by render/backends/soft/resolve_kernel.h. It is compiled only
-// where render/surface/lanes.h, which defines LODESTONE_SHADING_LANES, comes first.
+// Code for `gl` is source text, put together by render/backends/gl/shaders/draw_program.h. Code for `soft` is a
+// function on the lanes of a group of pixels (render/surface), put together by render/backends/soft/resolve_kernel.h.
+// It is compiled only where render/surface/lanes.h, which defines LODESTONE_SHADING_LANES, comes first.
 #pragma once
 
 #include <span>
@@ -14,11 +14,11 @@
 
 namespace lodestone {
 
-// Parts of the programs of `gl`, empty where there is nothing to do. The declarations stand outside of main; `vertex`
-// is a function `void NAME()` and `fragment` a function `void NAME(inout Surface s)`, NAME as glsl_name() has it; they
-// are called in the order of the effects. `geometry` is a function `void NAME()`, called for each corner of a triangle;
-// where an effect has one, what the vertex stage hands on goes through a geometry stage, which passes it on. For that,
-// and for it alone, declarations of what stages hand on stand on lines of their own: "flat out vec3 tint;".
+// Parts of the programs of `gl`, empty if there is nothing to do. The declarations are outside of main; `vertex` is a
+// function `void NAME()` and `fragment` a function `void NAME(inout Surface s)`, NAME as glsl_name() has it; they are
+// called in the order of the effects. `geometry` is a function `void NAME()`, called for each corner of a triangle; if
+// an effect has one, the outputs of the vertex stage go through a geometry stage, which passes them on. For that stage
+// alone, declarations of varyings are on lines of their own: "flat out vec3 tint;".
 struct GlslCode {
   std::string_view vertex = {};
   std::string_view geometry = {};
@@ -36,7 +36,7 @@ struct EffectInfo {
   bool of_picture = false;  // it is switched on for a picture as a whole (Frame::effects), not for each model
 };
 
-// Of all effects, in their order.
+// The descriptions of all effects, in their order.
 [[nodiscard]] std::span<const EffectInfo, effect_count> effect_infos();
 [[nodiscard]] inline const EffectInfo& info_of(Effect effect) {
   return effect_infos()[static_cast<std::size_t>(effect)];
@@ -45,9 +45,9 @@ struct EffectInfo {
 // The name of an effect as an identifier: "head_light".
 [[nodiscard]] std::string glsl_name(Effect effect);
 
-// Does any light reach the models of the frame, so that normals matter?
-[[nodiscard]] inline bool is_lit(const Setting& setting) {
-  const Lighting& l = setting.lighting;
+// True if any light reaches the models of the frame, so that normals matter.
+[[nodiscard]] inline bool is_lit(const FrameSettings& settings) {
+  const Lighting& l = settings.lighting;
   return l.ambient < 1 && (l.head > 0 || l.directional.strength > 0);
 }
 

@@ -16,7 +16,7 @@ inline constexpr EffectInfo fog{
     .attributes = "",
     .passes = "",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      return frame.setting.fog.density > 0 ? "the scene has fog" : "";
+      return frame.settings.fog.density > 0 ? "the scene has fog" : "";
     },
     .glsl =
         {
@@ -38,7 +38,7 @@ void fog(inout Surface s) {
 namespace lodestone::soft::LODESTONE_LANES {
 
 inline void fog(const ShadingJob& job, Surface& s, Int lanes) {
-  const Fog& fog = job.frame->setting.fog;
+  const Fog& fog = job.frame->settings.fog;
   if (!(fog.density > 0)) return;
   const Float apart = distances_from_eye(job, s);
   Float share;

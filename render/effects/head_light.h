@@ -15,7 +15,7 @@ inline constexpr EffectInfo head_light{
     .attributes = "",
     .passes = "",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      const Lighting& l = frame.setting.lighting;
+      const Lighting& l = frame.settings.lighting;
       return l.head > 0 && l.ambient < 1 ? "a head light is on" : "";
     },
     .glsl =
@@ -38,7 +38,7 @@ namespace lodestone::soft::LODESTONE_LANES {
 inline void head_light(const ShadingJob& job, Surface& s, Int lanes) {
   const Points to = vectors_of_models(s, [](const ModelFrame& m) { return m.towards_eye; });
   const Float cosine = abs(dot(s.normal, to)) / sqrt(max(dot(s.normal, s.normal), all(shading::least_norm2)));
-  s.light += as_float(lanes & as_int(job.frame->setting.lighting.head * min(cosine, all(1.0f))));
+  s.light += as_float(lanes & as_int(job.frame->settings.lighting.head * min(cosine, all(1.0f))));
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

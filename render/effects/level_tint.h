@@ -15,7 +15,7 @@ inline constexpr EffectInfo level_tint{
     .attributes = "level of the cell",
     .passes = "",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      return frame.setting.level_tint > 0 ? "a level tint is asked for" : "";
+      return frame.settings.level_tint > 0 ? "a level tint is asked for" : "";
     },
     .glsl =
         {
@@ -38,7 +38,7 @@ void level_tint(inout Surface s) {
 namespace lodestone::soft::LODESTONE_LANES {
 
 inline void level_tint(const ShadingJob& job, Surface& s, Int lanes) {
-  const float share = job.frame->setting.level_tint;
+  const float share = job.frame->settings.level_tint;
   if (!(share > 0)) return;
   Points tint{};
   for (int k = 0; k < width; ++k) {

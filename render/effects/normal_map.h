@@ -3,12 +3,12 @@
 // An object-space map holds them as they are, in the axes of the model. A tangent-space map holds them in the frame of
 // the surface: z is its normal, x the direction in which u grows, made perpendicular to the normal, y right-angled to
 // both, on the side where v falls (images are stored from the top: what is up in them is there). Directions of u and v
-// are those of the triangle as it is drawn, the same for every pixel of it: no tangents are stored (schueler2006).
-// Where a surface is flat-shaded, its normal is the one towards the eye.
+// are those of the triangle as it is drawn, the same for every pixel of it: no tangents are stored (schueler2006). The
+// normal of a flat-shaded surface is the one towards the eye.
 #pragma once
 
 #include "render/effects/texture_mapping.h"
-#include "render/frame/look.h"
+#include "render/frame/appearance.h"
 
 namespace lodestone::effects {
 
@@ -18,7 +18,7 @@ inline constexpr EffectInfo normal_map{
     .attributes = "texture coordinates, material",
     .passes = "",
     .called_for = [](const Frame& frame, const ModelFrame& m) -> std::string {
-      if (!m.look.normal_maps || !is_lit(frame.setting)) return {};
+      if (!m.appearance.normal_maps || !is_lit(frame.settings)) return {};
       return has_normal_maps(*m.morph.hierarchy) ? "a light falls on materials with normal maps" : "";
     },
     .glsl =
@@ -57,7 +57,7 @@ namespace lodestone::soft::LODESTONE_LANES {
 // Normals of the surface, of unit length.
 inline Points shading_normals(const Surface& s, const Mapping& m) {
   const Int flat = of_models(s, [](const ModelFrame& f) {
-                     return f.look.smooth && f.effects.contains(Effect::smooth_normals) ? 0.0f : 1.0f;
+                     return f.appearance.smooth && f.effects.contains(Effect::smooth_normals) ? 0.0f : 1.0f;
                    }) > 0.0f;
   const Points row_w = projection_row(s, 3);
   const Int turned_away = flat & (dot(s.normal, m.away) * dot(row_w, m.away) > 0.0f);
@@ -67,7 +67,7 @@ inline Points shading_normals(const Surface& s, const Mapping& m) {
 }
 
 inline void normal_map(const ShadingJob& job, Surface& s, Int lanes) {
-  lanes &= of_models(s, [](const ModelFrame& m) { return m.look.normal_maps ? 1.0f : 0.0f; }) > 0.0f;
+  lanes &= of_models(s, [](const ModelFrame& m) { return m.appearance.normal_maps ? 1.0f : 0.0f; }) > 0.0f;
   if (bits(lanes) == 0) return;
   Materials material;
   find_materials(job, s, material);

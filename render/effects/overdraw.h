@@ -1,7 +1,6 @@
-// Overdraw: instead of the picture, how many triangles cover the centre of each pixel, hidden ones included, in the
-// colours of shading::overdraw_ramp. Counts are those of the fill rule: neighbours along an edge never count twice.
-// With four samples a pixel, too, it is the centre alone that counts. Depth is what it is without the effect and with
-// one sample.
+// Overdraw: instead of the picture, the number of triangles that cover the centre of each pixel, hidden ones included,
+// in the colours of shading::overdraw_ramp. Counts follow the fill rule: neighbours along an edge never count twice.
+// With four samples a pixel, too, only the centre counts. Depth is that without the effect and with one sample.
 #pragma once
 
 #include "render/effects/effect_info.h"
@@ -9,7 +8,7 @@
 namespace lodestone::effects {
 
 [[nodiscard]] inline bool counts_overdraw(const Frame& frame) {
-  return frame.effects.contains(Effect::overdraw) && frame.setting.overdraw;
+  return frame.effects.contains(Effect::overdraw) && frame.settings.overdraw;
 }
 
 inline constexpr EffectInfo overdraw{
@@ -18,7 +17,7 @@ inline constexpr EffectInfo overdraw{
     .attributes = "",
     .passes = "a count of the triangles over each pixel's centre, instead of the picture's",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      return frame.setting.overdraw ? "the overdraw is asked for" : "";
+      return frame.settings.overdraw ? "the overdraw is asked for" : "";
     },
     .of_picture = true,
 };

@@ -9,7 +9,7 @@ namespace {
 
 std::string reason(const Frame& frame, const ModelFrame& model, Effect effect) {
   // A picture of counts shows no surface.
-  if (frame.setting.overdraw && effect != Effect::geomorph && effect != Effect::overdraw) return {};
+  if (frame.settings.overdraw && effect != Effect::geomorph && effect != Effect::overdraw) return {};
   const auto called_for = info_of(effect).called_for;
   return called_for ? called_for(frame, model) : std::string();
 }

@@ -29,7 +29,7 @@ struct EffectRequest {
 // Sets the effects of the frame and of its models, whose selections have been made.
 void plan_effects(Frame& frame, const EffectRequest& request);
 
-// An effect, whether it runs, and why: a reason for each model that calls for it.
+// An effect, if it runs, and why: a reason for each model that calls for it.
 struct PlannedEffect {
   Effect effect{};
   bool runs = false, called_for = false;
@@ -39,7 +39,7 @@ struct PlannedEffect {
   };
   std::vector<Reason> reasons;
 };
-// Of a planned frame, all effects in their order.
+// Explains a planned frame: all effects in their order.
 [[nodiscard]] std::vector<PlannedEffect> explain_plan(const Frame& frame);
 
 // A line for each effect: what runs, for which of the named models and why, and what does not.

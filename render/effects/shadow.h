@@ -2,9 +2,9 @@
 // looked up with percentage-closer filtering (reeves1987) over 4x4 texels, as the mean of 3x3 bilinear lookups.
 //
 // Against false shadows a point is moved off its triangle, towards the light, before it is looked up. A plane at an
-// angle t to the light needs k sin(t) of that to stay clear of itself k texels sideways: no bias grows without bound.
-// What the map does not show is lit. With several samples a pixel a triangle is looked up once in a pixel, as all of
-// its light is.
+// angle t to the light needs k sin(t) of that to remain clear of itself k texels sideways: no bias grows without bound.
+// Points outside the map are lit. With several samples a pixel a triangle is looked up once in a pixel, as all of its
+// light is.
 #pragma once
 
 #include <algorithm>
@@ -17,9 +17,9 @@
 
 namespace lodestone::effects {
 
-// Is there light that casts shadows, anything to cast one and anything that shows it? Else there is no pass.
+// True if a light casts shadows, some model throws one and some model shows it; else there is no pass.
 [[nodiscard]] inline bool has_shadow_pass(const Frame& frame) {
-  const Lighting& l = frame.setting.lighting;
+  const Lighting& l = frame.settings.lighting;
   if (!frame.effects.contains(Effect::shadow) || !l.directional.shadows) return false;
   if (!(l.directional.strength > 0) || !(l.ambient < 1)) return false;
   const auto casts = [](const ModelFrame& m) {
@@ -29,7 +29,8 @@ namespace lodestone::effects {
   return std::ranges::any_of(frame.models, casts) && std::ranges::any_of(frame.models, shows);
 }
 
-// Texels by which a point is moved at most, and the depth it is brought nearer, in depths of a texel and in all.
+// Maximum number of texels by which a point is moved, and the depth by which it is brought nearer, in depths of a texel
+// and absolute.
 inline constexpr float shadow_offset = 2.5f, shadow_bias_texels = 0.5f, shadow_bias = 2e-6f;
 
 static_assert(shadow_offset == 2.5f && shadow_bias_texels == 0.5f && shadow_bias == 2e-6f);  // as the GLSL has them
@@ -40,7 +41,7 @@ inline constexpr EffectInfo shadow{
     .attributes = "",
     .passes = "depth seen from the light",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      const Lighting& l = frame.setting.lighting;
+      const Lighting& l = frame.settings.lighting;
       return l.directional.shadows && l.directional.strength > 0 && l.ambient < 1
                  ? "the directional light casts shadows"
                  : "";
@@ -103,7 +104,7 @@ inline Float floors(Float v) {
   return toward_zero - select(toward_zero > v, all(1.0f), all(0.0f));
 }
 
-// The share of 4x4 texels around (u, v) that lies before `depth`, in the lanes of `lanes`.
+// The share of 4x4 texels around (u, v) that are nearer than `depth`, in the lanes of `lanes`.
 inline Float hidden_shares(const ShadowView& map, Float u, Float v, Float depth, Int lanes) {
   const float most = static_cast<float>(map.texels) + 2;  // beyond that all texels are those of the border
   u = min(max(u, all(-3.0f)), all(most)), v = min(max(v, all(-3.0f)), all(most));

@@ -15,7 +15,7 @@ inline constexpr EffectInfo smooth_normals{
     .attributes = "normal",
     .passes = "",
     .called_for = [](const Frame& frame, const ModelFrame& m) -> std::string {
-      if (!m.look.smooth || !is_lit(frame.setting)) return {};
+      if (!m.appearance.smooth || !is_lit(frame.settings)) return {};
       return "a light falls on a smooth surface";
     },
     .glsl =
@@ -112,7 +112,7 @@ template <class CellOf, class VertexOf>
                          s.morphing);
 }
 
-// Where the whole group sees one triangle, its corners share the lanes.
+// If the whole group sees one triangle, its corners share the lanes.
 [[gnu::always_inline]] inline Points interpolated_normals(const Surface& s) {
   if (!s.one_triangle) return interpolated(s, corner_normals(s, 0), corner_normals(s, 1), corner_normals(s, 2));
   const Points n = morphed_normals([&](int) -> const DrawnCell& { return *s.cell[0]; },
@@ -123,7 +123,8 @@ template <class CellOf, class VertexOf>
 
 inline void smooth_normals(const ShadingJob&, Surface& s, Int lanes) {
   const Points n = interpolated_normals(s);
-  const Int smooth = lanes & (of_models(s, [](const ModelFrame& m) { return m.look.smooth ? 1.0f : 0.0f; }) > 0.0f);
+  const Int smooth =
+      lanes & (of_models(s, [](const ModelFrame& m) { return m.appearance.smooth ? 1.0f : 0.0f; }) > 0.0f);
   s.normal = bits(smooth) == all_lanes ? n : select(smooth, n, s.normal);
 }
 

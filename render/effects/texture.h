@@ -1,10 +1,10 @@
 // Texture: the base colour of the triangle's material, times its texture, times the albedo. Textures are shown as they
-// are stored, in the sRGB encoding: the picture has no transfer curve (render/frame/shading.h); a material's base colour,
-// which is linear, is encoded first. Alpha is not shown.
+// are stored, in the sRGB encoding: the picture has no transfer curve (render/frame/shading.h); a material's base
+// colour, which is linear, is encoded first. Alpha is not shown.
 #pragma once
 
 #include "render/effects/texture_mapping.h"
-#include "render/frame/look.h"
+#include "render/frame/appearance.h"
 
 namespace lodestone::effects {
 
@@ -14,7 +14,8 @@ inline constexpr EffectInfo texture{
     .attributes = "texture coordinates, material",
     .passes = "",
     .called_for = [](const Frame&, const ModelFrame& m) -> std::string {
-      return m.look.textures && has_surface_colours(*m.morph.hierarchy) ? "its materials have colours or textures" : "";
+      return m.appearance.textures && has_surface_colours(*m.morph.hierarchy) ? "its materials have colours or textures"
+                                                                              : "";
     },
     .glsl =
         {
@@ -35,7 +36,7 @@ void base_texture(inout Surface s) {
 namespace lodestone::soft::LODESTONE_LANES {
 
 inline void texture(const ShadingJob& job, Surface& s, Int lanes) {
-  lanes &= of_models(s, [](const ModelFrame& m) { return m.look.textures ? 1.0f : 0.0f; }) > 0.0f;
+  lanes &= of_models(s, [](const ModelFrame& m) { return m.appearance.textures ? 1.0f : 0.0f; }) > 0.0f;
   if (bits(lanes) == 0) return;
   Materials material;
   find_materials(job, s, material);

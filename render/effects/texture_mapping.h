@@ -1,7 +1,7 @@
-// Where on its textures a surface lies, and what is read there: shared by texture and normal_map.
+// Texture coordinates of a surface, and lookups there: shared by texture and normal_map.
 //
-// Texture coordinates morph as positions do. How much of a texture a pixel covers follows from the differences of u and
-// v between it and its neighbours, and from them the level of detail:
+// Texture coordinates morph as positions do. The differences of u and v between a pixel and its neighbours tell how
+// much of a texture it covers, and with that the level of detail:
 //
 //     lod = log2 max(|d(u width, v height)/dx|, |d(u width, v height)/dy|),  at least 0
 //
@@ -112,7 +112,8 @@ struct Coordinates {
   Float u, v;
 };
 
-// Morphed as morph_vertex does; of lane k those of vertex vertex_of(k) of cell cell_of(k). Zero where a model has none.
+// Texture coordinates, morphed as morph_vertex does: in lane k those of vertex vertex_of(k) of cell cell_of(k). Zero if
+// a model has none.
 template <class CellOf, class VertexOf>
 [[gnu::always_inline]] inline Coordinates morphed_coordinates(const CellOf& cell_of, const VertexOf& vertex_of,
                                                               bool morphing) {
@@ -132,7 +133,7 @@ template <class CellOf, class VertexOf>
   return {mix(q.a, q.c), mix(q.b, q.d)};
 }
 
-// Of the three corners, which share the lanes where the whole group sees one triangle.
+// Coordinates of the three corners, which share the lanes if the whole group sees one triangle.
 inline std::array<Coordinates, 3> corner_coordinates(const Surface& s) {
   std::array<Coordinates, 3> corner;
   if (!s.one_triangle) {
@@ -171,8 +172,7 @@ inline Mapping find_mapping(const ShadingJob& job, Surface& s) {
   // A pixel's step d on the plane: row_x d = w 2 / width, row_y d = 0, with the rows of clip x and y minus what the
   // pixel's window coordinates make of clip w's.
   const Points row_w = projection_row(s, 3), row_0 = projection_row(s, 0), row_1 = projection_row(s, 1);
-  const Float at_x = to_float(s.x) / job.half_width - 1.0f,
-              at_y = 1.0f - to_float(s.y) / job.half_height;
+  const Float at_x = to_float(s.x) / job.half_width - 1.0f, at_y = 1.0f - to_float(s.y) / job.half_height;
   const Points row_x = difference(row_0, scaled(at_x, row_w)), row_y = difference(row_1, scaled(at_y, row_w));
   const Points here{a.x + s.weight[1] * to_b.x + s.weight[2] * to_c.x,
                     a.y + s.weight[1] * to_b.y + s.weight[2] * to_c.y,
@@ -187,7 +187,7 @@ inline Mapping find_mapping(const ShadingJob& job, Surface& s) {
   return m;
 }
 
-// t - floor(t); 0 for numbers so large that they have no fraction, and for what is no number.
+// t - floor(t); 0 for numbers so large that they have no fraction, and for NaN.
 inline Float fraction(Float t) {
   constexpr float large = 8388608;
   t = min(max(t, all(-large)), all(large));
@@ -214,7 +214,7 @@ inline bool all_equal(const Thing* const (&of)[width]) {
   return equal;
 }
 
-// Numbers of things that lanes have: of each its own, or, where all have the same, of one for all.
+// A number of each lane's thing, or, if all lanes have the same thing, of one for all.
 template <class Thing>
 struct LaneThings {
   const Thing* const (&of)[width];
@@ -227,7 +227,8 @@ struct LaneThings {
   }
 };
 
-// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border: neighbours are always there.
+// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border, so that every texel has
+// neighbours.
 [[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], bool same, Float u, Float v) {
   const LaneThings<MipLevel> number{level, same};
   const Float x = u * to_float(number([](const MipLevel&l) { return l.size.width; })) + 0.5f,
@@ -255,8 +256,8 @@ inline const Mapping& mapping_of(const ShadingJob& job, Surface& s) {
   return s.mapping;
 }
 
-// Textures of the lanes, by number_of(lane), which may be no_texture; returns where there is one. The other lanes, and
-// those not asked for, repeat one of these.
+// Textures of the lanes, by number_of(lane), which may be no_texture; returns the lanes that have one. The other lanes,
+// and those not asked for, repeat one of these.
 template <class NumberOf>
 inline Int find_textures(const ShadingJob& job, const NumberOf& number_of, unsigned asked,
                          const SurfaceTexture* (&to)[width]) {
@@ -273,7 +274,7 @@ inline Int find_textures(const ShadingJob& job, const NumberOf& number_of, unsig
   return load<Int>(there);
 }
 
-// What each lane's texture shows, 0 to 255. All lanes have one.
+// The colour of each lane's texture, 0 to 255. All lanes have one.
 inline Points texels(const SurfaceTexture* const (&texture)[width], const Mapping& m) {
   bool same = all_equal(texture);
   const LaneThings<SurfaceTexture> number{texture, same};

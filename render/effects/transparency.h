@@ -1,19 +1,19 @@
 // Transparency: models of opacity below 1 are drawn over the opaque ones, all of their layers in the order of their
-// depths, whatever order they are drawn in (an A-buffer: carpenter1984; on gl as lists: yang2010). Each layer is shaded
-// as an opaque surface is, fog included, and covers what is behind it by the opacity of its model. Of layers at the
+// depths, in whatever order they are drawn (an A-buffer: carpenter1984; on gl as lists: yang2010). Each layer is shaded
+// as an opaque surface is, fog included, and covers what is behind it by the opacity of its model. Among layers at the
 // same depth `soft` takes the one that is drawn earlier first. Every layer counts, however many there are.
 //
-// The picture's depth stays that of the opaque surfaces. With several samples a pixel layers are sorted at each sample,
-// and shaded once a triangle.
+// The picture's depth remains that of the opaque surfaces. With several samples a pixel layers are sorted at each
+// sample, and shaded once a triangle.
 #pragma once
 
 #include "render/effects/effect_info.h"
 
 namespace lodestone::effects {
 
-// Is the model drawn as layers? Else it is opaque, whatever its opacity.
+// True if the model is drawn as layers; else it is opaque, whatever its opacity.
 [[nodiscard]] inline bool is_transparent(const Frame& frame, const ModelFrame& model) {
-  return frame.effects.contains(Effect::transparency) && model.look.opacity < 1;
+  return frame.effects.contains(Effect::transparency) && model.appearance.opacity < 1;
 }
 
 inline constexpr EffectInfo transparency{
@@ -22,7 +22,7 @@ inline constexpr EffectInfo transparency{
     .attributes = "",
     .passes = "layers of the transparent models, sorted",
     .called_for = [](const Frame&, const ModelFrame& m) -> std::string {
-      return m.look.opacity < 1 ? "its opacity is below 1" : "";
+      return m.appearance.opacity < 1 ? "its opacity is below 1" : "";
     },
     .of_picture = true,
 };

@@ -1,6 +1,6 @@
 // Vertex colours: those of the corners, morphed as the corners are, interpolated over the triangle, times the albedo.
-// They are shown as they are stored, in the sRGB encoding: the picture has no transfer curve (render/frame/shading.h). Their
-// alpha is not shown.
+// They are shown as they are stored, in the sRGB encoding: the picture has no transfer curve (render/frame/shading.h).
+// Their alpha is not shown.
 #pragma once
 
 #include "render/effects/effect_info.h"
@@ -17,7 +17,7 @@ inline constexpr EffectInfo vertex_colours{
     .attributes = "colour",
     .passes = "",
     .called_for = [](const Frame&, const ModelFrame& m) -> std::string {
-      return m.look.vertex_colours && m.morph.hierarchy->attributes.colours ? "vertices have colours" : "";
+      return m.appearance.vertex_colours && m.morph.hierarchy->attributes.colours ? "vertices have colours" : "";
     },
     .glsl =
         {
@@ -72,7 +72,7 @@ namespace lodestone::soft::LODESTONE_LANES {
 inline void vertex_colours(const ShadingJob&, Surface& s, Int lanes) {
   const Int shown = lanes & gathered([&](int k) {
                       const DrawnCell& cell = *s.cell[k];
-                      return cell.model->look.vertex_colours && !cell.own->attributes.colours.empty() ? -1 : 0;
+                      return cell.model->appearance.vertex_colours && !cell.own->attributes.colours.empty() ? -1 : 0;
                     });
   if (bits(shown) == 0) return;
   const Points c = interpolated(s, corner_colours(s, 0), corner_colours(s, 1), corner_colours(s, 2));

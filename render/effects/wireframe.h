@@ -18,11 +18,12 @@ inline constexpr EffectInfo wireframe{
     .attributes = "",
     .passes = "",
     .called_for = [](const Frame& frame, const ModelFrame&) -> std::string {
-      return frame.setting.wireframe > 0 ? "edges are asked for" : "";
+      return frame.settings.wireframe > 0 ? "edges are asked for" : "";
     },
     .glsl =
         {
-            // A point of each edge in the window, and the edge's direction. What lies before the near plane is cut off.
+            // A point of each edge in the window, and the edge's direction. The part in front of the near plane is cut
+            // off.
             .geometry = R"(
 flat out vec4 wire_ab;
 flat out vec4 wire_bc;
@@ -83,7 +84,7 @@ inline ClipPoints in_clip_space(const Surface& s, const Points& p) {
   return {row(0), row(1), row(2), row(3)};
 }
 
-// In pixels, from (x, y) to the line through two points; see the GLSL.
+// Distances in pixels from (x, y) to the line through two points; see the GLSL.
 inline Float edge_distances(const ShadingJob& job, ClipPoints p, ClipPoints q, Float x, Float y) {
   const auto moved = [](Int out, ClipPoints& to, const ClipPoints& from, Float t) {
     const auto move = [&](Float& a, Float b) { a = select(out, b + t * (a - b), a); };
@@ -107,7 +108,7 @@ inline Float edge_distances(const ShadingJob& job, ClipPoints p, ClipPoints q, F
 }
 
 inline void wireframe(const ShadingJob& job, Surface& s, Int lanes) {
-  const float opacity = job.frame->setting.wireframe;
+  const float opacity = job.frame->settings.wireframe;
   if (!(opacity > 0)) return;
   const ClipPoints a = in_clip_space(s, s.corner[0]), b = in_clip_space(s, s.corner[1]),
                    c = in_clip_space(s, s.corner[2]);

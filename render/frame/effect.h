@@ -1,8 +1,8 @@
-// What a picture can show beside the bare surface, as a set of switches.
+// Effects that a picture can show besides the bare surface, as a set of switches.
 //
-// An effect that is switched on does its work; what it then shows follows from the scene's parameters (render/frame/frame.h),
-// and where those ask for nothing it changes no bit. So a plan that switches off what a scene does not call for
-// (render/effects/plan.h) gives the picture of a plan that has everything on.
+// An effect that is switched on does its work; its result follows from the scene's parameters (render/frame/frame.h),
+// and if those ask for nothing it changes no bit. So a plan that switches off the effects that a scene does not call
+// for (render/effects/plan.h) gives the picture of a plan that has everything on.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace lodestone {
 
-// In the order in which a pixel goes through them.
+// The effects in the order in which they are applied to a pixel.
 enum class Effect : std::uint8_t {
   geomorph,
   smooth_normals,
@@ -42,7 +42,7 @@ inline constexpr std::array<std::string_view, effect_count> effect_names{
   return effect_names[static_cast<std::size_t>(effect)];
 }
 
-// Nothing for a name that is none.
+// Empty for an unknown name.
 [[nodiscard]] constexpr std::optional<Effect> effect_named(std::string_view name) {
   for (std::size_t k = 0; k < effect_count; ++k)
     if (effect_names[k] == name) return static_cast<Effect>(k);

@@ -3,23 +3,14 @@
 
 #include <vector>
 
-#include "render/camera/camera.h"
+#include "render/camera/projection.h"
+#include "render/frame/appearance.h"
 #include "render/frame/effect.h"
 #include "render/frame/shading.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
-
-// How a placed model looks; its own materials, textures and colours are in its hierarchy. Colours as the picture has
-// them, each channel in [0, 1], without a transfer curve.
-struct Look {
-  Vec3f base_colour = shading::albedo;  // times vertex colour, material and texture
-  float opacity = 1;                    // in [0, 1]
-  bool smooth = true;                   // normals interpolated over a triangle; false: one for each triangle
-  bool vertex_colours = true, textures = true, normal_maps = true;  // those that the model has are shown
-  friend bool operator==(const Look&, const Look&) = default;
-};
 
 // Light from very far away, from one direction.
 struct DirectionalLight {
@@ -37,7 +28,7 @@ struct Lighting {
   friend bool operator==(const Lighting&, const Lighting&) = default;
 };
 
-// What is d away from the eye keeps a share exp(-density d) of its colour.
+// A point at a distance d from the eye keeps a share exp(-density d) of its colour.
 struct Fog {
   Vec3f colour{0.7f, 0.75f, 0.8f};
   float density = 0;  // per unit of clip w, at least 0; 0: none
@@ -52,7 +43,7 @@ struct AmbientOcclusion {
 };
 
 // Parameters of the effects that concern all models of a frame.
-struct Setting {
+struct FrameSettings {
   Lighting lighting;
   Fog fog;
   AmbientOcclusion ambient_occlusion;
@@ -60,7 +51,7 @@ struct Setting {
   float wireframe = 0;                     // opacity of the edges of triangles, in [0, 1]
   Vec3f background = shading::background;  // where no model is
   bool overdraw = false;                   // instead of the picture: how many triangles lie over each other in a pixel
-  friend bool operator==(const Setting&, const Setting&) = default;
+  friend bool operator==(const FrameSettings&, const FrameSettings&) = default;
 };
 
 // One model, where it is placed. Directions are unit vectors in the model's normalised space.
@@ -71,17 +62,17 @@ struct ModelFrame {
   ViewProjection view_projection;        // of normalised model space
   Vec3f towards_eye{0, 0, 1};            // where the head light comes from
   Vec3f towards_light{0, 0, 1};          // where the directional light comes from
-  Look look;
+  Appearance appearance;
   EffectSet effects{Effect::geomorph, Effect::smooth_normals, Effect::head_light};
-  // For the shadow map, when the directional light casts shadows: into the light's clip space, and the cells that can
-  // throw a shadow into the picture, in view or not.
+  // For the shadow map, if the directional light casts shadows: the projection into the light's clip space, and the
+  // cells that can throw a shadow into the picture, in view or not.
   ViewProjection light_projection;
   const Selection* casters = nullptr;
 };
 
 struct Frame {
   std::vector<ModelFrame> models = std::vector<ModelFrame>(1);
-  Setting setting;
+  FrameSettings settings;
   EffectSet effects;  // passes over the whole picture: shadow, ambient occlusion, transparency, overdraw
   Lens lens;          // for effects that need distances
   ImageSize size;
@@ -99,7 +90,7 @@ struct Frame {
   [[nodiscard]] bool culls_occluded() const {
     return cull_occluded && !all_effects().contains_any({Effect::transparency, Effect::overdraw});
   }
-  // Of any model, or of the whole picture.
+  // The effects of any model, or of the whole picture.
   [[nodiscard]] EffectSet all_effects() const {
     EffectSet set = effects;
     for (const ModelFrame& m : models) set = set | m.effects;

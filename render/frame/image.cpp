@@ -152,7 +152,7 @@ Image contact_sheet(std::span<const Image> frames, const ContactSheetConfig& con
   }
   const ImageSize full = frames.front().size;
   const auto count = static_cast<int>(frames.size());
-  // Just wider than square: columns * width is at least rows * height.
+  // Columns of a sheet just wider than square: columns * width is at least rows * height.
   const double square = std::sqrt(static_cast<double>(count) * full.height / full.width);
   const int wanted = config.columns > 0 ? config.columns : static_cast<int>(std::ceil(square));
   const int columns = std::clamp(wanted, 1, count), rows = (count + columns - 1) / columns;

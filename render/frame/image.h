@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/camera/camera.h"
+#include "render/camera/projection.h"
 
 namespace lodestone {
 
@@ -20,7 +20,7 @@ struct Image {
 // InputError for an empty picture, FileError when the file cannot be written.
 void write_png(const std::string& file, const Image& image);
 
-// Any PNG, converted to 8-bit RGBA. Throws FileError when it cannot be opened, InputError when it is no sound PNG.
+// Any PNG, converted to 8-bit RGBA. Throws FileError when it cannot be opened, InputError when it is an invalid PNG.
 [[nodiscard]] Image read_png(const std::string& file);
 
 // Box-filtered colour: each new pixel is the mean of the area it covers. No larger than the image in either direction.

@@ -35,19 +35,19 @@ void check_frame(const Frame& frame, int largest_side) {
     if (!finite(model.view_projection) || !finite(model.light_projection) || !is_finite(model.morph.viewpoint) ||
         !is_finite(model.towards_eye) || !is_finite(model.towards_light))
       throw InputError(describe("", "the frame", "matrices, viewpoints and lights must be finite numbers"));
-    check_share("opacity", model.look.opacity);
+    check_share("opacity", model.appearance.opacity);
   }
-  const Setting& setting = frame.setting;
-  check_share("ambient light", setting.lighting.ambient);
-  check_share("level tint", setting.level_tint);
-  check_share("wireframe opacity", setting.wireframe);
-  check_share("strength of ambient occlusion", setting.ambient_occlusion.strength);
-  check_not_negative("radius of ambient occlusion", setting.ambient_occlusion.radius);
-  check_not_negative("strength of the head light", setting.lighting.head);
-  check_not_negative("strength of the directional light", setting.lighting.directional.strength);
-  if (const int texels = setting.lighting.directional.shadow_texels; texels < 16 || texels > 8192)
+  const FrameSettings& settings = frame.settings;
+  check_share("ambient light", settings.lighting.ambient);
+  check_share("level tint", settings.level_tint);
+  check_share("wireframe opacity", settings.wireframe);
+  check_share("strength of ambient occlusion", settings.ambient_occlusion.strength);
+  check_not_negative("radius of ambient occlusion", settings.ambient_occlusion.radius);
+  check_not_negative("strength of the head light", settings.lighting.head);
+  check_not_negative("strength of the directional light", settings.lighting.directional.strength);
+  if (const int texels = settings.lighting.directional.shadow_texels; texels < 16 || texels > 8192)
     throw InputError(describe("", "the frame", "a shadow map has 16 to 8192 texels a side"));
-  check_not_negative("density of the fog", setting.fog.density);
+  check_not_negative("density of the fog", settings.fog.density);
 }
 
 }  // namespace lodestone

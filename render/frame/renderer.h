@@ -23,10 +23,11 @@ struct FrameStats {
   std::uint64_t cells = 0, triangles = 0;      // drawn
   std::uint64_t draw_calls = 0;                // that drew these; of a backend that makes any
   std::map<std::string, double> milliseconds;  // by stage, as the backend names them
-  // What the effects did: points shaded by each of them ("fog"), and the work of their passes ("shadow triangles").
-  // Nothing is listed of what was not called for.
+  // Work of the effects: points shaded by each of them ("fog"), and the work of their passes ("shadow triangles").
+  // Effects that were not called for are not listed.
   std::map<std::string, std::uint64_t> work;
-  // What is not drawn as the models have it ("texture ... cannot be decoded"), each in the first frame that shows it.
+  // Parts that are not drawn as the models have them ("texture ... cannot be decoded"), each in the first frame that
+  // shows it.
   std::vector<std::string> warnings;
 };
 
@@ -34,14 +35,14 @@ class Renderer {
  public:
   virtual ~Renderer() = default;
   [[nodiscard]] virtual std::string_view name() const = 0;
-  // Replaces all models; ModelFrame::model counts them. Keeps what it needs of the hierarchies, which must outlive the
-  // renderer. Cells without arrays are not there yet: they come by refresh().
+  // Replaces all models; ModelFrame::model numbers them. The hierarchies must outlive the renderer. Cells without
+  // arrays are not loaded yet: refresh() adds them.
   virtual void upload(std::span<const Hierarchy* const> models) = 0;
   void upload(const Hierarchy& only) {
     const Hierarchy* const model = &only;
     upload(std::span(&model, 1));
   }
-  // Since the last frame the arrays of these families, named as in core/hierarchy/lode/family.h, have gone and come
+  // Since the last frame the arrays of these families, named as in core/hierarchy/lode/family.h, were removed and added
   // (ResidentCells::went, came).
   virtual void refresh(std::uint32_t /*model*/, std::span<const std::uint32_t> /*went*/,
                        std::span<const std::uint32_t> /*came*/) {}

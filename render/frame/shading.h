@@ -23,7 +23,7 @@ inline constexpr Vec3f albedo{0.8f, 0.78f, 0.74f};
 // Squared length below which an interpolated normal counts as this long: opposite normals light like ambient only.
 inline constexpr float least_norm2 = 1e-12f;
 
-// What no triangle covers, unless a scene has another.
+// Colour where no triangle is, unless a scene has another.
 inline constexpr Vec3f background{24.0f / 255, 26.0f / 255, 30.0f / 255};
 inline constexpr std::array<std::uint8_t, 4> background_bytes{24, 26, 30, 255};
 
@@ -31,7 +31,7 @@ inline constexpr std::array<std::uint8_t, 4> background_bytes{24, 26, 30, 255};
 inline constexpr Vec3f wire_colour{0.05f, 0.06f, 0.08f};
 inline constexpr float wire_half_width = 0.75f;
 
-// By level with the effect level_tint, from the root on, repeating after the last. Neighbours differ in hue.
+// Hues of the levels with the effect level_tint, from the root on, repeating after the last. Neighbours differ in hue.
 inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
                                                    {0.95f, 0.70f, 0.25f},
                                                    {0.85f, 0.85f, 0.35f},
@@ -41,8 +41,8 @@ inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
                                                    {0.65f, 0.45f, 0.90f},
                                                    {0.90f, 0.50f, 0.75f}}};
 
-// With the effect overdraw, for 1 triangle over a pixel and every third more: between these colours linearly; from 16
-// on: white. Where there is none the background stays.
+// Colours of the effect overdraw, for 1 triangle over a pixel and every third one more: interpolated linearly between
+// these; white from 16 on. Pixels without triangles keep the background.
 inline constexpr std::array<Vec3f, 6> overdraw_ramp{{{0.10f, 0.12f, 0.45f},
                                                      {0.05f, 0.50f, 0.75f},
                                                      {0.20f, 0.70f, 0.35f},

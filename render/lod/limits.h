@@ -1,6 +1,6 @@
-// Detail limits: drawing without a crack or a pop where finer cells are not there (yet).
+// Detail limits: drawing without a crack or a pop while finer cells are missing.
 //
-// An ancestor drawn in the place of a missing cell would crack: its neighbours' vertices stand elsewhere. Instead,
+// An ancestor drawn in the place of a missing cell would crack: its neighbours' vertices are elsewhere. Instead,
 // selection and morph both take the distance
 //
 //     d'(x) = max(d(v_p, x), max over limits of R - d(x, Q)),
@@ -47,9 +47,9 @@ using DetailLimits = std::span<const DetailLimit>;
 void limits_near(DistanceMetric metric, Vec3f viewpoint, const Box3f& box, DetailLimits limits,
                  std::vector<DetailLimit>& out);
 
-// Whether the children of a cell are there to replace it.
+// Tells if the children of a cell are available to replace it.
 enum class ChildState : std::uint8_t {
-  there,     // and they stay
+  there,     // and they are kept
   unwanted,  // there, but to go: the limit rises until they are no longer drawn
   missing,
 };

@@ -1,4 +1,4 @@
-// Where a drawn vertex stands: n = lambda w + (1 - lambda) P(w), lambda = b_l(d(v_p, w)), or of d'(w) where detail
+// The position of a drawn vertex: n = lambda w + (1 - lambda) P(w), lambda = b_l(d(v_p, w)), or of d'(w) where detail
 // limits hold (render/lod/limits.h).
 //
 // The one place of this formula on the CPU; the GL shader repeats it operation by operation. lambda is selected, not

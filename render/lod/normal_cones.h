@@ -29,21 +29,21 @@ struct NormalCone {
   static constexpr float holds_all = 2;  // no such cone: every direction
 };
 
-// Does v see triangles with normals in the cone and corners in the box from behind, all of them and clearly so? Seen
-// at less than about a degree from the side they count as seen from in front: along silhouettes the front and the back
-// of a surface have nearly one depth.
+// True if v sees all triangles with normals in the cone and corners in the box clearly from behind. Seen at less than
+// about a degree from the side they count as seen from in front: along silhouettes the front and the back of a surface
+// have nearly one depth.
 [[nodiscard]] bool turns_its_back(const NormalCone& cone, Vec3f viewpoint, const Box3f& box);
 
 class NormalCones {
  public:
-  // Of all cells that are there; others hold every direction. O(triangles), in parallel; 48 bytes a cell.
+  // Cones of all loaded cells; those of others contain every direction. O(triangles), in parallel; 48 bytes a cell.
   NormalCones(const Hierarchy& hierarchy, Scheduler& scheduler);
 
-  // Of the cell's own triangles with lambda = 1.
+  // Cone of the cell's own triangles with lambda = 1.
   [[nodiscard]] const NormalCone& still(std::uint32_t cell) const { return cones_[cell].still; }
-  // Of the cell's own triangles with any lambda.
+  // Cone of the cell's own triangles with any lambda.
   [[nodiscard]] const NormalCone& morphing(std::uint32_t cell) const { return cones_[cell].morphing; }
-  // Of all triangles of the cell and of those below it, with any lambda.
+  // Cone of all triangles of the cell and of those below it, with any lambda.
   [[nodiscard]] const NormalCone& subtree(std::uint32_t cell) const { return cones_[cell].subtree; }
 
  private:

@@ -40,6 +40,13 @@ float reach(const Hierarchy& hierarchy, DistanceMetric metric) {
   return rho;
 }
 
+RadiiConfig for_picture(RadiiConfig config, ImageSize size, double vertical_fov) {
+  config.image_height = size.height;
+  config.aspect = static_cast<float>(size.width) / static_cast<float>(size.height);
+  config.vertical_fov = static_cast<float>(vertical_fov);
+  return config;
+}
+
 Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
   check(config);
   const auto finest = static_cast<std::size_t>(hierarchy.finest());
@@ -70,7 +77,7 @@ Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
       coarser = std::max(coarser, ((begin + config.beta * h(l)) / narrow + stale) * widen);
     const float end = (coarser - stale) * narrow;
     radii.band_end[l] = end;
-    // At the finest level any begin below the end is right: as wide as at the other levels, where that fits.
+    // At the finest level any begin below the end is valid: as wide as at the other levels, if that fits.
     radii.band_begin[l] =
         last
             ? std::max(0.0f, std::min(end - config.beta * h(l), (coarser / 2 + (rho(l) + config.delta) * h(l)) * widen))

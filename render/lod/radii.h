@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "render/camera/projection.h"
 #include "render/lod/blend.h"
 
 namespace lodestone {
@@ -27,6 +28,9 @@ struct RadiiConfig {
   friend bool operator==(const RadiiConfig&, const RadiiConfig&) = default;
 };
 
+// The same rule for a picture of this size and a camera of this field of view, in radians.
+[[nodiscard]] RadiiConfig for_picture(RadiiConfig config, ImageSize size, double vertical_fov);
+
 struct Radii {
   DistanceMetric metric = DistanceMetric::euclidean;
   std::vector<float> select;      // r_l for l < L: a cell of level l is drawn iff d(v_p, B) >= r_l and no ancestor is
@@ -39,11 +43,11 @@ struct Radii {
 // A relative guard for the rounding of distances: widens a_l and narrows c_l.
 inline constexpr float rounding_guard = 4e-6f;
 
-// Throws InputError for parameters out of range. An inadmissible uniform kappa0 is answered with admissible = false
-// and bands that are steps at r_{l-1}; refusing it is the caller's business.
+// Throws InputError for parameters out of range. An inadmissible uniform kappa0 gives admissible = false and bands that
+// are steps at r_{l-1}; the caller decides if that is an error.
 [[nodiscard]] Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config);
 
-// rho: the least uniform kappa0 that is admissible is just above it.
+// rho: a uniform kappa0 is admissible just above it.
 [[nodiscard]] float reach(const Hierarchy& hierarchy, DistanceMetric metric);
 
 }  // namespace lodestone

@@ -63,7 +63,7 @@ bool ResidentCells::is_refined(std::uint32_t cell) const {
          radii_.select[static_cast<std::size_t>(hierarchy_.level_of(cell))];
 }
 
-// Families that the last frame did not draw, until there is room for what it lacked. Those below others first.
+// Removes families that the last frame did not draw, descendants first, until there is room for those it lacked.
 void ResidentCells::make_room() {
   while (lacking_ > 0) {
     std::vector<std::pair<float, std::uint32_t>> idle;

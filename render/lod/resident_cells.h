@@ -1,9 +1,9 @@
-// Which cells of a streamed hierarchy are in memory: what the view asks for, as far as a budget of bytes goes.
+// The cells of a streamed hierarchy in memory: those that the view needs, within a budget of bytes.
 //
-// Coarse cells come first, since a family's urgency is r_l / d of its parent Q, how far the view has outgrown it; what
-// the camera does not see waits. When the budget is full, families leave that the view does not need; when it needs
-// them all, the least urgent make room for more urgent ones, their limits rising first (render/lod/limits.h). What is
-// drawn has neither cracks nor pops at any time.
+// Coarse cells come first, since a family's urgency is r_l / d of its parent Q, how far the view has outgrown it;
+// families out of view wait. When the budget is full, families that the view does not need are removed; if it needs
+// them all, the least urgent make room for more urgent ones, their limits rising first (render/lod/limits.h). The
+// picture has neither cracks nor pops at any time.
 #pragma once
 
 #include <cstdint>
@@ -27,14 +27,14 @@ class ResidentCells {
   // Loads the root at once. Throws InputError when the budget does not hold it, or as CellStream::load does.
   ResidentCells(CellStream& stream, const ResidencyConfig& config);
 
-  // Cells that are not there have empty arrays. The same object all the time; changes in update() alone.
+  // Missing cells have empty arrays. Always the same object; only update() changes it.
   [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
 
-  // To be called before each frame's selection: takes in what has been loaded, lets go what nobody draws, asks for what
-  // this view needs. Throws what a load has thrown.
+  // To be called before each frame's selection: adds loaded families, removes unused ones, and requests those that this
+  // view needs. Throws what a load has thrown.
   void update(const Radii& radii, Vec3f viewpoint, const Frustum* frustum = nullptr);
 
-  // For selection and morph of the frame.
+  // Limits for selection and morph of the frame.
   [[nodiscard]] DetailLimits limits() const { return tracker_.limits(); }
   // Families that the last update took in and let go.
   [[nodiscard]] std::span<const std::uint32_t> came() const { return came_; }

@@ -2,17 +2,6 @@
 
 namespace lodestone {
 
-bool outside(const Frustum& frustum, const Box3f& box, float margin) {
-  for (const Plane& plane : frustum) {
-    // The corner farthest along the plane's normal.
-    const Vec3f corner{plane.n.x >= 0 ? box.hi.x + margin : box.lo.x - margin,
-                       plane.n.y >= 0 ? box.hi.y + margin : box.lo.y - margin,
-                       plane.n.z >= 0 ? box.hi.z + margin : box.lo.z - margin};
-    if (dot(plane.n, corner) + plane.d < 0) return true;
-  }
-  return false;
-}
-
 Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level) {
   // A blend of two places may leave the box of both by a rounding.
   const float margin = displacement_bound(hierarchy.sigma0, level) + 1e-6f;
@@ -24,7 +13,7 @@ Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level) {
 
 namespace {
 
-// lambda = 1 on the whole box: its farthest corner is no farther than the begin of the band.
+// True if lambda = 1 on the whole box: its farthest corner is no farther than the begin of the band.
 bool is_static(const Radii& radii, std::size_t level, Vec3f viewpoint, const Box3f& box, DetailLimits limits) {
   return limited_farthest_distance(radii.metric, viewpoint, box, limits) < radii.band_begin[level];
 }
@@ -39,7 +28,7 @@ class Traversal {
     const Cell& cell = hierarchy_.cells[index];
     ++out_.visited;
     // Morphed vertices leave B by at most the displacement bound. B of an ancestor contains B of all below it and its
-    // bound is larger, so what is outside here is outside for the whole subtree.
+    // bound is larger, so that a cell outside here is outside with its whole subtree.
     if (visible && config_.frustum)
       visible = !outside(*config_.frustum, cell.bounds, displacement_bound(hierarchy_.sigma0, static_cast<int>(level)));
     if (!visible && !config_.keep_culled) return;

@@ -1,26 +1,16 @@
 // Which cells are drawn from a viewpoint, coarse to fine, and which of them the camera can see.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "render/camera/projection.h"
 #include "render/lod/limits.h"
 #include "render/lod/normal_cones.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
-
-// Half-space n.x + d >= 0 of model space (normalised).
-struct Plane {
-  Vec3f n;
-  float d = 0;
-};
-using Frustum = std::array<Plane, 6>;
-
-// Is the box, grown by `margin` on every side, entirely outside one of the planes?
-[[nodiscard]] bool outside(const Frustum& frustum, const Box3f& box, float margin);
 
 // B(C) grown by as much as morphing vertices of its level may leave it.
 [[nodiscard]] Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level);
@@ -38,9 +28,9 @@ struct Selection {
 };
 
 // A cell of level l is drawn iff its ancestors are not, and l = L or d(v_p, B(C)) >= r_l. Culling happens after that:
-// with B(C) grown by sigma0 h_l / 2, since morphed vertices leave B. A null frustum culls nothing; with one,
-// whole subtrees outside it are left out when `keep_culled` is false, and marked visible = false otherwise.
-// With cones so is what turns its back to the viewpoint; BackFaces says whether that can be seen.
+// with B(C) grown by sigma0 h_l / 2, since morphed vertices leave B. A null frustum culls nothing; with one, whole
+// subtrees outside it are left out when `keep_culled` is false, and marked visible = false otherwise. With cones, cells
+// that turn their backs to the viewpoint are culled, too; BackFaces tells if backs can be seen.
 struct SelectionConfig {
   const Frustum* frustum = nullptr;
   bool keep_culled = true;  // list culled cells as the exact partition needs them (metrics); false: leave them out

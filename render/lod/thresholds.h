@@ -1,7 +1,7 @@
 // Comparisons of distances without square roots, with the same outcome: floats that take the place of radii.
 //
-// A rounded square root is monotone, so that sqrt(s) >= r for a float s exactly if s is no less than some float. For
-// devices whose square root is not the CPU's.
+// A rounded square root is monotone, so that sqrt(s) >= r for a float s exactly if s is not below some float. This
+// serves devices whose square root is not the CPU's.
 #pragma once
 
 #include <bit>
@@ -13,13 +13,12 @@
 
 namespace lodestone {
 
-// What norm() takes the root of, or is, by the metric.
+// The radicand of norm(), or norm() itself, depending on the metric.
 [[nodiscard]] inline float root_of(DistanceMetric metric, float s) {
   return metric == DistanceMetric::euclidean ? std::sqrt(s) : s;
 }
 
-// The least float s >= 0, infinity included, for which holds(s). It must hold for infinity, and not cease to as s
-// grows.
+// The smallest float s >= 0, infinity included, for which holds(s). It must hold for infinity and be monotone in s.
 template <class Holds>
 [[nodiscard]] float least_float(const Holds& holds) {
   std::uint32_t lo = 0, hi = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::infinity());

@@ -19,7 +19,7 @@
 namespace lodestone {
 namespace {
 
-// Where the library's bytes go, so that the file appears complete or not at all.
+// Receives the library's bytes, so that the file appears complete or not at all.
 class MemoryOutput final : public Imf::OStream {
  public:
   MemoryOutput() : Imf::OStream("position map") {}
@@ -110,7 +110,7 @@ class ExrReader {
     return file_.header().channels().findChannel(channel) != nullptr;
   }
 
-  // Empty without such a channel.
+  // Values of a channel; empty without it.
   template <class T>
   [[nodiscard]] std::vector<T> read(const char* channel) {
     if (!has(channel)) return {};

@@ -8,10 +8,9 @@
 //      "views": [{"file": "view000.exr", "projection": "orthographic", "eye": [..], "right": [..], "up": [..],
 //                 "forward": [..], "pixel": p, "nearest": d}, ...]}
 //
-// Everything but "views" may be left out: no transform, an open surface whose sides are not told apart; of a view,
-// "nearest". An EXR file has
-// channels X, Y, Z (float), and, where there are any: triangle (uint), depth, NX, NY, NZ, U, V (float), R, G, B, A (as
-// bytes / 255). A PFM file has X, Y, Z. Where nothing is seen X, Y and Z are NaN.
+// Everything but "views" may be left out: no transform, an open surface whose sides are not distinguished; of a view,
+// "nearest". An EXR file has channels X, Y, Z (float), and, where there are any: triangle (uint), depth, NX, NY, NZ, U,
+// V (float), R, G, B, A (as bytes / 255). A PFM file has X, Y, Z. X, Y and Z are NaN in pixels that see nothing.
 #pragma once
 
 #include <filesystem>
@@ -29,10 +28,10 @@ enum class MapFormat : std::uint8_t { exr, pfm };
 void write_exr_map(const std::filesystem::path& path, const PositionMap& map);
 void write_pfm_map(const std::filesystem::path& path, const PositionMap& map);
 
-// A map as its file has it, for a view whose width and height are taken from the file. Where the file has no depths
-// they are computed, where it has no triangles a pixel that sees something sees triangle 0; normals may be missing.
-// Throws FileError when the file cannot be read, InputError when it is no such image, has no positions, is larger than
-// largest_map_side, or when most positions do not lie within a pixel of the rays of the view.
+// Reads a map for a view whose width and height are taken from the file. If the file has no depths they are computed;
+// if it has no triangles, a pixel that sees the surface sees triangle 0; normals may be missing. Throws FileError when
+// the file cannot be read, InputError when it is not such an image, has no positions, is larger than largest_map_side,
+// or when most positions do not lie within a pixel of the rays of the view.
 [[nodiscard]] PositionMap read_exr_map(const std::filesystem::path& path, const MapView& view,
                                        const Transform& transform);
 [[nodiscard]] PositionMap read_pfm_map(const std::filesystem::path& path, const MapView& view,
@@ -48,7 +47,7 @@ void write_map_set(const std::filesystem::path& folder, std::span<const Position
                    MapFormat format);
 // `path`: a views.json, or the folder of one. Throws what the readers throw, InputError for a list that is malformed.
 [[nodiscard]] MapSet read_map_set(const std::filesystem::path& path);
-// Whether a path names a list of views: a views.json, or a folder that holds one.
+// True if a path names a list of views: a views.json, or a folder that contains one.
 [[nodiscard]] bool is_map_set(const std::filesystem::path& path);
 
 }  // namespace lodestone

@@ -43,7 +43,8 @@ struct WindowPoint {
           depth};
 }
 
-// Of the view's nearest depth, what grows with depth and is linear in the window: depth, or -1/depth in perspective.
+// The view's nearest depth as a value that grows with depth and is linear in the window: depth, or -1/depth in
+// perspective.
 [[nodiscard]] inline double nearest_z(const MapView& view) {
   return view.projection == Projection::perspective ? -1 / view.nearest : view.nearest;
 }
@@ -72,7 +73,7 @@ inline constexpr int largest_map_side = 16384;
 [[nodiscard]] MapView perspective_view(const Box3f& box, Vec3d eye, double pixel, int margin = 2);
 
 // Throws InputError, naming `name`, for a view without pixels or with too many, of numbers that are not finite, of a
-// pixel without size, or of directions that are no orthonormal frame.
+// pixel without size, or of directions that are not an orthonormal frame.
 void check_view(const MapView& view, const std::string& name = "view");
 
 }  // namespace lodestone

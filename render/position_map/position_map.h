@@ -1,5 +1,5 @@
-// What one view sees of a model, pixel by pixel: its object-space positions as a float image (after Deng et al., see
-// docs/decisions/0020), and what else belongs to them.
+// The part of a model that one view sees, pixel by pixel: its object-space positions as a float image (after Deng et
+// al., see docs/decisions/0020), with further attributes.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct PositionMap {
   friend bool operator==(const PositionMap&, const PositionMap&) = default;
 };
 
-// What is drawn besides triangle and depth.
+// Channels that are drawn besides triangle and depth.
 struct MapChannels {
   bool uv = false, colour = false;  // where the mesh has them
   bool surface = true;              // position and normal

@@ -29,7 +29,7 @@ PixelBox box_of(const SnappedVertex& a, const SnappedVertex& b, const SnappedVer
           std::min((x_hi - half) >> 8, view.width - 1), std::min((y_hi - half) >> 8, view.height - 1)};
 }
 
-// What is seen so far in the pixels of a tile.
+// The nearest triangles so far in the pixels of a tile.
 struct TileSight {
   std::array<double, tile_size * tile_size> z;
   std::array<std::uint32_t, tile_size * tile_size> triangle;

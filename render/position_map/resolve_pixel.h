@@ -1,5 +1,4 @@
-// What a pixel gets once it is known which triangle it sees: the same operations, in double precision, on every
-// backend.
+// The values of a pixel whose triangle is known: the same operations, in double precision, on every backend.
 //
 // The weights of the corners are those of the point where the ray through the pixel's centre meets the triangle's
 // plane: volumes of the tetrahedra between the ray and two corners, which serve parallel and central projection alike.
@@ -41,7 +40,7 @@ using CornerWeights = std::array<double, 3>;
   return static_cast<std::uint8_t>(((w[0] * a + w[1] * b) + w[2] * c) + 0.5);
 }
 
-// Fills pixel `i`, whose triangle is set, from the mesh; arrays of the map that are empty stay so.
+// Fills pixel `i`, whose triangle is set, from the mesh; empty arrays of the map remain empty.
 inline void resolve_pixel(const IndexedMesh& mesh, std::size_t i, PositionMap& map) {
   const auto width = static_cast<std::size_t>(map.view.width);
   const Ray ray = ray_through(map.view, static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);

@@ -10,13 +10,13 @@
 #include "core/mesh/edge_census.h"
 #include "parallel/scheduler/cpu_clock.h"
 #include "render/backends/make_renderer.h"
-#include "render/reconstruct/condense_map.h"
-#include "render/reconstruct/gather.h"
-#include "render/reconstruct/inside_views.h"
-#include "render/reconstruct/label_parts.h"
-#include "render/reconstruct/lost_parts.h"
-#include "render/reconstruct/resample_attributes.h"
-#include "render/reconstruct/simplify_merged.h"
+#include "render/reconstruct/finish/label_parts.h"
+#include "render/reconstruct/finish/lost_parts.h"
+#include "render/reconstruct/finish/resample_attributes.h"
+#include "render/reconstruct/finish/simplify_merged.h"
+#include "render/reconstruct/merge/gather.h"
+#include "render/reconstruct/views/condense_map.h"
+#include "render/reconstruct/views/inside_views.h"
 
 namespace lodestone {
 namespace {
@@ -39,7 +39,7 @@ Box3f box_of(const IndexedMesh& mesh) {
   return box;
 }
 
-// Of the samples in the maps. Meshes side by side are not simplified: the finer ones would cover each other.
+// Spacing of the samples in the maps. Meshes side by side are not simplified: the finer ones would cover each other.
 double map_spacing(const ReconstructConfig& config) {
   return 1 / (config.resolution * (config.merge == MergeKind::stitch ? config.detail : 1));
 }
@@ -62,7 +62,7 @@ EdgeCensus census_of(const IndexedMesh& mesh) {
   return count_edges(welded, mesh.positions.size());
 }
 
-// What was filled may be connected with everything around it.
+// Filled pixels may be connected with all their neighbours.
 void allow_links(const PositionMap& map, std::span<const std::uint32_t> filled, std::vector<std::uint8_t>& links) {
   const auto width = static_cast<std::uint32_t>(map.view.width);
   for (const std::uint32_t i : filled) {
@@ -290,7 +290,7 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
     const auto made = static_cast<double>(std::max<std::size_t>(tried.mesh.triangles.size(), 1));
     const auto sampled = static_cast<double>(std::max<std::size_t>(tried.report.sampled_triangles, 1));
     if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
-    // What is simplified needs to be fine enough, and no more.
+    // A mesh to be simplified need not be finer than necessary.
     const double finer = simplifies ? sampled / (wanted * config.detail * config.detail) : made / wanted;
     if (least < 0.02 && (!simplifies || (finer > 0.6 && finer < 2.5))) break;
     if (simplifies) least = std::numeric_limits<double>::infinity();

@@ -10,10 +10,10 @@
 #include "parallel/scheduler/scheduler.h"
 #include "parallel/scheduler/stage_time.h"
 #include "render/position_map/map_files.h"
-#include "render/reconstruct/choose_views.h"
-#include "render/reconstruct/lost_parts.h"
-#include "render/reconstruct/merge.h"
-#include "render/reconstruct/sharpen.h"
+#include "render/reconstruct/finish/lost_parts.h"
+#include "render/reconstruct/finish/sharpen.h"
+#include "render/reconstruct/merge/merge.h"
+#include "render/reconstruct/views/choose_views.h"
 
 namespace lodestone {
 

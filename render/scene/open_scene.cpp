@@ -16,7 +16,7 @@
 namespace lodestone {
 namespace {
 
-// By its first bytes; by its name where there are none, so that what is wrong with it is said of a hierarchy.
+// Decided by its first bytes; by its name if there are none, so that errors are reported for a hierarchy.
 bool is_hierarchy(const SceneModel& model) {
   if (model.generate) return false;
   std::ifstream file(model.file, std::ios::binary);
@@ -25,7 +25,7 @@ bool is_hierarchy(const SceneModel& model) {
          std::filesystem::path(model.file).extension() == ".lode";
 }
 
-// Equal for models that are made of the same.
+// A key that is equal for models made of the same source.
 std::string key_of(const SceneModel& model) {
   if (!model.generate) return model.file + (model.fill_voids ? " filled" : "");
   const GenerateConfig& g = *model.generate;
@@ -33,7 +33,7 @@ std::string key_of(const SceneModel& model) {
          std::to_string(g.seed);
 }
 
-// All of its cells in memory, whatever the form of the file.
+// Bytes of all its cells in memory, whatever the form of the file.
 std::uint64_t bytes_of_cells(const CellStream& stream) {
   std::uint64_t bytes = stream.family_bytes(no_cell);
   const std::vector<Cell>& cells = stream.tables().cells;
@@ -42,7 +42,7 @@ std::uint64_t bytes_of_cells(const CellStream& stream) {
   return bytes;
 }
 
-// Of each hierarchy; 0: they are loaded as wholes.
+// Budget of each hierarchy; 0: they are loaded as wholes.
 std::uint64_t budget_of_each(const Scene& scene, const OpenSceneConfig& config) {
   if (config.memory_budget == 0) return 0;
   std::uint64_t count = 0, bytes = 0;
@@ -74,7 +74,7 @@ OpenScene::OpenScene(const Scene& scene, const OpenSceneConfig& config, Schedule
   for (const SceneModel& model : scene.models) {
     if (config.cancel && *config.cancel) throw Cancelled{};
     const auto opened = std::ranges::find(sources_, key_of(model), &Source::key);
-    // What is loaded follows one place in the scene.
+    // The cells in memory follow one placement in the scene.
     Source& source =
         opened == sources_.end() || opened->resident ? add_source(model, config, budget, scheduler) : *opened;
     ResidentCells* const resident = source.resident ? &*source.resident : nullptr;

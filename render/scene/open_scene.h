@@ -1,5 +1,5 @@
-// The models of a scene, opened: hierarchies as their files have them, streamed if there is a budget of memory, and
-// meshes built on the fly. Nothing is written.
+// The opened models of a scene: hierarchies from their files, streamed if there is a budget of memory, and meshes built
+// on the fly. Nothing is written.
 #pragma once
 
 #include <functional>
@@ -19,15 +19,15 @@ namespace lodestone {
 
 struct OpenSceneConfig {
   std::uint64_t memory_budget = 0;  // bytes for the cells of all models; 0: they are loaded as wholes
-  // The budget is a bound alone: hierarchies that fit into it together are loaded as wholes, and meshes are built.
-  // Otherwise everything is streamed, and a mesh is an error.
+  // True: the budget is only a bound; hierarchies that fit into it together are loaded as wholes, and meshes are built.
+  // False: everything is streamed, and a mesh is an error.
   bool stream_if_larger = false;
-  bool whole_too = false;  // streamed models as wholes beside that, for what looks at all of them
+  bool whole_too = false;  // also load streamed models as wholes, for metrics that need all cells
   ReadConfig reading{};    // of meshes
   BuildConfig build{};     // likewise; without cancel and progress, which are here
   const CancelFlag* cancel = nullptr;
-  // What is under way ("loading", "generating", "reading", "welding", "building"), with which model of the scene, and
-  // the share of it that is done where that is known.
+  // The current phase ("loading", "generating", "reading", "welding", "building"), the model of the scene, and the
+  // share of the phase that is done, if known.
   std::function<void(const std::string& phase, const SceneModel& model, std::optional<double> share)> progress;
 };
 
@@ -47,7 +47,7 @@ class OpenScene {
 
   // One for each of the scene's.
   [[nodiscard]] const std::vector<OpenModel>& models() const { return models_; }
-  // As wholes; only with whole_too or without a budget.
+  // The whole hierarchies; only with whole_too or without a budget.
   [[nodiscard]] std::vector<const Hierarchy*> wholes() const { return wholes_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] bool streamed() const;

@@ -1,4 +1,4 @@
-// A scene as plain data: models and where they stand, lights and effects, the camera's way through it.
+// A scene as plain data: models and their placements, lights and effects, the camera's path through it.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace lodestone {
 
-// What of a model is put at SceneModel::position.
+// The point of a model that is put at SceneModel::position.
 enum class Anchor : std::uint8_t {
   origin,  // its own origin
   centre,  // the middle of its bounds
@@ -33,11 +33,11 @@ struct SceneModel {
   double scale = 1;              // positive
   std::optional<double> extent;  // instead of a scale: the longest side of its bounds, once it is turned
   Anchor anchor = Anchor::origin;
-  Look look;
-  std::optional<Vec3f> colour;  // look.base_colour; without it the usual one
+  Appearance appearance;
+  std::optional<Vec3f> colour;  // appearance.base_colour; without it the usual one
 };
 
-// The camera's way: one of the usual ones, a file of key frames, or keys of its own.
+// The camera's path: one of the usual ones, a file of key frames, or keys of its own.
 struct SceneCamera {
   std::string path = "orbit";  // orbit, fly-in (to a model), a file; empty: the keys
   std::string fly_to;          // name of a model; empty: the first
@@ -47,7 +47,7 @@ struct SceneCamera {
 
 struct Scene {
   std::vector<SceneModel> models;
-  Setting setting;
+  FrameSettings settings;
   Vec3d towards_light{0.4, -0.5, 0.8};  // the directional light; any length but zero
   SceneCamera camera;
   EffectRequest effects;
@@ -55,10 +55,10 @@ struct Scene {
   Blend blend = Blend::smoothstep;
 };
 
-// From the normalised space of the model, with its transform and the bounds of its root, to the scene.
+// The placement from the normalised space of the model, with its transform and the bounds of its root, to the scene.
 [[nodiscard]] Similarity placement_of(const SceneModel& model, const Hierarchy& hierarchy);
 
-// A scene of one model as it is: where its file says, in units of the file.
+// A scene of one unmoved model, in units of its file.
 [[nodiscard]] Scene scene_of(const std::string& file);
 
 }  // namespace lodestone

@@ -12,7 +12,7 @@ namespace lodestone {
 namespace {
 
 constexpr double any = 1e30;        // bound of numbers without a range
-constexpr double positive = 1e-30;  // least of those above zero
+constexpr double positive = 1e-30;  // the smallest value above zero
 
 // One of a few names.
 template <class T, std::size_t N>
@@ -77,16 +77,16 @@ void read_model(TomlTable& table, const toml::node& at, Scene& scene) {
          std::array{std::pair{"origin", Anchor::origin}, std::pair{"centre", Anchor::centre},
                     std::pair{"base", Anchor::base}});
   if (table.has("colour")) table.colour("colour", model.colour.emplace());
-  table.number("opacity", model.look.opacity, 0, 1);
-  choice(table, "shading", model.look.smooth, std::array{std::pair{"smooth", true}, std::pair{"flat", false}});
-  table.flag("vertex_colours", model.look.vertex_colours);
-  table.flag("textures", model.look.textures);
-  table.flag("normal_maps", model.look.normal_maps);
+  table.number("opacity", model.appearance.opacity, 0, 1);
+  choice(table, "shading", model.appearance.smooth, std::array{std::pair{"smooth", true}, std::pair{"flat", false}});
+  table.flag("vertex_colours", model.appearance.vertex_colours);
+  table.flag("textures", model.appearance.textures);
+  table.flag("normal_maps", model.appearance.normal_maps);
   scene.models.push_back(std::move(model));
 }
 
 void read_lighting(TomlTable& table, Scene& scene) {
-  Lighting& lighting = scene.setting.lighting;
+  Lighting& lighting = scene.settings.lighting;
   table.number("ambient", lighting.ambient, 0, 1);
   table.number("head", lighting.head, 0, 100);
   table.sub_table("directional", [&](TomlTable& light) {
@@ -131,7 +131,7 @@ void read_camera(TomlTable& table, Scene& scene) {
 }
 
 void read_effects(TomlTable& table, Scene& scene) {
-  Setting& setting = scene.setting;
+  FrameSettings& settings = scene.settings;
   if (const toml::node* node = table.find("run")) {
     std::string names = node->value_or(std::string());
     if (const toml::array* array = node->as_array()) {
@@ -145,9 +145,9 @@ void read_effects(TomlTable& table, Scene& scene) {
       table.fail(*node, "run", std::string("is wrong: ") + error.what());
     }
   }
-  table.number("level_tint", setting.level_tint, 0, 1);
-  table.number("wireframe", setting.wireframe, 0, 1);
-  table.flag("overdraw", setting.overdraw);
+  table.number("level_tint", settings.level_tint, 0, 1);
+  table.number("wireframe", settings.wireframe, 0, 1);
+  table.flag("overdraw", settings.overdraw);
 }
 
 void read_detail(TomlTable& table, Scene& scene) {
@@ -171,16 +171,16 @@ Scene read_scene(const std::string& file) {
   Scene scene;
   table.tables("model", [&](TomlTable& model, const toml::node& at) { read_model(model, at, scene); });
   if (scene.models.empty()) throw InputError(describe(file, {}, "has no models", "add a [[model]] with a file"));
-  table.colour("background", scene.setting.background);
+  table.colour("background", scene.settings.background);
   table.sub_table("lighting", [&](TomlTable& t) { read_lighting(t, scene); });
   table.sub_table("fog", [&](TomlTable& t) {
-    t.colour("colour", scene.setting.fog.colour);
-    t.number("density", scene.setting.fog.density, 0, any);
+    t.colour("colour", scene.settings.fog.colour);
+    t.number("density", scene.settings.fog.density, 0, any);
   });
   table.sub_table("ambient_occlusion", [&](TomlTable& t) {
-    scene.setting.ambient_occlusion.strength = 1;
-    t.number("strength", scene.setting.ambient_occlusion.strength, 0, 1);
-    t.number("radius", scene.setting.ambient_occlusion.radius, 0, any);
+    scene.settings.ambient_occlusion.strength = 1;
+    t.number("strength", scene.settings.ambient_occlusion.strength, 0, 1);
+    t.number("radius", scene.settings.ambient_occlusion.radius, 0, any);
   });
   table.sub_table("effects", [&](TomlTable& t) { read_effects(t, scene); });
   table.sub_table("detail", [&](TomlTable& t) { read_detail(t, scene); });

@@ -5,22 +5,13 @@
 
 #include "core/base/error.h"
 #include "render/camera/light_view.h"
-#include "render/frame/look.h"
+#include "render/frame/appearance.h"
 
 namespace lodestone {
 namespace {
 
 // Wider cameras have near planes that reach far to the sides, where backs might be seen.
 constexpr double widest_culled = 2.6;  // radians
-
-// Of this camera's picture.
-RadiiConfig radii_config(const ViewConfig& config, const Camera& camera) {
-  RadiiConfig radii = config.radii;
-  radii.image_height = config.size.height;
-  radii.aspect = static_cast<float>(config.size.width) / static_cast<float>(config.size.height);
-  radii.vertical_fov = static_cast<float>(camera.vertical_fov);
-  return radii;
-}
 
 bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
   return std::ranges::equal(a, b, [](const DetailLimit& p, const DetailLimit& q) {
@@ -31,7 +22,7 @@ bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
-  return {size, 1, scene.radii, scene.blend, scene.setting, scene.effects, false, false};
+  return {size, 1, scene.radii, scene.blend, scene.settings, scene.effects, false, false};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {
@@ -43,9 +34,9 @@ SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_
     const Hierarchy& hierarchy = *models[m].hierarchy;
     if (hierarchy.cells.empty()) throw InputError(describe(scene.models[m].name, {}, "has nothing to draw"));
     placed.placement = placement_of(scene.models[m], hierarchy);
-    placed.look = look_of(hierarchy, scene.models[m].look);
-    if (scene.models[m].colour) placed.look.base_colour = *scene.models[m].colour;
-    // One that stands in several places is uploaded once.
+    placed.appearance = appearance_of(hierarchy, scene.models[m].appearance);
+    if (scene.models[m].colour) placed.appearance.base_colour = *scene.models[m].colour;
+    // A model with several placements is uploaded once.
     const auto same = std::ranges::find(placed_, models[m].hierarchy, [](const Placed& p) { return p.open.hierarchy; });
     placed.uploaded = same == placed_.end() ? uploaded++ : same->uploaded;
     placed_.push_back(std::move(placed));
@@ -54,8 +45,8 @@ SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_
   frame_.models.resize(placed_.size());
 }
 
-// In units in which single precision is good for what lies before the camera. A model alone is drawn in its normalised
-// space: the numbers are those of its hierarchy, wherever it stands.
+// Chooses units in which single precision suffices for the models before the camera. A single model is drawn in its
+// normalised space: the numbers are those of its hierarchy, wherever it is placed.
 void SceneView::place_models() {
   if (placed_.size() == 1) {
     origin_ = placed_.front().placement.translation;
@@ -103,14 +94,14 @@ void SceneView::freeze(bool frozen) {
   camera_.reset();
 }
 
-// Takes in what has been loaded and asks for what is missing; true when the frame changes by it.
+// Adds loaded cells and requests missing ones; true if that changes the frame.
 bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& camera,
                        std::span<const ViewConfig> beside) {
   ResidentCells& resident = *placed.open.resident;
-  // What is limited for the largest radius of a level is limited for all views.
+  // A cell that is limited for the largest radius of a level is limited for all views.
   Radii largest = placed.radii;
   for (const ViewConfig& other : beside) {
-    const Radii radii = make_radii(resident.hierarchy(), radii_config(other, camera));
+    const Radii radii = make_radii(resident.hierarchy(), for_picture(other.radii, other.size, camera.vertical_fov));
     for (std::size_t l = 0; l < radii.select.size(); ++l)
       largest.select[l] = std::max(largest.select[l], radii.select[l]);
   }
@@ -122,7 +113,7 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
   return !same;
 }
 
-bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside) {
+bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside) {
   const bool rests = camera_ && *camera_ == camera && config_ == config;
   const auto streamed_one = [](const Placed& p) { return p.open.resident != nullptr; };
   if (rests && (frozen_ || std::ranges::none_of(placed_, streamed_one))) return false;
@@ -133,7 +124,8 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<c
   camera_.reset();
   config_ = config;
   if (!rests && !frozen_)
-    for (Placed& placed : placed_) placed.radii = make_radii(*placed.open.hierarchy, radii_config(config, camera));
+    for (Placed& placed : placed_)
+      placed.radii = make_radii(*placed.open.hierarchy, for_picture(config.radii, config.size, camera.vertical_fov));
 
   bool streamed = false;
   for (std::size_t m = 0; m < placed_.size(); ++m) {
@@ -144,7 +136,7 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<c
     model.towards_eye = view.towards_eye(placed.in_picture);
     model.towards_light =
         to_float(placed.placement.rotated_back((1 / length(scene_.towards_light)) * scene_.towards_light));
-    model.look = placed.look;
+    model.appearance = placed.appearance;
     model.morph.blend = config.blend;
     if (frozen_) continue;
     model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
@@ -153,16 +145,16 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<c
   }
   camera_ = camera;
   if (rests && !streamed) return false;
-  frame_.setting = config.setting;
-  frame_.setting.fog.density *= static_cast<float>(unit_);
-  frame_.setting.ambient_occlusion.radius /= static_cast<float>(unit_);
+  frame_.settings = config.settings;
+  frame_.settings.fog.density *= static_cast<float>(unit_);
+  frame_.settings.ambient_occlusion.radius /= static_cast<float>(unit_);
   frame_.lens = view.lens();
   frame_.size = config.size;
   frame_.samples = config.samples;
   frame_.cull_occluded = config.cull_occluded;
   frame_.select_on_device = config.select_on_device && !frozen_;
   for (std::size_t m = 0; m < placed_.size() && !frozen_; ++m) select(frame_.models[m], placed_[m]);
-  if (frame_.setting.lighting.directional.shadows) see_from_light();
+  if (frame_.settings.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);
   return changed_ = true;
 }
@@ -170,15 +162,16 @@ bool SceneView::look(const Camera& camera, const ViewConfig& config, std::span<c
 void SceneView::select(ModelFrame& model, Placed& placed) {
   const Frustum frustum = frustum_of(model.view_projection);
   SelectionConfig config{&frustum, false, model.morph.limits, nullptr};
-  const bool backs_show = placed.look.opacity < 1 || config_.setting.overdraw || camera_->vertical_fov > widest_culled;
+  const bool backs_show =
+      placed.appearance.opacity < 1 || config_.settings.overdraw || camera_->vertical_fov > widest_culled;
   if (placed.open.back_faces && !backs_show) config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
   model.selection = &placed.selection;
   model.casters = nullptr;
 }
 
-// The shadow map goes round what is seen and what may throw a shadow on it. Casters are the same morphed surface as the
-// picture's, selected for the camera, culled by the light.
+// The shadow map covers the visible cells and the cells that may throw a shadow on them. Casters are the same morphed
+// surface as the picture's, selected for the camera, culled by the light.
 void SceneView::see_from_light() {
   std::vector<Vec3d> receivers, casters;
   std::vector<ModelPlacement> placements;
@@ -203,7 +196,7 @@ void SceneView::see_from_light() {
       if (cell.visible) add(receivers, cell.cell, cell.level);
   }
   const LightView light =
-      fit_light(scene_.towards_light, receivers, casters, frame_.setting.lighting.directional.shadow_texels);
+      fit_light(scene_.towards_light, receivers, casters, frame_.settings.lighting.directional.shadow_texels);
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     Placed& placed = placed_[m];
     ModelFrame& model = frame_.models[m];
@@ -250,7 +243,7 @@ std::vector<Camera> camera_path(const SceneView& view) {
   if (way.path != "fly-in") return read_camera_path(way.path, way.frames);
   std::size_t to = 0;
   while (!way.fly_to.empty() && view.scene().models[to].name != way.fly_to) ++to;
-  // Its own path, taken along to where it stands.
+  // The model's own path, moved to its placement.
   const Similarity own = to_similarity(view.hierarchy(to).transform);
   std::vector<Camera> path = fly_in_path(view.hierarchy(to), way.frames);
   for (Camera& camera : path) {

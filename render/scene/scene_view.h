@@ -1,4 +1,4 @@
-// A scene before a camera: what it takes from an opened scene and a camera to a frame that a backend can draw.
+// A scene before a camera: makes a frame that a backend can draw from an opened scene and a camera.
 //
 // Radii, selections and effects are made anew when the camera, the picture or the models have changed, and only then: a
 // camera at rest re-selects nothing, and draw() draws nothing again.
@@ -20,16 +20,16 @@ namespace lodestone {
 struct OpenModel {
   const Hierarchy* hierarchy = nullptr;   // drawn
   ResidentCells* resident = nullptr;      // when it is streamed: its hierarchy() is the one that is drawn
-  const BackFaces* back_faces = nullptr;  // to leave out what turns its back, where that cannot be seen
+  const BackFaces* back_faces = nullptr;  // to cull cells that turn their backs, if backs cannot be seen
 };
 
-// What is seen of a scene, beside the camera.
+// The parameters of a view of a scene, besides the camera.
 struct ViewConfig {
   ImageSize size;
   int samples = 1;
   RadiiConfig radii;  // image height, field of view and aspect are taken from size and camera
   Blend blend = Blend::smoothstep;
-  Setting setting;
+  FrameSettings settings;
   EffectRequest effects;
   bool cull_occluded = false, select_on_device = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
@@ -45,21 +45,21 @@ class SceneView {
   void upload(Renderer& renderer) const;
 
   // Makes the frame of this camera. False when nothing has changed since the last call: then the frame is the same.
-  // `beside`: what other views of the same models ask for from this camera, each drawn in its turn: what is streamed is
-  // loaded for all of them.
-  bool look(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside = {});
-  // Until it is told otherwise, look() keeps the cells of the last frame as they were selected, radii and viewpoint
-  // included, and changes nothing of what is loaded: the camera goes on alone.
+  // `beside`: other views of the same models from this camera, each drawn in its turn: streamed cells are loaded for
+  // all of them.
+  bool update(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside = {});
+  // While frozen, update() keeps the cells of the last frame as they were selected, radii and viewpoint included, and
+  // loads nothing: only the camera moves.
   void freeze(bool frozen);
   [[nodiscard]] const Frame& frame() const { return frame_; }
-  // Of what is streamed: every model has all the detail that it asks for; bytes in memory; the rate of its limits, 0
-  // for a model that is there as a whole.
+  // For streamed models: true if every model has all the detail that it needs; bytes in memory; the rate of a model's
+  // limits, 0 for a model in memory as a whole.
   [[nodiscard]] bool complete() const;
   [[nodiscard]] std::uint64_t resident_bytes() const;
   [[nodiscard]] float limit_rate(std::size_t model) const;
 
-  // Tells the renderer what streaming has brought and taken, and draws the frame, unless nothing has changed since the
-  // last picture of this view: then the statistics are empty.
+  // Passes the changes by streaming on to the renderer, and draws the frame, unless nothing has changed since the last
+  // picture of this view: then the statistics are empty.
   FrameStats draw(Renderer& renderer);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
@@ -77,7 +77,7 @@ class SceneView {
     std::uint32_t uploaded = 0;  // its number among those uploaded
     Similarity placement;        // of normalised model space, in the scene
     Similarity in_picture;       // the same in units of the picture, whose origin lies with the models
-    Look look;
+    Appearance appearance;
     Radii radii;
     std::vector<DetailLimit> limits;  // of the frame
     Selection selection, casters;
@@ -100,7 +100,7 @@ class SceneView {
   bool frozen_ = false;
 };
 
-// The camera's way of the scene. Throws as read_camera_path does.
+// The camera path of the scene. Throws as read_camera_path does.
 [[nodiscard]] std::vector<Camera> camera_path(const SceneView& view);
 
 }  // namespace lodestone

@@ -1,4 +1,4 @@
-// Reading tables of a TOML file: each key once, with its kind and range, and none that nobody asked for.
+// Tables of a TOML file: each key is read once, with its kind and range; unknown keys are refused.
 #pragma once
 
 #include <toml++/toml.h>
@@ -29,7 +29,7 @@ class TomlTable {
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const toml::source_region& source() const { return table_.source(); }
 
-  // Leaves `to` as it is where the key is not there.
+  // Leaves `to` unchanged if the key is missing.
   void number(const char* key, double& to, double least, double largest) {
     if (const toml::node* node = find(key)) to = number_of(*node, key, least, largest);
   }
@@ -70,7 +70,7 @@ class TomlTable {
     to = to_float(value);
   }
 
-  // Any node, for kinds of their own; null where the key is not there.
+  // The node of a key of any kind; null if the key is missing.
   [[nodiscard]] const toml::node* find(const char* key) {
     read_.insert(key);
     return table_.get(key);
@@ -82,7 +82,7 @@ class TomlTable {
     throw InputError(
         describe(file_, "line " + std::to_string(place.begin.line), (name_.empty() ? "" : name_ + ", ") + what));
   }
-  // Calls read(TomlTable&) where there is a table of that name.
+  // Calls read(TomlTable&) if there is a table of that name.
   template <class Read>
   void sub_table(const char* key, const Read& read) {
     const toml::node* node = find(key);
@@ -108,7 +108,7 @@ class TomlTable {
     }
   }
 
-  // Throws InputError for a key that none of the calls before has asked for.
+  // Throws InputError for a key that none of the calls before has read.
   void refuse_others() const {
     for (const auto& [key, node] : table_) {
       if (read_.contains(std::string(key.str()))) continue;
@@ -144,7 +144,7 @@ class TomlTable {
   std::set<std::string> read_;
 };
 
-// Throws FileError when the file cannot be read, InputError with the line when it is no TOML, or is a folder.
+// Throws FileError when the file cannot be read, InputError with the line when it is invalid TOML, or a folder.
 [[nodiscard]] inline toml::table parse_toml(const std::string& file) {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))

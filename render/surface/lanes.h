@@ -86,7 +86,7 @@ inline unsigned bits(Int mask) {
 }
 inline constexpr unsigned all_lanes = (1u << width) - 1;
 
-// The second operand where either is no number, as the instructions have it.
+// The second operand if either is NaN, as the instructions have it.
 inline Float min(Float a, Float b) {
 #if defined(__AVX2__)
   return _mm256_min_ps(a, b);
@@ -266,7 +266,7 @@ template <class At>
   return {as_int(q.a), as_int(q.b), q.c, q.d};
 }
 
-// Lane k is from(k). In registers: a vector cannot be loaded before all its parts are stored.
+// Lane k is from(k). It is made in registers: a vector cannot be loaded before all its parts are stored.
 template <class From>
 [[gnu::always_inline]] inline Int gathered(const From& from) {
 #if defined(__AVX2__)

@@ -1,10 +1,10 @@
-// What shading reads of a frame and of the cells that it draws.
+// The input of shading: the frame and the cells that it draws.
 #pragma once
 
 #include <cstdint>
 
 #include "core/hierarchy/model/hierarchy.h"
-#include "render/camera/eye.h"
+#include "render/camera/projection.h"
 #include "render/frame/frame.h"
 
 namespace lodestone {
@@ -30,10 +30,10 @@ struct DrawnCell {
   TriangleNumber first_triangle = 0;
   const ModelFrame* model = nullptr;
   const Cell *own = nullptr, *coarser = nullptr;  // the cell; and its parent, where it morphs
-  // Of the vertices of the cell, and of its parent where it morphs; texture coordinates where the model has some.
+  // Arrays of the vertices of the cell, and of its parent if it morphs; texture coordinates if the model has them.
   const Vec3f *positions = nullptr, *coarser_positions = nullptr;
   const Vec2f *uv = nullptr, *coarser_uv = nullptr;
-  // Likewise, and the vertices' parents.
+  // Normals likewise, and the vertices' parents.
   const PackedNormal* normals = nullptr;
   const PackedNormal* coarser_normals = nullptr;
   const std::uint32_t* parents = nullptr;
@@ -46,7 +46,7 @@ struct ShadowView {
   int texels = 0;  // a side
 };
 
-// What the stages of shading read of a frame.
+// The parts of a frame that the stages of shading read.
 struct ShadingJob {
   const Frame* frame = nullptr;
   float half_width = 0, half_height = 0;      // half the picture, in subpixels

@@ -12,7 +12,7 @@
 
 namespace lodestone::soft::LODESTONE_LANES {
 
-// Where the pixel lies on its textures (render/effects/texture_mapping.h).
+// The place of the pixel on its textures (render/effects/texture_mapping.h).
 struct Mapping {
   Float u, v;
   Float u_x, v_x, u_y, v_y;  // differences to the next pixel to the right and downwards
@@ -32,15 +32,15 @@ struct Surface {
   Float weight[3];                // perspective-correct, sum 1
   Float depth;                    // in the window, [0, 1]
 
-  Points corner[3];  // drawn places of the corners, model space; once somebody has asked for them
+  Points corner[3];  // drawn positions of the corners, model space; valid if has_corners
   bool has_corners;
 
-  // What the stages make of it.
+  // Results of the stages.
   Points normal;      // model space, of any length
-  Points colour;      // albedo, and in the end what the picture shows
+  Points colour;      // albedo, and in the end the colour of the picture
   Float light;        // sum of the lights that reach it
   Float directional;  // that of the directional light, in it
-  Mapping mapping;    // once an effect has asked for it
+  Mapping mapping;    // valid if is_mapped
   bool is_mapped;
 };
 
@@ -59,7 +59,7 @@ template <class Of>
           of_models(s, [&](const ModelFrame& m) { return of(m).z; })};
 }
 
-// Lambdas of corner i: 1 in cells that do not morph.
+// Lambdas of corner i; 1 in cells that do not morph.
 [[gnu::always_inline]] inline Float corner_lambdas(const Surface& s, std::size_t i) {
   return as_float(gathered(
       [&](int k) { return std::bit_cast<std::int32_t>(s.cell[k]->morphing ? s.cell[k]->lambdas[s.v[k][i]] : 1.0f); }));
@@ -87,8 +87,8 @@ template <class CellOf, class VertexOf>
   }));
 }
 
-// Drawn places, normalised model space, as morph_position has them; of lane k that of vertex vertex_of(k) of cell
-// cell_of(k).
+// Drawn positions in normalised model space, as morph_position computes them: in lane k that of vertex vertex_of(k) of
+// cell cell_of(k).
 template <class CellOf, class VertexOf>
 [[gnu::always_inline]] inline Points morphed_positions(const CellOf& cell_of, const VertexOf& vertex_of,
                                                        bool morphing) {
@@ -112,13 +112,13 @@ template <class CellOf, class VertexOf>
   return {mix(w.x, p.x), mix(w.y, p.y), mix(w.z, p.z)};
 }
 
-// Of corner i.
+// Positions of corner i.
 [[gnu::always_inline]] inline Points corner_positions(const Surface& s, std::size_t i) {
   return morphed_positions([&](int k) -> const DrawnCell& { return *s.cell[k]; }, [&](int k) { return s.v[k][i]; },
                            s.morphing);
 }
 
-// Fills Surface::corner. Where the whole group sees one triangle, its corners share the lanes.
+// Fills Surface::corner. If the whole group sees one triangle, its corners share the lanes.
 [[gnu::always_inline]] inline void find_corners(Surface& s) {
   s.has_corners = true;
   if (!s.one_triangle) {

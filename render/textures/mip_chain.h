@@ -1,7 +1,8 @@
 // A texture as shading reads it: its levels, each half the size of the one before (williams1983).
 //
 // All levels are made once, in memory, and are the same bytes for every backend. Between texels and between levels
-// backends interpolate the bytes as they are: colours go to the picture without a transfer curve (render/frame/shading.h).
+// backends interpolate the bytes as they are: colours go to the picture without a transfer curve
+// (render/frame/shading.h).
 #pragma once
 
 #include <cstdint>
@@ -28,12 +29,12 @@ struct MipLevel {
 [[nodiscard]] std::vector<MipLevel> make_mip_chain(PixelImage image, PixelMeaning meaning, TextureWrap wrap_u,
                                                    TextureWrap wrap_v);
 
-// Where texel i is found among n, i any number.
+// The index of texel i among n, for any i.
 [[nodiscard]] std::uint32_t wrapped(std::int64_t i, std::uint32_t n, TextureWrap wrap);
 
-// Which space a normal map is in. The formats do not say, but its texels do: normals of a tangent-space map point out
-// of the surface, blue at least 128, those of an object-space map of a solid object everywhere. True where more than a
-// sixteenth of the texels that are unit vectors points inwards.
+// Tells the space of a normal map. Formats do not specify it, but texels reveal it: normals of a tangent-space map
+// point out of the surface, blue at least 128, those of an object-space map of a solid object in all directions. True
+// if more than a sixteenth of the texels that are unit vectors point inwards.
 [[nodiscard]] bool is_object_space(const PixelImage& normal_map);
 
 // Drawn instead of a texture that cannot be had: 8 x 8 fields of magenta and black.

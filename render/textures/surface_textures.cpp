@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
 #include "core/texture/image_codec.h"
-#include "render/frame/look.h"
+#include "render/frame/appearance.h"
 
 namespace lodestone {
 namespace {
@@ -125,8 +125,8 @@ std::size_t SurfaceTextures::prepare(const Frame& frame, Scheduler& scheduler) {
   return missing.size();
 }
 
-// Without a normal map that cannot be had the surface is smooth; without its colours it would look like one that has
-// none.
+// Without a normal map that cannot be decoded the surface is smooth; without its colours it would look like an
+// untextured one.
 void SurfaceTextures::warn(std::uint32_t texture) {
   const Source& source = sources_[texture];
   const bool normals = source.meaning == PixelMeaning::normals;
@@ -161,11 +161,12 @@ void SurfaceTextures::release(std::uint32_t texture) {
 }
 
 bool shows_textures(const ModelFrame& model) {
-  return model.effects.contains(Effect::texture) && model.look.textures && has_surface_colours(*model.morph.hierarchy);
+  return model.effects.contains(Effect::texture) && model.appearance.textures &&
+         has_surface_colours(*model.morph.hierarchy);
 }
 
 bool shows_normal_maps(const ModelFrame& model) {
-  return model.effects.contains(Effect::normal_map) && model.look.normal_maps &&
+  return model.effects.contains(Effect::normal_map) && model.appearance.normal_maps &&
          has_normal_maps(*model.morph.hierarchy);
 }
 

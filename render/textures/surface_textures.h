@@ -36,13 +36,13 @@ struct SurfaceMaterial {
 
 class SurfaceTextures {
  public:
-  // For these models, which must outlive it. Nothing is decoded yet.
+  // Sets the models, which must outlive it. Nothing is decoded yet.
   void set_models(std::span<const Hierarchy* const> models, const TextureLimits& limits = {});
 
   // Decodes what the models of the frame call for and is not there yet. Returns how many were decoded.
   std::size_t prepare(const Frame& frame, Scheduler& scheduler);
 
-  // Of an uploaded model: the first for triangles without a material, then those of its hierarchy.
+  // Materials of an uploaded model: the first for triangles without a material, then those of its hierarchy.
   [[nodiscard]] std::span<const SurfaceMaterial> materials(std::uint32_t model) const { return materials_[model]; }
   [[nodiscard]] std::span<const SurfaceTexture> textures() const { return textures_; }
   // Room for any texture, those included that are not shown yet.
@@ -50,7 +50,7 @@ class SurfaceTextures {
   // Frees the texels of a texture that lies elsewhere now.
   void release(std::uint32_t texture);
 
-  // What could not be shown as the models have it, since the last call.
+  // Parts that could not be shown as the models have them, since the last call.
   [[nodiscard]] std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
 
  private:
@@ -76,7 +76,7 @@ class SurfaceTextures {
   std::vector<std::string> warnings_;
 };
 
-// Does the frame's model show textures, or normal maps, that its hierarchy has?
+// True if the frame's model shows textures, or normal maps, of its hierarchy.
 [[nodiscard]] bool shows_textures(const ModelFrame& model);
 [[nodiscard]] bool shows_normal_maps(const ModelFrame& model);
 

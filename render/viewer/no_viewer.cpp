@@ -1,4 +1,4 @@
-// Where the viewer was left out.
+// `lodestone view` in a build without the viewer.
 #include "core/base/error.h"
 #include "render/viewer/viewer.h"
 

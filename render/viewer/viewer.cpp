@@ -1,4 +1,4 @@
-// The loop of the viewer: wait, hear, move, draw what has changed, show.
+// The loop of the viewer: wait, handle events, move, draw changes, show.
 #include "render/viewer/viewer.h"
 
 #include <algorithm>
@@ -9,17 +9,17 @@
 #include "core/base/error.h"
 #include "render/backends/gl/gl_renderer.h"
 #include "render/backends/make_renderer.h"
-#include "render/viewer/gui.h"
-#include "render/viewer/panel.h"
-#include "render/viewer/picture.h"
-#include "render/viewer/view_session.h"
-#include "render/viewer/window.h"
+#include "render/viewer/session/view_session.h"
+#include "render/viewer/window/gui.h"
+#include "render/viewer/window/panel.h"
+#include "render/viewer/window/picture.h"
+#include "render/viewer/window/window.h"
 
 namespace lodestone::viewer {
 namespace {
 
 constexpr double idle_wait = 0.2;          // seconds between two looks at the cancel flag
-constexpr double frame_period = 1 / 120.;  // least, where nothing else slows frames down
+constexpr double frame_period = 1 / 120.;  // minimum, if nothing else slows frames down
 constexpr double patience = 1;             // seconds without a new cell before looking for them becomes leisurely
 constexpr int settling_frames = 3;         // of the window after an event: the panel follows one frame behind
 
@@ -45,7 +45,7 @@ class Viewer {
     });
   }
 
-  // What is being opened may take a moment to end.
+  // Files being opened may take a moment to end.
   ~Viewer() {
     window_.hide();
     on_display_lost({});
@@ -111,13 +111,13 @@ class Viewer {
     const bool message = session_.message(now) != nullptr;
     if (!events.empty() || message != std::exchange(had_message_, message)) settling_ = settling_frames;
     if (size.width < 1 || size.height < 1) return hear_without_picture(events, now);
-    // With nothing to say to the window, it is shown again only where a picture has changed.
+    // Without changes of the interface the window is shown again only if a picture has changed.
     const bool drawn = settling_ == 0 && draw_views(size, session_.resolution.scale(now));
     if (settling_ == 0 && !drawn) return;
     settling_ = std::max(0, settling_ - 1);
 
     gui_.begin_frame();
-    for (const Event& event : events) hear(event, size);
+    for (const Event& event : events) on_event(event, size);
     if (const auto at = session_.navigation.take_focus()) guarded([&] { session_.focus_at(*at, size, now); });
     session_.advance(now);
     const bool screenshot = session_.take_screenshot_request();
@@ -148,7 +148,7 @@ class Viewer {
       session_.tell(name + ": not opened", false, now);
       show_name();
     } catch (const Error& error) {
-      // What the command line named must be there; what was dropped into the window may be anything.
+      // Files named on the command line must exist; files dropped into the window may be anything.
       if (first && !config_.load.paths.empty()) throw;
       session_.tell(error.what(), true, now);
       show_name();
@@ -187,7 +187,7 @@ class Viewer {
 
   void drop(const Event& event, double now) { session_.open({event.files.begin(), event.files.end()}, now); }
 
-  void hear(const Event& event, ImageSize size) {
+  void on_event(const Event& event, ImageSize size) {
     Navigation& navigation = session_.navigation;
     ViewState& state = session_.state;
     switch (event.kind) {
@@ -293,7 +293,7 @@ class Viewer {
     return true;
   }
 
-  // What is being loaded will be here soon; what the budget has no room for will not.
+  // Cells being loaded will arrive soon; cells beyond the budget will not.
   void wait_for_cells(bool drawn, double now) {
     if (drawn) streamed_at_ = now;
     const Model* model = session_.drawing().model();
@@ -326,7 +326,7 @@ class Viewer {
     }
   }
 
-  // What cannot be drawn or loaded is a line; the window goes on.
+  // An error of drawing or loading becomes a line; the window continues.
   template <class Body>
   void guarded(const Body& body) {
     try {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "parallel/scheduler/scheduler.h"
-#include "render/viewer/model_loader.h"
-#include "render/viewer/view_state.h"
+#include "render/viewer/controls/view_state.h"
+#include "render/viewer/session/model_loader.h"
 
 namespace lodestone::viewer {
 
@@ -21,12 +21,12 @@ struct ViewerConfig {
   std::vector<Camera> path;      // a path to play, whose first camera is the one to begin with; may be empty
   std::filesystem::path folder = ".";  // for screenshots and recorded paths
   const CancelFlag* cancel = nullptr;  // ends the viewer: looked at five times a second
-  // Hears, in a line each, what a user should read even where there is no window any more: the fallback to soft, names
-  // of files written, what could not be opened.
+  // Receives messages, a line each, that a user should read even after the window is closed: the fallback to soft,
+  // names of files written, files that could not be opened.
   std::function<void(const std::string&)> say;
 };
 
-// What has happened, for who measures: nothing of it grows while nothing moves.
+// Counts for measurements; none of them grows while nothing moves.
 struct ViewerResult {
   std::string backend, device;
   Camera camera;                                         // the last one

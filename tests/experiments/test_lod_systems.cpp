@@ -135,7 +135,7 @@ TEST(SystemPictures, TheMorphIsTheUsualPicture) {
   view.upload(*renderer);
   const ViewConfig config = view_config(view.scene(), size);
   const Camera camera = approach(3)[1];
-  (void)view.look(camera, config);
+  (void)view.update(camera, config);
   (void)view.draw(*renderer);
   const Image usual = renderer->read_back();
   SystemPictures pictures(view, *renderer);

@@ -20,7 +20,7 @@
 #include "experiments/sweep/run_child.h"
 #include "experiments/sweep/sha256.h"
 #include "experiments/sweep/time_left.h"
-#include "render/backends/gl/graphics_driver.h"
+#include "render/backends/gl/device/graphics_driver.h"
 
 namespace lodestone {
 namespace {

@@ -48,7 +48,7 @@ inline std::shared_ptr<const Hierarchy> shared(IndexedMesh mesh, int finest, flo
   return {small, &small->hierarchy};
 }
 
-// By the real builder.
+// A hierarchy made by the real builder.
 inline std::shared_ptr<const Hierarchy> built(Shape shape, std::uint64_t triangles) {
   const auto scheduler = make_serial_scheduler();
   Repairs repairs;
@@ -124,7 +124,7 @@ inline DrawnScene draw_scene(const ConformanceScene& scene, Renderer& renderer) 
   frame.only().morph = {&hierarchy, &radii, scene.blend, viewpoint(scene.camera, hierarchy.transform)};
   frame.only().view_projection = view_projection(scene.camera, hierarchy, scene.size);
   frame.size = scene.size;
-  frame.setting.level_tint = scene.tint_by_level ? 1.0f : 0.0f;
+  frame.settings.level_tint = scene.tint_by_level ? 1.0f : 0.0f;
   frame.only().effects.set(Effect::level_tint, scene.tint_by_level);
   frame.samples = scene.samples;
   const Vec3d towards_eye = scene.camera.position - scene.camera.target;
@@ -140,7 +140,7 @@ inline DrawnScene draw_scene(const ConformanceScene& scene, Renderer& renderer) 
   return drawn;
 }
 
-// Null when the backend cannot run here; `why` says what is missing.
+// Null if the backend cannot run here; `why` then names what is missing.
 inline std::unique_ptr<Renderer> renderer_if_possible(const std::string& backend, Scheduler& scheduler,
                                                       std::string& why) {
   try {

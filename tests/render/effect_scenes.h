@@ -19,7 +19,7 @@ struct PlacedModel {
   std::shared_ptr<const Hierarchy> hierarchy;
   Vec3d offset;
   double scale = 1;
-  Look look;
+  Appearance appearance;
   float kappa0 = 2.5f;
   [[nodiscard]] ModelPlacement placement() const {
     return {scale, 0, 0, offset.x, 0, scale, 0, offset.y, 0, 0, scale, offset.z};
@@ -30,7 +30,7 @@ struct EffectScene {
   std::string name;
   std::vector<PlacedModel> models;
   Vec3d eye, target;
-  Setting setting;
+  FrameSettings settings;
   EffectSet of_models{Effect::geomorph, Effect::smooth_normals, Effect::head_light};
   EffectSet of_picture;
   ImageSize size{320, 240};
@@ -79,7 +79,7 @@ struct EffectFrame {
 
   explicit EffectFrame(const EffectScene& scene) {
     frame.models.clear();
-    frame.setting = scene.setting;
+    frame.settings = scene.settings;
     frame.effects = scene.of_picture;
     frame.size = scene.size;
     frame.samples = scene.samples;
@@ -91,7 +91,7 @@ struct EffectFrame {
       const auto box = corners_of(m.hierarchy->cells.front().bounds, m.placement());
       corners.insert(corners.end(), box.begin(), box.end());
     }
-    light = fit_light(scene.towards_light, corners, corners, scene.setting.lighting.directional.shadow_texels);
+    light = fit_light(scene.towards_light, corners, corners, scene.settings.lighting.directional.shadow_texels);
     for (const PlacedModel& m : scene.models) add(scene, m);
   }
   EffectFrame(const EffectFrame&) = delete;
@@ -117,7 +117,7 @@ struct EffectFrame {
     }
     m.towards_eye = to_float(detail::unit(scene.eye - scene.target));
     m.towards_light = to_float(detail::unit(scene.towards_light));
-    m.look = placed.look;
+    m.appearance = placed.appearance;
     m.effects = scene.of_models;
     frame.models.push_back(m);
   }
@@ -142,7 +142,7 @@ inline EffectScene still_life(const std::string& name) {
   static const auto terrain = shared(terrain_mesh(64), 3);
   EffectScene scene;
   scene.name = name;
-  Look red, green, grey;
+  Appearance red, green, grey;
   red.base_colour = {0.85f, 0.4f, 0.35f};
   green.base_colour = {0.45f, 0.75f, 0.45f};
   green.smooth = false;
@@ -151,8 +151,8 @@ inline EffectScene still_life(const std::string& name) {
                   {sphere, {0.1, 0.0, 0.0}, 0.6, green}};
   scene.eye = {0.9, -2.2, 1.3};
   scene.target = {0, 0, 0.1};
-  scene.setting.lighting.head = 0.3f;
-  scene.setting.lighting.directional.strength = 0.8f;
+  scene.settings.lighting.head = 0.3f;
+  scene.settings.lighting.directional.strength = 0.8f;
   return scene;
 }
 
@@ -169,7 +169,7 @@ inline std::vector<EffectScene> effect_scenes() {
   EffectScene wires = detail::still_life("wireframe");
   wires.of_models.insert(Effect::directional_light);
   wires.of_models.insert(Effect::wireframe);
-  wires.setting.wireframe = 0.8f;
+  wires.settings.wireframe = 0.8f;
   for (PlacedModel& m : wires.models) m.kappa0 = 1.2f;
   scenes.push_back(wires);
   EffectScene near = wires;  // the terrain passes under the camera
@@ -178,43 +178,43 @@ inline std::vector<EffectScene> effect_scenes() {
   near.target = {0.3, 0.6, 0.0};
   near.near = 0.3;
   near.of_models.insert(Effect::fog);
-  near.setting.fog.density = 0.3f;
+  near.settings.fog.density = 0.3f;
   scenes.push_back(near);
   EffectScene count = detail::still_life("overdraw");
   count.of_picture.insert(Effect::overdraw);
-  count.setting.overdraw = true;
+  count.settings.overdraw = true;
   scenes.push_back(count);
   EffectScene shaded = detail::still_life("shadow");
   shaded.of_models.insert(Effect::directional_light);
   shaded.of_picture.insert(Effect::shadow);
-  shaded.setting.lighting.directional.shadows = true;
-  shaded.setting.lighting.directional.shadow_texels = 1024;
+  shaded.settings.lighting.directional.shadows = true;
+  shaded.settings.lighting.directional.shadow_texels = 1024;
   scenes.push_back(shaded);
   EffectScene glass = shaded;
   glass.name = "transparency";
   glass.of_picture.insert(Effect::transparency);
-  glass.models[1].look.opacity = 0.4f;
-  glass.models[2].look.opacity = 0.7f;
+  glass.models[1].appearance.opacity = 0.4f;
+  glass.models[2].appearance.opacity = 0.7f;
   glass.models[2].offset = {-0.3, -0.5, 0.05};  // through the torus
   scenes.push_back(glass);
   EffectScene all_glass = glass;  // with fog and edges, all of it
   all_glass.name = "transparency_all";
-  all_glass.models[0].look.opacity = 0.5f;
+  all_glass.models[0].appearance.opacity = 0.5f;
   for (const Effect effect : {Effect::fog, Effect::wireframe}) all_glass.of_models.insert(effect);
-  all_glass.setting.fog.density = 0.25f;
-  all_glass.setting.wireframe = 0.4f;
+  all_glass.settings.fog.density = 0.25f;
+  all_glass.settings.wireframe = 0.4f;
   scenes.push_back(all_glass);
   EffectScene dark = detail::still_life("occlusion");
   dark.of_picture.insert(Effect::ambient_occlusion);
-  dark.setting.lighting.ambient = 1;
-  dark.setting.ambient_occlusion = {1, 0.2f};
+  dark.settings.lighting.ambient = 1;
+  dark.settings.ambient_occlusion = {1, 0.2f};
   dark.models[1].offset.z = 0;
   scenes.push_back(dark);
   EffectScene everything = all_glass;
   everything.name = "everything";
-  everything.models[0].look.opacity = 1;
+  everything.models[0].appearance.opacity = 1;
   everything.of_picture.insert(Effect::ambient_occlusion);
-  everything.setting.ambient_occlusion = {0.8f, 0.25f};
+  everything.settings.ambient_occlusion = {0.8f, 0.25f};
   scenes.push_back(everything);
   for (const char* name : {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency",
                            "transparency_all", "occlusion", "everything"}) {

@@ -1,5 +1,5 @@
-// Surfaces whose attributes are functions of the position, at every level: whatever is drawn of them, morphing or not,
-// each point must show what the function says of it.
+// Surfaces whose attributes are functions of the position, at every level: drawn in any way, morphing or not, each
+// point must show the value of the function.
 #pragma once
 
 #include <deque>
@@ -74,7 +74,7 @@ struct ObviousTexture {
   }
 };
 
-// Where the lines of sight of a frame's only model meet the plane z = 0.
+// The points where the lines of sight of a frame's only model meet the plane z = 0.
 class PlaneView {
  public:
   explicit PlaneView(const Frame& frame) : frame_(frame) {}

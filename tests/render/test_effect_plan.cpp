@@ -14,7 +14,7 @@ namespace {
 
 using test::renderer_if_possible;
 
-// What a scene asks for, by name.
+// A request of a scene, by name.
 struct Wish {
   std::string name;
   std::function<void(Scene&)> apply;
@@ -23,35 +23,35 @@ struct Wish {
 std::vector<Wish> wishes() {
   return {
       {"plain", [](Scene&) {}},
-      {"unlit", [](Scene& s) { s.setting.lighting.ambient = 1; }},
-      {"dark", [](Scene& s) { s.setting.lighting.head = 0; }},
-      {"flat", [](Scene& s) { s.models[0].look.smooth = false; }},
+      {"unlit", [](Scene& s) { s.settings.lighting.ambient = 1; }},
+      {"dark", [](Scene& s) { s.settings.lighting.head = 0; }},
+      {"flat", [](Scene& s) { s.models[0].appearance.smooth = false; }},
       {"coloured",
        [](Scene& s) {
          s.models[1].colour = Vec3f{0.2f, 0.7f, 1};
        }},
-      {"tinted", [](Scene& s) { s.setting.level_tint = 0.6f; }},
-      {"foggy", [](Scene& s) { s.setting.fog.density = 0.3f; }},
+      {"tinted", [](Scene& s) { s.settings.level_tint = 0.6f; }},
+      {"foggy", [](Scene& s) { s.settings.fog.density = 0.3f; }},
       {"sunny",
        [](Scene& s) {
-         s.setting.lighting.directional = {0.8f, false};
+         s.settings.lighting.directional = {0.8f, false};
        }},
       {"shadowed",
        [](Scene& s) {
-         s.setting.lighting.directional = {0.8f, true};
+         s.settings.lighting.directional = {0.8f, true};
        }},
-      {"transparent", [](Scene& s) { s.models[0].look.opacity = 0.4f; }},
+      {"transparent", [](Scene& s) { s.models[0].appearance.opacity = 0.4f; }},
       {"occluded",
        [](Scene& s) {
-         s.setting.ambient_occlusion = {0.8f, 0.3f};
+         s.settings.ambient_occlusion = {0.8f, 0.3f};
        }},
-      {"wireframe", [](Scene& s) { s.setting.wireframe = 0.7f; }},
-      {"overdraw", [](Scene& s) { s.setting.overdraw = true; }},
+      {"wireframe", [](Scene& s) { s.settings.wireframe = 0.7f; }},
+      {"overdraw", [](Scene& s) { s.settings.overdraw = true; }},
       {"foggy_tinted_flat",
        [](Scene& s) {
-         s.setting.fog.density = 0.3f;
-         s.setting.level_tint = 1;
-         s.models[1].look.smooth = false;
+         s.settings.fog.density = 0.3f;
+         s.settings.level_tint = 1;
+         s.models[1].appearance.smooth = false;
        }},
   };
 }
@@ -88,7 +88,7 @@ Drawn draw(const TwoModels& models, Renderer& renderer, int samples = 1) {
   view.upload(renderer);
   ViewConfig config = view_config(models.scene, {200, 150});
   config.samples = samples;
-  view.look(orbit_path(view.bounding_sphere(), 8)[5], config);
+  view.update(orbit_path(view.bounding_sphere(), 8)[5], config);
   Drawn drawn;
   drawn.stats = view.draw(renderer);
   drawn.image = renderer.read_back();
@@ -134,7 +134,7 @@ TEST(EffectPlan, PicturesOfAutoAndAllAreTheSame) {
   }
 }
 
-// What a pass counts, where an effect is one; else the points that it shades.
+// The count of a pass, if an effect is one; else the points that it shades.
 std::string work_of(Effect effect) {
   switch (effect) {
     case Effect::shadow:
@@ -165,7 +165,7 @@ TEST(EffectPlan, WhatIsNotCalledForDoesNoWork) {
 
 TEST(EffectPlan, PlansEachModelByItself) {
   TwoModels models;
-  models.scene.models[0].look.smooth = false;
+  models.scene.models[0].appearance.smooth = false;
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);
   const Frame frame = draw(models, *renderer).frame;

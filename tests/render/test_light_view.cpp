@@ -1,4 +1,4 @@
-// Where lights and eyes are: the fit of the shadow map, and the point a projection looks from.
+// Positions of lights and eyes: the fit of the shadow map, and the eye of a projection.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "render/camera/eye.h"
 #include "render/camera/light_view.h"
+#include "render/camera/projection.h"
 #include "tests/render/effect_scenes.h"
 
 namespace lodestone {
@@ -58,7 +58,7 @@ TEST(LightView, HoldsWhatItIsFittedTo) {
           EXPECT_LE(in_clip(vp, p).z, 1);
         }
       }
-      // What is nearer to the light has less depth.
+      // Points nearer to the light have less depth.
       EXPECT_LT(in_clip(vp, receivers[0] + 0.1 * view.towards_light).z, in_clip(vp, receivers[0]).z);
     }
 }

@@ -84,8 +84,9 @@ key = [{ position = [0, -5, 1], target = [0, 0, 0], up = [0, 1, 0], fov_degrees 
   EXPECT_EQ(statue.scale, 2);
   EXPECT_EQ(statue.anchor, Anchor::origin);
   EXPECT_EQ(statue.colour, (Vec3f{1, 0.5f, 0}));
-  EXPECT_EQ(statue.look,
-            (Look{.opacity = 0.5f, .smooth = false, .vertex_colours = false, .textures = false, .normal_maps = false}));
+  EXPECT_EQ(
+      statue.appearance,
+      (Appearance{.opacity = 0.5f, .smooth = false, .vertex_colours = false, .textures = false, .normal_maps = false}));
   EXPECT_EQ(ball.name, "ball");
   ASSERT_TRUE(ball.generate);
   EXPECT_EQ(ball.generate->triangles, 5000u);
@@ -93,13 +94,13 @@ key = [{ position = [0, -5, 1], target = [0, 0, 0], up = [0, 1, 0], fov_degrees 
   EXPECT_EQ(ball.extent, 1.5);
   EXPECT_EQ(ball.anchor, Anchor::base);
   EXPECT_FALSE(ball.colour);
-  Setting setting;
-  setting.background = {0.1f, 0.2f, 0.3f};
-  setting.lighting = {0.4f, 0.5f, {0.7f, true}};
-  setting.fog = {{0.5f, 0.6f, 0.7f}, 0.25f};
-  setting.ambient_occlusion = {0.75f, 0.1f};
-  setting.level_tint = 0.5f, setting.wireframe = 0.25f, setting.overdraw = true;
-  EXPECT_EQ(scene.setting, setting);
+  FrameSettings settings;
+  settings.background = {0.1f, 0.2f, 0.3f};
+  settings.lighting = {0.4f, 0.5f, {0.7f, true}};
+  settings.fog = {{0.5f, 0.6f, 0.7f}, 0.25f};
+  settings.ambient_occlusion = {0.75f, 0.1f};
+  settings.level_tint = 0.5f, settings.wireframe = 0.25f, settings.overdraw = true;
+  EXPECT_EQ(scene.settings, settings);
   EXPECT_EQ(scene.towards_light, (Vec3d{0, 0, 2}));
   EXPECT_EQ(scene.effects, (EffectRequest{EffectRequest::Kind::listed, {Effect::fog, Effect::wireframe}}));
   EXPECT_EQ(scene.radii.pixel_error, 2);
@@ -114,9 +115,9 @@ key = [{ position = [0, -5, 1], target = [0, 0, 0], up = [0, 1, 0], fov_degrees 
 
 TEST_F(SceneFile, DefaultsAreThoseOfAModelAlone) {
   const Scene scene = read_scene(write("[[model]]\nfile = \"a.lode\"\n[[model]]\nfile = \"a.lode\"\n"));
-  EXPECT_EQ(scene.setting, Setting{});
+  EXPECT_EQ(scene.settings, FrameSettings{});
   EXPECT_EQ(scene.effects, EffectRequest{});
-  EXPECT_EQ(scene.models[0].look, Look{});
+  EXPECT_EQ(scene.models[0].appearance, Appearance{});
   EXPECT_EQ(scene.camera.path, "orbit");
   EXPECT_NE(scene.models[0].name, scene.models[1].name);  // told apart
 }

@@ -25,14 +25,14 @@ constexpr ImageSize size{160, 120};
 
 Image draw(SceneView& view, const Camera& from, Renderer& renderer) {
   view.upload(renderer);
-  EXPECT_TRUE(view.look(from, view_config(view.scene(), size)));
+  EXPECT_TRUE(view.update(from, view_config(view.scene(), size)));
   (void)view.draw(renderer);
   return renderer.read_back();
 }
 
 TEST(SceneView, AModelAloneIsDrawnAsItIs) {
   SceneView view(scene_of_one(), {{&torus()}});
-  (void)view.look(camera, view_config(view.scene(), size));
+  (void)view.update(camera, view_config(view.scene(), size));
   const ModelFrame& model = view.frame().only();
   EXPECT_EQ(model.view_projection.m, view_projection(camera, torus(), size).m);
   EXPECT_EQ(model.morph.viewpoint, viewpoint(camera, torus().transform));
@@ -81,7 +81,7 @@ TEST(SceneView, AnchorsAndExtents) {
   EXPECT_EQ(placement_of(model, torus()), to_similarity(torus().transform));
 }
 
-// Far apart in size and place: none is cut, each is seen where it stands.
+// Far apart in size and place: none is cut, each is seen at its place.
 TEST(SceneView, ModelsOfVeryDifferentSizes) {
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);
@@ -95,7 +95,7 @@ TEST(SceneView, ModelsOfVeryDifferentSizes) {
   SceneView view(scene, {{&torus()}, {&torus()}});
   const Camera close{{0, -0.05, 0.02}, {0, 0, 0}};
   const Image image = draw(view, close, *renderer);
-  view.look(close, view_config(scene, size));
+  view.update(close, view_config(scene, size));
   EXPECT_EQ(view.frame().models[0].model, view.frame().models[1].model);  // uploaded once
   const auto covered = [&](int y0, int y1) {
     int count = 0;
@@ -117,41 +117,41 @@ TEST(SceneView, ACameraAtRestDoesNothing) {
   SceneView view(scene_of_one(), {{&torus()}});
   view.upload(*renderer);
   ViewConfig config = view_config(view.scene(), size);
-  EXPECT_TRUE(view.look(camera, config));
+  EXPECT_TRUE(view.update(camera, config));
   EXPECT_GT(view.draw(*renderer).triangles, 0u);
   const Image before = renderer->read_back();
-  EXPECT_FALSE(view.look(camera, config));
+  EXPECT_FALSE(view.update(camera, config));
   const FrameStats rest = view.draw(*renderer);
   EXPECT_EQ(rest.triangles, 0u);
   EXPECT_TRUE(rest.work.empty());
   EXPECT_TRUE(rest.milliseconds.empty());
   EXPECT_EQ(renderer->read_back().rgba, before.rgba);
   // Anything that may change the picture ends the rest.
-  config.setting.fog.density = 0.5f;
-  EXPECT_TRUE(view.look(camera, config));
-  EXPECT_FALSE(view.look(camera, config));
+  config.settings.fog.density = 0.5f;
+  EXPECT_TRUE(view.update(camera, config));
+  EXPECT_FALSE(view.update(camera, config));
   EXPECT_GT(view.draw(*renderer).triangles, 0u);  // asked for by the look before
   Camera other = camera;
   other.position.x += 1e-9;
-  EXPECT_TRUE(view.look(other, config));
+  EXPECT_TRUE(view.update(other, config));
 }
 
 TEST(SceneView, RefusesWhatCannotBeSeen) {
   EXPECT_THROW((void)SceneView(scene_of_one(), {{std::make_unique<Hierarchy>().get()}}), InputError);
   SceneView view(scene_of_one(), {{&torus()}});
   const ViewConfig config = view_config(view.scene(), size);
-  ASSERT_TRUE(view.look(camera, config));
+  ASSERT_TRUE(view.update(camera, config));
   const auto matrix = view.frame().only().view_projection.m;
   Camera nowhere = camera;
   nowhere.position.y = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW((void)view.look(nowhere, config), InputError);
+  EXPECT_THROW((void)view.update(nowhere, config), InputError);
   ViewConfig empty = config;
   empty.size = {0, 120};
-  EXPECT_THROW((void)view.look(camera, empty), InputError);
+  EXPECT_THROW((void)view.update(camera, empty), InputError);
   ViewConfig wrong = config;
   wrong.radii.beta = -1;
-  EXPECT_THROW((void)view.look(camera, wrong), InputError);
-  EXPECT_TRUE(view.look(camera, config));  // and it goes on
+  EXPECT_THROW((void)view.update(camera, wrong), InputError);
+  EXPECT_TRUE(view.update(camera, config));  // and it goes on
   EXPECT_EQ(view.frame().only().view_projection.m, matrix);
 }
 

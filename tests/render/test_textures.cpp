@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "render/backends/gl/page_packer.h"
+#include "render/backends/gl/scene/page_packer.h"
 #include "render/textures/surface_textures.h"
 #include "tests/render/planar_model.h"
 
@@ -84,7 +84,7 @@ TEST(Wrapped, IsWhatWalkingAlongTheImageGives) {
 TEST(NormalMaps, TellTheirSpace) {
   EXPECT_FALSE(is_object_space(painted({64, 64}, bumps)));
   EXPECT_TRUE(is_object_space(painted({64, 64}, every_direction)));
-  // What lies between charts says nothing.
+  // Texels between charts are ignored.
   EXPECT_FALSE(is_object_space(painted({64, 64}, [](float u, float v) { return u < 0.1f ? bumps(u, v) : Vec3f{}; })));
   EXPECT_FALSE(is_object_space({.size = {2, 1}, .channels = 1, .pixels = {0, 0}}));
 }
@@ -195,21 +195,21 @@ TEST_F(Textures, ThoseThatCannotBeHadAreMarked) {
 TEST(LookOf, WhiteForModelsWithColoursOfTheirOwn) {
   const Vec3f white{1, 1, 1};
   Hierarchy h;
-  EXPECT_EQ(look_of(h), Look{});
+  EXPECT_EQ(appearance_of(h), Appearance{});
   h.attributes.colours = true;
-  EXPECT_EQ(look_of(h).base_colour, white);
-  Look plain;
+  EXPECT_EQ(appearance_of(h).base_colour, white);
+  Appearance plain;
   plain.vertex_colours = false;
-  EXPECT_EQ(look_of(h, plain), plain);
+  EXPECT_EQ(appearance_of(h, plain), plain);
   h.attributes.colours = false;
   h.materials = {{"", {1, 1, 1, 1}, 0, no_texture}};
-  EXPECT_EQ(look_of(h), Look{});  // nowhere to show the texture
+  EXPECT_EQ(appearance_of(h), Appearance{});  // nowhere to show the texture
   h.attributes.uv = true;
-  EXPECT_EQ(look_of(h).base_colour, white);
+  EXPECT_EQ(appearance_of(h).base_colour, white);
   h.materials = {{"", {1, 1, 0.5f, 1}, no_texture, no_texture}};
-  EXPECT_EQ(look_of(h).base_colour, white);
+  EXPECT_EQ(appearance_of(h).base_colour, white);
   plain.textures = false;
-  EXPECT_EQ(look_of(h, plain), plain);
+  EXPECT_EQ(appearance_of(h, plain), plain);
 }
 
 TEST(PagePacker, RectanglesLieApart) {

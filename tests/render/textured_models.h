@@ -12,7 +12,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/effects/plan.h"
-#include "render/frame/look.h"
+#include "render/frame/appearance.h"
 #include "render/frame/renderer.h"
 #include "render/lod/radii.h"
 
@@ -104,7 +104,7 @@ inline std::shared_ptr<const Hierarchy> textured_torus(bool coloured = false) {
 struct TexturedModel {
   std::shared_ptr<const Hierarchy> hierarchy;
   Vec3f offset;  // in normalised space
-  Look look;
+  Appearance appearance;
 };
 
 struct TexturedScene {
@@ -112,7 +112,7 @@ struct TexturedScene {
   std::vector<TexturedModel> models;
   Vec3d eye{0.3, -0.75, 0.8}, target{0.5, 0.5, 0.1};  // in the normalised space of the first
   float kappa0 = 2.5f;
-  Setting setting{};
+  FrameSettings settings{};
   int samples = 1;
   ImageSize size{320, 240};
 };
@@ -123,7 +123,7 @@ class TexturedFrame {
   explicit TexturedFrame(const TexturedScene& scene, const EffectRequest& request = {}) {
     frame.size = scene.size;
     frame.samples = scene.samples;
-    frame.setting = scene.setting;
+    frame.settings = scene.settings;
     frame.models.resize(scene.models.size());
     radii_.reserve(scene.models.size());
     selections_.resize(scene.models.size());
@@ -147,7 +147,7 @@ class TexturedFrame {
         m.view_projection.m[4 * r + 3] +=
             vp.m[4 * r] * model.offset.x + vp.m[4 * r + 1] * model.offset.y + vp.m[4 * r + 2] * model.offset.z;
       m.towards_eye = to_float((1 / length(back)) * back);
-      m.look = model.look;
+      m.appearance = model.appearance;
       const Frustum frustum = frustum_of(m.view_projection);
       select_cells(h, radii_[k], m.morph.viewpoint, {&frustum, false}, selections_[k]);
       m.selection = &selections_[k];

@@ -20,7 +20,7 @@ window.stockCounts = async (url) => {
   return {vertices, triangles, textures};
 };
 
-// The picture of a file, as the page lights it, from where the page's camera stands: its geometry in the place of the model.
+// The picture of a file, as the page lights it, from the page's camera: its geometry in the place of the model.
 window.stockPicture = async (url, model, camera) => {
   const {scene: loaded} = await loader.loadAsync(url), scene = new THREE.Scene(), {width, height} = camera;
   const renderer = new THREE.WebGLRenderer({antialias: true, alpha: true, preserveDrawingBuffer: true});

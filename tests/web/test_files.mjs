@@ -100,7 +100,7 @@ function withJson(bytes, change) {
   return Buffer.concat([head, Buffer.from(text), rest]);
 }
 
-// With another parent of the last vertex.
+// The file with another parent of the last vertex.
 function withLastParent(bytes, parent) {
   const length = bytes.readUInt32LE(12), json = JSON.parse(bytes.subarray(20, 20 + length).toString());
   const accessor = json.accessors[json.meshes[0].primitives[0].attributes._PARENTINDEX], view = json.bufferViews[accessor.bufferView];

@@ -60,8 +60,8 @@ function testValid() {
         `gltf-validator has nothing against ${count} files, ${issues.length} normal maps without tangents aside ${issues.filter((i) => !i.includes('TANGENT')).join('; ')}`);
 }
 
-// All geomorphs of a ladder, from the base to the top: the ancestors of all vertices, and with what the vertex shader takes
-// from them (places, normals, texture coordinates).
+// All geomorphs of a ladder, from the base to the top: the ancestors of all vertices, and with the attributes that the
+// vertex shader takes from them (positions, normals, texture coordinates).
 async function testTimes(browser) {
   const {page, close} = await open(browser, 'page');
   for (const file of models.length > 0 ? files.filter((f) => f.endsWith('.lpm')) : ['large.glb']) {

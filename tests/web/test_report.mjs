@@ -105,7 +105,7 @@ async function testPlots(browser) {
   await close();
 }
 
-// What a reader with another size of window, or in the dark, sees.
+// The report in windows of other sizes, and in the dark scheme.
 async function testLayout(browser) {
   for (const [width, colorScheme] of [[1366, 'light'], [1366, 'dark'], [390, 'light'], [390, 'dark'], [320, 'light']]) {
     const {page, close} = await open(browser, {viewport: {width, height: 844}, colorScheme, hasTouch: width < 500});

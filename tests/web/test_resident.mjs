@@ -25,8 +25,8 @@ const flight = (count) => Array.from({length: count}, (_, k) => {
   return [0.5 + far * Math.cos(a), 0.5 + far * Math.sin(a), 0.5 + 0.2 * Math.sin(9 * t)].map(Math.fround);
 });
 
-// What a view takes from a line that needs `latency` frames for a tile, one to three times that. Tiles take as many bytes
-// as their vertices and triangles ask for.
+// A view's tiles over a connection that needs `latency` frames for a tile, one to three times that. Tiles take as many
+// bytes as their vertices and triangles need.
 class Line {
   constructor(latency, broken) {
     Object.assign(this, {latency, broken, now: 0, waiting: [], here: new Set(), failures: 0});
@@ -111,7 +111,7 @@ async function testOutrun(oracle) {
         `a camera that outruns the line sees no crack and no pop (${found.ratio.toFixed(2)} of the bound), and all detail in the end`);
 }
 
-// What the checks would say of other rules.
+// Results of the checks for other rules.
 async function testChecks(oracle) {
   const hasty = await fly(oracle, {latency: 6, share: 0.3, told: 0.03, frames: 120});
   check(hasty.ratio > 1, `limits that sink faster than told pop: ${hasty.ratio.toFixed(1)} of the bound`);

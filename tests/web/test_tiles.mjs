@@ -33,7 +33,7 @@ async function testCracks(browser) {
       window.lodestone.wake();
     }, [x, z]);
     await quiet();
-    // Everything in the picture, for the count: the lens is widened, what is drawn stays.
+    // Everything in the picture, for the count: the lens is widened, the drawn cells are kept.
     const found = await page.evaluate(() => {
       const {camera, models} = window.lodestone, fov = camera.fov;
       camera.fov = 120;

@@ -1,5 +1,5 @@
-// What the tiles of a tileset show in a frame, vertex by vertex, with nothing of the page's geometry: the slow twin of the
-// vertex shader. A frame: {viewpoint, radii, limits, share, drawn (indices of cells)}, as TilesView.state has it.
+// The tiles of a tileset in a frame, vertex by vertex, without the page's geometry: the slow twin of the vertex shader.
+// A frame: {viewpoint, radii, limits, share, drawn (indices of cells)}, as TilesView.state has it.
 import {readFileSync} from 'node:fs';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
@@ -44,8 +44,8 @@ class Oracle {
     }
   }
 
-  // A function that tells where a point stands in the frame, and the level that draws it; null where its ancestor is in
-  // no file.
+  // A function that returns the position of a point in the frame, and the level that draws it; null if its ancestor is
+  // in no file.
   places(frame) {
     const drawn = new Map(), {limitsNear, boxDistance} = this.library;
     for (const index of frame.drawn) {
@@ -75,7 +75,7 @@ class Oracle {
     return single(1 - single(single(d - begin) / single(end - begin)));
   }
 
-  // Vertices of the finest level that do not stand in one place wherever they are used.
+  // Vertices of the finest level that do not have one position wherever they are used.
   cracks(frame) {
     const stands = this.places(frame), first = [];
     let cracks = 0;
@@ -88,9 +88,9 @@ class Oracle {
     return cracks;
   }
 
-  // The largest jump between two frames, over what the way of the viewpoint and the share that limits changed by allow
-  // (experiments/metrics/pops/pops.h, with the way of each vertex to its parent instead of the most that there may be).
-  // `every`: of so many points one is looked at, another one in each frame.
+  // The largest jump between two frames, over the bound from the way of the viewpoint and the share that limits changed
+  // by (experiments/metrics/pops/pops.h, with the way of each vertex to its parent instead of its maximum). `every`:
+  // one of this number of points is tested, another one in each frame.
   jump(before, after, every = 1, from = 0) {
     const was = this.places(before), is = this.places(after), shares = this.shares(before, after);
     let ratio = 0, largest = 0;
@@ -110,7 +110,7 @@ class Oracle {
     return {ratio, largest};
   }
 
-  // By how much lambda may change at each level.
+  // Maximum change of lambda at each level.
   shares(before, after) {
     const step = Math.hypot(...after.viewpoint.map((x, i) => x - before.viewpoint[i]));
     return before.radii.select.map((_, l) => {

@@ -10,7 +10,7 @@
 
 #include "core/base/disjoint_sets.h"
 #include "core/base/error.h"
-#include "render/camera/eye.h"
+#include "render/camera/projection.h"
 
 namespace lodestone {
 namespace {

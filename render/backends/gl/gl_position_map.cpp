@@ -9,10 +9,10 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "render/backends/gl/gl_context.h"
-#include "render/backends/gl/gl_device.h"
-#include "render/backends/gl/gl_map_shaders.h"
-#include "render/backends/gl/gl_program.h"
+#include "render/backends/gl/device/context.h"
+#include "render/backends/gl/device/device.h"
+#include "render/backends/gl/device/program.h"
+#include "render/backends/gl/shaders/map_programs.h"
 #include "render/position_map/resolve_pixel.h"
 
 namespace lodestone {
@@ -102,7 +102,7 @@ class GlMapRenderer final : public MapRenderer {
                          bytes.empty() ? nullptr : bytes.data(), 0);
   }
 
-  // Of what decides the nearest: depth, or -1/depth, which is linear in the window.
+  // Range of the value that decides which triangle is nearest: depth, or -1/depth, which is linear in the window.
   [[nodiscard]] Range depth_range(const MapView& view) const {
     double lo = std::numeric_limits<double>::infinity(), hi = -lo;
     for (const Vec3f& p : mesh_.positions) {
@@ -115,7 +115,7 @@ class GlMapRenderer final : public MapRenderer {
     }
     // A little room, so that nothing is clipped by rounding.
     const double room = 0.01 * (hi - lo) + 1e-6;
-    // What is nearer than the view allows is in front of the near plane of OpenGL.
+    // Points nearer than the view allows are in front of the near plane of OpenGL.
     const double first = view.nearest > 0 ? std::min(nearest_z(view), hi) : lo - room;
     return {first, 1 / (hi + room - first)};
   }

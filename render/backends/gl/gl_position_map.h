@@ -10,8 +10,8 @@
 
 namespace lodestone {
 
-// As make_map_renderer. Positions and triangles must fit into storage blocks of the driver (128 MiB each on llvmpipe:
-// ten million triangles).
+// Draws as make_map_renderer's renderers do. Positions and triangles must fit into storage blocks of the driver (128
+// MiB each on llvmpipe: ten million triangles).
 [[nodiscard]] std::unique_ptr<MapRenderer> make_gl_map_renderer(const IndexedMesh& mesh, Scheduler& scheduler);
 
 }  // namespace lodestone

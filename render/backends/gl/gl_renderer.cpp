@@ -6,19 +6,19 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "render/backends/gl/gl_commands.h"
-#include "render/backends/gl/gl_culling.h"
-#include "render/backends/gl/gl_device.h"
-#include "render/backends/gl/gl_layers.h"
-#include "render/backends/gl/gl_occlusion.h"
-#include "render/backends/gl/gl_overdraw.h"
-#include "render/backends/gl/gl_scene.h"
-#include "render/backends/gl/gl_sections.h"
-#include "render/backends/gl/gl_select.h"
-#include "render/backends/gl/gl_shaders.h"
-#include "render/backends/gl/gl_shadow.h"
-#include "render/backends/gl/gl_target.h"
-#include "render/backends/gl/gl_textures.h"
+#include "render/backends/gl/device/device.h"
+#include "render/backends/gl/device/target.h"
+#include "render/backends/gl/device/timed_sections.h"
+#include "render/backends/gl/passes/ambient_occlusion.h"
+#include "render/backends/gl/passes/culling.h"
+#include "render/backends/gl/passes/layers.h"
+#include "render/backends/gl/passes/overdraw.h"
+#include "render/backends/gl/passes/selection.h"
+#include "render/backends/gl/passes/shadow.h"
+#include "render/backends/gl/scene/commands.h"
+#include "render/backends/gl/scene/scene.h"
+#include "render/backends/gl/scene/textures.h"
+#include "render/backends/gl/shaders/draw_program.h"
 #include "render/effects/ambient_occlusion.h"
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> families_of(const Hierarchy& hierarchy) {
   return families;
 }
 
-// All that a picture depends on and that whoever shares the context may have changed.
+// Sets all state that a picture depends on and that other users of the context may have changed.
 void set_state() {
   for (const GLenum off : {GL_BLEND, GL_CULL_FACE, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_RASTERIZER_DISCARD,
                            GL_SCISSOR_TEST, GL_STENCIL_TEST})
@@ -95,7 +95,7 @@ class MultiDrawRenderer final : public GlRenderer {
       const CurrentContext current(*context_);
       resources_.reset();
     } catch (const ResourceError&) {
-      // Another thread holds the context. What has a name in it ends with it; the owners must not call OpenGL here.
+      // Another thread holds the context. Its objects end with it; their owners must not call OpenGL here.
       (void)resources_.release();
     }
   }
@@ -157,7 +157,7 @@ class MultiDrawRenderer final : public GlRenderer {
   [[nodiscard]] std::vector<Vec3f> capture(const Frame& frame) override {
     const CurrentContext current(*context_);
     FrameStats stats;
-    Frame plain = frame;  // effects with a geometry stage do not change where vertices stand
+    Frame plain = frame;  // effects with a geometry stage do not move vertices
     for (ModelFrame& model : plain.models) model.effects.erase(Effect::wireframe);
     resources_->stream.next_frame();
     prepare(plain, stats);
@@ -169,7 +169,7 @@ class MultiDrawRenderer final : public GlRenderer {
     const GlPrimitiveCounter written;
     glNamedBufferStorage(captured.name(), bytes, nullptr, 0);
     check_memory("capturing the drawn triangles");
-    const GlFramebuffer nowhere;  // without a window there is none that could stay bound
+    const GlFramebuffer nowhere;  // without a window there is none that could remain bound
     glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_WIDTH, 1);
     glNamedFramebufferParameteri(nowhere.name(), GL_FRAMEBUFFER_DEFAULT_HEIGHT, 1);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, nowhere.name());
@@ -278,7 +278,7 @@ class MultiDrawRenderer final : public GlRenderer {
     if (effects::has_shadow_pass(frame)) draw_shadow(frame, stats);
     resources_->sections.begin("picture");
     resources_->target->bind();
-    resources_->target->clear(frame.setting.background);
+    resources_->target->clear(frame.settings.background);
     resources_->commands.draw(*resources_->scene, use_program());
     const auto transparent = [&](const ModelFrame& m) { return effects::is_transparent(frame, m); };
     if (std::ranges::any_of(frame.models, transparent)) draw_layers(frame, stats);
@@ -321,7 +321,7 @@ class MultiDrawRenderer final : public GlRenderer {
 
   void draw_shadow(const Frame& frame, FrameStats& stats) {
     resources_->sections.begin("shadow");
-    const int texels = frame.setting.lighting.directional.shadow_texels;
+    const int texels = frame.settings.lighting.directional.shadow_texels;
     if (!resources_->shadow || resources_->shadow->texels() != texels) resources_->shadow.emplace(texels);
     resources_->shadow->draw(frame, *resources_->scene, resources_->stream, use_program());
     stats.work["shadow triangles"] = resources_->shadow->triangles();
@@ -337,7 +337,7 @@ class MultiDrawRenderer final : public GlRenderer {
 
   void draw_overdraw(const Frame& frame, FrameStats& stats) {
     resources_->sections.begin("overdraw");
-    resources_->target->clear(frame.setting.background);
+    resources_->target->clear(frame.settings.background);
     std::optional<GlOverdraw>& overdraw = resources_->overdraw;
     if (!overdraw || overdraw->size() != frame.size) overdraw.emplace(frame.size);
     stats.work["covered samples"] =

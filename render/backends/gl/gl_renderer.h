@@ -1,11 +1,11 @@
-// The OpenGL 4.5 backend: the hierarchy stays in the device's memory, a frame is one indirect multi-draw.
+// The OpenGL 4.5 backend: the hierarchy is kept in the device's memory, and a frame is one indirect multi-draw.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <vector>
 
-#include "render/backends/gl/gl_context.h"
+#include "render/backends/gl/device/context.h"
 #include "render/frame/renderer.h"
 
 namespace lodestone {
@@ -14,7 +14,7 @@ struct GlConfig {
   // Bytes of the largest storage block; 0: what the driver allows. Smaller values cut the hierarchy into more groups,
   // one multi-draw each.
   std::size_t max_storage_block_bytes = 0;
-  // Whose workers decode textures; it must outlive the renderer. Null: the calling thread.
+  // Its workers decode textures; it must outlive the renderer. Null: the calling thread decodes them.
   Scheduler* scheduler = nullptr;
 };
 
@@ -32,7 +32,7 @@ class GlRenderer : public Renderer {
   // first. Nothing happens before the first picture.
   virtual void copy_to(unsigned framebuffer) = 0;
 
-  // What the device selects for each model of the frame: what select_cells does within the frustum.
+  // The cells that the device selects for each model of the frame: those of select_cells within the frustum.
   [[nodiscard]] virtual std::vector<Selection> select(const Frame& frame) = 0;
 
   // How many sets of buffers the hierarchy takes: the multi-draws of a frame that shows all of it.

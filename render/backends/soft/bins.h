@@ -13,7 +13,7 @@ namespace lodestone::soft {
 template <class T>
 class Bins {
  public:
-  // At most so many items follow each other in memory.
+  // Maximum number of items that follow each other in memory.
   static constexpr std::size_t run_items = 4096 / sizeof(T);
 
   // Empties all lists; `count` of them from now on. Keeps the memory.
@@ -29,7 +29,7 @@ class Bins {
     *l.next++ = item;
   }
 
-  // Where the list's next item goes; null for an empty one. Another place as soon as something is appended.
+  // The place of the list's next item; null for an empty list. It changes as soon as something is appended.
   [[nodiscard]] const T* end_of(std::size_t list) const { return lists_[list].next; }
 
   // Calls visit(first, last) for runs of the list's items, in no particular order of runs.

@@ -3,7 +3,7 @@
 namespace lodestone::soft {
 namespace {
 
-// Signed distance from a plane, in units of w; inside where it is not negative.
+// Signed distance from a plane, in units of w; not negative inside.
 using PlaneDistance = float (*)(const ClipVertex&, const Viewport&);
 
 constexpr std::array<PlaneDistance, 6> planes{

@@ -1,4 +1,5 @@
-// Where on a triangle a pixel lies, for the few triangles that have corners behind the eye or far outside the picture.
+// The place of a pixel on a triangle, for the few triangles that have corners behind the eye or far outside the
+// picture.
 #pragma once
 
 #include <array>

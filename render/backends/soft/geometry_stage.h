@@ -12,7 +12,7 @@
 
 namespace lodestone::soft {
 
-// What of which models is drawn, and from where.
+// The models to be drawn, their selections and the projection.
 struct GeometryPass {
   std::vector<const ModelFrame*> models;
   ViewProjection ModelFrame::*projection = &ModelFrame::view_projection;
@@ -33,7 +33,7 @@ class GeometryStage {
   GeometryStage(Scheduler& scheduler, const Kernels& kernels)
       : scheduler_(scheduler), kernels_(kernels), workers_(static_cast<std::size_t>(scheduler.workers())) {}
 
-  // Results stay until the next run; memory is kept for it.
+  // Results are valid until the next run; memory is kept for it.
   void run(const GeometryPass& pass, int samples) {
     gather(pass);
     process(pass, samples, all_);

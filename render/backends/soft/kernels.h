@@ -20,7 +20,7 @@ namespace lodestone::soft {
 // Stage 1: all vertices of a cell.
 struct VertexJob {
   std::span<const Vec3f> positions;
-  // Of the parent cell, and where each vertex has its parent there; null for a cell that does not morph.
+  // Positions of the parent cell, and the index of each vertex's parent there; null for a cell that does not morph.
   const Vec3f* coarser = nullptr;
   const std::uint32_t* parents = nullptr;
   Vec3f viewpoint;
@@ -42,11 +42,11 @@ struct SetupJob {
   const TileGrid* grid = nullptr;
   Bins<Fragment>* fragments = nullptr;
 };
-// Triangles below this are small, subpixels: at most six pixels wide and high.
+// Triangles below this extent, in subpixels, are small: at most six pixels wide and high.
 inline constexpr std::int32_t small_extent = 6 * subpixels;
 inline constexpr std::uint32_t run_triangles = 1024;
 
-// Indices in the cell, in order. What is small has been drawn; the others are left to do.
+// Indices in the cell, in order. The small triangles have been drawn; the others remain to be drawn.
 struct SetupLists {
   static constexpr std::uint32_t room = run_triangles + 16;  // appending writes a full vector
   std::uint32_t small_count = 0, large_count = 0, clipped_count = 0;
@@ -95,7 +95,7 @@ struct ResolveJob : ShadingJob {
   bool keeps_through = false;          // alpha tells how much of the opaque surfaces is seen; else 255
 };
 
-// For one number of samples a pixel.
+// Kernels for one number of samples a pixel.
 template <int Samples>
 struct SampleKernels {
   void (*setup)(const SetupJob& job, std::uint32_t first, std::uint32_t count, SetupLists& lists);

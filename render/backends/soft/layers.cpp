@@ -48,8 +48,8 @@ void TileLayers<Samples>::collect(const Kernels& kernels, std::span<const Geomet
   }
 }
 
-// Where an item was found depends on timing; the order is total, so that what comes out does not. Returns the largest
-// number of layers over a sample.
+// The place where an item was found depends on timing; the order is total, so that the result does not. Returns the
+// largest number of layers over a sample.
 template <int Samples>
 std::size_t TileLayers<Samples>::sort() {
   first_.fill(0);

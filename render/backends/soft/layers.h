@@ -14,8 +14,8 @@ namespace lodestone::soft {
 template <int Samples>
 class TileLayers {
  public:
-  // Finds, sorts, shades and adds up the layers of tile `number` before `opaque`; `job` is of the transparent surfaces.
-  // Null where there are none; else valid until the next call.
+  // Finds, sorts, shades and adds up the layers of tile `number` in front of `opaque`; `job` is that of the transparent
+  // surfaces. Null if there are none; else valid until the next call.
   const LayerLight* draw(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers, std::size_t number,
                          const TileBuffer<Samples>& opaque, const ResolveJob& job);
 

@@ -6,7 +6,7 @@
 
 namespace lodestone::soft::LODESTONE_LANES {
 
-// All that lies before the opaque surfaces is kept.
+// Keeps all samples in front of the opaque surfaces.
 template <int Samples>
 class LayerTarget {
  public:
@@ -51,7 +51,7 @@ void collect_layers(const TriangleRecord* first, const TriangleRecord* last, Pix
   }
 }
 
-// A layer is put behind those that are there already: light it adds is what these let through.
+// A layer is put behind those before it: the light that it adds is the share that these let through.
 template <int Samples>
 void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const LayerLight& light) {
   const ShadingPlan plan(*job.frame);
@@ -63,7 +63,7 @@ void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const 
       group.for_each_triangle(x, y, [&](Int first, const Int* same, const Surface& s, const Points& colour) {
         (*job.work)[static_cast<std::size_t>(Effect::transparency)] +=
             static_cast<unsigned>(std::popcount(bits(first)));
-        const Float opacity = of_models(s, [](const ModelFrame& m) { return m.look.opacity; });
+        const Float opacity = of_models(s, [](const ModelFrame& m) { return m.appearance.opacity; });
         for (std::size_t r = 0; r < Samples; ++r) {
           const std::size_t place = r * tile_pixels + at;
           const Int here = first & same[r];
@@ -80,14 +80,14 @@ void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const 
     }
 }
 
-// What the opaque surfaces and the background show through the layers, and the layers.
+// Adds the opaque surfaces and the background, seen through the layers, to the layers.
 template <int Samples>
 void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const LayerLight& layers = *job.layers;
   const ShadingPlan plan(*job.frame);
   const GroupResolver<Samples> group{job, tile, plan};
   constexpr float part = 1.0f / Samples;
-  const Vec3f background = job.frame->setting.background;
+  const Vec3f background = job.frame->settings.background;
   resolve_rows(job, tile, [&](int x, int y) {
     const std::size_t at = static_cast<std::size_t>(y * tile_size + x);
     Points sum{all(0.0f), all(0.0f), all(0.0f)};

@@ -14,7 +14,7 @@ class Occlusion {
   Occlusion(const effects::OcclusionJob& job, const Image& image)
       : job_(job), depth_(image.depth.data()), size_(image.size), pattern_(effects::occlusion_pattern()) {}
 
-  // Of pixels from (x, y) on, in the lanes of `seen`, which have these depths.
+  // Factors of the pixels from (x, y) on, in the lanes of `seen`, which have these depths.
   [[nodiscard]] Float factors(Int x, Int y, Float depth, Float through) const {
     const Float w = distance(depth);
     const Points here = place(x, y, w);
@@ -45,7 +45,7 @@ class Occlusion {
   [[nodiscard]] Float distance(Float depth) const {
     return job_.near * job_.far / (job_.far - depth * (job_.far - job_.near));
   }
-  // In the space of the eye: right, down, forward.
+  // Positions in the space of the eye: right, down, forward.
   [[nodiscard]] Points place(Int x, Int y, Float w) const {
     const auto along = [](Int i, int count, float tan) {
       return ((to_float(i) + 0.5f) * (2.0f / static_cast<float>(count)) - 1.0f) * tan;
@@ -77,7 +77,7 @@ class Occlusion {
     const Float scale = select(away > 0.0f, all(-1.0f), all(1.0f)) / max(size, all(1e-30f));
     return {scale * n.x, scale * n.y, scale * n.z};
   }
-  // What fog lets through.
+  // The share that fog lets through.
   [[nodiscard]] Float clear(const Points& here) const {
     if (!(job_.fog_density > 0)) return all(1.0f);
     const Float apart = sqrt((here.x * here.x + here.y * here.y) + here.z * here.z);

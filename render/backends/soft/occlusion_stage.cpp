@@ -36,7 +36,7 @@ void OcclusionStage::take(const TileBuffer<Samples>& tile, PixelRect rect) {
     }
 }
 
-// What is hidden now stays so: later tiles are only nearer.
+// Cells that are hidden now remain so: later tiles are only nearer.
 std::span<const std::uint32_t> OcclusionStage::second(const Frame& frame, const DrawnCells& drawn) {
   culling_.pyramid().build();
   second_.clear();

@@ -1,4 +1,5 @@
-// Occlusion culling of a picture (render/culling/occlusion.h): which cells are drawn first, and which of the others then.
+// Occlusion culling of a picture (render/culling/occlusion.h): which cells are drawn first, and which of the others
+// then.
 //
 //     first()  -> geometry and tiles -> second() -> geometry, and the tiles that it touched once more -> finish()
 #pragma once
@@ -20,7 +21,7 @@ class OcclusionStage {
   // The depth of a finished tile. Tiles may be taken at once.
   template <int Samples>
   void take(const TileBuffer<Samples>& tile, PixelRect rect);
-  // Of the other cells those that what has been drawn does not hide.
+  // The other cells that those drawn so far do not hide.
   [[nodiscard]] std::span<const std::uint32_t> second(const Frame& frame, const DrawnCells& drawn);
   // Notes what the finished picture hides, for the next frame.
   void finish(const Frame& frame, const DrawnCells& drawn);

@@ -10,7 +10,7 @@
 namespace lodestone::soft::LODESTONE_LANES {
 
 // An edge from a to b in a tile. Sums of steps over pixels are multiples of 256, so the sign of the edge function at a
-// sample is that of its floor over 256: 32 bits suffice for triangles of any size. What is out of range is clamped to
+// sample is that of its floor over 256: 32 bits suffice for triangles of any size. Values out of range are clamped to
 // where no sum of steps within a tile changes the sign.
 struct TileEdge {
   std::int64_t exact;           // at the first pixel of the tile
@@ -27,7 +27,7 @@ struct TileEdge {
     constexpr int half = subpixels / 2;
     exact = dx * (rect.y0 * subpixels + half - a.y) - dy * (rect.x0 * subpixels + half - a.x);
   }
-  // At a sample of the first pixel.
+  // Value at a sample of the first pixel.
   [[nodiscard]] std::int64_t at(SnappedPoint offset) const { return exact + dx * offset.y - dy * offset.x; }
   [[nodiscard]] std::int32_t scaled(SnappedPoint offset) const {
     constexpr std::int64_t limit = 1 << 30;
@@ -90,7 +90,8 @@ class TriangleInTile {
       }
   }
 
-  // Of the lanes at (x, y), whose edge functions are ab and ca; by shares, as small triangles have it (setup_kernel.h).
+  // Depths of the lanes at (x, y), whose edge functions are ab and ca; by shares, as for small triangles
+  // (setup_kernel.h).
   [[nodiscard]] Float depths(int x, int y, std::size_t s, Int ab, Int ca) const {
     const Float share_b = share(edges_[2], ca, x, y, s), share_c = share(edges_[0], ab, x, y, s);
     return max((t_.z[0] + share_b * (t_.z[1] - t_.z[0])) + share_c * (t_.z[2] - t_.z[0]), all(0.0f));
@@ -121,7 +122,7 @@ class TriangleInTile {
     return changed;
   }
 
-  // Of corner c or b, by the edge opposite to it, whose value in these pixels is `value` where that is exact.
+  // Share of corner c or b, by the edge opposite to it, whose value in these pixels is `value` where that is exact.
   [[nodiscard]] Float share(const TileEdge& e, Int value, int x, int y, std::size_t s) const {
     if constexpr (Narrow) return to_float(value - e.bias) * inverse_area_;
     const std::int64_t start = e.at(sample_offsets<Samples>[s]) + (e.dx * y - e.dy * x) * subpixels;
@@ -147,15 +148,15 @@ inline void draw_record(const TriangleRecord& t, PixelRect rect, Target& target)
   }
 }
 
-// Visibility: the nearest triangle stays.
+// Visibility: the nearest triangle is kept.
 template <int Samples>
 class DepthTarget {
  public:
   DepthTarget(const TriangleRecord& t, std::uint32_t reference, TileBuffer<Samples>& tile)
       : triangle_(t.triangle), reference_(reference), nearest_(std::min({t.z[0], t.z[1], t.z[2]})), tile_(tile) {}
 
-  // Is all of the triangle hidden in the block at (x, y)? Interpolated depth may be nearer than the nearest corner by a
-  // few roundings.
+  // True if all of the triangle is hidden in the block at (x, y). Interpolated depth may be nearer than the nearest
+  // corner by a few roundings.
   [[nodiscard]] bool skips(int x, int y) const { return nearest_ - 4e-7f > tile_.farthest[block(x, y)]; }
 
   // Samples s of pixels from (x, y) on, in the lanes of `inside`; has anything changed?
@@ -187,8 +188,7 @@ class DepthTarget {
     return static_cast<std::size_t>((y / block_size) * TileBuffer<Samples>::blocks_per_row + x / block_size);
   }
 
-  // Of the lanes of `ties` those whose triangle is drawn later than this one. Nothing is drawn at the background's
-  // depth.
+  // The lanes of `ties` whose triangle is drawn later than this one. Nothing is drawn at the background's depth.
   [[nodiscard]] Int earlier(unsigned ties, std::size_t at) const {
     Int mask = all(0);
     for (int k = 0; k < width; ++k)

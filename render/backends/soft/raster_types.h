@@ -18,7 +18,8 @@ inline constexpr int tile_size = 1 << tile_bits;  // pixels, both ways
 inline constexpr std::size_t tile_pixels = std::size_t{tile_size} * tile_size;
 // Triangles are clipped only where they reach farther than this beyond the picture: the rest is cut by its tiles.
 inline constexpr float guard_pixels = 4096;
-// Of a picture. Snapped coordinates stay below 2^23: exact in float, and products of their differences in double.
+// Maximum side of a picture. Snapped coordinates remain below 2^23: exact in float, and products of their differences
+// in double.
 inline constexpr int largest_side = 16384;
 
 struct SnappedPoint {
@@ -26,7 +27,7 @@ struct SnappedPoint {
   friend bool operator==(const SnappedPoint&, const SnappedPoint&) = default;
 };
 
-// Where a pixel is sampled, from its centre, in subpixels. Four: the rotated grid that OpenGL drivers use, y down.
+// Offsets of a pixel's samples from its centre, in subpixels. Four: the rotated grid that OpenGL drivers use, y down.
 template <int Samples>
 inline constexpr std::array<SnappedPoint, static_cast<std::size_t>(Samples)> sample_offsets{};
 template <>
@@ -75,8 +76,8 @@ struct alignas(32) Fragment {
   float weight_b = 0, weight_c = 0;  // of the second and third corner, perspective-correct; the three sum to 1
 };
 
-// A larger triangle, ready to be drawn in a tile. Corners turn clockwise in the picture: positive area. Of a part that
-// clipping has left corners are those of the part, vertices those of the whole, and inverse_w is 0.
+// A larger triangle, ready to be drawn in a tile. Corners turn clockwise in the picture: positive area. If the triangle
+// was clipped, corners are those of the remaining part, vertices those of the whole, and inverse_w is 0.
 struct alignas(64) TriangleRecord {
   std::array<SnappedPoint, 3> corners;
   std::array<float, 3> z{}, inverse_w{};

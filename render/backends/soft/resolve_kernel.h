@@ -53,12 +53,12 @@ class ShadingPlan {
     add(Effect::fog, fog);
     flat_ = needs_face_normals(frame);
     corners_ = flat_ || called.contains_any({Effect::directional_light, Effect::wireframe});
-    ambient_ = frame.setting.lighting.ambient;
+    ambient_ = frame.settings.lighting.ambient;
   }
 
   // Colour of the surfaces, each channel in [0, 1].
   [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
-    s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.look.base_colour; });
+    s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.appearance.base_colour; });
     s.light = all(0.0f);
     s.is_mapped = s.has_corners = false;
     if (corners_) find_corners(s);
@@ -93,7 +93,7 @@ class ShadingPlan {
   static bool needs_face_normals(const Frame& frame) {
     return std::ranges::any_of(frame.models, [](const ModelFrame& m) {
       const bool lit = m.effects.contains_any({Effect::head_light, Effect::directional_light});
-      return lit && !(m.look.smooth && m.effects.contains(Effect::smooth_normals));
+      return lit && !(m.appearance.smooth && m.effects.contains(Effect::smooth_normals));
     });
   }
 
@@ -116,7 +116,7 @@ struct GroupResolver {
   const ResolveJob& job;
   const TileBuffer<Samples>& tile;
   const ShadingPlan& plan;
-  Int background = to_bytes(uniform(job.frame->setting.background));
+  Int background = to_bytes(uniform(job.frame->settings.background));
 
   // Colours as bytes of `width` pixels from (x, y) of the tile.
   Int operator()(int x, int y) const {
@@ -167,7 +167,7 @@ struct GroupResolver {
   }
 
  private:
-  // Of sample s, at (px, py). At least one lane is seen; the others repeat it.
+  // Finds the surfaces of sample s at (px, py). At least one lane is seen; the others repeat it.
   [[gnu::always_inline]] void find(std::size_t at, std::size_t s, Int seen, Int px, Int py, Surface& surface) const {
     const std::uint32_t* references = &tile.reference[s * tile_pixels + at];
     const auto any = static_cast<std::int32_t>(references[std::countr_zero(bits(seen))]);
@@ -183,7 +183,7 @@ struct GroupResolver {
       background_samples -= ~(load<Float>(&tile.depth[s * tile_pixels + at]) < 1.0f);
     if (bits(background_samples == Samples) == all_lanes) return background;
     constexpr float part = 1.0f / Samples;
-    const Vec3f& b = job.frame->setting.background;
+    const Vec3f& b = job.frame->settings.background;
     const Float empty = to_float(background_samples) * part;
     Points sum{empty * b.x, empty * b.y, empty * b.z};
     for_each_triangle(x, y, [&](Int first, const Int* same, const Surface&, const Points& colour) {

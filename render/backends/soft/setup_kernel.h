@@ -1,8 +1,8 @@
 // Stage 2, a lane per triangle: which triangles of a cell cover a sample at all, and which samples the small ones do.
 //
 // Where a surface is drawn at about a triangle a pixel, most triangles miss every sample. A first pass over the cell
-// looks at bounding boxes alone and lists what is left; a second one evaluates the edge functions of those of a few
-// pixels for all samples of their boxes (pineda1988) and emits what they cover. Larger ones are left to the tiles.
+// tests bounding boxes alone and lists what remains; a second one evaluates the edge functions of those of a few pixels
+// for all samples of their boxes (pineda1988) and emits what they cover. Larger ones are left to the tiles.
 #pragma once
 
 #include "render/backends/soft/kernels.h"
@@ -30,8 +30,8 @@ inline Box box_of(const Vertices& a, const Vertices& b, const Vertices& c, Image
           y_hi - y_lo};
 }
 
-// Twice the signed area; positive when a, b, c turn clockwise in the picture. For triangles below 2^14 subpixels; of
-// larger ones the result means nothing.
+// Twice the signed area; positive when a, b, c turn clockwise in the picture. For triangles below 2^14 subpixels;
+// meaningless for larger ones.
 inline Int doubled_areas(const Vertices& a, const Vertices& b, const Vertices& c) {
   return wrapping_difference(wrapping_product(b.x - a.x, c.y - a.y), wrapping_product(b.y - a.y, c.x - a.x));
 }
@@ -74,7 +74,7 @@ struct Edges {
 
 inline Int bias_of(Int dx, Int dy) { return ~((dy < 0) | ((dy == 0) & (dx > 0))); }
 
-// At (x, y) in subpixels; a, b, c clockwise.
+// Edge functions at (x, y) in subpixels; a, b, c clockwise.
 inline Edges edges_at(Int x, Int y, const Vertices& a, const Vertices& b, const Vertices& c) {
   Edges e;
   e.dx_ab = b.x - a.x, e.dx_bc = c.x - b.x, e.dx_ca = a.x - c.x;
@@ -88,7 +88,7 @@ inline Edges edges_at(Int x, Int y, const Vertices& a, const Vertices& b, const 
   return e;
 }
 
-// What a sample of small triangles gets.
+// The values of the samples that small triangles cover.
 struct CoveredSamples {
   Int x, y;  // pixel
   std::uint32_t sample;
@@ -143,7 +143,7 @@ inline void draw_small(const SetupJob& job, const std::uint32_t* small, unsigned
                   ca = e.ca + e.dx_ca * dy - e.dy_ca * dx;
         const Int inside = ((ab + e.bias_ab) | (bc + e.bias_bc) | (ca + e.bias_ca)) >= 0;
         if ((bits(inside & in_box) & valid) == 0) continue;
-        // The share of a corner is the edge function of the opposite edge. Depth by shares stays between the corners'
+        // The share of a corner is the edge function of the opposite edge. Depth by shares remains between the corners'
         // depths even in slivers, where a plane equation would not.
         const Float share_b = to_float(ca) * inverse_area, share_c = to_float(ab) * inverse_area;
         const Float z = max((a.z + share_b * z_ab) + share_c * z_ac, all(0.0f));

@@ -9,7 +9,7 @@
 namespace lodestone::soft {
 namespace {
 
-// Is no sample of the pixels of `rect` on the inner side of the edge from a to b?
+// True if no sample of the pixels of `rect` is on the inner side of the edge from a to b.
 template <int Samples>
 bool outside_edge(SnappedPoint a, SnappedPoint b, PixelRect rect) {
   constexpr int first = subpixels / 2 - sample_reach<Samples>, last = subpixels / 2 + sample_reach<Samples>;
@@ -53,7 +53,7 @@ class CellSetup {
         clip(clip_corners(cell_.model->*context_.projection, cell_, triangles_[triangle].v), *context_.viewport);
     std::array<WindowVertex, 9> corners;
     for (std::size_t k = 0; k < polygon.view().size(); ++k) {
-      if (!(polygon.corners[k].w > 0)) return;  // only a matrix that is no camera's
+      if (!(polygon.corners[k].w > 0)) return;  // only with a matrix that is not a camera's
       corners[k] = context_.viewport->snap(polygon.corners[k]);
     }
     for (std::size_t k = 2; k < polygon.view().size(); ++k) {

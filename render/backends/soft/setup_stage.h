@@ -9,14 +9,14 @@
 
 namespace lodestone::soft {
 
-// What all cells of a pass share: the picture itself, or one from elsewhere.
+// The projection and picture that all cells of a pass share.
 struct SetupContext {
   ViewProjection ModelFrame::*projection = &ModelFrame::view_projection;
   const Viewport* viewport = nullptr;
   const TileGrid* grid = nullptr;
 };
 
-// What one worker has found, by tile.
+// The fragments and triangles that one worker has found, by tile.
 struct TileBins {
   Bins<Fragment> fragments;
   Bins<TriangleRecord> triangles;

@@ -5,7 +5,7 @@
 namespace lodestone::soft {
 
 void ShadowMap::draw(const Frame& frame) {
-  texels_ = frame.setting.lighting.directional.shadow_texels;
+  texels_ = frame.settings.lighting.directional.shadow_texels;
   depth_.resize(static_cast<std::size_t>(texels_) * static_cast<std::size_t>(texels_));
   GeometryPass pass;
   pass.projection = &ModelFrame::light_projection;

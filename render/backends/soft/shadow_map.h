@@ -1,4 +1,4 @@
-// What the directional light sees (render/effects/shadow.h): depths of the casters, by the stages that draw the
+// The map of the directional light (render/effects/shadow.h): depths of the casters, by the stages that draw the
 // picture.
 #pragma once
 

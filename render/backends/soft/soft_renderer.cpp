@@ -1,7 +1,6 @@
-// Sort-middle rendering (molnar1994) into a visibility buffer (burns2013): vertices and triangles by
-// cell, pixels by tile. Workers share nothing that they write, except for the picture, of which each tile has its own
-// part. What reaches a pixel is a minimum over all triangles, so the picture depends neither on the number of threads
-// nor on their timing.
+// Sort-middle rendering (molnar1994) into a visibility buffer (burns2013): vertices and triangles by cell, pixels by
+// tile. Workers share nothing that they write, except for the picture, of which each tile has its own part. A pixel
+// takes a minimum over all triangles, so that the picture depends neither on the number of threads nor on their timing.
 #include "render/backends/soft/soft_renderer.h"
 
 #include <algorithm>
@@ -127,7 +126,7 @@ class SoftRenderer final : public Renderer {
     return pass;
   }
 
-  // The transparent models; are there any?
+  // Draws the transparent models into lists; true if there are any.
   bool run_layers(const Frame& frame) {
     GeometryPass pass;
     for (const ModelFrame& model : frame.models)
@@ -229,7 +228,8 @@ class SoftRenderer final : public Renderer {
     });
   }
 
-  // Instead of the picture; returns how many samples the triangles cover, each counted by itself.
+  // Draws the counts instead of the picture; returns the number of samples that the triangles cover, each triangle
+  // counted by itself.
   std::uint64_t count_overdraw(const Frame& frame) {
     const TileGrid grid(frame.size);
     std::atomic<std::uint64_t> sum = 0;
@@ -239,7 +239,7 @@ class SoftRenderer final : public Renderer {
         const PixelRect rect = grid.rect(k);
         draw_tile<1>(kernels_, geometry_.workers(), k, rect, tile);
         copy_depth(tile, rect, image_);
-        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, frame.setting.background, image_);
+        sum += draw_overdraw(kernels_, geometry_.workers(), k, rect, frame.settings.background, image_);
       }
     });
     return sum;

@@ -42,7 +42,7 @@ template <class RecordOf>
   return first;
 }
 
-// What the references stand for at (x, y), in subpixels. Fragments know where they are.
+// The surfaces that the references name at (x, y), in subpixels. Fragments hold their own weights.
 [[gnu::always_inline]] inline void find_surface(const ResolveJob& job, const TileSources& sources, Int group, Int x,
                                                 Int y, Surface& s) {
   static_assert(offsetof(Fragment, weight_b) == 24 && sizeof(Fragment) == 32);

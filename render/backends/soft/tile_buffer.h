@@ -1,4 +1,4 @@
-// What is seen in the samples of a tile: the visibility buffer (burns2013) with its depth.
+// The triangles that the samples of a tile see: the visibility buffer (burns2013) with its depth.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace lodestone::soft {
 
-// Where in the lists of a tile something is that can be seen.
+// The place of an item in the lists of a tile.
 class Reference {
  public:
   static constexpr int item_bits = 7;
@@ -23,7 +23,7 @@ class Reference {
   [[nodiscard]] static constexpr bool is_record(std::uint32_t reference) { return (reference & record_bit) != 0; }
 };
 
-// What may be seen in a tile: runs of the workers' lists.
+// The items of a tile: runs of the workers' lists.
 struct TileSources {
   std::vector<const Fragment*> fragment_runs;
   std::vector<const TriangleRecord*> record_runs;
@@ -45,7 +45,7 @@ struct TileSources {
   }
 };
 
-// The nearest triangle wins, of equally near ones the one that is drawn first. That is a minimum: the order in which
+// The nearest triangle wins, among equally near ones the one that is drawn first. This is a minimum: the order in which
 // triangles arrive does not matter.
 template <int Samples>
 struct TileBuffer {

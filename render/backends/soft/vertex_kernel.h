@@ -109,7 +109,8 @@ inline Vertices snapped(const VertexJob& job, const Points& p) {
   return out;
 }
 
-// `width` vertices. All places must be readable and writable; a cell that does not move has no parents and lambdas.
+// Transforms `width` vertices. All places must be readable and writable; a cell that does not move has no parents and
+// lambdas.
 template <class Motion>
 inline void transform_lanes(const VertexJob& job, const Vec3f* w, const std::uint32_t* parents, Motion motion,
                             WindowVertex* out, float* lambdas) {
@@ -131,7 +132,7 @@ void transform_all(const VertexJob& job, Motion motion) {
     transform_lanes(job, &job.positions[i], moves ? job.parents + i : nullptr, motion, job.out + i,
                     moves ? job.lambdas + i : nullptr);
   if (i == n) return;
-  // The rest takes the same way, filled up with copies of the last vertex.
+  // The remaining vertices are padded with copies of the last one.
   Vec3f w[width];
   std::uint32_t parents[width];
   WindowVertex out[width];

@@ -13,13 +13,13 @@ struct ClipVertex {
 
 [[nodiscard]] ClipVertex to_clip(const ViewProjection& vp, Vec3f position);
 
-// For one picture size.
+// The viewport of one picture size.
 class Viewport {
  public:
   explicit Viewport(ImageSize size);
   // Bits of Outside; 0: inside the view.
   [[nodiscard]] std::uint32_t outcode(const ClipVertex& v) const;
-  // Near or far plane, or beyond the guard band: it must be clipped before it can be snapped.
+  // True for a vertex outside the near or far plane or the guard band: it must be clipped before it can be snapped.
   [[nodiscard]] bool needs_clipping(const ClipVertex& v) const;
   // Only for vertices that need no clipping. Coordinates are rounded to the nearest, ties to even.
   [[nodiscard]] WindowVertex snap(const ClipVertex& v) const;

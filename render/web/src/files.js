@@ -1,4 +1,4 @@
-// What people may give the page, and one clear line about what it cannot take.
+// Files that the page accepts, and one clear line about files that it cannot read.
 import {readProgressiveGlb} from './glb.js';
 import {LpmDecoder} from './lpm.js';
 import {Problem} from './problem.js';
@@ -15,7 +15,7 @@ export async function ask(url, signal) {
   return answer;
 }
 
-// What goes wrong inside a reader is the file's fault.
+// Errors inside a reader are errors of the file.
 export async function reading(name, work) {
   try {
     return await work();

@@ -27,7 +27,7 @@ export class Glb {
     return {bytes: out, stride: view.byteStride};
   }
 
-  // The values of an accessor, one element behind the other.
+  // The values of an accessor, one element after the other.
   accessor(index) {
     const {bufferView, byteOffset = 0, componentType, count, type} = this.json.accessors[index];
     const {bytes, stride} = this.view(bufferView), Type = arrays[componentType], n = components[type];
@@ -90,7 +90,7 @@ export async function readProgressiveGlb(bytes, name) {
           origin: node.translation ?? [0, 0, 0], scale}, name);
 }
 
-// What levels.js relies on.
+// Checks the properties that levels.js relies on.
 function checked(mesh, name) {
   const {vertexCount, baseVertices, parents, errors, triangles} = mesh;
   const fail = (what) => { throw new Error(`${name}: ${what}; the file is damaged`); };

@@ -3,7 +3,7 @@
 import {Levels} from './levels.js';
 
 export class Ladder {
-  // `rungs` may be those of a part of the mesh; they stay, and more come on top.
+  // `rungs` may be those of a part of the mesh; they are kept, and further ones are added on top.
   constructor(mesh, rungs = [], growth = 1.25) {
     this.levels = new Levels(mesh);
     this.rungs = [...rungs];
@@ -26,7 +26,7 @@ export class Ladder {
     return k - 1 + (vertices - below) / (this.rungs[k] - below);
   }
 
-  // What is drawn at a place: the level of the rung above, and for each of its vertices where it comes from.
+  // The mesh drawn at a place: the level of the rung above, and for each of its vertices its origin.
   between(place) {
     const fine = Math.ceil(place), coarse = Math.max(fine - 1, 0);
     return {coarse: this.rungs[coarse], fine: this.rungs[fine], share: fine === coarse ? 1 : place - coarse};

@@ -1,7 +1,7 @@
-// Where models stand, where the camera stands to see them all, and their labels.
+// Positions of models, a camera that sees them all, and their labels.
 import * as THREE from 'three';
 
-const WIDE = 1.15, HIGH = 1.4;  // of the place of a model, which is a unit across at most
+const WIDE = 1.15, HIGH = 1.4;  // of the place of a model, which is at most a unit across
 
 // Columns for so many models, so that they are as large as they can be in a view of this aspect.
 export function columnsFor(count, aspect) {
@@ -56,7 +56,7 @@ export class Labels {
     return {button, small, progress};
   }
 
-  // As the models are: that is the order of the tabulator key.
+  // In the order of the models, which is that of the tabulator key.
   sort(models) {
     this.root.append(...models.map((m) => this.entries.get(m)?.button).filter((b) => b));
   }

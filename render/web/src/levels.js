@@ -74,7 +74,7 @@ export class Levels {
     this.births = sortByBirth(mesh, this.groups);
   }
 
-  // The finest level of at most so many vertices, whole groups of wedges.
+  // The finest level with at most this number of vertices, whole groups of wedges.
   verticesFor(most) {
     const {vertexCount, baseVertices} = this.mesh;
     return most >= vertexCount ? vertexCount : Math.max(this.groups[most], baseVertices);
@@ -105,7 +105,7 @@ export class Levels {
     return out;
   }
 
-  // For every vertex of the finer level the vertex of the coarser one that it comes from.
+  // For every vertex of the finer level, its ancestor in the coarser one.
   computeGeomorph(coarse, fine) {
     const {parents} = this.mesh, ancestor = new Uint32Array(fine), known = Math.min(coarse, fine);
     for (let v = 0; v < known; ++v) ancestor[v] = v;

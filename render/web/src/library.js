@@ -1,4 +1,4 @@
-// What the page computes with, without the page: for tests and other programs.
+// The computations of the page without the page, for tests and other programs.
 export {Glb, readProgressiveGlb} from './glb.js';
 export {Ladder} from './ladder.js';
 export {Levels} from './levels.js';

@@ -24,7 +24,7 @@ function nearestTo(box, to) {
   return near;
 }
 
-// What the limits make of the distance: of a point, and a lower bound for the points of a box.
+// The limited distance: of a point, and a lower bound for the points of a box.
 export const limitedPointDistance = (p, limits) =>
   limits.reduce((d, {box, radius}) => Math.max(d, single(radius - pointFrom(p, box))), 0);
 export const limitedBoxDistance = (bounds, limits) =>
@@ -34,14 +34,14 @@ export const limitedBoxDistance = (bounds, limits) =>
 export const limitsNear = (bounds, nearest, limits) =>
   limits.filter(({box, radius}) => single(radius - nearestTo(bounds, box)) > nearest * (1 - 4e-6));
 
-// The limits of a sequence of frames. What sinks, and rises, geometrically is the excess R - d(v_p, Q) of a limit: where
-// it is larger than d, d' is at least half of it.
+// The limits of a sequence of frames. The excess R - d(v_p, Q) of a limit sinks and rises geometrically: if it is
+// larger than d, d' is at least half of it.
 export class LimitTracker {
   constructor() { this.radii = new Map(); }
 
-  // `stateOf(cell)` tells whether its children are 'there', 'missing', or 'unwanted', that is to go; it is asked for the
-  // cells that this view wants to refine. A share of its excess is what a limit loses or gains in this frame. Returns
-  // the limits and the cells whose children are missing; `needed(cell)` hears of those that may be refined.
+  // `stateOf(cell)` returns the state of its children, 'there', 'missing', or 'unwanted' (to be removed), for the cells
+  // that this view wants to refine. A limit loses or gains a share of its excess in this frame. Returns the limits and
+  // the cells whose children are missing; calls `needed(cell)` for those that may be refined.
   update({root, finest}, {select, begin}, viewpoint, stateOf, share, needed = () => {}) {
     const before = this.radii, limits = [], missing = [], least = share * begin[finest];
     this.radii = new Map();

@@ -33,15 +33,15 @@ export class LpmDecoder {
   }
   get groups() { return this.splits.stars.length; }
 
-  // Returns whether there is more of the mesh than before. Throws for what is damaged or foreign.
+  // Returns true if the mesh has grown. Throws for damaged or foreign files.
   push(bytes) {
     const before = this.groups + this.textures.length;
     for (const _ of this.steps(bytes));
     return this.groups + this.textures.length > before;
   }
 
-  // The same in steps of some milliseconds at most, for who has other things to do between them; a mesh can be taken when
-  // they are over.
+  // The same in steps of at most some milliseconds, so that the caller can do other work between them; a mesh can be
+  // taken after the last one.
   *steps(bytes) {
     const joined = new Uint8Array(this.bytes.length - this.at + bytes.length);
     joined.set(this.bytes.subarray(this.at));
@@ -104,7 +104,7 @@ export class LpmDecoder {
     if (splits.wedgeCount !== vertices) throw new Error(`${this.name}: the splits do not add up; the file is damaged`);
   }
 
-  // What there is so far, as levels.js takes it.
+  // The mesh so far, as levels.js takes it.
   mesh() {
     const {header, splits, values} = this, count = splits.wedgeCount;
     const positions = new Float32Array(3 * count), errors = new Float32Array(count), parents = new Uint32Array(count);

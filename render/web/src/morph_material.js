@@ -21,7 +21,7 @@ attribute vec2 fromUv;
 invariant gl_Position;
 `;
 
-// The sum of two products, and either end by itself: what stands at its ancestor's place stands there exactly.
+// The sum of two products, or exactly one end: a vertex at its ancestor's position has exactly that position.
 const between = (from, to) =>
     `(morphShare >= 1.0 ? ${to} : morphShare <= 0.0 ? ${from} : morphShare * ${to} + (1.0 - morphShare) * ${from})`;
 
@@ -38,8 +38,8 @@ export function withMorph(source) {
     .replace('#include <begin_vertex>', `vec3 transformed = ${between('fromPosition', 'position')};`);
 }
 
-// What shows its back is lit from behind only if its normal, too, looks away: slivers that have folded over stay as bright
-// as what is around them, and the inside of an open surface is not black.
+// A back side is lit from behind only if its normal, too, points away: slivers that have folded over remain as bright
+// as their surroundings, and the inside of an open surface is not black.
 export function withSides(source) {
   return source.replace('#include <normal_fragment_begin>', THREE.ShaderChunk.normal_fragment_begin.replace(
     'gl_FrontFacing ? 1.0 : - 1.0', 'gl_FrontFacing || dot(vNormal, vViewPosition) > 0.0 ? 1.0 : - 1.0'));

@@ -32,7 +32,7 @@ class Page {
   // Never nothing, whatever is typed.
   get pixels() { return Math.min(Math.max(Number($('pixels').value) || 0.5, 0.1), 100); }
   get slider() { return Number($('level').value) / 1000; }
-  // Of tiles in memory, each model: ?megabytes=N in the address, or what such a machine can spare.
+  // Memory for the tiles of each model: ?megabytes=N in the address, or a default for the kind of machine.
   get megabytes() {
     return Number(new URLSearchParams(location.search).get('megabytes')) || ((navigator.deviceMemory ?? 8) < 8 ? 192 : 512);
   }
@@ -78,7 +78,7 @@ class Page {
     keys[e.key.length === 1 ? e.key.toLowerCase() : e.key]?.();
   }
 
-  // By angles around what the camera looks at, and to so much of the distance.
+  // Turns the camera around its target by angles, and scales the distance.
   orbit(around, over, nearer = 1) {
     const {target} = this.controls, way = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(target));
     way.theta += around;
@@ -127,7 +127,7 @@ class Page {
 
   makeProgressive(name) { return new ProgressiveView(name, this.renderer.capabilities.getMaxAnisotropy()); }
 
-  // As it arrives: what there is of it is drawn, and what comes flows in.
+  // Draws the file as it arrives: the part received so far, refined by later parts.
   async openUrl(url, name, order) {
     const view = this.makeProgressive(name);
     await streamMesh(url, name, async (mesh, share) => {
@@ -151,7 +151,7 @@ class Page {
     this.add(view, order);
   }
 
-  // `order`: those of a smaller one stand before it, whoever came first.
+  // `order`: models with a smaller one are placed before it, whichever arrived first.
   add(view, order) {
     view.order = order;
     this.models.push(view);

@@ -166,7 +166,7 @@ export class ProgressiveView {
   }
 }
 
-// Of the finest level, weighted by area, the same for all wedges of a vertex.
+// Normals of the finest level, weighted by area, the same for all wedges of a vertex.
 function smoothNormals({positions, triangles, vertexCount}, groups) {
   const sum = new Float32Array(3 * vertexCount), p = positions;
   for (let t = 0; t < triangles.length; t += 3) {

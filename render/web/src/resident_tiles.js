@@ -10,8 +10,9 @@ const AHEAD = 1.5;        // from how many radii away families are loaded before
 const AT_ONCE = 4;        // families on their way
 
 export class ResidentTiles {
-  // `load(cell, signal)` resolves to the bytes that the cell takes, `release(cell)` lets it go, `shared()` tells bytes beside
-  // those of cells (textures). A family whose loading fails stays away; `failed` hears why.
+  // `load(cell, signal)` resolves to the bytes that the cell takes, `release(cell)` frees it, `shared()` returns the
+  // bytes besides those of cells (textures). A family whose loading fails is not tried again; `failed` receives the
+  // reason.
   constructor(tileset, {load, release, shared = () => 0, failed = () => {}}, budget) {
     Object.assign(this, {tileset, load, release, shared, failed, budget});
     this.families = new Map();  // resident, by parent
@@ -36,7 +37,8 @@ export class ResidentTiles {
       throw new Problem(`${root.url}: the coarsest tile takes ${this.bytes} bytes, and the memory budget is ${this.budget}`);
   }
 
-  // For each frame, before it is drawn. `share` is what limits lose or gain, `seen(cell)` whether the camera sees it.
+  // To be called before each frame is drawn. `share` is the share that limits lose or gain; `seen(cell)` is true if the
+  // camera sees it.
   update(radii, viewpoint, share, seen = () => true) {
     ++this.frame;
     if (this.lacking > 0) this.makeRoom();
@@ -87,8 +89,8 @@ export class ResidentTiles {
 
   hasResidentChildren(parent) { return parent.children.some((c) => this.families.has(c)); }
 
-  // Families that the last frame did not need, until there is room for what it lacked: those first whose need is longest
-  // past. What is not needed is not refined, and a limit in its place changes no distance.
+  // Removes families that the last frame did not need, until there is room for those it lacked: least recently needed
+  // first. A family that is not needed is not refined, and a limit in its place changes no distance.
   makeRoom() {
     while (this.lacking > 0) {
       const idle = [...this.families].filter(([parent, f]) => f.needed < this.frame - 1 && !this.hasResidentChildren(parent));
@@ -120,7 +122,7 @@ export class ResidentTiles {
     }
   }
 
-  // Whether the budget holds the family, with those that it stands on, when all others have gone.
+  // True if the budget can hold the family with its ancestors, when all others are removed.
   fits(parent) {
     let bytes = this.shared();
     for (let p = parent; p !== null; p = p.parent) bytes += this.sizeOf(p);
@@ -153,7 +155,7 @@ export class ResidentTiles {
       if (this.loading.size >= AT_ONCE) return;
       const bytes = this.sizeOf(cell);
       if (this.isComing(cell) || bytes > room) continue;
-      // What would have to make room for a larger one that is more urgent does not come in the first place.
+      // A family that would have to make room for a larger, more urgent one is not loaded in the first place.
       if (this.lacking > 0 && this.urgency(cell) * CONTRAST < this.urgency(open[0])) return;
       room -= bytes;
       this.request(cell, bytes);

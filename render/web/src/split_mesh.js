@@ -106,7 +106,7 @@ export class SplitMesh {
     u.wedges = wedges;
   }
 
-  // Three wedges each, one behind the other.
+  // Three wedges each, one after the other.
   triangles() {
     const out = [];
     const wedgeAt = (vertex, spoke, behind) => {

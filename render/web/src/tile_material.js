@@ -1,6 +1,7 @@
-// The materials of tiles: their vertices travel to their parents' places as d' grows. Both sides of a border between levels
-// stand at the coarser places, so that nothing cracks, and at the instant of an exchange both levels do, so that nothing
-// pops. Distances are computed by the operations of tileset.js and limits.js, lambda is selected and not clamped.
+// The materials of tiles: their vertices travel to their parents' positions as d' grows. Both sides of a border between
+// levels are at the coarser positions, so that nothing cracks, and at the instant of an exchange both levels are, so
+// that nothing pops. Distances are computed by the operations of tileset.js and limits.js, lambda is selected and not
+// clamped.
 import * as THREE from 'three';
 import {withSides} from './morph_material.js';
 
@@ -66,7 +67,7 @@ export const countingTileMaterial = (uniforms) => new THREE.ShaderMaterial({
   side: THREE.DoubleSide, depthTest: false, depthWrite: false, transparent: true, blending: THREE.CustomBlending,
   blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor, blendSrcAlpha: THREE.OneFactor, blendDstAlpha: THREE.OneFactor});
 
-// The limits of all cells of a frame, those of a cell one behind the other: two texels each, low corner and radius, high
+// The limits of all cells of a frame, those of a cell one after the other: two texels each, low corner and radius, high
 // corner. 128 of them in a row.
 export class LimitTexture {
   constructor() {

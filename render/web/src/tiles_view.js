@@ -9,11 +9,11 @@ import {boxDistance, makeRadii} from './tileset.js';
 import {turnedBox} from './turn.js';
 
 const FAR = 3e38;  // for shaders, which need not know infinity
-// The share of its excess that a limit loses in a second is all but 0.0005, in a frame a fifth at most.
+// The share of its excess that a limit loses in a second is all but 0.0005, in a frame at most a fifth.
 const shareOf = (seconds) => Math.min(1 - Math.exp(-7.7 * seconds), 0.2);
 
 export class TilesView {
-  // `request(url, signal)` resolves to bytes, `say(error)` hears of tiles that cannot be had.
+  // `request(url, signal)` resolves to bytes; `say(error)` is called for tiles that cannot be loaded.
   constructor(name, tileset, anisotropy, {request, say, budget}) {
     Object.assign(this, {name, tileset, request, pixels: null, wireframe: false, shown: []});
     this.textures = new TextureCache(request, anisotropy);
@@ -113,8 +113,8 @@ export class TilesView {
     cell.object = null;
   }
 
-  // To a tolerance of so many pixels, by small steps. Returns whether the picture changes by itself: tiles come in, or
-  // limits move.
+  // Approaches a tolerance of this number of pixels in small steps. Returns true if the picture changes by itself:
+  // tiles arrive, or limits move.
   approach(camera, height, pixels, seconds) {
     const share = shareOf(seconds);
     this.pixels = this.pixels === null ? pixels : this.pixels * (pixels / this.pixels) ** share;
@@ -133,7 +133,7 @@ export class TilesView {
     return this.residents.busy || this.pixels !== pixels || this.moves();
   }
 
-  // Limits that stay where they are wait for tiles that cannot be had.
+  // Limits that do not move wait for tiles that cannot be loaded.
   moves() {
     const now = this.residents.limits.map((l) => l.radius).join();
     const changed = now !== this.before;
@@ -141,7 +141,7 @@ export class TilesView {
     return changed;
   }
 
-  // Whether the camera may see a cell; morphing vertices leave its box by as much as they may travel.
+  // Tells if the camera may see a cell; morphing vertices leave its box by at most the way they may travel.
   sight(camera) {
     camera.updateMatrixWorld();
     const frustum = new THREE.Frustum().setFromProjectionMatrix(

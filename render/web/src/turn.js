@@ -1,4 +1,4 @@
-// Models stand with y up or with z up.
+// Models have y up or z up.
 import * as THREE from 'three';
 
 // The box of a model in its frame, turned as the frame is.

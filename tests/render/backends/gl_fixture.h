@@ -1,4 +1,4 @@
-// What the tests of the gl backend share: a renderer or a visible skip, and frames.
+// Fixture of the tests of the gl backend: a renderer or a visible skip, and frames.
 #pragma once
 
 #include <gtest/gtest.h>

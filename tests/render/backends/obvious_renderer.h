@@ -104,7 +104,7 @@ class ObviousRenderer final : public Renderer {
     for (std::size_t s = 0; s < samples; ++s) seen_at[seen_[pixel * samples + s].triangle].push_back(s);
     Vec3d sum;
     for (const auto& [triangle, at] : seen_at) {
-      Vec3d colour = to_double(frame.setting.background);
+      Vec3d colour = to_double(frame.settings.background);
       soft::SnappedPoint p = sample(frame, pixel, at.front());
       if (at.size() == samples) {
         p.x = p.x / 256 * 256 + 128;
@@ -125,7 +125,7 @@ class ObviousRenderer final : public Renderer {
       w += share;
     }
     const float light = shading::brightness(to_float((1 / w) * normal), frame.only().towards_eye);
-    return to_double(light * (frame.setting.level_tint > 0 ? shading::tint_of(t.level) : shading::albedo));
+    return to_double(light * (frame.settings.level_tint > 0 ? shading::tint_of(t.level) : shading::albedo));
   }
 
   const Hierarchy* hierarchy_ = nullptr;

@@ -12,7 +12,7 @@ namespace {
 
 using namespace lodestone::test;
 
-// To look at: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
+// For inspection: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
 void keep_picture(const std::string& name, const Image& image) {
   if (const char* folder = std::getenv("LODESTONE_PICTURES"))
     write_png(std::string(folder) + "/" + name + ".png", image);
@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Conformance,
                                   std::get<1>(instance.param);
                          });
 
-// What check_frame refuses, every backend refuses, and keeps the picture that it has.
+// Every backend refuses the frames that check_frame refuses, and keeps its picture.
 TEST(Renderers, RefuseFramesThatCannotBeDrawn) {
   const ConformanceScene scene = conformance_scenes().front();
   const auto scheduler = make_serial_scheduler();
@@ -72,15 +72,15 @@ TEST(Renderers, RefuseFramesThatCannotBeDrawn) {
       [](Frame& f) { f.only().towards_eye.z = nan; },
       [](Frame& f) { f.only().towards_light.x = infinity; },
       [](Frame& f) { f.only().light_projection.m[3] = nan; },
-      [](Frame& f) { f.only().look.opacity = 1.5f; },
-      [](Frame& f) { f.setting.lighting.ambient = -0.1f; },
-      [](Frame& f) { f.setting.lighting.head = nan; },
-      [](Frame& f) { f.setting.lighting.directional.strength = -1; },
-      [](Frame& f) { f.setting.fog.density = infinity; },
-      [](Frame& f) { f.setting.ambient_occlusion.strength = 2; },
-      [](Frame& f) { f.setting.ambient_occlusion.radius = -1; },
-      [](Frame& f) { f.setting.level_tint = nan; },
-      [](Frame& f) { f.setting.wireframe = 2; },
+      [](Frame& f) { f.only().appearance.opacity = 1.5f; },
+      [](Frame& f) { f.settings.lighting.ambient = -0.1f; },
+      [](Frame& f) { f.settings.lighting.head = nan; },
+      [](Frame& f) { f.settings.lighting.directional.strength = -1; },
+      [](Frame& f) { f.settings.fog.density = infinity; },
+      [](Frame& f) { f.settings.ambient_occlusion.strength = 2; },
+      [](Frame& f) { f.settings.ambient_occlusion.radius = -1; },
+      [](Frame& f) { f.settings.level_tint = nan; },
+      [](Frame& f) { f.settings.wireframe = 2; },
   };
   for (const char* backend : {"soft", "gl", "null"}) {
     std::string why;

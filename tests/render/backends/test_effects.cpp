@@ -12,7 +12,7 @@ namespace {
 
 using namespace lodestone::test;
 
-// To look at: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
+// For inspection: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
 void keep_picture(const std::string& name, const Image& image) {
   if (const char* folder = std::getenv("LODESTONE_PICTURES"))
     write_png(std::string(folder) + "/" + name + ".png", image);
@@ -68,8 +68,8 @@ TEST(Effects, ChangeNoBitWhereNothingIsAskedFor) {
   for (const int samples : {1, 4}) {
     EffectScene plain = detail::still_life("plain");
     plain.samples = samples;
-    plain.setting = {};
-    plain.setting.lighting.head = 0.7f;
+    plain.settings = {};
+    plain.settings.lighting.head = 0.7f;
     const Image expected = draw_soft(plain).image;
     EffectScene all = plain;
     for (const Effect effect : {Effect::directional_light, Effect::shadow, Effect::wireframe, Effect::fog,

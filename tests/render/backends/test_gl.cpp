@@ -20,7 +20,7 @@ float depth(const Image& image, int x, int y) {
       .depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.size.width) + static_cast<std::size_t>(x)];
 }
 
-// Where a point lands: pixel coordinates from the top left corner, depth in [0, 1].
+// Window position of a point: pixel coordinates from the top left corner, depth in [0, 1].
 Vec3d window_of(const Frame& frame, Vec3d p) {
   const auto& m = frame.only().view_projection.m;
   const auto row = [&](std::size_t i) {
@@ -92,7 +92,7 @@ TEST_F(GlTest, TintFollowsTheLevel) {
     WholeFrame whole(plate_above.hierarchy, with_kappa0(kappa0), from_above);
     if (level == 0) whole.selection.cells = {{0, 0, true, false}};
     ASSERT_EQ(whole.selection.cells.front().level, level);
-    whole.frame.setting.level_tint = 1;
+    whole.frame.settings.level_tint = 1;
     whole.frame.only().effects.set(Effect::level_tint, true);
     (void)renderer_->draw(whole.frame);
     EXPECT_NEAR(pixel(renderer_->read_back(), 80, 40)[1], shading::to_byte(shading::tint_of(level).y), 1);

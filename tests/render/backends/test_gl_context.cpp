@@ -1,4 +1,4 @@
-// The context below the gl backend: threads, strangers who share it, and what is said where there is none.
+// The context below the gl backend: threads, other users of the context, and messages without a context.
 #include <epoxy/gl.h>
 #include <unistd.h>
 
@@ -56,7 +56,7 @@ TEST_F(GlTest, AForeignStateDoesNotShow) {
   EXPECT_EQ(renderer->read_back().depth, before.depth);
 }
 
-// A context that is bound from outside, as a window's is, stays bound.
+// A context that is bound from outside, as a window's is, remains bound.
 TEST_F(GlTest, AContextThatWasCurrentStaysCurrent) {
   auto context = make_headless_context();
   GlContext& watched = *context;
@@ -107,7 +107,7 @@ class GlMissingTest : public ::testing::Test {
 };
 
 TEST_F(GlMissingTest, LibrariesAreNamed) {
-  // The dynamic linker looks there first, and what it finds is no library.
+  // The dynamic linker searches there first, and finds a file that is not a library.
   const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "lodestone_no_egl";
   std::filesystem::create_directories(folder);
   std::ofstream(folder / "libEGL.so.1") << "none";

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "experiments/metrics/cracks/adversary.h"
-#include "render/backends/gl/gl_places.h"
+#include "render/backends/gl/scene/places.h"
 #include "tests/render/backends/gl_fixture.h"
 
 namespace lodestone {
@@ -15,7 +15,7 @@ namespace {
 
 using namespace lodestone::test;
 
-// One drawn corner: where it stands and what it is a copy of.
+// One drawn corner: its position and the vertex that it is a copy of.
 struct Corner {
   Vec3f drawn;
   std::uint32_t cell = 0, vertex = 0;
@@ -190,7 +190,7 @@ TEST_F(GlTest, CracksAreSeenWhereTheRadiiAreInadmissible) {
   EXPECT_GT(open, 0u);
 }
 
-// Copies of a vertex in cells of one level stand at the same place, on open surfaces too.
+// Copies of a vertex in cells of one level have the same position, also on open surfaces.
 TEST_F(GlTest, CopiesOfAVertexStandTogether) {
   const SmallHierarchy terrain = small_hierarchy(terrain_mesh(96), 3);
   renderer_->upload(terrain.hierarchy);

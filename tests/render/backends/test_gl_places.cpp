@@ -1,4 +1,4 @@
-// Where families lie on the device, as they come and go. Needs no OpenGL.
+// Places of families on the device, as they are added and removed. Needs no OpenGL.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "render/backends/gl/gl_places.h"
+#include "render/backends/gl/scene/places.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 

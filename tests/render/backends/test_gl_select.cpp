@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <random>
 
-#include "render/backends/gl/gl_context.h"
-#include "render/backends/gl/gl_stream.h"
+#include "render/backends/gl/device/context.h"
+#include "render/backends/gl/device/stream.h"
 #include "render/lod/thresholds.h"
 #include "tests/render/backends/gl_fixture.h"
 
@@ -21,7 +21,7 @@ TEST(Thresholds, TakeThePlaceOfRoots) {
       const float radius = i % 2 ? number(0, 4) : std::exp(number(-20, 20)), limit = number(0, 3);
       const float least = reaching(metric, radius), fallen = falling_below(metric, limit, radius);
       for (int k = 0; k < 40; ++k) {
-        // Where it counts: a few floats around the threshold.
+        // A few floats around the threshold.
         float s = std::max(k % 2 ? least : fallen, 0.0f);
         for (int steps = 0; steps < k / 4; ++steps) s = std::nextafter(s, k % 4 < 2 ? 0.0f : 1e30f);
         EXPECT_EQ(s >= least, root_of(metric, s) >= radius);

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/backends/gl/gl_varyings.h"
+#include "render/backends/gl/shaders/varyings.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "render/frame/shading.h"
 #include "tests/render/effect_scenes.h"
@@ -89,7 +89,7 @@ TEST(Shadows, AreThoseOfRays) {
   const Image shaded = draw_soft(scene).image;
   EffectScene lit = scene, dark = scene;
   lit.of_picture = {};
-  dark.setting.lighting.directional.strength = 0;
+  dark.settings.lighting.directional.strength = 0;
   const Image full = draw_soft(lit).image, none = draw_soft(dark).image;
   const Vec3d towards = detail::unit(scene.towards_light);
   int in_shadow = 0, in_light = 0, wrong = 0;
@@ -122,8 +122,8 @@ TEST(Shadows, LeaveOpenGroundAlone) {
     for (Vec3f& p : flat.positions) p.z = 0.25f;
     scene.models = {{detail::shared(std::move(flat), 1), {-1, -1, -0.35}, 2, {}}};
     scene.towards_light = {0.7, 0.4, height};
-    scene.setting.lighting.directional.strength = 5;  // a plane at a small angle gets little
-    scene.setting.lighting.head = 0;
+    scene.settings.lighting.directional.strength = 5;  // a plane at a small angle gets little
+    scene.settings.lighting.head = 0;
     const Image shaded = draw_soft(scene).image;
     scene.of_picture = {};
     EXPECT_TRUE(shaded.rgba == draw_soft(scene).image.rgba) << height;
@@ -134,8 +134,8 @@ TEST(Shadows, TakeNoPassWithoutALightThatCastsThem) {
   const EffectScene scene = small("shadow");
   EXPECT_EQ(draw_soft(scene).stats.work.count("shadow triangles"), 1u);
   std::vector<EffectScene> without(3, scene);
-  without[0].setting.lighting.directional.shadows = false;
-  without[1].setting.lighting.ambient = 1;
+  without[0].settings.lighting.directional.shadows = false;
+  without[1].settings.lighting.ambient = 1;
   without[2].of_models.erase(Effect::directional_light);
   for (const EffectScene& s : without) {
     const FrameStats stats = draw_soft(s).stats;
@@ -147,8 +147,8 @@ TEST(Shadows, TakeNoPassWithoutALightThatCastsThem) {
 
 TEST(Layers, AreThoseOfRaysInOrder) {
   EffectScene scene = small("transparency_all");
-  scene.setting = {};
-  scene.setting.lighting.ambient = 1;  // colours as they are
+  scene.settings = {};
+  scene.settings.lighting.ambient = 1;  // colours as they are
   scene.of_models = {Effect::geomorph};
   const std::vector<WorldTriangle> triangles = drawn_triangles(scene);
   const Image image = draw_soft(scene).image;
@@ -159,11 +159,11 @@ TEST(Layers, AreThoseOfRaysInOrder) {
       double through = 1;
       const Hits hits = hits_of(scene, triangles, x, y);
       for (const auto& [depth, t] : hits) {
-        const Look& look = scene.models[t->model].look;
-        light = light + (through * look.opacity) * to_double(look.base_colour);
-        through *= 1 - look.opacity;
+        const Appearance& appearance = scene.models[t->model].appearance;
+        light = light + (through * appearance.opacity) * to_double(appearance.base_colour);
+        through *= 1 - appearance.opacity;
       }
-      light = light + through * to_double(scene.setting.background);
+      light = light + through * to_double(scene.settings.background);
       deep += hits.size() >= 4;
       const std::uint8_t* pixel = &image.rgba[4 * static_cast<std::size_t>(y * scene.size.width + x)];
       wrong += std::abs(pixel[0] - 255 * light.x) > 2 || std::abs(pixel[1] - 255 * light.y) > 2 ||
@@ -190,8 +190,8 @@ TEST(Layers, OfNoOpacityAreNotSeen) {
   EffectScene scene = small("transparency");
   EffectScene without = scene;
   without.models.resize(1);
-  scene.models[1].look.opacity = scene.models[2].look.opacity = 0;
-  for (EffectScene* s : {&scene, &without}) s->setting.lighting.directional.shadows = false;
+  scene.models[1].appearance.opacity = scene.models[2].appearance.opacity = 0;
+  for (EffectScene* s : {&scene, &without}) s->settings.lighting.directional.shadows = false;
   const ImageDifference d = difference(draw_soft(scene).image, draw_soft(without).image, 0);
   EXPECT_EQ(d.differing, 0u);
 }
@@ -206,7 +206,7 @@ TEST(Overdraw, CountsWhatRaysHit) {
     for (int x = 0; x < scene.size.width; ++x) {
       const auto count = static_cast<std::uint32_t>(hits_of(scene, triangles, x, y).size());
       sum += count;
-      const Vec3f c = count ? shading::overdraw_colour(count) : scene.setting.background;
+      const Vec3f c = count ? shading::overdraw_colour(count) : scene.settings.background;
       const std::uint8_t* pixel = &drawn.image.rgba[4 * static_cast<std::size_t>(y * scene.size.width + x)];
       wrong +=
           pixel[0] != shading::to_byte(c.x) || pixel[1] != shading::to_byte(c.y) || pixel[2] != shading::to_byte(c.z);
@@ -237,7 +237,7 @@ TEST(Occlusion, DarkensCreasesAndNothingElse) {
   IndexedMesh flat = terrain_mesh(16);
   for (Vec3f& p : flat.positions) p.z = 0.25f;
   scene.models = {{detail::shared(std::move(flat), 1), {-1, -1, -0.35}, 2, {}}, scene.models[2]};
-  scene.models[1].offset = {-0.3, -0.3, -0.05};  // stands in the ground
+  scene.models[1].offset = {-0.3, -0.3, -0.05};  // intersects the ground
   const Image image = draw_soft(scene).image;
   EffectScene open = scene;
   open.of_picture = {};

@@ -1,4 +1,4 @@
-// What surfaces show of their attributes, against what the attributes are as functions of the position.
+// Attributes shown by surfaces, compared with the attributes as functions of the position.
 #include <gtest/gtest.h>
 
 #include "core/texture/downsample.h"
@@ -12,10 +12,10 @@ namespace {
 using namespace lodestone::test;
 
 TexturedScene over_plane(std::shared_ptr<const Hierarchy> model, Vec3d eye, Vec3d target) {
-  TexturedScene scene{"plane", {{model, {}, look_of(*model)}}};
+  TexturedScene scene{"plane", {{model, {}, appearance_of(*model)}}};
   scene.eye = eye, scene.target = target;
   scene.kappa0 = 2;
-  scene.setting.lighting.ambient = 1;
+  scene.settings.lighting.ambient = 1;
   return scene;
 }
 
@@ -94,7 +94,7 @@ TEST_P(Sampling, ShowsTheTextureAtEachPoint) {
   const auto model = planar_model(0, s.plan, {as_texture("motley", pixels, s.wrap_u, s.wrap_v)},
                                   {{"motley", {1, 1, 1, 1}, 0, no_texture}});
   TexturedScene scene = over_plane(model, s.eye, s.target);
-  scene.models[0].look.vertex_colours = false;
+  scene.models[0].appearance.vertex_colours = false;
   TexturedFrame frame(scene);
   ASSERT_TRUE(frame.frame.only().effects.contains(Effect::texture));
   const Image image = frame.draw(*renderer);
@@ -136,7 +136,7 @@ TEST(VertexColours, AreInterpolatedAndMorphedWithThePosition) {
   }
 }
 
-// Where lambda is 1 or 0 at all corners and colours are flat, the stored bytes come out as they are.
+// If lambda is 1 or 0 at all corners and colours are flat, the stored bytes are shown unchanged.
 TEST(VertexColours, ComeOutAsTheyAreStored) {
   auto model = std::make_shared<Hierarchy>(*planar_model(0.1, {}, {}, {}));
   const std::vector<Rgba8> one(100'000, Rgba8{203, 17, 94, 255});
@@ -172,9 +172,9 @@ TEST(NormalMap, TangentSpaceFollowsTheChart) {
         const auto model =
             planar_model(0, plan, {as_texture("bumps", pixels)}, {{"bumpy", {1, 1, 1, 1}, no_texture, 0}});
         TexturedScene scene = over_plane(model, {0.5, -0.4, 0.7}, {0.5, 0.5, 0});
-        scene.setting.lighting.ambient = 0.1f;
-        Look& look = scene.models[0].look;
-        look.vertex_colours = false, look.smooth = smooth, look.base_colour = {1, 1, 1};
+        scene.settings.lighting.ambient = 0.1f;
+        Appearance& appearance = scene.models[0].appearance;
+        appearance.vertex_colours = false, appearance.smooth = smooth, appearance.base_colour = {1, 1, 1};
         TexturedFrame frame(scene);
         frame.frame.only().towards_eye = {0.48f, 0.6f, 0.64f};
         const Image image = frame.draw(*renderer);

@@ -48,7 +48,7 @@ class Coverage {
   }
 
  private:
-  // In a tile of its own.
+  // Drawn in a tile of its own.
   void count(std::size_t t, const TriangleRecord& record, Counts& counts) {
     const PixelRect rect = grid_.rect(t);
     tile_->clear();
@@ -91,7 +91,7 @@ class Random {
  public:
   explicit Random(unsigned seed) : engine_(seed) {}
   int in(int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(engine_); }
-  // Half of them on samples or corners of pixels, where the rule decides.
+  // Half of the points are on samples or corners of pixels, where the rule decides.
   SnappedPoint near(int x, int y, int reach) {
     SnappedPoint p{in(x - reach, x + reach) * subpixels, in(y - reach, y + reach) * subpixels};
     if (in(0, 1)) return {p.x + in(0, subpixels - 1), p.y + in(0, subpixels - 1)};
@@ -234,8 +234,7 @@ INSTANTIATE_TEST_SUITE_P(Kernels, SoftCoverage,
                          ::testing::Combine(::testing::Values(InstructionSet::plain, InstructionSet::avx2),
                                             ::testing::Values(1, 4)),
                          [](const auto& instance) {
-                           return std::string(std::get<0>(instance.param) == InstructionSet::avx2 ? "avx2"
-                                                                                                  : "plain") +
+                           return std::string(std::get<0>(instance.param) == InstructionSet::avx2 ? "avx2" : "plain") +
                                   (std::get<1>(instance.param) == 4 ? "_4x" : "");
                          });
 

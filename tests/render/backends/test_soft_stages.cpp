@@ -1,4 +1,4 @@
-// The stages of the software rasterizer one by one, against what they stand for.
+// The stages of the software rasterizer one by one, against their definitions.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -18,8 +18,8 @@ const EffectRequest all_effects{EffectRequest::Kind::all, {}};
 std::vector<TexturedScene> textured_scenes() {
   static const auto torus = textured_torus(), coloured = textured_torus(true);
   static const auto bare = detail::shared(torus_mesh(96, 48), 3);
-  const Look own = look_of(*torus);
-  Look flat = own, without_textures = own, only_colours = own;
+  const Appearance own = appearance_of(*torus);
+  Appearance flat = own, without_textures = own, only_colours = own;
   flat.smooth = false;
   without_textures.textures = without_textures.normal_maps = false;
   only_colours.textures = only_colours.normal_maps = false;
@@ -44,10 +44,10 @@ std::vector<TexturedScene> textured_scenes() {
   coarse.kappa0 = 0.01f;
   scenes.push_back(coarse);
   TexturedScene unlit{"unlit", {{torus, {}, own}}};
-  unlit.setting.lighting.ambient = 1;
+  unlit.settings.lighting.ambient = 1;
   scenes.push_back(unlit);
   TexturedScene tinted{"tinted", {{coloured, {}, own}}};
-  tinted.setting.level_tint = 0.3f;
+  tinted.settings.level_tint = 0.3f;
   scenes.push_back(tinted);
   for (const char* name : {"textured", "mixed", "magnified", "minified", "near_plane"}) {
     TexturedScene smooth = *std::ranges::find(scenes, name, &TexturedScene::name);
@@ -111,12 +111,12 @@ TEST_P(TexturedScenes, CountOnlyWhatIsCalledFor) {
   EXPECT_TRUE(frame.stats.warnings.empty());
 }
 
-// In a colour that nobody overlooks, and said once.
+// Missing textures have a conspicuous colour and one warning.
 TEST(MissingTextures, AreDrawnMarkedWithAWarning) {
   auto model = std::make_shared<Hierarchy>(*textured_torus());
   for (Texture& texture : model->textures) texture.bytes.resize(texture.bytes.size() / 2);
-  TexturedScene scene{"missing", {{model, {}, look_of(*model)}}};
-  scene.setting.lighting.ambient = 1;
+  TexturedScene scene{"missing", {{model, {}, appearance_of(*model)}}};
+  scene.settings.lighting.ambient = 1;
   const auto scheduler = make_serial_scheduler();
   for (const char* backend : {"soft", "gl"}) {
     std::string why;

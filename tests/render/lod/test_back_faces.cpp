@@ -36,7 +36,7 @@ double from_behind(Vec3d viewpoint, const std::array<Vec3d, 3>& p) {
   return dot(p[0] - viewpoint, cross(p[1] - viewpoint, p[2] - viewpoint));
 }
 
-// What the cones rest on: over all lambdas the least is found where each is 0 or 1.
+// The basis of the cones: the minimum over all lambdas is found where each is 0 or 1.
 TEST(NormalCones, EightStatesBoundAllMorphStates) {
   std::mt19937 random(1);
   for (int i = 0; i < 2000; ++i) {

@@ -29,7 +29,7 @@ std::vector<Flight> flights() {
     all.push_back({std::string(name) + " orbit", model, orbit_path(*model, 8), {320, 200}, 1, {}});
     all.push_back({std::string(name) + " fly-in", model, fly_in_path(*model, 16), {320, 200}, 1, {}});
     all.push_back({std::string(name) + " least", model, fly_in_path(*model, 12), {161, 133}, 1, 0.3f});
-    // To and fro: what was hidden is in sight at once.
+    // Back and forth: hidden cells come into sight at once.
     Flight jumps{std::string(name) + " jumps", model, {}, {320, 200}, 4, 1.0f};
     const std::vector<Camera> orbit = orbit_path(*model, 6), down = fly_in_path(*model, 6);
     for (std::size_t k = 0; k < 6; ++k) jumps.cameras.push_back(k % 2 ? orbit[5 - k] : down[k]);

@@ -42,7 +42,7 @@ std::array<std::uint32_t, 3> bits(Vec3f p) {
           std::bit_cast<std::uint32_t>(p.z + 0.0f)};
 }
 
-// The map form of "no crack": every vertex of the finest mesh stands at one place, whichever cell draws it. Returns the
+// The map form of "no crack": every vertex of the finest mesh has one position, whichever cell draws it. Returns the
 // number of vertices that do not.
 std::size_t torn_vertices(const SmallHierarchy& small, const MorphContext& morph) {
   const Hierarchy& h = small.hierarchy;

@@ -110,7 +110,7 @@ TEST(Selection, StaticCellsHaveLambdaOneEverywhere) {
   EXPECT_GT(still, 100u) << "hardly any static cell was met: the test says nothing";
 }
 
-// Is any part of the triangle inside all planes? By clipping the triangle itself, in double.
+// True if any part of the triangle is inside all planes. By clipping the triangle itself, in double.
 bool seen(const Frustum& frustum, const std::array<Vec3f, 3>& triangle) {
   std::vector<Vec3d> polygon;
   for (const Vec3f p : triangle) polygon.push_back(to_double(p));

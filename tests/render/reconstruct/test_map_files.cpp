@@ -1,4 +1,4 @@
-// Position maps as files: what was written comes back; what is no map is refused by name.
+// Position maps as files: written maps are read back; other files are refused by name.
 #include <gtest/gtest.h>
 
 #include <cstring>

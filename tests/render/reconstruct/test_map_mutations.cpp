@@ -1,5 +1,5 @@
-// Files of position maps that somebody has damaged: a map that can be reconstructed, or an InputError; nothing else.
-// The same mutations at every run; tests/fuzz looks for others.
+// Damaged files of position maps: the result is a map that can be reconstructed, or an InputError; nothing else. The
+// same mutations at every run; tests/fuzz looks for others.
 #include <gtest/gtest.h>
 
 #include <filesystem>

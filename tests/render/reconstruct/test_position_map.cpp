@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
-#include "render/reconstruct/condense_map.h"
+#include "render/reconstruct/views/condense_map.h"
 #include "tests/render/reconstruct/obvious_map.h"
 
 namespace lodestone::test {

@@ -83,9 +83,9 @@ TEST(Reconstruct, MakesClosedManifoldsOfClosedSurfaces) {
   }
 }
 
-// What a mesh of samples on the sphere would be off in the mean (root of squares), each direction seen by the best
-// face: the error in a triangle of edges a, b, c is (1/2r) sum of lambda_i lambda_j d_ij^2, whose square's mean over
-// the triangle is (a^4 + b^4 + c^4 + a^2 b^2 + b^2 c^2 + c^2 a^2) / (360 r^2).
+// Mean error (root of squares) of a mesh of samples on the sphere, each direction seen by the best face: the error in a
+// triangle of edges a, b, c is (1/2r) sum of lambda_i lambda_j d_ij^2, whose square's mean over the triangle is (a^4 +
+// b^4 + c^4 + a^2 b^2 + b^2 c^2 + c^2 a^2) / (360 r^2).
 double sampling_bound(double radius, double spacing) {
   double sum = 0;
   const std::vector<Vec3d> directions = sphere_directions(20'000);

@@ -1,5 +1,5 @@
-// What makes a reconstruction nearer: simplification of finer samples, views past what is in the way, parts that are
-// too small, attributes from the right side of a seam.
+// Improvements of a reconstruction: simplification of finer samples, views past obstacles, parts that are too small,
+// attributes from the right side of a seam.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,11 +9,11 @@
 #include "core/spatial/mesh_distance.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/metrics/geometry/surface_coverage.h"
-#include "render/reconstruct/inside_views.h"
-#include "render/reconstruct/lost_parts.h"
+#include "render/reconstruct/finish/lost_parts.h"
+#include "render/reconstruct/finish/simplify_merged.h"
+#include "render/reconstruct/finish/surface_walk.h"
 #include "render/reconstruct/reconstruct.h"
-#include "render/reconstruct/simplify_merged.h"
-#include "render/reconstruct/surface_walk.h"
+#include "render/reconstruct/views/inside_views.h"
 #include "tests/render/reconstruct/obvious_map.h"
 
 namespace lodestone::test {
@@ -104,7 +104,7 @@ TEST(SimplifyMerged, TakesHardInput) {
   EXPECT_EQ(enough.triangles, before);
 }
 
-// Where the terrain is above a place, and how far a point is from it.
+// The point of the terrain above a place, and the distance of a point from it.
 Vec3d above(const IndexedMesh& terrain, Vec2f at) {
   for (const Triangle& t : terrain.triangles) {
     const Vec3d a = to_double(terrain.positions[t.v[0]]), b = to_double(terrain.positions[t.v[1]]) - a,
@@ -194,7 +194,7 @@ TEST(ResampleAttributes, NeverRunsBackwardsThroughAnAtlas) {
   IndexedMesh mesh;
   constexpr std::uint32_t n = 64, rows = 16;
   for (std::uint32_t j = 0; j <= rows; ++j)
-    for (std::uint32_t k = 0; k <= n; ++k) {  // the last column stands on the first
+    for (std::uint32_t k = 0; k <= n; ++k) {  // the last column coincides with the first
       const double angle = 2 * 3.14159265358979 * (k % n) / n;
       mesh.positions.push_back({static_cast<float>(0.5 + 0.4 * std::cos(angle)),
                                 static_cast<float>(0.5 + 0.4 * std::sin(angle)), static_cast<float>(j) / rows});

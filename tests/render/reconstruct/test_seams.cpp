@@ -7,9 +7,9 @@
 #include <random>
 #include <set>
 
-#include "render/reconstruct/label_parts.h"
-#include "render/reconstruct/label_patches.h"
-#include "render/reconstruct/seam_mesh.h"
+#include "render/reconstruct/finish/label_parts.h"
+#include "render/reconstruct/merge/label_patches.h"
+#include "render/reconstruct/seams/seam_mesh.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
@@ -36,7 +36,7 @@ TEST(CountHandles, OfKnownSurfaces) {
   EXPECT_EQ(count_handles(terrain_mesh(5)), 0u);
   IndexedMesh torus = torus_mesh(12, 8);
   EXPECT_EQ(count_handles(torus), 1u);
-  torus.triangles.pop_back();  // a hole is no handle
+  torus.triangles.pop_back();  // a hole is not a handle
   EXPECT_EQ(count_handles(torus), 1u);
   IndexedMesh two = torus_mesh(12, 8);  // that touch in a vertex
   const auto count = static_cast<std::uint32_t>(two.positions.size());
@@ -133,7 +133,7 @@ void expect_borders_of(const BorderLoops& borders, const EditMesh& mesh) {
     while (e != seed);
   }
   ASSERT_EQ(size, met);
-  // Where several fans meet is known, whether they are closed or not.
+  // The vertices in which several fans meet are known, closed or not.
   const std::vector<std::uint32_t> pinched = borders.pinched();
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (mesh.around(v).empty()) continue;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <set>
 
-#include "render/reconstruct/label_parts.h"
-#include "render/reconstruct/view_mesh.h"
+#include "render/reconstruct/finish/label_parts.h"
+#include "render/reconstruct/views/view_mesh.h"
 #include "tests/render/reconstruct/obvious_map.h"
 
 namespace lodestone::test {

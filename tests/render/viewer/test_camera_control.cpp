@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
-#include "render/viewer/camera_control.h"
-#include "render/viewer/camera_track.h"
+#include "render/viewer/controls/camera_control.h"
+#include "render/viewer/controls/camera_track.h"
 
 namespace lodestone::viewer {
 namespace {
@@ -45,7 +45,7 @@ TEST(CameraControl, ACameraAtThePoleMayLeaveIt) {
 }
 
 TEST(CameraControl, LookTurnsOnTheSpot) {
-  const Camera camera = some_camera(), moved = look(camera, 0.3, 0.2);
+  const Camera camera = some_camera(), moved = look_around(camera, 0.3, 0.2);
   EXPECT_EQ(moved.position, camera.position);
   EXPECT_NEAR(distance(moved.position, moved.target), 3, 1e-12);
   EXPECT_GT(moved.target.y, 0);  // to the right
@@ -80,17 +80,17 @@ TEST(CameraControl, FocusApproachesThePoint) {
 TEST(CameraControl, WhatIsNoCameraStays) {
   Camera broken = some_camera();
   broken.position.x = nan;
-  EXPECT_FALSE(is_sane(broken));
+  EXPECT_FALSE(is_valid(broken));
   const Camera moved = orbit(broken, 1, 1);
   EXPECT_TRUE(std::isnan(moved.position.x));
   EXPECT_EQ(moved.target, broken.target);
   Camera blind = some_camera();
   blind.target = blind.position;
-  EXPECT_FALSE(is_sane(blind));
+  EXPECT_FALSE(is_valid(blind));
   EXPECT_EQ(dolly(blind, 2), blind);
   Camera flat = some_camera();
   flat.up = {0, 0, 0};
-  EXPECT_FALSE(is_sane(flat));
+  EXPECT_FALSE(is_valid(flat));
 }
 
 double hostile() {
@@ -107,7 +107,7 @@ RC_GTEST_PROP(CameraControl, NoSequenceOfMovementsLeavesTheSane, ()) {
         camera = orbit(camera, a, b);
         break;
       case 1:
-        camera = look(camera, a, b);
+        camera = look_around(camera, a, b);
         break;
       case 2:
         camera = pan(camera, a, b);
@@ -125,7 +125,7 @@ RC_GTEST_PROP(CameraControl, NoSequenceOfMovementsLeavesTheSane, ()) {
         camera = between(camera, some_camera(), a);
         break;
     }
-    RC_ASSERT(is_sane(camera));
+    RC_ASSERT(is_valid(camera));
   }
 }
 

@@ -5,9 +5,9 @@
 
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
-#include "render/viewer/band_tint.h"
-#include "render/viewer/camera_control.h"
-#include "render/viewer/view_drawing.h"
+#include "render/viewer/controls/camera_control.h"
+#include "render/viewer/session/band_tint.h"
+#include "render/viewer/session/view_drawing.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 
@@ -179,7 +179,8 @@ TEST_F(Drawing, TheBandTellsLambdaByDistanceAlone) {
         state_.metric = metric;
         state_.current().kappa0 = kappa0;
         const Camera camera = dolly(state_.home, factor);
-        const Radii radii = make_radii(hierarchy(), radii_config(state_.current(), metric, size, camera.vertical_fov));
+        const Radii radii =
+            make_radii(hierarchy(), for_picture(radii_config(state_.current(), metric), size, camera.vertical_fov));
         const MorphContext morph{&hierarchy(), &radii, Blend::smoothstep, viewpoint(camera, hierarchy().transform)};
         Selection all;
         select_cells(hierarchy(), radii, morph.viewpoint, {}, all);

@@ -10,8 +10,8 @@
 #include "core/formats/mesh_writer.h"
 #include "core/hierarchy/lode/lode_file.h"
 #include "render/backends/make_renderer.h"
-#include "render/viewer/camera_control.h"
-#include "render/viewer/view_session.h"
+#include "render/viewer/controls/camera_control.h"
+#include "render/viewer/session/view_session.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 

@@ -6,11 +6,11 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "render/viewer/camera_control.h"
-#include "render/viewer/frame_times.h"
-#include "render/viewer/navigation.h"
-#include "render/viewer/resolution.h"
-#include "render/viewer/view_state.h"
+#include "render/viewer/controls/camera_control.h"
+#include "render/viewer/controls/navigation.h"
+#include "render/viewer/controls/view_state.h"
+#include "render/viewer/session/frame_times.h"
+#include "render/viewer/session/resolution.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 
@@ -133,15 +133,15 @@ TEST(ViewSettings, AreBroughtIntoRange) {
   wild.kappa0 = -3;
   wild.beta = std::numeric_limits<float>::infinity();
   wild.samples = 7;
-  const ViewSettings tame = sane(wild);
+  const ViewSettings tame = clamped(wild);
   EXPECT_EQ(tame.pixel_error, 1);
   EXPECT_EQ(tame.kappa0, 0.01f);
   EXPECT_EQ(tame.beta, RadiiConfig{}.beta);
   EXPECT_EQ(tame.samples, 1);
-  EXPECT_EQ(sane(tame), tame);
+  EXPECT_EQ(clamped(tame), tame);
   for (const bool by_kappa0 : {false, true}) {
     wild.by_kappa0 = by_kappa0;
-    EXPECT_NO_THROW((void)make_radii(torus(), radii_config(wild, DistanceMetric::euclidean, {1, 1}, 0.7)));
+    EXPECT_NO_THROW((void)make_radii(torus(), for_picture(radii_config(wild, DistanceMetric::euclidean), {1, 1}, 0.7)));
   }
 }
 
@@ -178,7 +178,7 @@ TEST(ViewSettings, ATolerancesRadiiAreThoseOfRender) {
   expected.image_height = 300;
   expected.aspect = 400.0f / 300.0f;
   expected.vertical_fov = 0.7f;
-  EXPECT_EQ(make_radii(torus(), radii_config(settings, DistanceMetric::euclidean, {400, 300}, 0.7f)).select,
+  EXPECT_EQ(make_radii(torus(), for_picture(radii_config(settings, DistanceMetric::euclidean), {400, 300}, 0.7)).select,
             make_radii(torus(), expected).select);
 }
 
@@ -247,7 +247,7 @@ TEST(Navigation, WheelsZoomOrChangeTheSpeed) {
   navigation.scroll(state, -1);
   EXPECT_NEAR(length(state.camera.position - state.camera.target), before, 1e-12);
   navigation.scroll(state, std::numeric_limits<double>::quiet_NaN());
-  EXPECT_TRUE(is_sane(state.camera));
+  EXPECT_TRUE(is_valid(state.camera));
   state.steering = Steering::fly;
   const double speed = state.fly_speed;
   navigation.scroll(state, 1);
@@ -273,7 +273,7 @@ TEST(Navigation, KeysFly) {
   EXPECT_LT(length(state.camera.position - before.position), 1e-12);
   EXPECT_TRUE(navigation.key(state, 'D', true, true));
   state.camera = before;
-  navigation.advance(state, 100);  // a frame that took far too long is no leap
+  navigation.advance(state, 100);  // a frame that took far too long does not make the camera leap
   EXPECT_LT(length(state.camera.position - before.position), 2 * state.fly_speed);
   navigation.let_go();
   EXPECT_FALSE(navigation.flying(state));
@@ -298,7 +298,7 @@ TEST(Resolution, RisesInStepsWithRoomToSpare) {
   governor.moved(0);
   governor.drawn(1, 10000);
   EXPECT_EQ(governor.scale(0), ResolutionGovernor::least_scale);
-  governor.drawn(0.25, 28);  // near enough: it stays
+  governor.drawn(0.25, 28);  // near enough: it is kept
   EXPECT_EQ(governor.scale(0), 0.25);
   double before = 0.25;
   for (int i = 0; i < 10; ++i) {

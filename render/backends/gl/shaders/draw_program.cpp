@@ -1,0 +1,348 @@
+// Every copy of a vertex must come out with the same bits, whichever cell it is drawn with: `precise` keeps the order
+// of operations and forbids fused multiply-adds, `invariant` does it for the clip position, and the inputs are global
+// (w, P(w), viewpoint), never relative to a cell.
+#include "render/backends/gl/shaders/draw_program.h"
+
+#include <utility>
+#include <vector>
+
+#include "render/backends/gl/device/program.h"
+#include "render/backends/gl/shaders/varyings.h"
+#include "render/effects/effect_info.h"
+#include "render/effects/texture_mapping.h"
+#include "render/frame/shading.h"
+#include "render/textures/surface_textures.h"
+
+namespace lodestone {
+namespace {
+
+// Declarations that all stages and effects may read; see GlFrameUniforms and GlInstance.
+constexpr const char* frame_source = R"(
+layout(std140, binding = 0) uniform Frame {
+  vec4 fog;
+  vec4 lens;
+  vec2 size;
+  float ambient, head_strength;
+  float directional_strength, shadow_strength, level_tint, wireframe;
+} frame;
+
+struct Level {
+  vec4 band;  // begin a_l, end c_l
+  vec4 tint;
+};
+struct Instance {
+  vec4 clip_rows[4];
+  vec4 light_rows[4];
+  vec4 viewpoint;
+  vec4 towards_eye;
+  vec4 towards_light;
+  vec4 eye;
+  vec4 base_colour;
+  uvec4 flags;
+  Level levels[LEVELS];
+};
+layout(std430, binding = 3) readonly restrict buffer Instances { Instance instances[]; };
+uint instance;  // whose vertex or pixel this is
+const float least_norm2 = 1e-12;
+const vec3 wire_colour = vec3(0.05, 0.06, 0.08);
+const float wire_half_width = 0.75;
+
+bool instance_flag(uint flag) { return (instances[instance].flags.x & flag) != 0u; }
+)";
+static_assert(shading::least_norm2 == 1e-12f && shading::wire_half_width == 0.75f &&
+              shading::wire_colour == Vec3f{0.05f, 0.06f, 0.08f});
+
+// distance_metric.h
+constexpr const char* euclidean_source = R"(
+float norm(vec3 a) {
+  precise float sum = (a.x * a.x + a.y * a.y) + a.z * a.z;
+  precise float root = sqrt(sum);
+  return root;
+}
+)";
+constexpr const char* chebyshev_source = R"(
+float norm(vec3 a) { return max(max(a.x, a.y), a.z); }
+)";
+
+// blend.cpp
+const char* share_source(Blend blend) {
+  switch (blend) {
+    case Blend::linear:
+      return "float share(float t) { return t; }\n";
+    case Blend::smoothstep:
+      return "float share(float t) { return cubic(t); }\n";
+    case Blend::smootherstep:
+      return R"(
+float share(float t) {
+  precise float s = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+  return s;
+}
+)";
+    case Blend::cosine:
+      return R"(
+float share(float t) {
+  precise float s = (1.0 - cos(3.14159265358979 * t)) / 2.0;
+  return s;
+}
+)";
+    case Blend::early:
+      return "float share(float t) { precise float u = min(2.0 * t, 1.0); return cubic(u); }\n";
+    case Blend::late:
+      return "float share(float t) { precise float u = max(2.0 * t - 1.0, 0.0); return cubic(u); }\n";
+    case Blend::step:
+      return "float share(float t) { return t < 0.5 ? 0.0 : 1.0; }\n";
+  }
+  return "";
+}
+
+// limits.cpp
+constexpr const char* unlimited_source = "float limited(float d, vec3 w) { return d; }\n";
+constexpr const char* limited_source = R"(
+struct Limit { vec4 lo_radius; vec4 hi; };
+layout(std430, binding = 2) readonly restrict buffer Limits { Limit limits[]; };
+uvec2 limit_range;  // of the draw
+
+float limited(float d, vec3 w) {
+  for (uint i = limit_range.x; i < limit_range.y; ++i) {
+    vec4 lo_radius = limits[i].lo_radius;
+    precise vec3 outside = max(max(lo_radius.xyz - w, w - limits[i].hi.xyz), vec3(0.0));
+    precise float at_least = lo_radius.w - norm(outside);
+    d = max(d, at_least);
+  }
+  return d;
+}
+)";
+
+// morph.cpp
+constexpr const char* morph_functions = R"(
+float blend_share(float t) {
+  if (!(t > 0.0)) return 0.0;
+  if (t >= 1.0) return 1.0;
+  return clamp(share(t), 0.0, 1.0);
+}
+
+float morph_lambda(uint level, vec3 w) {
+  float begin = instances[instance].levels[level].band.x, end = instances[instance].levels[level].band.y;
+  precise vec3 apart = abs(w - instances[instance].viewpoint.xyz);
+  precise float d = limited(norm(apart), w);
+  if (d < begin || (d <= begin && begin < end)) return 1.0;
+  if (d >= end) return 0.0;
+  precise float t = (d - begin) / (end - begin);
+  precise float lambda = 1.0 - blend_share(t);
+  return lambda;
+}
+
+vec3 morph_position(float lambda, vec3 w, vec3 parent) {
+  if (lambda >= 1.0) return w;
+  if (lambda <= 0.0) return parent;
+  precise vec3 n = lambda * w + (1.0 - lambda) * parent;
+  return n;
+}
+)";
+
+constexpr const char* vertex_head = R"(
+layout(std430, binding = 0) readonly restrict buffer Positions { float positions[]; };
+
+layout(location = 0) in vec3 own_position;
+layout(location = 2) in uint parent_index;
+layout(location = 3) in uvec4 draw;  // as GlDrawRecord
+
+invariant gl_Position;
+layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) out vec3 drawn_position;
+flat out uint drawn_instance;
+
+// Of this vertex, for the effects.
+uint level, parent;  // the parent's number among the vertices of the group; only where lambda < 1
+float lambda = 1.0;
+)";
+
+constexpr const char* vertex_main = R"(
+void main() {
+  level = draw.y & 255u;
+  instance = drawn_instance = draw.y >> 9;
+  precise vec3 p = own_position;
+#ifdef LIMITED
+  limit_range = draw.zw;
+#endif
+#ifdef GEOMORPH
+  if ((draw.y & 256u) != 0u) {
+    lambda = morph_lambda(level, own_position);
+    if (lambda < 1.0) {
+      parent = draw.x + parent_index;
+      vec3 parent_position = vec3(positions[3u * parent], positions[3u * parent + 1u], positions[3u * parent + 2u]);
+      p = morph_position(lambda, own_position, parent_position);
+    }
+  }
+#endif
+  drawn_position = p;
+  EFFECTS
+  precise vec4 clip;
+  for (int i = 0; i < 4; ++i) {
+    vec4 row = instances[instance].CLIP_ROWS[i];
+    clip[i] = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
+  }
+  gl_Position = clip;
+}
+)";
+
+// render/frame/shading.h
+constexpr const char* fragment_head = R"(
+in vec3 drawn_position;
+flat in uint drawn_instance;
+
+struct Surface {
+  vec3 normal;  // model space, of any length
+  vec3 colour;  // albedo, and in the end the colour of the picture
+  float light;  // sum of the lights that reach it
+  float directional;  // that of the directional light, in it
+};
+)";
+
+constexpr const char* fragment_main = R"(
+void main() {
+  instance = drawn_instance;
+  Surface s = Surface(vec3(0.0, 0.0, 1.0), instances[instance].base_colour.rgb, 0.0, 0.0);
+#ifdef FACE_NORMALS
+  s.normal = cross(dFdx(drawn_position), dFdy(drawn_position));
+#endif
+  EFFECTS_BEFORE_LIGHT
+  s.colour *= frame.ambient + (1.0 - frame.ambient) * min(s.light, 1.0);
+  EFFECTS_AFTER_LIGHT
+  OUTPUT
+}
+)";
+
+// The last effect that changes albedo, normal or light.
+constexpr Effect last_before_light = Effect::shadow;
+
+// The output of the colour. Layers are added to the pixel's list (render/backends/gl/passes/layers.h); tests of depth
+// come first there.
+constexpr const char* picture_output = "layout(location = 0) out vec4 colour;\n";
+constexpr const char* store_picture = "colour = vec4(s.colour, 1.0);";
+constexpr const char* layers_output = R"(
+layout(early_fragment_tests) in;
+layout(std430, binding = 8) restrict buffer Heads { uint count, width, heads[]; };
+layout(std430, binding = 9) restrict buffer Nodes { uint nodes[]; };
+)";
+constexpr const char* store_layer = R"(
+#ifdef MULTISAMPLED
+  const uint words = 7u;
+  vec2 slope = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z));
+#else
+  const uint words = 4u;
+#endif
+  uint number = atomicAdd(count, 1u), at = words * number;
+  if (at + words <= uint(nodes.length())) {
+    nodes[at] = atomicExchange(heads[uint(gl_FragCoord.y) * width + uint(gl_FragCoord.x)], number + 1u);
+    nodes[at + 1u] = floatBitsToUint(gl_FragCoord.z);
+    nodes[at + 2u] = packUnorm2x16(s.colour.rg);
+    nodes[at + 3u] = packUnorm2x16(vec2(s.colour.b, instances[instance].base_colour.w));
+#ifdef MULTISAMPLED
+    nodes[at + 4u] = floatBitsToUint(slope.x);
+    nodes[at + 5u] = floatBitsToUint(slope.y);
+    nodes[at + 6u] = uint(gl_SampleMaskIn[0]);
+#endif
+  }
+)";
+
+// Fragment stages of the passes that shade no surface.
+constexpr const char* count_source = R"(
+layout(location = 0) out float count;
+void main() { count = 1.0; }
+)";
+constexpr const char* depth_source = "void main() {}\n";
+
+std::string replaced(std::string text, std::string_view what, std::string_view by) {
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
+  return text;
+}
+
+// Code of the effects of a set, and their calls.
+struct EffectSource {
+  std::string vertex, vertex_calls, geometry, geometry_calls, fragment, calls_before_light, calls_after_light;
+};
+EffectSource effect_source(EffectSet effects) {
+  EffectSource source;
+  if (effects.contains_any({Effect::texture, Effect::normal_map})) {
+    source.vertex = effects::mapping_vertex;
+    source.fragment = effects::mapping_fragment;
+    source.vertex_calls = source.calls_before_light = "map_texture();\n  ";
+  }
+  for (const EffectInfo& info : effect_infos()) {
+    if (!effects.contains(info.effect)) continue;
+    const std::string name = glsl_name(info.effect);
+    if (!info.glsl.vertex.empty()) {
+      source.vertex += info.glsl.vertex;
+      source.vertex_calls += name + "();\n  ";
+    }
+    if (!info.glsl.geometry.empty()) {
+      source.geometry += info.glsl.geometry;
+      source.geometry_calls += "    " + name + "();\n";
+    }
+    if (!info.glsl.fragment.empty()) {
+      source.fragment += info.glsl.fragment;
+      (info.effect <= last_before_light ? source.calls_before_light : source.calls_after_light) += name + "(s);\n  ";
+    }
+  }
+  return source;
+}
+
+std::string define(bool defined, const char* name) { return defined ? std::string("#define ") + name + "\n" : ""; }
+
+std::string frame_block_source() {
+  std::string flags;
+  for (const auto& [name, value] : {std::pair{"smooth_flag", smooth_flag},
+                                    {"colours_flag", colours_flag},
+                                    {"textures_flag", textures_flag},
+                                    {"normal_maps_flag", normal_maps_flag},
+                                    {"has_uv_flag", has_uv_flag},
+                                    {"has_materials_flag", has_materials_flag},
+                                    {"no_texture", no_texture}})
+    flags += std::string("const uint ") + name + " = " + std::to_string(value) + "u;\n";
+  return "#define LEVELS " + std::to_string(max_level + 1) + "\n" + frame_source + flags;
+}
+
+}  // namespace
+
+std::string morph_source(GlVariant variant) {
+  return std::string(variant.metric == DistanceMetric::chebyshev ? chebyshev_source : euclidean_source) +
+         "float cubic(float t) { precise float s = t * t * (3.0 - 2.0 * t); return s; }\n" +
+         share_source(variant.blend) + (variant.limited ? limited_source : unlimited_source) + morph_functions;
+}
+
+GlProgram make_draw_program(GlVariant variant) {
+  std::vector<GlStage> stages;
+  const EffectSource source = effect_source(variant.effects);
+  const std::string head = define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") +
+                           define(variant.limited, "LIMITED") +
+                           define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
+                           define(variant.face_normals, "FACE_NORMALS") + frame_block_source();
+  std::string vertex = vertex_head + source.vertex +
+                       replaced(replaced(vertex_main, "EFFECTS", source.vertex_calls), "CLIP_ROWS",
+                                variant.pass == GlPass::shadow ? "light_rows" : "clip_rows");
+  const bool layers = variant.pass == GlPass::layers || variant.pass == GlPass::layers_4x;
+  const std::string main = replaced(replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
+                                             "EFFECTS_AFTER_LIGHT", source.calls_after_light),
+                                    "OUTPUT", layers ? store_layer : store_picture);
+  std::string fragment = variant.pass == GlPass::shadow  ? depth_source
+                         : variant.pass == GlPass::count ? count_source
+                                                         : (layers ? layers_output : picture_output) +
+                                                               std::string(fragment_head) + source.fragment + main;
+  if (!source.geometry.empty()) {
+    // Feedback would have to come from the geometry stage; the output of these programs is never captured.
+    vertex = replaced(vertex, "layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) ", "");
+    const std::vector<GlVarying> from_vertices = varyings_of(vertex, "out"), own = varyings_of(source.geometry, "out");
+    std::vector<GlVarying> order = from_vertices;
+    order.insert(order.end(), own.begin(), own.end());
+    stages.push_back(
+        {GL_GEOMETRY_SHADER, head + geometry_source(from_vertices, order, source.geometry, source.geometry_calls)});
+    vertex = with_locations(vertex, "out", order);
+    fragment = with_locations(fragment, "in", order);
+  }
+  stages.push_back({GL_VERTEX_SHADER, head + morph_source(variant) + vertex});
+  stages.push_back({GL_FRAGMENT_SHADER, head + fragment});
+  return link_program(stages);
+}
+
+}  // namespace lodestone

@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "render/reconstruct/seams/seam_mesh.h"
+
+namespace lodestone {
+namespace {
+
+using Loop = std::vector<std::uint32_t>;
+
+// Every loop of border edges.
+std::vector<Loop> border_loops(const SeamMesh& seam) {
+  std::vector<Loop> loops;
+  std::vector<std::uint8_t> done(seam.borders.edge_count(), 0);
+  for (std::uint32_t e = 0; e < done.size(); ++e) {
+    if (!seam.borders.alive(e) || done[e]) continue;
+    Loop& loop = loops.emplace_back();
+    for (std::uint32_t f = e; !done[f]; f = seam.borders.edge(f).next) {
+      done[f] = 1;
+      loop.push_back(seam.borders.edge(f).from);
+    }
+  }
+  return loops;
+}
+
+double perimeter(const SeamMesh& seam, const Loop& loop) {
+  double sum = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    sum += length(seam.position[loop[(i + 1) % loop.size()]] - seam.position[loop[i]]);
+  return sum;
+}
+
+bool is_outline(const SeamMesh& seam, const Loop& loop) {
+  return std::all_of(loop.begin(), loop.end(), [&](std::uint32_t v) { return seam.rim[v] != 0; });
+}
+
+// Ears are cut where the new triangle is roundest and agrees best with the normals. If none fits, a new vertex in the
+// middle closes the rest.
+class HoleFiller {
+ public:
+  HoleFiller(SeamMesh& seam, Loop loop) : s_(seam), loop_(std::move(loop)) {}
+
+  std::size_t run() {
+    std::size_t added = 0;
+    cost_.resize(loop_.size());
+    for (std::size_t i = 0; i < loop_.size(); ++i) cost_[i] = cost(i);
+    while (loop_.size() > 3) {
+      const auto least = std::min_element(cost_.begin(), cost_.end());
+      if (!(*least < impossible)) return added + fan();
+      const auto best = static_cast<std::size_t>(least - cost_.begin());
+      if (s_.mesh.add(after(best), loop_[best], before(best)) == EditMesh::none) {
+        *least = impossible;  // another ear has taken the chord
+        continue;
+      }
+      ++added;
+      loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(best));
+      cost_.erase(least);
+      for (const std::size_t i : {(best + loop_.size() - 1) % loop_.size(), best % loop_.size()}) cost_[i] = cost(i);
+    }
+    if (loop_.size() == 3 && s_.mesh.add(loop_[2], loop_[1], loop_[0]) != EditMesh::none) return added + 1;
+    return loop_.size() == 3 ? added + fan() : added;
+  }
+
+ private:
+  [[nodiscard]] std::uint32_t before(std::size_t i) const { return loop_[(i + loop_.size() - 1) % loop_.size()]; }
+  [[nodiscard]] std::uint32_t after(std::size_t i) const { return loop_[(i + 1) % loop_.size()]; }
+
+  [[nodiscard]] float cost(std::size_t i) const {
+    const std::uint32_t a = before(i), b = loop_[i], c = after(i);
+    // The chord must not be an edge yet.
+    if (s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, a) != EditMesh::none) return impossible;
+    const Vec3f area = area_vector(s_, c, b, a), mean = s_.normal[a] + s_.normal[b] + s_.normal[c];
+    const float size = length(area), norm = length(mean), chord = length(s_.position[c] - s_.position[a]);
+    const float facing = size > 0 && norm > 0 ? dot(area, mean) / (size * norm) : -1;
+    return chord * (facing > 0 ? 2 - facing : 4 - 4 * facing);
+  }
+
+  std::size_t fan() {
+    Vec3f middle, normal;
+    for (const std::uint32_t v : loop_) middle = middle + s_.position[v], normal = normal + s_.normal[v];
+    const float norm = length(normal);
+    const std::uint32_t centre = s_.add_vertex((1 / static_cast<float>(loop_.size())) * middle,
+                                               norm > 0 ? (1 / norm) * normal : Vec3f{}, loop_.front());
+    std::size_t added = 0;
+    for (std::size_t i = 0; i < loop_.size(); ++i) added += s_.mesh.add(after(i), loop_[i], centre) != EditMesh::none;
+    return added;
+  }
+
+  static constexpr float impossible = std::numeric_limits<float>::infinity();
+  SeamMesh& s_;
+  Loop loop_;
+  std::vector<float> cost_;
+};
+
+}  // namespace
+
+std::uint32_t SeamMesh::add_vertex(Vec3f p, Vec3f n, std::uint32_t like) {
+  position.push_back(p);
+  normal.push_back(n);
+  frozen.push_back(0);
+  rim.push_back(rim[like]);
+  part.push_back(part[like]);
+  (void)borders.add_vertex();
+  return mesh.add_vertex();
+}
+
+FillResult fill_holes(SeamMesh& seam, const FillConfig& config) {
+  FillResult result;
+  for (const Loop& loop : border_loops(seam)) {
+    const double around = perimeter(seam, loop);
+    const bool wanted = config.rims || !is_outline(seam, loop);
+    if (loop.size() < 3 || !wanted || around > config.longest * config.spacing) {
+      ++result.open;
+      result.open_length += around;
+      continue;
+    }
+    result.triangles += HoleFiller(seam, loop).run();
+    result.longest = std::max(result.longest, around);
+    ++result.filled;
+  }
+  return result;
+}
+
+std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_triangles, std::size_t least_triangles) {
+  std::vector<std::size_t> size(patch_triangles.size(), 0);
+  for (std::uint32_t patch = 0; patch < size.size(); ++patch)
+    size[seam.borders.united(patch)] += patch_triangles[patch];
+  std::vector<std::uint32_t> piece;
+  std::size_t dropped = 0;
+  for (std::uint32_t patch = 0; patch < size.size(); ++patch) {
+    const std::uint32_t seed = seam.patch_seed[patch];
+    if (size[seam.borders.united(patch)] >= least_triangles || seed == EditMesh::none || !seam.mesh.alive(seed))
+      continue;
+    piece.assign(1, seed);
+    std::vector<std::uint32_t> vertices;
+    while (!piece.empty()) {
+      const std::uint32_t t = piece.back();
+      piece.pop_back();
+      if (!seam.mesh.alive(t)) continue;
+      const auto corners = seam.mesh.triangle(t).v;
+      seam.mesh.remove(t);
+      ++dropped;
+      for (const std::uint32_t v : corners)
+        piece.insert(piece.end(), seam.mesh.around(v).begin(), seam.mesh.around(v).end());
+      vertices.insert(vertices.end(), corners.begin(), corners.end());
+    }
+    for (const std::uint32_t v : vertices) seam.borders.forget(v);
+  }
+  return dropped;
+}
+
+std::size_t split_vertices(SeamMesh& seam) {
+  std::size_t added = 0;
+  for (const std::uint32_t v : seam.borders.pinched())
+    added += seam.mesh.part_fans(v, [&](const std::vector<std::uint32_t>& fan) {
+      const std::uint32_t own = seam.add_vertex(seam.position[v], seam.normal[v], v);
+      for (std::uint32_t e = seam.borders.first(v); e != BorderLoops::none; e = seam.borders.edge(e).sibling)
+        if (std::find(fan.begin(), fan.end(), seam.mesh.at(v, seam.borders.edge(e).to)) != fan.end()) {
+          seam.borders.move_start(e, own);
+          break;
+        }
+      return own;
+    });
+  return added;
+}
+
+}  // namespace lodestone

@@ -1,0 +1,90 @@
+// The surface around the seams between views, while it is zipped, filled and tidied.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/math/vec3.h"
+#include "parallel/scheduler/scheduler.h"
+#include "render/reconstruct/seams/border_loops.h"
+#include "render/reconstruct/seams/edit_mesh.h"
+
+namespace lodestone {
+
+struct SeamMesh {
+  std::vector<Vec3f> position, normal;  // per vertex; normals of unit length or zero
+  // Frozen: triangles outside of this part use the vertex, too. Not all its triangles are here, so it does not move,
+  // and edges between two such vertices are not borders.
+  std::vector<std::uint8_t> frozen;
+  // Rim: at the outline of what its view sees, not where another view takes over.
+  std::vector<std::uint8_t> rim;
+  std::vector<std::uint32_t> part;  // of the model: nothing is zipped from one to another
+  EditMesh mesh;
+  BorderLoops borders;                    // of the mesh, until it is filled
+  std::vector<std::uint32_t> patch_seed;  // of each patch a triangle; EditMesh::none where it has none here
+
+  // A copy of a vertex, or a new one with its part.
+  std::uint32_t add_vertex(Vec3f p, Vec3f n, std::uint32_t like);
+};
+
+// Normal of a triangle, with its doubled area as length.
+[[nodiscard]] inline Vec3f area_vector(const SeamMesh& s, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  return cross(s.position[b] - s.position[a], s.position[c] - s.position[a]);
+}
+
+// Longest edge over the height above it: 1.15 for an equilateral triangle; infinite without area.
+[[nodiscard]] float aspect_of(Vec3f a, Vec3f b, Vec3f c);
+
+// For a surface whose border is known: rims are the border vertices within `distance` of these points and no others.
+void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam, Scheduler& scheduler);
+
+inline constexpr std::size_t any_number = static_cast<std::size_t>(-1);
+
+struct ZipConfig {
+  float spacing = 0;                      // of the samples, the unit of the following; > 0
+  float reach = 2.5f;                     // maximum radius of a new triangle's circumscribed circle
+  float least_cosine = 0.2f;              // between a new triangle and the normals at its corners; above -1
+  bool rims = false;                      // also between outlines: the input is closed
+  float tile = 48;                        // side of the cubes of space that are tasks, > 4 * reach
+  std::size_t most_handles = any_number;  // that the surface may have, including those it has
+};
+// Adds triangles from border edge to border vertex, roundest first, until nothing fits: of all vertices that an edge
+// can see the one that it subtends the largest angle at, which is the Delaunay triangle in the plane. A triangle must
+// lie in the gaps of all its corners, contain no vertex, cross no border, and make no handle too many. Returns how many
+// were added. Same bytes for any number of workers.
+std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config, Scheduler& scheduler);
+
+struct FillConfig {
+  float spacing = 0;
+  float longest = 48;  // perimeter of what is filled, in spacings
+  bool rims = false;   // also holes that are outlines all round
+};
+struct FillResult {
+  std::size_t filled = 0, triangles = 0;  // holes, and what they took
+  double longest = 0;                     // perimeter of what was filled, normalised units
+  std::size_t open = 0;                   // holes that are left
+  double open_length = 0;                 // their borders, normalised units
+};
+// Every loop of border edges passes each vertex once: after split_vertices().
+FillResult fill_holes(SeamMesh& seam, const FillConfig& config);
+
+// Removes pieces that were patches of fewer triangles, all in all, and hang together with nothing else. Returns how
+// many triangles went.
+std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_triangles, std::size_t least_triangles);
+
+// Border vertices of several fans of triangles become several vertices. Returns how many were added.
+std::size_t split_vertices(SeamMesh& seam);
+
+struct TidyConfig {
+  float spacing = 0;
+  float shortest = 0.5f;    // edges below this are collapsed, in spacings
+  float worst_aspect = 20;  // triangles beyond this are flipped or collapsed away where that makes none worse
+  int rounds = 4;
+};
+struct TidyResult {
+  std::size_t collapsed = 0, flipped = 0;
+};
+TidyResult tidy_seams(SeamMesh& seam, const TidyConfig& config, Scheduler& scheduler);
+
+}  // namespace lodestone

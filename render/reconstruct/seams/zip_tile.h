@@ -1,0 +1,52 @@
+// Zipping within a box of space: the kernel of zip_seams, knows no threads.
+//
+// An advancing front from seam to seam: the incremental side of ball pivoting (bernardini1999) with the Delaunay choice
+// of the third vertex, restricted to the borders of pieces that are there already (turklevoy1994 zips by clipping
+// instead).
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "render/reconstruct/seams/border_loops.h"
+#include "render/reconstruct/seams/seam_mesh.h"
+
+namespace lodestone {
+
+// A cube of space. An edge is its business when all that may matter to it, the ball of radius `reach` round its middle,
+// lies within.
+struct ZipBox {
+  Vec3f corner;
+  float side = 0;
+  [[nodiscard]] bool holds_ball(Vec3f middle, float radius) const {
+    const Vec3f d = middle - corner;
+    return d.x >= radius && d.y >= radius && d.z >= radius && d.x < side - radius && d.y < side - radius &&
+           d.z < side - radius;
+  }
+};
+
+// A triangle found by zipping: b, a, c at the border edge a -> b. `order` does not decrease: the largest circumscribed
+// circle so far.
+struct ZipTriangle {
+  float order = 0;
+  std::uint32_t a = 0, b = 0, c = 0;
+};
+
+struct ZipTask {
+  ZipBox box;
+  std::span<const std::uint32_t> vertices;  // of the border, within the box
+  std::span<const std::uint32_t> edges;     // to begin with, all the box's business
+};
+
+struct ZipResult {
+  std::vector<ZipTriangle> triangles;                          // in the order in which they can be added
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> tried;  // edges that are left, without a triangle that fits
+};
+
+// Changes nothing of the seam and its borders. Deterministic, whatever else is zipped elsewhere at the same time.
+[[nodiscard]] ZipResult zip_tile(const SeamMesh& seam, const BorderLoops& borders, const ZipConfig& config,
+                                 const ZipTask& task);
+
+}  // namespace lodestone

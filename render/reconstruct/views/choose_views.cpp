@@ -1,0 +1,211 @@
+#include "render/reconstruct/views/choose_views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/spatial/triangle_bvh.h"
+#include "render/position_map/rasterize_map.h"
+#include "render/position_map/resolve_pixel.h"
+
+namespace lodestone {
+namespace {
+
+// Samples spread over the area: every sample represents the same share of it.
+std::vector<SurfacePoint> sample_surface(const IndexedMesh& mesh, std::uint64_t count) {
+  std::vector<double> up_to;
+  up_to.reserve(mesh.triangles.size());
+  double area = 0;
+  const auto corner = [&](const Triangle& t, std::size_t k) { return to_double(mesh.positions[t.v[k]]); };
+  for (const Triangle& t : mesh.triangles) {
+    area += length(cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)));
+    up_to.push_back(area);
+  }
+  std::vector<SurfacePoint> points;
+  if (!(area > 0)) return points;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    const double wanted = (static_cast<double>(k) + 0.5) / static_cast<double>(count) * area;
+    const auto t = static_cast<std::size_t>(std::upper_bound(up_to.begin(), up_to.end(), wanted) - up_to.begin());
+    if (t == mesh.triangles.size()) break;
+    // A point of the R2 sequence, folded into the triangle.
+    double u = std::fmod(0.5 + 0.7548776662466927 * static_cast<double>(k), 1.0),
+           v = std::fmod(0.5 + 0.5698402909980532 * static_cast<double>(k), 1.0);
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const Triangle& triangle = mesh.triangles[t];
+    const Vec3d a = corner(triangle, 0), b = corner(triangle, 1), c = corner(triangle, 2);
+    points.push_back({a + u * (b - a) + v * (c - a), unit_normal_of(a, b, c), static_cast<std::uint32_t>(t)});
+  }
+  return points;
+}
+
+// How well a map sees a point: the cosine between surface and view; 0 when it does not.
+float cosine_in(const PositionMap& map, const SurfacePoint& sample) {
+  const WindowPoint w = project(map.view, sample.point);
+  if (!(w.x >= 0) || !(w.y >= 0) || !(w.x < map.view.width) || !(w.y < map.view.height)) return 0;
+  const std::size_t i =
+      static_cast<std::size_t>(w.y) * static_cast<std::size_t>(map.view.width) + static_cast<std::size_t>(w.x);
+  if (!map.sees(i)) return 0;
+  const auto cosine = static_cast<float>(std::abs(dot(to_double(sample.normal), map.view.forward)));
+  const double behind = w.depth - double{map.depth[i]};
+  const bool seen = map.triangle[i] == sample.triangle || behind * std::max(double{cosine}, 0.1) < 0.7 * map.view.pixel;
+  return seen ? cosine : 0;
+}
+
+using Cosines = std::vector<float>;  // one per sample
+
+std::vector<Cosines> draw_faces(const IndexedMesh& mesh, const std::vector<SurfacePoint>& samples, int resolution,
+                                Scheduler& scheduler) {
+  Box3f box;
+  for (const Vec3f& p : mesh.positions) box.extend(p);
+  std::vector<Cosines> seen;
+  for (const Vec3d& direction : face_directions()) {
+    const PositionMap map =
+        rasterize_map(mesh, orthographic_view(box, direction, 1.0 / resolution), {.surface = false}, scheduler);
+    Cosines& own = seen.emplace_back(samples.size());
+    scheduler.for_chunks(samples.size(), 4096, [&](ChunkRange range) {
+      for (std::size_t s = range.begin; s < range.end; ++s) own[s] = cosine_in(map, samples[s]);
+    });
+  }
+  return seen;
+}
+
+// From which of the directions each of the points is seen: the cosine, 0 where something is in between.
+std::vector<Cosines> measure_cosines(const IndexedMesh& mesh, std::span<const SurfacePoint> points,
+                                     std::span<const Vec3d> directions, Scheduler& scheduler) {
+  std::vector<Cosines> seen(directions.size(), Cosines(points.size(), 0.0f));
+  if (points.empty() || directions.empty()) return seen;
+  std::vector<Vec3d> positions;
+  positions.reserve(mesh.positions.size());
+  for (const Vec3f& p : mesh.positions) positions.push_back(to_double(p));
+  const TriangleBvh bvh(positions, mesh.triangles);
+  // A ray that starts on its triangle, or on one that is there twice, is not in its own way.
+  constexpr double least = 1e-5;
+  scheduler.for_chunks(points.size(), 16, [&](ChunkRange range) {
+    for (std::size_t s = range.begin; s < range.end; ++s)
+      for (std::size_t k = 0; k < directions.size(); ++k)
+        if (std::isinf(bvh.meet(points[s].point, -1 * directions[k], least, TriangleBvh::Hit::any_will_do)))
+          seen[k][s] = static_cast<float>(std::abs(dot(to_double(points[s].normal), directions[k])));
+  });
+  return seen;
+}
+
+// Takes views until enough is covered. A candidate is known to see some of the samples, and how steeply.
+class GreedyChoice {
+ public:
+  struct Sight {
+    std::span<const std::uint32_t> samples;
+    std::span<const float> cosine;  // of each of them
+  };
+  GreedyChoice(const ViewChoice& choice, std::vector<Sight> sights, std::size_t samples, Scheduler& scheduler)
+      : choice_(choice), sights_(std::move(sights)), scheduler_(scheduler), quality_(samples), best_(samples) {
+    for (const Sight& sight : sights_)
+      for (std::size_t k = 0; k < sight.samples.size(); ++k) {
+        float& best = best_[sight.samples[k]];
+        best = std::max(best, sight.cosine[k]);
+      }
+    for (const float cosine : best_) attainable_ += quality_of(cosine);
+  }
+
+  std::vector<std::size_t> run() {
+    if (choice_.least >= 6)
+      for (std::size_t k = 0; k < 6; ++k) take(k);
+    while (static_cast<int>(taken_.size()) < choice_.most && wants_more()) {
+      const std::vector<double> gains = gain_of_each();
+      const auto best = std::max_element(gains.begin(), gains.end());
+      const bool worth = *best >= choice_.least_gain * static_cast<double>(quality_.size());
+      if (!(*best > 0) || (!worth && static_cast<int>(taken_.size()) >= choice_.least)) break;
+      take(static_cast<std::size_t>(best - gains.begin()));
+    }
+    return taken_;
+  }
+
+  [[nodiscard]] std::span<const float> best() const { return best_; }
+  [[nodiscard]] std::size_t covered() const {
+    return static_cast<std::size_t>(std::count(quality_.begin(), quality_.end(), 1.0f));
+  }
+
+ private:
+  [[nodiscard]] float quality_of(float cosine) const { return std::min(cosine / choice_.least_cosine, 1.0f); }
+  [[nodiscard]] bool wants_more() const {
+    const double sum = std::accumulate(quality_.begin(), quality_.end(), 0.0);
+    return static_cast<int>(taken_.size()) < choice_.least || sum < choice_.coverage * attainable_;
+  }
+
+  [[nodiscard]] std::vector<double> gain_of_each() const {
+    std::vector<double> gains(sights_.size(), 0);
+    scheduler_.for_chunks(sights_.size(), 4, [&](ChunkRange range) {
+      for (std::size_t c = range.begin; c < range.end; ++c)
+        for (std::size_t k = 0; k < sights_[c].samples.size(); ++k)
+          gains[c] += std::max(quality_of(sights_[c].cosine[k]) - quality_[sights_[c].samples[k]], 0.0f);
+    });
+    return gains;
+  }
+
+  void take(std::size_t candidate) {
+    taken_.push_back(candidate);
+    const Sight& sight = sights_[candidate];
+    for (std::size_t k = 0; k < sight.samples.size(); ++k) {
+      float& quality = quality_[sight.samples[k]];
+      quality = std::max(quality, quality_of(sight.cosine[k]));
+    }
+  }
+
+  const ViewChoice& choice_;
+  std::vector<Sight> sights_;
+  Scheduler& scheduler_;
+  std::vector<std::size_t> taken_;
+  std::vector<float> quality_, best_;  // of each sample: by the views taken so far, in [0, 1]; cosine in any view
+  double attainable_ = 0;
+};
+
+}  // namespace
+
+std::vector<Vec3d> face_directions() { return {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0}}; }
+
+std::vector<Vec3d> sphere_directions(int count) {
+  std::vector<Vec3d> directions;
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (int k = 0; k < count; ++k) {
+    const double z = 1 - (2 * k + 1.0) / count, r = std::sqrt(1 - z * z);
+    directions.push_back({r * std::cos(golden * k), r * std::sin(golden * k), z});
+  }
+  return directions;
+}
+
+ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler) {
+  const std::vector<SurfacePoint> samples = sample_surface(mesh, choice.samples);
+  const std::vector<Cosines> faces = draw_faces(mesh, samples, choice.resolution, scheduler);
+  std::vector<std::uint32_t> all(samples.size()), hard;
+  std::iota(all.begin(), all.end(), 0u);
+  std::vector<SurfacePoint> hard_points;
+  for (const std::uint32_t s : all) {
+    const auto well = [&](const Cosines& face) { return face[s] >= choice.least_cosine; };
+    if (std::none_of(faces.begin(), faces.end(), well)) hard.push_back(s), hard_points.push_back(samples[s]);
+  }
+  const std::vector<Vec3d> others = sphere_directions(choice.candidates);
+  const std::vector<Cosines> seen = measure_cosines(mesh, hard_points, others, scheduler);
+
+  std::vector<Vec3d> directions = face_directions();
+  std::vector<GreedyChoice::Sight> sights;
+  for (const Cosines& face : faces) sights.push_back({all, face});
+  directions.insert(directions.end(), others.begin(), others.end());
+  for (const Cosines& c : seen) sights.push_back({hard, c});
+  GreedyChoice greedy(choice, std::move(sights), samples.size(), scheduler);
+
+  const double whole = std::max<double>(1, static_cast<double>(samples.size()));
+  ChosenViews chosen;
+  for (const std::size_t k : greedy.run()) chosen.directions.push_back(directions[k]);
+  std::size_t coverable = 0;
+  for (const std::uint32_t s : all) {
+    if (greedy.best()[s] > 0) chosen.visible_points.push_back(samples[s].point);
+    coverable += greedy.best()[s] >= choice.least_cosine;
+  }
+  chosen.samples = samples;
+  chosen.visible = static_cast<double>(chosen.visible_points.size()) / whole;
+  chosen.coverable = static_cast<double>(coverable) / whole;
+  chosen.covered = static_cast<double>(greedy.covered()) / whole;
+  return chosen;
+}
+
+}  // namespace lodestone

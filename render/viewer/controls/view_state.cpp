@@ -1,0 +1,116 @@
+#include "render/viewer/controls/view_state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace lodestone::viewer {
+namespace {
+
+void scale_detail(ViewSettings& settings, float factor) {
+  if (settings.by_kappa0)
+    settings.kappa0 /= factor;
+  else
+    settings.pixel_error *= factor;
+  settings = clamped(settings);
+}
+
+}  // namespace
+
+const std::vector<ActionKey>& action_keys() {
+  static const std::vector<ActionKey> keys{{Action::toggle_panel, 'H', "panel"},
+                                           {Action::toggle_steering, '\t', "orbit or fly"},
+                                           {Action::go_home, '\n', "whole model"},
+                                           {Action::toggle_split, 'X', "split screen"},
+                                           {Action::choose_other, 'V', "other settings"},
+                                           {Action::toggle_frozen, ' ', "freeze selection"},
+                                           {Action::toggle_tint, 'T', "tint by level"},
+                                           {Action::toggle_band, 'M', "blending band"},
+                                           {Action::toggle_boxes, 'B', "cell boxes"},
+                                           {Action::toggle_wireframe, 'G', "wireframe"},
+                                           {Action::toggle_overdraw, 'O', "overdraw"},
+                                           {Action::coarser, '-', "coarser"},
+                                           {Action::finer, '+', "finer"},
+                                           {Action::screenshot, 'C', "screenshot"},
+                                           {Action::record, 'R', "record a path"},
+                                           {Action::play, 'P', "play the path"},
+                                           {Action::stop, '\x1b', "stop"}};
+  return keys;
+}
+
+std::optional<Action> action_of(char key) {
+  if (key == '=') key = '+';  // the same key without shift
+  for (const ActionKey& known : action_keys())
+    if (known.key == key) return known.action;
+  return {};
+}
+
+void apply(Action action, ViewState& state) {
+  switch (action) {
+    case Action::toggle_panel:
+      state.panel = !state.panel;
+      return;
+    case Action::toggle_steering:
+      state.steering = state.steering == Steering::orbit ? Steering::fly : Steering::orbit;
+      return;
+    case Action::toggle_split:
+      state.split = !state.split;
+      return;
+    case Action::toggle_frozen:
+      state.frozen = !state.frozen;
+      if (state.frozen) {
+        state.frozen_from = state.camera;
+        ++state.freezes;
+      }
+      return;
+    case Action::toggle_tint:
+      state.current().tint = !state.current().tint;
+      return;
+    case Action::toggle_band:
+      state.current().band = !state.current().band;
+      return;
+    case Action::toggle_boxes:
+      state.current().boxes = !state.current().boxes;
+      return;
+    case Action::toggle_wireframe:
+      state.current().wireframe = !state.current().wireframe;
+      return;
+    case Action::toggle_overdraw:
+      state.current().overdraw = !state.current().overdraw;
+      return;
+    case Action::choose_other:
+      state.chosen = 1 - state.chosen;
+      return;
+    case Action::coarser:
+      scale_detail(state.current(), std::numbers::sqrt2_v<float>);
+      return;
+    case Action::finer:
+      scale_detail(state.current(), 1 / std::numbers::sqrt2_v<float>);
+      return;
+    case Action::go_home:
+    case Action::screenshot:
+    case Action::record:
+    case Action::play:
+    case Action::stop:
+    case Action::quit:
+      return;
+  }
+}
+
+void look_at(ViewState& state, const Sphere& all, const Camera& from) {
+  state.home = state.camera = from;
+  state.fly_speed = 0.5 * all.radius;
+  state.frozen = false;
+}
+
+std::vector<ViewRect> layout(const ViewState& state, ImageSize window) {
+  if (window.width < 1 || window.height < 1) return {};
+  if (!state.split) return {{state.chosen, {0, 0, window.width, window.height}}};
+  const int left = (window.width - split_gap) / 2, right = window.width - split_gap - left;
+  std::vector<ViewRect> views;
+  if (left > 0) views.push_back({0, {0, 0, left, window.height}});
+  if (right > 0 && left >= 0) views.push_back({1, {left + split_gap, 0, right, window.height}});
+  return views;
+}
+
+}  // namespace lodestone::viewer

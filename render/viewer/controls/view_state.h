@@ -1,0 +1,98 @@
+// State of the viewer as plain data: cameras, settings, switches. It knows no window.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "render/viewer/controls/view_settings.h"
+
+namespace lodestone::viewer {
+
+enum class Steering : std::uint8_t {
+  orbit,  // around the target
+  fly,    // from the camera's own place
+};
+
+// Pixels of the window, from its upper left corner.
+struct Rect {
+  int x = 0, y = 0, width = 0, height = 0;
+  [[nodiscard]] bool contains(double px, double py) const {
+    return px >= x && py >= y && px < x + width && py < y + height;
+  }
+  [[nodiscard]] ImageSize size() const { return {width, height}; }
+  friend bool operator==(const Rect&, const Rect&) = default;
+};
+
+struct ViewState {
+  Camera camera;
+  Camera home;  // what Home goes back to
+  Steering steering = Steering::orbit;
+  double fly_speed = 1;  // model units a second
+
+  std::array<ViewSettings, 2> settings;
+  bool split = false;      // both settings side by side; otherwise the chosen one alone
+  std::size_t chosen = 0;  // settings that keys and panel change
+  DistanceMetric metric = DistanceMetric::euclidean;
+
+  bool frozen = false;        // the selection remains that of frozen_from, whatever the camera does
+  Camera frozen_from;         // the camera when it was frozen
+  std::uint64_t freezes = 0;  // so far: tells one frozen selection from the next
+
+  bool panel = true;
+
+  [[nodiscard]] ViewSettings& current() { return settings[chosen]; }
+  [[nodiscard]] const ViewSettings& current() const { return settings[chosen]; }
+};
+
+// Actions of keys and of buttons of the panel.
+enum class Action : std::uint8_t {
+  toggle_panel,
+  toggle_steering,
+  toggle_split,
+  toggle_frozen,
+  toggle_tint,
+  toggle_band,
+  toggle_boxes,
+  toggle_wireframe,
+  toggle_overdraw,
+  choose_other,  // of the two settings
+  coarser,       // tolerance or radius by a factor of 2^(1/2)
+  finer,
+  go_home,
+  screenshot,
+  record,  // starts and ends
+  play,    // the last path; starts and ends
+  stop,    // playing, recording, building
+  quit,
+};
+
+// How an action is called in the panel, and the key that asks for it.
+struct ActionKey {
+  Action action;
+  char key;  // '\t', '\x1b' and ' ' are the keys of that name; '\n' is Home
+  std::string_view name;
+};
+[[nodiscard]] const std::vector<ActionKey>& action_keys();
+[[nodiscard]] std::optional<Action> action_of(char key);
+
+// Changes the state as far as it alone is concerned; what the rest of the program has to do about it (pictures, paths,
+// moving home gently, the end) is left to it.
+void apply(Action action, ViewState& state);
+
+// Starts to look at a new scene: camera, home, speed of flight, nothing frozen. The settings are kept.
+void look_at(ViewState& state, const Sphere& all, const Camera& from);
+
+// Rectangles of the pictures in a window of this size, by settings: one, or two side by side with a line of `split_gap`
+// pixels between them. A rectangle without pixels is not drawn.
+inline constexpr int split_gap = 2;
+struct ViewRect {
+  std::size_t settings = 0;
+  Rect rect;
+};
+[[nodiscard]] std::vector<ViewRect> layout(const ViewState& state, ImageSize window);
+
+}  // namespace lodestone::viewer

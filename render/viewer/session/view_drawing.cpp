@@ -1,0 +1,148 @@
+#include "render/viewer/session/view_drawing.h"
+
+#include <algorithm>
+
+#include "render/frame/stopwatch.h"
+#include "render/viewer/session/band_tint.h"
+
+namespace lodestone::viewer {
+namespace {
+
+constexpr float wire_opacity = 0.6f;
+
+}  // namespace
+
+ViewConfig view_config(const Scene& scene, const ViewState& state, std::size_t settings, ImageSize size) {
+  const ViewSettings& wanted = state.settings[settings];
+  ViewConfig config = lodestone::view_config(scene, size);
+  config.samples = wanted.samples;
+  config.radii = radii_config(wanted, state.metric);
+  config.radii.delta = scene.radii.delta;
+  config.blend = wanted.blend;
+  if (wanted.tint) config.settings.level_tint = 1;
+  if (wanted.wireframe) config.settings.wireframe = wire_opacity;
+  if (wanted.overdraw) config.settings.overdraw = true;
+  return config;
+}
+
+void ViewDrawing::set_renderer(Renderer* renderer) {
+  renderer_ = renderer;
+  restart();
+}
+
+void ViewDrawing::set_model(Model* model) {
+  model_ = model;
+  try {
+    restart();
+  } catch (...) {
+    model_ = nullptr;
+    for (PerView& view : views_) view = {};
+    throw;
+  }
+}
+
+// Forgets all that was drawn before.
+void ViewDrawing::restart() {
+  for (PerView& view : views_) {
+    view = {};
+    if (model_) view.scene.emplace(model_->scene, model_->opened.models());
+  }
+  if (!ready()) return;
+  views_.front().scene->upload(*renderer_);
+  ++counts_.uploads;
+}
+
+bool ViewDrawing::update(PerView& per_view, const Camera& camera, const ViewConfig& config,
+                         const std::vector<ViewConfig>& beside) {
+  const bool changed = per_view.scene->update(camera, config, beside);
+  if (changed && !per_view.frozen) ++counts_.selections;
+  return changed;
+}
+
+// Selects the cells that the frozen camera saw, unless they were drawn last, and keeps them.
+void ViewDrawing::freeze(PerView& per_view, const ViewState& state, const View& view,
+                         const std::vector<ViewConfig>& beside) {
+  // The loaded cells of a streamed scene were chosen for a selection frozen before: this one is made from them.
+  const PerView& other = &per_view == &views_[0] ? views_[1] : views_[0];
+  const bool alike = model_->opened.streamed() && other.frozen && other.freezes == state.freezes;
+  const std::size_t settings = alike ? 1 - view.settings : view.settings;
+  const ViewConfig config = view_config(model_->scene, state, settings, view.full_size);
+  // The renderer is told of loaded and removed cells when it draws.
+  if (update(per_view, state.frozen_from, config, beside)) (void)per_view.scene->draw(*renderer_);
+  per_view.scene->freeze(true);
+  per_view.frozen = true;
+  per_view.freezes = state.freezes;
+  per_view.frozen_by.clear();
+  for (const ModelFrame& model : per_view.scene->frame().models) per_view.frozen_by.push_back(model.view_projection);
+}
+
+bool ViewDrawing::draw(const ViewState& state, const View& view, const std::vector<View>& together) {
+  const Stopwatch total;
+  PerView& per_view = views_[view.settings];
+  std::vector<ViewConfig> beside;
+  for (const View& other : together)
+    if (other.settings != view.settings)
+      beside.push_back(view_config(model_->scene, state, other.settings, other.size));
+  if (per_view.frozen && (!state.frozen || per_view.freezes != state.freezes)) {
+    per_view.scene->freeze(false);
+    per_view.frozen = false;
+    per_view.frozen_by.clear();
+  }
+  if (state.frozen && !per_view.frozen) freeze(per_view, state, view, beside);
+
+  const ViewSettings& wanted = state.settings[view.settings];
+  const bool changed =
+      update(per_view, state.camera, view_config(model_->scene, state, view.settings, view.size), beside);
+  if (!changed && per_view.band == wanted.band) return false;
+  ViewReport& report = per_view.report;
+  report.select_milliseconds = total.milliseconds();
+  // The band is painted over a picture that the renderer may have no more.
+  report.stats = changed ? per_view.scene->draw(*renderer_) : renderer_->draw(per_view.scene->frame());
+  per_view.band = wanted.band;
+  report.selected = 0;
+  for (const ModelFrame& model : per_view.scene->frame().models) report.selected += model.selection->cells.size();
+  report.total_milliseconds = total.milliseconds();
+  ++counts_.draws;
+  return true;
+}
+
+void ViewDrawing::tint_band(std::size_t settings, Image& image) const {
+  viewer::tint_band(image, views_[settings].scene->frame(), scheduler_);
+}
+
+std::vector<Line> ViewDrawing::box_lines(std::size_t settings, ImageSize size) const {
+  std::vector<Line> lines;
+  if (!ready()) return lines;
+  for (const ModelFrame& model : frame(settings).models) {
+    if (!model.selection) continue;
+    for (const SelectedCell& selected : model.selection->cells)
+      if (selected.visible)
+        project_box(model.view_projection, size, model.morph.hierarchy->cells[selected.cell].bounds, selected.level,
+                    lines);
+  }
+  normalise_nearness(lines);
+  return lines;
+}
+
+std::vector<Line> ViewDrawing::frozen_lines(std::size_t settings, ImageSize size) const {
+  std::vector<Line> lines;
+  const PerView& view = views_[settings];
+  // All models share the picture's space: the first one suffices.
+  if (ready() && view.frozen)
+    project_frustum(frame(settings).models.front().view_projection, size, view.frozen_by.front(), lines);
+  return lines;
+}
+
+std::optional<Vec3d> ViewDrawing::pick(const ViewState& state, std::size_t settings, ImageSize size, int x, int y) {
+  if (!ready()) return {};
+  const PerView& view = views_[settings];
+  if (!draw(state, settings, size)) {
+    (void)renderer_->draw(view.scene->frame());
+    ++counts_.draws;
+  }
+  const auto point = viewer::pick(renderer_->read_back(), view.scene->frame().models.front().view_projection, x, y);
+  if (!point) return {};
+  return view.scene->placement(0)(*point);
+}
+
+}  // namespace lodestone::viewer

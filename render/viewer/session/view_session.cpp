@@ -1,0 +1,245 @@
+#include "render/viewer/session/view_session.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "core/base/error.h"
+#include "render/viewer/controls/camera_control.h"
+
+namespace lodestone::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double message_seconds = 6, error_seconds = 20;
+
+bool is_camera_path(const fs::path& file) { return file.extension() == ".json" && file.filename() != "tileset.json"; }
+
+// A scene defines how it is drawn; settings made by hand before are kept.
+void take_settings(const Scene& scene, ViewState& state) {
+  for (ViewSettings& settings : state.settings) {
+    const ViewSettings untouched;
+    if (settings.pixel_error == untouched.pixel_error) settings.pixel_error = scene.radii.pixel_error;
+    if (settings.blend == untouched.blend) settings.blend = scene.blend;
+    if (scene.radii.kappa0 && !settings.by_kappa0) {
+      settings.by_kappa0 = true;
+      settings.kappa0 = *scene.radii.kappa0;
+      settings.rule = scene.radii.rule;
+    }
+    settings = clamped(settings);
+  }
+}
+
+// The way of a scene, to be played. One that flies down to a surface has to know the surface, which a streamed model
+// does not.
+std::vector<Camera> way_through(const SceneView& scene, bool streamed) {
+  if (streamed && scene.scene().camera.path == "fly-in") return {};
+  return camera_path(scene);
+}
+
+}  // namespace
+
+ViewSession::ViewSession(SessionConfig config, Scheduler& scheduler)
+    : config_(std::move(config)), drawing_(scheduler) {}
+
+void ViewSession::open(const std::vector<fs::path>& files, double now) {
+  if (files.empty()) return;
+  try {
+    if (is_camera_path(files.front())) {
+      play(read_camera_keys(files.front().string()), now);
+      return;
+    }
+  } catch (const Error& error) {
+    tell(error.what(), true, now);
+    return;
+  }
+  loader_.reset();
+  LoadConfig load = config_.load;
+  load.paths = files;
+  loader_ = std::make_unique<ModelLoader>(std::move(load), config_.wake);
+}
+
+bool ViewSession::collect(double now) {
+  if (!loader_ || !loader_->ended()) return false;
+  const std::unique_ptr<ModelLoader> loader = std::move(loader_);
+  show(loader->take(), now);
+  return true;
+}
+
+void ViewSession::show(std::unique_ptr<Model> model, double now) {
+  try {
+    drawing_.set_model(model.get());  // the renderer lets go of the old one before it ends
+  } catch (const Error&) {
+    drawing_.set_model(model_.get());
+    throw;
+  }
+  model_ = std::move(model);
+  stop_moving();
+  path_.clear();
+  const Sphere all = drawing_.bounding_sphere();
+  Camera from = orbit_path(all, 1).front();
+  if (model_->is_scene_file) {
+    take_settings(model_->scene, state);
+    path_ = way_through(drawing_.scene_view(), model_->opened.streamed());
+    if (!path_.empty()) from = path_.front();
+  }
+  warn(model_->opened.warnings(), now);
+  look_at(state, all, from);
+  seen_ = drawable_ = state.camera;
+}
+
+void ViewSession::stop_moving() {
+  player_.stop();
+  transition_.stop();
+  navigation.let_go();
+}
+
+void ViewSession::act(Action action, double now) {
+  apply(action, state);
+  switch (action) {
+    case Action::go_home:
+      player_.stop();
+      transition_.start(now, state.camera, state.home);
+      return;
+    case Action::screenshot:
+      screenshot_ = true;
+      return;
+    case Action::record:
+      toggle_recording(now);
+      return;
+    case Action::play:
+      if (player_.playing())
+        player_.stop();
+      else if (path_.empty())
+        tell("nothing to play yet: R records a path, or drop one (.json) into the window", false, now);
+      else
+        play(path_, now);
+      return;
+    case Action::stop:
+      if (loader_) loader_->cancel();
+      stop_moving();
+      save_recording(now);
+      return;
+    default:
+      return;
+  }
+}
+
+void ViewSession::play(std::vector<Camera> path, double now) {
+  if (path.empty()) return;
+  transition_.stop();
+  path_ = std::move(path);
+  player_.start(now, path_);
+}
+
+void ViewSession::offer_path(std::vector<Camera> path) {
+  if (path.empty()) return;
+  path_ = std::move(path);
+  state.camera = seen_ = path_.front();
+}
+
+void ViewSession::toggle_recording(double now) {
+  if (recorder_.recording())
+    save_recording(now);
+  else
+    recorder_.start(now, state.camera);
+}
+
+void ViewSession::save_recording(double now) {
+  if (!recorder_.recording()) return;
+  path_ = recorder_.stop(now);
+  const std::string file = free_name("path", ".json");
+  try {
+    write_camera_path(file, path_);
+    written_.push_back(file);
+    tell("camera path: " + file, false, now);
+  } catch (const Error& error) {
+    tell(error.what(), true, now);
+  }
+}
+
+void ViewSession::advance(double now) {
+  if (std::exchange(was_flying_, navigation.flying(state))) navigation.advance(state, now - advanced_at_);
+  advanced_at_ = now;
+  if (const auto camera = transition_.advance(now)) state.camera = *camera;
+  if (const auto camera = player_.advance(now)) state.camera = *camera;
+  if (state.camera == seen_) return;
+  seen_ = state.camera;
+  recorder_.add(now, state.camera);
+  resolution.moved(now);
+}
+
+bool ViewSession::animated() const { return navigation.flying(state) || transition_.moving() || player_.playing(); }
+
+void ViewSession::focus_at(Point at, ImageSize window, double now) {
+  for (const ViewRect& view : layout(state, window)) {
+    if (!view.rect.contains(at.x, at.y)) continue;
+    const auto point = drawing_.pick(state, view.settings, view.rect.size(), static_cast<int>(at.x) - view.rect.x,
+                                     static_cast<int>(at.y) - view.rect.y);
+    if (!point) return;
+    player_.stop();
+    transition_.start(now, state.camera, focus(state.camera, *point));
+  }
+}
+
+bool ViewSession::take_screenshot_request() { return std::exchange(screenshot_, false); }
+
+void ViewSession::save_screenshot(const Image& image, double now) {
+  const std::string file = free_name("screenshot", ".png");
+  try {
+    write_png(file, image);
+    written_.push_back(file);
+    tell("screenshot: " + file, false, now);
+  } catch (const Error& error) {
+    tell(error.what(), true, now);
+  }
+}
+
+std::string ViewSession::free_name(const std::string& stem, const std::string& extension) const {
+  for (int number = 1;; ++number) {
+    const std::string digits = std::to_string(number);
+    const fs::path file =
+        config_.folder / (stem + std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits + extension);
+    std::error_code ignored;
+    if (!fs::exists(fs::symlink_status(file, ignored))) return file.string();
+  }
+}
+
+void ViewSession::tell(const std::string& text, bool error, double now) {
+  message_ = Message{text, error, now + (error ? error_seconds : message_seconds)};
+  if (config_.say) config_.say(text);
+}
+
+void ViewSession::warn(const std::vector<std::string>& warnings, double now) {
+  constexpr std::size_t most = 10;
+  if (warnings.empty()) return;
+  std::vector<std::string> lines(warnings.begin(), warnings.begin() + std::min(most, warnings.size()));
+  if (warnings.size() > most) lines.push_back(std::to_string(warnings.size() - most) + " more of the kind");
+  std::string text;
+  for (const std::string& line : lines) {
+    if (!text.empty()) text += '\n';
+    text += line;
+    if (config_.say) config_.say(line);
+  }
+  message_ = Message{text, false, now + message_seconds};
+}
+
+const Message* ViewSession::message(double now) const {
+  return message_ && now < message_->until ? &*message_ : nullptr;
+}
+
+void ViewSession::refuse(const std::string& why, double now) {
+  tell(why, true, now);
+  stop_moving();
+  if (state.camera != drawable_) {
+    state.camera = drawable_;
+  } else if (state.camera != state.home) {
+    state.camera = state.home;
+  } else {
+    drawing_.set_model(nullptr);
+    model_.reset();
+  }
+}
+
+}  // namespace lodestone::viewer

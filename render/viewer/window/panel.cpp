@@ -1,0 +1,316 @@
+#include "render/viewer/window/panel.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "render/effects/plan.h"
+#include "render/frame/shading.h"
+
+namespace lodestone::viewer {
+namespace {
+
+const ImVec4 wrong{1.0f, 0.42f, 0.36f, 1};
+
+// A length given for the usual text, 13 pixels high.
+float scaled(float length) { return length * ImGui::GetFontSize() / 13; }
+
+std::string text(const char* format, double value) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, format, value);
+  return buffer;
+}
+
+std::string count(std::uint64_t n) {
+  if (n >= 10'000'000) return text("%.1f M", static_cast<double>(n) * 1e-6);
+  if (n >= 10'000) return text("%.1f k", static_cast<double>(n) * 1e-3);
+  return std::to_string(n);
+}
+
+void marked(bool bad, const std::string& words) {
+  if (bad) ImGui::PushStyleColor(ImGuiCol_Text, wrong);
+  ImGui::TextWrapped("%s", words.c_str());
+  if (bad) ImGui::PopStyleColor();
+}
+
+std::string key_name(char key) {
+  switch (key) {
+    case '\t':
+      return "Tab";
+    case '\n':
+      return "Home";
+    case '\x1b':
+      return "Esc";
+    case ' ':
+      return "Space";
+    default:
+      return {key};
+  }
+}
+
+void show_model(const PanelFacts& facts, PanelRequests& requests) {
+  const Model& model = *facts.model;
+  std::uint64_t triangles = 0, cells = 0;
+  int levels = 0;
+  const float first = model.opened.models().front().hierarchy->sigma0;
+  std::pair sigma0{first, first};
+  for (const OpenModel& m : model.opened.models()) {
+    triangles += m.hierarchy->provenance.input_triangles;
+    cells += m.hierarchy->cells.size();
+    levels = std::max(levels, m.hierarchy->finest() + 1);
+    sigma0 = {std::min(sigma0.first, m.hierarchy->sigma0), std::max(sigma0.second, m.hierarchy->sigma0)};
+  }
+  ImGui::Text("%s", model.name.c_str());
+  if (model.opened.models().size() > 1) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("%d models", static_cast<int>(model.opened.models().size()));
+  }
+  ImGui::Text("%s triangles, %d levels, %s cells", count(triangles).c_str(), levels, count(cells).c_str());
+  ImGui::Text("sigma0 %s", sigma0.first == sigma0.second
+                               ? text("%.3g", sigma0.first).c_str()
+                               : (text("%.3g", sigma0.first) + " to " + text("%.3g", sigma0.second)).c_str());
+  if (ImGui::BeginCombo("backend", facts.backend.c_str())) {
+    for (const std::string& name : facts.backends)
+      if (ImGui::Selectable(name.c_str(), name == facts.backend) && name != facts.backend) requests.backend = name;
+    ImGui::EndCombo();
+  }
+  if (!facts.device.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", facts.device.c_str());
+}
+
+void edit_blend(ViewSettings& settings) {
+  const auto name = [](Blend blend) { return std::string(name_of(blend)); };
+  if (!ImGui::BeginCombo("blending", name(settings.blend).c_str())) return;
+  for (const Blend blend : all_blends()) {
+    const bool pops = blend == Blend::step;
+    if (pops) ImGui::PushStyleColor(ImGuiCol_Text, wrong);
+    if (ImGui::Selectable((name(blend) + (pops ? " (pops)" : "")).c_str(), blend == settings.blend))
+      settings.blend = blend;
+    if (pops) ImGui::PopStyleColor();
+  }
+  ImGui::EndCombo();
+}
+
+// kappa0 and its rule; red where the guarantee does not hold.
+void edit_kappa0(ViewSettings& settings, const Admissibility& found) {
+  constexpr std::array frames{ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive};
+  if (!found.admissible)
+    for (const ImGuiCol_ frame : frames) ImGui::PushStyleColor(frame, ImVec4{0.45f, 0.12f, 0.1f, 1});
+  ImGui::SliderFloat("kappa0", &settings.kappa0, 0.25f, 32, "%.3f", ImGuiSliderFlags_Logarithmic);
+  if (!found.admissible) ImGui::PopStyleColor(static_cast<int>(frames.size()));
+  int rule = settings.rule == RadiiRule::uniform ? 1 : 0;
+  ImGui::RadioButton("per level", &rule, 0);
+  ImGui::SameLine();
+  ImGui::RadioButton("uniform", &rule, 1);
+  settings.rule = rule == 1 ? RadiiRule::uniform : RadiiRule::per_level;
+  ImGui::SameLine();
+  ImGui::TextDisabled("rho %.4f", static_cast<double>(found.least_kappa0));
+}
+
+void edit_detail(const PanelFacts& facts, ViewState& state) {
+  ViewSettings& settings = state.current();
+  std::vector<const Hierarchy*> models;
+  for (const OpenModel& model : facts.model->opened.models()) models.push_back(model.hierarchy);
+  const Admissibility found = admissibility(models, settings, state.metric);
+  int by = settings.by_kappa0 ? 1 : 0;
+  ImGui::RadioButton("tolerance in pixels", &by, 0);
+  ImGui::SameLine();
+  ImGui::RadioButton("kappa0##by", &by, 1);
+  settings.by_kappa0 = by == 1;
+  if (settings.by_kappa0)
+    edit_kappa0(settings, found);
+  else
+    ImGui::SliderFloat("pixels", &settings.pixel_error, 0.1f, 50, "%.2f", ImGuiSliderFlags_Logarithmic);
+  edit_blend(settings);
+  ImGui::SliderFloat("band", &settings.beta, 0.05f, 8, "at least %.2f h", ImGuiSliderFlags_Logarithmic);
+  int metric = static_cast<int>(state.metric);
+  ImGui::RadioButton("euclidean", &metric, static_cast<int>(DistanceMetric::euclidean));
+  ImGui::SameLine();
+  ImGui::RadioButton("chebyshev", &metric, static_cast<int>(DistanceMetric::chebyshev));
+  state.metric = static_cast<DistanceMetric>(metric);
+  settings = clamped(settings);
+  if (!found.remark.empty()) marked(true, found.remark);
+}
+
+void edit_looks(ViewState& state, PanelRequests& requests) {
+  ViewSettings& settings = state.current();
+  ImGui::Checkbox("levels", &settings.tint);
+  ImGui::SameLine(scaled(110));
+  ImGui::Checkbox("band", &settings.band);
+  ImGui::SameLine(scaled(220));
+  ImGui::Checkbox("boxes", &settings.boxes);
+  ImGui::Checkbox("wires", &settings.wireframe);
+  ImGui::SameLine(scaled(110));
+  ImGui::Checkbox("overdraw", &settings.overdraw);
+  ImGui::SameLine(scaled(220));
+  bool smooth = settings.samples == 4;
+  ImGui::Checkbox("4 samples", &smooth);
+  settings.samples = smooth ? 4 : 1;
+  bool frozen = state.frozen;
+  if (ImGui::Checkbox("freeze", &frozen)) requests.actions.push_back(Action::toggle_frozen);
+  ImGui::SameLine(scaled(110));
+  ImGui::Checkbox("split", &state.split);
+  if (state.frozen) ImGui::TextDisabled("frozen: tolerance and radii wait");
+}
+
+void show_camera(const PanelFacts& facts, const ViewState& state, PanelRequests& requests) {
+  const auto button = [&](const char* name, Action action) {
+    if (ImGui::Button(name)) requests.actions.push_back(action);
+    ImGui::SameLine();
+  };
+  button(state.steering == Steering::orbit ? "orbit" : "fly", Action::toggle_steering);
+  button("home", Action::go_home);
+  button(facts.recording ? "end##record" : "record", Action::record);
+  if (facts.has_path || facts.playing) button(facts.playing ? "end##play" : "play", Action::play);
+  button("screenshot", Action::screenshot);
+  ImGui::NewLine();
+}
+
+void show_statistics(const PanelFacts& facts) {
+  if (!facts.report) return;
+  const ViewReport& report = *facts.report;
+  ImGui::Text("%s triangles in %s cells", count(report.stats.triangles).c_str(), count(report.stats.cells).c_str());
+  ImGui::Text("%.1f ms, selection %.2f ms", report.total_milliseconds, report.select_milliseconds);
+  for (const auto& [stage, milliseconds] : report.stats.milliseconds)
+    if (stage != "total") ImGui::TextDisabled("  %s %.2f ms", stage.c_str(), milliseconds);
+  if (facts.model && facts.model->opened.streamed())
+    ImGui::Text("%.0f MB in memory%s", static_cast<double>(facts.model->opened.resident_bytes()) * 1e-6,
+                facts.model->opened.complete() ? "" : ", more is missing");
+  ImGui::Text("resolution %.0f %%", 100 * facts.scale);
+  const std::vector<float>& times = facts.frame_milliseconds;
+  const float highest = times.empty() ? 1 : *std::max_element(times.begin(), times.end());
+  ImGui::PlotLines("##times", times.data(), static_cast<int>(times.size()), 0, text("up to %.1f ms", highest).c_str(),
+                   0, 1.2f * highest, {ImGui::GetContentRegionAvail().x, scaled(60)});
+}
+
+// Which effects the frame takes, and why.
+void show_effects(const PanelFacts& facts) {
+  if (!facts.frame || !ImGui::CollapsingHeader("effects")) return;
+  for (const PlannedEffect& planned : explain_plan(*facts.frame)) {
+    if (!planned.runs) continue;
+    ImGui::Text("%s", std::string(name_of(planned.effect)).c_str());
+    ImGui::SameLine(scaled(150));
+    ImGui::TextWrapped("%s", planned.reasons.empty() ? "asked for" : planned.reasons.front().why.c_str());
+  }
+}
+
+void show_keys() {
+  if (!ImGui::CollapsingHeader("keys and mouse")) return;
+  for (const ActionKey& key : action_keys())
+    ImGui::Text("%-6s %.*s", key_name(key.key).c_str(), static_cast<int>(key.name.size()), key.name.data());
+  ImGui::TextWrapped(
+      "left: orbit or look; right: pan; wheel: nearer, or speed of flight; double click: focus; W A S D Q E: fly, "
+      "shift "
+      "faster; drop files to open them");
+}
+
+void show_loading(const PanelFacts& facts, PanelRequests& requests) {
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({window.x / 2, window.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({scaled(360), 0});
+  ImGui::Begin("opening", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Text("%s: %s", facts.loading_name.c_str(), facts.loading->phase.c_str());
+  if (facts.loading->share)
+    ImGui::ProgressBar(*facts.loading->share);
+  else
+    ImGui::TextDisabled("...");
+  if (ImGui::Button("cancel")) requests.actions.push_back(Action::stop);
+  ImGui::End();
+}
+
+void show_message(const PanelFacts& facts) {
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({window.x / 2, window.y - 12}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(200.0f, window.x - 40), 200});
+  ImGui::Begin("message", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoInputs);
+  ImGui::PushTextWrapPos(std::max(200.0f, window.x - 80));
+  if (facts.message_is_error)
+    ImGui::TextColored(wrong, "%s", facts.message.c_str());
+  else
+    ImGui::Text("%s", facts.message.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+}
+
+void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& requests) {
+  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({scaled(330), 0});
+  ImGui::SetNextWindowBgAlpha(0.85f);
+  ImGui::Begin("Lodestone", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoResize);
+  ImGui::PushItemWidth(scaled(200));
+  if (!facts.model) {
+    ImGui::TextWrapped("Drop a mesh or a .lode file into the window.");
+  } else {
+    show_model(facts, requests);
+    ImGui::Separator();
+    int chosen = static_cast<int>(state.chosen);
+    ImGui::RadioButton("settings A", &chosen, 0);
+    ImGui::SameLine();
+    ImGui::RadioButton("settings B", &chosen, 1);
+    state.chosen = static_cast<std::size_t>(chosen);
+    edit_detail(facts, state);
+    ImGui::Separator();
+    edit_looks(state, requests);
+    ImGui::Separator();
+    show_camera(facts, state, requests);
+    ImGui::Separator();
+    show_statistics(facts);
+    show_effects(facts);
+  }
+  show_keys();
+  ImGui::PopItemWidth();
+  ImGui::End();
+}
+
+// `crowd` in (0, 1]: less where there are many lines, so that what they lie over is still seen.
+ImU32 colour_of(const Line& line, bool by_level, float crowd) {
+  const Vec3f c = by_level ? shading::tint_of(line.level) : Vec3f{1, 1, 1};
+  const float opacity = by_level ? (0.25f + 0.75f * line.nearness) * crowd : 0.9f;
+  return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, opacity});
+}
+
+}  // namespace
+
+PanelRequests draw_panel(const PanelFacts& facts, ViewState& state) {
+  PanelRequests requests;
+  if (state.panel) show_settings(facts, state, requests);
+  if (facts.loading) show_loading(facts, requests);
+  if (!facts.message.empty()) show_message(facts);
+  return requests;
+}
+
+void draw_lines(std::span<const Line> lines, Rect rect, double pixels, bool by_level) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const auto unit = static_cast<float>(1 / pixels);
+  const auto at = [&](float x, float y) {
+    return ImVec2{(static_cast<float>(rect.x) + x) * unit, (static_cast<float>(rect.y) + y) * unit};
+  };
+  const auto width = static_cast<float>(rect.width), height = static_cast<float>(rect.height);
+  list.PushClipRect(at(0, 0), at(width, height), true);
+  const float crowd = std::clamp(1500 / static_cast<float>(lines.size() + 1), 0.2f, 1.0f);
+  for (const Line& line : lines)
+    list.AddLine(at(line.x0, line.y0), at(line.x1, line.y1), colour_of(line, by_level, crowd));
+  list.PopClipRect();
+}
+
+void draw_picture(unsigned texture, Rect rect, double pixels, const std::string& label) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const auto unit = static_cast<float>(1 / pixels);
+  const ImVec2 from{static_cast<float>(rect.x) * unit, static_cast<float>(rect.y) * unit};
+  const ImVec2 to{static_cast<float>(rect.x + rect.width) * unit, static_cast<float>(rect.y + rect.height) * unit};
+  list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), from, to);
+  if (label.empty()) return;
+  const ImVec2 extent = ImGui::CalcTextSize(label.c_str());
+  const ImVec2 corner{to.x - extent.x - 10, from.y + 8};
+  list.AddRectFilled({corner.x - 4, corner.y - 3}, {corner.x + extent.x + 4, corner.y + extent.y + 3},
+                     IM_COL32(0, 0, 0, 140));
+  list.AddText(corner, IM_COL32_WHITE, label.c_str());
+}
+
+}  // namespace lodestone::viewer

@@ -1,0 +1,42 @@
+// A picture in the window's OpenGL context, for the user interface to put on the screen. Plain OpenGL 3: it is there
+// for windows without 4.5, too.
+#pragma once
+
+#include "render/frame/image.h"
+
+namespace lodestone {
+class GlRenderer;
+}
+
+namespace lodestone::viewer {
+
+// The context must be current in every call.
+class Picture {
+ public:
+  Picture();
+  ~Picture();
+  Picture(const Picture&) = delete;
+  Picture& operator=(const Picture&) = delete;
+
+  void set(const Image& image);
+  // Copies the last picture of a renderer of the same context, on the device.
+  void copy_from(GlRenderer& renderer, ImageSize size);
+
+  [[nodiscard]] unsigned texture() const { return texture_; }  // the first row is the upper one
+  [[nodiscard]] ImageSize size() const { return size_; }
+  // Shown in a rectangle of this size: pixel by pixel where it fits, smoothly otherwise.
+  void fit(ImageSize shown) const;
+
+ private:
+  void resize(ImageSize size);
+
+  unsigned texture_ = 0, framebuffer_ = 0;
+  ImageSize size_{0, 0};
+};
+
+// The picture drawn into the window since the last swap; rows from the top, no depth.
+[[nodiscard]] Image read_window(ImageSize size);
+// Before the user interface is drawn into the window.
+void clear_window(ImageSize size);
+
+}  // namespace lodestone::viewer
