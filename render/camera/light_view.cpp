@@ -46,7 +46,7 @@ void check(Vec3d towards_light, std::span<const Vec3d> receivers, std::span<cons
   if (!is_finite(towards_light) || towards_light == Vec3d{})
     throw InputError(describe({}, "light", "its direction must be finite and not zero"));
   if (!std::ranges::all_of(receivers, finite) || !std::ranges::all_of(casters, finite))
-    throw InputError(describe({}, "light", "what it falls on must be finite"));
+    throw InputError(describe({}, "light", "the points that it falls on must be finite"));
 }
 
 }  // namespace

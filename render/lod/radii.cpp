@@ -15,7 +15,7 @@ void check(const RadiiConfig& config) {
   if (!config.kappa0 && config.rule == RadiiRule::uniform)
     throw InputError("the uniform rule needs a kappa0; give one, or use per-level radii with a pixel error");
   if (!positive(config.pixel_error)) throw InputError("the pixel error must be a positive number");
-  if (!positive(config.beta)) throw InputError("beta, the least width of the morph band, must be a positive number");
+  if (!positive(config.beta)) throw InputError("beta, the minimum width of the morph band, must be a positive number");
   if (config.delta != 0 && !positive(config.delta))
     throw InputError("delta, the guard of a stale selection, must be zero or a positive number");
   if (!(config.vertical_fov > 0 && config.vertical_fov < 3.14159f))

@@ -206,7 +206,7 @@ PositionMap parse_exr_map(std::span<const std::byte> bytes, const std::string& n
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    throw InputError(describe(name, "", std::string("is no sound OpenEXR image: ") + error.what()));
+    throw InputError(describe(name, "", std::string("is not a valid OpenEXR image: ") + error.what()));
   }
   complete_map(map, name);
   return map;

@@ -141,7 +141,7 @@ MapSet read_map_set(const std::filesystem::path& path) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    throw InputError(describe(file.string(), "", std::string("is no list of views: ") + error.what()));
+    throw InputError(describe(file.string(), "", std::string("is not a list of views: ") + error.what()));
   }
   if (set.maps.empty()) throw InputError(describe(file.string(), "", "lists no view"));
   return set;

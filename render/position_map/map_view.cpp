@@ -67,7 +67,7 @@ MapView perspective_view(const Box3f& box, Vec3d eye, double pixel, int margin) 
   view.projection = Projection::perspective;
   view.eye = eye;
   const Vec3d centre = 0.5 * (to_double(box.lo) + to_double(box.hi));
-  if (!is_finite(eye) || !(length(centre - eye) > 0)) throw InputError("view: the eye stands in the centre of the box");
+  if (!is_finite(eye) || !(length(centre - eye) > 0)) throw InputError("view: the eye is at the centre of the box");
   aim(view, centre - eye);
   double reach = 0;
   for (const Vec3d& c : corners_of(box)) {
@@ -87,14 +87,14 @@ void check_view(const MapView& view, const std::string& name) {
         describe(name, "", "a picture of " + std::to_string(view.width) + "x" + std::to_string(view.height) + " pixels",
                  "give 1 to " + std::to_string(largest_map_side) + " a side"));
   if (!is_finite(view.eye) || !(view.pixel > 0) || !std::isfinite(view.pixel))
-    throw InputError(describe(name, "", "the eye or the size of a pixel is no finite number"));
+    throw InputError(describe(name, "", "the eye or the size of a pixel is not a finite number"));
   if (!(view.nearest >= 0) || !std::isfinite(view.nearest))
-    throw InputError(describe(name, "", "the nearest depth is no finite number, 0 or more"));
+    throw InputError(describe(name, "", "the nearest depth is not a finite number, 0 or more"));
   const std::array<Vec3d, 3> axes{view.right, view.up, -1.0 * view.forward};
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3d expected = cross(axes[(i + 1) % 3], axes[(i + 2) % 3]);
     if (!(std::abs(dot(axes[i], axes[i]) - 1) < 1e-6) || !(length(axes[i] - expected) < 1e-6))
-      throw InputError(describe(name, "", "right, up and forward are no orthonormal, right-handed frame"));
+      throw InputError(describe(name, "", "right, up and forward are not an orthonormal, right-handed frame"));
   }
 }
 

@@ -35,15 +35,15 @@ PfmHeader parse_header(std::string_view text, const std::string& name) {
     const std::string_view w = word();
     const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
     if (w.empty() || error != std::errc{} || end != w.data() + w.size())
-      fail(name, "is no portable float map: the header is malformed");
+      fail(name, "is not a portable float map: the header is malformed");
   };
-  if (word() != "PF") fail(name, "is no portable float map of three channels (PF)");
+  if (word() != "PF") fail(name, "is not a portable float map of three channels (PF)");
   PfmHeader header;
   double scale = 0;
   number(header.width), number(header.height), number(scale);
   if (header.width < 1 || header.height < 1 || header.width > largest_map_side || header.height > largest_map_side)
     fail(name, "an image of " + std::to_string(header.width) + "x" + std::to_string(header.height) + " pixels");
-  if (!std::isfinite(scale) || scale == 0) fail(name, "is no portable float map: the scale is zero or no number");
+  if (!std::isfinite(scale) || scale == 0) fail(name, "is not a portable float map: the scale is zero or not a number");
   header.big_endian = scale > 0;
   header.bytes = at + 1;  // one white space ends the header
   return header;

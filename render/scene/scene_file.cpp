@@ -39,9 +39,9 @@ void read_source(TomlTable& table, const toml::node& at, SceneModel& model) {
   table.integer("triangles", triangles, 12, 2'000'000'000);
   table.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
   if (model.file.empty() == shape_name.empty())
-    table.fail(at, "file", "or generate is needed, one of them, to say what the model is");
+    table.fail(at, "file", "or generate is needed, one of them, to define the model");
   if (shape_name.empty()) {
-    if (table.has("triangles") || table.has("seed")) table.fail(at, "triangles", "and seed belong to generate");
+    if (table.has("triangles") || table.has("seed")) table.fail(at, "triangles", "and seed need generate");
     model.file = beside(table.file(), model.file);
     model.name = std::filesystem::path(model.file).stem().string();
     return;
@@ -62,7 +62,7 @@ void read_model(TomlTable& table, const toml::node& at, Scene& scene) {
   read_source(table, at, model);
   table.text("name", model.name);
   if (std::ranges::find(scene.models, model.name, &SceneModel::name) != scene.models.end()) {
-    if (table.has("name")) table.fail(at, "name", "'" + model.name + "' is another model's already");
+    if (table.has("name")) table.fail(at, "name", "'" + model.name + "' is already the name of another model");
     model.name += "-" + std::to_string(scene.models.size() + 1);
   }
   table.flag("fill_voids", model.fill_voids);
@@ -116,7 +116,7 @@ void read_camera(TomlTable& table, Scene& scene) {
     double fov = c.vertical_fov * 180 / std::numbers::pi;
     key.number("fov_degrees", fov, 0.001, 179.9);
     c.vertical_fov = fov * std::numbers::pi / 180;
-    if (c.position == c.target) key.fail(at, "target", "is where the camera stands");
+    if (c.position == c.target) key.fail(at, "target", "is the position of the camera");
     camera.keys.push_back(c);
   });
   const toml::node* path = table.find("path");
@@ -127,7 +127,7 @@ void read_camera(TomlTable& table, Scene& scene) {
     camera.path = beside(table.file(), camera.path);
   }
   if (!camera.fly_to.empty() && std::ranges::find(scene.models, camera.fly_to, &SceneModel::name) == scene.models.end())
-    table.fail(*table.find("fly_to"), "fly_to", "names no model of the scene");
+    table.fail(*table.find("fly_to"), "fly_to", "is not the name of a model of the scene");
 }
 
 void read_effects(TomlTable& table, Scene& scene) {

@@ -118,7 +118,7 @@ async function testRefused(browser) {
   scrambled.fill(0x7b, 20, 60);
   run('lod', 'torus.glb', '--vertices', '500', '-o', 'plain.glb');
   const cases = [
-    ['notes.txt', Buffer.from('These are notes, and no mesh.'), /is no progressive mesh/],
+    ['notes.txt', Buffer.from('These are notes, and not a mesh.'), /is not a progressive mesh/],
     ['nothing.lpm', Buffer.alloc(0), /ends early/],
     ['bent.lpm', flipped, /checksum is wrong; the file is damaged/],
     ['short.lpm', lpm.subarray(0, lpm.length / 2), /ends early/],
@@ -145,7 +145,7 @@ async function testMissing(browser) {
   rmSync(at('gap/models/sphere.lpm'));
   const gap = await open(browser, 'gap', {expected: /404/});
   await gap.quiet();
-  check(/^models\/sphere.lpm: cannot be had \(404/.test(await gap.page.textContent('#text')), await gap.page.textContent('#text'));
+  check(/^models\/sphere.lpm: cannot be loaded \(404/.test(await gap.page.textContent('#text')), await gap.page.textContent('#text'));
   check(await gap.triangles() === 8000, 'the other model is there');
   await gap.close();
 
@@ -153,7 +153,7 @@ async function testMissing(browser) {
   for (const file of ['index.html', 'page.js', 'page.css']) copyFileSync(at('one', file), at('bare', file));
   const bare = await open(browser, 'bare', {expected: /404/});
   await bare.page.waitForSelector('#message:not([hidden])');
-  check(/^models.json: cannot be had/.test(await bare.page.textContent('#text')), await bare.page.textContent('#text'));
+  check(/^models.json: cannot be loaded/.test(await bare.page.textContent('#text')), await bare.page.textContent('#text'));
   await bare.close();
 
   writeFileSync(at('bare', 'models.json'), '[]');

@@ -124,7 +124,7 @@ async function testChecks(oracle) {
 async function testBroken(oracle) {
   const bad = oracle.tileset.root.children[0].children[0];
   const found = await fly(oracle, {latency: 1, broken: (cell) => cell === bad, frames: 120});
-  check(found.line.failures === 1 && found.cracks === 0 && found.ratio <= 1, 'a family that cannot be had is asked for once, and missed without a crack');
+  check(found.line.failures === 1 && found.cracks === 0 && found.ratio <= 1, 'a family that cannot be loaded is asked for once, and missed without a crack');
   let refused = '';
   await fly(oracle, {budget: 10}).catch((e) => { refused = e.message; });
   check(refused.includes('memory budget'), refused);

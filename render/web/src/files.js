@@ -11,7 +11,7 @@ export async function ask(url, signal) {
     if (error.name === 'AbortError') throw error;
     throw new Problem(`${url}: cannot be reached`);
   }
-  if (!answer.ok) throw new Problem(`${url}: cannot be had (${answer.status} ${answer.statusText})`);
+  if (!answer.ok) throw new Problem(`${url}: cannot be loaded (${answer.status} ${answer.statusText})`);
   return answer;
 }
 

@@ -9,7 +9,7 @@ export class Glb {
   constructor(bytes, name) {
     this.name = name;
     const words = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-    if (bytes.length < 20 || words.getUint32(0, true) !== 0x46546c67) throw new Error(`${name}: is no binary glTF`);
+    if (bytes.length < 20 || words.getUint32(0, true) !== 0x46546c67) throw new Error(`${name}: is not a binary glTF`);
     if (words.getUint32(8, true) > bytes.length) throw new Error(`${name}: the file ends early`);
     const length = words.getUint32(12, true);
     this.json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length)));

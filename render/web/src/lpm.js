@@ -66,7 +66,7 @@ export class LpmDecoder {
   readHeader() {
     const seen = Math.min(8, this.bytes.length);
     if (String.fromCharCode(...this.bytes.subarray(0, seen)) !== MAGIC.slice(0, seen))
-      throw new Error(`${this.name}: is no progressive mesh (.lpm)`);
+      throw new Error(`${this.name}: is not a progressive mesh (.lpm)`);
     if (this.bytes.length < 16 || this.bytes.length < 16 + this.word(8)) return false;
     const length = this.word(8), crc = this.word(12);
     this.at = 16;

@@ -132,7 +132,7 @@ TEST(PositionMap, SeesTheInsideBehindAPlane) {
   EXPECT_TRUE(map.sees(static_cast<std::size_t>(view.height / 2 * view.width + view.width / 2)));
 }
 
-// Skips, saying what is missing, where OpenGL cannot be had.
+// Skips, saying what is missing, where OpenGL is not available.
 TEST(PositionMap, IsTheSameFromOpenGl) {
   const auto serial = make_serial_scheduler();
   for (const IndexedMesh& mesh :
