@@ -17,6 +17,7 @@
 #include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
 #include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
 
 namespace {
 

@@ -39,7 +39,7 @@ viewer::ViewState first_state(const ViewOptions& options) {
   settings.blend = blend(options.blend_name);
   state.metric = options.metric == "chebyshev" ? DistanceMetric::chebyshev : DistanceMetric::euclidean;
   // Out of range is an error here, where a user wrote it; in the window it is brought into range.
-  if (viewer::sane(settings) != settings)
+  if (viewer::clamped(settings) != settings)
     throw InputError("--pixel-error must lie between 0.05 and 1000, --kappa0 between 0.01 and 1000");
   state.settings = {settings, settings};
   return state;

@@ -10,6 +10,7 @@
 #include "experiments/systems/lod_system.h"
 #include "experiments/systems/system_flight.h"
 #include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"

@@ -15,6 +15,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
 #include "render/lod/radii.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"

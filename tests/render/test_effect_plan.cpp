@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
 #include "render/effects/plan.h"
 #include "render/scene/scene_view.h"
 #include "tests/render/conformance.h"

@@ -11,6 +11,7 @@
 #include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/scheduler/scheduler.h"
+#include "render/camera/camera.h"
 #include "render/effects/plan.h"
 #include "render/frame/appearance.h"
 #include "render/frame/renderer.h"

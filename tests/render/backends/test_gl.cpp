@@ -1,6 +1,7 @@
 // Pictures, sizes and counts of the gl backend, and the models it is given.
 #include <string>
 
+#include "render/camera/camera.h"
 #include "render/frame/shading.h"
 #include "tests/render/backends/gl_fixture.h"
 

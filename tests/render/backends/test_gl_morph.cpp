@@ -8,6 +8,7 @@
 
 #include "experiments/metrics/cracks/adversary.h"
 #include "render/backends/gl/scene/places.h"
+#include "render/camera/camera.h"
 #include "tests/render/backends/gl_fixture.h"
 
 namespace lodestone {

@@ -5,6 +5,7 @@
 
 #include "render/backends/gl/device/context.h"
 #include "render/backends/gl/device/stream.h"
+#include "render/camera/camera.h"
 #include "render/lod/thresholds.h"
 #include "tests/render/backends/gl_fixture.h"
 

@@ -9,6 +9,7 @@
 #include "render/backends/soft/clip.h"
 #include "render/backends/soft/kernels.h"
 #include "render/backends/soft/soft_renderer.h"
+#include "render/camera/camera.h"
 #include "render/frame/shading.h"
 #include "tests/render/backends/obvious_renderer.h"
 #include "tests/render/conformance.h"

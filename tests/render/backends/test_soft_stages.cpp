@@ -6,6 +6,7 @@
 #include <random>
 
 #include "render/backends/soft/kernels.h"
+#include "render/camera/camera.h"
 #include "render/lod/selection.h"
 #include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
 #include "render/culling/back_faces.h"
 #include "tests/render/conformance.h"
 

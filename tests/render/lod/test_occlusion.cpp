@@ -6,6 +6,7 @@
 
 #include "render/backends/make_renderer.h"
 #include "render/backends/soft/viewport.h"
+#include "render/camera/camera.h"
 #include "render/culling/occlusion.h"
 #include "tests/render/conformance.h"
 #include "tests/render/small_hierarchy.h"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "render/camera/camera.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/controls/camera_track.h"
 

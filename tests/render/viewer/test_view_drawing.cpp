@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/session/band_tint.h"
 #include "render/viewer/session/view_drawing.h"

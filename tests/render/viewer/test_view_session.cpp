@@ -10,6 +10,7 @@
 #include "core/formats/mesh_writer.h"
 #include "core/hierarchy/lode/lode_file.h"
 #include "render/backends/make_renderer.h"
+#include "render/camera/camera.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/session/view_session.h"
 #include "tests/render/small_hierarchy.h"

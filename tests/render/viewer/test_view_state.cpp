@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "render/camera/camera.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/controls/navigation.h"
 #include "render/viewer/controls/view_state.h"
