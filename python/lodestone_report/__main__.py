@@ -4,6 +4,7 @@ import argparse
 import importlib.util
 import os
 import signal
+import subprocess
 import sys
 
 SYSTEM_PYTHON = "/usr/bin/python3"  # the interpreter that sees Debian's packages
@@ -20,12 +21,17 @@ def parse_arguments():
     return parser.parse_args()
 
 
+def system_has_modules():
+    find = "import importlib.util as u, sys; sys.exit(not all(map(u.find_spec, ('jinja2', 'matplotlib'))))"
+    return subprocess.run([SYSTEM_PYTHON, "-B", "-c", find], check=False).returncode == 0
+
+
 def find_modules():
     """Goes on in the system's Python where this one lacks a module. Without jinja2 there is no page, without matplotlib there
     are no plots."""
     missing = [module for module in ("jinja2", "matplotlib") if importlib.util.find_spec(module) is None]
     is_chosen = "LODESTONE_PYTHON" in os.environ or sys.executable == SYSTEM_PYTHON
-    if missing and not is_chosen and os.path.exists(SYSTEM_PYTHON):
+    if missing and not is_chosen and os.path.exists(SYSTEM_PYTHON) and ("jinja2" in missing or system_has_modules()):
         os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON, "-B", "-m", __package__, *sys.argv[1:]])
     try:
         import jinja2  # noqa: F401

@@ -4,7 +4,7 @@ import math
 
 
 def pareto_front(points):
-    """Indices of the points for which no other one is at most as dear and at most as wrong, and less in one of the two, by
+    """Indices of the points for which no other one is at most as expensive and at most as wrong, and better in one of the two, by
     rising cost; of equal points the first. Points that are not finite are left out. O(n log n)."""
     finite = [i for i, point in enumerate(points) if all(map(math.isfinite, point))]
     front, best = [], math.inf

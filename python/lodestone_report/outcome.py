@@ -23,7 +23,7 @@ def place_text(figure, point):
 
 
 def describe_front(figure, panel, front):
-    """The limit in the middle: neither the trivial nor the dearest."""
+    """The limit in the middle: neither the trivial nor the most expensive."""
     choice = front.choices[len(front.choices) // 2]
     point = front.points[choice.point]
     return ((f"{front.data}: " if len(panel.fronts) > 1 else "") +

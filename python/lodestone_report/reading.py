@@ -78,7 +78,8 @@ class Entry:
         value = self.member(key)
         if not isinstance(value, list):
             self.fail(f"'{key}' is not a list")
-        return [Entry(entry, self.path, f"{key}[{i}]") for i, entry in enumerate(value)]
+        prefix = f"{self.place}." if self.place else ""
+        return [Entry(entry, self.path, f"{prefix}{key}[{i}]") for i, entry in enumerate(value)]
 
 
 def read_entry(path):

@@ -81,6 +81,18 @@ class SweepFolder:
         return self.path
 
 
+def small_study(path, gap="gap", **more):
+    """One sweep of two settings with two repetitions each, all in order."""
+    study = SweepFolder(path, **more)
+    study.sweep("border", [column(gap, "accuracy", "pixels"), column("seconds", "cost", "s")], [parameter("kappa0")], 2)
+    for kappa0 in (1.0, 4.0):
+        folder = study.run("border", "sphere", {"kappa0": kappa0})
+        for repetition in range(2):
+            study.rows(folder, repetition, [{"seconds": kappa0 + repetition, gap: 4 - kappa0 if repetition == 0 else None}])
+    study.figure("Gaps", "border", "kappa0", gap)
+    return study
+
+
 def add_border(study, chance):
     """Cracks below kappa0 = rho; one run does not verify, one crashes, one is not there yet, one lacks a repetition."""
     study.sweep("border", [column("gap_max", "accuracy", "pixels", "longest gap"), column("seconds", "cost", "s", "of a frame"),

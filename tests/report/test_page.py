@@ -13,17 +13,13 @@ import sweep_folder
 import lodestone_report as lr
 from lodestone_report import files
 from lodestone_report.page import make_page
-from sweep_folder import SweepFolder, column, parameter
+from sweep_folder import small_study
 
 
 class Page(FolderCase):
-    def study(self, name="study", gap="gap", **more):
-        study = SweepFolder(self.folder / name, **more)
-        study.sweep("border", [column(gap, "accuracy", "px"), column("seconds", "cost", "s")], [parameter("kappa0")])
-        for kappa0 in (1.0, 4.0):
-            study.rows(study.run("border", "sphere", {"kappa0": kappa0}), 0, [{"seconds": kappa0, gap: 4 - kappa0}])
-        study.figure("Gaps & time", "border", "kappa0", gap)
-        study.figure("Time", "border", "kappa0", "seconds")
+    def study(self, **more):
+        study = small_study(self.folder / "study", **more)
+        study.figure("Time & cost", "border", "kappa0", "seconds")
         return study
 
     def test_nothing_of_the_data_is_markup(self):
@@ -38,13 +34,13 @@ class Page(FolderCase):
     def test_figures_have_files_of_their_own_and_outdated_ones_go(self):
         study = self.study()
         lr.write_report(study.write(), self.folder / "page.html", json=self.folder / "page.json")
-        names = [f"{stem}{suffix}" for stem in ("01-gaps-time", "02-time") for suffix in (".csv", ".pdf", ".svg")]
+        names = [f"{stem}{suffix}" for stem in ("01-gaps", "02-time-cost") for suffix in (".csv", ".pdf", ".svg")]
         folder = self.folder / "page_figures"
         self.assertEqual(sorted(p.name for p in folder.iterdir()), names)
         (folder / "notes.svg").write_text("the reader's own")
         study.sheet["figures"].pop(0)
         lr.write_report([lr.load(study.write())], self.folder / "page.html")
-        self.assertEqual(sorted(p.name for p in folder.iterdir()), ["01-time.csv", "01-time.pdf", "01-time.svg", "notes.svg"])
+        self.assertEqual(sorted(p.name for p in folder.iterdir()), ["01-time-cost.csv", "01-time-cost.pdf", "01-time-cost.svg", "notes.svg"])
 
     def test_after_an_error_nothing_has_been_written(self):
         self.study().write()
@@ -84,7 +80,7 @@ class Page(FolderCase):
             note = lr.write_report(self.folder / "study", self.folder / "page.html")
         self.assertEqual(note, "matplotlib could not draw the plots: no font")
         self.assertIn(note, (self.folder / "page.html").read_text())
-        self.assertEqual(sorted(p.name for p in (self.folder / "page_figures").iterdir()), ["01-gaps-time.csv", "02-time.csv"])
+        self.assertEqual(sorted(p.name for p in (self.folder / "page_figures").iterdir()), ["01-gaps.csv", "02-time-cost.csv"])
 
     def test_pictures_of_a_run_go_together_and_only_once(self):
         folder = sweep_folder.make(self.folder / "ablation")

@@ -4,7 +4,7 @@
 const valueOf = (cell) => cell.dataset.v === undefined ? cell.textContent.trim() : Number(cell.dataset.v);
 const isEmpty = (value) => value === '' || value === '\u2013';
 
-// Numbers before texts; what is not there comes last, whichever way the rest goes.
+// Numbers before texts; empty cells come last in either direction.
 function compare(a, b, sign) {
   if (isEmpty(a) || isEmpty(b)) return isEmpty(a) - isEmpty(b);
   if (typeof a !== typeof b) return typeof a === 'number' ? -1 : 1;
