@@ -20,6 +20,8 @@ MOST_MARKS = 6
 
 @dataclass
 class Point:
+    """A point with its ranges, in the units of the axes."""
+
     x: float
     x_least: float
     x_most: float
@@ -32,6 +34,8 @@ class Point:
 
 @dataclass
 class Series:
+    """A curve, or the bars of one colour."""
+
     name: str
     points: list[Point] = field(default_factory=list)  # by rising x; of a scatter plot in the order of the settings
 
@@ -66,11 +70,14 @@ class Panel:
 
     @property
     def limit_text(self):
+        """How a limit of y is kept."""
         return "at least" if self.more_is_better else "at most"
 
 
 @dataclass
 class Mark:
+    """A vertical line."""
+
     x: float
     label: str
 

@@ -21,6 +21,7 @@ def count_runs(sweeps):
 
 
 def reported(counts):
+    """The number of runs that tables and figures show."""
     return counts["complete"] + counts["incomplete"]
 
 

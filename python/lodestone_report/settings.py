@@ -25,6 +25,7 @@ class Cell:
 
     @property
     def has_range(self):
+        """True if repetitions differ."""
         return self.is_number and self.least != self.most
 
 
@@ -40,9 +41,11 @@ class Setting:
     cells: dict[str, Cell]
 
     def at(self, name):
+        """The cell of that name; an empty one where there is none."""
         return self.cells.get(name, NOTHING)
 
     def value(self, name):
+        """The value of the cell of that name, or None."""
         return self.at(name).value
 
     def label(self, names):

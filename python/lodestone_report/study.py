@@ -41,6 +41,8 @@ class FigureRequest:
 
 @dataclass
 class Fault:
+    """Why a repetition is not reported."""
+
     kind: str  # "verify", "error", "crash"
     messages: list[str]
 
@@ -87,11 +89,14 @@ class Run:
 
     @property
     def good_repetitions(self):
+        """Those that verified."""
         return [r for r in self.repetitions if r.rows is not None and not r.fault]
 
 
 @dataclass
 class Sweep:
+    """The runs of one experiment, with the columns of its rows."""
+
     name: str
     experiment: str
     question: str
@@ -104,7 +109,7 @@ class Sweep:
 
 @dataclass
 class Study:
-    """What lodestone.load returns: sweeps as they are stored, and DataFrames of them."""
+    """What load() returns: sweeps as they are stored, and DataFrames of them."""
 
     folder: pathlib.Path
     name: str
