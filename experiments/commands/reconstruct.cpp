@@ -209,7 +209,7 @@ class ReconstructRun {
     }
     nlohmann::json row = finish(result, mesh_.transform, level_name(options_.output, level), scheduler);
     if (config_.keep_maps && level == 0)
-      write_map_set(options_.maps, result.maps, result.report.closed, result.report.oriented,
+      write_map_set(options_.maps, result.maps, {result.report.closed, result.report.oriented},
                     options_.map_format == "exr" ? MapFormat::exr : MapFormat::pfm);
     config_.resolution /= 2;
     return row;

@@ -1,9 +1,12 @@
 #include "render/backends/make_renderer.h"
 
+#include <cassert>
+#include <chrono>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
-#include "render/backends/null/null_renderer.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "render/position_map/rasterize_map.h"
 #if LODESTONE_GL
@@ -13,6 +16,37 @@
 
 namespace lodestone {
 namespace {
+
+// Draws nothing and counts what would be drawn: selection and culling at their own cost.
+class NullRenderer final : public Renderer {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "null"; }
+
+  using Renderer::upload;
+  void upload(std::span<const Hierarchy* const> models) override { models_.assign(models.begin(), models.end()); }
+
+  FrameStats draw(const Frame& frame) override {
+    check_frame(frame, std::numeric_limits<int>::max());
+    const auto start = std::chrono::steady_clock::now();
+    FrameStats stats;
+    for (const ModelFrame& drawn : frame.models) {
+      assert(drawn.model < models_.size() && drawn.selection);
+      for (const SelectedCell& selected : drawn.selection->cells) {
+        if (!selected.visible) continue;
+        ++stats.cells;
+        stats.triangles += models_[drawn.model]->cells[selected.cell].triangles.size();
+      }
+    }
+    const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - start;
+    stats.milliseconds["total"] = elapsed.count();
+    return stats;
+  }
+
+  [[nodiscard]] Image read_back() override { return {{0, 0}, {}, {}}; }
+
+ private:
+  std::vector<const Hierarchy*> models_;
+};
 
 class SoftMapRenderer final : public MapRenderer {
  public:
@@ -30,7 +64,7 @@ class SoftMapRenderer final : public MapRenderer {
 
 std::unique_ptr<Renderer> make_renderer(std::string_view backend, Scheduler& scheduler) {
   if (backend == "soft") return make_soft_renderer(scheduler);
-  if (backend == "null") return make_null_renderer();
+  if (backend == "null") return std::make_unique<NullRenderer>();
   if (backend == "gl") {
 #if LODESTONE_GL
     GlConfig config;

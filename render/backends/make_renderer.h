@@ -11,13 +11,13 @@
 
 namespace lodestone {
 
-// "soft", "gl", "null". Throws InputError for another name, UnsupportedError (with what is missing) when the backend
+// "soft", "gl", "null". Throws InputError for another name, UnsupportedError (naming the missing part) when the backend
 // cannot run here. The scheduler must outlive the renderer.
 [[nodiscard]] std::unique_ptr<Renderer> make_renderer(std::string_view backend, Scheduler& scheduler);
 
 // "soft" (rasterize_map) or "gl" (float targets of OpenGL). Pixels that see the same triangle have the same bytes; at
 // edges and silhouettes OpenGL may choose the neighbour, since it projects in single precision. Throws InputError for
-// another name, UnsupportedError with what is missing when the backend cannot run here, ResourceError when the mesh
+// another name, UnsupportedError naming the missing part when the backend cannot run here, ResourceError when the mesh
 // does not fit. Mesh and scheduler must outlive the renderer.
 [[nodiscard]] std::unique_ptr<MapRenderer> make_map_renderer(std::string_view backend, const IndexedMesh& mesh,
                                                              Scheduler& scheduler);

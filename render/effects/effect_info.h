@@ -29,7 +29,7 @@ struct EffectInfo {
   Effect effect{};
   std::string_view what;        // in a few words
   std::string_view attributes;  // that it reads, of vertices or triangles; empty: none
-  std::string_view passes;      // that it takes beside drawing the surface; empty: none
+  std::string_view passes;      // that it takes besides drawing the surface; empty: none
   // Why this model of the frame calls for it; empty: it does not.
   std::string (*called_for)(const Frame& frame, const ModelFrame& model) = nullptr;
   GlslCode glsl = {};

@@ -1,5 +1,5 @@
-// Fog: of what is d away from the eye a share exp(-density d) is seen, and of the fog's colour the rest. The background
-// keeps its colour.
+// Fog: a surface at a distance d from the eye keeps a share exp(-density d) of its colour; the rest is the fog's
+// colour. The background keeps its colour.
 #pragma once
 
 #include "render/effects/effect_info.h"

@@ -2,9 +2,9 @@
 //
 // An object-space map holds them as they are, in the axes of the model. A tangent-space map holds them in the frame of
 // the surface: z is its normal, x the direction in which u grows, made perpendicular to the normal, y right-angled to
-// both, on the side where v falls (images are stored from the top: what is up in them is there). Directions of u and v
-// are those of the triangle as it is drawn, the same for every pixel of it: no tangents are stored (schueler2006). The
-// normal of a flat-shaded surface is the one towards the eye.
+// both, on the side where v falls (images are stored from the top). Directions of u and v are those of the triangle as
+// it is drawn, the same for every pixel of it: no tangents are stored (schueler2006). The normal of a flat-shaded
+// surface is the one towards the eye.
 #pragma once
 
 #include "render/effects/texture_mapping.h"

@@ -169,8 +169,8 @@ inline Mapping find_mapping(const ShadingJob& job, Surface& s) {
     return {b * of_b.x + c * of_c.x, b * of_b.y + c * of_c.y, b * of_b.z + c * of_c.z};
   };
   m.along_u = gradient(tb.u - ta.u, tc.u - ta.u), m.along_v = gradient(tb.v - ta.v, tc.v - ta.v);
-  // A pixel's step d on the plane: row_x d = w 2 / width, row_y d = 0, with the rows of clip x and y minus what the
-  // pixel's window coordinates make of clip w's.
+  // A pixel's step d on the plane: row_x d = w 2 / width, row_y d = 0, with the rows of clip x and y minus that of clip
+  // w times the pixel's window coordinates.
   const Points row_w = projection_row(s, 3), row_0 = projection_row(s, 0), row_1 = projection_row(s, 1);
   const Float at_x = to_float(s.x) / job.half_width - 1.0f, at_y = 1.0f - to_float(s.y) / job.half_height;
   const Points row_x = difference(row_0, scaled(at_x, row_w)), row_y = difference(row_1, scaled(at_y, row_w));

@@ -1,5 +1,5 @@
 // Wireframe: the edges of the drawn triangles, morphed, as lines of constant width in pixels (baerentzen2006), before
-// fog. A line is drawn by the triangles at its sides, each on what is seen of it: a pixel's share is 1 up to
+// fog. A line is drawn by the triangles at its sides, each on its visible part: a pixel's share is 1 up to
 // shading::wire_half_width - 1/2 from the nearest edge of its own triangle, and falls to 0 within a pixel. Distances
 // are those of the pixel's centre, with several samples, too.
 #pragma once

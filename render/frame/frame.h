@@ -15,7 +15,7 @@ namespace lodestone {
 // Light from very far away, from one direction.
 struct DirectionalLight {
   float strength = 0;        // at least 0; 0: none
-  bool shadows = false;      // what is nearer to the light casts a shadow
+  bool shadows = false;      // surfaces nearer to the light cast a shadow
   int shadow_texels = 2048;  // a side of the shadow map, from 16 to 8192
   friend bool operator==(const DirectionalLight&, const DirectionalLight&) = default;
 };

@@ -68,7 +68,7 @@ class LimitTracker {
 
   [[nodiscard]] DetailLimits limits() const { return limits_; }
 
-  // Cells whose children are missing and asked for by d, in traversal order.
+  // Cells whose children are missing and needed by d, in traversal order.
   [[nodiscard]] std::span<const std::uint32_t> missing() const { return missing_; }
 
  private:

@@ -16,7 +16,7 @@ constexpr float side = 0.02f;
 using Corners = std::array<Vec3d, 3>;
 
 // Unit normal; nothing for a triangle of no area. Differences of floats are exact in double here, so that a cross
-// product is off by about 1e-16 of the edges' lengths: what is below 1e-13 of them says nothing and has no area.
+// product is off by about 1e-16 of the edges' lengths: a product below 1e-13 of them is noise and counts as no area.
 std::optional<Vec3d> unit_normal(const Corners& p) {
   const Vec3d a = p[1] - p[0], b = p[2] - p[0], n = cross(a, b);
   const double norm2 = dot(n, n);

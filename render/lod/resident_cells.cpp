@@ -14,7 +14,7 @@ namespace {
 // How much less urgent a family that is drawn must be than a missing one to make room for it: without a difference two
 // of them would take turns.
 constexpr float contrast = 1.25f;
-// Urgency of what the camera does not see.
+// Urgency of families out of view.
 constexpr float unseen = 1.0f / 16;
 
 }  // namespace
@@ -79,7 +79,7 @@ void ResidentCells::make_room() {
   }
 }
 
-// Families that are drawn but less urgent than what is missing: their limits rise from the next frame on.
+// Families that are drawn but less urgent than missing ones: their limits rise from the next frame on.
 void ResidentCells::choose_unwanted(float most_urgent) {
   std::vector<std::pair<float, std::uint32_t>> candidates;
   for (auto& [parent, family] : families_) {
@@ -101,7 +101,7 @@ void ResidentCells::update(const Radii& radii, Vec3f viewpoint, const Frustum* f
   came_.clear();
   went_.clear();
   if (lacking_ > 0) make_room();
-  // The family above may have gone while this one was on its way.
+  // The family above may have been removed while this one was loading.
   for (LoadedFamily& loaded : stream_.collect())
     if (families_.contains(hierarchy_.cells[loaded.parent].parent)) take_in(std::move(loaded));
 

@@ -36,10 +36,10 @@ class ResidentCells {
 
   // Limits for selection and morph of the frame.
   [[nodiscard]] DetailLimits limits() const { return tracker_.limits(); }
-  // Families that the last update took in and let go.
+  // Families that the last update added and removed.
   [[nodiscard]] std::span<const std::uint32_t> came() const { return came_; }
   [[nodiscard]] std::span<const std::uint32_t> went() const { return went_; }
-  // The view has all that it asks for.
+  // True if the view has all cells that it needs.
   [[nodiscard]] bool complete() const { return tracker_.limits().empty(); }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  // resident now
   [[nodiscard]] float rate() const { return config_.rate; }

@@ -96,7 +96,7 @@ void complete_map(PositionMap& map, const std::string& name) {
         "check eye, directions and pixel of the view, and that row 0 is on top"));
 }
 
-void write_map_set(const std::filesystem::path& folder, std::span<const PositionMap> maps, bool closed, bool oriented,
+void write_map_set(const std::filesystem::path& folder, std::span<const PositionMap> maps, MapSurface surface,
                    MapFormat format) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
@@ -111,8 +111,8 @@ void write_map_set(const std::filesystem::path& folder, std::span<const Position
   }
   const Transform transform = maps.empty() ? Transform{} : maps.front().transform;
   const json list = {{"transform", {{"origin", to_json(transform.origin)}, {"scale", transform.scale}}},
-                     {"closed", closed},
-                     {"oriented", oriented},
+                     {"closed", surface.closed},
+                     {"oriented", surface.oriented},
                      {"views", views}};
   AtomicFile file(folder / "views.json");
   const std::string text = list.dump(1) + "\n";

@@ -37,15 +37,18 @@ void write_pfm_map(const std::filesystem::path& path, const PositionMap& map);
 [[nodiscard]] PositionMap read_pfm_map(const std::filesystem::path& path, const MapView& view,
                                        const Transform& transform);
 
-struct MapSet {
+// The surface that maps show, as DrawnMaps has it.
+struct MapSurface {
+  bool closed = false, oriented = false;
+};
+struct MapSet : MapSurface {
   std::vector<PositionMap> maps;
-  bool closed = false, oriented = false;  // of the surface: as DrawnMaps has them
 };
 
 // Writes view000.exr (or .pfm) and so on, and then views.json, into a folder, which is made if need be.
-void write_map_set(const std::filesystem::path& folder, std::span<const PositionMap> maps, bool closed, bool oriented,
+void write_map_set(const std::filesystem::path& folder, std::span<const PositionMap> maps, MapSurface surface,
                    MapFormat format);
-// `path`: a views.json, or the folder of one. Throws what the readers throw, InputError for a list that is malformed.
+// `path`: a views.json, or the folder of one. Throws as the readers do, and InputError for a malformed list.
 [[nodiscard]] MapSet read_map_set(const std::filesystem::path& path);
 // True if a path names a list of views: a views.json, or a folder that contains one.
 [[nodiscard]] bool is_map_set(const std::filesystem::path& path);

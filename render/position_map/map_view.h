@@ -20,7 +20,7 @@ struct MapView {
   Vec3d right{1, 0, 0}, up{0, 1, 0}, forward{0, 0, -1};  // of unit length, pairwise perpendicular
   double pixel = 1.0 / 256;                              // side of a pixel; perspective: at depth 1
   int width = 0, height = 0;                             // pixels
-  double nearest = 0;  // depth from which on something is seen: what is in the way is cut off; 0: everything
+  double nearest = 0;                                    // surfaces nearer than this depth are cut off; 0: none
   friend bool operator==(const MapView&, const MapView&) = default;
 
   [[nodiscard]] std::size_t pixels() const {

@@ -67,7 +67,7 @@ inline void resolve_pixel(const IndexedMesh& mesh, std::size_t i, PositionMap& m
   }
 }
 
-// A map of nothing, with room for the channels that are asked for and that the mesh has.
+// An empty map, with room for the requested channels that the mesh has.
 [[nodiscard]] inline PositionMap empty_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels) {
   PositionMap map;
   map.view = view;

@@ -23,7 +23,7 @@ struct ReconstructConfig {
   double resolution =
       256;  // pixels along the longest side of the bounding box; the spacing of the samples is its inverse
   MergeKind merge = MergeKind::stitch;
-  // Maps are drawn so many times finer than `resolution`, and what is stitched is simplified to as many triangles as
+  // Maps are drawn by this factor finer than `resolution`, and the stitched mesh is simplified to as many triangles as
   // the resolution gives (simplify_merged.h): 1 to 16; 1: not.
   double detail = 2;
   std::uint64_t triangles = 0;  // simplify to so many instead, where the maps give more; 0: not
@@ -35,7 +35,7 @@ struct ReconstructConfig {
   bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)
   bool extend = false;         // boundaries to the silhouette
   bool separate_parts = true;  // never connect parts of the mesh that share no vertex, where they are large enough
-  bool lost_parts = true;      // take over what is too small for the maps (lost_parts.h); where the mesh is known
+  bool lost_parts = true;      // take over parts too small for the maps (lost_parts.h), if the mesh is known
   float longest_hole = 48;     // spacings, of the maps where the surface is open; see MergeConfig
   float sharp_degrees = 35;    // of the angle across a sharp feature that is recovered after stitching; 0: none
   bool attributes = false;     // texture coordinates, colours, normals, materials
@@ -52,7 +52,7 @@ struct ReconstructReport {
   LostParts lost;
   std::size_t sampled_triangles = 0;  // before they were simplified
   bool closed = false;                // the input has no border
-  bool oriented = false;              // and its triangles agree on what is outside
+  bool oriented = false;              // and its triangles agree on the outside
   StageTime choose, draw, connect, merge, sharpen_time, attributes, simplify;
 };
 
@@ -73,7 +73,7 @@ struct DrawnMaps {
   std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
   std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
   bool closed = false;
-  bool oriented = true;                   // neighbouring triangles agree on what is outside
+  bool oriented = true;                   // neighbouring triangles agree on the outside
   std::size_t most_handles = any_number;  // that the surface may have
   std::vector<std::uint32_t> parts;       // of the triangles; empty: one
   std::vector<Vec3f> border;              // where the surface ends, normalised; empty: nowhere, or not known

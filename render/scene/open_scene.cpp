@@ -67,7 +67,12 @@ void tell(const OpenSceneConfig& config, const char* phase, const SceneModel& mo
 
 }  // namespace
 
-Scene OpenScene::read(const std::string& file) { return is_scene_file(file) ? read_scene(file) : scene_of(file); }
+Scene OpenScene::read(const std::vector<std::string>& files) {
+  if (is_scene_file(files.front())) return read_scene(files.front());
+  Scene scene = scene_of(files.front());
+  for (std::size_t i = 1; i < files.size(); ++i) scene.models.push_back(scene_of(files[i]).models.front());
+  return scene;
+}
 
 OpenScene::OpenScene(const Scene& scene, const OpenSceneConfig& config, Scheduler& scheduler) {
   const std::uint64_t budget = budget_of_each(scene, config);

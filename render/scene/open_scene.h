@@ -33,8 +33,10 @@ struct OpenSceneConfig {
 
 class OpenScene {
  public:
-  // Reads a scene file, or makes a scene of one model of a hierarchy or mesh.
-  [[nodiscard]] static Scene read(const std::string& file);
+  // Reads a scene file, or makes a scene of hierarchies and meshes, shown together and unmoved. Files after a scene
+  // file are ignored.
+  [[nodiscard]] static Scene read(const std::vector<std::string>& files);
+  [[nodiscard]] static Scene read(const std::string& file) { return read(std::vector{file}); }
 
   OpenScene() = default;
   // A model that several of the scene share is opened once. Throws what reading, building and loading throw, naming the
@@ -51,12 +53,12 @@ class OpenScene {
   [[nodiscard]] std::vector<const Hierarchy*> wholes() const { return wholes_; }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
   [[nodiscard]] bool streamed() const;
-  [[nodiscard]] std::uint64_t resident_bytes() const;  // of the cells in memory, of what is streamed
-  [[nodiscard]] bool complete() const;                 // what is streamed has all the detail that was asked for
+  [[nodiscard]] std::uint64_t resident_bytes() const;  // of the cells in memory, of streamed models
+  [[nodiscard]] bool complete() const;                 // streamed models have all the detail that they need
 
  private:
   struct Source {
-    std::string key;  // what it is made of
+    std::string key;  // of its source
     std::optional<CellStream> stream;
     std::optional<ResidentCells> resident;
     std::optional<Hierarchy> whole;

@@ -22,7 +22,8 @@ bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
-  return {size, 1, scene.radii, scene.blend, scene.settings, scene.effects, false, false};
+  return {
+      .size = size, .radii = scene.radii, .blend = scene.blend, .settings = scene.settings, .effects = scene.effects};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {

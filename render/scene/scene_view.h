@@ -34,7 +34,7 @@ struct ViewConfig {
   bool cull_occluded = false, select_on_device = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };
-[[nodiscard]] ViewConfig view_config(const Scene& scene, ImageSize size);  // as the scene asks for
+[[nodiscard]] ViewConfig view_config(const Scene& scene, ImageSize size);  // as the scene requests
 
 class SceneView {
  public:

@@ -13,9 +13,9 @@
 
 namespace lodestone {
 
-// Texels of one level, red in the lowest byte, with a border of one texel all round: what lies there by the texture's
-// wrap modes. Whoever interpolates takes two by two neighbours anywhere from half a texel outside the image on, and
-// needs to know nothing of wrapping.
+// Texels of one level, red in the lowest byte, with a border of one texel all around, by the texture's wrap modes.
+// Interpolation takes two by two neighbours anywhere from half a texel outside the image on, and needs to know nothing
+// of wrapping.
 struct MipLevel {
   PixelSize size;                     // without the border
   std::vector<std::uint32_t> texels;  // (width + 2) (height + 2)

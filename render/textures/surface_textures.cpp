@@ -18,7 +18,7 @@ PixelSize halved(PixelSize size, std::uint32_t times) {
 
 std::uint64_t texels_of(PixelSize size) { return std::uint64_t{size.width} * size.height; }
 
-// The encoded image nearest to what is shown, and by how much it is still to be reduced.
+// The encoded image nearest to the shown size, and the factor by which it is to be reduced further.
 struct Encoded {
   std::span<const char> bytes;
   std::uint32_t halvings = 0;
@@ -40,7 +40,7 @@ void SurfaceTextures::set_models(std::span<const Hierarchy* const> models, const
 }
 
 void SurfaceTextures::add_model(const Hierarchy& hierarchy) {
-  // A model that is there several times shows the same textures.
+  // A model used several times shows the same textures.
   const auto known = std::ranges::find(models_, &hierarchy);
   if (const auto index = static_cast<std::size_t>(known - models_.begin()); index < materials_.size()) {
     materials_.push_back(materials_[index]);

@@ -1,7 +1,7 @@
 // Materials and textures of the models of a renderer, the same for every backend.
 //
 // A texture is decoded when a frame first shows it, once, whatever number of materials and models share it. How far
-// textures are reduced for their memory follows from the models alone, not from what is shown of them.
+// textures are reduced for their memory follows from the models alone, not from their visible parts.
 #pragma once
 
 #include <cstddef>
@@ -39,7 +39,7 @@ class SurfaceTextures {
   // Sets the models, which must outlive it. Nothing is decoded yet.
   void set_models(std::span<const Hierarchy* const> models, const TextureLimits& limits = {});
 
-  // Decodes what the models of the frame call for and is not there yet. Returns how many were decoded.
+  // Decodes missing textures that the models of the frame call for. Returns their number.
   std::size_t prepare(const Frame& frame, Scheduler& scheduler);
 
   // Materials of an uploaded model: the first for triangles without a material, then those of its hierarchy.

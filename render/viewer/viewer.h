@@ -31,7 +31,7 @@ struct ViewerResult {
   std::string backend, device;
   Camera camera;                                         // the last one
   std::uint64_t resident_bytes = 0;                      // of a streamed model
-  bool complete = true;                                  // the last picture has all the detail that it asks for
+  bool complete = true;                                  // the last picture has all the detail that it needs
   std::uint64_t uploads = 0, selections = 0, draws = 0;  // of the model, by the backend
   std::uint64_t window_frames = 0;                       // shown, those included that draw the panel alone
   std::vector<std::string> files;                        // written

@@ -29,7 +29,7 @@
 namespace lodestone {
 namespace {
 
-// The families that are there, those of a branch one after the other: cells selected together lie together.
+// The loaded families, those of a branch one after the other: cells selected together lie together.
 std::vector<std::uint32_t> families_of(const Hierarchy& hierarchy) {
   std::vector<std::uint32_t> families;
   if (hierarchy.cells.empty()) return families;

@@ -18,8 +18,8 @@ struct GlConfig {
   Scheduler* scheduler = nullptr;
 };
 
-// FrameStats::milliseconds: "device select" (when asked for, until its result is there), "culling" (with
-// Frame::cull_occluded: finding what is hidden), "upload" (CPU time of the frame's draw commands, made and sent), "gpu"
+// FrameStats::milliseconds: "device select" (if requested, until its result has arrived), "culling" (with
+// Frame::cull_occluded: finding hidden cells), "upload" (CPU time of the frame's draw commands, made and sent), "gpu"
 // (the device, first clear to last pixel), of that "shadow", "transparency", "ambient occlusion" or "overdraw" where it
 // has such a pass, "total" (wall time of draw, which returns when the picture is done).
 class GlRenderer : public Renderer {
@@ -41,7 +41,7 @@ class GlRenderer : public Renderer {
   [[nodiscard]] virtual std::string device() const = 0;
 };
 
-// Draws with the given context, or a headless one. Throws UnsupportedError naming what is missing and the remedy.
+// Draws with the given context, or a headless one. Throws UnsupportedError naming the missing feature and the remedy.
 [[nodiscard]] std::unique_ptr<GlRenderer> make_gl_renderer(std::unique_ptr<GlContext> context,
                                                            const GlConfig& config = {});
 [[nodiscard]] std::unique_ptr<GlRenderer> make_gl_renderer(const GlConfig& config = {});

@@ -1,9 +1,11 @@
-// Clipping of a triangle to the near and far planes and to the guard band (sutherland1974).
+// Clipping of a triangle to the near and far planes and to the guard band (sutherland1974), and the place of a pixel on
+// a clipped one: few triangles have corners behind the eye or far outside the picture.
 #pragma once
 
 #include <array>
 #include <span>
 
+#include "render/backends/soft/raster_types.h"
 #include "render/backends/soft/viewport.h"
 
 namespace lodestone::soft {
@@ -18,5 +20,14 @@ struct ClippedPolygon {
 // The part of the triangle inside -w <= z <= w and the viewport's guard band; fewer than three corners: nothing.
 // The point where an edge leaves is the same bits from both triangles that share the edge.
 [[nodiscard]] ClippedPolygon clip(const std::array<ClipVertex, 3>& triangle, const Viewport& viewport);
+
+// Weights of the corners at a point in subpixels, perspective-correct, each in [0, 1], sum 1: interpolation in
+// homogeneous coordinates (olano1997), which needs no clipping. Morphs and transforms the corners again.
+[[nodiscard]] std::array<float, 3> clipped_weights(const DrawnCell& cell, const VertexIds& v, const Viewport& viewport,
+                                                   SnappedPoint at);
+
+// The corners before the division, by a projection of the model.
+[[nodiscard]] std::array<ClipVertex, 3> clip_corners(const ViewProjection& projection, const DrawnCell& cell,
+                                                     const VertexIds& v);
 
 }  // namespace lodestone::soft

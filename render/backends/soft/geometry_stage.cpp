@@ -91,7 +91,7 @@ void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std:
       if (w.vertices.size() < cell.positions.size()) w.vertices.resize(cell.positions.size());
       const VertexJob job = vertex_job(context, drawn, w);
       kernels_.transform(job);
-      setup_cell(context, kernels_.of<Samples>(), drawn, cell.triangles, w.vertices.data(), *w.lists, w.bins);
+      setup_cell(context, kernels_.of<Samples>(), drawn, w.vertices.data(), *w.lists, w.bins);
     }
   });
 }

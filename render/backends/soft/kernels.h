@@ -79,12 +79,12 @@ struct LayerList {
   std::vector<LayerItem> items_;
 };
 
-// Light that the layers over the samples of a tile add, and the share of what is behind them that they let through.
+// Light that the layers over the samples of a tile add, and the share that they let through.
 struct LayerLight {
   float *red = nullptr, *green = nullptr, *blue = nullptr, *through = nullptr;
 };
 
-// Stage 4: what is seen in a tile becomes colour and depth of the picture.
+// Stage 4: the visible surfaces of a tile become colour and depth of the picture.
 struct ResolveJob : ShadingJob {
   const Viewport* viewport = nullptr;
   const DrawnCells* drawn = nullptr;
@@ -113,7 +113,7 @@ struct SampleKernels {
 
 struct Kernels {
   void (*transform)(const VertexJob& job);
-  // Adds 1 to what is counted at each pixel of the tile whose centre a triangle covers, for a run of them.
+  // Adds 1 to the count of each pixel of the tile whose centre a triangle covers, for a run of them.
   void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
                           std::int32_t* counts);
   // Rows [first, last) of the picture.

@@ -92,7 +92,7 @@ class Occlusion {
   std::array<std::array<float, 2>, effects::occlusion_points> pattern_;
 };
 
-// The rows [first, last) of the picture; alpha tells what the layers let through, and is 255 afterwards.
+// The rows [first, last) of the picture; alpha is the share that the layers let through, and 255 afterwards.
 inline void occlude(const effects::OcclusionJob& job, int first, int last, Image& image) {
   const Occlusion occlusion(job, image);
   const auto [columns, rows] = image.size;

@@ -23,7 +23,7 @@ class OcclusionStage {
   void take(const TileBuffer<Samples>& tile, PixelRect rect);
   // The other cells that those drawn so far do not hide.
   [[nodiscard]] std::span<const std::uint32_t> second(const Frame& frame, const DrawnCells& drawn);
-  // Notes what the finished picture hides, for the next frame.
+  // Notes the cells that the finished picture hides, for the next frame.
   void finish(const Frame& frame, const DrawnCells& drawn);
 
   // That were not drawn.

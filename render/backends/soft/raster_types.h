@@ -66,8 +66,8 @@ struct DrawnCells {
 
 using VertexIds = std::array<std::uint32_t, 3>;  // in the cell
 
-// A sample that a small triangle covers, and where on it: all that shading asks for, so that nothing else of the
-// triangle is looked up again.
+// A sample that a small triangle covers, and its place on it: all that shading needs, so that nothing else of the
+// triangle is read again.
 struct alignas(32) Fragment {
   std::uint32_t sample = 0;  // in its tile: sample * tile_pixels + pixel
   float z = 0;

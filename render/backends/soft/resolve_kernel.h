@@ -1,5 +1,5 @@
-// Stage 4, a lane per pixel: colours of what the visibility buffer holds. Attributes are read here and nowhere before,
-// for what is seen alone.
+// Stage 4, a lane per pixel: colours of the visibility buffer. Attributes are first read here, of visible surfaces
+// alone.
 //
 // A frame shades in *steps*, one for each effect that any of its models calls for, in the order of the effects. A step
 // is skipped where no pixel of a group sees a model that calls for it.
@@ -71,7 +71,7 @@ class ShadingPlan {
 
  private:
   struct Step {
-    Effect effect{}, of_model{};  // what it is, and what the models call for that get it
+    Effect effect{}, of_model{};  // the effect, and the one that models must call for to get it
     ShadingStep step = nullptr;
   };
 
@@ -224,7 +224,7 @@ struct GroupResolver {
   }
 };
 
-// Attributes lie all over the memory; those of the next row are asked for while one is shaded.
+// Attributes are scattered over memory; those of the next row are prefetched while one is shaded.
 template <int Samples>
 inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile, std::size_t y, std::size_t columns,
                          bool mapped) {

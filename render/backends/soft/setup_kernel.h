@@ -95,7 +95,7 @@ struct CoveredSamples {
   Float z, weight_b, weight_c;
 };
 
-// Appends to the bins what the lanes of `mask` cover.
+// Appends the samples that the lanes of `mask` cover to the bins.
 inline void emit(const SetupJob& job, unsigned mask, const CoveredSamples& f, const std::uint32_t* small) {
   std::int32_t tile[width], pixel[width];
   float z[width], weight_b[width], weight_c[width];

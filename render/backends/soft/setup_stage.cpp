@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "render/backends/soft/clip.h"
-#include "render/backends/soft/clipped_weights.h"
 
 namespace lodestone::soft {
 namespace {
@@ -39,7 +38,7 @@ class CellSetup {
     return r;
   }
 
-  // Outside one plane as a whole?
+  // True if all of it is outside one plane.
   [[nodiscard]] bool out_of_view(std::uint32_t triangle) const {
     std::uint32_t common = ~0u;
     for (const std::uint32_t v : triangles_[triangle].v) common &= outcode(vertices_[v]);
@@ -118,7 +117,8 @@ void bin_triangle(TriangleRecord record, const TileGrid& grid, Bins<TriangleReco
 
 template <int Samples>
 void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kernels, const DrawnCell& cell,
-                std::span<const Triangle> triangles, const WindowVertex* vertices, SetupLists& lists, TileBins& bins) {
+                const WindowVertex* vertices, SetupLists& lists, TileBins& bins) {
+  const std::span<const Triangle> triangles = cell.own->triangles;
   const CellSetup setup(context, cell, triangles, vertices);
   const SetupJob job{triangles, vertices, cell.first_triangle, context.grid, &bins.fragments};
   const auto count = static_cast<std::uint32_t>(triangles.size());
@@ -137,9 +137,9 @@ void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kerne
 
 template void bin_triangle<1>(TriangleRecord, const TileGrid&, Bins<TriangleRecord>&);
 template void bin_triangle<4>(TriangleRecord, const TileGrid&, Bins<TriangleRecord>&);
-template void setup_cell<1>(const SetupContext&, const SampleKernels<1>&, const DrawnCell&, std::span<const Triangle>,
-                            const WindowVertex*, SetupLists&, TileBins&);
-template void setup_cell<4>(const SetupContext&, const SampleKernels<4>&, const DrawnCell&, std::span<const Triangle>,
-                            const WindowVertex*, SetupLists&, TileBins&);
+template void setup_cell<1>(const SetupContext&, const SampleKernels<1>&, const DrawnCell&, const WindowVertex*,
+                            SetupLists&, TileBins&);
+template void setup_cell<4>(const SetupContext&, const SampleKernels<4>&, const DrawnCell&, const WindowVertex*,
+                            SetupLists&, TileBins&);
 
 }  // namespace lodestone::soft

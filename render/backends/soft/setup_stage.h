@@ -25,7 +25,7 @@ struct TileBins {
 // Bins the triangles of a cell; `vertices` are the cell's, transformed.
 template <int Samples>
 void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kernels, const DrawnCell& cell,
-                std::span<const Triangle> triangles, const WindowVertex* vertices, SetupLists& lists, TileBins& bins);
+                const WindowVertex* vertices, SetupLists& lists, TileBins& bins);
 
 // Twice the signed area; positive when a, b, c turn clockwise in the picture.
 [[nodiscard]] constexpr std::int64_t doubled_area(SnappedPoint a, SnappedPoint b, SnappedPoint c) {

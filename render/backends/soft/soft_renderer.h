@@ -14,7 +14,7 @@ struct SoftConfig {
   InstructionSet instructions = InstructionSet::best;
 };
 
-// FrameStats::milliseconds: "occlusion" (with Frame::cull_occluded: finding what is hidden), "geometry" (vertices, and
+// FrameStats::milliseconds: "occlusion" (with Frame::cull_occluded: finding hidden cells), "geometry" (vertices, and
 // triangles into the lists of tiles), "raster" (visibility and shading by tile), "total"; wall time.
 //
 // The scheduler must outlive the renderer. Throws UnsupportedError where the processor lacks the instruction set.

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "render/backends/soft/clipped_weights.h"
+#include "render/backends/soft/clip.h"
 #include "render/backends/soft/kernels.h"
 #include "render/surface/surface.h"
 

@@ -21,7 +21,7 @@ std::vector<std::uint32_t> label_charts(const IndexedMesh& mesh) {
   return chart;
 }
 
-// Vertices that the maps have not seen take over from their neighbours, round by round.
+// Vertices that the maps have not seen take values from their neighbours, round by round.
 void spread_sources(std::span<const Triangle> triangles, std::vector<std::uint32_t>& source) {
   for (bool changed = true; changed;) {
     changed = false;

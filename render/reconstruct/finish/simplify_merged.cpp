@@ -258,7 +258,7 @@ class MergedSimplifier {
     if (!w_.material.empty()) w_.material.resize(left);
   }
 
-  // Leaves out what no triangle uses; what is left keeps its order.
+  // Removes unused vertices and wedges; the others keep their order.
   void compact() {
     const auto number = [](std::vector<Triangle>& triangles, std::size_t count) {
       std::vector<std::uint8_t> used(count, 0);

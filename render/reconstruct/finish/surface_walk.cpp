@@ -39,7 +39,7 @@ SurfaceWalk::Place SurfaceWalk::find(std::uint32_t start, Vec3d point) const {
   NearestPoint nearest = nearest_on(at);
   for (int steps = 0; steps < 256; ++steps) {
     const std::array<double, 3> share = shares_of(corners(at), nearest.point);
-    if (*std::min_element(share.begin(), share.end()) > 1e-6) break;  // no neighbour is nearer than what is inside
+    if (*std::min_element(share.begin(), share.end()) > 1e-6) break;  // no neighbour is nearer than a point inside
     const std::uint32_t before = at;
     for (const std::uint32_t v : triangles_[before].v)
       for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) {

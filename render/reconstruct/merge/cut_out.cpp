@@ -6,7 +6,7 @@
 namespace lodestone {
 namespace {
 
-// Mean of the triangles around a pixel, weighted by area: what the surface looks like at this resolution.
+// Mean normal of the triangles around a pixel, weighted by area: that of the surface at this resolution.
 Vec3f surface_normal(const MergeView& view, std::size_t i) {
   const auto width = static_cast<std::uint32_t>(view.map->view.width);
   const auto pixel = static_cast<std::uint32_t>(i);
@@ -101,7 +101,7 @@ void put_back(const SeamMesh& seam, Gathered& gathered) {
   const std::size_t first = gathered.far, old = mesh.position.size() - first;
   std::vector<std::uint32_t> number(seam.position.size(), EditMesh::none);
   std::size_t next = first;
-  for (std::uint32_t k = 0; k < old; ++k) {  // moves towards the front, never over what is still to be moved
+  for (std::uint32_t k = 0; k < old; ++k) {  // moves towards the front, never over entries still to be moved
     if (k >= gathered.frozen && seam.mesh.around(k).empty()) continue;
     const std::size_t was = first + k;
     mesh.position[next] = seam.position[k], mesh.normal[next] = mesh.normal[was];

@@ -46,8 +46,8 @@ void for_blocks(std::span<const RowBlock> blocks, Scheduler& scheduler,
 
 namespace {
 
-// Marks what is within one and two pixels of a border: along the rows first, then across them, from a copy, so that
-// no two tasks write to one row.
+// Marks pixels within one and two pixels of a border: along the rows first, then across them, from a copy, so that no
+// two tasks write to one row.
 PixelFlags spread(std::span<const MergeView> views, std::span<const RowBlock> blocks, PixelFlags& flags,
                   Scheduler& scheduler) {
   constexpr std::uint8_t within_one = 64, within_two = 128;

@@ -25,7 +25,7 @@ bool is_inside(const std::vector<std::uint8_t>& cells, std::size_t i, std::size_
          has_two(cells[i - width - 1]);
 }
 
-// The weights of the corners p, q, r, s of a cell at (u, v) in [0, 1]^2; false when no triangle is there.
+// The weights of the corners p, q, r, s of a cell at (u, v) in [0, 1]^2; false if no triangle contains it.
 bool weights_in_cell(std::uint8_t cell, float u, float v, float (&w)[4]) {
   if (cell & (cell_prs | cell_psq)) {
     if (v > u ? !(cell & cell_prs) : !(cell & cell_psq)) return false;

@@ -1,4 +1,4 @@
-// The border edges of a surface that is being sewn together, as they run round its holes.
+// The border edges of a surface that is being sewn together, as loops around its holes.
 //
 // A border edge a -> b belongs to the triangle inside of it; b -> a is free. Fans that meet in a vertex are apart here,
 // as they will be in the end: round a hole one goes along one fan. Adding a triangle at an edge replaces it by two, and
@@ -24,8 +24,8 @@ class BorderLoops {
   static constexpr std::uint32_t none = 0xFFFF'FFFFu;
 
   struct Edge {
-    std::uint32_t from = none, to = none;        // none: the edge is gone
-    std::uint32_t next = none, previous = none;  // round the hole; none: outside of what is held here
+    std::uint32_t from = none, to = none;        // none: the edge was removed
+    std::uint32_t next = none, previous = none;  // around the hole; none: outside of this part
     std::uint32_t sibling = none;                // another edge that leaves `from`
     std::uint32_t loop = none;                   // if labelled
     bool tried = false;                          // marks edges for the search for triangles
@@ -41,7 +41,7 @@ class BorderLoops {
   // Takes the piece of surface of each edge, a number below `pieces`. Every edge must be linked.
   void label(std::span<const std::uint32_t> piece_of_edge, std::size_t pieces);
 
-  [[nodiscard]] std::size_t edge_count() const { return edges_.size(); }  // also those that are gone
+  [[nodiscard]] std::size_t edge_count() const { return edges_.size(); }  // also removed ones
   [[nodiscard]] const Edge& edge(std::uint32_t e) const { return edges_[e]; }
   [[nodiscard]] bool alive(std::uint32_t e) const { return edges_[e].from != none; }
   [[nodiscard]] std::uint32_t first(std::uint32_t v) const { return first_[v]; }  // edge that leaves v
@@ -60,7 +60,7 @@ class BorderLoops {
   // The fan between the edge that arrives before `edge` and `edge` itself gets a vertex of its own.
   void move_start(std::uint32_t edge, std::uint32_t vertex);
 
-  // The edges that leave the vertex are gone: so is the surface there.
+  // The edges that leave the vertex are removed, and with them the surface there.
   void forget(std::uint32_t vertex);
 
   // Labelled: whether add_triangle() would make a handle, or would touch another loop of the same piece, to which the

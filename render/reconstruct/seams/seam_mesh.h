@@ -57,7 +57,7 @@ std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config, Scheduler& schedu
 
 struct FillConfig {
   float spacing = 0;
-  float longest = 48;  // perimeter of what is filled, in spacings
+  float longest = 48;  // maximum perimeter of a filled hole, in spacings
   bool rims = false;   // also holes that are outlines all round
 };
 struct FillResult {

@@ -190,7 +190,7 @@ class Tidier {
 
   SeamMesh& s_;
   const TidyConfig& config_;
-  std::vector<std::uint32_t> candidates_;  // triangles that are short or thin, ascending; some are gone
+  std::vector<std::uint32_t> candidates_;  // triangles that are short or thin, ascending; some are removed
   std::size_t known_ = 0;                  // triangles that were judged
 };
 

@@ -15,8 +15,8 @@
 
 namespace lodestone {
 
-// A cube of space. An edge is its business when all that may matter to it, the ball of radius `reach` round its middle,
-// lies within.
+// A cube of space. It handles an edge if all that may matter to it, the ball of radius `reach` around its middle, lies
+// within.
 struct ZipBox {
   Vec3f corner;
   float side = 0;

@@ -79,7 +79,7 @@ std::vector<Cosines> measure_cosines(const IndexedMesh& mesh, std::span<const Su
   positions.reserve(mesh.positions.size());
   for (const Vec3f& p : mesh.positions) positions.push_back(to_double(p));
   const TriangleBvh bvh(positions, mesh.triangles);
-  // A ray that starts on its triangle, or on one that is there twice, is not in its own way.
+  // A ray is not blocked by the triangle that it starts on, even if that exists twice.
   constexpr double least = 1e-5;
   scheduler.for_chunks(points.size(), 16, [&](ChunkRange range) {
     for (std::size_t s = range.begin; s < range.end; ++s)

@@ -19,13 +19,13 @@ namespace lodestone {
 struct ViewChoice {
   int most = 30;               // views in all
   int least = 6;               // the faces, of which the first are taken unconditionally; fewer: greedy from the start
-  double coverage = 0.9995;    // of what the candidates can cover: enough
+  double coverage = 0.9995;    // sufficient share of the samples that the candidates can cover
   double least_gain = 0.0002;  // of the area: a view that covers less is not worth drawing
   float least_cosine = 0.5f;   // between surface and view: below, an area is covered by a part of itself, in proportion
   int candidates = 512;        // directions besides the faces
   std::uint64_t samples = 30'000;  // of the surface
   int resolution = 256;            // pixels along the box's longest side, of the faces' maps
-  int inside = 12;                 // views besides, with what is in the way cut off (inside_views.h); 0: none
+  int inside = 12;                 // further views, with obstacles cut off (inside_views.h); 0: none
 };
 
 struct SurfacePoint {
@@ -40,7 +40,7 @@ struct ChosenViews {
   double visible = 0, coverable = 0, covered = 0;
   std::vector<SurfacePoint> samples;  // all of them
   std::vector<Vec3d> visible_points;  // those that some candidate sees, normalised model space
-  std::vector<MapView> inside;        // views with what is in the way cut off
+  std::vector<MapView> inside;        // views with obstacles cut off
 };
 
 [[nodiscard]] std::vector<Vec3d> face_directions();

@@ -77,7 +77,7 @@ inline bool are_connected(const Corner& a, const Corner& b, float dx, float dy) 
                    std::max(a.slack, b.slack) * (dx != 0 && dy != 0 ? 1.4142f : 1.0f));
 }
 
-// `links`: what is allowed between p and q, r and s, p and r, q and s, p and s, q and r.
+// `links`: links allowed between p and q, r and s, p and r, q and s, p and s, q and r.
 struct CellLinks {
   bool pq = true, rs = true, pr = true, qs = true, ps = true, qr = true;
 };
@@ -214,7 +214,7 @@ std::vector<std::uint32_t> extend_to_silhouette(PositionMap& map, float max_slop
         double change = facing != 0 ? dot(n, p - ray.origin) / facing - depth : 0;
         change = std::clamp(change, -0.5 * h * max_slope, 0.5 * h * max_slope);
         const double t = depth + change;
-        // The nearest of the neighbours' points: what is behind is not extended before the silhouette of another.
+        // The nearest of the neighbours' points: a farther surface is not extended before the silhouette of another.
         if (!(t < nearest.depth)) continue;
         nearest = {static_cast<std::uint32_t>(index(x, y)), static_cast<std::uint32_t>(from),
                    to_float(ray.origin + t * ray.direction), static_cast<float>(t)};

@@ -7,7 +7,7 @@
 //     |     |          p r s and p s q with one diagonal, p r q and r s q with the other;
 //     r --- s          where a corner is missing, the one without it
 //
-// Two pixels are connected unless the depth between them jumps: by more than what the slopes of the surface at the two
+// Two pixels are connected unless the depth between them jumps: by more than the slopes of the surface at the two
 // explain, and `slack` besides. Of two possible diagonals the one that bridges less depth is taken, which is the
 // shorter one in space.
 #pragma once
@@ -24,7 +24,7 @@ namespace lodestone {
 struct ConnectConfig {
   float max_slope = 8;   // depth over width that a surface may have between two pixels, and no steeper is believed; > 0
   float slack = 1;       // in pixel spacings: a jump of this depth is bridged anyway; >= 0
-  bool oriented = true;  // the mesh's triangles agree on what is outside: never connect an outside with an inside
+  bool oriented = true;  // the mesh's triangles agree on the outside: never connect an outside with an inside
   // Number of the part of each triangle of the mesh; parts are never connected with each other; empty: one part.
   std::span<const std::uint32_t> parts{};
   // Neighbours with which a finer map has found each pixel connected (LinkBits, condense_map.h); empty: not known.
@@ -59,7 +59,7 @@ void connect_rows(const PositionMap& map, const ConnectConfig& config, int first
 // All of it.
 [[nodiscard]] ViewMesh connect(const PositionMap& map, const ConnectConfig& config);
 
-// Calls visit(a, b, c) with the pixels of the triangles of a cell, turned round where the view looks at the inside.
+// Calls visit(a, b, c) with the pixels of the triangles of a cell, reversed where the view sees the inside.
 template <class Visit>
 inline void for_triangles_of_cell(std::uint8_t cell, std::uint32_t pixel, std::uint32_t width, const Visit& visit) {
   const std::uint32_t p = pixel, q = pixel + 1, r = pixel + width, s = r + 1;

@@ -57,7 +57,7 @@ bool is_valid(const Camera& camera) {
          camera.vertical_fov > 0 && camera.vertical_fov < std::numbers::pi;
 }
 
-// Drawn to the right, the model turns to the right: the camera goes left around it.
+// Drawn to the right, the model turns to the right: the camera moves left around it.
 Camera orbit(const Camera& camera, double yaw, double pitch) {
   if (!is_valid(camera)) return camera;
   Camera moved = camera;

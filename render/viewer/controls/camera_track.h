@@ -1,5 +1,5 @@
-// Recording a camera and playing a path of cameras, by time. Both work in ticks, 30 a second: what is recorded is what
-// write_camera_path writes and what `lodestone render --camera` flies.
+// Recording a camera and playing a path of cameras, by time. Both work in ticks, 30 a second. Recordings are written by
+// write_camera_path, and `lodestone render --camera` flies them.
 #pragma once
 
 #include <optional>

@@ -33,7 +33,7 @@ class Navigation {
   void scroll(ViewState& state, double steps);
   // True if the key (an upper-case letter) steers; then it is not an action.
   bool key(const ViewState& state, char key, bool pressed, bool shift);
-  // Lets go of everything: the window has lost the keyboard.
+  // Releases all keys and buttons: the window has lost the keyboard.
   void let_go();
 
   // Flies on for `seconds` while keys are held.

@@ -37,7 +37,7 @@ struct Admissibility {
   bool admissible = true;  // no crack
   bool continuous = true;  // no pop: false for the blending function that jumps
   float least_kappa0 = 0;  // the uniform rule is admissible above it: rho + 3 delta
-  std::string remark;      // what is wrong, and what would be right; empty when nothing is
+  std::string remark;      // the problem and its remedy; empty if there is none
 };
 [[nodiscard]] Admissibility admissibility(std::span<const Hierarchy* const> models, const ViewSettings& settings,
                                           DistanceMetric metric);

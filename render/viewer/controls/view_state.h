@@ -29,7 +29,7 @@ struct Rect {
 
 struct ViewState {
   Camera camera;
-  Camera home;  // what Home goes back to
+  Camera home;  // the camera of the key Home
   Steering steering = Steering::orbit;
   double fly_speed = 1;  // model units a second
 
@@ -70,7 +70,7 @@ enum class Action : std::uint8_t {
   quit,
 };
 
-// How an action is called in the panel, and the key that asks for it.
+// The name of an action in the panel, and its key.
 struct ActionKey {
   Action action;
   char key;  // '\t', '\x1b' and ' ' are the keys of that name; '\n' is Home

@@ -53,7 +53,10 @@ void ModelLoader::work() {
   model_ = std::make_unique<Model>();
   model_->name = name_;
   enter("opening");
-  read_scene();
+  std::vector<std::string> files;
+  for (const std::filesystem::path& path : config_.paths) files.push_back(path.string());
+  model_->is_scene_file = is_scene_file(files.front());
+  model_->scene = OpenScene::read(files);
   OpenSceneConfig opening;
   opening.memory_budget = config_.memory_budget;
   opening.stream_if_larger = true;
@@ -64,16 +67,6 @@ void ModelLoader::work() {
     enter(phase, share);
   };
   model_->opened = OpenScene(model_->scene, opening, *stopping);
-}
-
-void ModelLoader::read_scene() {
-  const std::string first = config_.paths.front().string();
-  model_->is_scene_file = is_scene_file(first);
-  model_->scene = OpenScene::read(first);
-  for (std::size_t i = 1; i < config_.paths.size() && !model_->is_scene_file; ++i) {
-    Scene other = scene_of(config_.paths[i].string());
-    model_->scene.models.push_back(std::move(other.models.front()));
-  }
 }
 
 }  // namespace lodestone::viewer

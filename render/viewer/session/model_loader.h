@@ -57,7 +57,6 @@ class ModelLoader {
 
  private:
   void work();
-  void read_scene();
   void enter(std::string phase, std::optional<float> share = {});
 
   LoadConfig config_;

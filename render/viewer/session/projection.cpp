@@ -30,7 +30,7 @@ void add_line(glm::dvec4 a, glm::dvec4 b, ImageSize size, int level, std::vector
   const auto x = [&](glm::dvec4 p) { return static_cast<float>((p.x / p.w + 1) * 0.5 * size.width); };
   const auto y = [&](glm::dvec4 p) { return static_cast<float>((1 - p.y / p.w) * 0.5 * size.height); };
   const Line line{x(a), y(a), x(b), y(b), static_cast<float>(1 / std::min(a.w, b.w)), level};
-  // Whoever draws them gets no coordinates beyond what fits its fixed point.
+  // Coordinates are limited to the fixed point of the code that draws them.
   constexpr float far_away = 1e6f;
   for (const float v : {line.x0, line.y0, line.x1, line.y1})
     if (!(std::abs(v) < far_away)) return;

@@ -27,7 +27,7 @@ class ViewDrawing {
  public:
   explicit ViewDrawing(Scheduler& scheduler) : scheduler_(scheduler) {}
 
-  // Both must outlive their use; the models are uploaded when both are there. A model that cannot be drawn (InputError,
+  // Both must outlive their use; the models are uploaded when both are set. A model that cannot be drawn (InputError,
   // ResourceError) leaves none.
   void set_renderer(Renderer* renderer);
   void set_model(Model* model);
@@ -51,7 +51,7 @@ class ViewDrawing {
   // Paints lambda over the picture of the last draw() with these settings.
   void tint_band(std::size_t settings, Image& image) const;
 
-  // Over the picture of the last draw() with these settings: boxes of its cells, what the frozen camera sees.
+  // Over the picture of the last draw() with these settings: boxes of its cells, and the frozen camera's view.
   [[nodiscard]] std::vector<Line> box_lines(std::size_t settings, ImageSize size) const;
   [[nodiscard]] std::vector<Line> frozen_lines(std::size_t settings, ImageSize size) const;
   // The frame of the last draw() with these settings; there must have been one.
@@ -61,7 +61,7 @@ class ViewDrawing {
   [[nodiscard]] Sphere bounding_sphere() const { return views_.front().scene->bounding_sphere(); }
   [[nodiscard]] const SceneView& scene_view() const { return *views_.front().scene; }
 
-  // Draws the view once more and looks what is seen at a pixel, in the scene's space.
+  // Draws the view once more and returns the surface point at a pixel, in the scene's space.
   [[nodiscard]] std::optional<Vec3d> pick(const ViewState& state, std::size_t settings, ImageSize size, int x, int y);
 
   struct Counts {

@@ -69,7 +69,7 @@ bool ViewSession::collect(double now) {
 
 void ViewSession::show(std::unique_ptr<Model> model, double now) {
   try {
-    drawing_.set_model(model.get());  // the renderer lets go of the old one before it ends
+    drawing_.set_model(model.get());  // the renderer releases the old one before it ends
   } catch (const Error&) {
     drawing_.set_model(model_.get());
     throw;

@@ -66,7 +66,7 @@ class ViewSession {
   // The camera moves by itself: the next frame is due at once.
   [[nodiscard]] bool animated() const;
 
-  // Focuses on what is seen at a point of the window.
+  // Focuses on the surface at a point of the window.
   void focus_at(Point at, ImageSize window, double now);
 
   // True if a screenshot is requested, once.

@@ -1,4 +1,4 @@
-// The panel of the viewer: what it shows and what it asks for, drawn by Dear ImGui over the pictures.
+// The panel of the viewer: facts that it shows and requests of the user, drawn by Dear ImGui over the pictures.
 #pragma once
 
 #include <cstdint>

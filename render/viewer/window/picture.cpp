@@ -10,7 +10,7 @@
 namespace lodestone::viewer {
 namespace {
 
-// Whoever shares the context may have left something else.
+// Other users of the context may have changed it.
 void set_packing() {
   glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);

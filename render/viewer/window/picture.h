@@ -1,5 +1,5 @@
-// A picture in the window's OpenGL context, for the user interface to put on the screen. Plain OpenGL 3: it is there
-// for windows without 4.5, too.
+// A picture in the window's OpenGL context, for the user interface to put on the screen. Plain OpenGL 3: it also works
+// in windows without 4.5.
 #pragma once
 
 #include "render/frame/image.h"

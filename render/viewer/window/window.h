@@ -58,7 +58,7 @@ class Window {
   [[nodiscard]] float content_scale() const;  // of text, where pixels are small; 1 is usual
   void set_title(const std::string& title);
 
-  void poll();                // the events that are there
+  void poll();                // handles pending events
   void wait(double seconds);  // for events, at most this long
   [[nodiscard]] std::vector<Event> take_events();
   void swap();  // shows what was drawn

@@ -54,7 +54,7 @@ class MapFiles : public ::testing::Test {
 };
 
 TEST_F(MapFiles, ExrKeepsEverything) {
-  write_map_set(folder_, maps_, true, true, MapFormat::exr);
+  write_map_set(folder_, maps_, {.closed = true, .oriented = true}, MapFormat::exr);
   const MapSet set = read_map_set(folder_);
   EXPECT_TRUE(set.closed && set.oriented);
   ASSERT_EQ(set.maps.size(), 2u);
@@ -64,7 +64,7 @@ TEST_F(MapFiles, ExrKeepsEverything) {
 }
 
 TEST_F(MapFiles, PfmKeepsPositions) {
-  write_map_set(folder_, maps_, false, false, MapFormat::pfm);
+  write_map_set(folder_, maps_, {}, MapFormat::pfm);
   const MapSet set = read_map_set(folder_ / "views.json");
   ASSERT_EQ(set.maps.size(), 2u);
   for (std::size_t k = 0; k < 2; ++k) {

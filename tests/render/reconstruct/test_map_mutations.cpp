@@ -123,7 +123,7 @@ TEST_F(MapMutations, OfPortableFloatMaps) {
 }
 
 TEST_F(MapMutations, OfTheListOfViews) {
-  write_map_set(folder_, std::vector<PositionMap>{map_}, true, true, MapFormat::pfm);
+  write_map_set(folder_, std::vector<PositionMap>{map_}, {.closed = true, .oriented = true}, MapFormat::pfm);
   const std::string bytes = bytes_of("views.json");
   std::mt19937 random(21);
   int read = 0;

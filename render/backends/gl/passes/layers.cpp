@@ -15,7 +15,7 @@ namespace {
 constexpr const char* over_source = R"(
 layout(std430, binding = 8) readonly restrict buffer Heads { uint count, width, heads[]; };
 layout(std430, binding = 9) readonly restrict buffer Nodes { uint nodes[]; };
-layout(location = 0) out vec4 result;  // light, and the share of what is behind that is let through
+layout(location = 0) out vec4 result;  // light, and the share of the layers behind that is let through
 
 bool before(uvec3 a, uvec3 b) { return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z; }
 

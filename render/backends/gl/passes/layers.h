@@ -18,8 +18,8 @@ class GlLayers {
   // No list holds more than `max_bytes` in all. Throws UnsupportedError where the device binds too few storage blocks.
   GlLayers(ImageSize size, int samples, std::size_t max_bytes);
   [[nodiscard]] bool fits(ImageSize size, int samples) const { return size_ == size && samples_ == samples; }
-  // Puts them over the target. The picture's alpha becomes the share of what is behind them that they let through if
-  // `keeps_through`. Throws ResourceError when the lists do not fit.
+  // Puts them over the target. The picture's alpha becomes the share that they let through if `keeps_through`. Throws
+  // ResourceError when the lists do not fit.
   void draw(const Frame& frame, const GlScene& scene, GlStream& stream,
             const std::function<void(const GlPipeline&)>& use, const GlTarget& target, bool keeps_through);
   [[nodiscard]] const GlCommands& commands() const { return commands_; }

@@ -25,13 +25,13 @@ struct ViewUniforms {
   std::uint32_t node_count = 0, limit_count = 0, unused[2] = {};
 };
 
-// std430: a box, and by level the thresholds of what it leaves of its radius, for r_l and for a_l.
+// std430: a box, and by level the thresholds of the remainder of its radius, for r_l and for a_l.
 struct LimitUniforms {
   std::array<float, 4> lo{}, hi{};
   std::array<std::array<float, 2>, max_level + 1> thresholds{};
 };
 
-// selection.cpp, limits.cpp and distance_metric.h, operation by operation. `squared` is what the root is taken of.
+// selection.cpp, limits.cpp and distance_metric.h, operation by operation. `squared` is the radicand.
 constexpr const char* source = R"(
 layout(local_size_x = 64) in;
 struct Node { float lo_x, lo_y, lo_z, hi_x, hi_y, hi_z; uint parent, cell_and_level; };

@@ -26,7 +26,7 @@ class GlSelector {
   explicit GlSelector(std::span<const Hierarchy* const> models);
 
   // Does what select_cells does with the frustum of the model's view projection and its limits, culled cells left out;
-  // Selection::visited is not counted. `stream` carries what the shader needs of the frame. Waits for the device.
+  // Selection::visited is not counted. `stream` carries the shader's data of the frame. Waits for the device.
   void select(const ModelFrame& model, GlStream& stream, Selection& out);
 
  private:

@@ -1,4 +1,4 @@
-// The draw commands of a frame: what glMultiDrawElementsIndirect reads, and a record beside each command.
+// The draw commands of a frame as glMultiDrawElementsIndirect reads them, with a record for each command.
 #pragma once
 
 #include <cstdint>

@@ -95,7 +95,7 @@ class GlPlaces {
   // are made that large, if allowed; further ones double the room there is.
   GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_vertices, const std::vector<GroupSize>& expected);
 
-  // A place for a family whose arrays are there. A new group is appended to groups() when no other has room. Throws
+  // A place for a family whose arrays are loaded. A new group is appended to groups() when no other has room. Throws
   // ResourceError when the family exceeds the largest group.
   const FamilyPlace& add(FamilyId family);
   void remove(FamilyId family);
@@ -131,7 +131,7 @@ class GlPlaces {
   GroupSize largest_;
   std::vector<GroupSize> groups_;
   std::vector<Room> rooms_;                     // of the groups
-  std::vector<std::vector<CellPlace>> places_;  // by model, of all cells; of those that are there
+  std::vector<std::vector<CellPlace>> places_;  // by model, of all cells; valid for those on the device
   std::unordered_map<FamilyId, FamilyPlace, FamilyHash> families_;
 };
 

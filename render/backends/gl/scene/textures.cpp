@@ -40,7 +40,7 @@ std::size_t GlTextures::prepare(const Frame& frame, Scheduler& scheduler) {
   std::vector<std::uint32_t> fresh;
   for (std::uint32_t t = 0; t < first_levels_.size(); ++t)
     if (first_levels_[t] == no_texture && !textures_.textures()[t].levels.empty()) fresh.push_back(t);
-  // Large ones first: what is left beside them holds small ones.
+  // Large ones first: the gaps hold small ones.
   std::ranges::stable_sort(fresh, std::greater{},
                            [&](std::uint32_t t) { return textures_.textures()[t].levels.front().size.height; });
   for (const std::uint32_t texture : fresh) place(texture);
@@ -63,7 +63,7 @@ void GlTextures::place(std::uint32_t texture) {
   }
 }
 
-// Storage of a texture cannot grow: what is there moves to a larger one.
+// Storage of a texture cannot grow: its contents are copied to a larger one.
 void GlTextures::grow(std::uint32_t pages) {
   if (pages <= allocated_pages_) return;
   const auto [width, height] = packer_.page_size();
