@@ -14,7 +14,7 @@
 #include "core/mesh/generate.h"
 #include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 

@@ -16,7 +16,7 @@
 #include "core/texture/image_codec.h"
 #include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 #include "render/frame/appearance.h"

@@ -17,7 +17,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/out_of_core/out_of_core.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

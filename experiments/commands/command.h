@@ -8,8 +8,8 @@
 
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/commands/files.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
-#include "parallel/scheduler/stage_time.h"
 
 namespace lodestone {
 

@@ -10,7 +10,7 @@
 #include "experiments/commands/command.h"
 #include "parallel/build/save.h"
 #include "parallel/build/save_tiles.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

@@ -6,7 +6,7 @@
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/metrics/cost/cost.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/progressive/progressive_file.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

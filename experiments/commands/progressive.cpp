@@ -12,7 +12,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/progressive/make_progressive.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

@@ -18,7 +18,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/compare.h"
 #include "parallel/mesh/load.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/position_map/map_files.h"
 #include "render/reconstruct/finish/resample_attributes.h"
 

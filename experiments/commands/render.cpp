@@ -12,7 +12,7 @@
 #include "experiments/commands/input.h"
 #include "experiments/flights/flight.h"
 #include "experiments/metrics/cracks/adversary.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/culling/back_faces.h"
 #include "render/effects/plan.h"

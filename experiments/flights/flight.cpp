@@ -1,7 +1,6 @@
 #include "experiments/flights/flight.h"
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <utility>
 
@@ -10,16 +9,11 @@
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "experiments/metrics/pops/jump_tracker.h"
+#include "parallel/scheduler/clock.h"
 #include "render/lod/selection.h"
 
 namespace lodestone {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 // What measuring a frame needs to remember from the one before.
 class Prover {
@@ -85,9 +79,9 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
   for (std::size_t i = 0; i < config.cameras.size(); ++i) {
     if (config.cancel && *config.cancel) throw Cancelled{};
     FrameRow row;
-    const Clock::time_point start = Clock::now();
+    const Stopwatch frame_time;
     row.drawn = scene.update(config.cameras[i], config.view);
-    const double select = milliseconds_since(start);
+    const double select = frame_time.milliseconds();
     const FrameStats stats = scene.draw(renderer);
     if (row.drawn) result.warnings.insert(result.warnings.end(), stats.warnings.begin(), stats.warnings.end());
     row.cells = stats.cells;
@@ -96,7 +90,7 @@ FlightResult fly(SceneView& scene, Renderer& renderer, const FlightConfig& confi
     row.work = stats.work;
     row.milliseconds = stats.milliseconds;
     row.milliseconds["select"] = select;
-    row.milliseconds["total"] = milliseconds_since(start);
+    row.milliseconds["total"] = frame_time.milliseconds();
     row.resident_bytes = scene.resident_bytes();
     row.complete = scene.complete();
     totals.push_back(row.milliseconds["total"]);

@@ -15,7 +15,7 @@
 #include "experiments/studies/study_input.h"
 #include "parallel/build/measure_errors.h"
 #include "parallel/build/save.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/trace.h"
 #include "render/lod/radii.h"
 

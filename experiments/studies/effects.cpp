@@ -11,7 +11,7 @@
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/effects/plan.h"
 #include "render/scene/open_scene.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "experiments/studies/row_verdict.h"
-#include "parallel/scheduler/stage_time.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 

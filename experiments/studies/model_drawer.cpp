@@ -1,7 +1,7 @@
 #include "experiments/studies/model_drawer.h"
 
 #include "experiments/studies/rounds.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 
 namespace lodestone {

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <poll.h>
 
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -12,17 +11,16 @@
 #include <new>
 
 #include "core/base/error.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {
 
 void wait(double seconds, const RunContext& context) {
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
-  while (elapsed() < seconds) {
+  const Stopwatch waited;
+  while (waited.seconds() < seconds) {
     if (context.cancel && *context.cancel) throw Cancelled{};
-    context.progress(elapsed() / seconds);
+    context.progress(waited.seconds() / seconds);
     poll(nullptr, 0, 5);
   }
 }

@@ -15,7 +15,7 @@
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
 #include "parallel/progressive/make_progressive.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

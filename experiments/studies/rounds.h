@@ -7,7 +7,7 @@
 
 #include "experiments/metrics/cost/order_statistics.h"
 #include "experiments/studies/experiment.h"
-#include "parallel/scheduler/stage_time.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 

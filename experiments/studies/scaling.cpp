@@ -15,7 +15,7 @@
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/scaling_work.h"
 #include "experiments/studies/study_input.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/processors.h"
 #include "parallel/scheduler/trace.h"
 #include "render/position_map/map_view.h"

@@ -6,7 +6,7 @@
 #include "parallel/build/measure_errors.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

@@ -12,8 +12,8 @@
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/setting_verdict.h"
 #include "parallel/build/build.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
-#include "parallel/scheduler/stage_time.h"
 #include "render/camera/camera.h"
 
 namespace lodestone {

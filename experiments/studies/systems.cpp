@@ -19,7 +19,7 @@
 #include "experiments/studies/surface_summary.h"
 #include "experiments/studies/viewpoints.h"
 #include "experiments/systems/system_flight.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 
 namespace lodestone {

@@ -17,7 +17,7 @@
 #include "parallel/build/save.h"
 #include "parallel/out_of_core/mesh_stream.h"
 #include "parallel/out_of_core/out_of_core.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {

@@ -4,7 +4,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <ctime>
 #include <list>
@@ -15,17 +14,14 @@
 #include "experiments/sweep/manifest.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/time_left.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/processors.h"
 
 namespace lodestone {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-constexpr int tick_milliseconds = 100;              // between looks at locks of others, and at the flag
-constexpr auto patience = std::chrono::seconds(5);  // with children that were told to end
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+constexpr int tick_milliseconds = 100;  // between looks at locks of others, and at the flag
+constexpr double patience_seconds = 5;  // with children that were told to end
 
 struct Task {
   std::size_t run;
@@ -39,7 +35,7 @@ struct Job {
   FileLock lock;
   ProcessorClaim claim;
   std::time_t started;
-  Clock::time_point start;
+  Stopwatch clock;
   std::unique_ptr<ChildProcess> child;
 
   [[nodiscard]] bool is_pinned() const { return !claim.processors().empty(); }
@@ -189,7 +185,7 @@ class Runner {
     append_to_log(folder, fmt::format("--- repetition {}, {}\n", task.repetition, utc(now)));
     auto child = std::make_unique<ChildProcess>(std::vector<std::string>{"sweep-run", work.path.string()}, folder.log(),
                                                 lock.descriptor());
-    jobs_.push_back({task, std::move(lock), std::move(claim), now, Clock::now(), std::move(child)});
+    jobs_.push_back({task, std::move(lock), std::move(claim), now, {}, std::move(child)});
   }
 
   // Ends a repetition that was not started.
@@ -233,7 +229,7 @@ class Runner {
     if (!end.succeeded()) check_cancel();
     std::optional<Fault> fault = change_of(runs_[job.task.run].input);
     if (!fault) fault = crash_of(end, folders_[job.task.run].log());
-    record(job.task, {job.started, seconds_since(job.start), end.cpu_seconds, job.is_pinned()}, std::move(fault));
+    record(job.task, {job.started, job.clock.seconds(), end.cpu_seconds, job.is_pinned()}, std::move(fault));
   }
 
   // `fault` is known here; what the child found is in its work folder. The task is pending or a job no more afterwards.
@@ -257,7 +253,7 @@ class Runner {
   void tell_progress() {
     double seconds = 0, shares = 0;
     for (Job& job : jobs_) {
-      const double share = job.child->share(), elapsed = seconds_since(job.start);
+      const double share = job.child->share(), elapsed = job.clock.seconds();
       const double expected = time_left_.of(job.task.run);
       seconds += share > 0 ? share * expected : std::min(elapsed, expected);
       shares += share;
@@ -270,8 +266,8 @@ class Runner {
   // Children are asked to end, as they may have scratch files elsewhere, and then made to.
   void abandon() {
     for (const Job& job : jobs_) job.child->signal(SIGTERM);
-    const Clock::time_point deadline = Clock::now() + patience;
-    while (!jobs_.empty() && Clock::now() < deadline) {
+    const Stopwatch waited;
+    while (!jobs_.empty() && waited.seconds() < patience_seconds) {
       std::erase_if(jobs_, [&](Job& job) { return job.child->poll_end() && (folders_[job.task.run].clear(), true); });
       poll(nullptr, 0, 10);
     }

@@ -15,7 +15,7 @@
 #include "parallel/build/partition.h"
 #include "parallel/build/run_blocks.h"
 #include "parallel/mesh/refine_mesh.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

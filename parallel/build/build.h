@@ -15,8 +15,8 @@
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/mesh/refine.h"
 #include "core/simplify/block/simplifier.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
-#include "parallel/scheduler/stage_time.h"
 
 namespace lodestone {
 

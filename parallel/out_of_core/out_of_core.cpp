@@ -15,7 +15,7 @@
 #include "parallel/out_of_core/spilled_finest.h"
 #include "parallel/out_of_core/stored_blocks.h"
 #include "parallel/scheduler/cancelling_scheduler.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {

@@ -58,9 +58,7 @@ double covered(const std::vector<TraceEvent>& events, double from) {
 
 }  // namespace
 
-Trace::Trace(int workers) : start_(std::chrono::steady_clock::now()), by_worker_(static_cast<std::size_t>(workers)) {}
-
-double Trace::now() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+Trace::Trace(int workers) : by_worker_(static_cast<std::size_t>(workers)) {}
 
 void Trace::record(TraceEvent event) { by_worker_[static_cast<std::size_t>(event.worker)].push_back(std::move(event)); }
 

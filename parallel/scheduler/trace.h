@@ -1,12 +1,12 @@
 // What each worker did when: a scheduler that writes down every chunk and every task of the one that it wraps.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
@@ -28,7 +28,7 @@ struct TraceSummary {
 class Trace {
  public:
   explicit Trace(int workers);
-  [[nodiscard]] double now() const;
+  [[nodiscard]] double now() const { return clock_.seconds(); }
   // Events of one worker do not come from two threads at once.
   void record(TraceEvent event);
   // By worker, then by the order in which they ended. Not while a scheduler records.
@@ -36,7 +36,7 @@ class Trace {
   [[nodiscard]] int workers() const { return static_cast<int>(by_worker_.size()); }
 
  private:
-  std::chrono::steady_clock::time_point start_;
+  Stopwatch clock_;
   std::vector<std::vector<TraceEvent>> by_worker_;
 };
 

@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/mesh/edge_census.h"
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/finish/lost_parts.h"

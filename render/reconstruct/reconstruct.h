@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
-#include "parallel/scheduler/stage_time.h"
 #include "render/position_map/map_files.h"
 #include "render/reconstruct/finish/lost_parts.h"
 #include "render/reconstruct/finish/sharpen.h"

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "parallel/scheduler/stage_time.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "parallel/scheduler/clock.h"
 #include "render/backends/gl/device/device.h"
 #include "render/backends/gl/device/target.h"
 #include "render/backends/gl/device/timed_sections.h"
@@ -24,7 +25,6 @@
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
 #include "render/frame/shading.h"
-#include "render/frame/stopwatch.h"
 
 namespace lodestone {
 namespace {

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 
+#include "parallel/scheduler/clock.h"
 #include "render/backends/soft/geometry_stage.h"
 #include "render/backends/soft/layers.h"
 #include "render/backends/soft/occlusion_stage.h"
@@ -18,7 +19,6 @@
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
-#include "render/frame/stopwatch.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "parallel/scheduler/cpu_clock.h"
+#include "parallel/scheduler/clock.h"
 #include "render/reconstruct/merge/cut_out.h"
 
 namespace lodestone {

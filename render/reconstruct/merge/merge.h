@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/math/triangle.h"
+#include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
-#include "parallel/scheduler/stage_time.h"
 #include "render/reconstruct/merge/ownership.h"
 #include "render/reconstruct/seams/seam_mesh.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/frame/stopwatch.h"
+#include "parallel/scheduler/clock.h"
 #include "render/viewer/session/band_tint.h"
 
 namespace lodestone::viewer {
