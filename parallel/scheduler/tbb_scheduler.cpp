@@ -71,15 +71,18 @@ class TbbScheduler final : public Scheduler {
     return index < 0 ? 0 : std::min(index, workers() - 1);
   }
 
+  // Isolated: a worker that waits for the last chunks of a nested loop takes no chunk or task of an outer one, which
+  // would use the scratch memory of the body that waits.
   void for_chunks(std::size_t count, std::size_t grain, const std::function<void(ChunkRange)>& body) override {
-    arena_.execute([&] {
+    const auto loop = [&] {
       oneapi::tbb::parallel_for(
           std::size_t{0}, chunk_count(count, grain),
           [&](std::size_t index) {
             body({index * grain, std::min((index + 1) * grain, count), index});
           },
           oneapi::tbb::simple_partitioner{});
-    });
+    };
+    arena_.execute([&] { oneapi::tbb::this_task_arena::isolate(loop); });
   }
 
   void run_graph(const TaskGraph& graph, const std::function<void(std::uint32_t)>& body,

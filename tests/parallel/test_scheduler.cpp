@@ -113,6 +113,23 @@ TEST_P(SchedulerContract, NestedLoopsFinish) {
   EXPECT_EQ(sum, 100);
 }
 
+// A body's worker does nothing else until the body ends, also while it waits for a loop within: its scratch memory is
+// its own.
+TEST_P(SchedulerContract, NestedLoopsKeepTheScratchOfTheirWorker) {
+  std::vector<std::size_t> scratch(static_cast<std::size_t>(scheduler_->workers()));
+  std::atomic<int> overwritten{0};
+  const auto body = [&](std::size_t number) {
+    const auto worker = static_cast<std::size_t>(scheduler_->worker_index());
+    scratch[worker] = number;
+    scheduler_->for_chunks(8, 1, [](ChunkRange) { std::this_thread::sleep_for(std::chrono::microseconds(200)); });
+    if (scratch[worker] != number) ++overwritten;
+  };
+  scheduler_->for_chunks(100, 1, [&](ChunkRange range) { body(range.index); });
+  EXPECT_EQ(overwritten, 0);
+  scheduler_->run_graph({100, {}, {}}, body);
+  EXPECT_EQ(overwritten, 0);
+}
+
 // Whether all workers of a scheduler come to work at the same time: a body for each of them waits for all.
 bool all_come(Scheduler& scheduler) {
   const int workers = scheduler.workers();
