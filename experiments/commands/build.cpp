@@ -11,12 +11,7 @@
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/metrics/cost/cost.h"
-#include "parallel/build/measure_errors.h"
-#include "parallel/build/save.h"
-#include "parallel/build/texture_levels.h"
-#include "parallel/clean/prepare.h"
-#include "parallel/mesh/load.h"
-#include "parallel/out_of_core/out_of_core.h"
+#include "parallel/out_of_core/build_model.h"
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {
@@ -73,96 +68,29 @@ Lattice lattice_of(const BuildOptions& options) {
   return {options.lattice_bits};
 }
 
-// What either way of building comes to.
-struct Built {
-  Hierarchy hierarchy;  // its tables at least
-  std::uint64_t file_bytes = 0;
-  BuildReport report;
-  nlohmann::json stages, attributes;
-  std::vector<std::string> warnings;
-  TraceSummary use;  // of the workers, while building
-  nlohmann::json limits = nlohmann::json::object();
-};
-
-LodeForm form_of(const BuildOptions& options) { return options.compress ? LodeForm::compressed : LodeForm::plain; }
-
-Built build_in_core(const BuildOptions& options, const ReadConfig& reading, const BuildConfig& config,
-                    Scheduler& scheduler, const Trace& trace, Progress& progress) {
-  Built built;
-  CpuClock clock;
-  const auto stage = [&](const char* name) {
-    built.stages[name] = to_json(clock.elapsed());
-    clock = CpuClock();
-  };
-  progress.phase("reading");
-  scheduler.name_work("read");
-  RawMesh raw = load_mesh(options.input, scheduler, reading);
-  check_limit(options.limit, options.input, raw);
-  built.attributes = attribute_counts(raw);
-  built.warnings = std::move(raw.warnings);
-  stage("read");
-  Repairs repairs;
-  scheduler.name_work("weld");
-  progress.phase("welding");
-  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler, options.input, lattice_of(options));
-  stage("weld");
-  progress.phase("building");
-  progress.measure(static_cast<double>(mesh.triangles.size()), "triangles");
-  const double build_begin = trace.now();
-  built.hierarchy = build_hierarchy(std::move(mesh), config, scheduler, &built.report);
-  built.hierarchy.provenance.repairs = repairs;
-  stage("build");
-  built.use = summarize(trace, build_begin);
-  if (options.measure) {
-    progress.phase("measuring");
-    (void)measure_errors(built.hierarchy, {{}, config.cancel, config.progress}, scheduler);
-    stage("measure");
-  }
-  if (options.texture_levels) {
-    scheduler.name_work("textures");
-    progress.phase("halving textures");
-    for (std::string& warning : add_texture_copies(built.hierarchy, scheduler, config.cancel))
-      built.warnings.push_back(options.input + ": " + warning);
-    stage("textures");
-  }
-  scheduler.name_work("write");
-  progress.phase("writing");
-  built.file_bytes = save_lode(built.hierarchy, options.output, scheduler, form_of(options));
-  stage("write");
-  return built;
+nlohmann::json to_json(const AttributeCounts& counts) {
+  return {{"wedges", counts.wedges},       {"normals", counts.normals},
+          {"colours", counts.colours},     {"texture_coordinates", counts.texture_coordinates},
+          {"materials", counts.materials}, {"textures", counts.textures}};
 }
 
-Built build_beyond_limit(const BuildOptions& options, const BuildConfig& config, const MeshStream& stream,
-                         Scheduler& scheduler, const Trace& trace, Progress& progress, bool say) {
-  OutOfCoreConfig out_of_core;
-  out_of_core.build = config;
-  out_of_core.lattice = lattice_of(options);
-  out_of_core.form = form_of(options);
-  out_of_core.memory_limit = parse_size(options.limit.memory_limit);
-  out_of_core.scratch = options.limit.scratch;
-  out_of_core.resume = options.limit.resume;
-  out_of_core.program = std::string(program_version());
-  const OutOfCoreNeed need =
-      out_of_core_need(stream.vertex_count(), stream.triangle_count(), out_of_core, scheduler.workers());
-  out_of_core.progress = [&, phase = std::string()](const std::string& now, double share) mutable {
-    if (phase.empty() && say) print_scratch(out_of_core, need, options.output);
-    if (phase != now) {
-      progress.phase(phase = now);
-      progress.measure(static_cast<double>(stream.triangle_count()), "triangles");
-    }
-    progress.update(share);
-  };
-  if (out_of_core.resume)
-    set_interrupt_line("lodestone: interrupted; --resume continues from the temporary files, which were kept\n");
-  Built built;
-  OutOfCoreResult result = build_out_of_core(stream, options.output, out_of_core, scheduler);
-  built.limits = scratch_results(out_of_core, need, options.output, result);
-  built.hierarchy = std::move(result.tables);
-  built.file_bytes = result.file_bytes;
-  built.report = std::move(result.report);
-  built.attributes = attribute_counts(RawMesh{});
-  built.use = summarize(trace);
-  return built;
+ModelConfig model_config(const BuildOptions& options) {
+  ModelConfig config;
+  config.build = options.config;
+  config.build.simplifier = simplifier_kind(options.simplifier);
+  if (!options.placement.empty()) config.build.placement = placement(options.placement);
+  config.build.strategy = strategy(options.strategy_name);
+  config.build.order_cells = options.compress;
+  config.output = options.output;
+  config.lattice = lattice_of(options);
+  config.form = options.compress ? LodeForm::compressed : LodeForm::plain;
+  config.measure_errors = options.measure;
+  config.texture_copies = options.texture_levels;
+  if (!options.limit.memory_limit.empty()) config.memory_limit = parse_size(options.limit.memory_limit);
+  config.scratch = options.limit.scratch;
+  config.resume = options.limit.resume;
+  config.program = std::string(program_version());
+  return config;
 }
 
 // What needs all of the mesh or of the hierarchy at once.
@@ -179,26 +107,34 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   check_files(common, {{"IN", options.input}}, outputs);
   ReadConfig reading = read_config(options.reading, {options.input});
   reading.attributes = !options.no_attributes;
-  const std::unique_ptr<MeshStream> stream = stream_beyond_limit(options.limit, options.input, reading);
-  if (stream) refuse_beyond_limit(options);
+  ModelConfig config = model_config(options);
+  const ModelSource source = open_model_source(options.input, reading, config.memory_limit);
+  if (source.stream) refuse_beyond_limit(options);
   auto scheduler = make_scheduler(common);
   const auto trace = std::make_shared<Trace>(scheduler->workers());
   if (!options.trace.empty()) scheduler = make_tracing_scheduler(std::move(scheduler), trace);
-  BuildConfig config = options.config;
-  config.simplifier = simplifier_kind(options.simplifier);
-  if (!options.placement.empty()) config.placement = placement(options.placement);
-  config.strategy = strategy(options.strategy_name);
-  config.order_cells = options.compress;
   Progress progress("building", common.quiet);
-  config.progress = [&](double share) { progress.update(share); };
+  const bool say = !common.quiet && common.json != "-";
+  if (source.stream && config.resume)
+    set_interrupt_line("lodestone: interrupted; --resume continues from the temporary files, which were kept\n");
+  TraceSummary use;  // of the workers, while building
+  config.progress = [&, step = std::string(), begin = 0.0](const ModelProgress& now) mutable {
+    if (step.empty() && source.stream && say)
+      print_scratch(config, model_need(*source.stream, config, scheduler->workers()));
+    if (step != now.step) {
+      if (step == "building") use = summarize(*trace, begin);
+      begin = source.stream ? 0 : trace->now();
+      progress.phase(step = now.step);
+      if (now.triangles > 0) progress.measure(static_cast<double>(now.triangles), "triangles");
+    }
+    progress.update(now.share);
+  };
 
   const CpuClock all;
-  const bool say = !common.quiet && common.json != "-";
-  Built built = stream ? build_beyond_limit(options, config, *stream, *scheduler, *trace, progress, say)
-                       : build_in_core(options, reading, config, *scheduler, *trace, progress);
+  const ModelResult built = build_model(source, config, *scheduler);
   progress.clear();
   const StageTime time = all.elapsed();
-  nlohmann::json& stages = built.stages;
+  nlohmann::json stages;
   for (const auto& [name, t] : built.report.stages) stages[name] = to_json(t);
   const Hierarchy& hierarchy = built.hierarchy;
   const Repairs& repairs = hierarchy.provenance.repairs;
@@ -239,22 +175,23 @@ void run(const BuildOptions& options, const CommonOptions& common) {
                  {"strategy", options.strategy_name},
                  {"simplifier", options.simplifier},
                  {"placement", name_of(static_cast<Placement>(hierarchy.provenance.placement))},
-                 {"attributes", built.attributes},
+                 {"attributes", to_json(built.attributes)},
                  {"texture_copies", hierarchy.texture_copies.size()},
                  {"warnings", built.warnings},
                  {"repairs", to_json(repairs)}});
-  result.update(built.limits);
+  if (source.stream)
+    result.update(scratch_results(config, model_need(*source.stream, config, scheduler->workers()), built));
   if (!options.trace.empty()) {
     write_trace(*trace, options.trace);
     result["trace"] = {
-        {"file", options.trace}, {"build_busy", built.use.busy}, {"build_idle_tail", built.use.idle_tail}};
+        {"file", options.trace}, {"build_busy", use.busy}, {"build_idle_tail", use.idle_tail}};
   }
   write_json(common, result);
   if (!say) return;
   fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
              hierarchy.provenance.input_triangles, hierarchy.levels.size(), hierarchy.cells.size(), sum.triangles,
              static_cast<double>(sum.triangles) / input);
-  if (config.refine)
+  if (config.build.refine)
     fmt::print("refined: {} of {} triangles had an edge longer than sigma0 h_L; {} triangles now\n",
                built.report.refinement.split, built.report.refinement.triangles_before,
                built.report.refinement.triangles_after);
@@ -273,7 +210,7 @@ void run(const BuildOptions& options, const CommonOptions& common) {
         "correctness: --refine splits them\n",
         sum.long_edges, hierarchy.levels.back().max_edge);
   // A number of levels asked for may be too large for the model; one chosen here is not.
-  if (config.finest_level < 0 && static_cast<double>(sum.triangles) > much_stored * input)
+  if (config.build.finest_level < 0 && static_cast<double>(sum.triangles) > much_stored * input)
     fmt::print(
         "note: little of this surface simplifies; `lodestone info {}` counts the edges that are kept as they are\n",
         options.input);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <filesystem>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include "core/base/error.h"
@@ -15,22 +14,8 @@
 namespace lodestone {
 namespace {
 
-std::string in_mebibytes(std::uint64_t bytes) {
-  constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
-  return std::to_string((bytes + mebibyte - 1) / mebibyte);
-}
-
-[[noreturn]] void fail_beyond(const std::string& input, std::uint64_t need, std::uint64_t limit) {
-  throw ResourceError(
-      describe(input, "",
-               "needs about " + in_mebibytes(need) + " MiB in memory, and the limit is " + in_mebibytes(limit) + " MiB",
-               "give it as binary PLY of triangles without attributes or as binary STL, which are built out of core "
-               "(--no-attributes leaves those of a PLY out), or --memory-limit " +
-                   in_mebibytes(need) + "MiB"));
-}
-
-std::filesystem::path folder_of(const OutOfCoreConfig& config, const std::string& output) {
-  const std::filesystem::path folder = scratch_folder(config, output);
+std::filesystem::path folder_of(const ModelConfig& config) {
+  const std::filesystem::path folder = scratch_folder(config);
   if (config.resume) return folder;
   return folder.parent_path().empty() ? "." : folder.parent_path();
 }
@@ -81,38 +66,16 @@ std::uint64_t parse_size(const std::string& text) {
       describe("--memory-limit", "", "'" + text + "' is no size", "give a number and a unit, such as 2GiB or 1500MB"));
 }
 
-std::unique_ptr<MeshStream> stream_beyond_limit(const LimitOptions& options, const std::string& input,
-                                                const ReadConfig& reading) {
-  if (options.memory_limit.empty()) return nullptr;
-  const std::uint64_t limit = parse_size(options.memory_limit);
-  if (std::unique_ptr<MeshStream> stream = open_mesh_stream(input, reading))
-    return in_core_bytes(stream->vertex_count(), stream->triangle_count()) <= limit ? nullptr : std::move(stream);
-  std::error_code ignored;
-  const std::uintmax_t bytes = std::filesystem::file_size(input, ignored);
-  if (!ignored && bytes > limit) fail_beyond(input, bytes, limit);  // no format is larger in the file than in memory
-  return nullptr;
-}
-
-void check_limit(const LimitOptions& options, const std::string& input, const RawMesh& mesh) {
-  if (options.memory_limit.empty()) return;
-  constexpr std::uint64_t wedge_bytes = 48;  // of attributes, while corners become wedges
-  const std::uint64_t limit = parse_size(options.memory_limit);
-  const std::uint64_t need =
-      in_core_bytes(mesh.positions.size(), mesh.triangles.size()) + wedge_bytes * wedge_count(mesh);
-  if (need > limit) fail_beyond(input, need, limit);
-}
-
-void print_scratch(const OutOfCoreConfig& config, const OutOfCoreNeed& need, const std::string& output) {
+void print_scratch(const ModelConfig& config, const ModelNeed& need) {
   fmt::print("temporary files: about {:.1f} MB in {}{}\n", static_cast<double>(need.scratch_bytes) * 1e-6,
-             folder_of(config, output).string(), config.resume ? ", kept until the build is done" : "");
+             folder_of(config).string(), config.resume ? ", kept until the build is done" : "");
   std::fflush(stdout);
 }
 
-nlohmann::json scratch_results(const OutOfCoreConfig& config, const OutOfCoreNeed& need, const std::string& output,
-                               const OutOfCoreResult& result) {
+nlohmann::json scratch_results(const ModelConfig& config, const ModelNeed& need, const ModelResult& result) {
   return {{"memory_limit", config.memory_limit},
           {"scratch",
-           {{"folder", folder_of(config, output).string()},
+           {{"folder", folder_of(config).string()},
             {"expected_bytes", need.scratch_bytes},
             {"bytes", result.scratch_bytes},
             {"blocks", result.blocks},

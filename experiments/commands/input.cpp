@@ -83,12 +83,6 @@ ReadConfig read_config(const InputOptions& options, const std::vector<std::strin
   return config;
 }
 
-nlohmann::json attribute_counts(const RawMesh& mesh) {
-  return {{"wedges", wedge_count(mesh)},          {"normals", mesh.wedges.normal.size()},
-          {"colours", mesh.wedges.colour.size()}, {"texture_coordinates", mesh.wedges.uv.size()},
-          {"materials", mesh.materials.size()},   {"textures", mesh.textures.size()}};
-}
-
 void print_warnings(const std::vector<std::string>& warnings) {
   constexpr std::size_t most = 10;
   for (std::size_t i = 0; i < std::min(most, warnings.size()); ++i) fmt::print("note: {}\n", warnings[i]);

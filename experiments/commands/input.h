@@ -2,13 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "core/formats/common/read_config.h"
-#include "core/mesh/indexed_mesh.h"
-#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 
@@ -29,9 +26,6 @@ void add_input_options(CLI::App& command, InputOptions& options);
 
 // Throws InputError when --grid is given, but every file is of a format that its name tells.
 [[nodiscard]] ReadConfig read_config(const InputOptions& options, const std::vector<std::string>& files);
-
-// Counts of attributes, for the results.
-[[nodiscard]] nlohmann::json attribute_counts(const RawMesh& mesh);
 
 // "note: ..." lines on standard output, the first ten.
 void print_warnings(const std::vector<std::string>& warnings);

@@ -3,7 +3,6 @@
 // measurement.
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 
 #include "core/base/error.h"
 #include "core/hierarchy/verify/verify.h"
@@ -15,9 +14,7 @@
 #include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
 #include "parallel/build/save.h"
-#include "parallel/out_of_core/mesh_stream.h"
-#include "parallel/out_of_core/out_of_core.h"
-#include "parallel/scheduler/clock.h"
+#include "parallel/out_of_core/build_model.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
@@ -88,55 +85,33 @@ class ScratchFile {
   std::filesystem::path path_;
 };
 
-struct Built {
-  Hierarchy tables;
-  std::uint64_t bytes = 0, scratch_bytes = 0;
-  bool out_of_core = false;
-  double read_seconds = 0, write_seconds = 0;
-  StageTime build;
-  std::optional<double> spill_seconds;  // of building out of core
-};
+std::uint64_t limit_of(const Parameters& parameters) {
+  return static_cast<std::uint64_t>(parameters.number("memory_limit") * 0x1p30);
+}
 
-Built build_on_disk(const MeshStream& stream, std::uint64_t limit, const std::filesystem::path& target,
-                    const Parameters& parameters, const RunContext& context, Scheduler& scheduler) {
-  OutOfCoreConfig config;
+ModelResult build_to_file(const ModelSource& source, const std::filesystem::path& target, const Parameters& parameters,
+                          const RunContext& context, Scheduler& scheduler) {
+  ModelConfig config;
   config.build = build_config(parameters, context);
-  config.memory_limit = limit;
+  config.output = target;
+  config.memory_limit = limit_of(parameters);
   config.program = std::string(program_version());
-  config.progress = [&](const std::string&, double share) { context.progress(share); };
-  OutOfCoreResult result = build_out_of_core(stream, target, config, scheduler);
-  const auto seconds = [&](const char* stage) { return result.report.stages.at(stage).seconds; };
-  return {std::move(result.tables), result.file_bytes, result.scratch_bytes, true,
-          seconds("clean"),         seconds("write"),  result.report.total,  seconds("spill")};
+  config.progress = [&](const ModelProgress& now) { context.progress(now.share); };
+  return build_model(source, config, scheduler);
 }
 
-Built build_to_file(const std::filesystem::path& target, const Parameters& parameters, const RunContext& context,
-                    Scheduler& scheduler) {
-  const auto limit = static_cast<std::uint64_t>(parameters.number("memory_limit") * 0x1p30);
-  if (limit > 0)
-    if (const auto stream = open_mesh_stream(context.input, study_reading()))
-      if (in_core_bytes(stream->vertex_count(), stream->triangle_count()) > limit)
-        return build_on_disk(*stream, limit, target, parameters, context, scheduler);
-  Built built;
-  BuildReport report;
-  StudyMesh input = read_study_mesh(context, scheduler);
-  built.tables = build_hierarchy(std::move(input.mesh), build_config(parameters, context), scheduler, &report);
-  const CpuClock writing;
-  built.bytes = save_lode(built.tables, target, scheduler);
-  built.write_seconds = writing.elapsed().seconds;
-  built.read_seconds = input.read.seconds + input.weld.seconds;
-  built.build = report.total;
-  return built;
-}
-
-void add_costs(Row& row, const Built& built, const Cost& all) {
-  const double millions = static_cast<double>(built.tables.provenance.input_triangles) * 1e-6;
-  row["bytes"] = built.bytes, row["scratch_bytes"] = built.scratch_bytes, row["out_of_core"] = built.out_of_core;
+void add_costs(Row& row, const ModelSource& source, const ModelResult& built, const Cost& all) {
+  const double millions = static_cast<double>(built.hierarchy.provenance.input_triangles) * 1e-6;
+  const bool on_disk = source.stream != nullptr;
+  const StageTime& building = built.report.total;
+  const auto seconds = [&](const char* stage) { return built.report.stages.at(stage).seconds; };
+  row["bytes"] = built.file_bytes, row["scratch_bytes"] = built.scratch_bytes, row["out_of_core"] = on_disk;
   row["seconds"] = all.seconds, row["cpu_seconds"] = all.cpu_seconds, row["peak_memory"] = all.peak_memory;
-  row["read_seconds"] = built.read_seconds, row["write_seconds"] = built.write_seconds;
-  row["build_seconds"] = built.build.seconds, row["build_cpu_seconds"] = built.build.cpu_seconds;
-  row["spill_seconds"] = built.spill_seconds ? Row(*built.spill_seconds) : Row();
-  row["mtri_per_core_second"] = millions / built.build.cpu_seconds;
+  row["read_seconds"] = on_disk ? seconds("clean") : seconds("read") + seconds("weld");
+  row["write_seconds"] = seconds("write");
+  row["build_seconds"] = building.seconds, row["build_cpu_seconds"] = building.cpu_seconds;
+  row["spill_seconds"] = on_disk ? Row(seconds("spill")) : Row();
+  row["mtri_per_core_second"] = millions / building.cpu_seconds;
   row["mtri_per_core_second_file"] = millions / all.cpu_seconds;
 }
 
@@ -145,10 +120,11 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   const auto scheduler = study_scheduler(parameters);
   const ScratchFile file(context);
   const CostMeter meter;
-  Built built = build_to_file(file.path(), parameters, context, *scheduler);
+  const ModelSource source = open_model_source(context.input, study_reading(), limit_of(parameters));
+  ModelResult built = build_to_file(source, file.path(), parameters, context, *scheduler);
   const Cost cost = meter.elapsed();
 
-  const Hierarchy& tables = built.tables;
+  const Hierarchy& tables = built.hierarchy;
   Row row;
   std::uint64_t triangles = 0, vertices = 0;
   float error = 0;
@@ -158,11 +134,11 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   }
   row["vertices"] = tables.provenance.input_vertices, row["triangles"] = tables.provenance.input_triangles;
   row["levels"] = tables.levels.size(), row["hlod_vertices"] = vertices, row["hlod_triangles"] = triangles;
-  add_costs(row, built, cost);
+  add_costs(row, source, built, cost);
   row["fingerprint"] = to_hex(tables.provenance.fingerprint);
   if (context.repetition > 0) return {row};
   row["rho"] = reach(tables, DistanceMetric::euclidean), row["e"] = error;
-  built.tables = {};
+  built.hierarchy = {};
   check_cancelled(context);
   const VerifyReport report = verify_hierarchy(load_lode(file.path(), *scheduler));
   row["valid"] = report.valid(), row["failed_checks"] = failed_checks(report);

@@ -44,7 +44,7 @@ std::string mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mebi
 // What the steps have left of the limit.
 class Memory {
  public:
-  Memory(const MeshStream& stream, const OutOfCoreConfig& config, int workers)
+  Memory(const MeshStream& stream, const ModelConfig& config, int workers)
       : stream_(stream),
         config_(config),
         workers_(static_cast<std::uint64_t>(workers)),
@@ -87,17 +87,18 @@ class Memory {
     return config_.memory_limit > fixed_ + taken ? config_.memory_limit - fixed_ - taken : 0;
   }
   const MeshStream& stream_;
-  const OutOfCoreConfig& config_;
+  const ModelConfig& config_;
   std::uint64_t workers_, fixed_;
 };
 
-void check(const MeshStream& stream, const std::filesystem::path& output, const OutOfCoreConfig& config, int workers) {
+void check(const MeshStream& stream, const ModelConfig& config, int workers) {
   check_config(config.build);
   if (config.build.refine) throw UnsupportedError("splitting long edges needs the whole mesh in memory");
-  const OutOfCoreNeed need = out_of_core_need(stream.vertex_count(), stream.triangle_count(), config, workers);
+  if (config.measure_errors) throw UnsupportedError("measuring errors needs the whole hierarchy in memory");
+  const ModelNeed need = model_need(stream, config, workers);
   if (config.memory_limit < need.memory_bytes)
     fail_too_small(stream, "building out of core needs", need.memory_bytes, "");
-  const std::filesystem::path folder = scratch_folder(config, output).parent_path();
+  const std::filesystem::path folder = scratch_folder(config).parent_path();
   const std::uint64_t room = free_bytes(folder.empty() ? "." : folder);
   if (!config.resume && room < need.scratch_bytes)
     throw FileError(describe(
@@ -123,8 +124,8 @@ int choose_level(const MeshStream& stream, const CleanStream& clean, std::uint32
 // Names, times and progress of the steps.
 class Steps {
  public:
-  Steps(const OutOfCoreConfig& config, Scheduler& scheduler, OutOfCoreResult& result)
-      : config_(config), scheduler_(scheduler), result_(result) {}
+  Steps(const MeshStream& stream, const ModelConfig& config, Scheduler& scheduler, ModelResult& result)
+      : triangles_(stream.triangle_count()), config_(config), scheduler_(scheduler), result_(result) {}
 
   // `stage` for the report and traces, `label` for people.
   void begin(const char* stage, const char* label) {
@@ -143,13 +144,14 @@ class Steps {
   void share(double done) {
     if (!config_.progress) return;
     const std::unique_lock lock(reporting_, std::try_to_lock);
-    if (lock) config_.progress(label_, std::min(done, 1.0));
+    if (lock) config_.progress({label_, std::min(done, 1.0), triangles_});
   }
 
  private:
-  const OutOfCoreConfig& config_;
+  std::uint64_t triangles_;
+  const ModelConfig& config_;
   Scheduler& scheduler_;
-  OutOfCoreResult& result_;
+  ModelResult& result_;
   const char *stage_ = nullptr, *label_ = "";
   CpuClock clock_;
   std::mutex reporting_;
@@ -160,15 +162,13 @@ double ratio(std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) /
 // The steps of the recipe in build_out_of_core.
 class OutOfCoreBuild {
  public:
-  OutOfCoreBuild(const MeshStream& stream, const std::filesystem::path& output, const OutOfCoreConfig& config,
-                 Scheduler& scheduler)
+  OutOfCoreBuild(const MeshStream& stream, const ModelConfig& config, Scheduler& scheduler)
       : stream_(stream),
-        output_(output),
         config_(config),
         scheduler_(scheduler),
         memory_(stream, config, scheduler.workers()),
-        files_(stream, output, config),
-        steps_(config, scheduler, result_) {}
+        files_(stream, config),
+        steps_(stream, config, scheduler, result_) {}
 
   void spill() {
     if (files_.has_spilled()) {
@@ -227,21 +227,21 @@ class OutOfCoreBuild {
     fill_tables();
     const CellStore store(files_.cells(), {});
     result_.file_bytes =
-        save_stored(stored_, store, output_, config_.form, config_.build.order_cells, scheduler_,
+        save_stored(stored_, store, config_.output, config_.form, config_.build.order_cells, scheduler_,
                     [&](std::size_t cells) { steps_.share(ratio(cells, stored_.tables.cells.size())); });
     steps_.end();
     result_.scratch_bytes = files_.bytes();
     files_.remove();
   }
 
-  [[nodiscard]] OutOfCoreResult result() {
+  [[nodiscard]] ModelResult result() {
     for (const char* stage : {"spill", "shared", "hierarchy"}) {  // what build_hierarchy does, too
       const auto time = result_.report.stages.find(stage);
       if (time == result_.report.stages.end()) continue;  // done by the build that is continued
       result_.report.total.seconds += time->second.seconds;
       result_.report.total.cpu_seconds += time->second.cpu_seconds;
     }
-    result_.tables = std::move(stored_.tables);
+    result_.hierarchy = std::move(stored_.tables);
     return std::move(result_);
   }
 
@@ -270,10 +270,9 @@ class OutOfCoreBuild {
   }
 
   const MeshStream& stream_;
-  const std::filesystem::path& output_;
-  const OutOfCoreConfig& config_;
+  const ModelConfig& config_;
   Scheduler& scheduler_;
-  OutOfCoreResult result_;
+  ModelResult result_;
   Memory memory_;
   OutOfCoreFiles files_;
   Steps steps_;
@@ -285,8 +284,8 @@ class OutOfCoreBuild {
 
 }  // namespace
 
-OutOfCoreNeed out_of_core_need(std::uint64_t vertices, std::uint64_t triangles, const OutOfCoreConfig& config,
-                               int workers) {
+ModelNeed model_need(const MeshStream& stream, const ModelConfig& config, int workers) {
+  const std::uint64_t vertices = stream.vertex_count(), triangles = stream.triangle_count();
   // Cells are about square pieces of a surface: this share of their vertices is on their borders, with room for more
   // crooked ones.
   const double cell = config.build.finest_level < 0 ? std::max(config.build.cell_triangles, 2u) : 4000;
@@ -295,7 +294,7 @@ OutOfCoreNeed out_of_core_need(std::uint64_t vertices, std::uint64_t triangles, 
   const auto cells = static_cast<std::uint64_t>(4.0 / 3 * static_cast<double>(triangles) / cell);
   // A block has 64 cells at most, about 20 of them occupied, and cells have twice the triangles asked for at most.
   const std::uint64_t block = std::min(triangles, static_cast<std::uint64_t>(48 * cell));
-  OutOfCoreNeed need;
+  ModelNeed need;
   need.memory_bytes =
       process_bytes + static_cast<std::uint64_t>(workers) * worker_bytes + triangles / 8 + cells * cell_bytes +
       std::max({20 * vertices + least_part(triangles) * sizeof(Triangle),
@@ -306,22 +305,11 @@ OutOfCoreNeed out_of_core_need(std::uint64_t vertices, std::uint64_t triangles, 
   return need;
 }
 
-std::uint64_t in_core_bytes(std::uint64_t vertices, std::uint64_t triangles) {
-  return 64 * mebibyte + std::max(37 * vertices + 12 * triangles, 24 * vertices + 28 * triangles);
-}
-
-std::filesystem::path scratch_folder(const OutOfCoreConfig& config, const std::filesystem::path& output) {
-  std::filesystem::path name = output.filename();
-  name += ".scratch";
-  return (config.scratch.empty() ? output.parent_path() : config.scratch) / name;
-}
-
-OutOfCoreResult build_out_of_core(const MeshStream& stream, const std::filesystem::path& output,
-                                  const OutOfCoreConfig& config, Scheduler& scheduler) {
-  check(stream, output, config, scheduler.workers());
+ModelResult build_out_of_core(const MeshStream& stream, const ModelConfig& config, Scheduler& scheduler) {
+  check(stream, config, scheduler.workers());
   const std::unique_ptr<Scheduler> cancelling = make_cancelling_scheduler(scheduler, config.build.cancel);
-  OutOfCoreBuild build(stream, output, config, *cancelling);
-  if (config.resume) remove_orphans(output);  // of the build that is continued
+  OutOfCoreBuild build(stream, config, *cancelling);
+  if (config.resume) remove_orphans(config.output);  // of the build that is continued
   build.spill();
   build.build();
   build.save();

@@ -16,7 +16,7 @@ constexpr std::uint32_t journal_version = 1;
 constexpr std::size_t grain = std::size_t{1} << 18;  // vertices; a multiple of 64
 
 // Equal for builds that come to the same temporary files. Form and order of cells are a matter of the very last step.
-std::vector<std::byte> identity_of(const MeshStream& stream, const OutOfCoreConfig& config) {
+std::vector<std::byte> identity_of(const MeshStream& stream, const ModelConfig& config) {
   const BuildConfig& build = config.build;
   ByteWriter out;
   out.put(journal_version);
@@ -57,16 +57,15 @@ void visit_head(AnyMesh& mesh, const Value& value, const List& list) {
 
 }  // namespace
 
-OutOfCoreFiles::OutOfCoreFiles(const MeshStream& stream, const std::filesystem::path& output,
-                               const OutOfCoreConfig& config) {
+OutOfCoreFiles::OutOfCoreFiles(const MeshStream& stream, const ModelConfig& config) {
   if (!config.resume) {
-    const std::filesystem::path folder = scratch_folder(config, output).parent_path();
+    const std::filesystem::path folder = scratch_folder(config).parent_path();
     const std::filesystem::path at = folder.empty() ? "." : folder;
     triangles_ = ScratchFile::nameless(at);
     cells_ = ScratchFile::nameless(at);
     return;
   }
-  folder_ = scratch_folder(config, output);
+  folder_ = scratch_folder(config);
   std::error_code error;
   std::filesystem::create_directory(folder_, error);
   if (error)

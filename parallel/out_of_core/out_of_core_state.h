@@ -8,8 +8,8 @@
 
 #include "core/hierarchy/build/finest_cell.h"
 #include "core/mesh/indexed_mesh.h"
+#include "parallel/out_of_core/build_model.h"
 #include "parallel/out_of_core/journal.h"
-#include "parallel/out_of_core/out_of_core.h"
 #include "parallel/out_of_core/spill.h"
 
 namespace lodestone {
@@ -27,7 +27,7 @@ struct SpilledMesh {
 // With names and a journal if config.resume, else without.
 class OutOfCoreFiles {
  public:
-  OutOfCoreFiles(const MeshStream& stream, const std::filesystem::path& output, const OutOfCoreConfig& config);
+  OutOfCoreFiles(const MeshStream& stream, const ModelConfig& config);
 
   [[nodiscard]] ScratchFile& triangles() { return *triangles_; }
   [[nodiscard]] ScratchFile& cells() { return *cells_; }

@@ -17,7 +17,7 @@
 #include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
-#include "parallel/out_of_core/out_of_core.h"
+#include "parallel/out_of_core/build_model.h"
 #include "tests/parallel/stream_meshes.h"
 #include "tests/test_data.h"
 #include "tests/test_folder.h"
@@ -32,6 +32,7 @@ class OutOfCore : public FolderTest {
   OutOfCore() {
     config_.build.cell_triangles = 100;
     config_.build.sigma0 = 1;
+    config_.output = folder_ / "m.lode";
     config_.memory_limit = std::uint64_t{1} << 30;
     config_.part_triangles = 1500;
   }
@@ -53,8 +54,9 @@ class OutOfCore : public FolderTest {
     return content(folder_ / "expected.lode");
   }
 
-  OutOfCoreResult build(const fs::path& path, Scheduler& scheduler) const {
-    return build_out_of_core(*open_mesh_stream(path), folder_ / "m.lode", config_, scheduler);
+  ModelResult build(const fs::path& path, Scheduler& scheduler) const { return build(path, config_, scheduler); }
+  static ModelResult build(const fs::path& path, const ModelConfig& config, Scheduler& scheduler) {
+    return build_model({path, {}, open_mesh_stream(path)}, config, scheduler);
   }
   std::string built(const fs::path& path, int threads = 2) const {
     const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
@@ -68,7 +70,7 @@ class OutOfCore : public FolderTest {
     return names;
   }
 
-  OutOfCoreConfig config_;
+  ModelConfig config_;
 };
 
 TEST_F(OutOfCore, SameBytesForAnyThreadsAndStrategy) {
@@ -79,6 +81,38 @@ TEST_F(OutOfCore, SameBytesForAnyThreadsAndStrategy) {
       config_.build.strategy = strategy;
       EXPECT_TRUE(expected == built(path, threads)) << threads << " threads, " << name_of(strategy);
     }
+}
+
+// The entry for both forms chooses by the limit; the bytes tell nothing of the choice.
+TEST_F(OutOfCore, TheLimitAloneChoosesBetweenMemoryAndDisk) {
+  const fs::path path = sphere();
+  const std::string expected = in_memory(path);
+  const auto scheduler = make_tbb_scheduler(2);
+  const ModelSource in_core = open_model_source(path, {}, config_.memory_limit);
+  EXPECT_EQ(in_core.stream, nullptr);
+  EXPECT_EQ(open_model_source(path, {}, 0).stream, nullptr);
+  EXPECT_NE(open_model_source(path, {}, std::uint64_t{64} << 20).stream, nullptr);
+  std::vector<std::string> steps;
+  config_.progress = [&](const ModelProgress& now) {
+    if (steps.empty() || steps.back() != now.step) steps.push_back(now.step);
+  };
+  const ModelResult result = build_model(in_core, config_, *scheduler);
+  EXPECT_EQ(steps, (std::vector<std::string>{"reading", "welding", "building", "writing"}));
+  for (const char* stage : {"read", "weld", "partition", "hierarchy", "build", "write"})
+    EXPECT_TRUE(result.report.stages.contains(stage)) << stage;
+  EXPECT_EQ(result.file_bytes, fs::file_size(config_.output));
+  EXPECT_TRUE(expected == content(config_.output));
+}
+
+// A file that can only be read as a whole is refused by its size before it is read.
+TEST_F(OutOfCore, RefusesWholeFilesBeyondTheLimit) {
+  const fs::path path = folder_ / "m.obj";
+  write_mesh(path, view_of(test::sphere_mesh(5)));
+  EXPECT_THROW((void)open_model_source(path, {}, 1000), ResourceError);
+  const auto scheduler = make_serial_scheduler();
+  config_.memory_limit = std::uint64_t{1} << 20;
+  EXPECT_THROW((void)build_model(open_model_source(path, {}, config_.memory_limit), config_, *scheduler),
+               ResourceError);
 }
 
 TEST_F(OutOfCore, SameBytesForPartsOfAnySize) {
@@ -184,6 +218,9 @@ TEST_F(OutOfCore, RefusesWhatCannotBeDone) {
   config_.build.refine = true;
   EXPECT_THROW((void)build(path, *scheduler), UnsupportedError);
   config_.build.refine = false;
+  config_.measure_errors = true;
+  EXPECT_THROW((void)build(path, *scheduler), UnsupportedError);
+  config_.measure_errors = false;
   config_.scratch = folder_ / "nowhere";
   EXPECT_THROW((void)build(path, *scheduler), FileError);
   config_.resume = true;
@@ -195,11 +232,11 @@ TEST_F(OutOfCore, ReportsStagesProgressAndScratch) {
   const fs::path path = sphere();
   const auto scheduler = make_tbb_scheduler(2);
   std::vector<std::string> steps;
-  config_.progress = [&](const std::string& step, double share) {
-    EXPECT_TRUE(share >= 0 && share <= 1) << share;
-    if (steps.empty() || steps.back() != step) steps.push_back(step);
+  config_.progress = [&](const ModelProgress& now) {
+    EXPECT_TRUE(now.share >= 0 && now.share <= 1) << now.share;
+    if (steps.empty() || steps.back() != now.step) steps.push_back(now.step);
   };
-  const OutOfCoreResult result = build(path, *scheduler);
+  const ModelResult result = build(path, *scheduler);
   EXPECT_EQ(steps, (std::vector<std::string>{"reading", "sorting", "sharing", "building", "writing"}));
   for (const char* stage : {"clean", "spill", "shared", "hierarchy", "write"})
     EXPECT_TRUE(result.report.stages.contains(stage)) << stage;
@@ -211,7 +248,7 @@ TEST_F(OutOfCore, ReportsStagesProgressAndScratch) {
   EXPECT_DOUBLE_EQ(result.report.total.seconds, building);
   EXPECT_DOUBLE_EQ(result.report.total.cpu_seconds, processors);
   EXPECT_EQ(result.file_bytes, fs::file_size(folder_ / "m.lode"));
-  EXPECT_GT(result.scratch_bytes, 12 * result.tables.provenance.input_triangles);
+  EXPECT_GT(result.scratch_bytes, 12 * result.hierarchy.provenance.input_triangles);
   EXPECT_EQ(result.blocks_resumed, 0u);
   EXPECT_EQ(files(), (std::vector<std::string>{"m.lode", "m.ply"}));
 }
@@ -225,11 +262,11 @@ class Resume : public OutOfCore {
   bool interrupted(const fs::path& path, int at, int threads, const std::string& last_step = {}) {
     const auto scheduler = threads == 0 ? make_serial_scheduler() : make_tbb_scheduler(threads);
     std::atomic<int> calls = 0;
-    config_.progress = [&](const std::string& step, double) {
-      if (++calls == at || step == last_step) throw Interrupted{};
+    config_.progress = [&](const ModelProgress& now) {
+      if (++calls == at || now.step == last_step) throw Interrupted{};
     };
     try {
-      const OutOfCoreResult result = build(path, *scheduler);
+      const ModelResult result = build(path, *scheduler);
       resumed_ = result.blocks_resumed;
       return false;
     } catch (const Interrupted&) {
@@ -307,7 +344,7 @@ TEST_F(Resume, RefusesWorkOfAnotherBuild) {
   config_.resume = true;
   ASSERT_TRUE(interrupted(path, -1, 2, "writing"));
   const auto refused = [&](auto change) {
-    const OutOfCoreConfig before = config_;
+    const ModelConfig before = config_;
     change();
     EXPECT_THROW((void)interrupted(path, -1, 2), InputError);
     config_ = before;
@@ -329,13 +366,13 @@ TEST_F(Resume, TwoBuildsDoNotShareTheirFiles) {
   config_.resume = true;
   config_.program = "1";
   bool refused = false;
-  config_.progress = [&, inner = false](const std::string&, double) mutable {
+  config_.progress = [&, inner = false](const ModelProgress&) mutable {
     if (std::exchange(inner, true)) return;
-    OutOfCoreConfig other = config_;
+    ModelConfig other = config_;
     other.progress = {};
     const auto serial = make_serial_scheduler();
     try {
-      (void)build_out_of_core(*open_mesh_stream(path), folder_ / "m.lode", other, *serial);
+      (void)build(path, other, *serial);
     } catch (const ResourceError&) {
       refused = true;
     }

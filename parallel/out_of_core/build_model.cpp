@@ -1,0 +1,145 @@
+#include "parallel/out_of_core/build_model.h"
+
+#include <algorithm>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "parallel/build/measure_errors.h"
+#include "parallel/build/save.h"
+#include "parallel/build/texture_levels.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/out_of_core/out_of_core.h"
+#include "parallel/scheduler/clock.h"
+
+namespace lodestone {
+namespace {
+
+constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
+
+std::string in_mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mebibyte - 1) / mebibyte); }
+
+[[noreturn]] void fail_beyond(const std::filesystem::path& input, std::uint64_t need, std::uint64_t limit) {
+  throw ResourceError(
+      describe(input.string(), "",
+               "needs about " + in_mebibytes(need) + " MiB in memory, and the limit is " + in_mebibytes(limit) + " MiB",
+               "give it as binary PLY of triangles without attributes or as binary STL, which are built out of core "
+               "(--no-attributes leaves those of a PLY out), or --memory-limit " +
+                   in_mebibytes(need) + "MiB"));
+}
+
+// Approximate maximum while a mesh is loaded and built in memory.
+std::uint64_t in_core_bytes(std::uint64_t vertices, std::uint64_t triangles) {
+  return 64 * mebibyte + std::max(37 * vertices + 12 * triangles, 24 * vertices + 28 * triangles);
+}
+
+void check_limit(const std::filesystem::path& path, const RawMesh& mesh, std::uint64_t limit) {
+  constexpr std::uint64_t wedge_bytes = 48;  // of attributes, while corners become wedges
+  const std::uint64_t need =
+      in_core_bytes(mesh.positions.size(), mesh.triangles.size()) + wedge_bytes * wedge_count(mesh);
+  if (limit > 0 && need > limit) fail_beyond(path, need, limit);
+}
+
+AttributeCounts count_attributes(const RawMesh& mesh) {
+  return {wedge_count(mesh),      mesh.wedges.normal.size(), mesh.wedges.colour.size(),
+          mesh.wedges.uv.size(), mesh.materials.size(),     mesh.textures.size()};
+}
+
+// The steps in memory.
+class InCoreBuild {
+ public:
+  InCoreBuild(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler)
+      : source_(source), config_(config), scheduler_(scheduler) {}
+
+  ModelResult run() {
+    RawMesh raw = step("read", "reading", [&] { return load_mesh(source_.path, scheduler_, source_.reading); });
+    check_limit(source_.path, raw, config_.memory_limit);
+    result_.attributes = count_attributes(raw);
+    result_.warnings = std::move(raw.warnings);
+    Repairs repairs;
+    IndexedMesh mesh = step("weld", "welding", [&] {
+      return prepare_mesh(std::move(raw), repairs, scheduler_, source_.path.string(), config_.lattice);
+    });
+    triangles_ = mesh.triangles.size();
+    BuildConfig build = config_.build;
+    build.progress = [&](double share) { report(share); };
+    BuildReport report;
+    Hierarchy& hierarchy = result_.hierarchy;
+    hierarchy = step("build", "building", [&] { return build_hierarchy(std::move(mesh), build, scheduler_, &report); });
+    triangles_ = 0;
+    hierarchy.provenance.repairs = repairs;
+    report.stages.merge(result_.report.stages);
+    result_.report = std::move(report);
+    if (config_.measure_errors)
+      step("measure", "measuring",
+           [&] { return measure_errors(hierarchy, {{}, build.cancel, build.progress}, scheduler_); });
+    if (config_.texture_copies) copy_textures();
+    result_.file_bytes =
+        step("write", "writing", [&] { return save_lode(hierarchy, config_.output, scheduler_, config_.form); });
+    return std::move(result_);
+  }
+
+ private:
+  // `stage` is the name in the report and in traces, `label` the name for people.
+  template <class Work>
+  std::invoke_result_t<const Work&> step(const char* stage, const char* label, const Work& work) {
+    label_ = label;
+    scheduler_.name_work(stage);
+    report(0);
+    const CpuClock clock;
+    auto out = work();
+    result_.report.stages[stage] = clock.elapsed();
+    return out;
+  }
+
+  void report(double share) const {
+    if (config_.progress) config_.progress({label_, share, triangles_});
+  }
+
+  void copy_textures() {
+    for (std::string& warning : step("textures", "halving textures", [&] {
+           return add_texture_copies(result_.hierarchy, scheduler_, config_.build.cancel);
+         }))
+      result_.warnings.push_back(source_.path.string() + ": " + warning);
+  }
+
+  const ModelSource& source_;
+  const ModelConfig& config_;
+  Scheduler& scheduler_;
+  ModelResult result_;
+  const char* label_ = "";
+  std::uint64_t triangles_ = 0;
+};
+
+}  // namespace
+
+ModelSource open_model_source(const std::filesystem::path& path, const ReadConfig& reading,
+                              std::uint64_t memory_limit) {
+  ModelSource source{path, reading};
+  if (memory_limit == 0) return source;
+  if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, reading)) {
+    if (in_core_bytes(stream->vertex_count(), stream->triangle_count()) > memory_limit)
+      source.stream = std::move(stream);
+    return source;
+  }
+  std::error_code ignored;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, ignored);
+  // No format is larger in the file than in memory.
+  if (!ignored && bytes > memory_limit) fail_beyond(path, bytes, memory_limit);
+  return source;
+}
+
+std::filesystem::path scratch_folder(const ModelConfig& config) {
+  std::filesystem::path name = config.output.filename();
+  name += ".scratch";
+  return (config.scratch.empty() ? config.output.parent_path() : config.scratch) / name;
+}
+
+ModelResult build_model(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler) {
+  return source.stream ? build_out_of_core(*source.stream, config, scheduler)
+                       : InCoreBuild(source, config, scheduler).run();
+}
+
+}  // namespace lodestone
