@@ -1,19 +1,13 @@
 #include "parallel/build/build.h"
 
-#include <algorithm>
-#include <atomic>
-#include <mutex>
 #include <string>
 
 #include "core/base/error.h"
-#include "core/hierarchy/build/block.h"
 #include "core/hierarchy/build/cell_order.h"
-#include "core/hierarchy/build/cell_table.h"
-#include "core/simplify/make_simplifier.h"
+#include "parallel/build/build_blocks.h"
 #include "parallel/build/finest_level.h"
 #include "parallel/build/level_table.h"
 #include "parallel/build/partition.h"
-#include "parallel/build/run_blocks.h"
 #include "parallel/mesh/refine_mesh.h"
 #include "parallel/scheduler/clock.h"
 
@@ -29,65 +23,12 @@ struct Build {
   AttributeSet attributes;
 };
 
-// One worker's simplifier and scratch memory.
-struct Worker {
-  std::unique_ptr<Simplifier> simplifier;
-  BlockScratch block;
-};
-
 void check(const IndexedMesh& mesh, const BuildConfig& config) {
   check_config(config);
   if (mesh.triangles.empty()) throw InputError("the mesh has no triangles");
   if (mesh.positions.size() >= FinestVertices::shared_flag)
     throw ResourceError("the mesh has more than 2^31 vertices; vertex ids have 32 bits");
 }
-
-Placement placement_of(const BuildConfig& config) {
-  return config.placement.value_or(default_placement(config.simplifier));
-}
-
-class HierarchyBuilder {
- public:
-  HierarchyBuilder(Build& build, const BuildConfig& config, Scheduler& scheduler)
-      : build_(build), config_(config), scheduler_(scheduler) {
-    workers_.resize(static_cast<std::size_t>(scheduler.workers()));
-    for (Worker& worker : workers_) worker.simplifier = make_simplifier(config.simplifier, placement_of(config));
-  }
-
-  void run() {
-    run_blocks(build_.plan, config_.strategy, scheduler_, config_.cancel,
-               [&](std::uint32_t b) { run_block(b, worker()); });
-  }
-
- private:
-  Worker& worker() { return workers_[static_cast<std::size_t>(scheduler_.worker_index())]; }
-
-  void run_block(std::uint32_t index, Worker& worker) {
-    const Block& block = build_.plan.blocks[index];
-    const auto level = static_cast<std::size_t>(block.level);
-    const LevelCells& parents = build_.plan.levels[level - 1];
-    build_block(block, parents, build_.cells[level], build_.cells[level - 1], config_.sigma0, build_.attributes,
-                *worker.simplifier, worker.block, build_.lattice);
-    report_progress(worker.block.triangles.size());
-  }
-
-  // Work is proportional to the triangles that blocks consume; all levels together consume about 4/3 of the input.
-  void report_progress(std::size_t triangles) {
-    if (!config_.progress) return;
-    const std::uint64_t done = consumed_ += triangles;
-    const std::unique_lock lock(progress_, std::try_to_lock);
-    if (!lock) return;
-    const double expected = static_cast<double>(build_.triangles.size()) * 4 / 3;
-    config_.progress(std::min(1.0, static_cast<double>(done) / expected));
-  }
-
-  Build& build_;
-  const BuildConfig& config_;
-  Scheduler& scheduler_;
-  std::vector<Worker> workers_;
-  std::atomic<std::uint64_t> consumed_{0};
-  std::mutex progress_;
-};
 
 // Each cell for itself, then the parents, which name places in another cell. Nothing that a cell's figures rest on
 // changes.
@@ -199,7 +140,10 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   const StageTime partition_time = partition_clock.elapsed();
 
   const CpuClock hierarchy_clock;
-  HierarchyBuilder(*build, config, scheduler).run();
+  CellStorage in_memory;
+  build_blocks({build->plan, build->cells, in_memory, build->attributes, build->lattice, build->triangles.size(),
+                static_cast<std::size_t>(scheduler.workers())},
+               config, scheduler);
   const StageTime hierarchy_time = hierarchy_clock.elapsed();
   const CpuClock order_clock;
   if (config.order_cells) order_cells(*build, scheduler);

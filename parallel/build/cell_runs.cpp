@@ -11,54 +11,9 @@
 namespace lodestone {
 namespace {
 
-// The cell of every triangle of the chunk, as a number within the chunk, counted. Returns the sum of the fingerprints.
-std::uint64_t number_cells(std::span<const Vec3f> positions, std::span<const Triangle> triangles, int level,
-                           RunScratch& s) {
-  s.cells.clear();
-  s.next.clear();
-  s.number.resize(triangles.size());
-  std::uint64_t fingerprint = 0;
-  std::uint32_t number = 0;
-  // Mostly the cell is that of the triangle before: equal whole parts of the barycentre in units of cells. Same
-  // operations as in `barycentre` and `cell_of`, since scaling by a power of two rounds nothing.
-  const Float4 per_cell = all4(1.0f / 3.0f * static_cast<float>(1u << level));
-  Int4 last{-1, -1, -1, -1};
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (const std::uint32_t v : triangles[std::min(t + prefetch_distance, triangles.size() - 1)].v)
-      prefetch(&positions[v]);
-    const auto& v = triangles[t].v;
-    const Vec3f &a = positions[v[0]], &b = positions[v[1]], &c = positions[v[2]];
-    const Int4 whole = __builtin_convertvector(((to_float4(a) + to_float4(b)) + to_float4(c)) * per_cell, Int4);
-    if (!equal(whole, last)) {
-      last = whole;
-      number = s.cells.number(CellCode::from(cell_of(barycentre(a, b, c), level)));
-      if (number == s.next.size()) s.next.push_back(0);
-    }
-    s.number[t] = static_cast<std::uint16_t>(number);
-    ++s.next[number];
-    fingerprint += triangle_fingerprint(a, b, c);
-  }
-  return fingerprint;
-}
+constexpr std::size_t grain = 1 << 16;  // triangles of a chunk: its cells then have numbers of 16 bits
 
-}  // namespace
-
-ChunkRuns sort_to_runs(std::span<const Vec3f> positions, std::span<const Triangle> triangles, int level,
-                       std::uint64_t first, std::span<Triangle> sorted, RunScratch& s) {
-  ChunkRuns chunk;
-  chunk.fingerprint = number_cells(positions, triangles, level, s);
-  chunk.codes.assign(s.cells.codes.begin(), s.cells.codes.end());
-  chunk.runs.resize(chunk.codes.size());
-  std::uint32_t next = 0;
-  for (std::uint32_t i = 0; i < chunk.runs.size(); ++i) {
-    chunk.runs[i] = {first + next, s.next[i], i};
-    next += std::exchange(s.next[i], next);
-  }
-  Triangle* const to = sorted.data() + first;
-  for (std::size_t t = 0; t < triangles.size(); ++t) to[s.next[s.number[t]]++] = triangles[t];
-  return chunk;
-}
-
+// The cells of all chunks in Morton order; the runs get the ranks of theirs.
 std::vector<CellCode> rank_cells(std::vector<ChunkRuns>& chunks) {
   CellNumbers all;
   for (ChunkRuns& chunk : chunks)
@@ -72,22 +27,92 @@ std::vector<CellCode> rank_cells(std::vector<ChunkRuns>& chunks) {
   return codes;
 }
 
-RunTable gather_runs(const std::vector<ChunkRuns>& chunks, std::size_t cells) {
-  RunTable table;
-  table.first_run.assign(cells + 1, 0);
-  table.first_triangle.assign(cells + 1, 0);
-  for (const ChunkRuns& chunk : chunks)
+}  // namespace
+
+CellRuns gather_runs(std::vector<ChunkRuns>&& chunks) {
+  CellRuns out;
+  out.codes = rank_cells(chunks);
+  out.first_run.assign(out.codes.size() + 1, 0);
+  out.first_triangle.assign(out.codes.size() + 1, 0);
+  for (const ChunkRuns& chunk : chunks) {
+    out.fingerprint += chunk.fingerprint;
     for (const Run& run : chunk.runs) {
-      ++table.first_run[run.cell + 1];
-      table.first_triangle[run.cell + 1] += run.count;
+      ++out.first_run[run.cell + 1];
+      out.first_triangle[run.cell + 1] += run.count;
     }
-  std::partial_sum(table.first_run.begin(), table.first_run.end(), table.first_run.begin());
-  std::partial_sum(table.first_triangle.begin(), table.first_triangle.end(), table.first_triangle.begin());
-  table.runs.resize(table.first_run.back());
-  std::vector<std::uint64_t> next(table.first_run.begin(), table.first_run.end() - 1);
+  }
+  std::partial_sum(out.first_run.begin(), out.first_run.end(), out.first_run.begin());
+  std::partial_sum(out.first_triangle.begin(), out.first_triangle.end(), out.first_triangle.begin());
+  out.runs.resize(out.first_run.back());
+  std::vector<std::uint64_t> next(out.first_run.begin(), out.first_run.end() - 1);
   for (const ChunkRuns& chunk : chunks)
-    for (const Run& run : chunk.runs) table.runs[next[run.cell]++] = run;
-  return table;
+    for (const Run& run : chunk.runs) out.runs[next[run.cell]++] = run;
+  return out;
+}
+
+CellRuns RunSorter::sort(std::uint64_t count, const Read& read, std::span<Triangle> sorted) {
+  std::vector<ChunkRuns> chunks(chunk_count(count, grain));
+  scheduler_.for_chunks(count, grain, [&](ChunkRange range) {
+    Scratch& s = scratch_[static_cast<std::size_t>(scheduler_.worker_index())];
+    chunks[range.index] = sort_chunk(read(range, s.triangles), range.begin, sorted, s);
+  });
+  return gather_runs(std::move(chunks));
+}
+
+// The cell of every triangle of the chunk, as a number within the chunk, counted. Returns the sum of the fingerprints.
+std::uint64_t RunSorter::number_cells(std::span<const Triangle> triangles, Scratch& s) const {
+  s.cells.clear();
+  s.next.clear();
+  s.number.resize(triangles.size());
+  std::uint64_t fingerprint = 0;
+  std::uint32_t number = 0;
+  // The cell is mostly that of the previous triangle: equal whole parts of the barycentre in units of cells. Same
+  // operations as in `barycentre` and `cell_of`, since scaling by a power of two rounds nothing.
+  const Float4 per_cell = all4(1.0f / 3.0f * static_cast<float>(1u << level_));
+  Int4 last{-1, -1, -1, -1};
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (const std::uint32_t v : triangles[std::min(t + prefetch_distance, triangles.size() - 1)].v)
+      prefetch(&positions_[v]);
+    const auto& v = triangles[t].v;
+    const Vec3f &a = positions_[v[0]], &b = positions_[v[1]], &c = positions_[v[2]];
+    const Int4 whole = __builtin_convertvector(((to_float4(a) + to_float4(b)) + to_float4(c)) * per_cell, Int4);
+    if (!equal(whole, last)) {
+      last = whole;
+      number = s.cells.number(CellCode::from(cell_of(barycentre(a, b, c), level_)));
+      if (number == s.next.size()) s.next.push_back(0);
+    }
+    s.number[t] = static_cast<std::uint16_t>(number);
+    ++s.next[number];
+    fingerprint += triangle_fingerprint(a, b, c);
+  }
+  return fingerprint;
+}
+
+ChunkRuns RunSorter::sort_chunk(std::span<const Triangle> triangles, std::uint64_t first, std::span<Triangle> sorted,
+                                Scratch& s) const {
+  ChunkRuns chunk;
+  chunk.fingerprint = number_cells(triangles, s);
+  chunk.codes.assign(s.cells.codes.begin(), s.cells.codes.end());
+  chunk.runs.resize(chunk.codes.size());
+  std::uint32_t next = 0;
+  for (std::uint32_t i = 0; i < chunk.runs.size(); ++i) {
+    chunk.runs[i] = {first + next, s.next[i], i};
+    next += std::exchange(s.next[i], next);
+  }
+  Triangle* const to = sorted.data() + first;
+  for (std::size_t t = 0; t < triangles.size(); ++t) to[s.next[s.number[t]]++] = triangles[t];
+  return chunk;
+}
+
+void collect_cell(const CellRuns& runs, std::size_t rank, const TriangleSource& source, std::span<Triangle> out,
+                  VertexNumbers& numbers, CellBuild& cell) {
+  cell.triangles = out;
+  numbers.clear(out.size());
+  for (const Run& run : runs.runs_of(rank)) {
+    numbers.number(source.read(run, out.first(run.count)), out.data());
+    out = out.subspan(run.count);
+  }
+  cell.ids.assign(numbers.vertices().begin(), numbers.vertices().end());
 }
 
 }  // namespace lodestone

@@ -1,4 +1,4 @@
-// Triangles sorted to runs of one cell each, chunk by chunk, and where the runs of every cell are.
+// Triangles sorted to runs of one cell each, and where the runs of every cell are.
 //
 // A scatter of all triangles to all cells misses caches and the TLB when the input comes in random order. So triangles
 // of a chunk go to runs of one cell each, while the chunk is in the second-level cache; the runs of a cell, in the
@@ -7,51 +7,93 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "core/hierarchy/build/cell_build.h"
+#include "core/hierarchy/model/vertex_numbers.h"
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/build/cell_numbers.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 
-inline constexpr std::size_t run_grain = 1 << 16;  // triangles of a chunk: its cells then have numbers of 16 bits
-
 // Consecutive triangles of one cell.
 struct Run {
-  std::uint64_t first = 0;
+  std::uint64_t first = 0;  // triangle, in an array or in a file
   std::uint32_t count = 0;
-  std::uint32_t cell = 0;  // number within the chunk, then rank among the cells of all chunks
+  std::uint32_t cell = 0;  // number within its chunk, then rank among the cells of all chunks
 };
 
 struct ChunkRuns {
   std::vector<CellCode> codes;  // by number
-  std::vector<Run> runs;        // by number
-  std::uint64_t fingerprint = 0;
+  std::vector<Run> runs;
+  std::uint64_t fingerprint = 0;  // sum of triangle_fingerprint over the triangles
 };
 
-// One worker's memory for the chunk at hand.
-struct RunScratch {
-  CellNumbers cells;
-  std::vector<std::uint16_t> number;  // by triangle
-  std::vector<std::uint32_t> next;    // by cell: first how many triangles, then where the next one goes
-};
-
-// Where the runs of every cell are.
-struct RunTable {
+// Where the triangles of all cells are.
+struct CellRuns {
+  std::vector<CellCode> codes;                // occupied cells, ascending
   std::vector<std::uint64_t> first_run;       // by cell, one more than cells
   std::vector<Run> runs;                      // by cell, in the order of chunks
   std::vector<std::uint64_t> first_triangle;  // by cell, one more than cells
+  std::uint64_t fingerprint = 0;
+
+  [[nodiscard]] std::span<const Run> runs_of(std::size_t cell) const {
+    return std::span(runs).subspan(first_run[cell], first_run[cell + 1] - first_run[cell]);
+  }
+  [[nodiscard]] std::uint64_t triangles_of(std::size_t cell) const {
+    return first_triangle[cell + 1] - first_triangle[cell];
+  }
 };
 
-// Copies at most run_grain triangles to runs in sorted[first ...]; the fingerprint is the sum over them.
-[[nodiscard]] ChunkRuns sort_to_runs(std::span<const Vec3f> positions, std::span<const Triangle> triangles, int level,
-                                     std::uint64_t first, std::span<Triangle> sorted, RunScratch& scratch);
+// Brings the runs of all chunks together by cell.
+[[nodiscard]] CellRuns gather_runs(std::vector<ChunkRuns>&& chunks);
 
-// The cells of all chunks in Morton order; runs learn the rank of theirs.
-[[nodiscard]] std::vector<CellCode> rank_cells(std::vector<ChunkRuns>& chunks);
+// Sorts triangles by the cell of `level` that contains their barycentre.
+class RunSorter {
+ public:
+  RunSorter(std::span<const Vec3f> positions, int level, Scheduler& scheduler)
+      : positions_(positions),
+        level_(level),
+        scheduler_(scheduler),
+        scratch_(static_cast<std::size_t>(scheduler.workers())) {}
 
-[[nodiscard]] RunTable gather_runs(const std::vector<ChunkRuns>& chunks, std::size_t cells);
+  // Returns triangles [range.begin, range.end) of the input, or what is left of them; `room` may hold them.
+  using Read = std::function<std::span<const Triangle>(ChunkRange range, std::vector<Triangle>& room)>;
+  // Copies `count` triangles to runs in `sorted`, which has room for as many.
+  [[nodiscard]] CellRuns sort(std::uint64_t count, const Read& read, std::span<Triangle> sorted);
+
+ private:
+  // One worker's memory for the chunk at hand.
+  struct Scratch {
+    CellNumbers cells;
+    std::vector<std::uint16_t> number;  // by triangle
+    std::vector<std::uint32_t> next;    // by cell: first how many triangles, then where the next one goes
+    std::vector<Triangle> triangles;
+  };
+  [[nodiscard]] std::uint64_t number_cells(std::span<const Triangle> triangles, Scratch& s) const;
+  [[nodiscard]] ChunkRuns sort_chunk(std::span<const Triangle> triangles, std::uint64_t first,
+                                     std::span<Triangle> sorted, Scratch& s) const;
+
+  std::span<const Vec3f> positions_;
+  int level_;
+  Scheduler& scheduler_;
+  std::vector<Scratch> scratch_;
+};
+
+// Where sorted triangles are: in memory or in a file.
+class TriangleSource {
+ public:
+  virtual ~TriangleSource() = default;
+  // The triangles of a run; `room` has room for them. From any thread.
+  [[nodiscard]] virtual std::span<const Triangle> read(const Run& run, std::span<Triangle> room) const = 0;
+};
+
+// Brings the triangles of a cell together in `out`, in input order, with local ids. Sets the cell's `triangles` and
+// `ids`: the input vertices that the local ids stand for, in order of appearance.
+void collect_cell(const CellRuns& runs, std::size_t rank, const TriangleSource& source, std::span<Triangle> out,
+                  VertexNumbers& numbers, CellBuild& cell);
 
 }  // namespace lodestone

@@ -13,8 +13,6 @@
 #include <utility>
 
 #include "core/base/prefetch.h"
-#include "core/hierarchy/model/vertex_numbers.h"
-#include "parallel/build/cell_numbers.h"
 #include "parallel/build/cell_runs.h"
 #include "parallel/mesh/vertex_sharing.h"
 
@@ -24,35 +22,27 @@ namespace {
 constexpr std::size_t vertex_grain = 1 << 18;
 constexpr std::size_t cell_grain = 16;
 
-std::vector<ChunkRuns> sort_chunks(const IndexedMesh& mesh, int level, std::span<Triangle> sorted,
-                                   Scheduler& scheduler) {
-  std::vector<ChunkRuns> chunks(chunk_count(mesh.triangles.size(), run_grain));
-  std::vector<RunScratch> scratch(static_cast<std::size_t>(scheduler.workers()));
-  scheduler.for_chunks(mesh.triangles.size(), run_grain, [&](ChunkRange range) {
-    const auto triangles = std::span(mesh.triangles).subspan(range.begin, range.end - range.begin);
-    chunks[range.index] = sort_to_runs(mesh.positions, triangles, level, range.begin, sorted,
-                                       scratch[static_cast<std::size_t>(scheduler.worker_index())]);
-  });
-  return chunks;
-}
+class MemorySource final : public TriangleSource {
+ public:
+  explicit MemorySource(std::span<const Triangle> sorted) : sorted_(sorted) {}
+  [[nodiscard]] std::span<const Triangle> read(const Run& run, std::span<Triangle> /*room*/) const override {
+    return sorted_.subspan(run.first, run.count);
+  }
+
+ private:
+  std::span<const Triangle> sorted_;
+};
 
 // Moves the runs of the cells together, with local ids, and claims the vertices.
-void fill_cells(const RunTable& table, std::span<const Triangle> sorted, Partition& out, Scheduler& scheduler) {
+void fill_cells(const CellRuns& runs, const TriangleSource& source, Partition& out, Scheduler& scheduler) {
   const bool wedges = out.vertices.attributes.wedges;
   std::vector<VertexNumbers> scratch(static_cast<std::size_t>(scheduler.workers()));
   scheduler.for_chunks(out.cells.size(), cell_grain, [&](ChunkRange range) {
     VertexNumbers& numbers = scratch[static_cast<std::size_t>(scheduler.worker_index())];
     for (std::size_t c = range.begin; c < range.end; ++c) {
-      const std::uint64_t first = table.first_triangle[c], count = table.first_triangle[c + 1] - first;
       CellBuild& cell = out.cells[c];
-      cell.triangles = std::span(out.triangles).subspan(first, count);
-      Triangle* to = cell.triangles.data();
-      numbers.clear(count);
-      for (std::uint64_t r = table.first_run[c]; r < table.first_run[c + 1]; ++r) {
-        numbers.number(sorted.subspan(table.runs[r].first, table.runs[r].count), to);
-        to += table.runs[r].count;
-      }
-      cell.ids.assign(numbers.vertices().begin(), numbers.vertices().end());
+      collect_cell(runs, c, source, std::span(out.triangles).subspan(runs.first_triangle[c], runs.triangles_of(c)),
+                   numbers, cell);
       for (std::size_t i = 0; i < cell.ids.size(); ++i) {
         prefetch(&out.vertices.sharing[cell.ids[std::min(i + prefetch_distance, cell.ids.size() - 1)]]);
         const std::uint32_t vertex = wedges ? out.vertices.wedges.vertex[cell.ids[i]] : cell.ids[i];
@@ -83,20 +73,22 @@ Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler) {
   // As bytes: a Triangle would be set to zero first.
   const auto memory = std::make_unique_for_overwrite<std::byte[]>(mesh.triangles.size() * sizeof(Triangle));
   const std::span sorted(reinterpret_cast<Triangle*>(memory.get()), mesh.triangles.size());
-  RunTable table;
-  {
-    std::vector<ChunkRuns> chunks = sort_chunks(mesh, level, sorted, scheduler);
-    for (const ChunkRuns& chunk : chunks) out.fingerprint += chunk.fingerprint;
-    out.codes = rank_cells(chunks);
-    table = gather_runs(chunks, out.codes.size());
-  }
+  const CellRuns runs = RunSorter(mesh.positions, level, scheduler)
+                            .sort(
+                                mesh.triangles.size(),
+                                [&](ChunkRange range, std::vector<Triangle>& /*room*/) {
+                                  return std::span(mesh.triangles).subspan(range.begin, range.end - range.begin);
+                                },
+                                sorted);
+  out.codes = runs.codes;
+  out.fingerprint = runs.fingerprint;
   out.triangles = std::move(mesh.triangles);  // to be overwritten
   out.vertices.positions = std::move(mesh.positions);
   out.vertices.attributes = attributes_of(mesh);
   out.vertices.wedges = std::move(mesh.wedges);
   out.vertices.sharing.assign(out.vertices.positions.size(), unowned);
   out.cells.resize(out.codes.size());
-  fill_cells(table, sorted, out, scheduler);
+  fill_cells(runs, MemorySource(sorted), out, scheduler);
   out.vertices.shared = number_shared(out.vertices.sharing, scheduler);
   if (out.vertices.attributes.wedges) spread_numbers(out.vertices, scheduler);
   return out;

@@ -1,6 +1,7 @@
 #include "parallel/build/save.h"
 
-#include <vector>
+#include <algorithm>
+#include <span>
 
 #include "core/files/atomic_file.h"
 #include "core/files/mapped_file.h"
@@ -8,57 +9,129 @@
 #include "core/hierarchy/lode/lode_format.h"
 
 namespace lodestone {
-
 namespace {
 
-// Tables in front of the payloads and assets behind them; returns the size of the file.
-std::uint64_t save_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
-                          std::span<const std::uint64_t> checksums, AtomicFile& file) {
-  const std::vector<std::byte> assets = encode_assets(hierarchy);
-  if (!assets.empty()) file.write_at(layout.payload_end(), assets);
-  file.write_at(0, encode_lode_tables(hierarchy, layout, checksums, assets));
-  return layout.payload_end() + assets.size();
-}
+class LodeSaver {
+ public:
+  LodeSaver(CellSource& source, const std::filesystem::path& path, Scheduler& scheduler,
+            const std::function<void(std::size_t)>& progress)
+      : source_(source),
+        file_(path),
+        scheduler_(scheduler),
+        progress_(progress),
+        counts_(source.counts()),
+        plain_(plan_lode(source.tables(), counts_)),
+        checksums_(counts_.size()) {}
 
-std::uint64_t save_plain(const Hierarchy& hierarchy, AtomicFile& file, Scheduler& scheduler) {
-  const LodeLayout layout = plan_lode(hierarchy);
-  const std::vector<LodeChunk> chunks = lode_chunks(layout);
-  std::vector<std::uint64_t> checksums(hierarchy.cells.size());
-  std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler.workers()));
-  file.reserve(layout.payload_end());
-  scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
-    std::vector<std::byte>& buffer = buffers[static_cast<std::size_t>(scheduler.worker_index())];
-    encode_lode_chunk(hierarchy, layout, chunks[range.begin], buffer, checksums);
-    file.write_at(layout.cell_offset[chunks[range.begin].first_cell], buffer);
-  });
-  return save_tables(hierarchy, layout, checksums, file);
-}
+  std::uint64_t save_plain() {
+    std::vector<std::vector<std::byte>> buffers(static_cast<std::size_t>(scheduler_.workers()));
+    file_.reserve(plain_.payload_end());
+    const auto offset = [&](std::uint32_t cell) { return plain_.cell_offset[cell]; };
+    for_levels([&](std::span<const LodeChunk> chunks) {
+      scheduler_.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
+        const LodeChunk chunk = chunks[range.begin];
+        std::vector<std::byte>& bytes = buffers[static_cast<std::size_t>(scheduler_.worker_index())];
+        bytes.resize(offset(chunk.end_cell) - offset(chunk.first_cell));
+        for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c)
+          source_.visit(c, [&](const Cell& cell) {
+            checksums_[c] = encode_payload(
+                cell, std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
+          });
+        file_.write_at(offset(chunk.first_cell), bytes);
+      });
+    });
+    return finish(plain_);
+  }
 
-std::uint64_t save_compressed(const Hierarchy& hierarchy, AtomicFile& file, Scheduler& scheduler) {
-  const std::vector<LodeChunk> chunks = lode_chunks(plan_lode(hierarchy), 1u << 20);
-  std::vector<std::uint64_t> sizes(hierarchy.cells.size()), checksums(hierarchy.cells.size());
-  std::vector<std::vector<std::byte>> payloads(chunks.size());
-  scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
-    compress_lode_chunk(hierarchy, chunks[range.begin], payloads[range.begin], sizes, checksums);
-  });
-  const LodeLayout layout = plan_compressed_lode(hierarchy, sizes);
-  file.reserve(layout.payload_end());
-  scheduler.for_chunks(chunks.size(), 1, [&](ChunkRange range) {
-    file.write_at(layout.cell_offset[chunks[range.begin].first_cell], payloads[range.begin]);
-    payloads[range.begin] = {};
-  });
-  return save_tables(hierarchy, layout, checksums, file);
-}
+  // Sizes are known last, and the tables' is known first: payloads follow each other as they come, some at a time.
+  std::uint64_t save_compressed() {
+    std::uint64_t at = plain_.table_bytes;
+    std::vector<std::uint64_t> sizes(counts_.size());
+    std::vector<std::vector<std::byte>> payloads(16 * static_cast<std::size_t>(scheduler_.workers()));
+    for_levels([&](std::span<const LodeChunk> chunks) {
+      for (std::size_t begin = 0; begin < chunks.size(); begin += payloads.size()) {
+        const std::size_t count = std::min(payloads.size(), chunks.size() - begin);
+        scheduler_.for_chunks(count, 1, [&](ChunkRange range) {
+          compress(chunks[begin + range.begin], payloads[range.begin], sizes);
+        });
+        for (std::size_t i = 0; i < count; ++i) {
+          file_.write_at(at, payloads[i]);
+          at += payloads[i].size();
+        }
+      }
+    });
+    return finish(plan_compressed_lode(source_.tables(), sizes));
+  }
+
+ private:
+  // Calls visit with the chunks of each level.
+  template <class Visit>
+  void for_levels(const Visit& visit) {
+    constexpr std::uint64_t chunk_bytes = 1u << 20;
+    const std::vector<Level>& levels = source_.tables().levels;
+    std::vector<LodeChunk> chunks;
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      const std::uint32_t first = levels[l].first_cell, end = first + levels[l].cell_count;
+      chunks.clear();
+      for (std::uint32_t c = first; c < end; ++c)
+        if (chunks.empty() || plain_.cell_offset[c] - plain_.cell_offset[chunks.back().first_cell] >= chunk_bytes) {
+          chunks.push_back({c, c + 1});
+        } else {
+          chunks.back().end_cell = c + 1;
+        }
+      source_.begin_level(l);
+      visit(chunks);
+      if (progress_) progress_(end);
+    }
+  }
+
+  void compress(LodeChunk chunk, std::vector<std::byte>& bytes, std::vector<std::uint64_t>& sizes) {
+    bytes.clear();
+    for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c) {
+      const std::size_t before = bytes.size();
+      source_.visit(c, [&](const Cell& cell) {
+        checksums_[c] = append_compressed_payload(cell, source_.tables().transform.lattice, bytes);
+      });
+      sizes[c] = bytes.size() - before;
+    }
+  }
+
+  // Writes the assets after the payloads and the tables before them; returns the size of the file.
+  std::uint64_t finish(const LodeLayout& layout) {
+    const std::vector<std::byte> assets = encode_assets(source_.tables());
+    if (!assets.empty()) file_.write_at(layout.payload_end(), assets);
+    file_.write_at(0, encode_lode_tables(source_.tables(), counts_, layout, checksums_, assets));
+    file_.commit();
+    return layout.payload_end() + assets.size();
+  }
+
+  CellSource& source_;
+  AtomicFile file_;
+  Scheduler& scheduler_;
+  const std::function<void(std::size_t)>& progress_;
+  std::vector<PayloadCounts> counts_;
+  LodeLayout plain_;
+  std::vector<std::uint64_t> checksums_;
+};
 
 }  // namespace
 
+std::vector<PayloadCounts> CellSource::counts() const {
+  std::vector<PayloadCounts> counts;
+  for (const Cell& cell : hierarchy_.cells) counts.push_back(counts_of(cell));
+  return counts;
+}
+
+std::uint64_t save_lode(CellSource& source, const std::filesystem::path& path, Scheduler& scheduler, LodeForm form,
+                        const std::function<void(std::size_t)>& progress) {
+  LodeSaver saver(source, path, scheduler, progress);
+  return form == LodeForm::compressed ? saver.save_compressed() : saver.save_plain();
+}
+
 std::uint64_t save_lode(const Hierarchy& hierarchy, const std::filesystem::path& path, Scheduler& scheduler,
                         LodeForm form) {
-  AtomicFile file(path);
-  const std::uint64_t bytes = form == LodeForm::compressed ? save_compressed(hierarchy, file, scheduler)
-                                                           : save_plain(hierarchy, file, scheduler);
-  file.commit();
-  return bytes;
+  CellSource source(hierarchy);
+  return save_lode(source, path, scheduler, form);
 }
 
 Hierarchy load_lode(const std::filesystem::path& path, Scheduler& scheduler) {

@@ -2,64 +2,45 @@
 // once, with operations that commute exactly, so that the result depends on no order.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/hierarchy/build/cell_build.h"
+#include "core/hierarchy/build/finest_cell.h"
 #include "core/math/float4.h"
+#include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 
-// Sums of vectors whose result does not depend on the order: 64-bit fixed point. Twice a triangle's area is at most 2,
-// and 2^54 leaves room for hundreds of such triangles while resolving areas of 1e-16.
-class NormalSums {
+// Memory: 52 bytes per shared vertex at the peak, 16 after finish().
+class SharedVertices {
  public:
-  explicit NormalSums(std::size_t count) : sums_(count) {}
-  void add(std::size_t i, Float4 n) {
-    for (int k = 0; k < 3; ++k)
-      std::atomic_ref(sums_[i][static_cast<std::size_t>(k)])
-          .fetch_add(static_cast<std::int64_t>(n[k] * scale_), std::memory_order_relaxed);
-  }
-  [[nodiscard]] Vec3f sum(std::size_t i) const {
-    const auto v = [&](std::size_t k) { return static_cast<float>(static_cast<double>(sums_[i][k])); };
-    return {v(0), v(1), v(2)};  // the scale does not matter for a direction
-  }
+  static constexpr std::uint64_t peak_bytes_per_vertex = 52, bytes_per_vertex = 16;
+
+  // vertices.sharing is numbered (number_shared) and remains as it is.
+  explicit SharedVertices(const FinestVertices& vertices);
+  ~SharedVertices();
+
+  // Adds a cell, packed by make_finest_cell, and what that returned. From any thread.
+  void add(const CellBuild& cell, CellCode code, std::span<const Float4> normals);
+  // After all cells were added.
+  void finish(Scheduler& scheduler);
+  // Gives the cell usage and normals of its shared vertices.
+  void describe(CellBuild& cell) const;
 
  private:
-  static constexpr float scale_ = 0x1p54f;
-  std::vector<std::array<std::int64_t, 3>> sums_;
-};
-
-// UsageBox extended by several workers: lo and hi of an axis in one word each.
-class UsageBoxes {
- public:
-  explicit UsageBoxes(std::size_t count) : axes_(count, {empty_, empty_, empty_}) {}
-  void extend(std::size_t i, CellCoord c) {
-    extend_axis(axes_[i][0], c.x);
-    extend_axis(axes_[i][1], c.y);
-    extend_axis(axes_[i][2], c.z);
-  }
-  [[nodiscard]] UsageBox box(std::size_t i) const {
-    const auto lo = [&](std::size_t k) { return static_cast<std::uint16_t>(axes_[i][k] & 0xffff); };
-    const auto hi = [&](std::size_t k) { return static_cast<std::uint16_t>(axes_[i][k] >> 16); };
-    return {{lo(0), lo(1), lo(2)}, {hi(0), hi(1), hi(2)}};
+  class Sums;
+  [[nodiscard]] std::size_t index(const CellBuild& cell, std::size_t k) const {
+    return vertices_.sharing[cell.slab.shared_ids[k]] & ~FinestVertices::shared_flag;
   }
 
- private:
-  static void extend_axis(std::uint32_t& word, std::uint32_t v) {
-    const std::atomic_ref axis(word);
-    std::uint32_t old = axis.load(std::memory_order_relaxed);
-    for (;;) {
-      const std::uint32_t extended = std::min(old & 0xffff, v) | (std::max(old >> 16, v) << 16);
-      if (extended == old || axis.compare_exchange_weak(old, extended, std::memory_order_relaxed)) return;
-    }
-  }
-  static constexpr std::uint32_t empty_ = 0x0000'ffffu;
-  std::vector<std::array<std::uint32_t, 3>> axes_;
+  const FinestVertices& vertices_;
+  std::unique_ptr<Sums> sums_;
+  std::vector<UsageBox> usage_;        // by number among the shared vertices
+  std::vector<PackedNormal> normals_;  // likewise
 };
 
 }  // namespace lodestone

@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "parallel/clean/hash_partition.h"
+#include "parallel/clean/find_repeats.h"
 
 namespace lodestone {
 namespace {
@@ -23,9 +23,9 @@ std::uint64_t bits(float a, float b) {
   return std::bit_cast<std::uint32_t>(a) | std::uint64_t{std::bit_cast<std::uint32_t>(b)} << 32;
 }
 
-// Items of those that `keep`s, in order.
+// Removes the items i without keep(i).
 template <class T, class Keep>
-void squeeze_if(std::vector<T>& items, const Keep& keep) {
+void keep_if(std::vector<T>& items, const Keep& keep) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < items.size(); ++i)
     if (keep(i)) items[kept++] = items[i];
@@ -55,7 +55,7 @@ WedgePreparation::WedgePreparation(RawMesh& raw, Scheduler& scheduler)
   make_finite();
 }
 
-// What is no number is treated as not given.
+// A value that is not a number counts as not given.
 void WedgePreparation::make_finite() {
   for (Vec2f& uv : wedges_.uv)
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {};
@@ -66,11 +66,11 @@ void WedgePreparation::make_finite() {
   for (Vec3f& n : wedges_.normal) n = {n.x + 0.0f, n.y + 0.0f, n.z + 0.0f};
 }
 
-void WedgePreparation::squeeze(const std::vector<Triangle>& triangles) {
+void WedgePreparation::compact(const std::vector<Triangle>& triangles) {
   if (count_ == 0) return;
-  const auto stays = [&](std::size_t t) { return !is_degenerate(triangles[t]); };
-  squeeze_if(wedges_.corners, stays);
-  squeeze_if(wedges_.material, stays);
+  const auto is_kept = [&](std::size_t t) { return !is_degenerate(triangles[t]); };
+  keep_if(wedges_.corners, is_kept);
+  keep_if(wedges_.material, is_kept);
 }
 
 void WedgePreparation::attach(IndexedMesh& mesh) {
@@ -121,7 +121,7 @@ void WedgePreparation::give_materials() {
     }
 }
 
-// Every wedge belongs to one vertex, so whoever writes it writes the same.
+// Every wedge belongs to one vertex, so all writers of a place write the same value.
 void WedgePreparation::place_wedges(const IndexedMesh& mesh) {
   vertex_.assign(count_, none);
   scheduler_.for_chunks(mesh.triangles.size(), grain, [&](ChunkRange range) {
@@ -153,13 +153,17 @@ bool WedgePreparation::equal(std::uint32_t a, std::uint32_t b) const {
 void WedgePreparation::weld() {
   numbers_.resize(count_);
   for (std::uint32_t w = 0; w < count_; ++w) numbers_[w] = w;
-  (void)HashPartition(
-      count_, [&](std::size_t w) { return vertex_[w] != none; }, [&](std::size_t w) { return hash_of(w); }, scheduler_)
-      .find_repeats([&](std::uint32_t a, std::uint32_t b) { return equal(a, b); },
-                    [&](std::uint32_t repeat, std::uint32_t first) { numbers_[repeat] = first; }, scheduler_);
+  (void)find_repeats(
+      count_, all_in_memory,
+      [&](ChunkRange range, const auto& emit) {
+        for (std::size_t w = range.begin; w < range.end; ++w)
+          if (vertex_[w] != none) emit(w, hash_of(w));
+      },
+      [&](std::uint32_t a, std::uint32_t b) { return equal(a, b); },
+      [&](std::uint32_t repeat, std::uint32_t first) { numbers_[repeat] = first; }, scheduler_);
 }
 
-// Representatives stand before what they represent.
+// Representatives come before what they represent.
 void WedgePreparation::number() {
   kept_.clear();
   for (std::uint32_t w = 0; w < count_; ++w) {

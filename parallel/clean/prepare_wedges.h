@@ -13,13 +13,13 @@ namespace lodestone {
 // attributes become one, the first. For a mesh without attributes every call does nothing.
 class WedgePreparation {
  public:
-  // Before the triangles change. Moves the attributes out of `raw`.
+  // Is made before the triangles change. Moves the attributes out of `raw`.
   WedgePreparation(RawMesh& raw, Scheduler& scheduler);
 
-  // Before the triangles that have become degenerate are squeezed out.
-  void squeeze(const std::vector<Triangle>& triangles);
+  // Removes the wedges' corners of triangles that have become degenerate, before those are removed.
+  void compact(const std::vector<Triangle>& triangles);
 
-  // Once the mesh is clean: turns its vertices into wedges.
+  // Turns the vertices of the clean mesh into wedges.
   void attach(IndexedMesh& mesh);
 
  private:

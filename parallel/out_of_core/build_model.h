@@ -14,7 +14,7 @@
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/build/build.h"
-#include "parallel/out_of_core/mesh_stream.h"
+#include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

@@ -7,13 +7,14 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "parallel/build/build_blocks.h"
 #include "parallel/build/level_table.h"
 #include "parallel/build/partition.h"
 #include "parallel/mesh/vertex_sharing.h"
 #include "parallel/out_of_core/out_of_core_state.h"
-#include "parallel/out_of_core/save_stored.h"
 #include "parallel/out_of_core/spilled_finest.h"
 #include "parallel/out_of_core/stored_blocks.h"
+#include "parallel/out_of_core/stored_source.h"
 #include "parallel/scheduler/cancelling_scheduler.h"
 #include "parallel/scheduler/clock.h"
 
@@ -62,20 +63,19 @@ class Memory {
   }
 
   // Blocks at a time.
-  [[nodiscard]] int lanes(const SpilledMesh& mesh, const BlockPlan& plan) const {
+  [[nodiscard]] std::size_t lanes(const SpilledMesh& mesh, const BlockPlan& plan) const {
     const std::uint64_t largest_block = StoredBlocks::largest_block(plan, mesh.cells);
     std::uint64_t cells = 0;
     for (const LevelCells& level : plan.levels) cells += level.codes.size();
     const std::uint64_t vertices =
-        vertex_bytes(mesh.vertices.positions) + cells * 1000 + mesh.cells.runs.size() * sizeof(SpilledCells::Run);
-    const std::uint64_t shared = mesh.vertices.shared * SpilledFinest::bytes_per_shared;
+        vertex_bytes(mesh.vertices.positions) + cells * 1000 + mesh.cells.runs.size() * sizeof(Run);
+    const std::uint64_t shared = mesh.vertices.shared * SharedVertices::bytes_per_vertex;
     const std::uint64_t lane = largest_block * StoredBlocks::bytes_per_triangle;
     const std::uint64_t need =
-        fixed_ + vertices + std::max(mesh.vertices.shared * SpilledFinest::peak_bytes_per_shared, shared + lane);
+        fixed_ + vertices + std::max(mesh.vertices.shared * SharedVertices::peak_bytes_per_vertex, shared + lane);
     if (need > config_.memory_limit)
       fail_too_small(stream_, "its cells and blocks need", need, " or a smaller --cell-triangles");
-    return static_cast<int>(
-        std::clamp<std::uint64_t>(left(vertices + shared) / std::max<std::uint64_t>(lane, 1), 1, workers_));
+    return std::clamp<std::uint64_t>(left(vertices + shared) / std::max<std::uint64_t>(lane, 1), 1, workers_);
   }
 
  private:
@@ -186,9 +186,11 @@ class OutOfCoreBuild {
 
     steps_.begin("spill", "sorting");
     mesh_.vertices.sharing.assign(clean.positions.size(), unowned);
-    mesh_.cells =
-        spill_triangles(stream_, clean, mesh_.level, memory_.part(clean), mesh_.vertices.sharing, files_.triangles(),
-                        scheduler_, [&](std::uint64_t done) { steps_.share(ratio(done, stream_.triangle_count())); });
+    mesh_.cells = spill_triangles(
+        stream_, clean,
+        {mesh_.level, memory_.part(clean),
+         [&](std::uint64_t done) { steps_.share(ratio(done, stream_.triangle_count())); }},
+        mesh_.vertices.sharing, files_.triangles(), scheduler_);
     mesh_.triangles = clean.triangles;
     mesh_.transform = clean.transform;
     mesh_.repairs = clean.repairs;
@@ -199,24 +201,25 @@ class OutOfCoreBuild {
 
   void build() {
     plan_ = plan_blocks(mesh_.cells.codes, mesh_.level);
-    const int lanes = memory_.lanes(mesh_, plan_);
+    const std::size_t lanes = memory_.lanes(mesh_, plan_);
     steps_.begin("shared", "sharing");
     const Lattice lattice = mesh_.transform.lattice;
-    SpilledFinest finest(mesh_.cells, files_.triangles(), mesh_.vertices, mesh_.level, config_.build.sigma0, lattice);
+    const FileSource triangles(files_.triangles());
+    SpilledFinest finest(mesh_.cells, triangles, mesh_.vertices, {mesh_.level, config_.build.sigma0, lattice});
     finest.describe_shared(scheduler_, [&](std::uint64_t done) { steps_.share(ratio(done, mesh_.triangles)); });
 
     steps_.begin("hierarchy", "building");
-    StoredBlocks::Hooks hooks;
-    if (files_.records()) hooks.record = [&](std::span<const std::byte> record) { files_.record_block(record); };
-    // All levels together consume about 4/3 of the input.
-    hooks.done = [&](std::uint64_t triangles) { steps_.share(ratio(3 * triangles, 4 * mesh_.triangles)); };
     CellStore store(files_.cells(), {});
-    StoredBlocks blocks(plan_, mesh_.cells, finest, store, config_.build, lattice, lanes, std::move(hooks));
+    StoredBlocks blocks(plan_, mesh_.cells, finest, store, lanes);
+    if (files_.records()) blocks.on_record([&](std::span<const std::byte> record) { files_.record_block(record); });
     for (const std::vector<std::byte>& record : files_.block_records())
       result_.blocks_resumed += blocks.take_record(record);
     result_.blocks = plan_.blocks.size();
-    blocks.run(scheduler_);
-    stored_.cells = std::move(blocks).cells();
+    BuildConfig build = config_.build;
+    build.progress = [&](double share) { steps_.share(share); };
+    build_blocks({plan_, blocks.in_memory(), blocks, {}, lattice, mesh_.triangles, lanes}, build, scheduler_);
+    if (plan_.blocks.empty()) blocks.store_root();
+    stored_.cells = std::move(blocks).stored();
   }
 
   void save() {
@@ -226,9 +229,11 @@ class OutOfCoreBuild {
     std::vector<std::uint32_t>().swap(mesh_.vertices.sharing);
     fill_tables();
     const CellStore store(files_.cells(), {});
+    using enum StoredSource::Order;
+    StoredSource source(stored_, store, config_.build.order_cells ? for_compression : as_stored, scheduler_);
     result_.file_bytes =
-        save_stored(stored_, store, config_.output, config_.form, config_.build.order_cells, scheduler_,
-                    [&](std::size_t cells) { steps_.share(ratio(cells, stored_.tables.cells.size())); });
+        save_lode(source, config_.output, scheduler_, config_.form,
+                  [&](std::size_t cells) { steps_.share(ratio(cells, stored_.tables.cells.size())); });
     steps_.end();
     result_.scratch_bytes = files_.bytes();
     files_.remove();
@@ -257,7 +262,7 @@ class OutOfCoreBuild {
     out.provenance.fingerprint = mesh_.cells.fingerprint;
     out.provenance.simplifier = static_cast<std::uint32_t>(build.simplifier);
     out.provenance.placement =
-        static_cast<std::uint32_t>(build.placement.value_or(default_placement(build.simplifier)));
+        static_cast<std::uint32_t>(placement_of(build));
     out.provenance.cell_triangles = build.finest_level < 0 ? build.cell_triangles : 0;
     for (std::size_t l = 0; l < plan_.levels.size(); ++l)
       append_level(
@@ -298,8 +303,8 @@ ModelNeed model_need(const MeshStream& stream, const ModelConfig& config, int wo
   need.memory_bytes =
       process_bytes + static_cast<std::uint64_t>(workers) * worker_bytes + triangles / 8 + cells * cell_bytes +
       std::max({20 * vertices + least_part(triangles) * sizeof(Triangle),
-                16 * vertices + shared * SpilledFinest::peak_bytes_per_shared,
-                16 * vertices + shared * SpilledFinest::bytes_per_shared + block * StoredBlocks::bytes_per_triangle});
+                16 * vertices + shared * SharedVertices::peak_bytes_per_vertex,
+                16 * vertices + shared * SharedVertices::bytes_per_vertex + block * StoredBlocks::bytes_per_triangle});
   // Triangles once for sorting, then cells: 23 bytes per triangle, 4/3 of the input, and what only blocks know.
   need.scratch_bytes = 12 * triangles + 33 * triangles + (config.resume ? 12 * vertices : 0);
   return need;

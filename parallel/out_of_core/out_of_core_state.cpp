@@ -6,13 +6,14 @@
 
 #include "core/base/error.h"
 #include "core/files/checksum.h"
+#include "parallel/build/build_blocks.h"
 #include "parallel/mesh/vertex_sharing.h"
 #include "parallel/scheduler/first_touch.h"
 
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t journal_version = 1;
+constexpr std::uint32_t journal_version = 2;
 constexpr std::size_t grain = std::size_t{1} << 18;  // vertices; a multiple of 64
 
 // Equal for builds that come to the same temporary files. Form and order of cells are a matter of the very last step.
@@ -27,7 +28,7 @@ std::vector<std::byte> identity_of(const MeshStream& stream, const ModelConfig& 
   out.put(build.finest_level);
   out.put(build.finest_level < 0 ? build.cell_triangles : 0u);
   out.put(build.simplifier);
-  out.put(build.placement.value_or(default_placement(build.simplifier)));
+  out.put(placement_of(build));
   out.put(config.lattice.bits);
   out.put(checksum(std::as_bytes(std::span(config.program))));
   return {out.bytes().begin(), out.bytes().end()};
@@ -53,6 +54,7 @@ void visit_head(AnyMesh& mesh, const Value& value, const List& list) {
   list(mesh.cells.codes);
   list(mesh.cells.first_run);
   list(mesh.cells.runs);
+  list(mesh.cells.first_triangle);
 }
 
 }  // namespace

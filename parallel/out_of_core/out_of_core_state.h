@@ -20,7 +20,7 @@ struct SpilledMesh {
   std::uint64_t triangles = 0;
   Transform transform;
   Repairs repairs;
-  SpilledCells cells;
+  CellRuns cells;
   FinestVertices vertices;  // sharing is numbered
 };
 

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 #include <utility>
 
-#include "parallel/build/cell_numbers.h"
-#include "parallel/build/cell_runs.h"
 #include "parallel/mesh/vertex_sharing.h"
 
 namespace lodestone {
@@ -14,141 +11,76 @@ namespace {
 
 constexpr std::size_t write_triangles = std::size_t{1} << 16;  // about as many are written at once
 
-// A cell's triangles in one part.
-struct PartRun {
-  std::uint32_t cell = 0;  // in order of appearance over all parts
-  SpilledCells::Run run;
-};
+// Consecutive cells of about write_triangles: the first of each group, and the end.
+std::vector<std::size_t> group_cells(const CellRuns& runs) {
+  std::vector<std::size_t> groups{0};
+  for (std::size_t c = 1; c < runs.codes.size(); ++c)
+    if (runs.first_triangle[c] - runs.first_triangle[groups.back()] >= write_triangles) groups.push_back(c);
+  if (!runs.codes.empty()) groups.push_back(runs.codes.size());
+  return groups;
+}
 
 class Spilling {
  public:
-  Spilling(const MeshStream& stream, const CleanStream& clean, int level, std::uint64_t part_triangles,
-           std::span<std::uint32_t> sharing, ScratchFile& file, Scheduler& scheduler)
-      : stream_(stream),
-        clean_(clean),
-        level_(level),
-        sharing_(sharing),
-        file_(file),
-        scheduler_(scheduler),
-        scratch_(static_cast<std::size_t>(scheduler.workers())),
-        room_(std::min(part_triangles, stream.triangle_count())),
-        memory_(std::make_unique_for_overwrite<std::byte[]>(room_ * sizeof(Triangle))),
-        sorted_(reinterpret_cast<Triangle*>(memory_.get()), room_) {}
+  Spilling(std::span<std::uint32_t> sharing, ScratchFile& file, Scheduler& scheduler)
+      : sharing_(sharing), file_(file), scheduler_(scheduler) {}
 
-  [[nodiscard]] std::uint64_t room() const { return room_; }
-
-  void spill(std::uint64_t first, std::uint64_t count) {
-    std::vector<ChunkRuns> chunks = sort(first, count);
-    for (const ChunkRuns& chunk : chunks) fingerprint_ += chunk.fingerprint;
-    const std::vector<CellCode> codes = rank_cells(chunks);
-    const RunTable table = gather_runs(chunks, codes.size());
-    std::vector<std::uint32_t> cell;  // by rank in this part
-    for (const CellCode code : codes) cell.push_back(cells_.number(code));
-    write(table, cell);
-  }
-
-  [[nodiscard]] SpilledCells result() const {
-    SpilledCells out;
-    out.fingerprint = fingerprint_;
-    out.codes = cells_.codes;
-    std::vector<std::uint32_t> order(out.codes.size());  // cells by code
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(),
-              [&](std::uint32_t a, std::uint32_t b) { return out.codes[a] < out.codes[b]; });
-    std::vector<std::uint32_t> rank(order.size());
-    for (std::uint32_t r = 0; r < order.size(); ++r) rank[order[r]] = r;
-    std::sort(out.codes.begin(), out.codes.end());
-    out.first_run.assign(out.codes.size() + 1, 0);
-    for (const PartRun& part : runs_) ++out.first_run[rank[part.cell] + 1];
-    std::partial_sum(out.first_run.begin(), out.first_run.end(), out.first_run.begin());
-    out.runs.resize(runs_.size());
-    std::vector<std::uint64_t> next(out.first_run.begin(), out.first_run.end() - 1);
-    for (const PartRun& part : runs_) out.runs[next[rank[part.cell]]++] = part.run;
-    return out;
-  }
-
- private:
-  std::vector<ChunkRuns> sort(std::uint64_t first, std::uint64_t count) {
-    std::vector<ChunkRuns> chunks(chunk_count(count, run_grain));
-    scheduler_.for_chunks(count, run_grain, [&](ChunkRange range) {
-      const std::vector<Triangle> triangles = clean_.read(stream_, first + range.begin, range.end - range.begin);
-      chunks[range.index] = sort_to_runs(clean_.positions, triangles, level_, range.begin, sorted_,
-                                         scratch_[static_cast<std::size_t>(scheduler_.worker_index())]);
-    });
-    return chunks;
-  }
-
-  // Moves the runs of the cells together, cells in Morton order, and claims the vertices.
-  void write(const RunTable& table, std::span<const std::uint32_t> cell) {
-    const std::uint64_t offset = file_.claim(table.first_triangle.back() * sizeof(Triangle));
-    const std::vector<std::size_t> groups = group_cells(table);
+  // Moves the runs of the cells of a part together, cells in Morton order, and claims the vertices.
+  void write(CellRuns&& part, std::span<const Triangle> sorted) {
+    std::vector<std::uint32_t> cell;  // by rank in this part: its number in all parts
+    for (const CellCode code : part.codes) cell.push_back(cells_.number(code));
+    const std::uint64_t offset = file_.claim(part.first_triangle.back() * sizeof(Triangle));
+    const std::vector<std::size_t> groups = group_cells(part);
     scheduler_.for_chunks(groups.size() - 1, 1, [&](ChunkRange range) {
       const std::size_t begin = groups[range.begin], end = groups[range.begin + 1];
-      const std::uint64_t first = table.first_triangle[begin];
+      const std::uint64_t first = part.first_triangle[begin];
       std::vector<Triangle> triangles;
-      triangles.reserve(table.first_triangle[end] - first);
+      triangles.reserve(part.first_triangle[end] - first);
       for (std::size_t c = begin; c < end; ++c)
-        for (std::uint64_t r = table.first_run[c]; r < table.first_run[c + 1]; ++r)
-          for (const Triangle& t : sorted_.subspan(table.runs[r].first, table.runs[r].count)) {
+        for (const Run& run : part.runs_of(c))
+          for (const Triangle& t : sorted.subspan(run.first, run.count)) {
             for (const std::uint32_t v : t.v) claim_vertex(sharing_[v], cell[c]);
             triangles.push_back(t);
           }
       file_.write_at(offset + first * sizeof(Triangle), bytes_of(std::span<const Triangle>(triangles)));
     });
-    for (std::size_t c = 0; c < cell.size(); ++c)
-      runs_.push_back({cell[c],
-                       {offset + table.first_triangle[c] * sizeof(Triangle),
-                        table.first_triangle[c + 1] - table.first_triangle[c]}});
+    // The part as one chunk, a run for each of its cells.
+    ChunkRuns written{std::move(part.codes), {}, part.fingerprint};
+    for (std::uint32_t c = 0; c < written.codes.size(); ++c)
+      written.runs.push_back({offset / sizeof(Triangle) + part.first_triangle[c],
+                              static_cast<std::uint32_t>(part.triangles_of(c)), c});
+    parts_.push_back(std::move(written));
   }
 
-  // Consecutive cells of about write_triangles: the first of each group, and the end.
-  static std::vector<std::size_t> group_cells(const RunTable& table) {
-    std::vector<std::size_t> groups{0};
-    for (std::size_t c = 1; c + 1 < table.first_triangle.size(); ++c)
-      if (table.first_triangle[c] - table.first_triangle[groups.back()] >= write_triangles) groups.push_back(c);
-    if (table.first_triangle.size() > 1) groups.push_back(table.first_triangle.size() - 1);
-    return groups;
-  }
+  [[nodiscard]] CellRuns result() && { return gather_runs(std::move(parts_)); }
 
-  const MeshStream& stream_;
-  const CleanStream& clean_;
-  int level_;
+ private:
   std::span<std::uint32_t> sharing_;
   ScratchFile& file_;
   Scheduler& scheduler_;
-  std::vector<RunScratch> scratch_;
-  std::uint64_t room_;
-  std::unique_ptr<std::byte[]> memory_;  // as bytes: a Triangle would be set to zero first
-  std::span<Triangle> sorted_;           // of the part at hand
-  CellNumbers cells_;                    // of all parts
-  std::vector<PartRun> runs_;            // of all parts, in input order
-  std::uint64_t fingerprint_ = 0;
+  CellNumbers cells_;             // of all parts
+  std::vector<ChunkRuns> parts_;  // in input order
 };
 
 }  // namespace
 
-std::uint64_t SpilledCells::triangles_of(std::size_t cell) const {
-  std::uint64_t count = 0;
-  for (const Run& run : runs_of(cell)) count += run.count;
-  return count;
-}
-
-void SpilledCells::read(const ScratchFile& file, std::size_t cell, std::span<Triangle> triangles) const {
-  for (const Run& run : runs_of(cell)) {
-    file.read_at(run.offset, std::as_writable_bytes(triangles.first(run.count)));
-    triangles = triangles.subspan(run.count);
+CellRuns spill_triangles(const MeshStream& stream, const CleanStream& clean, const SpillConfig& config,
+                         std::span<std::uint32_t> sharing, ScratchFile& file, Scheduler& scheduler) {
+  const std::uint64_t all = stream.triangle_count(), room = std::min(config.part_triangles, all);
+  // As bytes: a Triangle would be set to zero first.
+  const auto memory = std::make_unique_for_overwrite<std::byte[]>(room * sizeof(Triangle));
+  const std::span sorted(reinterpret_cast<Triangle*>(memory.get()), room);
+  RunSorter sorter(clean.positions, config.level, scheduler);
+  Spilling spilling(sharing, file, scheduler);
+  for (std::uint64_t first = 0; first < all; first += room) {
+    const auto read = [&](ChunkRange range, std::vector<Triangle>& triangles) {
+      triangles = clean.read(stream, first + range.begin, range.end - range.begin);
+      return std::span<const Triangle>(triangles);
+    };
+    spilling.write(sorter.sort(std::min(room, all - first), read, sorted), sorted);
+    if (config.progress) config.progress(std::min(first + room, all));
   }
-}
-
-SpilledCells spill_triangles(const MeshStream& stream, const CleanStream& clean, int level,
-                             std::uint64_t part_triangles, std::span<std::uint32_t> sharing, ScratchFile& file,
-                             Scheduler& scheduler, const std::function<void(std::uint64_t)>& done) {
-  Spilling spilling(stream, clean, level, part_triangles, sharing, file, scheduler);
-  for (std::uint64_t first = 0; first < stream.triangle_count(); first += spilling.room()) {
-    spilling.spill(first, std::min(spilling.room(), stream.triangle_count() - first));
-    if (done) done(std::min(first + spilling.room(), stream.triangle_count()));
-  }
-  return spilling.result();
+  return std::move(spilling).result();
 }
 
 }  // namespace lodestone

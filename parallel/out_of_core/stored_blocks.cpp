@@ -3,56 +3,16 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/simplify/make_simplifier.h"
-#include "parallel/build/run_blocks.h"
 #include "parallel/out_of_core/journal.h"
 
 namespace lodestone {
 
-// A lane for as long as a block runs; waits for one.
-class StoredBlocks::LaneLease {
- public:
-  explicit LaneLease(StoredBlocks& blocks) : blocks_(blocks) {
-    std::unique_lock lock(blocks_.lane_mutex_);
-    blocks_.lane_freed_.wait(lock, [&] { return !blocks_.free_lanes_.empty(); });
-    lane_ = blocks_.free_lanes_.back();
-    blocks_.free_lanes_.pop_back();
-  }
-  ~LaneLease() {
-    {
-      const std::lock_guard lock(blocks_.lane_mutex_);
-      blocks_.free_lanes_.push_back(lane_);
-    }
-    blocks_.lane_freed_.notify_one();
-  }
-  LaneLease(const LaneLease&) = delete;
-  LaneLease& operator=(const LaneLease&) = delete;
-  Lane& operator*() const { return *lane_; }
-
- private:
-  StoredBlocks& blocks_;
-  Lane* lane_;
-};
-
-StoredBlocks::StoredBlocks(const BlockPlan& plan, const SpilledCells& spilled, const SpilledFinest& finest,
-                           CellStore& store, const BuildConfig& config, Lattice lattice, int lanes, Hooks hooks)
-    : plan_(plan),
-      spilled_(spilled),
-      finest_(finest),
-      store_(store),
-      config_(config),
-      lattice_(lattice),
-      hooks_(std::move(hooks)),
-      done_(plan.blocks.size(), 0),
-      lanes_(static_cast<std::size_t>(lanes)) {
+StoredBlocks::StoredBlocks(const BlockPlan& plan, const CellRuns& spilled, const SpilledFinest& finest,
+                           CellStore& store, std::size_t lanes)
+    : plan_(plan), spilled_(spilled), finest_(finest), store_(store), done_(plan.blocks.size(), 0), scratch_(lanes) {
   for (const LevelCells& level : plan.levels) {
     cells_.emplace_back(level.codes.size());
     stored_.emplace_back(level.codes.size());
-  }
-  for (Lane& lane : lanes_) {
-    lane.simplifier =
-        make_simplifier(config.simplifier, config.placement.value_or(default_placement(config.simplifier)));
-    free_lanes_.push_back(&lane);
   }
 }
 
@@ -63,7 +23,7 @@ void StoredBlocks::for_children(const Block& block, const Visit& visit) const {
     for (CellRank c = parents.first_child[parent]; c < parents.first_child[parent + 1]; ++c) visit(c);
 }
 
-std::uint64_t StoredBlocks::largest_block(const BlockPlan& plan, const SpilledCells& spilled) {
+std::uint64_t StoredBlocks::largest_block(const BlockPlan& plan, const CellRuns& spilled) {
   std::uint64_t largest = 0;
   const std::size_t finest = plan.levels.size() - 1;
   if (finest == 0) return spilled.triangles_of(0);
@@ -78,52 +38,32 @@ std::uint64_t StoredBlocks::largest_block(const BlockPlan& plan, const SpilledCe
   return largest;
 }
 
-void StoredBlocks::run(Scheduler& scheduler) {
-  run_blocks(plan_, config_.strategy, scheduler, config_.cancel, [&](std::uint32_t b) {
-    if (!done_[b]) run_block(b);
-  });
-  if (!plan_.blocks.empty()) return;
-  // The root alone.
-  CellBuild& root = cells_.front().front();
+void StoredBlocks::store_root() {
+  CellBuild root;
   std::vector<Triangle> triangles(spilled_.triangles_of(0));
-  finest_.make(0, triangles, lanes_.front().finest, root);
+  finest_.make(0, triangles, scratch_.front(), root);
   store_.put(root, false, stored_.front().front());
-  root = {};
 }
 
-void StoredBlocks::run_block(std::uint32_t index) {
-  const Block& block = plan_.blocks[index];
-  const auto level = static_cast<std::size_t>(block.level);
-  {
-    const LaneLease lease(*this);
-    Lane& lane = *lease;
-    load_cells(block, lane);
-    build_block(block, plan_.levels[level - 1], cells_[level], cells_[level - 1], config_.sigma0, {}, *lane.simplifier,
-                lane.block, lattice_);
-    consumed_ += lane.block.triangles.size();
-    store_cells(block);
-  }
-  record(index);
-  if (hooks_.done) hooks_.done(consumed_);
-}
-
-void StoredBlocks::load_cells(const Block& block, Lane& lane) {
+void StoredBlocks::load(const Block& block, std::size_t lane) {
   const auto level = static_cast<std::size_t>(block.level);
   std::vector<CellBuild>& cells = cells_[level];
   if (level + 1 < plan_.levels.size())
     return for_children(block, [&](CellRank c) { store_.get_for_block(stored_[level][c], cells[c]); });
   std::uint64_t count = 0;
   for_children(block, [&](CellRank c) { count += spilled_.triangles_of(c); });
-  lane.finest.triangles.resize(count);
-  std::span<Triangle> room = lane.finest.triangles;
+  SpilledFinestScratch& scratch = scratch_[lane];
+  scratch.triangles.resize(count);
+  std::span<Triangle> room = scratch.triangles;
   for_children(block, [&](CellRank c) {
     const std::uint64_t here = spilled_.triangles_of(c);
-    finest_.make(c, room.first(here), lane.finest, cells[c]);
+    finest_.make(c, room.first(here), scratch, cells[c]);
     room = room.subspan(here);
   });
 }
 
-void StoredBlocks::store_cells(const Block& block) {
+void StoredBlocks::store(std::uint32_t index) {
+  const Block& block = plan_.blocks[index];
   const auto level = static_cast<std::size_t>(block.level);
   for_children(block, [&](CellRank c) {
     CellBuild& cell = cells_[level][c];
@@ -136,17 +76,17 @@ void StoredBlocks::store_cells(const Block& block) {
     store_.put(cell, true, stored_[level - 1][parent]);
     cell = {};
   }
+  if (record_) record(index);
 }
 
 void StoredBlocks::record(std::uint32_t index) const {
-  if (!hooks_.record) return;
   const Block& block = plan_.blocks[index];
   const auto level = static_cast<std::size_t>(block.level);
   ByteWriter out;
   out.put(index);
   for_children(block, [&](CellRank c) { out.put(stored_[level][c]); });
   for (const CellRank parent : block.parents) out.put(stored_[level - 1][parent]);
-  hooks_.record(out.bytes());
+  record_(out.bytes());
 }
 
 bool StoredBlocks::take_record(std::span<const std::byte> record) {

@@ -7,9 +7,9 @@
 
 #include "core/base/error.h"
 #include "core/mesh/clean.h"
+#include "parallel/clean/stream_clean.h"
 #include "parallel/mesh/load.h"
-#include "parallel/out_of_core/mesh_stream.h"
-#include "parallel/out_of_core/stream_clean.h"
+#include "parallel/mesh/mesh_stream.h"
 #include "tests/parallel/stream_meshes.h"
 #include "tests/test_folder.h"
 

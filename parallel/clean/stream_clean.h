@@ -1,4 +1,4 @@
-// prepare_mesh (parallel/clean/prepare.h) for a mesh whose triangles stay in their file: the same repairs, the same numbers.
+// prepare_mesh (parallel/clean/prepare.h) for a mesh whose triangles remain in their file: the same repairs and numbers.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/out_of_core/mesh_stream.h"
+#include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
@@ -17,9 +17,9 @@ class BitSet {
  public:
   explicit BitSet(std::size_t count = 0) : words_((count + 63) / 64, 0) {}
   [[nodiscard]] bool operator[](std::size_t i) const { return words_[i / 64] >> (i % 64) & 1; }
-  // By one thread for each run of 64 alone.
+  // For one thread at a time for each run of 64.
   void set(std::size_t i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
-  // By any thread at any time, if all use it.
+  // For any thread at any time, if all use it.
   void set_shared(std::size_t i);
   [[nodiscard]] std::vector<std::uint64_t>& words() { return words_; }
 
@@ -27,9 +27,8 @@ class BitSet {
   std::vector<std::uint64_t> words_;
 };
 
-// What is left of a stream, but for the triangles.
-class CleanStream {
- public:
+// What is left of a stream, without the triangles.
+struct CleanStream {
   std::vector<Vec3f> positions;        // of the vertices that are left, as in IndexedMesh
   std::vector<std::uint32_t> numbers;  // of each vertex of the stream, among these; empty: all are left
   BitSet dropped;                      // triangles of the stream that go
@@ -42,10 +41,10 @@ class CleanStream {
 };
 
 // The file is read two to four times, once more where vertices meet or triangles are dropped, and twice for each part
-// of the triangles whose hashes (8 bytes each) have room in `working_bytes`. Memory: 17 bytes per vertex, a bit per
-// triangle, working_bytes, and two mebibytes per worker. `done` is called with the share that is done, from time to
-// time. Throws as prepare_mesh and the stream do.
+// of the triangles whose hashes (8 bytes each) fit into `working_bytes`. Memory: 17 bytes per vertex, a bit per
+// triangle, working_bytes, and two mebibytes per worker. `progress` gets the share that is done, from time to time.
+// Throws as prepare_mesh and the stream do.
 [[nodiscard]] CleanStream clean_stream(const MeshStream& stream, Lattice lattice, std::size_t working_bytes,
-                                       Scheduler& scheduler, const std::function<void(double)>& done = {});
+                                       Scheduler& scheduler, const std::function<void(double)>& progress = {});
 
 }  // namespace lodestone

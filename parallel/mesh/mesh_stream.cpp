@@ -1,4 +1,4 @@
-#include "parallel/out_of_core/mesh_stream.h"
+#include "parallel/mesh/mesh_stream.h"
 
 #include <algorithm>
 #include <limits>
