@@ -42,7 +42,7 @@ std::vector<ColumnInfo> columns() {
       {"stored_vertices", "", "of all levels, a copy for each cell", count},
       {"stored_ratio", "", "stored triangles over those of the input", cost},
       {"bytes", "bytes", "of the file", cost},
-      {"bytes_per_triangle", "bytes", "of the file, over the stored triangles", cost},
+      {"bytes_per_triangle", "bytes/triangle", "of the file, over the stored triangles", cost},
       {"read_seconds", "s", "reading the input file", cost},
       {"weld_seconds", "s", "cleaning, welding, normalising", cost},
       {"partition_seconds", "s", "of building: assigning triangles to cells", cost},

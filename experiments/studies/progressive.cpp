@@ -44,7 +44,7 @@ std::vector<ColumnInfo> columns() {
       {"peak_memory", "bytes", "largest resident set while collapsing, the input included", cost},
       {"cut_vertices", "", "copies made where the surface is no manifold", count},
       {"residual_edges", "", "cracks of the level: edges of its border that are no image of the input's", count},
-      {"bytes_per_vertex", "bytes", "of an .lpm of the whole ladder, without images, over its vertices", cost},
+      {"bytes_per_vertex", "bytes/vertex", "of an .lpm of the whole ladder, without images, over its vertices", cost},
       {"hash", "", "of the progressive mesh", label},
       {"same", "", "all rounds and a single worker make the same", label},
   };

@@ -56,7 +56,7 @@ std::vector<ColumnInfo> columns() {
       {"visible_rms", "% of the diagonal", "distance of the visible surface from the result, root of the mean square",
        accuracy},
       {"border_edges", "", "of the result", count},
-      {"euler", "", "Euler characteristic of the result", count},
+      {"euler", "", "Euler characteristic of the result", label},
       {"holes_filled", "", "between the views", count},
       {"manifold", "", "no edge of more than two triangles, no vertex of more than one fan", label},
       {"closed", "", "the result has no border", label},
@@ -103,7 +103,7 @@ void add_counts(Row& row, const Reconstruction& made) {
   row["sharpen_seconds"] = report.sharpen_time.seconds, row["simplify_seconds"] = report.simplify.seconds;
   const MeshQuality quality = measure_quality(made.mesh.positions, made.mesh.triangles);
   row["border_edges"] = quality.border_edges, row["manifold"] = quality.manifold(), row["closed"] = quality.closed();
-  row["euler"] = quality.euler;
+  row["euler"] = std::to_string(quality.euler);
 }
 
 std::vector<Row> run(const Parameters& parameters, const RunContext& context) {

@@ -1,6 +1,6 @@
 // The run-time library of the page against the program on the same files, and its times in the browser; gltf-validator on
 // what the program writes.
-// usage: node test_library.mjs PROGRAM PAGE MODULES [MODEL...]   with models: of these, a row each, for docs/results.md
+// usage: node test_library.mjs PROGRAM PAGE MODULES [MODEL...]   with models: of these, a row each, for docs/decisions/0028-page.md
 import {execFileSync} from 'node:child_process';
 import {copyFileSync, existsSync} from 'node:fs';
 import {createRequire} from 'node:module';

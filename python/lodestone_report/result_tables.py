@@ -1,0 +1,181 @@
+"""What the pages of docs/results show: tables of each standard study, as columns of its sweeps."""
+
+from dataclasses import dataclass
+
+MB = 1e6
+
+
+@dataclass(frozen=True)
+class Table:
+    """`columns`: heading, parameter or column, and what its numbers are divided by."""
+
+    title: str
+    sweeps: tuple
+    columns: list
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Page:
+    """`notes`: what a reader has to know beside the columns' meanings; without measured numbers, which would go stale."""
+
+    study: str
+    tables: list
+    notes: str = ""
+
+
+DATA, TRIANGLES = ("data", "data"), ("triangles", "triangles")
+CPU, SECONDS = ("CPU seconds", "cpu_seconds"), ("seconds", "seconds")
+RMS, MAX, NORMALS = ("RMS, %", "rms"), ("max, %", "error_max"), ("normals, degrees", "normal_mean")
+CRACKS, GAP = ("residual edges", "open_edges"), ("gap, pixels", "gap_pixels")
+CRACKED, TORN = ("cracked frames, %", "cracked_frames"), ("torn pixels", "torn_pixels")
+JUMP, BOUND = ("jump, pixels", "jump_pixels"), ("jump / bound", "jump_over_bound")
+FRAME, WORST, FRAME_CPU = ("ms a frame", "frame_ms"), ("slowest, ms", "frame_ms_worst"), ("CPU ms", "frame_cpu_ms")
+IMAGE, FLIP = ("image error, %", "image_error"), ("FLIP", "flip")
+POP, FLIP_POP, AREA = ("pop p99, %", "pop_p99"), ("FLIP pop p99", "flip_pop_p99"), ("FLIP pop area", "flip_pop_area")
+SURFACE, DRAWN = ("surface triangles", "surface_triangles"), ("triangles drawn", "triangles")
+CELL, SELECT, OVER_BORDER = ("cell triangles", "cell_triangles"), ("select, ms", "select_ms"), ("kappa0 / rho", "over_border")
+RATE, STORED = ("Mtri per core-second", "mtri_per_core_second"), ("stored / input", "stored_ratio")
+FLIGHT = [DATA, ("camera", "camera"), OVER_BORDER, SURFACE, DRAWN, SELECT,
+          CRACKS, BOUND]
+TABLE = [("stands for", "model"), ("limit, GiB", "memory_limit"), TRIANGLES, ("HLOD triangles", "hlod_triangles"),
+         SECONDS, CPU, ("of which building", "build_cpu_seconds"), RATE, ("peak MB", "peak_memory", MB),
+         ("scratch MB", "scratch_bytes", MB), ("file MB", "bytes", MB), ("verified", "valid")]
+
+PAGES = [
+    Page("build", [
+        Table("Models", ("models",),
+              [DATA, TRIANGLES, ("levels", "levels"), STORED, ("rho", "rho"), ("D", "diameter"), ("e", "e"), SECONDS, CPU,
+               RATE, ("peak MB", "peak_memory", MB), ("verified", "valid")]),
+        Table("Plain and compressed files", ("compressed",),
+              [DATA, ("compressed", "compress"), ("stored triangles", "stored_triangles"),
+               ("stored vertices", "stored_vertices"), ("bytes per stored triangle", "bytes_per_triangle"), ("e", "e"),
+               ("write, s", "write_seconds"), CPU, ("verified", "valid")]),
+        Table("Split edges: the hierarchy", ("refine",),
+              [DATA, ("split", "refine"), ("triangles of the finest level", "triangles"), ("levels", "levels"),
+               ("long half-edges", "long_edges"), ("longest edge / h_L", "max_edge"), ("rho", "rho"), ("D", "diameter"),
+               ("verified", "valid")]),
+        Table("Split edges: a fly-in at one pixel", ("refine_drawn",), [DATA, ("split", "refine"), SURFACE, DRAWN, CRACKS, BOUND],
+              "Splitting bounds the reach; it makes pictures no cheaper: a plane of two triangles becomes many."),
+        Table("sigma0 and cell size: the hierarchy", ("defaults",),
+              [DATA, ("sigma0", "sigma0"), CELL, ("levels", "levels"), STORED, ("rho", "rho"), ("e", "e"), RATE]),
+        Table("sigma0 and cell size: a fly-in", ("defaults_drawn",),
+              [DATA, ("sigma0", "sigma0"), CELL, ("pixel error", "pixel_error"), SURFACE, DRAWN],
+              "`lodestone build --help` names the defaults; the number of levels changes in steps of about four in triangles."),
+    ], "Small models pay for fixed tables in memory. Long triangles reach far out of their cells (rho), which the rule by level "
+       "pays for on the level concerned alone; see [the guarantee](guarantee.md)."),
+    Page("guarantee", [
+        Table("By level, one pixel", ("one_pixel",), FLIGHT),
+        Table("Uniform radii, 1.05 rho", ("uniform",), FLIGHT),
+        Table("By level, the least admissible radii", ("least",), FLIGHT,
+              "These runs cross the most borders between levels: the hardest case."),
+        Table("Uniform radii below the border: cracks appear", ("below",),
+              [DATA, OVER_BORDER, ("viewpoints", "frame_count"), CRACKS, CRACKED, GAP, TORN]),
+        Table("A step instead of a blend: vertices jump", ("step",),
+              [DATA, OVER_BORDER, CRACKS, JUMP, BOUND]),
+    ], "A run of the first three tables fails if one frame has a residual edge or one vertex jumps beyond its bound. The finer "
+       "course of the border is in [the ablation](ablation.md)."),
+    Page("accuracy", [
+        Table("At equal triangles: own families, and libraries on the whole mesh", ("families",),
+              [DATA, ("level", "level"), ("family", "family"), TRIANGLES, SECONDS, CPU, ("all levels at once", "all_levels"),
+               RMS, MAX, ("p99, %", "error_p99"), NORMALS, ("slivers, %", "slivers"), ("manifold", "manifold")],
+              "meshoptimizer (`meshopt_simplify`) and OpenMesh (`DecimaterT`, quadrics and normal flipping) get the whole mesh "
+              "and know neither blocks nor bounds nor parents."),
+        Table("Stated errors and distances found, over the cell size of the level", ("errors",),
+              [DATA, ("level", "level"), ("triangles", "level_triangles"), ("measured", "measure_error"), ("e", "level_e"),
+               ("largest distance found", "level_distance"), ("measuring, CPU s", "measure_cpu_seconds"), ("verified", "valid")],
+              "A measured e is a bound for every point of both surfaces, at most 5 % too large; an estimate is taken at vertices "
+              "of the next finer level. Samples may miss the place that a bound covers."),
+        Table("Simplifiers under the same contract: the level two above the finest", ("simplifiers", "optimal"),
+              [DATA, ("simplifier", "simplifier"), ("placement", "placement"), ("sigma0", "sigma0"), CPU, RATE, STORED,
+               ("triangles", "level_triangles"), RMS, MAX, NORMALS, ("verified", "valid")]),
+    ]),
+    Page("progressive", [
+        Table("Shapes", ("shapes",),
+              [DATA, ("input", "input_triangles"), ("ktri per core-second", "ktri_per_core_second"),
+               ("bytes / vertex", "bytes_per_vertex"), ("base", "base_triangles"), TRIANGLES, RMS, MAX, NORMALS,
+               ("residual edges", "residual_edges"), ("cut vertices", "cut_vertices")]),
+        Table("With texture coordinates, by metric", ("textured",),
+              [DATA, ("metric", "metric"), ("input", "input_triangles"), ("ktri per core-second", "ktri_per_core_second"),
+               ("bytes / vertex", "bytes_per_vertex"), ("base", "base_triangles"), TRIANGLES, RMS, MAX, NORMALS,
+               ("residual edges", "residual_edges")],
+              "`attribute-quadric` and `parametric` keep texture coordinates in place, which RMS does not see."),
+    ], "`bytes / vertex` are those of the `.lpm` of the whole ladder; `base` is what is left when nothing can collapse. Edges of "
+       "more than two triangles are cut apart, and every flap keeps triangles of its own, which a base of the dragon shows."),
+    Page("reconstruction", [
+        Table("Models", ("models",),
+              [DATA, ("pixels", "resolution"), ("views", "view_count"), ("inside", "inside_views"), TRIANGLES,
+               ("coverage, %", "coverage"), ("slivers, %", "slivers"), ("border edges", "border_edges"),
+               ("of a closed input", "input_closed"), ("Euler", "euler"), ("holes filled", "holes_filled"),
+               ("manifold", "manifold"), RMS, ("of what is visible", "visible_rms"), MAX, CPU]),
+        Table("Where the seconds go", ("models",),
+              [DATA, ("pixels", "resolution"), ("views, s", "views_seconds"), ("draw", "draw_seconds"),
+               ("connect", "connect_seconds"), ("merge", "merge_seconds"), ("sharpen", "sharpen_seconds"),
+               ("simplify", "simplify_seconds"), ("Mpixels per core-second", "mpixels_per_core_second")]),
+        Table("Views, merge and detail", ("settings",),
+              [DATA, ("pixels", "resolution"), ("views", "views"), ("drawn", "view_count"), ("merge", "merge"),
+               ("detail", "detail"), TRIANGLES, ("coverage, %", "coverage"), ("manifold", "manifold"),
+               ("slivers, %", "slivers"), RMS, MAX, CPU],
+              "views 0: as many as the surface needs. Six views and `concatenate` are what is published."),
+    ], "Coverage counts samples of the surface that some outside view sees and that have the result within a sample's spacing. "
+       "`inside`: views whose near plane lies beyond what is in the way."),
+    Page("rendering", [
+        Table("Tolerance and backend", ("tolerance",),
+              [DATA, ("backend", "backend"), ("pixel error", "pixel_error"), DRAWN, FRAME, WORST, FRAME_CPU,
+               ("on the screen, pixels", "screen_error"), IMAGE, ("PSNR, dB", "psnr"), ("SSIM", "ssim"), FLIP]),
+        Table("Distance of the drawn surface from the full one on the screen", ("screen",),
+              [DATA, ("camera", "camera"), ("measured errors", "measure_error"), ("pixel error", "pixel_error"),
+               ("on the screen, pixels", "screen_error"), DRAWN]),
+        Table("Size of the model", ("size",),
+              [DATA, ("camera", "camera"), ("pixel error", "pixel_error"), ("input", "input_triangles"), DRAWN,
+               SELECT, FRAME, WORST, FRAME_CPU]),
+    ], "Both backends draw the same picture; `gl` without a graphics card is Mesa's llvmpipe, which draws on the processor (the "
+       "manifests name it)."),
+    Page("effects", [
+        Table("Effects", ("soft", "gl"),
+              [("scene", "data"), ("backend", "backend"), ("effects", "effects"), FRAME, FRAME_CPU, ("gain, ms", "gain_ms"),
+               ("gain, CPU ms", "gain_cpu_ms"), ("gain, %", "gain"), ("same picture", "same_picture"),
+               ("differing, %", "differing")]),
+    ], "`planned` runs what the scene calls for; `everything` draws the same picture with nothing left out, and its gain is "
+       "negative where planning saves time; the other rows leave out one planned effect, and their gain is its cost. Without its light there is "
+       "no shadow either."),
+    Page("scaling", [
+        Table("Strong and weak scaling", ("strong", "weak"),
+              [DATA, ("task", "task"), ("mode", "mode"), ("workers", "workers"), ("processors", "processors"), SECONDS, CPU,
+               ("speed-up", "speedup"), ("efficiency, %", "efficiency"), ("Karp-Flatt", "karp_flatt"), ("busy, %", "busy"),
+               ("idle, s", "idle"), ("same result", "same")]),
+        Table("Strategies of the build", ("strategies",),
+              [DATA, CELL, ("strategy", "strategy"), ("workers", "workers"), SECONDS, ("speed-up", "speedup"),
+               ("efficiency, %", "efficiency"), ("idle, s", "idle"), ("idle tail, s", "idle_tail"), ("same result", "same")]),
+    ], "The numbers of workers take turns within a run. `weak`: two workers have two models, or twice the pixels."),
+    Page("systems", [
+        Table("Systems on the same path", ("scans", "generated", "orbit"),
+              [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, JUMP,
+               BOUND, IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE, FRAME, WORST]),
+    ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
+       "compared with the bound of the morph. Every system is a run of its own, and repetitions take turns."),
+    Page("ablation", [
+        Table("Below and above the admissible border", ("border",),
+              [DATA, ("viewpoints", "camera"), OVER_BORDER, ("admissible", "admissible"), CRACKS, CRACKED, GAP,
+               ("T-junctions", "t_junctions"), TORN, BOUND]),
+        Table("Euclidean and Chebyshev distance", ("metrics",),
+              [DATA, ("metric", "metric"), ("rho", "rho"), OVER_BORDER, SURFACE, CRACKS, CRACKED, BOUND]),
+        Table("Radii: uniform and by level", ("radii",),
+              [DATA, ("radii", "radii"), OVER_BORDER, SURFACE, DRAWN, SELECT, CRACKS, BOUND]),
+        Table("Blending functions", ("blend",),
+              [DATA, ("blend", "blend"), BOUND, JUMP, ("jump p99, pixels", "jump_p99_pixels"), IMAGE, POP,
+               ("pop area, pixels", "pop_area"), FLIP_POP, AREA, CRACKS]),
+        Table("sigma0", ("sigma0",),
+              [DATA, ("sigma0", "sigma0"), ("rho", "rho"), SURFACE, DRAWN, FRAME, IMAGE, FLIP, JUMP, BOUND, CRACKS]),
+        Table("Width of the band", ("band",),
+              [DATA, ("blend", "blend"), ("beta", "beta"), SURFACE, ("jump / step", "jump_per_step"), JUMP, BOUND, CRACKS]),
+    ], "Adversarial viewpoints are made to crack; random ones hardly do near the border. Torn pixels are counted on closed "
+       "models. A blend that is continuous keeps its jumps within the bound, `step` does not."),
+    Page("published", [
+        Table("Stand-ins for the published models", ("size_1", "size_2", "size_3", "size_4"),
+              [*TABLE, ("published", "published")]),
+        Table("Within a limit of memory", ("limits",), TABLE),
+    ], "Seconds are from file to file. Generated surfaces take the place of the published models: in the full form of as many "
+       "triangles, in the standard form of a tenth."),
+]
+STUDIES = [page.study for page in PAGES]
