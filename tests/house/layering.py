@@ -21,11 +21,8 @@ LAYERS = ["core", "parallel", "render", "experiments"]
 SEES_ALL = ["bench", "tests"]
 MAX_SUBJECTS = 25  # a pair of .h and .cpp is one
 
-# Includes from one folder to another that close a circle and are not removed yet: (from, to).
-KNOWN_CIRCLES = [("render/effects", "render/backends/soft")]
-# Folders with more subjects than MAX_SUBJECTS, and folders without a CMakeLists.txt, that are not split or given one yet.
-KNOWN_FULL = {"experiments/studies": 28, "render/backends/gl": 27}
-KNOWN_UNTOLD = ["render/backends/null", "render/backends/soft"]
+# Folders that hold more and are not split yet.
+KNOWN_FULL = {"experiments/studies": 28}
 
 
 @dataclass(frozen=True)
@@ -98,7 +95,7 @@ def circles(includes):
     arrows = collections.defaultdict(lambda: collections.defaultdict(set))
     for file, included in includes:
         a, b = file.parts[:-1], included.parts[:-1]
-        if a == b or ("/".join(a), "/".join(b)) in KNOWN_CIRCLES:
+        if a == b:
             continue
         arrows["the tree"]["/".join(a)].add("/".join(b))
         shared = next(i for i, (x, y) in enumerate(zip([*a, ""], [*b, ""])) if x != y)
@@ -122,8 +119,7 @@ def folder_violations(root, files):
             yield f"{folder}: holds {len(held)} subjects; at most {MAX_SUBJECTS}"
         listing = folder / "CMakeLists.txt"
         if not (root / listing).is_file():
-            if str(folder) not in KNOWN_UNTOLD:
-                yield f"{folder}: has no CMakeLists.txt"
+            yield f"{folder}: has no CMakeLists.txt"
         elif not re.match(r"# [^\n]*\.\n(?!#)", sources.text(root, listing)):
             yield f"{listing}: does not open with one comment line on what the folder is"
 
