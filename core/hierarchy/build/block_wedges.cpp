@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include "core/spatial/point_triangle.h"
@@ -89,32 +88,18 @@ const SimplifyResult& BlockWedges::simplify(Simplifier& simplifier, float max_di
   return by_wedge_;
 }
 
-std::uint32_t BlockWedges::chart(std::uint32_t wedge) {
-  while (chart_[wedge] != wedge) wedge = chart_[wedge] = chart_[chart_[wedge]];
-  return wedge;
-}
-
-void BlockWedges::find_charts() {
-  chart_.resize(vertex_.size());
-  std::iota(chart_.begin(), chart_.end(), 0u);
-  for (const Triangle& t : corners_)
-    for (std::size_t k = 1; k < 3; ++k) {
-      const std::uint32_t a = chart(t.v[0]), b = chart(t.v[k]);
-      chart_[std::max(a, b)] = std::min(a, b);
-    }
-}
-
 // Vertices of one wedge have its chart as their label, others the set of their charts. Where a chart meets itself, P
 // would not know its side: such vertices keep to themselves.
 void BlockWedges::label_charts() {
-  find_charts();
+  charts_ = DisjointSets(vertex_.size());
+  for (const Triangle& t : corners_) charts_.unite(t.v[0], t.v[1]), charts_.unite(t.v[0], t.v[2]);
   labels_.resize(positions_.size());
   label_of_.clear();
   std::vector<std::uint32_t> charts;
   std::uint32_t next = static_cast<std::uint32_t>(vertex_.size());  // behind the charts, which are wedges
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     charts.clear();
-    for (std::uint32_t w = first_wedge_[v]; w != none; w = next_wedge_[w]) charts.push_back(chart(w));
+    for (std::uint32_t w = first_wedge_[v]; w != none; w = next_wedge_[w]) charts.push_back(charts_.find(w));
     std::sort(charts.begin(), charts.end());
     if (charts.size() == 1) {
       labels_[v] = charts.front();
@@ -137,7 +122,7 @@ void BlockWedges::resolve_by_chart(const SimplifyResult& by_vertex) {
     by_wedge_.parent[w] = w;
     if (u == v) continue;
     for (std::uint32_t x = first_wedge_[u]; x != none; x = next_wedge_[x])
-      if (chart(x) == chart(w)) by_wedge_.parent[w] = x;
+      if (charts_.find(x) == charts_.find(w)) by_wedge_.parent[w] = x;
   }
 }
 

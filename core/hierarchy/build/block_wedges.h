@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/disjoint_sets.h"
 #include "core/math/vec3.h"
 #include "core/simplify/block/simplifier.h"
 
@@ -43,8 +44,6 @@ class BlockWedges {
  private:
   void label_charts();
   void resolve_by_chart(const SimplifyResult& by_vertex);
-  void find_charts();
-  [[nodiscard]] std::uint32_t chart(std::uint32_t wedge);
   void find_moved(const SimplifyResult& by_vertex);
   void expand(const SimplifyResult& by_vertex);
 
@@ -55,7 +54,8 @@ class BlockWedges {
   std::vector<Vec3f> positions_;            // of each vertex
   std::vector<std::uint8_t> locked_;
   std::vector<Triangle> triangles_;  // by vertex
-  std::vector<std::uint32_t> chart_, labels_;
+  DisjointSets charts_;              // of the wedges
+  std::vector<std::uint32_t> labels_;
   std::map<std::vector<std::uint32_t>, std::uint32_t> label_of_;  // of charts that meet at a vertex
   std::vector<std::uint32_t> next_wedge_;                         // of the same vertex; itself at the end
   std::vector<Moved> moved_;

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/base/disjoint_sets.h"
 #include "core/hierarchy/verify/verify_checks.h"
 
 namespace lodestone::verify {
@@ -79,12 +80,8 @@ void group_by_position(const Hierarchy& hierarchy, LevelIdentity& finest) {
 
 void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity& fine, LevelIdentity& coarse,
                       Finding& wedges) {
-  std::vector<std::uint32_t>& group = coarse.vertex;
-  group = coarse.identity;
-  const auto root = [&](std::uint32_t n) {
-    while (group[n] != n) n = group[n] = group[group[n]];
-    return n;
-  };
+  DisjointSets groups(coarse.identity.size());
+  for (std::uint32_t n = 0; n < groups.size(); ++n) groups.unite(n, coarse.identity[n]);
   struct Seen {
     std::uint32_t parent = none;
     Vec3f position;
@@ -98,10 +95,10 @@ void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity
     if (seen.parent == none) seen = {parent, position};
     wedges.require(seen.position == position,
                    [&] { return place(level, c, v) + ": its parent lies elsewhere than that of another wedge there"; });
-    const std::uint32_t a = root(seen.parent), b = root(parent);
-    group[std::max(a, b)] = std::min(a, b);
+    groups.unite(seen.parent, parent);
   });
-  for (std::uint32_t n = 0; n < group.size(); ++n) group[n] = root(n);
+  coarse.vertex.resize(groups.size());
+  for (std::uint32_t n = 0; n < groups.size(); ++n) coarse.vertex[n] = groups.find(n);
 }
 
 void check_wedges(const Hierarchy& hierarchy, Finding& wedges) {
