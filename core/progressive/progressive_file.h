@@ -17,17 +17,16 @@ struct ProgressiveFileConfig {
 
 struct ProgressiveFileSize {
   std::size_t bytes = 0;
-  std::size_t geometry = 0;  // of these, all but images
-  std::size_t base = 0;      // what has to be there before something can be drawn; all of a .glb
+  std::size_t geometry = 0;  // the part without images
+  std::size_t base = 0;      // the part needed before anything can be drawn; all of a .glb
 };
 
-// By the extension, in any case; complete or not at all. Throws UnsupportedError for other extensions, FileError when
-// it cannot be written.
+// The extension, in upper or lower case, decides on the format. The file is written completely or not at all. Throws
+// UnsupportedError for other extensions, FileError if it cannot be written.
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
                                      const ProgressiveFileConfig& config = {});
 
-// By the first bytes. `prefix`: of an .lpm that ends early, what there is. Throws FileError, InputError naming the
-// place.
+// The first bytes decide on the format. `prefix`: as in read_lpm(). Throws FileError, and InputError with the place.
 [[nodiscard]] ProgressiveMesh load_progressive(const std::filesystem::path& path, bool prefix = false);
 
 // The same from bytes.

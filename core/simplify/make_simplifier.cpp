@@ -3,18 +3,15 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/simplify/peers/cluster.h"
-#include "core/simplify/peers/half_edge_simplifier.h"
-#include "core/simplify/peers/meshopt_simplifier.h"
+#include "core/simplify/peers/peers.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
 
 namespace lodestone {
 
 std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind, Placement placement) {
   if (kind != SimplifierKind::quadric && placement != Placement::endpoint)
-    throw InputError(describe("", "",
-                              "simplifier '" + std::string(name_of(kind)) + "' leaves its vertices where they are",
-                              "only 'quadric' knows the placement 'optimal'"));
+    throw InputError(describe("", "", "simplifier '" + std::string(name_of(kind)) + "' does not move its vertices",
+                              "use the placement 'endpoint', or the simplifier 'quadric'"));
   switch (kind) {
     case SimplifierKind::cluster:
       return make_cluster_simplifier();

@@ -7,7 +7,7 @@
 
 namespace lodestone {
 
-// Throws InputError when the kind cannot place its survivors so.
+// Throws InputError if the kind does not support the placement.
 [[nodiscard]] std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind, Placement placement);
 [[nodiscard]] inline std::unique_ptr<Simplifier> make_simplifier(SimplifierKind kind) {
   return make_simplifier(kind, default_placement(kind));

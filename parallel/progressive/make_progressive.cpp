@@ -140,7 +140,7 @@ class Builder {
       std::vector<Id> free;
       for (std::size_t k = regions_[r].first; k < regions_[r].second; ++k)
         if (is_inside(sorted_[k])) free.push_back(sorted_[k]);
-      records[r] = collapser_->run({.vertices = free, .most_rank = limit}, arenas_[first_arena + r]);
+      records[r] = collapser_->run({.vertices = free, .max_rank = limit}, arenas_[first_arena + r]);
       const auto begin = sorted_.begin() + static_cast<std::ptrdiff_t>(regions_[r].first),
                  end = begin + static_cast<std::ptrdiff_t>(size(r));
       regions_[r].second = static_cast<std::size_t>(
@@ -178,8 +178,7 @@ class Builder {
     arenas_.emplace_back();
     const std::size_t before = records_.size();
     const auto rest = collapser_->run(
-        {.vertices = live_, .most_rank = std::numeric_limits<float>::infinity(), .most_triangles = most},
-        arenas_.back());
+        {.vertices = live_, .max_rank = std::numeric_limits<float>::infinity(), .max_triangles = most}, arenas_.back());
     records_.insert(records_.end(), rest.begin(), rest.end());
     count_triangles(before);
   }

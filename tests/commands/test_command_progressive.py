@@ -158,7 +158,7 @@ class Refusals(CommandCase):
         self.refused("lod", progressive(), "-o", "a.ply", names=["--vertices", "--triangles", "--error"])
         self.refused("lod", progressive(), "--vertices", 5, "--triangles", 5, "-o", "a.ply", names=["excludes"])
         self.refused("lod", progressive(), "--vertices", 5, "-o", "a.xyz", names=["a.xyz"])
-        self.refused("lod", sphere(), "--vertices", 5, "-o", "a.ply", names=["sphere.ply", "no progressive mesh"])
+        self.refused("lod", sphere(), "--vertices", 5, "-o", "a.ply", names=["sphere.ply", "not a progressive mesh"])
         (self.folder / "plain.glb").write_bytes(command_case.glb([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
         self.refused("lod", "plain.glb", "--vertices", 5, "-o", "a.ply", names=["plain.glb", "_PARENTINDEX"])
 

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/lpm/range_coder.h"
-#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/activation.h"
 #include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
 #include "parallel/progressive/make_progressive.h"
@@ -169,7 +169,7 @@ TEST(Lpm, RefusesDamagedAndForeignFiles) {
     }
   };
   std::vector<std::byte> bytes = lpm.bytes;
-  refused({bytes.begin(), bytes.begin() + 10}, true, "no progressive mesh");
+  refused({bytes.begin(), bytes.begin() + 10}, true, "not a progressive mesh");
   refused({bytes.begin(), bytes.begin() + 40}, true, "ends within its header");
   refused({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(lpm.base) - 1}, true, "ends early");
   for (const std::size_t at : {std::size_t{20}, lpm.base - 2, lpm.base + 40, bytes.size() - 1}) {
@@ -178,8 +178,8 @@ TEST(Lpm, RefusesDamagedAndForeignFiles) {
     bytes[at] ^= std::byte{0x10};
   }
   bytes.push_back(std::byte{0});
-  refused(bytes, false, "more than was declared");
-  refused(std::vector<std::byte>(100), false, "no progressive mesh");
+  refused(bytes, false, "more data than the header declares");
+  refused(std::vector<std::byte>(100), false, "not a progressive mesh");
 }
 
 TEST(ProgressiveFiles, ByExtension) {

@@ -6,14 +6,13 @@
 #include <limits>
 
 #include "core/progressive/collapse/collapse_kernel.h"
-#include "core/progressive/collapse/star_quadrics.h"
 #include "core/progressive/collapse/uv_star.h"
 
 namespace lodestone::progressive {
 namespace {
 
-// Of one wedge: sum of w (g d + e - s)^2 for attributes s, d and s counted from the wedge. `plane` holds what does not
-// depend on s; behind it, per attribute, Linear.
+// The quadric of one wedge is the sum of w (g d + e - s)^2 for attributes s, with d and s relative to the wedge. A
+// CentredQuadric holds the part that does not depend on s, and a Linear per attribute holds the rest.
 struct Linear {
   Vec3f gradient;  // sum of w g
   float offset = 0;
@@ -53,7 +52,7 @@ class AttributeMetric final : public CollapseMetric {
 
   void rank(Id v, std::span<float> ranks) const override {
     const Ring& ring = rings_->ring(v);
-    const PlaneQuadric& q = geometry_[v];
+    const CentredQuadric& q = geometry_[v];
     const Vec3f centre = rings_->position(v);
     const float scale = 1 / std::max(std::sqrt(q.weight * std::sqrt(q.weight)), 1e-30f);
     for (std::uint32_t k = 0; k < ring.size; ++k) {
@@ -79,7 +78,7 @@ class AttributeMetric final : public CollapseMetric {
   }
 
  private:
-  // Of the model (normalised) over that of the texture, by areas.
+  // Length in the model (normalised) over length in the texture, by areas.
   static double length_per_uv(const IndexedMesh& mesh) {
     double model = 0, texture = 0;
     for (const Triangle& t : mesh.triangles) {
@@ -95,7 +94,7 @@ class AttributeMetric final : public CollapseMetric {
   [[nodiscard]] Linear* linear(Id wedge) { return linear_.data() + std::size_t{wedge} * per_wedge_; }
   [[nodiscard]] const Linear* linear(Id wedge) const { return linear_.data() + std::size_t{wedge} * per_wedge_; }
 
-  // The gradients of attributes on the triangles around a vertex.
+  // Adds the gradients of attributes on the triangles around a vertex.
   void add_star(Id v) {
     const Ring& ring = rings_->ring(v);
     const Vec3f centre = rings_->position(v);
@@ -110,13 +109,13 @@ class AttributeMetric final : public CollapseMetric {
       const float *s = values(wedge), *sa = values(rings_->wedge_of(a, b)), *sb = values(rings_->wedge_of(b, v));
       for (std::uint32_t i = 0; i < per_wedge_; ++i) {
         const Vec3f gradient = (sa[i] - s[i]) * along + (sb[i] - s[i]) * across;
-        planes_[wedge].add_gradient(gradient, weight);
+        planes_[wedge].add_plane(gradient, weight);
         linear(wedge)[i].gradient = linear(wedge)[i].gradient + weight * gradient;
       }
     }
   }
 
-  // Of wedge `from` when it moves by `shift` and takes the values of wedge `to`.
+  // The cost of wedge `from` if it moves by `shift` and takes the values of wedge `to`.
   [[nodiscard]] float wedge_cost(Id from, Id to, Vec3f shift) const {
     const float *s = values(from), *t = values(to);
     const Linear* l = linear(from);
@@ -142,7 +141,7 @@ class AttributeMetric final : public CollapseMetric {
     const float *s = values(from), *t = values(to);
     const Linear* l = linear(from);
     Linear* into = linear(to);
-    PlaneQuadric& plane = planes_[to];
+    CentredQuadric& plane = planes_[to];
     const float weight = planes_[from].weight;
     plane.add(planes_[from], Vec3f{} - shift);
     for (std::uint32_t i = 0; i < per_wedge_; ++i) {
@@ -159,8 +158,8 @@ class AttributeMetric final : public CollapseMetric {
   const RingMesh* rings_;
   const CollapseKernel* kernel_;
   std::span<const Vec2f> uv_;
-  std::vector<PlaneQuadric> geometry_, planes_;  // by vertex, by wedge
-  std::uint32_t per_wedge_ = 0;                  // attributes
+  std::vector<CentredQuadric> geometry_, planes_;  // by vertex, by wedge
+  std::uint32_t per_wedge_ = 0;                    // attributes
   std::vector<float> values_;
   std::vector<Linear> linear_;
 };

@@ -1,10 +1,11 @@
-// What a collapse costs: the measures by which a mesh is made progressive.
+// The cost of a collapse: the measures by which a mesh is made progressive.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <string_view>
 
+#include "core/math/quadric.h"
 #include "core/progressive/collapse/ring_mesh.h"
 
 namespace lodestone::progressive {
@@ -13,20 +14,19 @@ enum class MetricKind : std::uint32_t { quadric = 0, attribute_quadric = 1, para
 [[nodiscard]] MetricKind metric_kind(std::string_view name);  // throws InputError listing the known names
 [[nodiscard]] std::string_view name_of(MetricKind kind);
 
-// How much attributes count for attribute_quadric, as lengths in extents of the model; 0: not at all.
+// Weights of attributes for attribute_quadric, as lengths in extents of the model; 0 if they do not count.
 struct AttributeWeights {
-  double normal = 0.02;  // of a normal turned by a radian
-  double colour = 0.05;  // of a channel that goes from nothing to full
+  double normal = 0.02;  // for a normal turned by a radian
+  double colour = 0.05;  // for a channel that goes from nothing to full
   double uv = 0.5;       // times the distance that the texture slides on the surface
 };
 
 struct CollapseKernel;
-struct PlaneQuadric;
 
 // Calls for different vertices may run side by side where the rings allow collapses side by side (ring_mesh.h).
 class CollapseMetric {
  public:
-  static constexpr std::uint32_t most_neighbours = 64;  // of a vertex that may collapse
+  static constexpr std::uint32_t max_neighbours = 64;  // of a vertex that may collapse
 
   virtual ~CollapseMetric() = default;
   // Before anything else, for all vertices; may run side by side.
@@ -34,16 +34,16 @@ class CollapseMetric {
   // The rank of the collapse of v into each of its neighbours, in the order of its ring, lower ones first; infinite
   // where it is out of the question.
   virtual void rank(Id v, std::span<float> ranks) const = 0;
-  // By vertex, when they are all that ranks are made of (star_lanes.h); otherwise null.
-  [[nodiscard]] virtual const PlaneQuadric* plane_quadrics() const { return nullptr; }
-  // Whether attributes bear a collapse that the surface allows.
+  // By vertex, if ranks are made of nothing else (ring_tests.h); otherwise null.
+  [[nodiscard]] virtual const CentredQuadric* plane_quadrics() const { return nullptr; }
+  // True if attributes bear a collapse that the surface allows.
   [[nodiscard]] virtual bool allows(const Collapse&) const { return true; }
   // Before a collapse is carried out. Returns its error as a length: an estimate of the distance between the surface
   // around u, or its attributes, and what the input has there.
   virtual float collapse(const Collapse&) = 0;
 };
 
-// Throws InputError when the mesh does not have what the metric measures.
+// Throws InputError if the mesh does not have what the metric measures.
 [[nodiscard]] std::unique_ptr<CollapseMetric> make_metric(MetricKind kind, const RingMesh& rings,
                                                           const IndexedMesh& mesh, const AttributeWeights& weights,
                                                           const CollapseKernel& kernel);

@@ -1,4 +1,4 @@
-// The texture deviation of cohen1998: how far points of equal texture coordinates are apart in space, at most, before
+// The texture deviation of cohen1998: the maximum distance in space between points of equal texture coordinates before
 // and after a collapse. Both surfaces are linear between the crossings of their edges on the texture, so the largest
 // distance is at a crossing or at the vertex that goes.
 #include <algorithm>
@@ -20,20 +20,20 @@ struct Corner {
 
 Vec3f between(Vec3f a, Vec3f b, double t) { return to_float((1 - t) * to_double(a) + t * to_double(b)); }
 
-// Where two edges cross on the texture, the distance in space between them. Most do not, and nothing is divided.
+// The distance in space of two edges where they cross on the texture. Most do not, and nothing is divided.
 float crossing(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
   const double du = double{b.uv.x} - a.uv.x, dv = double{b.uv.y} - a.uv.y;
   const double eu = double{d.uv.x} - c.uv.x, ev = double{d.uv.y} - c.uv.y;
   const double ou = double{c.uv.x} - a.uv.x, ov = double{c.uv.y} - a.uv.y;
   const double det = du * ev - dv * eu, sign = det < 0 ? -1 : 1, size = sign * det;
   const double s = sign * (ou * ev - ov * eu), t = sign * (ou * dv - ov * du);
-  // One guess instead of five.
+  // One branch instead of five.
   const int crosses = int{size > 0} & int{s >= 0} & int{s <= size} & int{t >= 0} & int{t <= size};
   if (crosses == 0) return 0;
   return length(between(a.position, b.position, s / size) - between(c.position, d.position, t / size));
 }
 
-// Of a point of the texture within a triangle; empty outside.
+// The place in space of a point of the texture within a triangle; empty outside.
 std::optional<Vec3f> point_at(Vec2f uv, const Corner& a, const Corner& b, const Corner& c) {
   const double area = uv_area(a.uv, b.uv, c.uv);
   if (area == 0) return std::nullopt;
@@ -50,7 +50,7 @@ class ParametricMetric final : public CollapseMetric {
 
   void start(std::size_t, std::size_t) override {}
 
-  // What v stands for already, and the step; a millionth of its length prefers short ones where nothing deviates.
+  // The deviation so far and that of the step; a millionth of its length prefers short ones where nothing deviates.
   void rank(Id v, std::span<float> ranks) const override {
     const Ring& ring = rings_->ring(v);
     Fans fans;
@@ -72,15 +72,15 @@ class ParametricMetric final : public CollapseMetric {
   }
 
  private:
-  // What one wedge of a vertex has around it: the neighbours' corners in its chart, and those of each triangle.
+  // The surroundings of one wedge of a vertex: the neighbours' corners in its chart, and those of each triangle.
   struct Fan {
     Id wedge = no_id;
     Corner from;
     std::uint32_t spokes = 0, sectors = 0;
-    Corner spoke[most_neighbours + 1];
-    std::uint8_t first[most_neighbours], second[most_neighbours];
+    Corner spoke[max_neighbours + 1];
+    std::uint8_t first[max_neighbours], second[max_neighbours];
   };
-  // Those of the two wedges at an edge, for all targets of a vertex: found once.
+  // The fans of the two wedges at an edge, found once for all targets of a vertex.
   struct Fans {
     Fan fan[2];
     std::uint32_t last = 0;
@@ -103,7 +103,7 @@ class ParametricMetric final : public CollapseMetric {
     Fan& fan = fans.fan[fans.last++ % 2];
     fan.wedge = wedge, fan.from = corner(c.vertex, wedge), fan.spokes = fan.sectors = 0;
     const Ring& ring = rings_->ring(c.vertex);
-    const auto add = [&](Id vertex, Id of_vertex) {  // a spoke that two triangles have is one
+    const auto add = [&](Id vertex, Id of_vertex) {  // a spoke that two triangles share counts once
       const Corner end = corner(vertex, of_vertex);
       for (const std::uint32_t k : {fan.spokes - 1, 0u})
         if (k < fan.spokes && fan.spoke[k].position == end.position && fan.spoke[k].uv.x == end.uv.x &&
@@ -112,17 +112,17 @@ class ParametricMetric final : public CollapseMetric {
       fan.spoke[fan.spokes] = end;
       return static_cast<std::uint8_t>(fan.spokes++);
     };
-    for (std::uint32_t k = 0; k < ring.sectors() && ring.size <= most_neighbours; ++k) {
+    for (std::uint32_t k = 0; k < ring.sectors() && ring.size <= max_neighbours; ++k) {
       if (rings_->has_wedges() && ring.wedge(k) != wedge) continue;
       const Id a = ring.ids[k], b = ring.ids[ring.next(k)];
-      if (fan.spokes + 2 > most_neighbours) break;
+      if (fan.spokes + 2 > max_neighbours) break;
       fan.first[fan.sectors] = add(a, rings_->wedge_of(a, b));
       fan.second[fan.sectors++] = add(b, rings_->wedge_of(b, c.vertex));
     }
     return fan;
   }
 
-  // In the chart of one wedge of v.
+  // The deviation in the chart of one wedge of v.
   [[nodiscard]] float side(const Fan& fan, const Collapse& c, int chart) const {
     const Corner to = corner(c.target, c.wedge_target[chart]);
     float most = 0;
@@ -136,7 +136,7 @@ class ParametricMetric final : public CollapseMetric {
     for (std::uint32_t k = 0; k < fan.spokes; ++k)
       for (std::uint32_t m = 0; m < fan.spokes; ++m)
         if (m != k) most = std::max(most, crossing(to, fan.spoke[k], fan.from, fan.spoke[m]));
-    // Outside of the new triangles, along a seam or border that is not straight on the texture: at most the whole way.
+    // Outside the new triangles, along a seam or border that is not straight on the texture: at most the whole way.
     return found ? most : std::max(most, length(to.position - fan.from.position));
   }
 
@@ -149,8 +149,8 @@ class ParametricMetric final : public CollapseMetric {
 
 std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh) {
   if (mesh.wedges.uv.empty())
-    throw InputError(describe("", "", "the mesh has no texture coordinates, which the metric parametric measures by",
-                              "take --metric quadric"));
+    throw InputError(describe("", "", "the mesh has no texture coordinates, which the metric parametric needs",
+                              "use --metric quadric"));
   return std::make_unique<ParametricMetric>(rings, mesh);
 }
 

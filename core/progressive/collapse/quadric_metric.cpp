@@ -1,10 +1,10 @@
-// Geometry alone: the quadric error of half-edge collapses, by garland1997. The planes of u itself do not count: what u
-// has cost so far is paid, and it stays where it is.
+// Geometry alone: the quadric error of half-edge collapses, by garland1997. The planes of the target do not count: its
+// cost so far is paid, and it does not move.
 #include <algorithm>
 #include <cmath>
 
 #include "core/progressive/collapse/collapse_kernel.h"
-#include "core/progressive/collapse/star_lanes.h"
+#include "core/progressive/collapse/ring_tests.h"
 
 namespace lodestone::progressive {
 namespace {
@@ -14,16 +14,16 @@ class QuadricMetric final : public CollapseMetric {
   QuadricMetric(const RingMesh& rings, const CollapseKernel& kernel)
       : rings_(&rings),
         kernel_(&kernel),
-        quadrics_(std::make_unique_for_overwrite<PlaneQuadric[]>(rings.vertex_count())) {}
+        quadrics_(std::make_unique_for_overwrite<CentredQuadric[]>(rings.vertex_count())) {}
 
   void start(std::size_t begin, std::size_t end) override {
     kernel_->star_quadrics(*rings_, begin, end, quadrics_.get());
   }
 
-  [[nodiscard]] const PlaneQuadric* plane_quadrics() const override { return quadrics_.get(); }
+  [[nodiscard]] const CentredQuadric* plane_quadrics() const override { return quadrics_.get(); }
 
   void rank(Id v, std::span<float> ranks) const override {
-    const PlaneQuadric& q = quadrics_[v];
+    const CentredQuadric& q = quadrics_[v];
     const Ring& ring = rings_->ring(v);
     const Vec3f centre = rings_->position(v);
     const float stiff = stiffness * q.weight, scale = rank_scale(q.weight);
@@ -34,8 +34,8 @@ class QuadricMetric final : public CollapseMetric {
   }
 
   float collapse(const Collapse& c) override {
-    PlaneQuadric& target = quadrics_[c.target];
-    const PlaneQuadric& gone = quadrics_[c.vertex];
+    CentredQuadric& target = quadrics_[c.target];
+    const CentredQuadric& gone = quadrics_[c.vertex];
     const Vec3f shift = rings_->position(c.target) - rings_->position(c.vertex);
     const float error = std::sqrt(std::max(gone.at(shift), 0.0f) / std::max(gone.weight, 1e-30f));
     target.add(gone, Vec3f{} - shift);
@@ -45,7 +45,7 @@ class QuadricMetric final : public CollapseMetric {
  private:
   const RingMesh* rings_;
   const CollapseKernel* kernel_;
-  std::unique_ptr<PlaneQuadric[]> quadrics_;
+  std::unique_ptr<CentredQuadric[]> quadrics_;
 };
 
 }  // namespace

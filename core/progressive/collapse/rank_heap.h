@@ -20,7 +20,7 @@ class RankHeap {
     return keys_.empty() ? std::numeric_limits<float>::infinity()
                          : std::bit_cast<float>(static_cast<std::uint32_t>(keys_.front() >> 32));
   }
-  // Without order, which order_all() makes.
+  // Adds out of order; order_all() makes the heap.
   void add(float rank, Id vertex) { keys_.push_back(key(rank, vertex)); }
   void order_all() {
     for (std::size_t k = keys_.size() / 2; k-- > 0;) {
@@ -43,7 +43,7 @@ class RankHeap {
   static std::uint64_t key(float rank, Id vertex) {
     return std::uint64_t{std::bit_cast<std::uint32_t>(rank)} << 32 | vertex;
   }
-  // Moves the lower child up, without a guess which it is, until there is none; returns the hole.
+  // Moves the lower child up, without a branch, until there is none; returns the hole.
   std::size_t sink(std::size_t at) {
     const std::size_t count = keys_.size();
     std::size_t child = 2 * at + 1;

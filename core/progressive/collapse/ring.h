@@ -31,7 +31,7 @@ struct alignas(64) Ring {
   std::uint32_t size;
   std::uint32_t capacity : 31, open : 1;
 
-  Ring() {}  // nothing is set: fresh memory is touched by those who fill it
+  Ring() {}  // nothing is set: fresh memory is touched by the code that fills it
   Ring(const Ring& other) { *this = other; }
   Ring& operator=(const Ring& other) {
     for (std::uint32_t k = 0; k < own_ids; ++k) own[k] = other.own[k];
@@ -45,7 +45,7 @@ struct alignas(64) Ring {
   [[nodiscard]] std::uint32_t next(std::uint32_t k) const { return k + 1 < size ? k + 1 : 0; }
   [[nodiscard]] std::uint32_t previous(std::uint32_t k) const { return k > 0 ? k - 1 : size - 1; }
   [[nodiscard]] std::uint32_t sectors() const { return size - open; }
-  // The size, where there is no such neighbour. Eight at a time, since nobody can guess where it is.
+  // The size, if there is no such neighbour. Eight at a time, since its place cannot be predicted.
   [[nodiscard]] std::uint32_t find(Id id) const {
 #if defined(__SSE2__)
     const __m128i wanted = _mm_set1_epi32(static_cast<int>(id));
@@ -66,15 +66,10 @@ struct alignas(64) Ring {
 };
 static_assert(sizeof(Ring) == 64);
 
-// Lanes that occur among other ids, and those that do so more than once.
-struct Matches {
-  unsigned once = 0, again = 0;
-};
-
 // Memory for rings that outgrow their place. One per worker at a time; given back with the mesh.
 class RingArena {
  public:
-  // Of the ids, `readable` behind them may be read, too.
+  // `readable` ids after them may be read, too.
   [[nodiscard]] Id* take(std::size_t count);
 
  private:

@@ -1,6 +1,6 @@
-// Half-edge collapses on rings: what the surface and its charts allow, and carrying it out.
+// Half-edge collapses on rings: the tests of the surface and its charts, and the collapse itself.
 //
-// Collapsing v into u: let a be behind u in the ring of v and b before it; the triangles (v, u, a) and (v, b, u)
+// Collapsing v into u: let a be after u in the ring of v and b before it; the triangles (v, u, a) and (v, b, u)
 // vanish. The ring of u reads ... a, v, b ...; what lies between a and b in the ring of v takes the place of v there.
 #include <algorithm>
 #include <cstring>
@@ -27,10 +27,10 @@ bool RingMesh::allows(Collapse& c) const {
   c.wedge[0] = c.wedge[1] = c.vertex;
   c.wedge_target[0] = c.wedge_target[1] = c.target;
   if (v.open != 0 && c.at != 0 && c.at + 1 != v.size) return false;  // borders collapse along borders
-  return keeps_surface(c) && (!has_wedges_ || lets_wedges(c));
+  return keeps_surface(c) && (!has_wedges_ || allows_wedges(c));
 }
 
-bool RingMesh::lets_wedges(Collapse& c) const { return maps_wedges(c) && keeps_charts(c); }
+bool RingMesh::allows_wedges(Collapse& c) const { return maps_wedges(c) && keeps_charts(c); }
 
 // The link condition: the only common neighbours are a and b. And u, a and b keep a triangle, or a fan of three.
 bool RingMesh::keeps_surface(const Collapse& c) const {
@@ -66,7 +66,7 @@ bool RingMesh::maps_wedges(Collapse& c) const {
   return true;
 }
 
-// Whether charts, or the surface, end at the edge from v to its neighbour k.
+// True if charts, or the surface, end at the edge from v to its neighbour k.
 bool RingMesh::is_seam(Id id, std::uint32_t k) const {
   const Ring& v = rings_[id];
   if (v.open != 0 && (k == 0 || k + 1 == v.size)) return true;
@@ -76,7 +76,7 @@ bool RingMesh::is_seam(Id id, std::uint32_t k) const {
   return x.wedge(back) != x.wedge(x.previous(back));
 }
 
-// The triangle (v, u, a) may go while it is not all that its chart has between v a and u a; likewise with b.
+// The triangle (v, u, a) may go unless its chart has nothing else between v a and u a; likewise with b.
 bool RingMesh::keeps_charts(const Collapse& c) const {
   const Ring &v = rings_[c.vertex], &u = rings_[c.target];
   const auto ends = [&](std::uint32_t k) { return is_seam(c.vertex, k) && is_seam(c.target, u.find(v.ids[k])); };
@@ -100,8 +100,8 @@ int RingMesh::apply(const Collapse& c, RingArena& arena) {
   return with_a && with_b ? 2 : 1;
 }
 
-// The same within a ring's own place: blocks of four, more than is needed, since that is cheaper than to count. What
-// they spoil behind the ids is put back.
+// splice within the place of the ring itself: blocks of four, more than needed, since that is cheaper than to count.
+// The fields after the ids that they overwrite are restored.
 void RingMesh::splice_own(Ring& u, const Ring& v, std::uint32_t back, std::uint32_t first, std::uint32_t between) {
   struct Four {
     Id ids[4];
@@ -127,7 +127,7 @@ void RingMesh::splice(const Collapse& c, RingArena& arena) {
   Id* ids = u.ids;
   const std::uint32_t back = c.back, first = at_end && c.at != 0 ? 0 : v.next(v.next(c.at));
   if (ids == u.own && !has_wedges_) return splice_own(u, v, back, first, between);
-  const auto move_up = [&](Id* row) {  // what lies behind v, to where it will be
+  const auto move_up = [&](Id* row) {  // the ids after v, to their new place
     std::memmove(row + back + between, row + back + 1, (u.size - back - 1) * sizeof(Id));
   };
   move_up(ids);
@@ -136,7 +136,7 @@ void RingMesh::splice(const Collapse& c, RingArena& arena) {
   u.size = u.size + between - 1;
   if (!has_wedges_) return;
   const auto mapped = [&](std::uint32_t k) { return c.wedge_target[v.wedge(k) == c.wedge[0] ? 0 : 1]; };
-  // Sectors: that of a, in the place before v, then those of what was put in.
+  // Sectors: that of a, in the place before v, then those of the inserted neighbours.
   if (!at_end || c.at == 0) {
     if (v.sectors() > 1) u.wedge(back > 0 ? back - 1 : u.size - 1) = mapped(v.next(c.at));
   }
@@ -154,7 +154,7 @@ void RingMesh::grow(Ring& ring, std::uint32_t size, RingArena& arena) const {
   ring.capacity = capacity & 0x7fff'ffffu;
 }
 
-// Of the ring of a or b. The triangle with both goes, and the one on the other side of `gone` takes its place.
+// Removes `gone` from the ring of a or b. The triangle with both goes; the one beyond `gone` takes its place.
 void RingMesh::remove(Id from, Id gone, Id stays) {
   Ring& ring = rings_[from];
   const std::uint32_t at = ring.find(gone);

@@ -1,5 +1,5 @@
-// Where the surface is no manifold it is cut (gueziec2001), with the triangles at an edge paired by their angle around
-// it, so that what is closed stays closed.
+// Where the surface is nonmanifold it is cut (gueziec2001), with the triangles at an edge paired by their angle around
+// it, so that closed surfaces remain closed.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -27,7 +27,7 @@ std::pair<Vec3d, Vec3d> frame_around(Vec3d axis) {
   return {first, cross(axis, first)};
 }
 
-// By coordinates: what is decided with it does not depend on how vertices are numbered.
+// By coordinates, so that decisions do not depend on how vertices are numbered.
 bool is_lower(Vec3f a, Vec3f b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
 bool comes_before(const EdgeCorner& a, const EdgeCorner& b) {
@@ -36,7 +36,7 @@ bool comes_before(const EdgeCorner& a, const EdgeCorner& b) {
   return a.forward < b.forward;
 }
 
-// Pairs triangles of an edge that bound the same solid: it begins behind a backward triangle and ends at a forward one.
+// Pairs triangles of an edge that bound the same solid: it begins after a backward triangle and ends at a forward one.
 // Two turns around the edge, as brackets may begin anywhere.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_brackets(std::span<const EdgeCorner> sorted) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
@@ -58,7 +58,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_brackets(std::span<con
 
 }  // namespace
 
-// Any number of fans: corners follow each other over edges of two triangles, and over the pairs of edges of more.
+// Chains any number of fans: corners follow each other over edges of two triangles, and over the pairs of larger edges.
 void RingMesh::chain_any(Id vertex, std::vector<Cut>& cuts) {
   const std::span corners = corners_of(vertex);
   std::vector<std::pair<Id, std::uint32_t>> edges;  // neighbour; corner, twice, plus one where it ends there
@@ -139,7 +139,7 @@ void RingMesh::cut_open() {
 void RingMesh::make_room() {
   room_ = vertex_count();
   auto rings = std::make_unique_for_overwrite<Ring[]>(room_ + 1);
-  auto points = std::make_unique_for_overwrite<quadric::Point[]>(room_ + 1);
+  auto points = std::make_unique_for_overwrite<AlignedPoint[]>(room_ + 1);
   std::copy_n(rings_.get(), input_vertices(), rings.get());
   std::copy_n(points_.get(), input_vertices(), points.get());
   rings_ = std::move(rings);

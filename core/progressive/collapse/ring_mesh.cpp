@@ -23,7 +23,7 @@ RingMesh::RingMesh(const IndexedMesh& mesh)
   const std::vector<Id>& vertex = mesh.wedges.vertex;
   for (std::size_t w = 0; w < vertex.size() && !has_wedges_; ++w) has_wedges_ = vertex[w] != w;
   rings_ = std::make_unique_for_overwrite<Ring[]>(room_ + 1);
-  points_ = std::make_unique_for_overwrite<quadric::Point[]>(room_ + 1);
+  points_ = std::make_unique_for_overwrite<AlignedPoint[]>(room_ + 1);
 }
 
 void RingMesh::list_corners() {
@@ -31,7 +31,7 @@ void RingMesh::list_corners() {
   several_.resize(input_vertices());
   by_vertex_ = std::make_unique_for_overwrite<std::uint32_t[]>(3 * corners_.size());
   const auto list = [&](auto&& vertex_of_corner) {
-    // Counted two places on, so that filling leaves every range where it belongs.
+    // Counted two places further on, so that filling leaves every range in its place.
     for (const Triangle& t : input_->triangles)
       for (const Id id : t.v) ++first_[vertex_of_corner(id) + 2];
     for (std::size_t v = 2; v < first_.size(); ++v) first_[v] += first_[v - 1];
@@ -59,7 +59,7 @@ void RingMesh::make_rings(std::size_t begin, std::size_t end, RingArena& arena, 
   }
 }
 
-// Of a single fan; leaves the others, which need a closer look.
+// The ring of a single fan; false for the others, which need a closer look.
 bool RingMesh::make_simple_ring(Id v, std::span<const std::uint32_t> corners, RingArena& arena, ChainFan chain) {
   const auto n = static_cast<std::uint32_t>(corners.size());
   if (n > most_chained) return false;
@@ -91,7 +91,7 @@ Shape chain_fan(const Id* start, const Id* end, std::uint32_t n, std::uint8_t* o
   return follow_fan(next, has_before, n, order);
 }
 
-// With its corners as they are now, on copies where the surface was cut.
+// Makes a ring from corners as they are now, on copies where the surface was cut.
 void RingMesh::make_ring(Id v, std::span<const std::uint32_t> corners, bool open, RingArena& arena) {
   const auto count = static_cast<std::uint32_t>(corners.size());
   Ring& ring = begin_ring(v, count, open, arena);

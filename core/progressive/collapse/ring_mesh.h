@@ -1,8 +1,8 @@
 // A triangle mesh of any size under half-edge collapses, as one ring of neighbours per vertex.
 //
-// The compact rings of core/simplify/quadric/quadric_kernel.h hold a block of 65,000 vertices; these hold a whole mesh, and
-// know wedges. A collapse reads and writes the rings of the vertex, of its target and of their neighbours only, so that
-// regions of vertices may collapse side by side as long as nothing moves whose ring leaves its region.
+// The compact rings of core/simplify/quadric/quadric_kernel.h hold a block of 65,000 vertices; these hold a whole mesh,
+// and know wedges. A collapse reads and writes the rings of the vertex, of its target and of their neighbours only, so
+// that regions of vertices may collapse side by side as long as nothing moves whose ring leaves its region.
 #pragma once
 
 #include <bit>
@@ -13,13 +13,13 @@
 #include <utility>
 #include <vector>
 
+#include "core/math/lanes/aligned_point.h"
 #include "core/mesh/indexed_mesh.h"
 #include "core/progressive/collapse/ring.h"
-#include "core/simplify/quadric/quadric_block.h"
 
 namespace lodestone::progressive {
 
-// A collapse {v, u} -> u in terms of the two rings, and what becomes of the wedges of v.
+// A collapse {v, u} -> u in terms of the two rings, and the destinations of the wedges of v.
 struct Collapse {
   Id vertex = no_id, target = no_id;
   std::uint32_t at = 0, back = 0;  // of the target in the ring of the vertex, of the vertex in that of the target
@@ -28,15 +28,15 @@ struct Collapse {
   Id wedge[2] = {no_id, no_id}, wedge_target[2] = {no_id, no_id};
 };
 
-// Triangles at a vertex by the next corner and the one behind it: brings them into their order around the vertex, and
-// says how they lie. Of a closed fan the first of the input comes first.
-enum class Shape : std::uint8_t { closed, open, several };  // several: no single fan; the order means nothing
+// Orders the triangles at a vertex, given by the next corner and the one after it, around the vertex, and returns their
+// shape. In a closed fan the first of the input comes first.
+enum class Shape : std::uint8_t { closed, open, several };  // several: not a single fan; the order is undefined
 using ChainFan = Shape (*)(const Id* start, const Id* end, std::uint32_t count, std::uint8_t* order);
 inline constexpr std::uint32_t most_chained = 32;
 // At most most_chained triangles.
 [[nodiscard]] Shape chain_fan(const Id* start, const Id* end, std::uint32_t count, std::uint8_t* order);
 
-// The order from what is behind each (32: nothing), and which have something before them.
+// The order, given the triangle after each (32: none) and the set of those that have one before them.
 [[nodiscard]] inline Shape follow_fan(const std::uint8_t* next, std::uint32_t has_before, std::uint32_t n,
                                       std::uint8_t* order) {
   const std::uint32_t all = 0xffff'ffffu >> (32 - n);
@@ -52,10 +52,10 @@ inline constexpr std::uint32_t most_chained = 32;
 
 // Vertices are the mesh's positions; with wedges, a vertex has the number of its first wedge. Where more than two
 // triangles meet at an edge, triangles turn against each other or fans touch in a vertex, the surface is cut: a vertex
-// has one fan, and further fans get copies of the vertex, numbered behind.
+// has one fan, and further fans get copies of the vertex with new numbers at the end.
 class RingMesh {
  public:
-  explicit RingMesh(const IndexedMesh& mesh);  // which has to stay alive
+  explicit RingMesh(const IndexedMesh& mesh);  // which must outlive it
   RingMesh(const RingMesh&) = delete;
   RingMesh& operator=(const RingMesh&) = delete;
 
@@ -65,17 +65,17 @@ class RingMesh {
   void make_rings(std::size_t begin, std::size_t end, RingArena& arena, ChainFan chain = chain_fan);
   void cut_open();
 
-  // With copies, and with unused numbers.
+  // Includes copies and unused numbers.
   [[nodiscard]] std::size_t vertex_count() const { return input_vertices() + copy_source_.size(); }
   [[nodiscard]] std::size_t input_vertices() const { return input_->positions.size(); }
   [[nodiscard]] bool is_used(Id v) const { return rings_[v].size > 0; }
   [[nodiscard]] bool has_wedges() const { return has_wedges_; }
   [[nodiscard]] const Ring& ring(Id v) const { return rings_[v]; }
   [[nodiscard]] Vec3f position(Id v) const { return {points_[v].x, points_[v].y, points_[v].z}; }
-  [[nodiscard]] const quadric::Point* points() const { return points_.get(); }
-  // The vertex or wedge of the mesh that a vertex or wedge is, or is a copy of.
+  [[nodiscard]] const AlignedPoint* points() const { return points_.get(); }
+  // The vertex or wedge of the mesh that a vertex or wedge equals, or is a copy of.
   [[nodiscard]] Id source_of(Id id) const { return id < input_vertices() ? id : copy_source_[id - input_vertices()]; }
-  // With its corners on copies where the surface was cut; wedges, if there are any.
+  // The triangles, with corners on copies where the surface was cut; wedges, if there are any.
   [[nodiscard]] const std::vector<Triangle>& corners() const { return corners_; }
   // The vertex of a wedge.
   [[nodiscard]] Id vertex_of(Id wedge) const {
@@ -89,13 +89,13 @@ class RingMesh {
   // borders; each wedge of v has a wedge of u to go to across the triangles at the edge, which keeps seams on seams and
   // charts in one piece; no chart, component or border shrinks away.
   [[nodiscard]] bool allows(Collapse& collapse) const;
-  // Of that the part about wedges, with `at` and `back` filled in.
-  [[nodiscard]] bool lets_wedges(Collapse& collapse) const;
-  // Only the wedges, which tell attributes what they go to: fills in the collapse, false when one has nowhere to go.
+  // The part of it about wedges, with `at` and `back` filled in.
+  [[nodiscard]] bool allows_wedges(Collapse& collapse) const;
+  // Only the destinations of the wedges, for attributes: fills in the collapse; false if one has no destination.
   [[nodiscard]] bool follows_wedges(Collapse& collapse) const;
   // The wedge of x in its triangle with `next`, one ring place on; x itself without wedges.
   [[nodiscard]] Id wedge_of(Id x, Id next) const { return has_wedges_ ? rings_[x].wedge(rings_[x].find(next)) : x; }
-  // Carries it out; `arena` serves rings that grow. Returns the triangles that vanish, 1 or 2.
+  // Carries out a collapse; `arena` serves rings that grow. Returns the number of triangles that vanish, 1 or 2.
   int apply(const Collapse& collapse, RingArena& arena);
 
  private:
@@ -108,7 +108,7 @@ class RingMesh {
   static std::uint32_t after(std::uint32_t corner) { return (corner & 3) == 2 ? corner - 2 : corner + 1; }
   static std::uint32_t before(std::uint32_t corner) { return (corner & 3) == 0 ? corner + 2 : corner - 1; }
   [[nodiscard]] Id& corner_id(std::uint32_t corner) { return corners_[corner / 4].v[corner % 4]; }
-  [[nodiscard]] Id position_id(std::uint32_t corner) const {  // as the input has it, without copies
+  [[nodiscard]] Id position_id(std::uint32_t corner) const {  // as in the input, without copies
     const Id wedge = input_->triangles[corner / 4].v[corner % 4];
     return has_wedges_ ? input_->wedges.vertex[wedge] : wedge;
   }
@@ -133,11 +133,11 @@ class RingMesh {
   const IndexedMesh* input_;
   bool has_wedges_ = false;
   std::vector<Triangle> corners_;
-  // With room for some copies, which more of them make larger. One more behind the last, since lanes reach beyond a
+  // With room for some copies, which grows if there are more. One more after the last, since lanes reach beyond a
   // ring.
   std::size_t room_ = 0;
   std::unique_ptr<Ring[]> rings_;
-  std::unique_ptr<quadric::Point[]> points_;
+  std::unique_ptr<AlignedPoint[]> points_;
   RingArena arena_;  // of fans that were cut apart
   std::vector<Id> copy_source_, copy_vertex_;
   std::size_t cut_vertices_ = 0, cut_edges_ = 0;

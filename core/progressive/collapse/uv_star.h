@@ -13,7 +13,7 @@ namespace lodestone::progressive {
   return (double{b.x} - a.x) * (double{c.y} - a.y) - (double{b.y} - a.y) * (double{c.x} - a.x);
 }
 
-// Whether a triangle that stays would be turned over, or flattened, on the texture.
+// True if a triangle that is kept would be turned over, or flattened, on the texture.
 [[nodiscard]] bool turns_texture(const RingMesh& rings, std::span<const Vec2f> uv, const Collapse& collapse);
 
 }  // namespace lodestone::progressive

@@ -20,7 +20,7 @@ void add_node(GlbBuilder& glb, const Transform& t) {
       {{"mesh", 0}, {"translation", {t.origin.x, t.origin.y, t.origin.z}}, {"scale", {t.scale, t.scale, t.scale}}}};
 }
 
-// Unsigned integers of 32 bits are no attributes in glTF: 16 bits where they do, else floats, exact up to 2^24.
+// glTF has no attributes of 32-bit unsigned integers: 16 bits where they suffice, else floats, exact up to 2^24.
 std::size_t add_parents(GlbBuilder& glb, const std::vector<std::uint32_t>& parents) {
   if (parents.size() <= 0xffff)
     return glb.add_vertex_shorts(std::vector<std::uint16_t>(parents.begin(), parents.end()));
@@ -31,7 +31,7 @@ std::size_t add_parents(GlbBuilder& glb, const std::vector<std::uint32_t>& paren
   return glb.add_accessor(std::span(numbers), GltfComponent::floats, "SCALAR", GltfTarget::vertices);
 }
 
-// Returns what the attributes of all primitives are.
+// Returns the attributes of all primitives.
 json add_vertices(GlbBuilder& glb, const ProgressiveMesh& mesh) {
   const auto add = [&]<class T>(const std::vector<T>& values, GltfComponent component, const char* type) {
     return glb.add_accessor(std::span(values), component, type, GltfTarget::vertices);

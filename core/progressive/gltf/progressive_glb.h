@@ -18,8 +18,8 @@ namespace lodestone {
 // which glTF has no number for a parent, and for more than 4 GiB.
 [[nodiscard]] std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed);
 
-// What encode_progressive_glb() wrote, bit for bit. Throws InputError naming the place for anything else, also for glTF
-// without parents.
+// Reads what encode_progressive_glb() wrote, bit for bit. Throws InputError with the place for anything else, also for
+// glTF without parents.
 [[nodiscard]] ProgressiveMesh read_progressive_glb(ByteReader& input);
 
 }  // namespace lodestone

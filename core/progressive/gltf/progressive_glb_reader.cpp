@@ -8,7 +8,7 @@
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"
 #include "core/progressive/gltf/progressive_glb.h"
-#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/activation.h"
 
 namespace lodestone {
 namespace {
@@ -36,7 +36,7 @@ class ProgressiveReader {
     out_.wedges.textures = std::move(assets_.textures);
     if (out_.wedges.materials.size() < 2) out_.wedges.material.clear();
     check_progressive(out_, document_.file());
-    progressive::sort_by_birth(out_);
+    progressive::sort_by_activation(out_);
     return std::move(out_);
   }
 
@@ -44,7 +44,7 @@ class ProgressiveReader {
   void read_place(const JsonView& node) {
     const auto origin = node.numbers_or<3>("translation", {0, 0, 0});
     const auto scale = node.numbers_or<3>("scale", {1, 1, 1});
-    if (!(scale[0] > 0) || scale[0] != scale[1] || scale[1] != scale[2]) node.fail("the scale is not one number");
+    if (!(scale[0] > 0) || scale[0] != scale[1] || scale[1] != scale[2]) node.fail("the scale is not uniform");
     out_.transform.origin = {origin[0], origin[1], origin[2]};
     out_.transform.scale = scale[0];
   }
@@ -69,7 +69,7 @@ class ProgressiveReader {
     const JsonView parents = attributes.at("_PARENTINDEX");
     for (const double value : values(attributes, "_PARENTINDEX", 1)) {
       if (!(value >= 0 && value < static_cast<double>(out_.positions.size())))
-        parents.fail("there is no vertex for a parent");
+        parents.fail("a parent index is out of range");
       out_.parents.push_back(static_cast<std::uint32_t>(value));
     }
     (void)attributes.at("_ERROR");
@@ -89,13 +89,13 @@ class ProgressiveReader {
   void read_primitive(const JsonView& primitive, const JsonView& attributes) {
     if (primitive.at("attributes").json() != attributes.json())
       primitive.fail("does not share the vertices of the first primitive");
-    if (primitive.integer_or("mode", 4) != 4) primitive.fail("is no list of triangles");
+    if (primitive.integer_or("mode", 4) != 4) primitive.fail("is not a list of triangles");
     std::uint32_t material = no_material;
     if (const auto reference = primitive.find("material")) material = materials_.use(*reference).index;
     const JsonView reference = primitive.at("indices");
     const std::vector<std::uint32_t> ids =
         read_indices(open_accessor(document_, reference), out_.positions.size(), reference);
-    if (ids.size() % 3 != 0) reference.fail(std::to_string(ids.size()) + " indices are no triangles");
+    if (ids.size() % 3 != 0) reference.fail(std::to_string(ids.size()) + " indices do not form triangles");
     for (std::size_t k = 0; k < ids.size(); k += 3) {
       out_.triangles.push_back({ids[k], ids[k + 1], ids[k + 2]});
       for (std::size_t c = k; c < k + 3; ++c) out_.wedges.material[ids[c]] = material;

@@ -4,8 +4,8 @@
 //   then frames: bytes, CRC-32, vertices of the mesh when it is decoded (32 bits each), and the bytes.
 //
 // The first frame is the base, the next ones are vertex splits (split_codec.h), each frame range coded for itself with
-// models that go on; frames behind are the images, one each. Little-endian. Everything is quantized: positions to
-// 2^position_bits steps over the extent of the model, texture coordinates to 2^uv_bits over their box, errors to the
+// models that go on; the frames after them are the images, one each. Little-endian. Everything is quantized: positions
+// to 2^position_bits steps over the extent of the model, texture coordinates to 2^uv_bits over their box, errors to the
 // upper half of a float, rounded up. Normals are not in the file.
 #pragma once
 
@@ -24,16 +24,16 @@ struct LpmConfig {
 
 struct LpmBytes {
   std::vector<std::byte> bytes;
-  std::size_t geometry = 0;  // of these, all but images
-  std::size_t base = 0;      // header and base: what has to be there before anything can be drawn
+  std::size_t geometry = 0;  // the part without images
+  std::size_t base = 0;      // header and base, which are needed before anything can be drawn
 };
 
-// Throws InputError for a mesh whose vertices cannot be taken back one by one, which `lodestone progressive` never
+// Throws InputError for a mesh whose collapses cannot be undone one by one, which `lodestone progressive` never
 // makes.
 [[nodiscard]] LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config = {});
 
-// `prefix`: a file that ends early gives what there is, at least the base. Otherwise, and for whatever is damaged,
-// throws InputError naming the place; UnsupportedError for a newer version.
+// With `prefix`, a file that ends early gives the levels it holds, at least the base. Otherwise, and if it is damaged,
+// throws InputError with the place; UnsupportedError for a newer version.
 [[nodiscard]] ProgressiveMesh read_lpm(ByteReader& input, bool prefix = false);
 
 }  // namespace lodestone

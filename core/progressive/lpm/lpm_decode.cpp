@@ -4,7 +4,7 @@
 #include "core/base/error.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/lpm/lpm_format.h"
-#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/activation.h"
 
 namespace lodestone {
 namespace {
@@ -20,20 +20,20 @@ std::uint32_t word_at(std::span<const char> bytes, std::size_t at) {
   return value;
 }
 
-// Cuts the file into its parts, each checked before anything is made of it.
+// Cuts the file into its parts, each checked before it is used.
 class Frames {
  public:
   Frames(std::span<const char> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   [[nodiscard]] std::span<const char> header() {
     if (bytes_.size() < 16 || std::memcmp(bytes_.data(), lpm_magic, 8) != 0)
-      throw InputError(describe(name_, "", "is no progressive mesh of this program (.lpm)"));
+      throw InputError(describe(name_, "", "not a progressive mesh (.lpm)"));
     at_ = 16;
     const std::uint32_t length = word_at(bytes_, 8);
     if (length > bytes_.size() - at_) fail("the file ends within its header");
     return take(length, word_at(bytes_, 12));
   }
-  // Whether there is another frame, whole.
+  // True if there is another complete frame.
   [[nodiscard]] bool has_next() const {
     return bytes_.size() - at_ >= 12 && bytes_.size() - at_ - 12 >= word_at(bytes_, at_);
   }
@@ -83,7 +83,8 @@ class LpmDecoder {
       if (std::string(e.what()).starts_with(name_)) throw;
       frames_.fail(e.what());
     }
-    if (!prefix_ && mesh_.wedge_count != header_.vertices) frames_.fail("the vertices are not as many as declared");
+    if (!prefix_ && mesh_.wedge_count != header_.vertices)
+      frames_.fail("the number of vertices differs from the header");
     read_textures();
     return assemble();
   }
@@ -96,7 +97,7 @@ class LpmDecoder {
     if (header_.base_groups > 8 * frame.bytes.size()) frames_.fail("the base has more vertices than bits");
     codec.code_base(coder, {}, {}, header_.base_groups);
     base_vertices_ = mesh_.wedge_count;
-    if (frame.vertices != mesh_.wedge_count) frames_.fail("the base is not as large as declared");
+    if (frame.vertices != mesh_.wedge_count) frames_.fail("the size of the base differs from the header");
   }
 
   void read_splits(SplitCodec<RangeDecoder>& codec) {
@@ -106,9 +107,9 @@ class LpmDecoder {
     const std::uint32_t count = std::min(splits_in_frame(now), header_.groups - now);
     for (std::uint32_t k = 0; k < count; ++k) {
       codec.code(coder, {}, {});
-      if (mesh_.wedge_count > header_.vertices) frames_.fail("there are more vertices than declared");
+      if (mesh_.wedge_count > header_.vertices) frames_.fail("more vertices than the header declares");
     }
-    if (frame.vertices != mesh_.wedge_count) frames_.fail("the splits do not add up");
+    if (frame.vertices != mesh_.wedge_count) frames_.fail("inconsistent vertex splits");
   }
 
   void read_textures() {
@@ -117,7 +118,7 @@ class LpmDecoder {
       const Frames::Frame frame = frames_.next();
       t.bytes.assign(frame.bytes.begin(), frame.bytes.end());
     }
-    if (!frames_.at_end() && !prefix_) frames_.fail("there is more than was declared");
+    if (!frames_.at_end() && !prefix_) frames_.fail("more data than the header declares");
   }
 
   ProgressiveMesh assemble() {
@@ -146,9 +147,9 @@ class LpmDecoder {
     out.triangles = mesh_.triangles();
     for (const std::uint32_t m : out.wedges.material)
       if (m != no_material && m >= out.wedges.materials.size())
-        frames_.fail("a vertex has a material that is not there");
+        frames_.fail("a vertex has a material that does not exist");
     check_progressive(out, name_);
-    sort_by_birth(out);
+    sort_by_activation(out);
     return out;
   }
 

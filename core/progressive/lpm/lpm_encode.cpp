@@ -1,4 +1,4 @@
-// The collapses of a progressive mesh, carried out once more from the finest level down, give the splits backwards.
+// The collapses of a progressive mesh, repeated from the finest level down, give the splits in reverse.
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -7,7 +7,7 @@
 #include "core/progressive/collapse/ring_mesh.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/lpm/lpm_format.h"
-#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/activation.h"
 
 namespace lodestone {
 namespace {
@@ -15,11 +15,11 @@ namespace {
 using namespace progressive;
 
 [[noreturn]] void fail_order() {
-  throw InputError(describe("", "", "the vertices of the model cannot be taken back one by one",
-                            "make it anew with `lodestone progressive`, or write a .glb file"));
+  throw InputError(describe("", "", "the collapses of the model cannot be undone one by one",
+                            "make it again with `lodestone progressive`, or write a .glb file"));
 }
 
-// The groups of a mesh, counted.
+// The groups of a mesh, numbered.
 struct Groups {
   std::vector<std::uint32_t> start, number;  // first vertex by group; group by vertex
   std::uint32_t base = 0;
@@ -48,7 +48,7 @@ class SplitRecorder {
     if (rings_->cut_vertices() > 0) fail_order();
   }
 
-  // In the order in which vertices come in; leaves the base.
+  // The splits in the order in which vertices come in; leaves the base.
   std::vector<SplitMesh::Split> splits() {
     std::vector<SplitMesh::Split> out(groups_.start.size() - groups_.base);
     for (std::size_t g = groups_.start.size(); g-- > groups_.base;) out[g - groups_.base] = take_back(groups_.start[g]);
@@ -98,7 +98,7 @@ class SplitRecorder {
     return split;
   }
 
-  // The wedge of x in its triangle with `next` behind it.
+  // The wedge of x in its triangle with `next` after it.
   [[nodiscard]] std::uint32_t across(Id x, Id next) const { return rings_->wedge_of(x, next); }
 
   const ProgressiveMesh& mesh_;
@@ -108,7 +108,7 @@ class SplitRecorder {
   RingArena arena_;
 };
 
-// The base and what follows; the rings are given back.
+// The base and the splits after it; the rings are freed.
 std::pair<SplitMesh, std::vector<SplitMesh::Split>> record(const ProgressiveMesh& mesh, const Groups& groups) {
   SplitRecorder recorder(mesh, groups);
   std::vector<SplitMesh::Split> splits = recorder.splits();

@@ -14,14 +14,14 @@ json texture_index(std::uint32_t index) { return index == no_texture ? json(null
 std::uint32_t read_index(const JsonView& place, const char* key, std::size_t count) {
   const auto member = place.find(key);
   if (!member || member->json().is_null()) return no_texture;
-  if (member->integer() >= count) member->fail("there is no such texture");
+  if (member->integer() >= count) member->fail("the texture does not exist");
   return static_cast<std::uint32_t>(member->integer());
 }
 
 TextureWrap read_wrap(const JsonView& place) {
   for (std::size_t k = 0; k < wraps.size(); ++k)
     if (place.string() == wraps[k]) return static_cast<TextureWrap>(k);
-  place.fail("unknown way of wrapping");
+  place.fail("unknown texture wrap");
 }
 
 std::uint32_t bits_of(const JsonView& place) {
@@ -31,7 +31,7 @@ std::uint32_t bits_of(const JsonView& place) {
 }
 
 std::uint32_t count_of(const JsonView& place) {
-  if (place.integer() > 0x7fff'ffffu) place.fail("is more than there can be");
+  if (place.integer() > 0x7fff'ffffu) place.fail("is too large");
   return static_cast<std::uint32_t>(place.integer());
 }
 
@@ -69,12 +69,12 @@ json to_json(const LpmHeader& h) {
 
 LpmHeader read_header(const JsonView& json) {
   if (json.at("version").integer() != 1)
-    throw UnsupportedError("version " + std::to_string(json.at("version").integer()) + " of .lpm is not known");
+    throw UnsupportedError("version " + std::to_string(json.at("version").integer()) + " of .lpm is not supported");
   LpmHeader h;
   h.vertices = count_of(json.at("vertices"));
   h.groups = count_of(json.at("groups"));
   h.base_groups = count_of(json.at("baseGroups"));
-  if (h.base_groups > h.groups || h.groups > h.vertices) json.fail("counts that contradict each other");
+  if (h.base_groups > h.groups || h.groups > h.vertices) json.fail("inconsistent counts");
   h.settings = {bits_of(json.at("positionBits")), bits_of(json.at("uvBits")),   json.at("wedges").boolean(),
                 json.at("uv").boolean(),          json.at("colours").boolean(), json.at("materialIds").boolean()};
   h.uv_low = json.at("uvLow").numbers<2>();

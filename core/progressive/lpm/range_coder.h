@@ -34,7 +34,7 @@ class RangeEncoder {
     normalise();
     return value;
   }
-  // All values of so many bits alike.
+  // A value of so many bits, all of them equally likely.
   std::uint32_t direct(std::uint32_t bits, std::uint32_t value) {
     for (std::uint32_t k = bits; k-- > 0;) {
       range_ >>= 1;
@@ -43,7 +43,7 @@ class RangeEncoder {
     }
     return value;
   }
-  // The bytes so far; the encoder starts anew.
+  // Returns the bytes so far; the encoder starts anew.
   [[nodiscard]] std::vector<std::byte> finish() {
     for (int k = 0; k < 5; ++k) shift();
     std::vector<std::byte> out(bytes_.begin() + 1, bytes_.end());  // the first byte is always 0
@@ -75,7 +75,7 @@ class RangeEncoder {
   std::uint8_t cache_ = 0;
 };
 
-// Behind the end of the bytes it reads zeros: what is decoded has to be checked by whoever uses it.
+// After the end of the bytes it reads zeros: the caller has to check what is decoded.
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {

@@ -1,6 +1,6 @@
-// The code of a vertex split: what it does to the mesh, and where the vertex stands.
+// The code of a vertex split: its effect on the mesh, and the position of the vertex.
 //
-// The parent is one of the vertices so far; what comes out of it is told by the triangles around it, so that a parent,
+// The parent is one of the vertices so far; the rest is determined by the triangles around it, so that a parent,
 // a neighbour and a count replace three index lists (hoppe1998's vertex splits). Positions and texture coordinates are
 // integers, predicted from the star of the new vertex: the middle of its neighbours, moved into their mean plane along
 // the axis closest to its normal once the other two coordinates are known; texture coordinates by the linear map that
@@ -16,20 +16,34 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/progressive/lpm/lattice_values.h"
+#include "core/mesh/attributes.h"
 #include "core/progressive/lpm/range_coder.h"
 #include "core/progressive/mesh/split_mesh.h"
 
 namespace lodestone::progressive {
 
-// Both directions. `values` and `mesh` grow with the splits; the encoder reads what comes from `source`.
+// The values of vertices as integers, by group or by wedge; empty if the mesh has none.
+struct LatticeValues {
+  std::vector<std::array<std::int32_t, 3>> positions;
+  std::vector<std::uint16_t> errors;  // the upper half of a float, rounded up
+  std::vector<std::array<std::int32_t, 2>> uv;
+  std::vector<Rgba8> colours;
+  std::vector<std::uint32_t> materials;  // index, or no_material
+};
+
+struct CodecSettings {
+  std::uint32_t position_bits = 12, uv_bits = 12;
+  bool wedges = false, uv = false, colours = false, materials = false;
+};
+
+// Both directions. `values` and `mesh` grow with the splits; the encoder takes new values from `source`.
 template <class Coder>
 class SplitCodec {
  public:
   SplitCodec(const CodecSettings& settings, SplitMesh& mesh, LatticeValues& values)
       : settings_(settings), mesh_(mesh), values_(values) {}
 
-  // One split; `split` and `source` mean nothing to a decoder. Throws InputError for what no encoder writes.
+  // One split; a decoder ignores `split` and `source`. Throws InputError for anything that no encoder writes.
   void code(Coder& coder, SplitMesh::Split split, const LatticeValues& source) {
     if constexpr (std::is_same_v<Coder, RangeEncoder>) {
       const std::size_t at = mesh_.stars[split.parent].find(split.neighbour);
@@ -49,7 +63,7 @@ class SplitCodec {
   void code_base(Coder& coder, const SplitMesh& base, const LatticeValues& source, std::uint32_t count) {
     for (std::uint32_t v = 0; v < count; ++v) {
       const std::uint32_t wedges = numbers_[0].code(coder, v < base.stars.size() ? base.stars[v].wedges : 0);
-      if (wedges == 0 || wedges > most_wedges) fail();
+      if (wedges == 0 || wedges > max_wedges) fail();
       mesh_.stars.push_back({{}, false, mesh_.wedge_count, wedges});
       mesh_.wedge_count += wedges;
       values_.positions.push_back(v < source.positions.size() ? source.positions[v] : std::array<std::int32_t, 3>{});
@@ -63,9 +77,9 @@ class SplitCodec {
   }
 
  private:
-  static constexpr std::uint32_t most_wedges = 1u << 16, most_spokes = 1u << 20;
+  static constexpr std::uint32_t max_wedges = 1u << 16, max_spokes = 1u << 20;
 
-  [[noreturn]] static void fail() { throw InputError("the splits contradict each other"); }
+  [[noreturn]] static void fail() { throw InputError("inconsistent vertex splits"); }
 
   static std::uint32_t bits_for(std::uint32_t count) {
     return count < 2 ? 0 : static_cast<std::uint32_t>(std::bit_width(count - 1));
@@ -93,7 +107,7 @@ class SplitCodec {
     star.open = coder.direct(1, known() && base.stars[v].open ? 1 : 0) != 0;
     const std::uint32_t size =
         numbers_[1].code(coder, known() ? static_cast<std::uint32_t>(base.stars[v].spokes.size()) : 0);
-    if (size < 2 || size > most_spokes) fail();
+    if (size < 2 || size > max_spokes) fail();
     const std::uint32_t bits = bits_for(static_cast<std::uint32_t>(mesh_.stars.size()));
     for (std::uint32_t k = 0; k < size; ++k) {
       SplitMesh::Spoke spoke = known() ? base.stars[v].spokes[k] : SplitMesh::Spoke{};
@@ -106,7 +120,7 @@ class SplitCodec {
     }
   }
 
-  // Every spoke has one that comes back, or splits would look for it in vain.
+  // Every spoke must have one that leads back: splits look for it.
   void check_base() const {
     for (std::uint32_t v = 0; v < mesh_.stars.size(); ++v)
       for (const SplitMesh::Spoke& spoke : mesh_.stars[v].spokes) {
@@ -146,7 +160,7 @@ class SplitCodec {
     }
   }
 
-  // How many wedges the vertex has, where each comes from, in which sectors it is; and those of a and b.
+  // The number of wedges of the vertex, the parent and the sectors of each; and the wedges of a and b.
   void code_wedges(Coder& coder, SplitMesh::Split& s, SplitMesh::Star& star) {
     const SplitMesh::Star& u = mesh_.stars[s.parent];
     if (!settings_.wedges) {
@@ -157,7 +171,7 @@ class SplitCodec {
     }
     const std::uint32_t count =
         count_[std::min(u.wedges, 3u)].code(coder, static_cast<std::uint32_t>(s.parents.size()));
-    if (count == 0 || count > most_wedges) fail();
+    if (count == 0 || count > max_wedges) fail();
     s.parents.resize(count);
     for (std::uint32_t& p : s.parents) p = u.first_wedge + code_local(coder, u.wedges, p - u.first_wedge, from_);
     std::uint32_t before = 0;
@@ -226,11 +240,12 @@ class SplitCodec {
     values_.errors.push_back(static_cast<std::uint16_t>(before - coded));
   }
 
-  // What is known of a star before its vertex stands: sums over its neighbours.
+  // What is known of a star before its vertex has a position: sums over its neighbours.
   struct Fit {
     std::array<std::size_t, 3> axis{};  // two along the surface, then the one closest to its normal
     std::array<double, 3> middle{}, normal{};
-    std::uint32_t scale = 0;  // bits of the largest distance of a neighbour from the first one
+    std::array<std::int32_t, 3> position{};  // of the vertex, once it is known
+    std::uint32_t scale = 0;                 // bits of the largest distance of a neighbour from the first one
   };
 
   [[nodiscard]] Fit fit(const SplitMesh::Star& star) const {
@@ -266,8 +281,9 @@ class SplitCodec {
   void code_values(Coder& coder, const SplitMesh::Split& s, const SplitMesh::Star& star, const LatticeValues& source,
                    std::size_t group) {
     code_error(coder, source, group);
-    const Fit f = fit(star);
-    std::array<std::int32_t, 3> p{}, goal = group < source.positions.size() ? source.positions[group] : p;
+    Fit f = fit(star);
+    std::array<std::int32_t, 3>& p = f.position;
+    const std::array<std::int32_t, 3> goal = group < source.positions.size() ? source.positions[group] : p;
     const std::uint32_t scale = std::min(f.scale, 15u);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t i = f.axis[k];
@@ -283,7 +299,7 @@ class SplitCodec {
       if (p[i] < 0 || p[i] > most) fail();
     }
     values_.positions.push_back(p);
-    for (std::uint32_t w = 0; w < s.parents.size(); ++w) code_wedge_values(coder, s, star, source, f, p, w);
+    for (std::uint32_t w = 0; w < s.parents.size(); ++w) code_wedge_values(coder, s, star, source, f, w);
   }
 
   // The corners of the neighbours in the sectors of a wedge.
@@ -308,14 +324,13 @@ class SplitCodec {
   }
 
   void code_wedge_values(Coder& coder, const SplitMesh::Split& s, const SplitMesh::Star& star,
-                         const LatticeValues& source, const Fit& f, const std::array<std::int32_t, 3>& p,
-                         std::uint32_t w) {
+                         const LatticeValues& source, const Fit& f, std::uint32_t w) {
     const std::size_t wedge = star.first_wedge + w;
     if (settings_.materials) values_.materials.push_back(values_.materials[s.parents[w]]);
     if (settings_.uv) {
       split_parent_ = s.parent, split_parents_ = s.parents, wedge_a_ = s.wedge_a, wedge_b_ = s.wedge_b;
       list_corners(star, static_cast<std::uint32_t>(wedge));
-      const std::array<double, 2> guess = guess_uv(f, p, s.parents[w]);
+      const std::array<double, 2> guess = guess_uv(f, s.parents[w]);
       std::array<std::int32_t, 2> uv{};
       const std::int32_t most = 1 << settings_.uv_bits;
       for (std::size_t i = 0; i < 2; ++i) {
@@ -337,8 +352,7 @@ class SplitCodec {
   }
 
   // The linear map from the two coordinates along the surface to the texture, by least squares over the corners.
-  [[nodiscard]] std::array<double, 2> guess_uv(const Fit& f, const std::array<std::int32_t, 3>& p,
-                                               std::uint32_t parent) const {
+  [[nodiscard]] std::array<double, 2> guess_uv(const Fit& f, std::uint32_t parent) const {
     if (corners_.empty()) return {double(values_.uv[parent][0]), double(values_.uv[parent][1])};
     const double n = static_cast<double>(corners_.size());
     double mx = 0, my = 0, mu = 0, mv = 0;
@@ -353,7 +367,7 @@ class SplitCodec {
       const double u = values_.uv[c.wedge][0] - mu, v = values_.uv[c.wedge][1] - mv;
       xx += x * x, xy += x * y, yy += y * y, xu += x * u, yu += y * u, xv += x * v, yv += y * v;
     }
-    const double det = xx * yy - xy * xy, x = p[f.axis[0]] - mx, y = p[f.axis[1]] - my;
+    const double det = xx * yy - xy * xy, x = f.position[f.axis[0]] - mx, y = f.position[f.axis[1]] - my;
     if (!(det > 1e-3 * (xx * yy))) return {mu, mv};
     return {mu + (x * (xu * yy - yu * xy) + y * (yu * xx - xu * xy)) / det,
             mv + (x * (xv * yy - yv * xy) + y * (yv * xx - xv * xy)) / det};

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/activation.h"
 
 namespace lodestone::progressive {
 
@@ -46,7 +46,7 @@ void Assembly::cut_sequence() {
   sequence_.records.resize(kept);
 }
 
-// The base by number, then what collapsed, last first.
+// The base by number, then the collapsed vertices, last first.
 void Assembly::order() {
   cut_sequence();
   std::vector<bool> gone(rings_.vertex_count());
@@ -69,7 +69,7 @@ void Assembly::order() {
     if (!lists) return add(v, e);
     for (const Id w : lists->of(v)) add(w, e);
   };
-  // Copies of one vertex do not stand together, where they would look like its wedges.
+  // Copies of one vertex are not stored side by side, where they would look like its wedges.
   std::vector<Id> waiting;
   const auto is_like_last = [&](Id v) {
     return !wedges_.empty() && rings_.position(rings_.vertex_of(wedges_.back())) == rings_.position(v);
@@ -121,7 +121,7 @@ void Assembly::make_room() {
   out_.transform = mesh_.transform;
   out_.triangles.resize(mesh_.triangles.size());
   mapped_ = std::make_unique_for_overwrite<Triangle[]>(mesh_.triangles.size());
-  births_ = std::make_unique_for_overwrite<std::uint32_t[]>(mesh_.triangles.size());
+  activations_ = std::make_unique_for_overwrite<std::uint32_t[]>(mesh_.triangles.size());
 }
 
 void Assembly::gather(std::size_t begin, std::size_t end) {
@@ -144,13 +144,13 @@ void Assembly::map_triangles(std::size_t begin, std::size_t end) {
   for (std::size_t t = begin; t < end; ++t) {
     const Triangle& corners = rings_.corners()[t];
     mapped_[t] = {number_[corners.v[0]], number_[corners.v[1]], number_[corners.v[2]]};
-    births_[t] = birth(mapped_[t], out_, groups_);
+    activations_[t] = activation_of(mapped_[t], out_, groups_);
   }
 }
 
 ProgressiveMesh Assembly::finish() {
-  sort_by_birth({mapped_.get(), out_.triangles.size()}, {births_.get(), out_.triangles.size()}, vertex_count(),
-                out_.triangles.data());
+  sort_by_activation({mapped_.get(), out_.triangles.size()}, {activations_.get(), out_.triangles.size()},
+                     vertex_count(), out_.triangles.data());
   return std::move(out_);
 }
 

@@ -6,23 +6,23 @@
 #include <span>
 #include <vector>
 
-#include "core/progressive/collapse/collapser.h"
+#include "core/progressive/collapse/collapse_kernel.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 
 namespace lodestone::progressive {
 
-// Collapses in the order in which they happened; parents as of Collapser::parents().
+// Collapses in the order in which they happened; parents as in Collapser::parents().
 struct CollapseSequence {
   std::vector<CollapseRecord> records;
   std::span<const Id> parents;
-  std::size_t base_triangles = 0;  // at least so many are to be left: collapses beyond are taken back
+  std::size_t base_triangles = 0;  // at least so many must remain: further collapses are undone
 };
 
-// The steps, in this order; those with a range may run side by side. Mesh and rings have to stay alive. Materials and
+// The steps, in this order; those with a range may run side by side. Mesh and rings must outlive it. Materials and
 // textures are left to the caller.
 class Assembly {
  public:
-  // `room`: vectors whose memory is there already are filled and not made anew.
+  // `room`: vectors whose memory is reused.
   Assembly(const IndexedMesh& mesh, const RingMesh& rings, CollapseSequence&& sequence, ProgressiveMesh&& room = {});
 
   void order();
@@ -47,7 +47,7 @@ class Assembly {
   ProgressiveMesh out_;
   std::vector<std::uint32_t> groups_;
   std::unique_ptr<Triangle[]> mapped_;  // in the order of the mesh
-  std::unique_ptr<std::uint32_t[]> births_;
+  std::unique_ptr<std::uint32_t[]> activations_;
 };
 
 }  // namespace lodestone::progressive

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/activation.h"
 
 namespace lodestone {
 
 LevelFinder::LevelFinder(const ProgressiveMesh& mesh) : mesh_(&mesh), groups_(progressive::group_starts(mesh)) {
-  births_.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) births_.push_back(progressive::birth(t, mesh, groups_));
+  activations_.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) activations_.push_back(progressive::activation_of(t, mesh, groups_));
 }
 
 std::uint32_t LevelFinder::vertices_for(std::uint32_t most) const {
@@ -16,10 +16,10 @@ std::uint32_t LevelFinder::vertices_for(std::uint32_t most) const {
   return std::max(groups_[most], mesh_->base_vertices);
 }
 
-// The triangle behind the last one that may be there comes in with its vertex, which must not be there.
+// The triangle after the last one allowed comes in with its vertex, which must therefore be left out.
 std::uint32_t LevelFinder::vertices_for_triangles(std::size_t most) const {
   if (most >= triangles_of(mesh_->vertex_count())) return mesh_->vertex_count();
-  return std::max(births_[most], mesh_->base_vertices);
+  return std::max(activations_[most], mesh_->base_vertices);
 }
 
 std::uint32_t LevelFinder::vertices_for_error(float error) const {
@@ -30,7 +30,8 @@ std::uint32_t LevelFinder::vertices_for_error(float error) const {
 }
 
 std::size_t LevelFinder::triangles_of(std::uint32_t vertices) const {
-  return static_cast<std::size_t>(std::lower_bound(births_.begin(), births_.end(), vertices) - births_.begin());
+  return static_cast<std::size_t>(std::lower_bound(activations_.begin(), activations_.end(), vertices) -
+                                  activations_.begin());
 }
 
 float LevelFinder::error_of(std::uint32_t vertices) const {

@@ -1,4 +1,4 @@
-// Levels of a progressive mesh, and what moves between two of them.
+// Levels of a progressive mesh, and the geomorphs between two of them.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace lodestone {
 
-// Finds levels of one progressive mesh, which has to stay alive and as it is.
+// Finds levels of one progressive mesh, which must outlive it unchanged.
 class LevelFinder {
  public:
   explicit LevelFinder(const ProgressiveMesh& mesh);  // about 30 ns per triangle
@@ -25,15 +25,15 @@ class LevelFinder {
 
   // The triangles of a level of vertices_for() vertices, into the first so many vertices.
   [[nodiscard]] std::vector<Triangle> compute_level(std::uint32_t vertices) const;
-  // The same with its vertices alone and their attributes, in the space of the model.
+  // The level as a mesh of its own, with its attributes, in the space of the model.
   [[nodiscard]] RawMesh level_mesh(std::uint32_t vertices) const;
-  // For every vertex of the finer level the vertex of the coarser one that it comes from: itself, where it is there.
+  // For every vertex of the finer level the vertex of the coarser one that it comes from: itself, if it is there.
   // Vertices that travel from their ancestors' places, normals and texture coordinates to their own make the geomorph.
   [[nodiscard]] std::vector<std::uint32_t> compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const;
 
  private:
   const ProgressiveMesh* mesh_;
-  std::vector<std::uint32_t> groups_, births_;  // of vertices, of triangles: in ascending order
+  std::vector<std::uint32_t> groups_, activations_;  // of vertices, of triangles: in ascending order
 };
 
 }  // namespace lodestone

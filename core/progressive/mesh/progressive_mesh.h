@@ -10,27 +10,27 @@
 
 namespace lodestone {
 
-// Vertices stand in the order in which they come in: a level is the first so many of them, and the triangles with every
-// corner followed through its parents until it is among them, degenerate ones dropped. A vertex of the surface is a
-// *group* of consecutive vertices of equal position, one per wedge, which come in together.
+// Vertices are stored in the order in which they come in: a level is the first so many of them, and the triangles with
+// every corner followed through its parents until it is among them, degenerate ones dropped. A vertex of the surface is
+// a *group* of consecutive vertices of equal position, one per wedge, which come in together.
 //
-// Triangles stand in the order in which they come in, too: the first so many of them are those of a level that are not
-// degenerate.
+// Triangles are stored in the order in which they come in, too: the first so many of them are those of a level that are
+// not degenerate.
 struct ProgressiveMesh {
   std::vector<Vec3f> positions;        // normalised, as of IndexedMesh
   std::vector<std::uint32_t> parents;  // parents[v] < v; 0 in the base, whose vertices have none
-  // How far the mesh is from the input while v is missing: an estimate, normalised, the same for all of a group, never
+  // Estimated distance of the mesh from the input while v is missing: normalised, the same for all of a group, never
   // more than that of the vertex before. In the base, that of the base itself.
   std::vector<float> errors;
   std::vector<Triangle> triangles;  // of the finest level
   std::uint32_t base_vertices = 0;
   Transform transform;
-  WedgeAttributes wedges{};  // by vertex; `vertex` stays empty
+  WedgeAttributes wedges{};  // by vertex; `vertex` is empty
 
   [[nodiscard]] std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
 };
 
-// Everything that is said of the struct above, without attributes' values: throws InputError with the place.
+// Checks all that the struct above promises, except the values of attributes: throws InputError with the place.
 void check_progressive(const ProgressiveMesh& mesh, const std::string& name);
 
 }  // namespace lodestone

@@ -82,7 +82,7 @@ std::vector<Triangle> SplitMesh::triangles() const {
     const Star& star = stars[vertex];
     for (std::size_t k = 0; k < star.sectors(); ++k)
       if (star.spokes[k].vertex == spoke && star.spokes[star.next(k)].vertex == behind) return star.spokes[k].wedge;
-    throw InputError("the splits contradict each other");
+    throw InputError("inconsistent vertex splits");
   };
   for (std::uint32_t v = 0; v < stars.size(); ++v)
     for (std::size_t k = 0; k < stars[v].sectors(); ++k) {

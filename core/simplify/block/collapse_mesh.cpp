@@ -13,7 +13,7 @@ constexpr Id no_vertex = 0xffff'ffffu;
 bool uses(const Triangle& t, Id v) { return t.v[0] == v || t.v[1] == v || t.v[2] == v; }
 bool holds(const std::vector<Id>& sorted, Id v) { return std::binary_search(sorted.begin(), sorted.end(), v); }
 
-// Corner number of v.
+// The number of the corner at v.
 int corner(const Triangle& t, Id v) { return t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2; }
 
 }  // namespace
@@ -38,7 +38,7 @@ void CollapseMesh::start(const SimplifyInput& input) {
   }
 }
 
-// Follows the link of v, each triangle giving one directed edge of it; any branch makes it none.
+// Follows the link of v, of which each triangle gives one directed edge; with any branch it is not a fan.
 CollapseMesh::Fan CollapseMesh::fan_of(Id v) const {
   std::vector<std::pair<Id, Id>> link;
   for (const Id t : star_[v]) {
@@ -55,7 +55,7 @@ CollapseMesh::Fan CollapseMesh::fan_of(Id v) const {
   if (std::adjacent_find(link.begin(), link.end(), same_start) != link.end()) return Fan::none;
   if (std::adjacent_find(ends.begin(), ends.end()) != ends.end()) return Fan::none;
 
-  Id first = link.front().first;  // of an open fan: the one start that is no end
+  Id first = link.front().first;  // of an open fan: the one start that is not an end
   bool open = false;
   for (const auto& edge : link)
     if (!holds(ends, edge.first)) first = edge.first, open = true;
@@ -120,8 +120,8 @@ bool CollapseMesh::keeps_topology(Id v, Id u) const {
   return std::ranges::any_of(star_[u], [&](Id s) { return s != star_[v][0] && uses(triangles_[s], opposite_[0]); });
 }
 
-// What blocks need: no new edge between two locked vertices, because the block on the other side could make the same
-// one; nor a triangle of three.
+// Blocks need that no edge between two locked vertices is made, because the block on the other side could make the
+// same one; nor a triangle of three.
 bool CollapseMesh::makes_locked_chord(Id u, const std::vector<Id>& ring) const {
   std::size_t locked = 0;
   for (const Id w : ring) {
@@ -132,7 +132,7 @@ bool CollapseMesh::makes_locked_chord(Id u, const std::vector<Id>& ring) const {
   return ring.size() == 3 && locked == 2;
 }
 
-// What becomes (u, a, b) must not exist. This also keeps tetrahedra.
+// A triangle (v, a, b) becomes (u, a, b), which must not exist. This also keeps tetrahedra.
 bool CollapseMesh::doubles_triangle(Id v, Id u) const {
   for (const Id t : star_[v]) {
     if (uses(triangles_[t], u)) continue;
@@ -174,12 +174,12 @@ void CollapseMesh::collapse(Id v, Id u) {
   last_member_[u] = last_member_[v];
 }
 
-void CollapseMesh::answer(SimplifyResult& result) const {
+void CollapseMesh::write_result(SimplifyResult& result) const {
   result.parent.resize(star_.size());
   result.positions.resize(star_.size());
   result.distance.clear();
   result.wedge_parent.clear();
-  // The lists of survivors are those that no other list goes through.
+  // A vertex that no list continues to is a survivor, and begins a list.
   std::vector<std::uint8_t> is_member(star_.size(), 0);
   for (const Id m : next_member_)
     if (m != no_vertex) is_member[m] = 1;

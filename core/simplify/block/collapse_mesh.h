@@ -1,7 +1,7 @@
 // A triangle mesh under half-edge collapses, with every test of the simplifiers' contract (simplifier.h).
 //
 // Written to be read and to take any input: stars are lists of triangle ids, members of a vertex a linked list, and
-// everything is computed in double. What orders the collapses is somebody else's business: an exact heap
+// everything is computed in double. The order of the collapses comes from outside: an exact heap
 // (quadric_reference.cpp), another library's decimater (half_edge_simplifier.cpp) or its finished mesh
 // (meshopt_simplifier.cpp). The kernel in quadric_kernel.h keeps the same rules on compact rings.
 #pragma once
@@ -19,14 +19,14 @@ class CollapseMesh {
  public:
   using Id = std::uint32_t;
 
-  // How the triangles around a vertex hang together.
+  // The connection of the triangles around a vertex.
   enum class Fan : std::uint8_t {
     closed,  // one closed fan
     open,    // one open fan, on the border of the surface
     none     // no triangles, several fans, or edges with more than two triangles or in the same direction twice
   };
 
-  // The mesh of the input as it is, which has to stay alive; keeps its memory from the one before.
+  // Takes the mesh of the input, which must outlive it, as it is; reuses the memory of the mesh before.
   void start(const SimplifyInput& input);
 
   [[nodiscard]] std::size_t live() const { return live_; }                          // triangles left
@@ -39,7 +39,7 @@ class CollapseMesh {
   [[nodiscard]] std::size_t count_movable() const;       // in the input
   [[nodiscard]] std::vector<Id> neighbours(Id v) const;  // ascending
 
-  // Whether v may collapse into its neighbour u: one label, and all of the following three.
+  // True if v may collapse into its neighbour u: both have one label, and all of the following three hold.
   [[nodiscard]] bool allows(Id v, Id u) const {
     const bool alike = input_.labels.empty() || input_.labels[v] == input_.labels[u];
     return is_movable(v) && alike && within_bound(v, position_[u]) && keeps_topology(v, u) &&
@@ -49,15 +49,15 @@ class CollapseMesh {
   [[nodiscard]] bool within_bound(Id v, Vec3d to) const;
   // The link condition (dey1999), borders along borders, no chord between locked vertices, no triangle twice.
   [[nodiscard]] bool keeps_topology(Id v, Id u) const;
-  // Whether moving v turns a triangle of its star by 90 degrees or more, those that contain `skip` not counted.
+  // True if moving v turns a triangle of its star by 90 degrees or more; triangles with `skip` are not counted.
   [[nodiscard]] bool flips(Id v, Vec3d to, Id skip) const;
 
-  // v and all its members into u.
+  // Collapses v and all its members into u.
   void collapse(Id v, Id u);
   void move(Id v, Vec3d to) { position_[v] = to; }
 
-  // P, positions and count; leaves distances empty.
-  void answer(SimplifyResult& result) const;
+  // Writes P, positions and the count; leaves distances empty.
+  void write_result(SimplifyResult& result) const;
 
  private:
   [[nodiscard]] Fan fan_of(Id v) const;

@@ -1,13 +1,12 @@
 // Vertex clustering (rossignac1993) with the representative chosen by the quadric of its cell (lindstrom2000), but
 // always a vertex of the input: P has to be a map of vertices to vertices.
-#include "core/simplify/peers/cluster.h"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include "core/math/box3.h"
-#include "core/simplify/block/quadric.h"
+#include "core/math/quadric.h"
+#include "core/simplify/peers/peers.h"
 
 namespace lodestone {
 namespace {
@@ -24,7 +23,7 @@ class CellTable {
     slots_.assign(std::bit_ceil(2 * capacity + 2), {0, 0, none});
     count_ = 0;
   }
-  // label: of the vertex; vertices of different labels never share a cell.
+  // `label` is that of the vertex; vertices of different labels never share a cell.
   Id number(std::uint64_t key, Id label) {
     const std::size_t mask = slots_.size() - 1;
     std::size_t at = ((key + label) * 0x9e37'79b9'7f4a'7c15u >> 20) & mask;
@@ -87,7 +86,7 @@ class ClusterSimplifier final : public Simplifier {
   std::size_t target_ = 0;
   CellTable table_;
   std::vector<std::uint64_t> key_;  // of each vertex, while searching
-  std::vector<Id> cell_;            // of each vertex; none: without triangles
+  std::vector<Id> cell_;            // of each vertex; none if it has no triangles
   std::vector<Vec3d> anchor_;       // of each cell: its first vertex; quadrics are relative to it
   std::vector<Quadric> quadric_;    // of each cell
   std::vector<Id> representative_;  // of each cell
@@ -106,7 +105,7 @@ void ClusterSimplifier::keep_all(const SimplifyInput& input) {
     for (const Id v : t.v) used_[v] = 1;
 }
 
-// Triangles that would be left if every vertex reached its representative.
+// The number of triangles left if every vertex reached its representative.
 std::size_t ClusterSimplifier::triangles_on(const SimplifyInput& input, const Grid& grid) {
   constexpr std::uint64_t locked_bit = 1ull << 63;
   key_.resize(input.positions.size());

@@ -1,17 +1,16 @@
 // The decimater of OpenMesh: its half-edges, its quadrics (garland1997) and its heap; the contract is ours (decision
 // 0007).
 //
-// The contract has to be asked twice, when a collapse is ranked and again when its turn comes, since it looks one ring
-// further than the decimater updates. What the decimater asks both times is `is_collapse_ok` of its mesh: there it
-// meets the tests of CollapseMesh. A module then tells CollapseMesh what has been done.
-#include "core/simplify/peers/half_edge_simplifier.h"
-
+// The contract has to be tested twice, when a collapse is ranked and again when its turn comes, since it looks one ring
+// further than the decimater updates. The decimater calls `is_collapse_ok` of its mesh both times: that method runs the
+// tests of CollapseMesh. A module then reports each collapse to CollapseMesh.
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
 #include "core/simplify/block/collapse_mesh.h"
+#include "core/simplify/peers/peers.h"
 
 namespace lodestone {
 namespace {
@@ -48,8 +47,8 @@ class HalfEdgeMesh : public OpenMesh::TriMesh_ArrayKernelT<DoubleTraits> {
  private:
   VertexHandle handle(Id v) { return VertexHandle(static_cast<int>(v)); }
 
-  // Half-edges hold manifolds only. A triangle at a vertex that is none stays out, and so does what could move it: its
-  // other corners.
+  // Half-edges hold manifolds only. A triangle at a nonmanifold vertex is left out, and its other corners, which could
+  // move it, are locked.
   void add(const Triangle& t) {
     bool is_manifold = true;
     for (const Id v : t.v) is_manifold &= contract_.fan(v) != CollapseMesh::Fan::none;
@@ -79,7 +78,7 @@ class OpenMeshSimplifier final : public Simplifier {
     contract_.start(input);
     const std::size_t target = triangles_to_keep(input, contract_.count_movable());
     if (target < input.triangles.size()) decimate(input, target);
-    contract_.answer(result_);
+    contract_.write_result(result_);
     return result_;
   }
 

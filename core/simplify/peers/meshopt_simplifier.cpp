@@ -1,17 +1,16 @@
 // meshopt_simplify as a proposal, carried out collapse by collapse as far as the contract allows (decision 0007).
 //
-// The library answers with triangles alone: no map of the vertices, no locks, no bound on displacements. Two properties
-// of it are used. It keeps the order and the corners of the triangles that it does not drop; so a marker triangle after
-// each of ours tells which of ours an output triangle is the image of, and its corners tell where theirs have gone. And
-// a vertex with several open edges stays; so markers stay, and further markers lock what has to be locked.
-#include "core/simplify/peers/meshopt_simplifier.h"
-
+// The library returns triangles alone: no map of the vertices, no locks, no bound on displacements. Two properties of
+// it are used. It keeps the order and the corners of the triangles that it does not drop; so a marker triangle after
+// each of ours tells which of ours an output triangle is the image of, and its corners tell where ours have gone. And a
+// vertex with several open edges is kept; so markers are kept, and further markers lock what has to be locked.
 #include <meshoptimizer.h>
 
 #include <algorithm>
 
 #include "core/math/box3.h"
 #include "core/simplify/block/collapse_mesh.h"
+#include "core/simplify/peers/peers.h"
 
 namespace lodestone {
 namespace {
@@ -20,7 +19,7 @@ using Id = CollapseMesh::Id;
 constexpr Id unknown = 0xffff'ffffu;
 constexpr std::size_t markers_per_group = 8;  // they share three vertices
 constexpr float any_error = 1e9f;
-// Rounds that carry out less than a hundredth of what is missing are idle; after so many of them that is all.
+// Rounds that carry out less than a hundredth of what is missing are idle; after so many of them it stops.
 constexpr std::size_t least_progress = 100;
 constexpr int idle_rounds = 8;
 
@@ -40,7 +39,7 @@ class MeshoptSimplifier final : public Simplifier {
       refused_.insert(refused_.end(), pending_.begin(), pending_.end());
       idle += !moves_on;
     }
-    mesh_.answer(result_);
+    mesh_.write_result(result_);
     return result_;
   }
 
@@ -66,7 +65,7 @@ class MeshoptSimplifier final : public Simplifier {
   SimplifyResult result_;
 };
 
-// Destinations for the vertices; false where the library did not answer as expected.
+// Finds destinations for the vertices; false if the library did not return what was expected.
 bool MeshoptSimplifier::propose(const SimplifyInput& input) {
   make_request(input);
   const std::size_t added = request_.size() / 3 - triangles_.size();
@@ -76,7 +75,7 @@ bool MeshoptSimplifier::propose(const SimplifyInput& input) {
   return read_images(input.positions.size());
 }
 
-// Each triangle with a marker behind it, then the markers that lock: two at each vertex that must stay.
+// Lists each triangle and a marker after it, then the markers that lock: two at each vertex that must be kept.
 void MeshoptSimplifier::make_request(const SimplifyInput& input) {
   const auto n = static_cast<Id>(input.positions.size());
   triangles_.clear();
@@ -107,8 +106,8 @@ void MeshoptSimplifier::make_request(const SimplifyInput& input) {
   for (const Id v : refused_) lock(v);
 }
 
-// All in the unit cube, where single precision is best; the markers in a row through its middle, each at a place of its
-// own, for the library takes vertices at one place for one vertex.
+// Positions lie in the unit cube, where single precision is best; the markers form a row through its middle, each at a
+// place of its own, for the library takes vertices at one place for one vertex.
 void MeshoptSimplifier::place_markers(const SimplifyInput& input, std::size_t groups) {
   Box3f box;
   for (const Vec3f& p : input.positions)
@@ -123,7 +122,7 @@ void MeshoptSimplifier::place_markers(const SimplifyInput& input, std::size_t gr
     places_.push_back({(static_cast<float>(k) + 0.5f) / static_cast<float>(count), 0.5f, 0.5f});
 }
 
-// Walks through the answer, counting markers: what stands before marker i is what has become of triangle i.
+// Walks through the result, counting markers: the triangle before marker i is the image of triangle i.
 bool MeshoptSimplifier::read_images(std::size_t vertices) {
   destination_.assign(vertices, unknown);
   std::size_t passed = 0;
@@ -145,7 +144,7 @@ bool MeshoptSimplifier::read_images(std::size_t vertices) {
   return true;
 }
 
-// A vertex all of whose triangles have vanished went where one of its neighbours went, such that they vanish.
+// A vertex that has lost all its triangles went to the destination of a neighbour at which they vanish.
 void MeshoptSimplifier::settle_vanished(Id v) {
   const auto vanish_at = [&](Id place) {
     return std::ranges::all_of(mesh_.star(v), [&](Id t) {

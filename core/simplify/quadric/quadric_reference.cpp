@@ -1,8 +1,8 @@
 // Half-edge collapse by quadric error (garland1997, hoppe1996) on triangle lists, with an exact heap.
 //
 // Written to be read, not to be fast: the candidate of a vertex is its cheapest target that passes every test of
-// CollapseMesh, and whatever a collapse touches is evaluated again. The kernel in quadric_kernel.h does the same on
-// compact rings.
+// CollapseMesh, and everything that a collapse touches is evaluated again. The kernel in quadric_kernel.h does the same
+// on compact rings.
 #include "core/simplify/quadric/quadric_reference.h"
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/math/quadric.h"
 #include "core/simplify/block/collapse_mesh.h"
-#include "core/simplify/block/quadric.h"
 
 namespace lodestone {
 namespace {
@@ -45,7 +45,7 @@ class HalfEdgeCollapse {
   }
   void collapse_to_target();
   void relocate_survivors();
-  void answer(SimplifyResult& result) const { mesh_.answer(result); }
+  void write_result(SimplifyResult& result) const { mesh_.write_result(result); }
 
  private:
   [[nodiscard]] Id vertices() const { return static_cast<Id>(quadric_.size()); }
@@ -87,8 +87,8 @@ void HalfEdgeCollapse::push_best(Id v) {
   ++stamp_[v];
   if (!mesh_.is_movable(v) || mesh_.star(v).empty()) return;
   std::vector<std::pair<double, Id>> targets;
-  // Of what has collapsed into v; a large flat target would hide what the tip of a small feature loses. Between the sum
-  // of the squared distances and their mean (decision 0013).
+  // Cost of what has collapsed into v; a large flat target would hide what the tip of a small feature loses. Between
+  // the sum of the squared distances and their mean (decision 0013).
   const double share = std::sqrt(std::sqrt(quadric_[v].weight));
   for (const Id u : mesh_.neighbours(v)) targets.emplace_back(share * quadric_[v].cost(mesh_.position(u)), u);
   std::sort(targets.begin(), targets.end());
@@ -122,7 +122,7 @@ void HalfEdgeCollapse::collapse_to_target() {
 }
 
 // Half-edge collapses leave survivors on the input; moving each to the minimum of its quadric, once, lowers the error
-// by a sixth. Vertices of the border stay.
+// by a sixth. Vertices of the border are kept.
 void HalfEdgeCollapse::relocate_survivors() {
   for (Id v = 0; v < vertices(); ++v) {
     if (!mesh_.is_movable(v) || mesh_.fan(v) != Fan::closed || mesh_.star(v).empty()) continue;
@@ -132,7 +132,7 @@ void HalfEdgeCollapse::relocate_survivors() {
     const Vec3d step = quadric_[v].minimum_near(from, relocation_stiffness) - from;
     if (!(length(step) <= longest)) continue;
     const Vec3d goal = from + step;
-    // What the caller will see.
+    // As the caller will see it.
     const Vec3d to = to_double(lattice_ ? lattice_.nearest(goal) : to_float(goal));
     if (mesh_.within_bound(v, to) && !mesh_.flips(v, to, no_vertex)) mesh_.move(v, to);
   }
@@ -144,7 +144,7 @@ class QuadricReference final : public Simplifier {
     HalfEdgeCollapse work(input);
     work.collapse_to_target();
     work.relocate_survivors();
-    work.answer(result_);
+    work.write_result(result_);
     return result_;
   }
 

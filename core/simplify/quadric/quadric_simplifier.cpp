@@ -6,17 +6,17 @@
 #include <numeric>
 
 #include "core/base/error.h"
-#include "core/simplify/quadric/quadric_block.h"
-#include "core/simplify/quadric/quadric_piles.h"
-#include "core/simplify/quadric/quadric_seams.h"
-#include "core/simplify/quadric/quadric_split.h"
+#include "core/simplify/quadric/block_arrays.h"
+#include "core/simplify/quadric/nonmanifold_stars.h"
+#include "core/simplify/quadric/seams.h"
+#include "core/simplify/quadric/splitter.h"
 
 namespace lodestone {
 
 namespace quadric {
 
-// The system hands out zeroed pages on first touch, so that a small block stays small; calloc says so, operator new
-// would touch them all.
+// The system hands out zeroed pages on first touch, so that a small block takes little memory; calloc relies on that,
+// operator new would touch them all.
 std::unique_ptr<Arrays, FreeArrays> allocate_arrays() {
   void* memory = std::calloc(1, sizeof(Arrays) + alignof(Arrays));
   if (memory == nullptr) throw ResourceError(describe("", "quadric simplifier", "no memory for its arrays"));
@@ -31,8 +31,7 @@ namespace {
 
 class QuadricSimplifier final : public Simplifier {
  public:
-  using Kernel = decltype(&quadric::simplify_block_plain);
-  QuadricSimplifier(Kernel kernel, Placement placement)
+  QuadricSimplifier(quadric::BlockKernel kernel, Placement placement)
       : placement_(placement), kernel_(kernel), arrays_(quadric::allocate_arrays()) {}
 
   const SimplifyResult& simplify(const SimplifyInput& input) override {
@@ -41,7 +40,7 @@ class QuadricSimplifier final : public Simplifier {
     result_.distance.resize(input.positions.size());
     result_.wedge_parent.clear();
     if (input.positions.size() <= quadric::id_limit) {
-      kernel_(input, placement_, *arrays_, piles_, seams_of(input), result_);
+      kernel_(input, placement_, memory_for(input), result_);
     } else {
       simplify_parts(input);
     }
@@ -50,9 +49,11 @@ class QuadricSimplifier final : public Simplifier {
   [[nodiscard]] bool knows_wedges() const override { return true; }
 
  private:
-  quadric::Seams* seams_of(const SimplifyInput& input) { return input.corners.empty() ? nullptr : &seams_; }
+  quadric::BlockMemory memory_for(const SimplifyInput& input) {
+    return {*arrays_, nonmanifold_, input.corners.empty() ? nullptr : &seams_};
+  }
 
-  // Vertices on the seams between parts stay for this call; the next level cuts elsewhere.
+  // Vertices on the seams between parts are kept for this call; the next level cuts elsewhere.
   void simplify_parts(const SimplifyInput& input) {
     for (std::uint32_t v = 0; v < input.positions.size(); ++v) result_.parent[v] = v;
     std::copy(input.positions.begin(), input.positions.end(), result_.positions.begin());
@@ -69,7 +70,7 @@ class QuadricSimplifier final : public Simplifier {
       of_part_.positions.resize(part.vertices.size());
       of_part_.distance.resize(part.vertices.size());
       const SimplifyInput part_input = part.input(input, target);
-      kernel_(part_input, placement_, *arrays_, piles_, seams_of(part_input), of_part_);
+      kernel_(part_input, placement_, memory_for(part_input), of_part_);
       for (std::size_t v = 0; v < part.vertices.size(); ++v) {
         result_.parent[part.vertices[v]] = part.vertices[of_part_.parent[v]];
         result_.positions[part.vertices[v]] = of_part_.positions[v];
@@ -82,9 +83,9 @@ class QuadricSimplifier final : public Simplifier {
   }
 
   Placement placement_;
-  Kernel kernel_;
+  quadric::BlockKernel kernel_;
   std::unique_ptr<quadric::Arrays, quadric::FreeArrays> arrays_;
-  quadric::Piles piles_;
+  quadric::NonmanifoldStars nonmanifold_;
   quadric::Seams seams_;
   quadric::Splitter splitter_;
   SimplifyResult result_, of_part_;
@@ -93,8 +94,8 @@ class QuadricSimplifier final : public Simplifier {
 }  // namespace
 
 std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set, Placement placement) {
-  return std::make_unique<QuadricSimplifier>(
-      choose_kernel(set, quadric::simplify_block_plain, quadric::simplify_block_avx2), placement);
+  return std::make_unique<QuadricSimplifier>(choose_kernel(set, quadric::plain_kernel, quadric::avx2_kernel),
+                                             placement);
 }
 
 }  // namespace lodestone

@@ -9,7 +9,7 @@
 namespace lodestone {
 
 // Every set gives the same bytes. Working memory: about 180 bytes per vertex of the largest block so far, at most 12
-// MB. Throws UnsupportedError where the set is not available.
+// MB. Throws UnsupportedError if the set is not available.
 [[nodiscard]] std::unique_ptr<Simplifier> make_quadric_simplifier(InstructionSet set = InstructionSet::best,
                                                                   Placement placement = Placement::optimal);
 

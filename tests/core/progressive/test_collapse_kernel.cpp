@@ -9,9 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/progressive/collapse/collapse_kernel.h"
-#include "core/progressive/collapse/id_lanes_plain.h"
 #include "core/progressive/collapse/rank_heap.h"
-#include "core/progressive/collapse/star_lanes.h"
 #include "core/progressive/collapse/star_quadrics.h"
 #include "tests/test_meshes.h"
 
@@ -97,12 +95,12 @@ TEST(CollapseKernel, FirstQuadricsAreSumsOfPlanes) {
     rings.list_corners();
     rings.make_rings(0, mesh.positions.size(), arena);
     rings.cut_open();
-    std::vector<PlaneQuadric> first;
+    std::vector<CentredQuadric> first;
     for (const CollapseKernel* kernel : kernels()) {
-      std::vector<PlaneQuadric> quadrics(rings.vertex_count());
+      std::vector<CentredQuadric> quadrics(rings.vertex_count());
       kernel->star_quadrics(rings, 0, quadrics.size(), quadrics.data());
       for (Id v = 0; v < quadrics.size(); ++v) {
-        const PlaneQuadric expected = star_quadric(rings, v);
+        const CentredQuadric expected = star_quadric(rings, v);
         const float size = expected.weight;
         ASSERT_NEAR(quadrics[v].weight, expected.weight, 1e-5f * size);
         for (const Vec3f d : {Vec3f{1, 0, 0}, Vec3f{0, 1, 1}, Vec3f{1, -1, 2}})
@@ -136,7 +134,6 @@ std::optional<bool> obviously_turns(const RingMesh& rings, Id v, Id u) {
 }
 
 TEST(CollapseKernel, LanesDecideAsOneByOne) {
-  using L = plain::Lanes;
   for (const IndexedMesh& mesh : {rough_sphere(4), test::terrain_mesh(20)}) {
     RingMesh rings(mesh);
     RingArena arena;
@@ -153,19 +150,19 @@ TEST(CollapseKernel, LanesDecideAsOneByOne) {
           static_cast<std::uint32_t>(ring.open != 0 ? (random() % 2) * (ring.size - 1) : random() % ring.size);
       Collapse c{.vertex = v, .target = ring.ids[at]};
       const bool allowed = rings.allows(c);
-      ASSERT_EQ((joins<L, 1>(rings, ring, at)), allowed);
-      ASSERT_EQ((joins<L, 2>(rings, ring, at)), allowed);
+      ASSERT_EQ(joins<1>(rings, ring, at), allowed);
+      ASSERT_EQ(joins<2>(rings, ring, at), allowed);
       joins_not += allowed ? 0 : 1;
-      const Star<L, 1> star = load_star<L, 1>(rings.points(), ring, v);
-      const PlaneQuadric q = star_quadric(rings, v);
-      L::Float ranks[1];
-      star_ranks<L, 1>(q, star, ranks);
+      const Star<1> star = load_star<1>(rings.points(), ring, v);
+      const CentredQuadric q = star_quadric(rings, v);
+      Float8 ranks[1];
+      star_ranks<1>(q, star, ranks);
       const Vec3f shift = rings.position(c.target) - rings.position(v);
       const float rank = std::max(q.at(shift) + stiffness * q.weight * dot(shift, shift), 0.0f) * rank_scale(q.weight);
       ASSERT_EQ(pick(ranks[0], at), rank);
       const auto turned = obviously_turns(rings, v, c.target);
       if (turned) {
-        ASSERT_EQ((star_turns<L, 1>(star, ring, at)), *turned);
+        ASSERT_EQ(star_turns<1>(star, ring, at), *turned);
         turns += *turned ? 1 : 0;
       }
       if (!allowed || turned != false || step % 8 != 0) continue;

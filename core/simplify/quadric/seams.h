@@ -1,35 +1,35 @@
-// Wedges around the vertices of a block while half-edges collapse: which targets keep every chart, and what P is on
+// Wedges around the vertices of a block while half-edges collapse: the targets that keep every chart, and P of the
 // wedges.
 //
 // A wedge is a vertex as some of its triangles see it; an edge is a *seam* where its two triangles see one of its ends
 // as different wedges. Seams cut the fan of a vertex into sectors of one wedge each. A vertex without seams may go
 // anywhere: its wedge becomes the one of the sector that it lies in. A vertex inside a seam may only go along it, and
 // its two wedges become those on the two sides of the seam at the target. All others (where seams end or meet, or meet
-// the border of the surface) stay. So charts keep their triangles, and no texture is ever stretched across a seam.
+// the border of the surface) are kept. So charts keep their triangles, and no texture is ever stretched across a seam.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "core/simplify/block/simplifier.h"
-#include "core/simplify/quadric/quadric_block.h"
+#include "core/simplify/quadric/block_arrays.h"
 
 namespace lodestone::quadric {
 
 class Seams {
  public:
-  // Of a block whose rings are made; input.corners must not be empty. Flags the rings of the vertices with seams as
-  // `seamed`, and those that neither go nor are arrived at, since their sectors have no order or are too many, as
-  // `sealed`.
+  // Takes a block whose rings are made; input.corners must not be empty. Flags the rings of the vertices with seams as
+  // `seamed`, and as `sealed` those whose sectors have no order or are too many, so that they can be neither source nor
+  // target of a collapse.
   void reset(const SimplifyInput& input, Arrays& arrays);
 
-  // Lanes of the two neighbours along the seam of a seamed vertex; 0 where the vertex has to stay.
+  // Lanes of the two neighbours along the seam of a seamed vertex; 0 if the vertex must be kept.
   [[nodiscard]] unsigned lanes(Id v, const Ring& ring, unsigned degree) const;
 
-  // Whether v, which is seamed, may collapse into u, its neighbour along the seam, without an end to a chart or a seam.
-  [[nodiscard]] bool lets(Id v, Id u) const;
+  // True if v, which is seamed, may collapse into u, its neighbour along the seam, without ending a chart or a seam.
+  [[nodiscard]] bool allows(Id v, Id u) const;
 
-  // To be called before the rings change: v goes to u.
+  // Records that v goes to u; to be called before the rings change.
   void collapse(Id v, Id u, const Arrays& arrays);
 
   // P of every wedge, resolved. parent: P of every vertex, resolved.
@@ -61,14 +61,14 @@ class Seams {
   [[nodiscard]] const Corner* corner_of(Id v, Id from, Id to) const;
   [[nodiscard]] std::uint32_t sector(Id u, unsigned lane, const Ring& ring) const;
 
-  std::vector<std::uint32_t> wedge_;   // of each vertex: its first; the only one unless it is in several
-  std::vector<std::uint8_t> several_;  // of each vertex: it has more than one wedge, or a neighbour that has
+  std::vector<std::uint32_t> wedge_;   // first wedge of each vertex; the only one unless it has several
+  std::vector<std::uint8_t> several_;  // by vertex: 2 if it has several wedges, 1 if a neighbour has
   std::vector<std::uint32_t> record_of_;
   std::vector<Record> records_;
   std::vector<Corner> corners_;       // of the candidates, by vertex
-  std::vector<std::uint32_t> first_;  // of each candidate's corners, by `candidate_`
+  std::vector<std::uint32_t> first_;  // corner of each candidate, by `candidate_`
   std::vector<std::uint32_t> candidate_;
-  std::vector<std::uint32_t> to_;  // of each wedge: where its vertex's collapse took it
+  std::vector<std::uint32_t> to_;  // the wedge that each wedge has collapsed into
 };
 
 }  // namespace lodestone::quadric

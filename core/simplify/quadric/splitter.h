@@ -27,22 +27,22 @@ struct Part {
   }
 };
 
-// Halves the triangles until a half uses at most `most_vertices` vertices: in the order that they have, or, where that
+// Halves the triangles until a half uses at most `max_vertices` vertices: in the order that they have, or, if that
 // leaves long seams between the parts, at the median of their barycentres along the longest axis. Depends on the input
 // alone. Keeps its memory between calls.
 class Splitter {
  public:
   // The number of parts; at least 1 for a mesh with triangles.
-  std::size_t split(const SimplifyInput& input, std::size_t most_vertices);
+  std::size_t split(const SimplifyInput& input, std::size_t max_vertices);
   // Valid until the next call.
   const Part& part(const SimplifyInput& input, std::size_t index);
 
  private:
-  void cut(const SimplifyInput& input, std::size_t most_vertices, bool by_place);
-  void halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices, bool by_place);
+  void cut(const SimplifyInput& input, std::size_t max_vertices, bool by_place);
+  void halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t max_vertices, bool by_place);
   void part_by_median(const SimplifyInput& input, std::size_t begin, std::size_t middle, std::size_t end);
   [[nodiscard]] std::size_t count_vertices(const SimplifyInput& input, std::size_t begin, std::size_t end);
-  // How many vertices several parts use; marks them in shared_.
+  // The number of vertices that several parts use; marks them in shared_.
   [[nodiscard]] std::size_t find_shared(const SimplifyInput& input);
   void append_corners(const Triangle& corners, const Triangle& local);
 
@@ -53,7 +53,7 @@ class Splitter {
   };
   std::vector<Keyed> order_;                             // triangles, part after part
   std::vector<std::size_t> ends_;                        // of the parts in order_, from 0 on
-  std::vector<std::uint32_t> seen_;                      // per vertex: the last count or part that met it
+  std::vector<std::uint32_t> seen_;                      // per vertex: the last count or part that used it
   std::vector<std::uint32_t> local_;                     // per vertex: its id in the part being made
   std::vector<std::uint32_t> seen_wedge_, local_wedge_;  // the same per wedge
   std::vector<std::uint8_t> shared_;                     // per vertex: used by several parts

@@ -1,4 +1,4 @@
-#include "core/progressive/mesh/births.h"
+#include "core/progressive/mesh/activation.h"
 
 #include <bit>
 #include <utility>
@@ -24,8 +24,8 @@ std::vector<std::uint32_t> group_starts(const ProgressiveMesh& mesh) {
   return groups;
 }
 
-// Follows the corner that came in last to its parent until it meets another corner: there the triangle came in.
-std::uint32_t birth(const Triangle& t, const ProgressiveMesh& mesh, const std::vector<std::uint32_t>& groups) {
+// Follows the corner that became active last to its parent until it meets another corner: that activates the triangle.
+std::uint32_t activation_of(const Triangle& t, const ProgressiveMesh& mesh, const std::vector<std::uint32_t>& groups) {
   std::uint32_t a = groups[t.v[0]], b = groups[t.v[1]], c = groups[t.v[2]];
   if (a == b || b == c || c == a) return mesh.vertex_count();
   while (true) {
@@ -38,20 +38,20 @@ std::uint32_t birth(const Triangle& t, const ProgressiveMesh& mesh, const std::v
   }
 }
 
-void sort_by_birth(std::span<const Triangle> triangles, std::span<const std::uint32_t> births, std::size_t vertex_count,
-                   Triangle* sorted) {
+void sort_by_activation(std::span<const Triangle> triangles, std::span<const std::uint32_t> activations,
+                        std::size_t vertex_count, Triangle* sorted) {
   std::vector<std::uint32_t> place(vertex_count + 2, 0);
-  for (const std::uint32_t b : births) ++place[b + 1];
+  for (const std::uint32_t a : activations) ++place[a + 1];
   for (std::size_t v = 1; v < place.size(); ++v) place[v] += place[v - 1];
-  for (std::size_t t = 0; t < births.size(); ++t) sorted[place[births[t]]++] = triangles[t];
+  for (std::size_t t = 0; t < activations.size(); ++t) sorted[place[activations[t]]++] = triangles[t];
 }
 
-void sort_by_birth(ProgressiveMesh& mesh) {
+void sort_by_activation(ProgressiveMesh& mesh) {
   const std::vector<std::uint32_t> groups = group_starts(mesh);
-  std::vector<std::uint32_t> births;
-  for (const Triangle& t : mesh.triangles) births.push_back(birth(t, mesh, groups));
+  std::vector<std::uint32_t> activations;
+  for (const Triangle& t : mesh.triangles) activations.push_back(activation_of(t, mesh, groups));
   const std::vector<Triangle> unsorted = mesh.triangles;
-  sort_by_birth(unsorted, births, mesh.positions.size(), mesh.triangles.data());
+  sort_by_activation(unsorted, activations, mesh.positions.size(), mesh.triangles.data());
 }
 
 }  // namespace lodestone::progressive

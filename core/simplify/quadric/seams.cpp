@@ -1,4 +1,4 @@
-#include "core/simplify/quadric/quadric_seams.h"
+#include "core/simplify/quadric/seams.h"
 
 #include <algorithm>
 #include <cassert>
@@ -90,14 +90,14 @@ const Seams::Corner* Seams::corner_of(Id v, Id from, Id to) const {
   return found == end ? nullptr : &*found;
 }
 
-// Walks around the fan once. Vertices whose neighbours have no order stay, and so do those with too many seams.
+// Walks around the fan once. Vertices whose neighbours have no order are kept, and so are those with too many seams.
 void Seams::make_record(Id v, Ring& ring) {
   const auto set = [&](Flags f) { ring.lane[flags_lane] = static_cast<Id>(ring.lane[flags_lane] | f); };
   const auto seal = [&] {
     set(sealed);
     ring.lane[flags_lane] = static_cast<Id>(ring.lane[flags_lane] & ~(movable | queued));
   };
-  if (ring.has(pile)) return seal();
+  if (ring.has(nonmanifold)) return seal();
   const unsigned n = degree_of(ring);
   const bool open = ring.has(quadric::open);
   const unsigned triangles = open ? n - 1 : n;
@@ -130,7 +130,7 @@ unsigned Seams::lanes(Id v, const Ring& ring, unsigned degree) const {
   return bits;
 }
 
-bool Seams::lets(Id v, Id u) const {
+bool Seams::allows(Id v, Id u) const {
   const Record& record = records_[record_of_[v]];
   const Id other = record.neighbour[record.neighbour[0] == u ? 1 : 0];
   if (record_of_[u] == no_record || record_of_[other] == no_record) return false;
@@ -160,7 +160,7 @@ void Seams::collapse(Id v, Id u, const Arrays& arrays) {
       return;
     }
     const unsigned lane = lane_of(ring, v);
-    // Behind the last neighbour of an open fan there is no triangle.
+    // There is no triangle after the last neighbour of an open fan.
     const bool last = records_[record_of_[u]].open && lane + 1 == degree_of(ring);
     to_[wedge_[v]] = sector(u, last ? lane - 1 : lane, ring);
     return;
@@ -169,7 +169,7 @@ void Seams::collapse(Id v, Id u, const Arrays& arrays) {
   const unsigned along = record.neighbour[0] == u ? 0 : 1;
   const Id other = record.neighbour[1 - along];
   const unsigned lane = lane_of(ring, v), before = lane > 0 ? lane - 1 : degree_of(ring) - 1;
-  // What is counter-clockwise of the seam for v is clockwise of it for u.
+  // The side that is counter-clockwise of the seam for v is clockwise of it for u.
   to_[record.after[along]] = sector(u, before, ring);
   to_[record.after[1 - along]] = sector(u, lane, ring);
   Record& target = records_[record_of_[u]];

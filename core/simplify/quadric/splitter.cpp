@@ -1,4 +1,4 @@
-#include "core/simplify/quadric/quadric_split.h"
+#include "core/simplify/quadric/splitter.h"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 namespace lodestone::quadric {
 namespace {
 
-// Integers in the order of the floats, so that even numbers that are none have a place.
+// Integers in the order of the floats, so that even NaNs have a place.
 std::int32_t ordered(float x) {
   const auto bits = std::bit_cast<std::int32_t>(x);
   return bits >= 0 ? bits : bits ^ 0x7fff'ffff;
@@ -31,23 +31,23 @@ std::size_t Splitter::count_vertices(const SimplifyInput& input, std::size_t beg
   return count;
 }
 
-void Splitter::cut(const SimplifyInput& input, std::size_t most_vertices, bool by_place) {
+void Splitter::cut(const SimplifyInput& input, std::size_t max_vertices, bool by_place) {
   seen_.assign(input.positions.size(), 0);
   stamp_ = 0;
   ends_.assign(1, 0);
-  halve(input, 0, order_.size(), most_vertices, by_place);
+  halve(input, 0, order_.size(), max_vertices, by_place);
 }
 
-void Splitter::halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t most_vertices,
+void Splitter::halve(const SimplifyInput& input, std::size_t begin, std::size_t end, std::size_t max_vertices,
                      bool by_place) {
-  if (count_vertices(input, begin, end) <= most_vertices) {
+  if (count_vertices(input, begin, end) <= max_vertices) {
     ends_.push_back(end);
     return;
   }
   const std::size_t middle = begin + (end - begin) / 2;
   if (by_place) part_by_median(input, begin, middle, end);
-  halve(input, begin, middle, most_vertices, by_place);
-  halve(input, middle, end, most_vertices, by_place);
+  halve(input, begin, middle, max_vertices, by_place);
+  halve(input, middle, end, max_vertices, by_place);
 }
 
 // Brings the triangles below the median along the longest axis in front of the others.
@@ -78,15 +78,15 @@ std::size_t Splitter::find_shared(const SimplifyInput& input) {
   return static_cast<std::size_t>(std::count(shared_.begin(), shared_.end(), 1));
 }
 
-std::size_t Splitter::split(const SimplifyInput& input, std::size_t most_vertices) {
+std::size_t Splitter::split(const SimplifyInput& input, std::size_t max_vertices) {
   order_.resize(input.triangles.size());
   for (std::uint32_t t = 0; t < order_.size(); ++t) order_[t] = {0, t};
-  cut(input, most_vertices, false);
+  cut(input, max_vertices, false);
   // A block's triangles come cell by cell, and halves of that order have short seams. Those of one large cell need not.
   constexpr std::size_t one_in = 12;
   if (find_shared(input) > input.positions.size() / one_in) {
-    cut(input, most_vertices, true);
-    // The order that nth_element leaves within a part is nobody's business.
+    cut(input, max_vertices, true);
+    // The order that nth_element leaves within a part is unspecified.
     const auto by_id = [](const Keyed& a, const Keyed& b) { return a.triangle < b.triangle; };
     for (std::size_t p = 0; p + 1 < ends_.size(); ++p)
       std::sort(order_.begin() + static_cast<std::ptrdiff_t>(ends_[p]),
