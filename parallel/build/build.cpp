@@ -18,7 +18,7 @@ namespace {
 struct Build {
   std::vector<Triangle> triangles;  // of the finest level
   BlockPlan plan;
-  Lattice lattice;                            // that the vertices stand on, if any
+  Lattice lattice;                            // on which the vertices lie, if any
   std::vector<std::vector<CellBuild>> cells;  // by level, by rank
   AttributeSet attributes;
 };
@@ -30,8 +30,8 @@ void check(const IndexedMesh& mesh, const BuildConfig& config) {
     throw ResourceError("the mesh has more than 2^31 vertices; vertex ids have 32 bits");
 }
 
-// Each cell for itself, then the parents, which name places in another cell. Nothing that a cell's figures rest on
-// changes.
+// Reorders each cell, then the parents, which name places in another cell. A cell's figures do not depend on the
+// order.
 void order_cells(Build& build, Scheduler& scheduler) {
   struct Place {
     std::size_t level;
@@ -74,7 +74,7 @@ void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
     view_payload(built[rank], l > 0, out.cells[out.levels[l].first_cell + rank]);
 }
 
-// The finest level, and empty cells on the others. What the partition alone needs is released here.
+// The finest level, and empty cells on the others. Releases what only the partition needs.
 void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& out, Scheduler& scheduler) {
   Partition partition = partition_mesh(std::move(mesh), finest, scheduler);
   out.provenance.fingerprint = partition.fingerprint;

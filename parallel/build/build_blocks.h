@@ -12,7 +12,7 @@
 
 namespace lodestone {
 
-// Where the cells are that no block is at work on. This one leaves them in memory.
+// Holds the cells that no block is at work on. This one leaves them in memory.
 class CellStorage {
  public:
   virtual ~CellStorage() = default;
@@ -29,7 +29,7 @@ struct BlockWork {
   std::vector<std::vector<CellBuild>>& cells;  // by level, by rank
   CellStorage& storage;
   AttributeSet attributes{};
-  Lattice lattice{};            // that the vertices stand on, if any
+  Lattice lattice{};            // on which the vertices lie, if any
   std::uint64_t triangles = 0;  // of the finest level
   std::size_t lanes = 1;        // blocks in memory at a time, at least 1
 };

@@ -11,7 +11,7 @@
 
 namespace lodestone {
 
-// Open-addressing map from cell codes to numbers in order of first appearance; one per chunk, so it stays in cache.
+// Open-addressing map from cell codes to numbers in order of first appearance; one per chunk, to fit into the cache.
 class CellNumbers {
  public:
   std::uint32_t number(CellCode code) {

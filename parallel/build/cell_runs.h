@@ -32,7 +32,7 @@ struct ChunkRuns {
   std::uint64_t fingerprint = 0;  // sum of triangle_fingerprint over the triangles
 };
 
-// Where the triangles of all cells are.
+// Places of the triangles of all cells.
 struct CellRuns {
   std::vector<CellCode> codes;                // occupied cells, ascending
   std::vector<std::uint64_t> first_run;       // by cell, one more than cells
@@ -83,7 +83,7 @@ class RunSorter {
   std::vector<Scratch> scratch_;
 };
 
-// Where sorted triangles are: in memory or in a file.
+// Gives access to sorted triangles: in memory or in a file.
 class TriangleSource {
  public:
   virtual ~TriangleSource() = default;

@@ -17,12 +17,12 @@ struct MeasureConfig {
   std::function<void(double)> progress;
 };
 
-// Replaces the errors of all cells and levels but the finest one's, which stays: it is what the input was moved by, and
-// is added to all others. A cell's error becomes the largest of its children's and of its own bound, which is at most
-// 1 + tolerance times its distance (core/hierarchy/build/cell_error.h says of what) or 1e-5 h, whichever is larger. The same
+// Replaces the errors of all cells and levels except for the finest one's: that is the distance by which the input was
+// moved, and is added to all others. A cell's error becomes the largest of its children's and of its own bound, which is at
+// most 1 + tolerance times its distance (see core/hierarchy/build/cell_error.h) or 1e-5 h, whichever is larger. The same
 // for any number of workers.
 //
-// Memory, besides the hierarchy: search structures of the finest and of one more level, about 30 bytes per triangle of
+// Memory, with the hierarchy: search structures of the finest and of one more level, about 30 bytes per triangle of
 // the finest level, and little for each worker. Throws Cancelled.
 CellErrorWork measure_errors(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler);
 

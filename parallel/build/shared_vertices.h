@@ -1,5 +1,5 @@
-// What the cells of the finest level know together of the vertices that they share: added up by several workers at
-// once, with operations that commute exactly, so that the result depends on no order.
+// Usage and normals of the vertices that cells of the finest level share: contributions of the cells, added up by
+// several workers at once with operations that commute exactly, so that the result does not depend on the order.
 #pragma once
 
 #include <cstddef>

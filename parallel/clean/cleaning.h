@@ -1,4 +1,4 @@
-// The steps of cleaning and welding, over a mesh in memory or in a file: what core/mesh/clean.h describes, with the same
+// The steps of cleaning and welding, over a mesh in memory or in a file: as core/mesh/clean.h says, with the same
 // bytes for any number of workers.
 #pragma once
 
@@ -53,8 +53,8 @@ std::span<T> part(std::vector<T>& whole, ChunkRange range) {
   return part(std::span(whole), range);
 }
 
-// Holds what every form shares: positions, and a state and a number per vertex. Where the input is, and what becomes of
-// its triangles, is up to the form. A triangle that is dropped reads as (0, 0, 0) from then on.
+// Holds what every form shares: positions, and a state and a number per vertex. The form decides where the input is and
+// how its triangles are changed. A triangle that is dropped reads as (0, 0, 0) from then on.
 class Cleaning {
  public:
   virtual ~Cleaning() = default;

@@ -1,4 +1,4 @@
-// From what a file says to a mesh that the rest of the program works on, in parallel.
+// Turns the contents of a file into the mesh that the rest of the program works on, in parallel.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 namespace lodestone {
 
 // Cleans, welds and normalises (core/mesh/clean.h says what that means, and has the serial twin: same bytes for any
-// number of workers). `repairs` is overwritten with the count of everything that was changed. `name` stands for the
-// mesh in messages.
+// number of workers). `repairs` is overwritten with the count of everything that was changed. Messages call
+// the mesh `name`.
 //
 // `lattice`: none, one, or Lattice::automatic (core/math/lattice.h); vertices that meet on it are welded.
 //

@@ -49,7 +49,7 @@ WedgePreparation::WedgePreparation(RawMesh& raw, Scheduler& scheduler)
   wedges_ = std::exchange(raw.wedges, {});
   materials_ = std::exchange(raw.materials, {});
   textures_ = std::exchange(raw.textures, {});
-  if (!wedges_.material.empty() && count_ == 0) count_ = raw.positions.size();  // materials alone
+  if (!wedges_.material.empty() && count_ == 0) count_ = raw.positions.size();  // only materials
   if (count_ == 0) return;
   if (wedges_.corners.empty()) wedges_.corners = raw.triangles;
   make_finite();

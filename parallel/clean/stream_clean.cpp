@@ -9,7 +9,7 @@
 namespace lodestone {
 namespace {
 
-// A mesh in its file: what becomes of a triangle is remembered by a bit, and its corners by the numbers of the vertices.
+// A mesh in its file: a bit for each triangle tells if it is dropped, and a number for each vertex what it has become.
 class StreamCleaning final : public Cleaning {
  public:
   StreamCleaning(const MeshStream& stream, std::size_t working_bytes, Scheduler& scheduler)

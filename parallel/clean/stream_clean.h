@@ -1,4 +1,4 @@
-// prepare_mesh (parallel/clean/prepare.h) for a mesh whose triangles remain in their file: the same repairs and numbers.
+// prepare_mesh (parallel/clean/prepare.h) for a mesh whose triangles remain in their file: same repairs and numbers.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ class BitSet {
   std::vector<std::uint64_t> words_;
 };
 
-// What is left of a stream, without the triangles.
+// The clean mesh, except for its triangles.
 struct CleanStream {
   std::vector<Vec3f> positions;        // of the vertices that are left, as in IndexedMesh
   std::vector<std::uint32_t> numbers;  // of each vertex of the stream, among these; empty: all are left
@@ -36,7 +36,7 @@ struct CleanStream {
   Transform transform;
   Repairs repairs;
 
-  // Those that are left of triangles [first, first + count) of the stream, by the new numbers.
+  // Returns what is left of triangles [first, first + count) of the stream, with the new numbers.
   [[nodiscard]] std::vector<Triangle> read(const MeshStream& stream, std::uint64_t first, std::size_t count) const;
 };
 

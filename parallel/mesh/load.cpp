@@ -107,7 +107,7 @@ std::optional<RawMesh> load_stl(const InputFile& file, ByteReader& head, Schedul
 }
 
 // Reads tiles side by side and puts them together in their order, so many at a time that images which they share are
-// not held for each of them. Of several errors the first tile's counts.
+// not held for each of them. If there are several errors, that of the first tile is thrown.
 RawMesh load_tileset(ByteReader& head, const ReadConfig& config, Scheduler& scheduler) {
   constexpr std::size_t at_a_time = 64;
   TileList list = list_tiles(head);

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t grain = std::size_t{1} << 16;
 
-// What find(begin, end) gives for each chunk, in order.
+// Joins the results of find(begin, end) for all chunks, in order.
 template <class T, class Find>
 std::vector<T> gathered(std::size_t count, Scheduler& scheduler, const Find& find) {
   std::vector<std::vector<T>> chunks(chunk_count(count, grain));

@@ -6,7 +6,7 @@
 
 namespace lodestone {
 
-// Every triangle and vertex is looked at in parallel; what is split, few triangles of most meshes, by one worker.
+// Looks at all triangles and vertices in parallel; one worker splits, as few triangles of most meshes need it.
 RefineReport refine_mesh(IndexedMesh& mesh, double longest, Scheduler& scheduler);
 
 }  // namespace lodestone

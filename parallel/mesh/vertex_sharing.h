@@ -1,4 +1,4 @@
-// Which vertices several cells of the finest level use: found by claims, in a word per vertex.
+// Finds the vertices that several cells of the finest level use, by claims in a word per vertex.
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace lodestone {
 inline constexpr std::uint32_t unowned = 0x7fff'ffffu;  // the word of a vertex before any claim
 
 // Remembers the first cell that claims a vertex, flags the vertex when another one does; cells are any distinct numbers
-// below `unowned`. The flag does not depend on who came first; the owner is forgotten afterwards.
+// below `unowned`. The flag does not depend on which came first; the owner is forgotten afterwards.
 inline void claim_vertex(std::uint32_t& owner, std::uint32_t cell) {
   const std::atomic_ref word(owner);
   std::uint32_t old = word.load(std::memory_order_relaxed);

@@ -57,7 +57,7 @@ struct ModelConfig {
   std::function<void(const ModelProgress&)> progress{};
 };
 
-// What a build on disk needs.
+// Needs of a build on disk.
 struct ModelNeed {
   std::uint64_t memory_bytes = 0;   // the smallest possible limit
   std::uint64_t scratch_bytes = 0;  // temporary files, approximately

@@ -10,7 +10,7 @@
 
 namespace lodestone {
 
-// What stays in memory of a cell that is in the file.
+// The part of a cell in the file that is kept in memory.
 struct StoredCell : CellFigures {
   std::uint32_t vertices = 0, shared = 0, triangles = 0;
   std::uint32_t reserved = 0;  // no padding, since it is written as it lies in memory

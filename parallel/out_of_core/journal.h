@@ -1,7 +1,7 @@
-// What an out-of-core build has done so far, on disk, so that an interrupted one can be continued.
+// A record on disk of what an out-of-core build has done so far, so that an interrupted one can be continued.
 //
-// A file of records, each with its length and checksum. One that was cut off or damaged, and all behind it, count as
-// not done. A record is written when all that it speaks of has been written.
+// A file of records, each with its length and checksum. One that was cut off or damaged, and all after it, count as
+// not done. A record is written after everything that it describes.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ class Journal {
  public:
   enum class Kind : std::uint32_t { begin, spilled, block };
 
-  // Opens or creates the file and calls take(kind, bytes) for every sound record, as long as that returns true; what
-  // comes behind is forgotten. Throws ResourceError when another process is at work on it.
+  // Opens or creates the file and calls take(kind, bytes) for every valid record, as long as that returns true; what
+  // follows is discarded. Throws ResourceError when another process uses the file.
   Journal(const std::filesystem::path& path, const std::function<bool(Kind, std::span<const std::byte>)>& take);
 
   // From any thread, at any time.

@@ -28,7 +28,7 @@ constexpr std::uint64_t most_part = std::uint64_t{1} << 24;  // triangles
 constexpr std::uint64_t most_parts = 64;
 constexpr std::uint64_t cell_bytes = 1000 + 40 * most_parts;  // of tables; runs of all parts, if the input is shuffled
 
-// Of triangles that are sorted at a time: smaller parts make for more runs.
+// Minimum number of triangles that are sorted at a time: smaller parts give more runs.
 std::uint64_t least_part(std::uint64_t triangles) {
   return std::min(triangles, std::max(std::uint64_t{1} << 18, triangles / most_parts));
 }
@@ -42,7 +42,7 @@ std::string mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mebi
                "give --memory-limit " + std::to_string((need + mebibyte - 1) / mebibyte) + "MiB" + remedy));
 }
 
-// What the steps have left of the limit.
+// Divides the limit among the steps.
 class Memory {
  public:
   Memory(const MeshStream& stream, const ModelConfig& config, int workers)

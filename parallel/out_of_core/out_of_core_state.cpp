@@ -41,7 +41,7 @@ BitSet shared_bits(const FinestVertices& vertices) {
   return bits;
 }
 
-// What a record of a spilled mesh begins with, in its order.
+// Visits the first parts of the record of a spilled mesh, in their order.
 template <class AnyMesh, class Value, class List>
 void visit_head(AnyMesh& mesh, const Value& value, const List& list) {
   value(mesh.level);
@@ -149,7 +149,7 @@ void OutOfCoreFiles::remove() {
   std::error_code ignored;
   for (const char* name : {"triangles", "cells", "positions", "journal"})
     std::filesystem::remove(folder_ / name, ignored);
-  std::filesystem::remove(folder_, ignored);  // unless somebody has put something else there
+  std::filesystem::remove(folder_, ignored);  // unless it holds other files
 }
 
 }  // namespace lodestone

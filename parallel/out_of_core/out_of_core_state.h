@@ -1,4 +1,4 @@
-// The temporary files of an out-of-core build, and what their journal says.
+// The temporary files of an out-of-core build and the contents of their journal.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace lodestone {
 
-// What the blocks start from: all that is known once the triangles are spilled.
+// Everything that is known once the triangles are spilled, and that the blocks start from.
 struct SpilledMesh {
   int level = 0;
   std::uint64_t triangles = 0;
@@ -33,7 +33,7 @@ class OutOfCoreFiles {
   [[nodiscard]] ScratchFile& cells() { return *cells_; }
   [[nodiscard]] std::uint64_t bytes() const;
 
-  // What an interrupted build has left: whether its triangles were spilled, and the records of its blocks.
+  // Remains of an interrupted build: has_spilled() if its triangles were spilled, and the records of its blocks.
   [[nodiscard]] bool has_spilled() const { return !spilled_.empty(); }
   [[nodiscard]] SpilledMesh take_spilled(Scheduler& scheduler);
   [[nodiscard]] const std::vector<std::vector<std::byte>>& block_records() const { return blocks_; }

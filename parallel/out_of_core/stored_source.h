@@ -17,7 +17,7 @@ struct StoredHierarchy {
   std::vector<std::vector<StoredCell>> cells;  // by level, by rank
 };
 
-// Memory: a cell for each worker; to reorder, four bytes per vertex of the two levels at hand besides.
+// Memory: a cell for each worker; to reorder, four bytes per vertex of the two levels at hand in addition.
 class StoredSource final : public CellSource {
  public:
   enum class Order : std::uint8_t { as_stored, for_compression };  // the latter: BuildConfig::order_cells

@@ -183,7 +183,7 @@ class Builder {
     count_triangles(before);
   }
 
-  // Off what is left: those of the records from here on.
+  // Subtracts the triangles of the records from here on.
   void count_triangles(std::size_t from) {
     for (std::size_t k = from; k < records_.size(); ++k) triangles_ -= records_[k].triangles;
   }

@@ -27,9 +27,9 @@ struct ProgressiveReport {
 
 // Collapses the mesh by half-edges, cheapest first. While it is large that happens in regions, cubes of a grid that
 // moves from round to round: what a region's border holds in place in one round is free in the next, and no round goes
-// far beyond the ranks that others have reached. The result depends on the mesh and the configuration alone.
+// far beyond the ranks that others have reached. The result depends only on the mesh and the configuration.
 //
-// Memory at the peak: about 120 bytes per triangle by geometry alone. Throws InputError when the mesh lacks what the
+// Memory at the peak: about 120 bytes per triangle without attributes. Throws InputError when the mesh lacks what the
 // metric measures.
 [[nodiscard]] ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config,
                                                Scheduler& scheduler, ProgressiveReport& report);

@@ -1,4 +1,4 @@
-// A sample sort: ranges of ranks are independent, and of a part that is sorted a range is a piece.
+// A sample sort: ranges of ranks are independent, and a range of a sorted part is one piece of it.
 #include "parallel/progressive/merge_records.h"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ using progressive::CollapseRecord;
 
 bool is_before(const CollapseRecord& a, const CollapseRecord& b) { return a.order < b.order; }
 
-// Where the ranges begin, but for the first, by a sample of the parts.
+// The beginnings of all ranges except for the first, by a sample of the parts.
 std::vector<float> range_starts(std::span<const std::vector<CollapseRecord>> parts, std::size_t count) {
   constexpr std::size_t grain = 8192, step = 64;
   std::vector<float> sample;

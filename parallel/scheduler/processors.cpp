@@ -20,7 +20,7 @@ namespace {
 
 constexpr pid_t calling_thread = 0;
 
-// False when there is no such thread any more.
+// Returns false when the thread has ended.
 bool bind_thread(pid_t thread, const std::vector<int>& processors) {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -79,7 +79,7 @@ std::vector<int> one_per_core_first(const std::vector<int>& processors,
 }
 
 BoundThreads::BoundThreads(const std::vector<int>& processors) : before_(allowed_processors()) {
-  // On one processor together, from when they were bound to fewer, they would stay until the system balances its loads.
+  // Threads that were bound to one processor before would share it until the system balances its loads.
   bind_thread(calling_thread, {processors.front()});
   bind_others(processors.size() > 1 ? std::vector(processors.begin() + 1, processors.end()) : processors);
   bind_thread(calling_thread, processors);  // it has come to the first, and what it starts may go anywhere
@@ -89,7 +89,7 @@ BoundThreads::~BoundThreads() {
   try {
     bind_others(before_);
     bind_thread(calling_thread, before_);
-  } catch (const std::exception&) {  // they stay where they are
+  } catch (const std::exception&) {  // they remain where they are
   }
 }
 

@@ -1,4 +1,4 @@
-// Which processors threads run on. Linux alone.
+// Binding of threads to processors. Linux only.
 #pragma once
 
 #include <functional>
@@ -9,14 +9,14 @@ namespace lodestone {
 
 // Processors that the calling thread may use, by number.
 [[nodiscard]] std::vector<int> allowed_processors();
-// The calling thread and those it will start run on these alone; none: wherever they may. Throws ResourceError.
+// Binds the calling thread and those it will start to these; none: no change. Throws ResourceError.
 void pin_to(const std::vector<int>& processors);
 
-// The core that a processor is a hardware thread of, by the name that the system has for it; where that tells nothing,
-// a name of its own.
+// Name of the core that a processor is a hardware thread of, as the system gives it; a name of its own where the system
+// gives none.
 [[nodiscard]] std::string core_of_processor(int processor);
-// In the order in which to take them: the first of every core, then the second of every core, and so on; as given among
-// these. So that as many workers as there are cores share none.
+// The processors in the order in which to use them: the first of every core, then the second of every core, and so on,
+// each in the given order. As many workers as there are cores then share none.
 [[nodiscard]] std::vector<int> one_per_core_first(const std::vector<int>& processors,
                                                   const std::function<std::string(int)>& core_of = core_of_processor);
 

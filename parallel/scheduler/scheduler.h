@@ -1,7 +1,7 @@
 // The whole contract of parallel execution: worker count, chunked loop, task graph, cancellation.
 //
-// Two schedulers implement it: `serial`, which is the slow obvious twin and passes every test, and `tbb`. How work is
-// cut depends on counts and grains alone, never on the number of workers, so that results are the same bytes for any.
+// Two schedulers implement it: `serial`, the slow and obvious twin, which passes every test, and `tbb`. How work is
+// cut depends on counts and grains alone, never on the number of workers, so that any number gives the same bytes.
 #pragma once
 
 #include <atomic>
@@ -42,11 +42,11 @@ class Scheduler {
   [[nodiscard]] virtual int workers() const = 0;
   // Index of the calling worker, in [0, workers()): for per-worker scratch memory inside a body.
   [[nodiscard]] virtual int worker_index() const = 0;
-  // What the calls from here on are for. Only traces (parallel/scheduler/trace.h) listen; not from inside a body.
+  // Names the work of the calls from here on, for traces (parallel/scheduler/trace.h). Not from inside a body.
   virtual void name_work(std::string_view /*name*/) {}
 
   // Calls body for the chunks [k*grain, min((k+1)*grain, count)). The first exception of a body is rethrown after all
-  // running bodies have ended. Nested calls are allowed.
+  // running bodies have ended. Nested calls are allowed: a worker that waits for one runs none of the outer bodies.
   virtual void for_chunks(std::size_t count, std::size_t grain, const std::function<void(ChunkRange)>& body) = 0;
 
   // Runs every task of the graph once. Same rules for exceptions; throws Cancelled when `cancel` becomes true.
@@ -59,7 +59,7 @@ class Scheduler {
 }
 
 [[nodiscard]] std::unique_ptr<Scheduler> make_serial_scheduler();
-// threads = 0: all that the machine has. More than it has are possible. Any number of schedulers may live and work at
+// threads = 0: as many as the machine has. More are possible. Any number of schedulers may live and work at
 // the same time, each with its own number of workers.
 [[nodiscard]] std::unique_ptr<Scheduler> make_tbb_scheduler(int threads = 0);
 

@@ -1,4 +1,4 @@
-// What each worker did when: a scheduler that writes down every chunk and every task of the one that it wraps.
+// A record of what each worker did when: a scheduler that notes every chunk and every task of the one that it wraps.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct TraceEvent {
   double begin = 0, end = 0;  // seconds since the trace began
 };
 
-// How well the workers were used between the first event of some work and its last.
+// Use of the workers between the first event of some work and its last.
 struct TraceSummary {
   double seconds = 0;    // wall
   double busy = 0;       // share of workers x seconds that lies inside events
@@ -40,7 +40,7 @@ class Trace {
   std::vector<std::vector<TraceEvent>> by_worker_;
 };
 
-// Of the events that begin at or after `from`. Nested events count once.
+// Summarizes the events that begin at or after `from`. Nested events count once.
 [[nodiscard]] TraceSummary summarize(const Trace& trace, double from = 0);
 
 // Behaves as `inner` does. Costs two looks at the clock and one record for each chunk and task.

@@ -8,7 +8,7 @@
 namespace lodestone {
 namespace {
 
-// Where the next cell's arrays begin.
+// Offset at which the next cell's arrays begin.
 constexpr std::uint64_t aligned(std::uint64_t bytes) { return (bytes + 15) / 16 * 16; }
 
 }  // namespace

@@ -51,10 +51,10 @@ class CellStream {
   [[nodiscard]] LoadedFamily load(std::uint32_t parent) const;
 
   // The families to load, the most urgent first, in place of earlier requests that have not begun. Those under way or
-  // not yet collected count into `room` bytes; what does not fit is left out, and so is all behind it.
+  // not yet collected count into `room` bytes; what does not fit is left out, and so is all after it.
   void request(std::span<const std::uint32_t> parents, std::uint64_t room);
 
-  // What has been loaded since the last call. Rethrows what a load has thrown.
+  // Returns what has been loaded since the last call. Rethrows what a load has thrown.
   [[nodiscard]] std::vector<LoadedFamily> collect();
 
   // Waits until everything requested is loaded; for batch work and tests.

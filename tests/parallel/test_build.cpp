@@ -42,7 +42,7 @@ std::string bytes(const Hierarchy& h) {
 BuildConfig small_cells(SimplifierKind kind, Strategy strategy) {
   BuildConfig config;
   config.cell_triangles = 60;
-  config.sigma0 = 1;  // edges of such small cells are long beside them
+  config.sigma0 = 1;  // edges are long compared with such small cells
   config.simplifier = kind;
   config.strategy = strategy;
   return config;

@@ -116,7 +116,7 @@ TEST_F(LoadTest, TilesSideBySide) {
   LODESTONE_MODEL_OR_SKIP(tiles, "textured/komaba_tiles_022");
   expect_same_as_read(tiles);
   expect_same_as_read(tiles / "tileset.json", {.attributes = false});
-  // Of two damaged tiles the first one's error is told.
+  // If two tiles are damaged, the error of the first is reported.
   fs::copy(tiles, folder_ / "tiles", fs::copy_options::recursive);
   for (const char* name : {"02201.glb", "0227.glb"}) {
     fs::remove(folder_ / "tiles" / "tiles" / name);

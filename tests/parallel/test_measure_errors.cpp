@@ -73,7 +73,7 @@ TEST_P(MeasureErrors, ThatAreWrongAreFound) {
     wrong.cells[cell].error = error;
     return !check_of(verify_hierarchy(wrong), "errors").passed;
   };
-  // The first cell of the coarse level with most cells: no child's error stands between.
+  // The first cell of the coarse level with most cells: no child's error interferes.
   const std::size_t cell = hierarchy.levels[hierarchy.levels.size() - 2].first_cell;
   EXPECT_TRUE(fails(cell, 0.7f * hierarchy.cells[cell].error)) << "too small";
   EXPECT_TRUE(fails(cell, 5)) << "larger than all displacements";

@@ -160,7 +160,7 @@ TEST_F(OutOfCore, SameBytesCompressedAndOrdered) {
     }
 }
 
-// Those of the hard files that are read as streams.
+// Covers the hard files that can be read as streams.
 TEST_F(OutOfCore, SameBytesForHardFiles) {
   LODESTONE_MODEL_OR_SKIP(folder, "hard");
   int compared = 0;
@@ -186,7 +186,7 @@ TEST_F(OutOfCore, FileVerifies) {
   EXPECT_TRUE(verify_hierarchy(open_lode(folder_ / "m.lode"), &input).valid());
 }
 
-// As many blocks are in memory as there is room for.
+// The number of blocks in memory is as large as the limit allows.
 TEST_F(OutOfCore, SameBytesWithBarelyEnoughMemory) {
   const fs::path path = sphere();
   const std::string expected = in_memory(path);

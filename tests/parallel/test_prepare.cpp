@@ -105,8 +105,8 @@ TEST(Prepare, DropsDegenerateAndDuplicateButNotTurnedOrFlatTriangles) {
   raw.triangles.push_back({{1, 5, 2}});  // degenerate after welding
   raw.triangles.push_back({{3, 1, 2}});  // the third one again, begun elsewhere
   raw.triangles.push_back({{1, 2, 3}});  // and again
-  raw.triangles.push_back({{3, 2, 1}});  // turned over: stays
-  raw.triangles.push_back({{0, 4, 1}});  // no area: stays
+  raw.triangles.push_back({{3, 2, 1}});  // turned over: kept
+  raw.triangles.push_back({{0, 4, 1}});  // no area: kept
   Repairs repairs;
   const IndexedMesh mesh = prepared(raw, repairs);
   std::vector<Triangle> expected = tetrahedron().triangles;
@@ -224,7 +224,7 @@ TEST(Prepare, EqualsItsTwinOnASoup) {
                                       repairs.duplicate_triangles);
 }
 
-// What IndexedMesh promises, checked without the code that made it.
+// Checks the promises of IndexedMesh without the code that made it.
 void expect_clean(const IndexedMesh& mesh) {
   std::vector<char> used(mesh.positions.size(), 0);
   for (const Triangle& t : mesh.triangles) {

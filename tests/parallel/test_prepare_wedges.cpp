@@ -12,7 +12,7 @@
 namespace lodestone {
 namespace {
 
-// Triangles over few positions: repeats, degenerate ones and duplicates are frequent; some corners are no numbers.
+// Triangles over few positions: repeats, degenerate ones and duplicates are frequent; some corners are not numbers.
 RawMesh dirty_mesh(unsigned seed) {
   std::mt19937 random(seed);
   RawMesh raw;

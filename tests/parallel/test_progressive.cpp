@@ -137,7 +137,7 @@ TEST(ProgressiveMesh, BordersStayBorders) {
   const ProgressiveMesh out = make(mesh);
   EXPECT_EQ(test::progressive_mistake(out, mesh), "");
   expect_sound_levels(out, 200);
-  // The corners of the square stay within a few of its squares.
+  // The corners of the square remain within a few of its squares.
   const auto level = some_levels(out, 20)[2];
   Vec3f lo{1, 1, 1}, hi{};
   for (std::uint32_t v = 0; v < level; ++v) {

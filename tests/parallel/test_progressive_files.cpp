@@ -195,7 +195,7 @@ TEST(ProgressiveFiles, ByExtension) {
   EXPECT_THROW((void)load_progressive(folder / "lodestone_none.lpm"), FileError);
 }
 
-// What the checks of damaged values say, whatever file they come from.
+// Messages of the checks for damaged values, for any kind of file.
 TEST(ProgressiveFiles, ContradictionsAreNamed) {
   const ProgressiveMesh sound = make(test::sphere_mesh(2));
   const auto refused = [&](auto change, const char* what) {

@@ -130,7 +130,7 @@ TEST_P(SchedulerContract, NestedLoopsKeepTheScratchOfTheirWorker) {
   EXPECT_EQ(overwritten, 0);
 }
 
-// Whether all workers of a scheduler come to work at the same time: a body for each of them waits for all.
+// True if all workers of a scheduler run at the same time: a body for each of them waits for all.
 bool all_come(Scheduler& scheduler) {
   const int workers = scheduler.workers();
   std::atomic<int> here{0};
@@ -143,7 +143,7 @@ bool all_come(Scheduler& scheduler) {
   return std::chrono::steady_clock::now() < deadline;
 }
 
-// How many bodies of a scheduler run at once, at most.
+// Maximum number of bodies of a scheduler that run at once.
 int most_at_once(Scheduler& scheduler) {
   std::atomic<int> here{0}, most{0};
   scheduler.for_chunks(200, 1, [&](ChunkRange) {

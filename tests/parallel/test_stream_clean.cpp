@@ -1,4 +1,4 @@
-// Meshes that stay in their file while they are cleaned: the twin of prepare_mesh, and what becomes of bad files.
+// Cleaning of meshes that remain in their file: the twin of prepare_mesh, and errors of bad files.
 #include <gtest/gtest.h>
 
 #include <cstring>

@@ -19,14 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What of a mesh a format carries.
+// The attributes that a format can store.
 struct Carried {
   const char* extension;
   bool base_colour, normal_map, alpha;
 };
 constexpr Carried ply{".ply", false, false, true}, obj{".obj", true, true, false}, glb{".glb", true, true, true};
 
-// All that distinguishes a material in the file.
+// Everything that distinguishes a material in the file.
 std::string signature(const RawMesh& mesh, std::uint32_t material, const Carried& carried) {
   if (material == no_material) return "none";
   const Material& m = mesh.materials[material];
@@ -45,7 +45,7 @@ std::string signature(const RawMesh& mesh, std::uint32_t material, const Carried
   return text;
 }
 
-// Formats may group triangles by material; within one they stay in order.
+// Formats may group triangles by material; within one they keep their order.
 std::map<std::string, std::vector<std::size_t>> triangles_by_material(const RawMesh& mesh, const Carried& carried) {
   std::map<std::string, std::vector<std::size_t>> triangles;
   std::map<std::uint32_t, std::string> signatures;
