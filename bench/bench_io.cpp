@@ -10,7 +10,6 @@
 #include <string>
 
 #include "core/formats/mesh_file.h"
-#include "core/formats/mesh_writer.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
 #include "parallel/clean/prepare.h"

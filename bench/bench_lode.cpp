@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/hierarchy/lode/lode_compress.h"
+#include "core/hierarchy/lode/lode_payload.h"
 #include "core/mesh/generate.h"
 #include "parallel/build/build.h"
 #include "parallel/build/save.h"

@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cerrno>
@@ -14,11 +15,14 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 
 namespace lodestone {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
 
@@ -42,17 +46,19 @@ const char* remedy_for(int error) {
   }
 }
 
-// Unique among the files this process writes, and among processes.
-std::filesystem::path temporary_beside(const std::filesystem::path& target) {
+std::string temporary_suffix() { return ".tmp." + std::to_string(getpid()); }
+
+// Unique among the files of this process, and among processes.
+fs::path temporary_beside(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
-  std::filesystem::path name = target;
-  name += ".tmp." + std::to_string(getpid()) + "." + std::to_string(counter++);
+  fs::path name = target;
+  name += temporary_suffix() + "." + std::to_string(counter++);
   return name;
 }
 
-// The temporaries that exist, for remove_temporaries(). A thread holds the lock while it makes, renames or removes one,
-// with all signals blocked: so a handler never interrupts the holder, may wait for it, and finds the list in step with
-// the folder. A handler that ends the process never gives the lock back, and nothing changes behind it.
+// Lock of the list of temporaries, for remove_temporaries(). A thread holds it while it creates, renames or removes
+// one, with all signals blocked: a handler never interrupts the holder, may wait for it, and finds that the list agrees
+// with the folder. A handler that ends the process never releases the lock, and nothing changes after it.
 std::atomic_flag list_locked;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler takes the lock");
 
@@ -69,7 +75,7 @@ class ListLock {
     lock_list();
   }
   ~ListLock() {
-    const int error = errno;  // that of the call the lock was held for
+    const int error = errno;  // that of the guarded call
     list_locked.clear(std::memory_order_release);
     pthread_sigmask(SIG_SETMASK, &before_, nullptr);
     errno = error;
@@ -83,7 +89,7 @@ class ListLock {
 
 }  // namespace
 
-// The files that have a temporary, linked through previous_ and next_.
+// Head of the list of files that have a temporary, linked through previous_ and next_.
 AtomicFile* AtomicFile::first_ = nullptr;
 
 void AtomicFile::enter_list() {
@@ -96,18 +102,17 @@ void AtomicFile::leave_list() {
   if (next_) next_->previous_ = previous_;
 }
 
-AtomicFile::AtomicFile(std::filesystem::path target)
+AtomicFile::AtomicFile(fs::path target)
     : target_(std::move(target)), buffer_(std::make_unique_for_overwrite<std::byte[]>(buffer_bytes)) {
   std::error_code ignored;
-  final_ =
-      std::filesystem::is_symlink(target_, ignored) ? std::filesystem::weakly_canonical(target_, ignored) : target_;
+  final_ = fs::is_symlink(target_, ignored) ? fs::weakly_canonical(target_, ignored) : target_;
   if (final_.empty()) final_ = target_;
-  const std::filesystem::file_status status = std::filesystem::status(final_, ignored);
-  if (std::filesystem::is_directory(status)) {
+  const fs::file_status status = fs::status(final_, ignored);
+  if (fs::is_directory(status)) {
     errno = EISDIR;
     fail("cannot write");
   }
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
     descriptor_ = open(final_.c_str(), O_WRONLY | O_CLOEXEC);
     seekable_ = descriptor_ >= 0 && lseek(descriptor_, 0, SEEK_CUR) >= 0;
   } else {
@@ -208,17 +213,78 @@ void remove_temporaries() noexcept {
   for (const AtomicFile* file = AtomicFile::first_; file; file = file->next_) unlink(file->temporary_.c_str());
 }
 
-void remove_orphans(const std::filesystem::path& target) {
+void remove_orphans(const fs::path& target) {
   const std::string prefix = target.filename().string() + ".tmp.";
   std::error_code ignored;
-  const std::filesystem::path folder = target.parent_path().empty() ? "." : target.parent_path();
-  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
+  const fs::path folder = target.parent_path().empty() ? "." : target.parent_path();
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix)) continue;
     const long process = std::strtol(name.c_str() + prefix.size(), nullptr, 10);
-    if (process > 0 && kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH)
-      std::filesystem::remove(entry.path(), ignored);
+    if (process > 0 && kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH) fs::remove(entry.path(), ignored);
   }
+}
+
+AtomicFolder::AtomicFolder(const fs::path& target) : name_(target.string()) {
+  std::error_code error;
+  target_ = fs::weakly_canonical(fs::absolute(target, error), error);
+  if (!target_.has_filename()) target_ = target_.parent_path();  // "tiles/" that does not exist yet
+  const fs::file_status status = fs::status(target_, error);
+  exists_ = fs::exists(status);
+  if (exists_ && !fs::is_directory(status)) fail("is a file", "name a folder");
+  if (exists_ && !fs::is_empty(target_, error)) {
+    if (error) fail("cannot be read: " + error.message(), "choose a folder you may write to");
+    fail("is not empty", "name a new folder, or empty this one");
+  }
+  temporary_ = exists_ ? target_ / temporary_suffix() : fs::path(target_.string() + temporary_suffix());
+  if (!fs::create_directory(temporary_, error)) {
+    const std::string reason = error ? error.message() : "its temporary name is taken";
+    temporary_.clear();
+    fail("cannot create the folder: " + reason, "name one in a folder you may write to");
+  }
+}
+
+AtomicFolder::~AtomicFolder() {
+  std::error_code ignored;
+  if (!temporary_.empty()) fs::remove_all(temporary_, ignored);
+}
+
+void AtomicFolder::add_folder(const std::string& name) {
+  std::error_code error;
+  fs::create_directories(temporary_ / name, error);
+  if (error) fail("cannot create the folder " + name + " inside it: " + error.message(), "free some space");
+}
+
+void AtomicFolder::commit() {
+  std::error_code error;
+  if (exists_) {
+    move_entries_up();
+  } else if (fs::rename(temporary_, target_, error); error) {
+    fail("cannot rename the finished folder: " + error.message(), "name a new folder");
+  }
+  temporary_.clear();
+}
+
+// Folders before files: the file that names the others (tileset.json) comes last.
+void AtomicFolder::move_entries_up() {
+  std::error_code error;
+  std::vector<fs::directory_entry> entries{fs::directory_iterator(temporary_, error), fs::directory_iterator()};
+  std::stable_partition(entries.begin(), entries.end(), [](const auto& entry) { return entry.is_directory(); });
+  std::vector<fs::path> moved;
+  for (const fs::directory_entry& entry : entries) {
+    const fs::path to = target_ / entry.path().filename();
+    if (fs::rename(entry.path(), to, error); error) {
+      std::error_code ignored;
+      for (const fs::path& path : moved) fs::remove_all(path, ignored);
+      fail("cannot move the finished files: " + error.message(), "name a new folder");
+    }
+    moved.push_back(to);
+  }
+  fs::remove(temporary_, error);
+}
+
+void AtomicFolder::fail(const std::string& what, const std::string& remedy) const {
+  throw FileError(describe(name_, "", what, remedy));
 }
 
 }  // namespace lodestone

@@ -1,8 +1,8 @@
-// Output files that are either complete or not there.
+// Output files and folders that are either complete or absent.
 //
-// The bytes go to a temporary name beside the target, which commit() renames over it; whatever ends the writing earlier
-// (an exception, a full disk) removes the temporary and leaves the target as it was. This guards against a failing
-// program and a full disk; against a power cut only where sync() forces the bytes to the medium first.
+// The bytes go to a temporary name beside the target, which commit() renames over it; if writing ends earlier (an
+// exception, a full disk), the temporary is removed and the target is left as it was. This guards against a failing
+// program and a full disk; against a power cut only if sync() forces the bytes to the medium first.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@
 
 namespace lodestone {
 
-// Every member throws FileError naming the target when the file system refuses. A target that exists and is no regular
-// file (a pipe, /dev/null) is written to directly, without a temporary: renaming over it would destroy it. A symbolic
-// link is followed, so that the link stays and what it points to is replaced.
+// Every member throws FileError naming the target when the file system refuses. A target that exists and is not a
+// regular file (a pipe, /dev/null) is written to directly, without a temporary: renaming over it would destroy it. A
+// symbolic link is followed, so that the link is kept and its target is replaced.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);
@@ -24,23 +24,24 @@ class AtomicFile {
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  // Asks the file system for room for so many bytes, to be written by write_at(): a full disk is told before any work,
-  // and several threads write without waiting for the file to grow. File systems that cannot are let be. All of the
-  // bytes must then be written.
+  // Reserves space for bytes that write_at() will write: a full disk is reported before any work, and several threads
+  // write without waiting for the file to grow. Does nothing on file systems that cannot reserve. All of the bytes must
+  // then be written.
   void reserve(std::uint64_t bytes);
 
   // Appends. Small pieces are gathered into blocks of a mebibyte.
   void write(std::span<const std::byte> bytes);
 
   // Writes at a byte offset from the start, extending the file when needed. Any number of threads may do so at once, on
-  // disjoint ranges; the position of write() does not move. Do not aim it at bytes that write() has yet to flush().
+  // disjoint ranges; the position of write() does not move. The range must not overlap bytes that write() has yet to
+  // flush().
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
 
   void flush();  // hands the gathered bytes to the file system
   void sync();   // and waits until they are on the medium; of regular files
   [[nodiscard]] std::uint64_t position() const { return position_; }  // bytes appended by write() so far
 
-  // Makes the file appear under its name. At most once, and nothing is written afterwards.
+  // Makes the file appear under its name. Called at most once, with no writes after it.
   void commit();
 
  private:
@@ -53,7 +54,7 @@ class AtomicFile {
   friend void remove_temporaries() noexcept;
 
   static AtomicFile* first_;
-  AtomicFile *previous_ = nullptr, *next_ = nullptr;  // in the list of all that have a temporary
+  AtomicFile *previous_ = nullptr, *next_ = nullptr;  // in the list of files that have a temporary
 
   std::filesystem::path target_;     // as given, for messages
   std::filesystem::path final_;      // with symbolic links resolved
@@ -65,13 +66,41 @@ class AtomicFile {
   std::unique_ptr<std::byte[]> buffer_;
 };
 
-// Removes the temporaries of all AtomicFiles under way, for the handler of a signal that ends the process: safe to call
-// there on any thread, while others are creating, finishing or giving up files. The process has to end then: signals
-// are blocked on this thread, and every other one stops where it next makes, finishes or gives up a file.
+// Removes the temporaries of all AtomicFiles in progress, for the handler of a signal that ends the process: safe to
+// call there on any thread, while others create, finish or abandon files. The process has to end after it: signals are
+// blocked on this thread, and every other thread stops when it next creates, finishes or abandons a file.
 void remove_temporaries() noexcept;
 
-// Removes the temporaries of this target that killed processes have left. For who knows that no other machine writes
+// Removes the temporaries of this target that killed processes have left. The caller knows that no other machine writes
 // it.
 void remove_orphans(const std::filesystem::path& target);
+
+// An output folder. Files are written into path(), a temporary folder, which commit() renames to the target; if writing
+// ends earlier, the temporary is removed. A target that exists has to be an empty folder: then the temporary is created
+// inside it, and commit() moves its entries up, so that a mount point, a link or the working folder may be the target.
+//
+// Throws FileError naming the target when it cannot be created, is not a folder or is not empty. A process that is
+// killed leaves the temporary: commands that write folders end on a flag (Ctrl-C), not in a signal handler.
+class AtomicFolder {
+ public:
+  explicit AtomicFolder(const std::filesystem::path& target);
+  ~AtomicFolder();
+  AtomicFolder(const AtomicFolder&) = delete;
+  AtomicFolder& operator=(const AtomicFolder&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return temporary_; }
+  // Creates a folder below path().
+  void add_folder(const std::string& name);
+  // Makes everything appear under the target. Called at most once, with no writes after it.
+  void commit();
+
+ private:
+  void move_entries_up();
+  [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
+
+  std::string name_;  // as given, for messages
+  std::filesystem::path target_, temporary_;
+  bool exists_ = false;
+};
 
 }  // namespace lodestone

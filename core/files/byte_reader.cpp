@@ -45,7 +45,7 @@ void ByteReader::refill([[maybe_unused]] std::size_t least) {
   const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(left, max_window - filled_));
   const std::size_t got = file_->read_at(base_ + filled_, {buffer_.get() + filled_, wanted});
   filled_ += got;
-  // A file that shrinks while it is read ends where it now ends.
+  // The file has been shortened while it was read.
   if (got < wanted) size_ = base_ + filled_;
 }
 

@@ -1,7 +1,7 @@
 // Sequential reading of a file, or of bytes in memory, through a window of bounded size.
 //
-// All readers of mesh files sit on this, so that none holds a file and its mesh in memory at once, and so that each is
-// a pure function of bytes, which is what the tests and the fuzz harnesses feed.
+// All readers of mesh files use it, so that none holds a file and its mesh in memory at once, and each is a pure
+// function of bytes, which tests and fuzz harnesses supply.
 #pragma once
 
 #include <cstddef>
@@ -27,21 +27,21 @@ class ByteReader {
   ByteReader(std::span<const char> bytes, std::string name, std::optional<std::filesystem::path> folder = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  // Where the files lie that this one names; empty for bytes in memory, which have no such files.
+  // The folder of the files that this one names; empty for bytes in memory, which have no such files.
   [[nodiscard]] const std::optional<std::filesystem::path>& folder() const { return folder_; }
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] std::uint64_t offset() const { return base_ + position_; }
   [[nodiscard]] std::uint64_t remaining() const { return size_ - offset(); }
 
-  // The bytes at hand from the current offset on: at least `least` of them (at most max_window), fewer only when the
-  // input ends before. Valid until the next call. Throws FileError when the disk fails.
+  // The buffered bytes from the current offset on: at least `least` of them (at most max_window), fewer only at the end
+  // of the input. Valid until the next call. Throws FileError when the disk fails.
   [[nodiscard]] std::string_view window(std::size_t least) {
     if (filled_ - position_ < least) refill(least);
     return {data_ + position_, filled_ - position_};
   }
-  // Moves on by at most the size of the last window.
+  // Advances by at most the size of the last window.
   void advance(std::size_t count) { position_ += count; }
-  // Moves on by any distance; beyond the end means to the end.
+  // Advances by any distance, at most to the end.
   void skip(std::uint64_t count);
 
  private:
@@ -53,7 +53,7 @@ class ByteReader {
   std::uint64_t base_ = 0;                 // offset of data_[0] in the input
   std::size_t position_ = 0, filled_ = 0;  // in data_
   const char* data_ = nullptr;
-  std::optional<InputFile> file_;  // empty: reading memory, all of which is at hand
+  std::optional<InputFile> file_;  // empty when the bytes are in memory
   std::unique_ptr<char[]> buffer_;
 };
 

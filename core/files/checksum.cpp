@@ -1,6 +1,6 @@
 #include "core/files/checksum.h"
 
-#define XXH_INLINE_ALL  // header only: nothing to link, nothing to find for those who install the library
+#define XXH_INLINE_ALL  // header only: users of the installed library need not find or link it
 #include <xxhash.h>
 
 namespace lodestone {

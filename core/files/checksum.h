@@ -1,4 +1,4 @@
-// A checksum of bytes that may have been damaged, cut off or never written.
+// A checksum that detects damaged, truncated or missing bytes.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,7 @@
 #include "core/files/input_file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,7 +13,7 @@
 namespace lodestone {
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
-  // Without O_NONBLOCK, opening a pipe that nobody writes to would hang.
+  // Without O_NONBLOCK, opening a pipe without a writer would hang.
   descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor_ < 0)
     throw FileError(describe(name_, "", std::string("cannot open: ") + std::strerror(errno),
@@ -39,6 +40,26 @@ std::size_t InputFile::read_at(std::uint64_t offset, std::span<char> bytes) cons
     done += static_cast<std::size_t>(got);
   }
   return done;
+}
+
+MappedFile::MappedFile(const std::filesystem::path& path) {
+  const InputFile file(path);
+  if (file.size() == 0) return;
+  void* const address = mmap(nullptr, file.size(), PROT_READ, MAP_PRIVATE, file.descriptor_, 0);
+  if (address == MAP_FAILED)
+    throw FileError(describe(file.name(), "", std::string("cannot map into memory: ") + std::strerror(errno)));
+  bytes_ = {static_cast<const std::byte*>(address), file.size()};
+}
+
+MappedFile::~MappedFile() {
+  if (!bytes_.empty()) munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+}
+
+void MappedFile::forget(std::span<const std::byte> part) const {
+  const auto page = static_cast<std::uintptr_t>(sysconf(_SC_PAGESIZE));
+  const auto begin = (reinterpret_cast<std::uintptr_t>(part.data()) + page - 1) / page * page;
+  const auto end = reinterpret_cast<std::uintptr_t>(part.data() + part.size()) / page * page;
+  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_DONTNEED);
 }
 
 }  // namespace lodestone

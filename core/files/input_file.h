@@ -1,4 +1,4 @@
-// Input files read at byte offsets: no shared position, so that any number of threads may read one file at once.
+// Input files: read at byte offsets, or mapped as read-only memory.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +9,7 @@
 
 namespace lodestone {
 
+// Has no shared position, so that any number of threads may read one file at once.
 class InputFile {
  public:
   // Throws FileError when the file is missing, unreadable or not a regular file (its size has to be known, because the
@@ -21,14 +22,33 @@ class InputFile {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t size() const { return size_; }  // bytes, when it was opened
 
-  // Fills `bytes` from `offset` on and returns how many there were: fewer than asked at the end of the file only.
+  // Fills `bytes` from `offset` on and returns the number of bytes read: fewer than asked at the end of the file only.
   // Throws FileError when the disk fails. Safe to call from several threads.
   std::size_t read_at(std::uint64_t offset, std::span<char> bytes) const;
 
  private:
+  friend class MappedFile;
   std::string name_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
+};
+
+class MappedFile {
+ public:
+  // Throws FileError as InputFile does. An empty file gives no bytes.
+  explicit MappedFile(const std::filesystem::path& path);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+
+  // Page-aligned. The file must not be shortened while it is in use.
+  [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
+
+  // Releases the memory of the whole pages of `part`; they are read again when touched.
+  void forget(std::span<const std::byte> part) const;
+
+ private:
+  std::span<const std::byte> bytes_;
 };
 
 }  // namespace lodestone

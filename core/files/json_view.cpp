@@ -15,10 +15,10 @@ nlohmann::json parse_json(std::span<const char> text, const std::string& file) {
   try {
     return nlohmann::json::parse(text.begin(), text.end());
   } catch (const nlohmann::json::parse_error& error) {
-    throw InputError(describe(file, "byte " + std::to_string(error.byte), "malformed JSON",
-                              "the file is damaged, or is no such file"));
+    throw InputError(
+        describe(file, "byte " + std::to_string(error.byte), "invalid JSON", "the file is damaged or of another type"));
   } catch (const nlohmann::json::exception&) {  // a number beyond all ranges
-    throw InputError(describe(file, "", "malformed JSON", "the file is damaged, or is no such file"));
+    throw InputError(describe(file, "", "invalid JSON", "the file is damaged or of another type"));
   }
 }
 
@@ -44,7 +44,7 @@ std::size_t JsonView::size() const {
 }
 
 JsonView JsonView::at(std::size_t index) const {
-  if (index >= size()) fail("has no item " + std::to_string(index) + ", only " + std::to_string(size()));
+  if (index >= size()) fail("has no element " + std::to_string(index) + ", only " + std::to_string(size()));
   return {(*value_)[index], *file_, place_ + "[" + std::to_string(index) + "]"};
 }
 
@@ -66,7 +66,7 @@ double JsonView::number() const {
 }
 
 const std::string& JsonView::string() const {
-  if (!value_->is_string()) fail(std::string("expected a text, found ") + name_of(*value_));
+  if (!value_->is_string()) fail(std::string("expected a string, found ") + name_of(*value_));
   return value_->get_ref<const std::string&>();
 }
 

@@ -1,4 +1,4 @@
-// Values of a JSON document with their place in it, so that whatever is wrong with them can be said precisely.
+// Values of a JSON document with their place in it, for precise error messages.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace lodestone {
 
-// Throws InputError naming `file` and the byte for text that is no JSON.
+// Throws InputError naming `file` and the byte for invalid JSON.
 [[nodiscard]] nlohmann::json parse_json(std::span<const char> text, const std::string& file);
 
-// A value, and "nodes[3].mesh" or the like. Everything here throws InputError naming file and place when the value is
-// not what is asked for. Holds references to document and file name.
+// A value, and "nodes[3].mesh" or the like. Every function throws InputError naming file and place when the value is
+// not of the requested kind. Holds references to document and file name.
 class JsonView {
  public:
   JsonView(const nlohmann::json& value, const std::string& file, std::string place = {})
@@ -46,7 +46,7 @@ class JsonView {
     return values;
   }
 
-  // The value of a member, or another one when there is no such member.
+  // The value of a member, or `otherwise` when there is no such member.
   [[nodiscard]] std::uint64_t integer_or(const char* key, std::uint64_t otherwise) const;
   [[nodiscard]] std::string string_or(const char* key, std::string otherwise) const;
   [[nodiscard]] bool boolean_or(const char* key, bool otherwise) const;

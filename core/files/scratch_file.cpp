@@ -37,7 +37,7 @@ const char* remedy_for(int error) {
   throw FileError(describe(name, "", what + ": " + std::strerror(error), remedy_for(error)));
 }
 
-// Not all file systems have files that never had a name.
+// Not all file systems support files without a name.
 int open_nameless(const std::filesystem::path& folder) {
   const int descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (descriptor >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL)) return descriptor;
@@ -83,7 +83,7 @@ void ScratchFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) cons
     const ssize_t got = pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail("cannot read temporary data");
-    if (got == 0) throw FileError(describe(name_, "", "temporary data is gone", "build anew, without --resume"));
+    if (got == 0) throw FileError(describe(name_, "", "temporary data is missing", "build again without --resume"));
     bytes = bytes.subspan(static_cast<std::size_t>(got));
     offset += static_cast<std::uint64_t>(got);
   }

@@ -1,7 +1,7 @@
 // Temporary data on a disk, written and read at byte offsets, for work that is larger than memory.
 //
-// Without a name such a file is gone when the process ends, however it ends. With a name it stays for who wants to
-// continue: this guards against a killed program, not against a power cut (nothing is forced to the medium).
+// A file without a name disappears when the process ends, however it ends. A file with a name is kept, so that a later
+// run can continue: this guards against a killed program, not against a power cut (nothing is forced to the medium).
 #pragma once
 
 #include <atomic>
@@ -11,14 +11,13 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <type_traits>
 
 namespace lodestone {
 
 // Every member throws FileError naming file and remedy when the file system refuses.
 class ScratchFile {
  public:
-  // Opens or creates `path`; what it holds stays.
+  // Opens or creates `path`; its content is kept.
   [[nodiscard]] static std::unique_ptr<ScratchFile> named(const std::filesystem::path& path);
   // A new file without a name on the disk of `folder`.
   [[nodiscard]] static std::unique_ptr<ScratchFile> nameless(const std::filesystem::path& folder);
@@ -30,10 +29,10 @@ class ScratchFile {
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   void read_at(std::uint64_t offset, std::span<std::byte> bytes) const;  // all of them, or it throws
 
-  // A range of so many bytes that nobody has had so far; returns its offset.
+  // Assigns a new range of this size to the caller; returns its offset.
   [[nodiscard]] std::uint64_t claim(std::uint64_t bytes) { return end_.fetch_add(bytes); }
-  [[nodiscard]] std::uint64_t size() const { return end_; }  // behind the last range claimed
-  // Forgets what lies behind `size`.
+  [[nodiscard]] std::uint64_t size() const { return end_; }  // end of the last range claimed
+  // Discards everything after `size`.
   void truncate(std::uint64_t size);
 
   // False when another process holds it.
@@ -48,14 +47,7 @@ class ScratchFile {
   std::atomic<std::uint64_t> end_{0};
 };
 
-// Arrays of plain data as they lie in memory.
-template <class T>
-[[nodiscard]] std::span<const std::byte> bytes_of(std::span<const T> items) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  return std::as_bytes(items);
-}
-
-// Bytes that the disk of this folder has room for. Throws FileError when there is no such folder.
+// Free bytes on the disk of this folder. Throws FileError when there is no such folder.
 [[nodiscard]] std::uint64_t free_bytes(const std::filesystem::path& folder);
 
 }  // namespace lodestone

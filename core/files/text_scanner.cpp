@@ -1,6 +1,7 @@
 #include "core/files/text_scanner.h"
 
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -58,6 +59,14 @@ std::optional<std::int64_t> parse_integer(std::string_view token) {
   return value;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+std::string extension_of(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
+
 std::string quote(std::string_view text) {
   constexpr std::size_t longest = 40;
   std::string result = "'";
@@ -79,7 +88,7 @@ std::string_view TextScanner::token() {
     std::size_t blanks = 0;
     while (blanks < text.size() && class_of(text[blanks]) == CharClass::blank) ++blanks;
     input_->advance(blanks);
-    if (blanks == text.size() && !text.empty()) continue;  // the window held nothing but blanks
+    if (blanks == text.size() && !text.empty()) continue;  // the window had only blanks
     const std::string_view rest = input_->window(max_token + 1);
     if (rest.empty() || rest[0] == '#' || class_of(rest[0]) == CharClass::line_end) return {};
     if (rest[0] == '\\' && rest.size() > 1 && class_of(rest[1]) == CharClass::line_end) {
@@ -90,7 +99,7 @@ std::string_view TextScanner::token() {
     std::size_t length = 1;
     while (length < rest.size() && class_of(rest[length]) == CharClass::text) ++length;
     if (length > max_token)
-      fail("a word of more than " + std::to_string(max_token) + " characters", "is this a text file?");
+      fail("a word has more than " + std::to_string(max_token) + " characters", "give a text file");
     // "1 2\" directly before a line end continues the line too.
     if (rest[length - 1] == '\\' && length < rest.size() && class_of(rest[length]) == CharClass::line_end) --length;
     input_->advance(length);
@@ -118,7 +127,7 @@ std::string TextScanner::rest_of_line() {
   std::string_view text = input_->window(max_token + 1);
   std::size_t length = 0;
   while (length < text.size() && class_of(text[length]) != CharClass::line_end) ++length;
-  if (length > max_token) fail("a name of more than " + std::to_string(max_token) + " characters");
+  if (length > max_token) fail("a name has more than " + std::to_string(max_token) + " characters");
   text = text.substr(0, length);
   while (!text.empty() && class_of(text.back()) == CharClass::blank) text.remove_suffix(1);
   while (!text.empty() && class_of(text.front()) == CharClass::blank) text.remove_prefix(1);
@@ -138,7 +147,7 @@ bool TextScanner::next_line() {
   }
 }
 
-// At a line end: goes to what follows; false when nothing does.
+// Skips a line end; false at the end of the input.
 bool TextScanner::skip_line_end() {
   const std::string_view text = input_->window(3);
   const std::size_t length = text.size() > 1 && text[0] == '\r' && text[1] == '\n' ? 2 : 1;

@@ -1,30 +1,34 @@
 #include "core/formats/mesh_file.h"
 
-#include <cctype>
+#include <limits>
 #include <new>
 #include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 #include "core/base/error.h"
-#include "core/formats/common/mesh_readers.h"
-#include "core/formats/terrain/grid_readers.h"
+#include "core/files/text_scanner.h"
+#include "core/formats/gltf/gltf.h"
+#include "core/formats/obj/obj.h"
+#include "core/formats/plain/draco.h"
+#include "core/formats/plain/off.h"
+#include "core/formats/plain/stl.h"
+#include "core/formats/ply/ply.h"
+#include "core/formats/terrain/height_grid.h"
+#include "core/formats/tiles/tileset.h"
 
 namespace lodestone {
 namespace {
 
 std::optional<MeshFormat> format_of_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (extension == ".ply") return MeshFormat::ply;
-  if (extension == ".obj") return MeshFormat::obj;
-  if (extension == ".stl") return MeshFormat::stl;
-  if (extension == ".off") return MeshFormat::off;
-  if (extension == ".drc") return MeshFormat::draco;
-  if (extension == ".glb" || extension == ".gltf") return MeshFormat::gltf;
-  if (extension == ".json") return MeshFormat::tileset;
-  if (extension == ".hgt") return MeshFormat::hgt;
-  if (extension == ".asc") return MeshFormat::ascii_grid;
+  using enum MeshFormat;
+  constexpr std::pair<const char*, MeshFormat> known[] = {
+      {".ply", ply},  {".obj", obj},   {".stl", stl},      {".off", off}, {".drc", draco},
+      {".glb", gltf}, {".gltf", gltf}, {".json", tileset}, {".hgt", hgt}, {".asc", ascii_grid}};
+  const std::string extension = extension_of(path);
+  for (const auto& [name, format] : known)
+    if (extension == name) return format;
   return std::nullopt;
 }
 
@@ -46,7 +50,7 @@ std::optional<MeshFormat> format_of_content(ByteReader& input) {
 
 bool is_hierarchy(ByteReader& input) { return input.window(8).starts_with("\x93LODE"); }
 
-// Without a tileset.json.
+// A folder without a tileset.json.
 RawMesh read_folder(const std::filesystem::path& folder, const ReadConfig& config) {
   if (list_srtm_tiles(folder).empty())
     throw UnsupportedError(describe(folder.string(), "", "holds neither a tileset.json nor .hgt tiles",
@@ -72,8 +76,8 @@ MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input, con
   if (config.raw_grid) return MeshFormat::raw_grid;
   if (const auto format = format_of_content(input)) return *format;
   throw UnsupportedError(describe(
-      input.name(), "", "is of no known mesh format",
-      "give a .ply, .obj, .stl, .off, .drc, .glb, .gltf, .hgt or .asc file, or a tileset.json; or say --grid"));
+      input.name(), "", "is not of a known mesh format",
+      "give a .ply, .obj, .stl, .off, .drc, .glb, .gltf, .hgt or .asc file, or a tileset.json; or give --grid"));
 }
 
 RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config) {
@@ -130,13 +134,35 @@ std::filesystem::path mesh_path(const std::filesystem::path& path) {
 
 void require_triangles(const RawMesh& mesh, const std::string& name) {
   if (!mesh.triangles.empty()) return;
-  std::string what = "holds no triangle (" + std::to_string(mesh.positions.size()) + " vertices";
+  std::string what = "has no triangle (" + std::to_string(mesh.positions.size()) + " vertices";
   if (mesh.faces_dropped != 0) what += ", " + std::to_string(mesh.faces_dropped) + " faces of fewer than 3 corners";
   throw InputError(describe(name, "", what + ")", "give a mesh with triangles"));
 }
 
 void throw_out_of_memory(const std::string& name) {
   throw ResourceError(describe(name, "", "there is not enough memory to read it", "give a smaller mesh"));
+}
+
+void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
+  using Write = void (*)(AtomicFile&, const MeshView&, MeshCompanions&);
+  const std::string extension = extension_of(path);
+  const bool stl = extension == ".stl";
+  const Write write = extension == ".ply"   ? Write{write_ply}
+                      : extension == ".obj" ? Write{write_obj}
+                      : stl ? [](AtomicFile& file, const MeshView& m, MeshCompanions&) { write_stl(file, m); }
+                      : extension == ".glb"
+                          ? [](AtomicFile& file, const MeshView& m, MeshCompanions&) { file.write(encode_glb(m)); }
+                          : Write{nullptr};
+  if (!write)
+    throw UnsupportedError(
+        describe(path.string(), "", "cannot write a mesh of this format", "name a .ply, .obj, .stl or .glb file"));
+  if (stl && mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
+    throw ResourceError(describe(path.string(), "", "more triangles than an STL file can count", "write a .ply file"));
+  AtomicFile file(path);
+  MeshCompanions companions(path);
+  write(file, mesh, companions);
+  companions.commit();
+  file.commit();
 }
 
 }  // namespace lodestone

@@ -1,4 +1,4 @@
-// What a surface has besides its shape: normals, colours, texture coordinates, materials, textures.
+// The attributes of a surface: normals, colours, texture coordinates, materials, textures.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct Rgba8 {
 
 enum class TextureWrap : std::uint8_t { repeat, clamp, mirror };
 
-// An image as it lies in its file, not decoded.
+// An image as stored in its file, not decoded.
 struct Texture {
   std::string name;        // as the mesh names it
   std::string media_type;  // told from the bytes: image/png, image/jpeg, image/webp or image/ktx2
@@ -39,13 +39,13 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 
-// A wedge is a vertex as some of its triangles see it: a position and one value of each attribute. Along a seam a
+// A wedge is a vertex as some of its triangles use it: a position and one value of each attribute. Along a seam a
 // vertex has several wedges. As positions of a RawMesh are not welded, wedges of a RawMesh may have equal values: files
 // that store every triangle's corners apart have three for each triangle.
 //
 // An attribute that the file has anywhere is an array of one value per wedge; where the file gives none, it is
-// texture coordinate (0, 0), the zero normal and white. One that it has nowhere is an empty array, and a mesh without
-// any attribute costs nothing.
+// texture coordinate (0, 0), the zero normal and white. An absent attribute is an empty array, and a mesh without any
+// attribute costs nothing.
 struct RawWedges {
   std::vector<Vec2f> uv;      // as in glTF: (0, 0) is the upper left corner of the image, y runs down
   std::vector<Vec3f> normal;  // of unit length, or zero: unknown

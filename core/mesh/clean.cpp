@@ -43,7 +43,7 @@ Box3d box_of(const RawMesh& raw, const std::vector<Triangle>& triangles) {
 Transform normalising_transform(const Box3d& box, const std::string& name) {
   const Vec3d extent = box.hi - box.lo;
   const double longest = std::max({extent.x, extent.y, extent.z});
-  // + 0.0: one zero, whichever of the two was met first.
+  // + 0.0 turns -0 into +0.
   const Transform transform{{box.lo.x + 0.0, box.lo.y + 0.0, box.lo.z + 0.0}, longest > 0 ? longest : 1.0};
   if (!std::isfinite(longest) || !std::isfinite(1 / transform.scale))
     throw InputError(describe(name, "bounding box", "is too large or too small for double precision",
@@ -55,8 +55,8 @@ Lattice resolve_lattice(Lattice asked, std::span<const Vec3d> positions, std::sp
                         double scale) {
   if (asked.bits == Lattice::automatic) return choose_lattice(positions, triangles, scale);
   if (asked.bits < 0 || asked.bits > Lattice::most_bits)
-    throw InputError(describe("", "", "a lattice of " + std::to_string(asked.bits) + " bits",
-                              "0 is none, and 1 to " + std::to_string(Lattice::most_bits) + " are possible"));
+    throw InputError(describe("", "", "a lattice cannot have " + std::to_string(asked.bits) + " bits",
+                              "give 1 to " + std::to_string(Lattice::most_bits) + ", or 0 for none"));
   return asked;
 }
 
@@ -107,7 +107,7 @@ IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& 
   }
   require_survivors(mesh, repairs, name);
 
-  // Number the vertices that are left, in their order.
+  // Number the remaining vertices, in their order.
   used.assign(raw.positions.size(), false);
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t id : t.v) used[id] = true;

@@ -8,8 +8,8 @@
 namespace lodestone {
 namespace {
 
-// Chunks of triangles share vertices, and several may mark the same one: with the same value, so that only the access
-// has to be atomic, not its order.
+// Chunks of triangles share vertices, and several may mark the same one with the same value: the access has to be
+// atomic, its order does not matter.
 VertexState state_of(std::span<VertexState> states, std::uint32_t id) {
   return std::atomic_ref(states[id]).load(std::memory_order_relaxed);
 }
@@ -108,7 +108,7 @@ void mark_used(std::span<const Triangle> triangles, std::span<VertexState> state
   }
 }
 
-std::size_t squeeze_vertices(std::span<const VertexState> states, std::span<Vec3f> positions) {
+std::size_t compact_vertices(std::span<const VertexState> states, std::span<Vec3f> positions) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < positions.size(); ++i)
     if (states[i] == VertexState::used) positions[kept++] = positions[i];
@@ -122,7 +122,7 @@ void number_vertices(std::span<const VertexState> states, std::uint32_t first, s
   }
 }
 
-std::size_t squeeze_triangles(std::span<const std::uint32_t> numbers, std::span<Triangle> triangles) {
+std::size_t compact_triangles(std::span<const std::uint32_t> numbers, std::span<Triangle> triangles) {
   std::size_t kept = 0;
   for (const Triangle& t : triangles) {
     if (is_degenerate(t)) continue;

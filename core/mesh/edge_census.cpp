@@ -21,7 +21,7 @@ void for_half_edges(std::span<const Triangle> triangles, const Visit& visit) {
     }
 }
 
-// Where the half-edges of each smaller vertex begin, and the end of the last.
+// First index of the half-edges of each smaller vertex, and the end of the last.
 std::vector<std::uint32_t> begins(std::span<const Triangle> triangles, std::size_t vertex_count) {
   std::vector<std::uint32_t> begin(vertex_count + 1, 0);
   for_half_edges(triangles, [&](std::uint32_t smaller, std::uint32_t, bool) { ++begin[smaller + 1]; });
@@ -39,7 +39,7 @@ void count_edge(std::size_t forward, std::size_t backward, EdgeCensus& census) {
 // A half-edge in the list of its smaller vertex. Sorting by key brings those of one edge together.
 std::uint64_t key(std::uint32_t larger, bool forward) { return std::uint64_t{larger} << 1 | std::uint64_t{forward}; }
 
-// The half-edges of one smaller vertex.
+// Counts the edges of one smaller vertex.
 void count_edges_of_vertex(std::span<std::uint64_t> keys, EdgeCensus& census) {
   std::sort(keys.begin(), keys.end());
   for (std::size_t i = 0; i < keys.size();) {
@@ -54,7 +54,7 @@ void count_edges_of_vertex(std::span<std::uint64_t> keys, EdgeCensus& census) {
 
 EdgeCensus count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
   if (triangles.size() > std::numeric_limits<std::uint32_t>::max() / 3)
-    throw ResourceError("more half-edges than 32-bit numbers count; split the model");
+    throw ResourceError("the model has more half-edges than 32-bit numbers can count; split it");
   std::vector<std::uint32_t> next = begins(triangles, vertex_count);
   std::vector<std::uint64_t> keys(3 * triangles.size());
   for_half_edges(triangles, [&](std::uint32_t smaller, std::uint32_t larger, bool forward) {
@@ -63,7 +63,7 @@ EdgeCensus count_edges(std::span<const Triangle> triangles, std::size_t vertex_c
   EdgeCensus census;
   std::size_t begin = 0;
   for (std::size_t v = 0; v < vertex_count; ++v) {
-    const std::size_t end = next[v];  // where the half-edges of the next vertex begin, now that all are in place
+    const std::size_t end = next[v];  // after placing, the begin of the next vertex
     count_edges_of_vertex(std::span(keys).subspan(begin, end - begin), census);
     begin = end;
   }

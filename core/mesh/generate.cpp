@@ -98,7 +98,7 @@ float GeneratedSurface::displacement(Vec3f p, float base_frequency) const {
   return sum;
 }
 
-// Surface points of the lattice [0,n]^3 by layers of z: a full square, rings of 4n points, a full square.
+// Surface points of the lattice [0,n]^3 are numbered by layers of z: a full square, rings of 4n points, a full square.
 Vec3f GeneratedSurface::lattice_point(std::uint64_t index) const {
   const std::uint64_t side = n_ + 1ull, bottom = side * side, ring = 4ull * n_, rings = ring * (n_ - 1ull);
   std::uint64_t x, y, z;
@@ -143,7 +143,7 @@ std::uint32_t GeneratedSurface::lattice_index(std::uint32_t x, std::uint32_t y, 
   return static_cast<std::uint32_t>(bottom + ring * (z - 1ull) + i);
 }
 
-// Two triangles a square; six faces, each with its own pair of axes so that normals point outward.
+// Two triangles per square; six faces, each with its own pair of axes so that normals point outward.
 Triangle GeneratedSurface::cube_triangle(std::uint64_t index) const {
   const std::uint64_t square = index / 2, per_face = std::uint64_t{n_} * n_;
   const auto face = static_cast<std::uint32_t>(square / per_face);

@@ -1,4 +1,4 @@
-// Generated surfaces: closed form by index, so that any part can be made alone, streamed, or made in parallel.
+// Generated surfaces in closed form by index, so that any part can be made alone, streamed, or made in parallel.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ enum class Shape : std::uint8_t {
 
 struct GenerateConfig {
   Shape shape = Shape::sphere;
-  std::uint64_t triangles = 1'000'000;  // wished for, 12 to 2 * 10^9; the nearest regular grid is taken
+  std::uint64_t triangles = 1'000'000;  // 12 to 2 * 10^9; the nearest regular grid is used
   std::uint64_t seed = 1;               // of the displacement; shape and connectivity do not depend on it
 };
 
@@ -34,7 +34,7 @@ class GeneratedSurface {
   [[nodiscard]] Triangle triangle(std::uint64_t index) const;
 
  private:
-  [[nodiscard]] Vec3f lattice_point(std::uint64_t index) const;  // box and sphere: of the cube [0,n]^3
+  [[nodiscard]] Vec3f lattice_point(std::uint64_t index) const;  // box and sphere: points of the cube [0,n]^3
   [[nodiscard]] std::uint32_t lattice_index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
   [[nodiscard]] Triangle cube_triangle(std::uint64_t index) const;
   [[nodiscard]] Triangle grid_triangle(std::uint64_t index) const;

@@ -1,7 +1,7 @@
 // Triangle meshes as plain data.
 //
-// RawMesh is what a file says: double precision, nothing checked beyond index range. IndexedMesh is what the rest of
-// the program works on: float32 inside the unit cube, welded and clean, with the transform back to the file's space.
+// RawMesh has the content of a file: double precision, nothing checked beyond index range. The rest of the program works
+// on IndexedMesh: float32 inside the unit cube, welded and clean, with the transform back to the file's space.
 #pragma once
 
 #include <algorithm>
@@ -20,16 +20,16 @@ namespace lodestone {
 struct RawMesh {
   std::vector<Vec3d> positions;
   std::vector<Triangle> triangles;
-  // What the reader had to do to make sense of the file.
+  // Repairs of the reader.
   std::uint64_t polygons_triangulated = 0;  // faces of more than three corners
   std::uint64_t faces_dropped = 0;          // faces of fewer than three corners
   std::uint64_t void_posts = 0;             // of a height grid, without a height: left open
   std::uint64_t filled_posts = 0;           // of a height grid, without a height: interpolated
-  // What the surface has besides its shape; all empty when it has nothing, or when it was not asked for.
+  // Attributes of the surface; all empty if it has none or they were not asked for.
   RawWedges wedges;
   std::vector<Material> materials;
   std::vector<Texture> textures;
-  // What was left out, each a line that names file and place: a texture that is missing, a part that is no surface.
+  // Parts that were left out, each as a line that names file and place: a missing texture, points or lines.
   std::vector<std::string> warnings;
 };
 
@@ -43,15 +43,15 @@ struct RawMesh {
 struct Transform {
   Vec3d origin;
   double scale = 1;
-  Lattice lattice = {};  // that every normalised vertex stands on, if any
+  Lattice lattice = {};  // that every normalised vertex is on, if any
   [[nodiscard]] Vec3d to_model(Vec3f p) const { return origin + scale * to_double(p); }
   [[nodiscard]] Vec3f to_normalised(Vec3d p) const { return to_float((1 / scale) * (p - origin)); }
   friend bool operator==(const Transform&, const Transform&) = default;
 };
 
-// What the wedges of an IndexedMesh have; all empty without attributes.
+// The attributes of the wedges of an IndexedMesh; all empty without attributes.
 struct WedgeAttributes {
-  // The first wedge at the same position, of each wedge: equal for wedges of one vertex.
+  // By wedge: the first wedge at the same position, equal for wedges of one vertex.
   std::vector<std::uint32_t> vertex;
   std::vector<Vec2f> uv;      // finite; one per wedge, or empty
   std::vector<Rgba8> colour;  // likewise
@@ -72,7 +72,7 @@ struct IndexedMesh {
   WedgeAttributes wedges{};
 };
 
-// Counts of everything that cleaning changed; all zero for a mesh that was already sound.
+// Counts of everything that cleaning changed; all zero for a mesh that was already clean.
 struct Repairs {
   std::uint64_t polygons_triangulated = 0;
   std::uint64_t faces_dropped = 0;         // fewer than three corners

@@ -31,8 +31,7 @@ std::vector<Triangle> moved(std::vector<Triangle>&& triangles, std::size_t by) {
   return std::move(triangles);
 }
 
-// Where each of `more` is in `items`, having added those that were not there: tiles of a set share materials and
-// images.
+// Adds the items of `more` that `items` lacks and returns the index of each: tiles of a set share materials and images.
 template <class T>
 std::vector<std::uint32_t> merge(std::vector<T>& items, std::vector<T>&& more) {
   std::vector<std::uint32_t> places;
@@ -60,7 +59,7 @@ void append_materials(RawMesh& mesh, RawMesh& part) {
 
 void append_wedges(RawMesh& mesh, RawMesh& part) {
   if (mesh.wedges.empty() && part.wedges.empty()) return;
-  // The side that has no wedges gets one per vertex; so has the side whose wedges are its vertices.
+  // The side without wedges gets one per vertex, like a side whose wedges are its vertices.
   const auto wedges_of = [](const RawMesh& m) { return m.wedges.empty() ? m.positions.size() : wedge_count(m); };
   const std::size_t count = wedges_of(mesh), more = wedges_of(part);
   RawWedges &a = mesh.wedges, &b = part.wedges;

@@ -11,10 +11,10 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t most_vertices = 0x8000'0000u;  // the builder's own limit
+constexpr std::uint32_t max_vertices = 0x8000'0000u;   // the builder's own limit
 constexpr double float_rounding = 6e-8;                // of a point of the unit cube: above sqrt(3) 2^-25
-// Shorter edges beside the roundings of their ends: middles might meet the ends.
-constexpr double least_limit = 16;
+// Minimum limit over the rounding of a point: the middle of a shorter edge might coincide with its ends.
+constexpr double min_limit = 16;
 
 constexpr std::array<std::size_t, 3> next_corner{1, 2, 0};
 
@@ -40,13 +40,13 @@ struct CanonicalHash {
   std::size_t operator()(const Triangle& t) const { return hash_of(t); }
 };
 
-// Those of the items that stay, in order.
+// Removes the items that are not kept.
 template <class T>
-void keep_only(std::vector<T>& items, const std::vector<char>& stays) {
+void keep_only(std::vector<T>& items, const std::vector<char>& kept_items) {
   if (items.empty()) return;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < items.size(); ++i)
-    if (stays[i]) items[kept++] = items[i];
+    if (kept_items[i]) items[kept++] = items[i];
   items.resize(kept);
 }
 
@@ -55,8 +55,8 @@ void keep_only(std::vector<T>& items, const std::vector<char>& stays) {
 double refine_limit(double longest, Lattice lattice) {
   const double rounding = lattice ? lattice.error() : float_rounding;
   const double limit = longest * (1 - 1e-5) - 2 * rounding;
-  if (!(limit > least_limit * rounding))
-    throw InputError("edges cannot be split so short: the vertices stand on too coarse a lattice for so many levels");
+  if (!(limit > min_limit * rounding))
+    throw InputError("the lattice is too coarse to split edges so short; use a finer lattice or fewer levels");
   return limit;
 }
 
@@ -85,7 +85,7 @@ std::uint32_t EdgeSplitter::middle(std::uint32_t a, std::uint32_t b) {
   const auto id = static_cast<std::uint32_t>(first_fresh_ + exact_.size());
   const auto [at, is_new] = middles_.try_emplace(key_of(a, b), id);
   if (is_new) {
-    if (id >= most_vertices) throw ResourceError("splitting edges takes more than 2^31 vertices; ask for fewer levels");
+    if (id >= max_vertices) throw ResourceError("splitting edges takes more than 2^31 vertices; ask for fewer levels");
     exact_.push_back(0.5 * (place(a) + place(b)));
     add_attributes(a, b);
   }
@@ -167,12 +167,12 @@ std::vector<EdgeSplitter::Meeting> EdgeSplitter::meetings(std::size_t begin, std
   return found;
 }
 
-// The vertex that wedges of one place have in common, or the vertex itself.
+// The vertex of a wedge, or the vertex itself.
 std::uint32_t EdgeSplitter::vertex_of(std::uint32_t v) const {
   return mesh_.wedges.vertex.empty() ? v : mesh_.wedges.vertex[v];
 }
 
-// New vertices that stand where an earlier one stands become that one; wedges only learn of it.
+// New vertices at the position of an earlier one become that one; new wedges only share its vertex.
 void EdgeSplitter::join(std::span<const Meeting> meetings) {
   const bool has_wedges = !mesh_.wedges.vertex.empty();
   std::vector<std::uint32_t> same(mesh_.positions.size() - first_fresh_);
@@ -202,7 +202,7 @@ void EdgeSplitter::drop_degenerate() {
   });
 }
 
-// The first part of each triangle in its place, the others at the end; a triangle without a part goes.
+// Puts the first part of each triangle in its place, the others at the end; a triangle without a part is dropped.
 void EdgeSplitter::put_back() {
   std::vector<char> stays(mesh_.triangles.size(), 1);
   for (const Part& part : parts_) stays[part.whole] = 2;
@@ -221,7 +221,7 @@ void EdgeSplitter::put_back() {
 RefineReport EdgeSplitter::finish(std::span<const Meeting> meetings) {
   if (report_.split > 0) {
     join(meetings);
-    // Triangles all of whose parts go are those without area: marked before the parts are put back.
+    // Triangles without area lose all of their parts: they are marked before the parts are put back.
     std::vector<std::uint32_t> wholes;
     for (const Part& part : parts_)
       if (wholes.empty() || wholes.back() != part.whole) wholes.push_back(part.whole);
@@ -229,14 +229,14 @@ RefineReport EdgeSplitter::finish(std::span<const Meeting> meetings) {
     for (const std::uint32_t whole : wholes) mesh_.triangles[whole] = {};
     put_back();
     drop_repeats(!meetings.empty());
-    squeeze();
+    compact();
   }
   report_.triangles_after = mesh_.triangles.size();
   return report_;
 }
 
-// Parts have a new vertex at least, unless new ones have met the mesh's: only then a triangle may repeat one of the
-// mesh. The first of equal ones stays.
+// Parts have at least one new vertex unless new vertices coincide with those of the mesh: only then a part may repeat a
+// triangle of the mesh. The first of equal triangles is kept.
 void EdgeSplitter::drop_repeats(bool whole_mesh) {
   std::unordered_set<Triangle, CanonicalHash> seen;
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
@@ -248,11 +248,11 @@ void EdgeSplitter::drop_repeats(bool whole_mesh) {
   }
 }
 
-// Triangles and vertices that have gone leave no gap.
-void EdgeSplitter::squeeze() {
+// Removes dropped triangles and unused vertices.
+void EdgeSplitter::compact() {
   std::erase_if(mesh_.triangles, [](const Triangle& t) { return is_degenerate(t); });
   if (mesh_.triangles.empty())
-    throw InputError("no triangle of the mesh has an area that splitting its edges would leave");
+    throw InputError("no triangle is left after splitting edges, since none has an area; give a mesh with a surface");
   std::vector<char> used(mesh_.positions.size(), 0);
   for (const Triangle& t : mesh_.triangles)
     for (const std::uint32_t v : t.v) used[v] = 1;
@@ -263,10 +263,10 @@ void EdgeSplitter::squeeze() {
   for (Triangle& t : mesh_.triangles)
     for (std::uint32_t& v : t.v) v = number[v];
   WedgeAttributes& w = mesh_.wedges;
-  // The first wedge that stays of each vertex stands for it.
-  std::vector<std::uint32_t> first(used.size(), most_vertices);
+  // The first remaining wedge of each vertex represents it.
+  std::vector<std::uint32_t> first(used.size(), max_vertices);
   for (std::size_t v = 0; v < w.vertex.size(); ++v)
-    if (used[v] && first[w.vertex[v]] == most_vertices) first[w.vertex[v]] = number[v];
+    if (used[v] && first[w.vertex[v]] == max_vertices) first[w.vertex[v]] = number[v];
   for (std::uint32_t& v : w.vertex) v = first[v];
   keep_only(mesh_.positions, used);
   keep_only(w.vertex, used);

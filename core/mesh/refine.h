@@ -1,8 +1,8 @@
 // Splitting over-long edges, so that no edge of a mesh is longer than a limit.
 //
-// Whether an edge is split is decided by its length alone, and it is split at its middle: both sides do the same, and
-// no T-junction can come of it, whatever the surface is like there (open, non-manifold, badly oriented). A triangle is
-// split by those of its edges that are too long (red and green, as in bank1983):
+// The length of an edge alone decides if it is split, at its middle: both sides do the same, so that no T-junction can
+// arise, whatever the surface is like there (open, non-manifold, badly oriented). A triangle is split by those of its
+// edges that are too long (red and green, as in bank1983):
 //
 //   three  four triangles by the three middles
 //   two    the corner between them by both middles, and the rest by its shorter diagonal; by the one from the middle of
@@ -10,13 +10,13 @@
 //   one    two triangles by the median
 //
 // and its parts in turn. This ends: halves are half as long; a median between two edges within the limit is within it,
-// too; the shorter of two diagonals is at most sqrt(3)/2 of the shorter one of the two edges. So every round takes
-// 13 % at least off the longest edge that is too long.
+// too; the shorter of two diagonals is at most sqrt(3)/2 of the shorter one of the two edges. So every round shortens
+// the longest edge that is too long by at least 13 %.
 //
 // Middles are computed in double precision, where they are exact for all coordinates that matter, and rounded once, in
-// the end, to float32 or to the lattice: before that the parts of a triangle tile it exactly. Vertices that have met
-// after rounding, also one of the mesh, are one vertex; parts with two equal corners and repeated parts go, as they do
-// when a mesh is cleaned. Attributes are interpolated by halves, wedge by wedge: seams stay seams.
+// the end, to float32 or to the lattice: before that the parts of a triangle tile it exactly. Vertices that coincide
+// after rounding, also with one of the mesh, are one vertex; parts with two equal corners and repeated parts are
+// dropped, as when a mesh is cleaned. Attributes are interpolated by halves, wedge by wedge, so that seams are kept.
 #pragma once
 
 #include <cstdint>
@@ -38,26 +38,27 @@ struct RefineReport {
 // is too coarse for that: an edge of that length must be some of its steps long.
 [[nodiscard]] double refine_limit(double longest, Lattice lattice);
 
-// Afterwards no edge is longer than `longest`. A triangle stays where it is in the order or is replaced by its first
-// part, the others follow at the end. Throws InputError when no triangle is left: all had been without area.
+// Afterwards no edge is longer than `longest`. A triangle keeps its place in the order or is replaced by its first
+// part; the other parts follow at the end. Throws InputError when no triangle is left: all had been without area.
 // parallel/mesh/refine_mesh.h does the same with several workers.
 RefineReport refine_mesh(IndexedMesh& mesh, double longest);
 
-// The pieces that an orchestration puts together: begin to end, in this order.
+// The steps of refine_mesh, called in this order.
 class EdgeSplitter {
  public:
   EdgeSplitter(IndexedMesh& mesh, double longest);
 
   // Triangles of [begin, end) with an edge beyond the limit, ascending.
   [[nodiscard]] std::vector<std::uint32_t> long_triangles(std::size_t begin, std::size_t end) const;
-  // `triangles`: all of these, ascending. Time in proportion to the parts.
+  // `triangles`: all of the above, ascending. The time is proportional to the number of parts.
   void split(std::span<const std::uint32_t> triangles);
-  // Vertices of the mesh of [begin, end) where new ones stand.
+  // A vertex of the mesh and a new one at the same position.
   struct Meeting {
     std::uint32_t vertex = 0, fresh = 0;
   };
+  // Those of vertices [begin, end).
   [[nodiscard]] std::vector<Meeting> meetings(std::size_t begin, std::size_t end) const;
-  // `meetings`: all of these, by vertex, ascending. Once.
+  // `meetings`: all of the above, by vertex, ascending. Called once.
   RefineReport finish(std::span<const Meeting> meetings);
 
  private:
@@ -79,14 +80,14 @@ class EdgeSplitter {
   void drop_degenerate();
   void put_back();
   void drop_repeats(bool whole_mesh);
-  void squeeze();
+  void compact();
 
   IndexedMesh& mesh_;
   double limit2_;
   std::uint32_t first_fresh_;
   std::vector<Vec3d> exact_;                                          // of the new vertices
   std::unordered_map<std::uint64_t, std::uint32_t> middles_;          // by the ends of an edge
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> at_;  // new vertices by a hash of where they stand
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> at_;  // new vertices by a hash of their position
   std::vector<Part> parts_;                                           // by triangle of the mesh
   RefineReport report_;
 };

@@ -1,4 +1,4 @@
-// From attributes given corner by corner to wedges that corners share.
+// Turns attributes given corner by corner into wedges that corners share.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ struct CornerAttributes {
   std::vector<Rgba8> colour;               // one per vertex, or empty
 };
 
-// Corners of one vertex with equal values share a wedge, whatever indices the file gives them: exporters that write
-// every corner's values anew do not tear the surface apart. Values are equal when their bits are; -0 counts as +0.
-// Wedges are in the order of their vertices; an unused vertex has none. Beside the result, 24 bytes per triangle and 16
-// per vertex.
+// Corners of one vertex with equal values share a wedge, whatever indices the file gives them: exporters that repeat
+// the values of every corner do not split the surface. Values are equal when their bits are; -0 counts as +0.
+// Wedges are in the order of their vertices; an unused vertex has none. Memory besides the result: 24 bytes per
+// triangle and 16 per vertex.
 [[nodiscard]] RawWedges make_wedges(std::span<const Triangle> triangles, std::size_t vertex_count,
                                     const CornerAttributes& attributes);
 

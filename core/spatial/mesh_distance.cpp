@@ -1,6 +1,7 @@
 #include "core/spatial/mesh_distance.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
@@ -10,7 +11,7 @@
 namespace lodestone {
 namespace {
 
-// Of the vertices that triangles use.
+// Box of the vertices that triangles use.
 Box3d box_of(const RawMesh& mesh, const char* which) {
   if (mesh.triangles.empty())
     throw InputError(describe("", std::string(which) + " mesh", "has no triangles", "there is no surface to compare"));
@@ -29,19 +30,75 @@ ComparedMesh moved(const RawMesh& mesh, Vec3d origin, double scale) {
   ComparedMesh result{{}, mesh.triangles};
   result.positions.reserve(mesh.positions.size());
   for (const Vec3d p : mesh.positions)
-    result.positions.push_back(is_finite(p) ? (1 / scale) * (p - origin) : Vec3d{});  // unreferenced ones may be wild
+    result.positions.push_back(is_finite(p) ? (1 / scale) * (p - origin)
+                                            : Vec3d{});  // unreferenced vertices may be not finite
   return result;
 }
 
-template <typename Measure>
-DirectedDistance measure_all(const SurfaceSamples& samples, double scale, Measure&& measure) {
-  std::vector<double> squared(samples.size());
-  for (std::uint64_t begin = 0; begin < samples.size(); begin += sample_grain)
-    measure(begin, std::min(begin + sample_grain, samples.size()), squared);
-  return summarise(samples, squared, scale);
+// measure_to(mesh) returns a function that measures samples [begin, end) from the mesh, as measure_samples does.
+template <class MeasureTo>
+MeshDistance compare(const RawMesh& a, const RawMesh& b, const CompareConfig& config, const MeasureTo& measure_to) {
+  const ComparedPair pair = prepare_comparison(a, b);
+  const auto directed = [&](const ComparedMesh& from, const ComparedMesh& to) {
+    const SurfaceSamples samples = samples_of(from, config);
+    const auto measure = measure_to(to);
+    std::vector<double> squared(samples.size());
+    for (std::uint64_t begin = 0; begin < samples.size(); begin += sample_grain)
+      measure(samples, begin, std::min(begin + sample_grain, samples.size()), squared);
+    return summarise(samples, squared, pair.scale);
+  };
+  return {pair.diagonal, directed(pair.mesh[0], pair.mesh[1]), directed(pair.mesh[1], pair.mesh[0])};
 }
 
 }  // namespace
+
+SurfaceSamples::SurfaceSamples(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
+                               std::uint64_t area_points)
+    : positions_(positions), triangles_(triangles), area_points_(area_points) {
+  std::vector<char> used(positions.size(), 0);
+  area_up_to_.reserve(triangles.size());
+  double area = 0;
+  for (const Triangle& t : triangles) {
+    for (const std::uint32_t v : t.v) used[v] = 1;
+    const Vec3d a = positions[t.v[0]], b = positions[t.v[1]], c = positions[t.v[2]];
+    area += 0.5 * length(cross(b - a, c - a));
+    area_up_to_.push_back(area);
+  }
+  for (std::uint32_t v = 0; v < used.size(); ++v)
+    if (used[v]) used_.push_back(v);
+  if (!(area > 0)) area_points_ = 0;
+}
+
+Vec3d SurfaceSamples::point_in(const Triangle& triangle, std::uint64_t k) const {
+  // Powers of the inverse of the plastic number, the root of x^3 = x + 1.
+  constexpr double r1 = 0.7548776662466927, r2 = 0.5698402909980532;
+  const auto fraction = [](double v) { return v - std::floor(v); };
+  double u = fraction(0.5 + r1 * static_cast<double>(k)), v = fraction(0.5 + r2 * static_cast<double>(k));
+  if (u + v > 1) u = 1 - u, v = 1 - v;
+  const Vec3d a = positions_[triangle.v[0]];
+  return a + u * (positions_[triangle.v[1]] - a) + v * (positions_[triangle.v[2]] - a);
+}
+
+void SurfaceSamples::take(std::uint64_t begin, std::uint64_t end, std::vector<Vec3d>& out,
+                          std::vector<std::uint32_t>* triangles) const {
+  assert(!triangles || begin >= vertices());
+  out.clear();
+  if (triangles) triangles->clear();
+  for (; begin < end && begin < vertices(); ++begin) out.push_back(positions_[used_[begin]]);
+  if (begin >= end) return;
+  const auto share = [&](std::uint64_t k) {
+    return (static_cast<double>(k) + 0.5) / static_cast<double>(area_points_) * area_up_to_.back();
+  };
+  // The first triangle whose sum exceeds the share; the sums ascend, so the next point's triangle is not before it.
+  auto at = std::upper_bound(area_up_to_.begin(), area_up_to_.end(), share(begin - vertices()));
+  for (std::uint64_t k = begin - vertices(); k < end - vertices(); ++k) {
+    while (at != area_up_to_.end() && *at <= share(k)) ++at;
+    if (at == area_up_to_.end()) --at;
+    const auto triangle = static_cast<std::size_t>(at - area_up_to_.begin());
+    out.push_back(point_in(triangles_[triangle], k));
+    if (triangles) triangles->push_back(static_cast<std::uint32_t>(triangle));
+  }
+}
 
 ComparedPair prepare_comparison(const RawMesh& a, const RawMesh& b) {
   const Box3d box_a = box_of(a, "first"), box_b = box_of(b, "second");
@@ -53,7 +110,7 @@ ComparedPair prepare_comparison(const RawMesh& a, const RawMesh& b) {
   ComparedPair pair;
   pair.scale = scale > 0 ? scale : 1;
   if (!std::isfinite(pair.scale))
-    throw InputError(describe("", "", "the meshes together are larger than double precision holds", "scale them down"));
+    throw InputError(describe("", "", "the extent of the meshes exceeds double precision", "scale them down"));
   pair.diagonal = pair.scale * length((1 / pair.scale) * (box_a.hi - box_a.lo));
   pair.mesh[0] = moved(a, both.lo, pair.scale);
   pair.mesh[1] = moved(b, both.lo, pair.scale);
@@ -98,35 +155,28 @@ DirectedDistance summarise(const SurfaceSamples& samples, std::span<double> squa
 }
 
 MeshDistance compare_meshes(const RawMesh& a, const RawMesh& b, const CompareConfig& config) {
-  const ComparedPair pair = prepare_comparison(a, b);
-  const auto directed = [&](const ComparedMesh& from, const ComparedMesh& to) {
-    const SurfaceSamples samples = samples_of(from, config);
-    const TriangleBvh bvh(to.positions, to.triangles);
-    return measure_all(samples, pair.scale, [&](std::uint64_t begin, std::uint64_t end, std::span<double> out) {
+  return compare(a, b, config, [](const ComparedMesh& mesh) {
+    return [bvh = TriangleBvh(mesh.positions, mesh.triangles)](const SurfaceSamples& samples, std::uint64_t begin,
+                                                               std::uint64_t end, std::span<double> out) {
       measure_samples(samples, bvh, begin, end, out);
-    });
-  };
-  return {pair.diagonal, directed(pair.mesh[0], pair.mesh[1]), directed(pair.mesh[1], pair.mesh[0])};
+    };
+  });
 }
 
 MeshDistance compare_meshes_brute_force(const RawMesh& a, const RawMesh& b, const CompareConfig& config) {
-  const ComparedPair pair = prepare_comparison(a, b);
-  const auto directed = [&](const ComparedMesh& from, const ComparedMesh& to) {
-    const SurfaceSamples samples = samples_of(from, config);
-    return measure_all(samples, pair.scale, [&](std::uint64_t begin, std::uint64_t end, std::span<double> out) {
+  return compare(a, b, config, [](const ComparedMesh& mesh) {
+    return [&mesh](const SurfaceSamples& samples, std::uint64_t begin, std::uint64_t end, std::span<double> out) {
+      const auto& p = mesh.positions;
       std::vector<Vec3d> points;
       samples.take(begin, end, points);
       for (std::size_t i = 0; i < points.size(); ++i) {
         double least = std::numeric_limits<double>::infinity();
-        for (const Triangle& t : to.triangles)
-          least = std::min(
-              least, nearest_on_triangle(points[i], to.positions[t.v[0]], to.positions[t.v[1]], to.positions[t.v[2]])
-                         .squared_distance);
+        for (const Triangle& t : mesh.triangles)
+          least = std::min(least, nearest_on_triangle(points[i], p[t.v[0]], p[t.v[1]], p[t.v[2]]).squared_distance);
         out[begin + i] = least;
       }
-    });
-  };
-  return {pair.diagonal, directed(pair.mesh[0], pair.mesh[1]), directed(pair.mesh[1], pair.mesh[0])};
+    };
+  });
 }
 
 }  // namespace lodestone

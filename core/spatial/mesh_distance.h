@@ -1,16 +1,44 @@
-// How far two surfaces are from each other, measured at sample points in both directions (as Metro does: Cignoni et al.
+// Distance of two surfaces from each other, measured at sample points in both directions (as Metro does: Cignoni et al.
 // 1998).
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <span>
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "core/spatial/surface_samples.h"
 #include "core/spatial/triangle_bvh.h"
 
 namespace lodestone {
+
+// Points on a mesh at which distances are measured: its vertices, and points spread evenly over its area.
+//
+// Point k of n lies at the share (k + 1/2) / n of the area summed in file order, so each triangle gets its share to
+// within one point; inside the triangle it is a point of the R2 low-discrepancy sequence (Roberts 2018). Everything is
+// a function of the mesh and of k: no state, no random numbers.
+class SurfaceSamples {
+ public:
+  // area_points: their number; 0 is used if the mesh has no area. Keeps a reference to both arguments.
+  SurfaceSamples(std::span<const Vec3d> positions, std::span<const Triangle> triangles, std::uint64_t area_points);
+
+  // The vertices that triangles use come first, then the area points.
+  [[nodiscard]] std::uint64_t vertices() const { return used_.size(); }
+  [[nodiscard]] std::uint64_t size() const { return used_.size() + area_points_; }
+
+  // Samples [begin, end) into `out`, replacing its content. `triangles`: likewise, the triangle of each area point;
+  // since vertices have none, begin must then be at least vertices().
+  void take(std::uint64_t begin, std::uint64_t end, std::vector<Vec3d>& out,
+            std::vector<std::uint32_t>* triangles = nullptr) const;
+
+ private:
+  [[nodiscard]] Vec3d point_in(const Triangle& triangle, std::uint64_t k) const;
+
+  std::span<const Vec3d> positions_;
+  std::span<const Triangle> triangles_;
+  std::vector<std::uint32_t> used_;  // vertices of triangles, ascending
+  std::vector<double> area_up_to_;   // inclusive prefix sums over the triangles
+  std::uint64_t area_points_ = 0;
+};
 
 struct CompareConfig {
   // Points spread over the area of each mesh; 0: four per triangle, at most 1,000,000, at least 10,000.
@@ -19,15 +47,15 @@ struct CompareConfig {
 
 // Distances of the samples of one mesh from the surface of the other, in model units. `max` is taken over vertices and
 // area points (a lower bound of the one-sided Hausdorff distance); the others over the area points alone, each of which
-// stands for the same area, or over the vertices when the mesh has no area.
+// represents the same area, or over the vertices when the mesh has no area.
 struct DirectedDistance {
   double max = 0, rms = 0, mean = 0;
-  double p99 = 0;             // the least value that 99 % of the samples do not exceed
+  double p99 = 0;             // the smallest value that 99 % of the samples do not exceed
   std::uint64_t samples = 0;  // vertices and area points
 };
 
 struct MeshDistance {
-  double diagonal = 0;        // of the bounding box of the first mesh: what errors are usually divided by
+  double diagonal = 0;        // of the bounding box of the first mesh; errors are usually divided by it
   DirectedDistance forward;   // from the first mesh to the second
   DirectedDistance backward;  // from the second mesh to the first
 };
@@ -36,11 +64,11 @@ struct MeshDistance {
 // parallel/mesh/compare.h has the parallel twin, which gives the same bytes.
 [[nodiscard]] MeshDistance compare_meshes(const RawMesh& a, const RawMesh& b, const CompareConfig& config = {});
 
-// The slow, obvious twin: every sample against every triangle. For tests.
+// The slow, simple twin for tests: every sample against every triangle.
 [[nodiscard]] MeshDistance compare_meshes_brute_force(const RawMesh& a, const RawMesh& b,
                                                       const CompareConfig& config = {});
 
-// The pieces that an orchestration puts together.
+// The steps of a comparison, for the serial and the parallel form.
 
 // Both meshes moved and scaled to about the unit cube: boxes are float, and coordinates may have a huge offset.
 struct ComparedMesh {
@@ -56,12 +84,12 @@ struct ComparedPair {
 [[nodiscard]] SurfaceSamples samples_of(const ComparedMesh& mesh, const CompareConfig& config);
 
 // Squared distances of the samples [begin, end) from the mesh of `bvh` into out[begin, end). Each sample starts from
-// the nearest triangle of the one before, so results are a function of the cut: orchestrations cut by sample_grain.
+// the nearest triangle of the one before, so results depend on the ranges: callers use ranges of sample_grain.
 inline constexpr std::uint64_t sample_grain = 4096;
 void measure_samples(const SurfaceSamples& samples, const TriangleBvh& bvh, std::uint64_t begin, std::uint64_t end,
                      std::span<double> out);
 
-// Reorders `squared`, one per sample.
+// `squared` has one value per sample and is reordered.
 [[nodiscard]] DirectedDistance summarise(const SurfaceSamples& samples, std::span<double> squared, double scale);
 
 }  // namespace lodestone

@@ -21,9 +21,9 @@ struct NearestPoint {
   return {q, squared_length(p - q)};
 }
 
-// The distance is always that of `point`, which lies on the triangle within rounding: a normal that is mere noise, as
-// slivers have, may never report less than the true distance. Of a sliver all three edges are looked at; of any other
-// triangle only those that the point lies outside of, since the nearest point is on one of them.
+// The distance is always that of `point`, which lies on the triangle within rounding: the inaccurate normal of a sliver
+// never leads to less than the true distance. All three edges of a sliver are examined; of any other triangle only
+// those that the point lies outside of, since the nearest point is on one of them.
 [[nodiscard]] inline NearestPoint nearest_on_triangle(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d ab = b - a, ac = c - a, ap = p - a;
   const Vec3d normal = cross(ab, ac);

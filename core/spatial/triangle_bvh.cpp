@@ -1,70 +1,22 @@
 #include "core/spatial/triangle_bvh.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cassert>
-#include <cmath>
 #include <limits>
 
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t leaf_bit = 0x8000'0000u;
-constexpr std::uint32_t leaf_triangles = 4;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
-constexpr std::uint32_t leaf_of(std::uint32_t first, std::uint32_t count) {
-  return leaf_bit | first << 2 | (count - 1);
-}
-constexpr std::uint32_t leaf_first(std::uint32_t leaf) { return (leaf & ~leaf_bit) >> 2; }
-constexpr std::uint32_t leaf_count(std::uint32_t leaf) { return (leaf & 3) + 1; }
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
-
-float round_down(double v) {
-  const auto f = static_cast<float>(v);
-  return f > v ? std::nextafter(f, -infinity) : f;
-}
-
-float round_up(double v) {
-  const auto f = static_cast<float>(v);
-  return f < v ? std::nextafter(f, infinity) : f;
-}
-
-void extend(Box3f& box, Vec3d p) {
-  box.extend(Vec3f{round_down(p.x), round_down(p.y), round_down(p.z)});
-  box.extend(Vec3f{round_up(p.x), round_up(p.y), round_up(p.z)});
-}
-
-double squared_distance(Vec3d p, const Box3f& box) {
-  const auto outside = [](double lo, double hi, double v) { return std::max(std::max(lo - v, v - hi), 0.0); };
-  const double x = outside(box.lo.x, box.hi.x, p.x), y = outside(box.lo.y, box.hi.y, p.y),
-               z = outside(box.lo.z, box.hi.z, p.z);
-  return (x * x + y * y) + z * z;
-}
-
-// From which t >= least on the ray is in the box, if it ever is; `inverse`: of its direction, finite.
-bool enters_box(const Box3f& box, Vec3d from, Vec3d inverse, double least, double& enter) {
-  double leave = infinity;
-  enter = least;
-  const auto clip = [&](double lo, double hi, double origin, double scale) {
-    const double a = (lo - origin) * scale, b = (hi - origin) * scale;
-    enter = std::max(enter, std::min(a, b)), leave = std::min(leave, std::max(a, b));
-  };
-  clip(box.lo.x, box.hi.x, from.x, inverse.x);
-  clip(box.lo.y, box.hi.y, from.y, inverse.y);
-  clip(box.lo.z, box.hi.z, from.z, inverse.z);
-  return enter <= leave * (1 + 1e-12);
-}
-
-// As in moeller1997, both sides; infinity without a point in common.
+// The parameter of the intersection as in moeller1997, both sides; infinity if there is none.
 double meet_triangle(Vec3d from, Vec3d direction, double least, Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d ab = b - a, ac = c - a, p = cross(direction, ac);
   const double det = dot(ab, p);
   if (det == 0) return infinity;
   const Vec3d ap = from - a, q = cross(ap, ab);
   const double u = dot(ap, p) / det, v = dot(direction, q) / det, t = dot(ac, q) / det;
-  return u >= 0 && v >= 0 && u + v <= 1 && t >= least ? t : double{infinity};
+  return u >= 0 && v >= 0 && u + v <= 1 && t >= least ? t : infinity;
 }
 
 // Spreads the low 21 bits of v to every third bit.
@@ -76,7 +28,7 @@ std::uint64_t spread21(std::uint64_t v) {
   return (v | v << 2) & 0x1249'2492'4924'9249ull;
 }
 
-// Morton codes of the triangles' centres (twice the centre of the box) on a lattice over all of them.
+// Morton codes of the centres of the triangles' boxes on a lattice over all positions.
 class CentreLattice {
  public:
   explicit CentreLattice(std::span<const Vec3d> positions) {
@@ -105,61 +57,40 @@ class CentreLattice {
 }  // namespace
 
 TriangleBvh::TriangleBvh(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
-  assert(!triangles.empty() && triangles.size() <= (1u << 29));
+  assert(!triangles.empty());
   const CentreLattice lattice(positions);
-  std::vector<Key> keys(triangles.size());
-  for (std::uint32_t i = 0; i < keys.size(); ++i) {
+  std::vector<BoxTree::Code> codes(triangles.size());
+  for (std::uint32_t i = 0; i < codes.size(); ++i) {
     const auto& v = triangles[i].v;
-    keys[i] = {lattice.code(positions[v[0]], positions[v[1]], positions[v[2]]), i};
+    codes[i] = {lattice.code(positions[v[0]], positions[v[1]], positions[v[2]]), i};
   }
-  std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
-    return a.morton != b.morton ? a.morton < b.morton : a.triangle < b.triangle;
+  std::sort(codes.begin(), codes.end(), [](const BoxTree::Code& a, const BoxTree::Code& b) {
+    return a.morton != b.morton ? a.morton < b.morton : a.number < b.number;
   });
 
-  constexpr std::uint32_t unseen = 0xffff'ffffu;
-  std::vector<std::uint32_t> renumbered(positions.size(), unseen);
-  slots_.reserve(keys.size());
-  original_.reserve(keys.size());
-  for (const Key& key : keys) {
-    Triangle slot;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t v = triangles[key.triangle].v[i];
-      if (renumbered[v] == unseen) {
-        renumbered[v] = static_cast<std::uint32_t>(positions_.size());
-        positions_.push_back(positions[v]);
-      }
-      slot.v[i] = renumbered[v];
-    }
-    slots_.push_back(slot);
-    original_.push_back(key.triangle);
-  }
-  nodes_.reserve(keys.size() / 2);
-  root_ = build(keys, 0, static_cast<std::uint32_t>(keys.size()));
+  std::vector<std::uint32_t> renumbered(positions.size(), no_hint);
+  slots_.reserve(codes.size());
+  for (const BoxTree::Code& code : codes) add_slot(triangles[code.number], positions, renumbered);
+  tree_ = BoxTree(codes, [this](std::uint32_t slot) {
+    Box3f box;
+    for (const std::uint32_t v : slots_[slot].v) extend(box, positions_[v]);
+    return box;
+  });
 }
 
-// Depth is at most 63 splits between different codes and 32 between equal ones.
-TriangleBvh::Subtree TriangleBvh::build(std::span<const Key> keys, std::uint32_t first, std::uint32_t end) {
-  if (end - first <= leaf_triangles) {
-    Subtree leaf{{}, leaf_of(first, end - first)};
-    for (std::uint32_t slot = first; slot < end; ++slot)
-      for (const std::uint32_t v : slots_[slot].v) extend(leaf.box, positions_[v]);
-    return leaf;
+// Vertices get the order in which slots first use them: those of a leaf are close together in memory.
+void TriangleBvh::add_slot(const Triangle& triangle, std::span<const Vec3d> positions,
+                           std::vector<std::uint32_t>& renumbered) {
+  Triangle slot;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::uint32_t v = triangle.v[i];
+    if (renumbered[v] == no_hint) {
+      renumbered[v] = static_cast<std::uint32_t>(positions_.size());
+      positions_.push_back(positions[v]);
+    }
+    slot.v[i] = renumbered[v];
   }
-  std::uint32_t middle = first + (end - first) / 2;
-  if (const std::uint64_t differing = keys[first].morton ^ keys[end - 1].morton; differing != 0) {
-    const std::uint64_t bit = std::bit_floor(differing);
-    const auto range = keys.subspan(first, end - first);
-    middle = first + static_cast<std::uint32_t>(std::partition_point(range.begin(), range.end(),
-                                                                     [&](const Key& k) { return !(k.morton & bit); }) -
-                                                range.begin());
-  }
-  const auto number = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.emplace_back();
-  const Subtree left = build(keys, first, middle), right = build(keys, middle, end);
-  nodes_[number] = {{left.box, right.box}, {left.child, right.child}};
-  Subtree result{left.box, number};
-  result.box.extend(right.box);
-  return result;
+  slots_.push_back(slot);
 }
 
 void TriangleBvh::take_slot(std::uint32_t slot, Vec3d p, Nearest& best) const {
@@ -168,71 +99,32 @@ void TriangleBvh::take_slot(std::uint32_t slot, Vec3d p, Nearest& best) const {
   if (found.squared_distance < best.squared_distance) best = {found.point, found.squared_distance, slot};
 }
 
-void TriangleBvh::take_leaf(std::uint32_t leaf, Vec3d p, Nearest& best) const {
-  const std::uint32_t first = leaf_first(leaf);
-  for (std::uint32_t slot = first; slot < first + leaf_count(leaf); ++slot) take_slot(slot, p, best);
-}
-
 TriangleBvh::Nearest TriangleBvh::nearest(Vec3d p, std::uint32_t hint) const {
-  struct Waiting {
-    double squared_distance;
-    std::uint32_t child;
-  };
-  std::array<Waiting, 128> stack;
-  std::size_t size = 0;
-  Nearest best{{}, std::numeric_limits<double>::infinity(), 0};
+  Nearest best{{}, infinity, 0};
   if (hint != no_hint) take_slot(hint, p, best);
-
-  std::uint32_t at = root_.child;
-  for (;;) {
-    if (at & leaf_bit) {
-      take_leaf(at, p, best);
-    } else {
-      const Node& node = nodes_[at];
-      const double d[2] = {squared_distance(p, node.box[0]), squared_distance(p, node.box[1])};
-      const int near = d[1] < d[0];
-      if (d[1 - near] < best.squared_distance) stack[size++] = {d[1 - near], node.child[1 - near]};
-      if (d[near] < best.squared_distance) {
-        at = node.child[near];
-        continue;
-      }
-    }
-    do {
-      if (size == 0) return best;
-      at = stack[--size].child;
-    } while (!(stack[size].squared_distance < best.squared_distance));
-  }
-}
-
-double TriangleBvh::meet_leaf(std::uint32_t leaf, Vec3d from, Vec3d direction, double least) const {
-  const std::uint32_t first = leaf_first(leaf);
-  double nearest = infinity;
-  for (std::uint32_t slot = first; slot < first + leaf_count(leaf); ++slot) {
-    const auto& v = slots_[slot].v;
-    nearest =
-        std::min(nearest, meet_triangle(from, direction, least, positions_[v[0]], positions_[v[1]], positions_[v[2]]));
-  }
-  return nearest;
+  tree_.search(p, best.squared_distance, [&](BoxTree::Slots slots) {
+    for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) take_slot(slot, p, best);
+    return false;
+  });
+  return best;
 }
 
 double TriangleBvh::meet(Vec3d from, Vec3d direction, double least, Hit hit) const {
-  const auto inverse_of = [](double v) { return 1 / (v == 0 ? 1e-300 : v); };
-  const Vec3d inverse{inverse_of(direction.x), inverse_of(direction.y), inverse_of(direction.z)};
-  std::array<std::uint32_t, 128> stack;
-  std::size_t size = 0;
-  stack[size++] = root_.child;
+  constexpr double rounding = 1 + 1e-12;
+  const BoxLine line(from, direction);
   double nearest = infinity;
-  while (size > 0 && (hit == Hit::first || nearest == infinity)) {
-    const std::uint32_t at = stack[--size];
-    if (at & leaf_bit) {
-      nearest = std::min(nearest, meet_leaf(at, from, direction, least));
-      continue;
+  const auto accepts = [&](const Box3f& box) {
+    const auto [enter, leave] = line.clip(box, 0, least, infinity);
+    return enter <= leave * rounding && enter <= nearest * rounding;
+  };
+  tree_.walk(accepts, [&](BoxTree::Slots slots) {
+    for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) {
+      const auto& v = slots_[slot].v;
+      nearest = std::min(nearest,
+                         meet_triangle(from, direction, least, positions_[v[0]], positions_[v[1]], positions_[v[2]]));
     }
-    const Node& node = nodes_[at];
-    for (std::size_t k = 0; k < 2; ++k)
-      if (double enter = 0; enters_box(node.box[k], from, inverse, least, enter) && enter <= nearest * (1 + 1e-12))
-        stack[size++] = node.child[k];
-  }
+    return hit == Hit::any_will_do && nearest < infinity;
+  });
   return nearest;
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 bool has_alpha(std::uint32_t channels) { return channels == 4; }
 
-// The light at which rounding goes from one byte to the next: exact, and no power function per pixel.
+// The light at which rounding changes from one byte to the next: exact, and without a power function per pixel.
 const std::array<float, 255>& srgb_thresholds() {
   static const std::array<float, 255> table = [] {
     std::array<float, 255> thresholds{};
@@ -23,7 +23,7 @@ const std::array<float, 255>& srgb_thresholds() {
   return table;
 }
 
-// The byte of a light: as many thresholds as do not exceed it, counted from a number near by.
+// The byte of a light: the number of thresholds that do not exceed it, counted from a near one.
 class SrgbBytes {
  public:
   SrgbBytes() : thresholds_(srgb_thresholds()) {
@@ -60,7 +60,7 @@ void normal_to_pixel(std::span<const float> from, std::span<std::uint8_t> to) {
   for (std::size_t c = 0; c < from.size(); ++c) to[c] = byte_of(0.5f + 0.5f * from[c] * (c < 3 ? scale : 1));
 }
 
-// The weights by which pixel i of n / 2 takes pixels 2i, 2i + 1, 2i + 2 of n.
+// The weights of pixels 2i, 2i + 1, 2i + 2 of n in pixel i of n / 2.
 std::array<float, 3> shares(std::uint32_t i, std::uint32_t n) {
   if (n == 1) return {1, 0, 0};
   if (n % 2 == 0) return {0.5f, 0.5f, 0};
@@ -68,14 +68,14 @@ std::array<float, 3> shares(std::uint32_t i, std::uint32_t n) {
   return {(half - at) / whole, half / whole, (at + 1) / whole};
 }
 
-// Of an even width.
+// For an even width.
 template <std::size_t Channels>
 void halve_even_row(std::span<const float> from, std::span<float> to) {
   for (std::size_t x = 0; x < to.size(); x += Channels)
     for (std::size_t c = 0; c < Channels; ++c) to[x + c] = 0.5f * from[2 * x + c] + 0.5f * from[2 * x + Channels + c];
 }
 
-// One row at half its width.
+// Reduces one row to half its width.
 void halve_row(std::span<const float> from, std::span<float> to, std::uint32_t width, std::uint32_t channels) {
   if (width % 2 == 0 && channels == 3) return halve_even_row<3>(from, to);
   if (width % 2 == 0 && channels == 4) return halve_even_row<4>(from, to);
@@ -91,7 +91,7 @@ void halve_row(std::span<const float> from, std::span<float> to, std::uint32_t w
   }
 }
 
-// Bytes of any number of pixels to numbers.
+// Converts the bytes of any number of pixels to numbers.
 void to_linear(std::span<const std::uint8_t> pixels, std::uint32_t channels, PixelMeaning meaning,
                std::span<float> values) {
   const std::array<float, 256>& light = linear_of_srgb();
@@ -109,7 +109,7 @@ void to_linear(std::span<const std::uint8_t> pixels, std::uint32_t channels, Pix
   }
 }
 
-// row_of(y) is a row of the image.
+// row_of(y) returns a row of the image.
 template <class RowOf>
 LinearImage halve_rows(PixelSize full, std::uint32_t channels, const RowOf& row_of) {
   const PixelSize size = half_of(full);

@@ -1,4 +1,4 @@
-// Textures at half their resolution, by the box filter on what their pixels mean.
+// Textures at half their resolution, by the box filter on light or vectors, not on encoded bytes.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 namespace lodestone {
 
 // colours: averaged as light, weighted with their alpha. normals (tangent- or object-space maps): averaged as vectors
-// and made of unit length when they become bytes.
+// and normalised when they become bytes.
 enum class PixelMeaning : std::uint8_t { colours, normals };
 
-// Pixels as numbers that averages may be taken of, channel by channel.
+// Pixels as numbers that can be averaged, channel by channel.
 struct LinearImage {
   PixelSize size;
   std::uint32_t channels = 3;
@@ -20,13 +20,13 @@ struct LinearImage {
 };
 
 [[nodiscard]] LinearImage to_linear(const PixelImage& image, PixelMeaning meaning);
-// Rounded to the nearest byte in the encoding.
+// The inverse, rounded to the nearest byte in the encoding.
 [[nodiscard]] PixelImage to_pixels(const LinearImage& image, PixelMeaning meaning);
 
 // Half the width and height, rounded down, but at least one pixel: each pixel is the mean over its share of the image,
-// which is 2 x 2 pixels where both are even, and takes in parts of pixels where one is odd.
+// which is 2 x 2 pixels if both sizes are even, and includes parts of pixels if one is odd.
 [[nodiscard]] LinearImage halve(const LinearImage& image);
-// halve(to_linear(image, meaning)), row by row: nothing as large as the image is made.
+// halve(to_linear(image, meaning)), row by row, without a copy as large as the image.
 [[nodiscard]] LinearImage halve(const PixelImage& image, PixelMeaning meaning);
 
 [[nodiscard]] constexpr PixelSize half_of(PixelSize size) {

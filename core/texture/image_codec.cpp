@@ -10,20 +10,20 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint64_t most_pixels = std::uint64_t{1} << 28;
+constexpr std::uint64_t max_pixels = std::uint64_t{1} << 28;
 constexpr int jpeg_quality = 90;
 
 void require_size(PixelSize size) {
   if (size.width == 0 || size.height == 0) throw InputError("has no pixels");
-  if (std::uint64_t{size.width} * size.height > most_pixels)
+  if (std::uint64_t{size.width} * size.height > max_pixels)
     throw UnsupportedError("has " + std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels");
 }
 
 [[noreturn]] void refuse_type(const std::string& media_type) {
-  throw UnsupportedError("is of type " + media_type + ", which is not decoded here");
+  throw UnsupportedError("is of type " + media_type + ", which this program does not decode");
 }
 
-// PNG, by the simplified interface of libpng: it longjmps nowhere.
+// PNG, by the simplified interface of libpng, which does not use longjmp.
 
 struct PngImage {
   PngImage() { header.version = PNG_IMAGE_VERSION; }
@@ -35,7 +35,7 @@ struct PngImage {
 
 void open_png(PngImage& png, std::span<const char> bytes) {
   if (png_image_begin_read_from_memory(&png.header, bytes.data(), bytes.size()) == 0)
-    throw InputError(std::string("is no sound PNG image: ") + png.header.message);
+    throw InputError(std::string("is not a valid PNG image: ") + png.header.message);
   png.header.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
   require_size({png.header.width, png.header.height});
 }
@@ -52,7 +52,7 @@ PixelImage decode_png(std::span<const char> bytes) {
   png.header.format = png_format(image.channels);
   image.pixels.resize(PNG_IMAGE_SIZE(png.header));
   if (png_image_finish_read(&png.header, nullptr, image.pixels.data(), 0, nullptr) == 0)
-    throw InputError(std::string("is no sound PNG image: ") + png.header.message);
+    throw InputError(std::string("is not a valid PNG image: ") + png.header.message);
   return image;
 }
 
@@ -69,7 +69,7 @@ std::vector<char> encode_png(const PixelImage& image) {
   return bytes;
 }
 
-// JPEG. The slow exact transform: its bytes are the same with and without SIMD.
+// JPEG, by the slow exact transform: its bytes are the same with and without SIMD.
 
 using TurboHandle = std::unique_ptr<void, int (*)(tjhandle)>;
 
@@ -83,10 +83,10 @@ JpegHeader read_jpeg_header(tjhandle turbo, std::span<const char> bytes) {
   int width = 0, height = 0;
   if (turbo == nullptr || tjDecompressHeader3(turbo, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
                                               &width, &height, &header.chroma, &header.colours) != 0)
-    throw InputError(std::string("is no sound JPEG image: ") + tjGetErrorStr2(turbo));
+    throw InputError(std::string("is not a valid JPEG image: ") + tjGetErrorStr2(turbo));
   header.size = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
   require_size(header.size);
-  if (header.colours == TJCS_CMYK || header.colours == TJCS_YCCK) throw UnsupportedError("is a JPEG of four inks");
+  if (header.colours == TJCS_CMYK || header.colours == TJCS_YCCK) throw UnsupportedError("is a CMYK JPEG image");
   return header;
 }
 
@@ -100,7 +100,7 @@ PixelImage decode_jpeg(std::span<const char> bytes) {
                     image.pixels.data(), static_cast<int>(image.size.width), 0, static_cast<int>(image.size.height),
                     image.channels == 1 ? TJPF_GRAY : TJPF_RGB, TJFLAG_ACCURATEDCT) != 0 &&
       tjGetErrorCode(turbo.get()) != TJERR_WARNING)
-    throw InputError(std::string("is no sound JPEG image: ") + tjGetErrorStr2(turbo.get()));
+    throw InputError(std::string("is not a valid JPEG image: ") + tjGetErrorStr2(turbo.get()));
   return image;
 }
 

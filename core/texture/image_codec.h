@@ -19,20 +19,20 @@ struct PixelImage {
   PixelSize size;
   std::uint32_t channels = 3;  // 1: grey, 3: red, green, blue; 4: and alpha
   std::vector<std::uint8_t> pixels;
-  int chroma = 0;  // of a JPEG, the number that libjpeg-turbo has for its chroma subsampling: kept when encoded again
+  int chroma = 0;  // of a JPEG: libjpeg-turbo's number of the chroma subsampling, kept when it is encoded again
   friend bool operator==(const PixelImage&, const PixelImage&) = default;
 };
 
-// Pixels as they are encoded: in sRGB for colours. 16 bits become 8, palettes colours. Throws UnsupportedError for
-// other formats than image/png and image/jpeg, for JPEG of four inks, for more than 2^28 pixels; InputError for damaged
-// images; the message says what alone, it names no file.
+// Pixels as they are encoded: in sRGB for colours. 16 bits become 8, palettes become colours. Throws UnsupportedError
+// for formats other than image/png and image/jpeg, for CMYK JPEG, for more than 2^28 pixels; InputError for damaged
+// images. The message does not name the file.
 [[nodiscard]] PixelImage decode_image(std::span<const char> bytes, const std::string& media_type);
 
-// Of the encoded image, from its header. Throws the same.
+// Size of the encoded image, from its header. Throws the same.
 [[nodiscard]] PixelSize image_size(std::span<const char> bytes, const std::string& media_type);
 
 // JPEG of quality 90, PNG of 8 bits. Equal pixels give equal bytes with one version of the libraries. Throws
-// UnsupportedError for other formats, ResourceError when the library refuses.
+// UnsupportedError for other formats, ResourceError when the library fails.
 [[nodiscard]] std::vector<char> encode_image(const PixelImage& image, const std::string& media_type);
 
 }  // namespace lodestone

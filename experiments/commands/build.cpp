@@ -86,7 +86,7 @@ ModelConfig model_config(const BuildOptions& options) {
   config.form = options.compress ? LodeForm::compressed : LodeForm::plain;
   config.measure_errors = options.measure;
   config.texture_copies = options.texture_levels;
-  if (!options.limit.memory_limit.empty()) config.memory_limit = parse_size(options.limit.memory_limit);
+  config.memory_limit = options.limit.memory_limit;
   config.scratch = options.limit.scratch;
   config.resume = options.limit.resume;
   config.program = std::string(program_version());

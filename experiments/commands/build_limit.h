@@ -11,16 +11,13 @@
 namespace lodestone {
 
 struct LimitOptions {
-  std::string memory_limit;  // as given; empty: none
+  std::uint64_t memory_limit = 0;  // bytes; 0: none
   std::string scratch;
   bool resume = false;
 };
 
 // Adds --memory-limit, --scratch and --resume.
 void add_limit_options(CLI::App& command, LimitOptions& options);
-
-// "2GiB", "1500MB", "4G" (powers of 1024), "1048576". Throws InputError for anything else.
-[[nodiscard]] std::uint64_t parse_size(const std::string& text);
 
 // Says on standard output where temporary files go and how large they become.
 void print_scratch(const ModelConfig& config, const ModelNeed& need);

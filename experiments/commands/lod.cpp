@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/formats/mesh_writer.h"
+#include "core/formats/mesh_file.h"
 #include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
 #include "experiments/commands/command.h"

@@ -8,7 +8,6 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
-#include "core/files/atomic_folder.h"
 #include "core/progressive/progressive_file.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"

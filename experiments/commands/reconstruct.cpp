@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/base/error.h"
-#include "core/formats/mesh_writer.h"
+#include "core/formats/mesh_file.h"
 #include "core/mesh/raw_mesh.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "experiments/command_line/byte_size.h"
 #include "experiments/command_line/picture_writer.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
@@ -311,7 +312,7 @@ void add_render(CLI::App& app) {
           "--memory-budget", options->memory_budget,
           "Stream the file: load cells while drawing, coarse ones first, and keep so many bytes of them at most "
           "(512MiB); no crack and no pop for what is missing, but frames depend on the speed of the disk")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(byte_size())
       ->type_name("BYTES");
   command.add_flag("--cull-occluded", options->cull_occluded,
                    "Leave out cells that others hide: the same pictures, sooner where much is hidden");

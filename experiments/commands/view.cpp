@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/base/error.h"
+#include "experiments/command_line/byte_size.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "render/viewer/viewer.h"
@@ -122,7 +123,7 @@ void add_view(CLI::App& app) {
   command
       .add_option("--memory-budget", options->config.load.memory_budget,
                   "Stream files that take more than this in memory: cells load while they are looked at (2GiB)")
-      ->transform(CLI::AsSizeValue(false))
+      ->transform(byte_size())
       ->type_name("BYTES");
   command.add_option("-o,--output", options->folder, "Folder for screenshots and recorded paths")
       ->capture_default_str();

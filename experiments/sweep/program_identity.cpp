@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/files/mapped_file.h"
+#include "core/files/input_file.h"
 #include "experiments/command_line/version.h"
 #include "experiments/sweep/libraries.h"
 #include "experiments/sweep/sha256.h"

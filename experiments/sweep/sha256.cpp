@@ -6,7 +6,7 @@
 #include <new>
 
 #include "core/base/error.h"
-#include "core/files/mapped_file.h"
+#include "core/files/input_file.h"
 
 namespace lodestone {
 namespace {

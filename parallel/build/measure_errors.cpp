@@ -28,9 +28,10 @@ class ErrorMeasurement {
       : hierarchy_(hierarchy),
         config_(config),
         scheduler_(scheduler),
-        meters_(static_cast<std::size_t>(scheduler.workers()), CellErrorMeter(config.cells)),
         below_(hierarchy.cells.size()),
-        errors_(hierarchy.cells.size()) {}
+        errors_(hierarchy.cells.size()) {
+    for (int w = 0; w < scheduler.workers(); ++w) meters_.emplace_back(config.cells);
+  }
 
   void run() {
     find_descendants();
@@ -90,7 +91,7 @@ class ErrorMeasurement {
         known = std::max(known, errors_[k]);
       const CellRange below = below_[first + number];
       errors_[first + number] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(
-          surface, number, finest, below.first, below.end, known, negligible_ratio * cell_size(level));
+          {surface, number, finest, below.first, below.end, known, negligible_ratio * cell_size(level)});
       report_progress();
     });
   }

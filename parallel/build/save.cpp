@@ -4,8 +4,7 @@
 #include <span>
 
 #include "core/files/atomic_file.h"
-#include "core/files/mapped_file.h"
-#include "core/hierarchy/lode/lode_assets.h"
+#include "core/files/input_file.h"
 #include "core/hierarchy/lode/lode_format.h"
 
 namespace lodestone {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/files/atomic_file.h"
-#include "core/hierarchy/model/texture_levels.h"
-#include "core/hierarchy/tiles/cell_glb.h"
+#include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/tiles/tileset_tree.h"
 
 namespace lodestone {
 namespace {

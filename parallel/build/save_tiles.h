@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "core/files/atomic_folder.h"
+#include "core/files/atomic_file.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
 #include "parallel/scheduler/scheduler.h"

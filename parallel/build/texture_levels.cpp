@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/hierarchy/model/texture_levels.h"
+#include "core/hierarchy/model/level_mesh.h"
 
 namespace lodestone {
 

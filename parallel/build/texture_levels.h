@@ -9,7 +9,7 @@
 
 namespace lodestone {
 
-// Fills hierarchy.texture_copies with what core/hierarchy/model/texture_levels.h makes of each texture. One that cannot be
+// Fills hierarchy.texture_copies with what core/hierarchy/model/level_mesh.h makes of each texture. One that cannot be
 // decoded is left as it is at all levels: a warning each, in the order of the textures. The same bytes for any number
 // of workers. Memory: for each worker's texture, 20 bytes per pixel. Throws Cancelled, at the next texture.
 [[nodiscard]] std::vector<std::string> add_texture_copies(Hierarchy& hierarchy, Scheduler& scheduler,

@@ -119,7 +119,7 @@ void Cleaning::compact_all() {
   } else {
     number_survivors();
     compact(positions_, grain, shrink_ratio_, scheduler_,
-            [&](ChunkRange range) { return squeeze_vertices(part(states_, range), part(positions_, range)); });
+            [&](ChunkRange range) { return compact_vertices(part(states_, range), part(positions_, range)); });
   }
   if (used < vertex_count_ || dropped_ > 0) compact_triangles();
   repairs_.unreferenced_vertices = vertex_count_ - used - repairs_.welded_vertices;

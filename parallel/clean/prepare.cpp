@@ -126,7 +126,7 @@ class MeshCleaning final : public Cleaning {
     if (numbers_.empty()) number_all();
     wedges_.compact(triangles_);
     compact(triangles_, grain, shrink_ratio_, scheduler_,
-            [&](ChunkRange range) { return squeeze_triangles(numbers_, part(triangles_, range)); });
+            [&](ChunkRange range) { return lodestone::compact_triangles(numbers_, part(triangles_, range)); });
   }
 
   RawMesh raw_;

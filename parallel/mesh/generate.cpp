@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/files/atomic_file.h"
-#include "core/formats/mesh_writer.h"
-#include "core/formats/ply/ply_writer.h"
+#include "core/formats/mesh_file.h"
+#include "core/formats/ply/ply.h"
 
 namespace lodestone {
 namespace {

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/formats/common/fixed_layout.h"
-#include "core/formats/common/mesh_readers.h"
 #include "core/formats/mesh_file.h"
+#include "core/formats/plain/stl.h"
 #include "core/formats/ply/ply_header.h"
+#include "core/formats/ply/ply_layout.h"
 #include "core/formats/tiles/tileset.h"
 #include "core/mesh/raw_mesh.h"
 #include "parallel/scheduler/first_touch.h"

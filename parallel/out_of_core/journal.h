@@ -45,7 +45,7 @@ class ByteWriter {
   template <class T>
   void put_vector(const std::vector<T>& items) {
     put(static_cast<std::uint64_t>(items.size()));
-    append(bytes_of(std::span<const T>(items)));
+    append(std::as_bytes(std::span<const T>(items)));
   }
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
 

@@ -109,7 +109,7 @@ std::uint64_t OutOfCoreFiles::bytes() const {
 void OutOfCoreFiles::record_spilled(const SpilledMesh& mesh) {
   if (!journal_) return;
   const std::uint64_t at = positions_->claim(mesh.vertices.positions.size() * sizeof(Vec3f));
-  positions_->write_at(at, bytes_of(std::span<const Vec3f>(mesh.vertices.positions)));
+  positions_->write_at(at, std::as_bytes(std::span(mesh.vertices.positions)));
   ByteWriter out;
   visit_head(
       mesh, [&](const auto& value) { out.put(value); }, [&](const auto& list) { out.put_vector(list); });

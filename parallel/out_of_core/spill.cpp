@@ -42,7 +42,7 @@ class Spilling {
             for (const std::uint32_t v : t.v) claim_vertex(sharing_[v], cell[c]);
             triangles.push_back(t);
           }
-      file_.write_at(offset + first * sizeof(Triangle), bytes_of(std::span<const Triangle>(triangles)));
+      file_.write_at(offset + first * sizeof(Triangle), std::as_bytes(std::span(triangles)));
     });
     // The part as one chunk, a run for each of its cells.
     ChunkRuns written{std::move(part.codes), {}, part.fingerprint};

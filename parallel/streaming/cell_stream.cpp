@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/hierarchy/lode/family.h"
+#include "core/hierarchy/lode/lode_payload.h"
 
 namespace lodestone {
 namespace {

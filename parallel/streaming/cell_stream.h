@@ -1,6 +1,6 @@
 // Cells of a .lode file, loaded in the background: the tables are there at once, payloads come when they are asked for.
 //
-// The unit is a family (core/hierarchy/lode/family.h), named by its parent.
+// The unit is a family (core/hierarchy/lode/lode_payload.h), named by its parent.
 #pragma once
 
 #include <condition_variable>
@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/files/mapped_file.h"
+#include "core/files/input_file.h"
 #include "core/hierarchy/lode/lode_format.h"
 
 namespace lodestone {

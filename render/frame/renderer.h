@@ -42,8 +42,8 @@ class Renderer {
     const Hierarchy* const model = &only;
     upload(std::span(&model, 1));
   }
-  // Since the last frame the arrays of these families, named as in core/hierarchy/lode/family.h, were removed and added
-  // (ResidentCells::went, came).
+  // Since the last frame the arrays of these families, named as in core/hierarchy/lode/lode_payload.h, were removed and
+  // added (ResidentCells::went, came).
   virtual void refresh(std::uint32_t /*model*/, std::span<const std::uint32_t> /*went*/,
                        std::span<const std::uint32_t> /*came*/) {}
   // Throws InputError for a frame that check_frame refuses; the last picture is kept then.

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode/family.h"
+#include "core/hierarchy/lode/lode_payload.h"
 
 namespace lodestone {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
-#include "core/files/mapped_file.h"
+#include "core/files/input_file.h"
 #include "render/position_map/map_files.h"
 #include "render/position_map/read_map.h"
 

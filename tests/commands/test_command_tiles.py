@@ -269,7 +269,7 @@ class Textures(CommandCase):
         result = self.results("build", "m.obj", "-o", "m.lode", "--texture-levels", "--levels", 1)
         self.assertEqual(result["texture_copies"], 0)
         self.assertEqual(len(result["warnings"]), 1)
-        self.assertRegex(result["warnings"][0], r"\Am.obj: texture 'a.png' is no sound PNG image: .+full resolution\Z")
+        self.assertRegex(result["warnings"][0], r"\Am.obj: texture 'a.png' is not a valid PNG image: .+full resolution\Z")
 
 
 class Checker(CommandCase):

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/base/error.h"
-#include "core/formats/common/mesh_readers.h"
+#include "core/formats/gltf/gltf.h"
 #include "tests/core/mesh/wedge_checks.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

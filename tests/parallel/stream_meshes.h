@@ -8,8 +8,8 @@
 #include <random>
 #include <string>
 
-#include "core/formats/mesh_writer.h"
-#include "core/formats/ply/ply_writer.h"
+#include "core/formats/mesh_file.h"
+#include "core/formats/ply/ply.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {

@@ -7,8 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
-#include "core/formats/mesh_writer.h"
-#include "core/formats/ply/ply_writer.h"
+#include "core/formats/ply/ply.h"
 #include "core/mesh/generate.h"
 #include "parallel/mesh/generate.h"
 #include "parallel/mesh/load.h"

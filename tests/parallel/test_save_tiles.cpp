@@ -117,7 +117,7 @@ TEST_F(SaveTiles, GiveTheFinestLevelBackWithAllItHas) {
 TEST_F(SaveTiles, AreTheSameForAnyNumberOfThreads) {
   const Hierarchy h = built(surface(), *scheduler_);
   SaveTilesConfig config;
-  config.tileset.most_tiles = 1;
+  config.tileset.max_tiles = 1;
   (void)save(h, config, 1);
   const auto first = files();
   for (const int threads : {2, 3, 7}) {
@@ -139,7 +139,7 @@ TEST_F(SaveTiles, LargeTreesAreCutIntoTilesets) {
   };
   for (const int levels : {1, 2, 3, 4}) {
     SaveTilesConfig config;
-    config.tileset.most_tiles = 8;
+    config.tileset.max_tiles = 8;
     config.tileset.levels_per_file = levels;
     const SavedTiles saved = save(h, config);
     EXPECT_EQ(saved.tilesets, count([&](int level) { return (h.finest() - level) % levels == 0; })) << levels;

@@ -54,7 +54,7 @@ TEST(TextureLevels, AreTheSameForAnyNumberOfThreadsAndSurviveTheFile) {
   Hierarchy h = textured(*serial);
   const std::vector<std::string> warnings = add_texture_copies(h, *serial);
   ASSERT_EQ(warnings.size(), 2u);
-  EXPECT_NE(warnings[0].find("'broken' is no sound PNG"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("'broken' is not a valid PNG"), std::string::npos) << warnings[0];
   EXPECT_NE(warnings[1].find("'web' is of type image/webp"), std::string::npos) << warnings[1];
   std::vector<std::array<std::uint32_t, 3>> sizes;
   for (const TextureCopy& c : h.texture_copies) sizes.push_back({c.texture, c.halvings, c.width});

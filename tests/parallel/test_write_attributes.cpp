@@ -6,7 +6,7 @@
 #include <map>
 #include <string_view>
 
-#include "core/formats/mesh_writer.h"
+#include "core/formats/mesh_file.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"

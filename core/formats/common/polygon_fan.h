@@ -1,4 +1,4 @@
-// Polygons of mesh files, corner by corner, into triangles.
+// Turns polygons of mesh files, corner by corner, into triangles.
 //
 // A fan around the first corner: exact for convex polygons, and the same for every format and attribute. Nothing is
 // stored but the first and the latest corner, so that a polygon may have any number of them.
@@ -12,7 +12,7 @@
 
 namespace lodestone {
 
-// Of ids of any kind.
+// Corners are ids of any kind.
 class TriangleFan {
  public:
   explicit TriangleFan(std::vector<Triangle>& triangles) : triangles_(&triangles) {}
@@ -32,7 +32,7 @@ class TriangleFan {
   std::uint32_t first_ = 0, latest_ = 0;
 };
 
-// Of the vertices of a mesh, counting what was done.
+// Corners are vertices of a mesh; counts the faces that were dropped or triangulated.
 class PolygonFan {
  public:
   explicit PolygonFan(RawMesh& mesh) : mesh_(&mesh), fan_(mesh.triangles) {}

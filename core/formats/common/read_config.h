@@ -1,4 +1,15 @@
-// What a reader of mesh files is asked for beside the file itself.
+// What a caller asks of a reader of mesh files, and what every reader promises. core/formats/mesh_file.h chooses among
+// the readers; the header of each format (core/formats/ply/ply.h, ...) says what it reads.
+//
+// A reader begins at the current offset and ends with the mesh. It allocates no memory for a declared count that the
+// remaining bytes cannot hold, and checks every index against the number of vertices. Coordinates that are not finite
+// are read as they are. Polygons become fans (core/formats/common/polygon_fan.h); faces of fewer than three corners are
+// dropped and counted. Anything that ReadConfig does not ask for is skipped. An error in attributes or materials
+// alone, such as a missing image, is a warning in the mesh.
+//
+// All readers throw InputError for a malformed or truncated file, with the line or the element and byte offset;
+// FileError when the disk fails; UnsupportedError for variants of a format that are not read; ResourceError for more
+// vertices than 32-bit indices reach.
 #pragma once
 
 #include <bit>
@@ -9,7 +20,7 @@
 
 namespace lodestone {
 
-// A file of nothing but heights, row by row from the north, each row from the west.
+// A file that holds heights alone, row by row from the north, each row from the west.
 struct RawGridFormat {
   std::size_t width = 0, height = 0;  // posts, at least 2 each
   ScalarType type = ScalarType::int16;
@@ -19,8 +30,8 @@ struct RawGridFormat {
 
 struct ReadConfig {
   bool attributes = true;                      // false: positions and triangles alone, which is faster and smaller
-  bool fill_voids = false;                     // of height grids; false: they stay open
-  std::optional<RawGridFormat> raw_grid = {};  // the file is of this format, whatever its name
+  bool fill_voids = false;                     // of height grids; false: voids remain open
+  std::optional<RawGridFormat> raw_grid = {};  // the file has this format if its extension names no other
 };
 
 }  // namespace lodestone

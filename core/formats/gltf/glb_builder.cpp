@@ -28,7 +28,8 @@ std::vector<std::byte> pack(const json& root, std::span<const std::byte> binary)
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::uint64_t total = 12 + 8 + text.size() + 8 + binary.size();
   if (total > std::numeric_limits<std::uint32_t>::max())
-    throw ResourceError(describe("", "", "more than 4 GiB, which a .glb file cannot hold", "export a coarser level"));
+    throw ResourceError(
+        describe("", "", "the .glb file would exceed 4 GiB, which the format cannot hold", "export a coarser level"));
   const auto word = [](std::uint64_t v) { return static_cast<std::uint32_t>(v); };
   const std::array<std::uint32_t, 5> head{0x46546c67u, 2, word(total), word(text.size()), 0x4e4f534au};
   const std::array<std::uint32_t, 2> chunk{word(binary.size()), 0x004e4942u};
@@ -75,7 +76,7 @@ std::size_t GlbBuilder::add_positions(std::span<const Vec3f> positions) {
 }
 
 std::size_t GlbBuilder::add_indices(std::span<const std::uint32_t> ids, std::size_t vertex_count) {
-  if (vertex_count > 0xffff)  // the largest number is set aside
+  if (vertex_count > 0xffff)  // the largest number is reserved
     return add_accessor(ids, GltfComponent::unsigned_int, "SCALAR", GltfTarget::indices);
   const std::vector<std::uint16_t> narrow(ids.begin(), ids.end());
   return add_accessor(std::span(narrow), GltfComponent::unsigned_short, "SCALAR", GltfTarget::indices);
@@ -120,7 +121,7 @@ std::vector<std::byte> GlbBuilder::finish() {
   return pack(root, binary_);
 }
 
-// Buffer 0 is the file's, buffer 1 what it decompresses to.
+// Buffer 0 is that of the file, buffer 1 its decompressed form.
 std::vector<std::byte> GlbBuilder::finish_compressed() {
   constexpr const char* extension = "EXT_meshopt_compression";
   std::vector<std::byte> packed;

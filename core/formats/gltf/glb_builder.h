@@ -1,4 +1,4 @@
-// What every writer of binary glTF needs: views, accessors, materials and textures, and the container around them.
+// The parts that all writers of binary glTF use: views, accessors, materials and textures, and the container.
 #pragma once
 
 #include <cstddef>
@@ -20,12 +20,12 @@ class GlbBuilder {
  public:
   GlbBuilder() { root["asset"] = {{"version", "2.0"}, {"generator", "Lodestone"}}; }
 
-  nlohmann::json root;  // the document; what is not added below is the caller's
+  nlohmann::json root;  // the document; the caller adds what is not added below
 
-  // Bytes of a buffer view, at a multiple of four; returns its number.
+  // Adds the bytes of a buffer view, at a multiple of four; returns its number.
   std::size_t add_view(std::span<const std::byte> bytes, GltfTarget target);
 
-  // A view of its own for an array; `type` as in the specification. Returns the number of the accessor.
+  // Adds an array in a view of its own; `type` as in the specification. Returns the number of the accessor.
   template <class T>
   std::size_t add_accessor(std::span<const T> items, GltfComponent component, const char* type, GltfTarget target) {
     root["accessors"].push_back({{"bufferView", add_view(std::as_bytes(items), target)},
@@ -34,23 +34,23 @@ class GlbBuilder {
                                  {"type", type}});
     return root["accessors"].size() - 1;
   }
-  // Unsigned integers of 16 bits per vertex, each at a multiple of four bytes as vertices have to be.
+  // Adds unsigned 16-bit integers per vertex, each at a multiple of four bytes as vertices have to be.
   std::size_t add_vertex_shorts(std::span<const std::uint16_t> items);
-  // Positions with their least and largest values, as the specification asks for.
+  // Adds positions with their minimum and maximum, which the specification requires.
   std::size_t add_positions(std::span<const Vec3f> positions);
-  // Indices of 16 bits where these can name all vertices.
+  // Adds indices, of 16 bits if these can name all vertices.
   std::size_t add_indices(std::span<const std::uint32_t> ids, std::size_t vertex_count);
 
-  // Textures of material.texture and normal_map are numbers of textures added, in order; others are left out.
+  // material.texture and normal_map are numbers of textures in the order in which they are added; others are left out.
   void add_material(const Material& material, std::size_t texture_count);
-  // An image that lies in the file, or beside it under a relative URI.
+  // Adds an image inside the file, or beside it under a relative URI.
   void add_embedded_texture(const Texture& texture);
   void add_linked_texture(const Texture& texture, const std::string& uri);
 
-  // The file: header, JSON padded with spaces, binary chunk padded with zeros (12.3.3 and 4.4 of the specification).
-  // Throws ResourceError for more than 4 GiB.
+  // Returns the file: header, JSON padded with spaces, binary chunk padded with zeros (12.3.3 and 4.4 of the
+  // specification). Throws ResourceError for more than 4 GiB.
   [[nodiscard]] std::vector<std::byte> finish();
-  // With the views of accessors compressed (EXT_meshopt_compression), without loss and in their order.
+  // The same with the views of accessors compressed (EXT_meshopt_compression), without loss and in their order.
   [[nodiscard]] std::vector<std::byte> finish_compressed();
 
  private:

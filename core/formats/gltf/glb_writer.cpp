@@ -1,9 +1,9 @@
-#include "core/formats/gltf/glb_writer.h"
-
+// Writer of whole meshes as binary glTF.
 #include <map>
 
 #include "core/formats/common/colour.h"
 #include "core/formats/gltf/glb_builder.h"
+#include "core/formats/gltf/gltf.h"
 
 namespace lodestone {
 namespace {
@@ -27,7 +27,7 @@ std::vector<std::array<float, 4>> linear_colours(const std::vector<Rgba8>& colou
   return out;
 }
 
-// Returns what the "attributes" of all primitives are.
+// Returns the "attributes" of all primitives.
 json add_vertices(GlbBuilder& glb, const MeshView& mesh, Vec3d middle) {
   std::vector<Vec3f> positions(mesh.vertex_count);
   for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = to_float(mesh.position(i) - middle);
@@ -71,7 +71,5 @@ std::vector<std::byte> encode_glb(const MeshView& mesh) {
   for (const Texture& t : mesh.textures) glb.add_embedded_texture(t);
   return glb.finish();
 }
-
-void write_glb(AtomicFile& file, const MeshView& mesh) { file.write(encode_glb(mesh)); }
 
 }  // namespace lodestone

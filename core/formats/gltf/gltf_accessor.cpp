@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "core/base/error.h"
@@ -14,22 +15,12 @@ namespace {
 constexpr const char* damaged = "the file is damaged";
 
 ScalarType component_type(const JsonView& value) {
-  switch (value.integer()) {
-    case 5120:
-      return ScalarType::int8;
-    case 5121:
-      return ScalarType::uint8;
-    case 5122:
-      return ScalarType::int16;
-    case 5123:
-      return ScalarType::uint16;
-    case 5125:
-      return ScalarType::uint32;
-    case 5126:
-      return ScalarType::float32;
-    default:
-      value.fail("unknown component type " + std::to_string(value.integer()), damaged);
-  }
+  // In the order of ScalarType; 5124, signed integers of 32 bits, is not used in glTF.
+  constexpr std::uint64_t first = 5120, unused = 5124, last = 5126;
+  const std::uint64_t number = value.integer();
+  if (number < first || number > last || number == unused)
+    value.fail("unknown component type " + std::to_string(number), damaged);
+  return static_cast<ScalarType>(number - first);
 }
 
 int component_count(const JsonView& value) {
@@ -39,11 +30,11 @@ int component_count(const JsonView& value) {
   return static_cast<int>(found - names.begin()) + 1;
 }
 
-// Elements of `size` bytes from `offset` on, each `stride` after the one before, inside the view.
+// Returns the view from `offset` on; requires that `count` elements of `size` bytes, `stride` apart, lie in it.
 std::span<const char> elements(const JsonView& place, std::span<const char> view, std::uint64_t offset,
                                std::uint64_t count, std::uint64_t stride, std::uint64_t size) {
   const std::uint64_t room = offset < view.size() ? view.size() - offset : 0;
-  // By division: count and stride come from the file.
+  // Checked by division, since count and stride come from the file.
   if (count > 0 && (room < size || count - 1 > (room - size) / stride))
     place.fail("reaches beyond its buffer view: " + std::to_string(count) + " elements of " + std::to_string(size) +
                    " bytes from byte " + std::to_string(offset) + " of " + std::to_string(view.size()),
@@ -51,7 +42,7 @@ std::span<const char> elements(const JsonView& place, std::span<const char> view
   return view.subspan(static_cast<std::size_t>(std::min<std::uint64_t>(offset, view.size())));
 }
 
-// Replaces single elements by others: "sparse".
+// Replaces single elements ("sparse").
 void patch(GltfDocument& document, const JsonView& sparse, GltfAccessor& accessor) {
   const std::size_t size = accessor.element_bytes();
   accessor.patched.resize(accessor.count * size);
@@ -79,18 +70,8 @@ void patch(GltfDocument& document, const JsonView& sparse, GltfAccessor& accesso
 
 double GltfAccessor::largest() const {
   if (!normalised || !is_integer(type)) return 1;
-  switch (type) {
-    case ScalarType::int8:
-      return 127;
-    case ScalarType::uint8:
-      return 255;
-    case ScalarType::int16:
-      return 32767;
-    case ScalarType::uint16:
-      return 65535;
-    default:
-      return 4294967295.0;
-  }
+  return with_scalar_type(type,
+                          [](auto zero) { return static_cast<double>(std::numeric_limits<decltype(zero)>::max()); });
 }
 
 GltfAccessor describe_accessor(const JsonView& accessor) {
@@ -107,7 +88,7 @@ GltfAccessor open_accessor(GltfDocument& document, const JsonView& reference) {
   GltfAccessor accessor = describe_accessor(description);
   const std::optional<JsonView> view_index = description.find("bufferView");
   if (!view_index)
-    throw UnsupportedError(describe(document.file(), description.place(), "an accessor without a bufferView",
+    throw UnsupportedError(describe(document.file(), description.place(), "an accessor has no bufferView",
                                     "store its values in a buffer"));
   const GltfView view = document.view(*view_index);
   const std::size_t size = accessor.element_bytes();
@@ -137,7 +118,7 @@ std::vector<double> read_values(const GltfAccessor& accessor, int components) {
 std::vector<std::uint32_t> read_indices(const GltfAccessor& accessor, std::uint64_t limit, const JsonView& place) {
   if (accessor.components != 1 || accessor.type == ScalarType::float32 || accessor.type == ScalarType::int8 ||
       accessor.type == ScalarType::int16)
-    place.fail("indices that are no unsigned numbers", damaged);
+    place.fail("indices are not unsigned numbers", damaged);
   std::vector<std::uint32_t> indices(accessor.count);
   for (std::size_t i = 0; i < indices.size(); ++i) {
     indices[i] = static_cast<std::uint32_t>(

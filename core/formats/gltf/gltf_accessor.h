@@ -17,23 +17,23 @@ struct GltfAccessor {
   ScalarType type{};
   bool normalised = false;  // integers stand for [0, 1] or [-1, 1]
   std::size_t stride = 0;
-  std::span<const char> bytes;  // (count - 1) * stride + the size of an element, at least
-  std::vector<char> patched;    // what `bytes` refers to when values were replaced by sparse ones
+  std::span<const char> bytes;  // at least (count - 1) * stride + the size of an element
+  std::vector<char> patched;    // the array behind `bytes` when values were replaced by sparse ones
 
   [[nodiscard]] std::size_t element_bytes() const { return static_cast<std::size_t>(components) * size_of(type); }
-  // The largest integer of a normalised type, what 1 is; 1 for others.
+  // The largest integer of a normalised type, which stands for 1; 1 for other types.
   [[nodiscard]] double largest() const;
 };
 
-// What an accessor says of its elements; no bytes yet. Those of a Draco compressed primitive have none.
+// Describes the elements of an accessor without opening its bytes. A Draco compressed primitive has none.
 [[nodiscard]] GltfAccessor describe_accessor(const JsonView& accessor);
-// With its bytes: every element lies in its buffer view. Throws InputError naming the place, UnsupportedError for
+// Opens its bytes, too: every element lies in its buffer view. Throws InputError naming the place, UnsupportedError for
 // accessors without bytes of their own (all zero, but for sparse values): they are for morph targets.
 [[nodiscard]] GltfAccessor open_accessor(GltfDocument& document, const JsonView& reference);
 
-// `components` values of each element, one after the other, integers that stand for fractions divided; missing ones 0.
+// `components` values of each element in order; integers that stand for fractions are divided, missing values are 0.
 [[nodiscard]] std::vector<double> read_values(const GltfAccessor& accessor, int components);
-// Of unsigned scalars. Throws InputError at `place` when one is not below `limit`.
+// Reads unsigned scalars. Throws InputError at `place` when one is not below `limit`.
 [[nodiscard]] std::vector<std::uint32_t> read_indices(const GltfAccessor& accessor, std::uint64_t limit,
                                                       const JsonView& place);
 

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* truncated = "the file is truncated or damaged";
 constexpr std::uint32_t json_chunk = 0x4E4F534Au, binary_chunk = 0x004E4942u;  // "JSON", "BIN\0"
 
-// What may be required without being understood changes no triangle: it says how surfaces and lights look.
+// Extensions that may be required although they are not read: they change how surfaces and lights look, no triangle.
 bool is_known_extension(std::string_view name) {
   constexpr std::array<std::string_view, 7> known{
       "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization", "KHR_texture_transform",
@@ -57,7 +57,7 @@ void GltfDocument::read_binary(std::span<const char> bytes) {
            "a chunk of " + std::to_string(size) + " bytes, but only " + std::to_string(length - at - 8) + " follow");
     const std::span<const char> chunk = bytes.subspan(at + 8, size);
     if (!has_json) {
-      if (type != json_chunk) fail(at + 4, "the first chunk is no JSON");
+      if (type != json_chunk) fail(at + 4, "the first chunk is not JSON");
       json_ = parse_json(chunk, file_);
       has_json = true;
     } else if (type == binary_chunk && binary_.empty()) {
@@ -65,7 +65,7 @@ void GltfDocument::read_binary(std::span<const char> bytes) {
     }
     at += 8 + size;
   }
-  if (!has_json) fail(at, "has no JSON chunk");
+  if (!has_json) fail(at, "there is no JSON chunk");
 }
 
 void GltfDocument::check_asset() const {
@@ -77,7 +77,7 @@ void GltfDocument::check_asset() const {
     const std::string& name = required->at(i).string();
     if (!is_known_extension(name))
       throw UnsupportedError(describe(file_, required->at(i).place(), "the extension " + quote(name) + " is required",
-                                      "it is not known here; export the model without it"));
+                                      "this program does not know it; export the model without it"));
   }
 }
 
@@ -95,11 +95,11 @@ std::vector<char> GltfDocument::load_buffer(const JsonView& description, std::si
   const std::optional<JsonView> uri = description.find("uri");
   if (!uri) {
     if (index == 0 && !binary_.empty()) return {binary_.begin(), binary_.end()};
-    description.fail("has no bytes: neither a 'uri' nor a binary chunk", truncated);
+    description.fail("the buffer has neither a 'uri' nor a binary chunk", truncated);
   }
   if (is_data_uri(uri->string())) {
     if (std::optional<std::vector<char>> bytes = decode_data_uri(uri->string())) return std::move(*bytes);
-    uri->fail("damaged data URI; only base64 is read");
+    uri->fail("invalid data URI", "encode the data as base64");
   }
   const std::string name = percent_decoded(uri->string());
   if (std::optional<std::vector<char>> bytes = files_.read(name)) return std::move(*bytes);
@@ -120,7 +120,7 @@ std::span<const char> GltfDocument::buffer(const JsonView& reference) {
   }
   if (length > bytes.size())
     description.fail(
-        "declares " + std::to_string(length) + " bytes, but only " + std::to_string(bytes.size()) + " are there",
+        "declares " + std::to_string(length) + " bytes, but only " + std::to_string(bytes.size()) + " exist",
         truncated);
   return bytes.first(static_cast<std::size_t>(length));
 }
@@ -134,6 +134,12 @@ std::span<const char> GltfDocument::part_of_buffer(const JsonView& range) {
                    " of a buffer of " + std::to_string(whole.size()) + " bytes",
                truncated);
   return whole.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+}
+
+Affine3d affine_of(const JsonView& matrix) {
+  const std::array<double, 16> m = matrix.numbers<16>();
+  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) matrix.fail("the last row of the matrix is not (0, 0, 0, 1)");
+  return {{Vec3d{m[0], m[1], m[2]}, Vec3d{m[4], m[5], m[6]}, Vec3d{m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
 }
 
 GltfView GltfDocument::view(const JsonView& reference) {

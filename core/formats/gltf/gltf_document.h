@@ -1,4 +1,4 @@
-// A glTF 2.0 file as JSON and the bytes behind it: chunks, buffers, buffer views, compressed or not.
+// A glTF 2.0 file as JSON and the bytes that it refers to: chunks, buffers, buffer views, compressed or not.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,19 @@
 #include "core/files/byte_reader.h"
 #include "core/files/json_view.h"
 #include "core/formats/common/companion_files.h"
+#include "core/math/affine.h"
 
 namespace lodestone {
 
 struct GltfView {
   std::span<const char> bytes;  // decompressed
-  std::size_t stride = 0;       // of the view's elements; 0: they follow each other
+  std::size_t stride = 0;       // distance of the elements in bytes; 0: they are adjacent
 };
 
 class GltfDocument {
  public:
   // Text (.gltf) or binary (.glb), told apart by the first bytes. Checks chunks, version and required extensions.
-  // Throws InputError for damaged files, UnsupportedError for glTF 1 and for a required extension that is not known.
+  // Throws InputError for damaged files, UnsupportedError for glTF 1 and for an unknown required extension.
   explicit GltfDocument(ByteReader& input);
   GltfDocument(const GltfDocument&) = delete;  // views refer to it
   GltfDocument& operator=(const GltfDocument&) = delete;
@@ -34,7 +35,7 @@ class GltfDocument {
   // Item `index` of a top-level array; `reference` is the value that holds the index, for the message.
   [[nodiscard]] JsonView item(const char* array, const JsonView& reference) const;
 
-  // The bytes of a buffer view, loaded and decompressed when they are first asked for; they live as long as this.
+  // The bytes of a buffer view, loaded and decompressed at the first call; they live as long as this object.
   // Throws InputError when the buffer is missing or the view reaches beyond it.
   [[nodiscard]] GltfView view(const JsonView& reference);
 
@@ -52,5 +53,8 @@ class GltfDocument {
   nlohmann::json json_;
   std::map<std::size_t, std::vector<char>> buffers_, decompressed_;  // by index of buffer, of view
 };
+
+// A 4 x 4 matrix by columns. Throws InputError when its last row is not (0, 0, 0, 1).
+[[nodiscard]] Affine3d affine_of(const JsonView& matrix);
 
 }  // namespace lodestone

@@ -7,14 +7,14 @@
 #include <string>
 #include <utility>
 
-#include "core/formats/common/texture_set.h"
+#include "core/formats/common/companion_files.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/math/vec2.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
 
-// A material as a primitive sees it: with the texture coordinates that its base colour takes.
+// A material with the texture coordinates that its base colour uses.
 struct GltfMaterial {
   std::uint32_t index = no_material;  // in mesh.materials
   std::string uv_attribute = "TEXCOORD_0";
@@ -23,8 +23,8 @@ struct GltfMaterial {
   [[nodiscard]] Vec2f map(double u, double v) const;
 };
 
-// Adds the materials that are used, with their images, to the mesh. A base colour of pbrMetallicRoughness, or the
-// diffuse one of KHR_materials_pbrSpecularGlossiness. An image that cannot be had is a warning.
+// Adds the materials that are used, with their images, to the mesh. The base colour is that of pbrMetallicRoughness, or
+// the diffuse one of KHR_materials_pbrSpecularGlossiness. A missing or invalid image is a warning.
 class GltfMaterials {
  public:
   GltfMaterials(GltfDocument& document, const ByteReader& input, RawMesh& mesh)

@@ -16,15 +16,16 @@ constexpr const char* damaged = "the file is damaged";
 // The codec of vertices stores 16 equal bytes in 2 bits; that of triangles at least a byte for three indices.
 constexpr std::uint64_t densest = 64;
 
-// What the decoders take for granted.
+// Checks what the decoders assume.
 void check_layout(const JsonView& extension, const std::string& mode, std::uint64_t count, std::uint64_t stride) {
   if (mode == "ATTRIBUTES") {
     if (stride == 0 || stride > 256 || stride % 4 != 0)
-      extension.fail("vertices of " + std::to_string(stride) + " bytes; only multiples of 4 up to 256 can be", damaged);
+      extension.fail("vertices of " + std::to_string(stride) + " bytes; the size has to be a multiple of 4 up to 256",
+                     damaged);
   } else if (mode == "TRIANGLES" || mode == "INDICES") {
     if (stride != 2 && stride != 4) extension.fail("indices of " + std::to_string(stride) + " bytes", damaged);
     if (mode == "TRIANGLES" && count % 3 != 0)
-      extension.fail(std::to_string(count) + " indices are no triangles", damaged);
+      extension.fail(std::to_string(count) + " indices do not make triangles", damaged);
   } else {
     extension.fail("unknown mode " + quote(mode), damaged);
   }
@@ -76,7 +77,7 @@ std::vector<std::byte> compress_meshopt(std::span<const std::byte> bytes, std::s
   if (indices) {
     std::vector<unsigned int> ids(count);
     for (std::size_t k = 0; k < count; ++k) std::memcpy(&ids[k], bytes.data() + k * stride, stride);
-    meshopt_encodeIndexVersion(1);  // what the extension asks for
+    meshopt_encodeIndexVersion(1);  // the version of the extension
     out.resize(meshopt_encodeIndexSequenceBound(count, std::numeric_limits<unsigned>::max()));
     out.resize(meshopt_encodeIndexSequence(to(), out.size(), ids.data(), count));
   } else {

@@ -10,11 +10,11 @@
 namespace lodestone {
 
 // The elements of a buffer view, decoded by meshoptimizer and unfiltered; `extension` describes them (mode, count,
-// stride, filter), `packed` are their bytes. Throws InputError naming the place for what contradicts the extension or
-// cannot be decoded; memory is allocated for no more than the densest coding of `packed` can hold.
+// stride, filter), `packed` has their bytes. Throws InputError naming the place if they contradict the extension or
+// cannot be decoded; allocates no more memory than the densest coding of `packed` can hold.
 [[nodiscard]] std::vector<char> decompress_meshopt(const JsonView& extension, std::span<const char> packed);
 
-// The other way: elements of vertices (mode ATTRIBUTES; `stride` a multiple of 4), or indices (mode INDICES), which
+// The inverse: elements of vertices (mode ATTRIBUTES; `stride` a multiple of 4), or indices (mode INDICES), which
 // keep their order.
 [[nodiscard]] std::vector<std::byte> compress_meshopt(std::span<const std::byte> bytes, std::size_t count,
                                                       std::size_t stride, bool indices);

@@ -1,5 +1,7 @@
-// glTF 2.0: the triangles of a scene, primitive by primitive.
+// Reader of glTF: the nodes of a scene and their triangles, primitive by primitive.
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -7,12 +9,11 @@
 
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
-#include "core/formats/common/mesh_readers.h"
+#include "core/formats/gltf/gltf.h"
 #include "core/formats/gltf/gltf_accessor.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"
-#include "core/formats/gltf/gltf_nodes.h"
-#include "core/formats/plain/draco_mesh.h"
+#include "core/formats/plain/draco.h"
 #include "core/mesh/raw_mesh.h"
 
 namespace lodestone {
@@ -20,7 +21,103 @@ namespace {
 
 constexpr const char* damaged = "the file is damaged";
 
-// A primitive with what its attributes are read from: accessors, or a Draco mesh.
+struct GltfMeshNode {
+  std::size_t node = 0;  // index in "nodes"; it has a mesh
+  Affine3d map;          // from the mesh to the scene
+};
+
+// Columns of the rotation by a quaternion (x, y, z, w), whatever its length.
+std::array<Vec3d, 3> rotation_axes(const JsonView& node, const std::array<double, 4>& q) {
+  const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(square > 0) || !std::isfinite(square)) node.fail("the rotation is not a valid quaternion");
+  const double x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / square;
+  return {Vec3d{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
+          Vec3d{s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
+          Vec3d{s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)}};
+}
+
+Affine3d map_of(const JsonView& node) {
+  if (const std::optional<JsonView> matrix = node.find("matrix")) return affine_of(*matrix);
+  const auto t = node.numbers_or<3>("translation", {0, 0, 0});
+  const auto s = node.numbers_or<3>("scale", {1, 1, 1});
+  Affine3d map{rotation_axes(node, node.numbers_or<4>("rotation", {0, 0, 0, 1})), {t[0], t[1], t[2]}};
+  for (std::size_t i = 0; i < 3; ++i) map.axes[i] = s[i] * map.axes[i];
+  return map;
+}
+
+// Values that hold the indices of the root nodes of the default scene.
+std::vector<JsonView> scene_roots(const GltfDocument& document) {
+  const JsonView root = document.root();
+  std::vector<JsonView> roots;
+  const std::optional<JsonView> scenes = root.find("scenes");
+  if (!scenes || scenes->size() == 0) return roots;
+  const std::optional<JsonView> chosen = root.find("scene");
+  const JsonView scene = chosen ? document.item("scenes", *chosen) : scenes->at(std::size_t{0});
+  if (const std::optional<JsonView> nodes = scene.find("nodes"))
+    for (std::size_t i = 0; i < nodes->size(); ++i) roots.push_back(nodes->at(i));
+  return roots;
+}
+
+// A node to be visited.
+struct Pending {
+  std::size_t node;
+  Affine3d parent;
+  std::string place;  // of the reference to it
+};
+
+std::vector<Pending> first_nodes(const GltfDocument& document, const JsonView& nodes) {
+  std::vector<Pending> pending;
+  if (const auto scenes = document.root().find("scenes"); scenes && scenes->size() > 0) {
+    for (const JsonView& reference : scene_roots(document)) {
+      (void)document.item("nodes", reference);
+      pending.push_back({static_cast<std::size_t>(reference.integer()), {}, reference.place()});
+    }
+    return pending;
+  }
+  std::vector<bool> is_child(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::optional<JsonView> children = nodes.at(i).find("children");
+    for (std::size_t k = 0; children && k < children->size(); ++k) {
+      (void)document.item("nodes", children->at(k));
+      is_child[static_cast<std::size_t>(children->at(k).integer())] = true;
+    }
+  }
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (!is_child[i]) pending.push_back({i, {}, nodes.at(i).place()});
+  return pending;
+}
+
+// The nodes with meshes below the default scene (the first one if none is named; without scenes, below every node that
+// is not a child), parents before children, in file order. Throws InputError for a node that is met twice, since the
+// nodes would not form a tree and might contain a cycle.
+std::vector<GltfMeshNode> list_mesh_nodes(const GltfDocument& document) {
+  const std::optional<JsonView> nodes = document.root().find("nodes");
+  std::vector<GltfMeshNode> found;
+  if (!nodes) return found;
+  std::vector<bool> seen(nodes->size());
+  // An explicit stack, since a chain of nodes may be as long as the file.
+  std::vector<Pending> stack = first_nodes(document, *nodes);
+  std::reverse(stack.begin(), stack.end());
+  while (!stack.empty()) {
+    const Pending next = std::move(stack.back());
+    stack.pop_back();
+    const JsonView node = nodes->at(next.node);
+    if (seen[next.node])
+      JsonView(node.json(), document.file(), next.place)
+          .fail("refers to " + node.place() + ", which has another parent", "the nodes of a scene have to form a tree");
+    seen[next.node] = true;
+    const Affine3d map = next.parent * map_of(node);
+    if (node.find("mesh")) found.push_back({next.node, map});
+    const std::optional<JsonView> children = node.find("children");
+    for (std::size_t i = children ? children->size() : 0; i-- > 0;) {
+      (void)document.item("nodes", children->at(i));
+      stack.push_back({static_cast<std::size_t>(children->at(i).integer()), map, children->at(i).place()});
+    }
+  }
+  return found;
+}
+
+// A primitive and the source of its attributes: accessors, or a Draco mesh.
 class Primitive {
  public:
   Primitive(GltfDocument& document, const JsonView& json)
@@ -84,9 +181,9 @@ class Primitive {
     const std::uint64_t mode = json_.integer_or("mode", 4);
     std::vector<Triangle> triangles;
     if (mode == 4) {
-      if (ids.size() % 3 != 0) json_.fail(std::to_string(ids.size()) + " indices are no triangles", damaged);
+      if (ids.size() % 3 != 0) json_.fail(std::to_string(ids.size()) + " indices do not make triangles", damaged);
       for (std::size_t i = 0; i + 2 < ids.size(); i += 3) triangles.push_back({{ids[i], ids[i + 1], ids[i + 2]}});
-    } else if (mode == 5) {  // a strip, of which every other triangle is turned
+    } else if (mode == 5) {  // a strip: every other triangle is turned
       for (std::size_t i = 0; i + 2 < ids.size(); ++i)
         triangles.push_back({{ids[i], ids[i + 1 + i % 2], ids[i + 2 - i % 2]}});
     } else if (mode == 6) {  // a fan
@@ -114,7 +211,7 @@ std::vector<Vec3f> read_normals(const Primitive& primitive) {
   return normals;
 }
 
-// Linear in the file.
+// Colours are linear in the file.
 std::vector<Rgba8> read_colours(const Primitive& primitive) {
   const std::vector<double> values = primitive.values("COLOR_0", 4);
   const bool has_alpha = !values.empty() && primitive.components("COLOR_0") == 4;
@@ -149,7 +246,7 @@ class GltfReader {
   }
 
  private:
-  // Vertices read once, and the triangles of all primitives of a node that use them.
+  // Vertices, read once, and the triangles of all primitives of a node that use them.
   struct Part {
     Primitive primitive;
     GltfMaterial material;

@@ -1,12 +1,85 @@
 #include "core/formats/obj/obj_materials.h"
 
+#include <algorithm>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
 
 namespace lodestone {
+namespace {
+
+// NaN becomes 0.
+float unit_interval(double value) { return value > 0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f; }
+
+void read_colour(TextScanner& scan, MtlMaterial& material) {
+  const std::string first(scan.token());
+  if (first == "spectral" || first == "xyz") return;  // not in a colour space of screens
+  material.colour[0] = unit_interval(scan.number(first, "a red component"));
+  // One value stands for three.
+  std::string_view token = scan.token();
+  material.colour[1] = token.empty() ? material.colour[0] : unit_interval(scan.number(token, "a green component"));
+  token = scan.token();
+  material.colour[2] = token.empty() ? material.colour[1] : unit_interval(scan.number(token, "a blue component"));
+}
+
+MtlTexture read_texture(TextScanner& scan) {
+  MtlTexture texture{.file = {}, .wraps = {}, .place = scan.place()};
+  std::string rest = scan.rest_of_line();
+  const auto next_word = [&] {
+    const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+    std::string word = rest.substr(0, end);
+    rest.erase(0, std::min(rest.find_first_not_of(" \t", end), rest.size()));
+    return word;
+  };
+  while (rest.starts_with('-')) {
+    const std::string option = next_word();
+    if (option == "-clamp") {
+      if (next_word() == "on") texture.wraps = {TextureWrap::clamp, TextureWrap::clamp};
+    } else if (option == "-o" || option == "-s" || option == "-t") {  // one to three numbers
+      for (int i = 0; i < 3 && parse_number(rest.substr(0, rest.find_first_of(" \t"))); ++i) (void)next_word();
+    } else {
+      (void)next_word();
+      if (option == "-mm") (void)next_word();
+    }
+  }
+  if (rest.empty()) scan.fail("a map without a file name");
+  texture.file = rest;
+  return texture;
+}
+
+}  // namespace
+
+std::vector<MtlMaterial> read_mtl(ByteReader& input) {
+  TextScanner scan(input);
+  std::vector<MtlMaterial> materials;
+  do {
+    const std::string keyword = lower_case(scan.token());
+    if (keyword == "newmtl") {
+      materials.push_back({});
+      materials.back().name = scan.rest_of_line();
+      continue;
+    }
+    if (materials.empty()) continue;
+    MtlMaterial& material = materials.back();
+    if (keyword == "kd") {
+      read_colour(scan, material);
+    } else if (keyword == "d") {
+      std::string_view token = scan.token();
+      if (token == "-halo") token = scan.token();
+      material.colour[3] = unit_interval(scan.number(token, "a factor of opacity"));
+    } else if (keyword == "tr") {
+      material.colour[3] = unit_interval(1 - scan.number(scan.token(), "a factor of transparency"));
+    } else if (keyword == "map_kd") {
+      material.texture = read_texture(scan);
+    } else if (keyword == "norm" || ((keyword == "map_bump" || keyword == "bump") && !material.normal_map)) {
+      material.normal_map = read_texture(scan);
+    }
+  } while (scan.next_line());
+  return materials;
+}
 
 void ObjMaterials::add_libraries(const std::string& names, const std::string& place) {
   if (files_.find(names)) return add_library(names, place);

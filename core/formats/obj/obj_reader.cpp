@@ -1,4 +1,4 @@
-// Wavefront OBJ: vertices, texture coordinates, normals, faces and their materials; every other statement is skipped.
+// Reader of OBJ: vertices, texture coordinates, normals, faces and their materials; every other statement is skipped.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,8 +9,8 @@
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
 #include "core/formats/common/colour.h"
-#include "core/formats/common/mesh_readers.h"
 #include "core/formats/common/polygon_fan.h"
+#include "core/formats/obj/obj.h"
 #include "core/formats/obj/obj_materials.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/mesh/wedges.h"
@@ -18,8 +18,8 @@
 namespace lodestone {
 namespace {
 
-// The largest index that was ahead of the values read so far. Faces may come before their vertices, so that only the
-// end of the file tells whether it is out of range.
+// The largest index that was ahead of the values read so far. Faces may come before their vertices, so that its range
+// can only be checked at the end of the file.
 struct ForwardReference {
   std::uint64_t index = 0, line = 0;
 };
@@ -70,7 +70,7 @@ class ObjReader {
     const double y = scan_.number(scan_.token(), "a y coordinate");
     const double z = scan_.number(scan_.token(), "a z coordinate");
     mesh_.positions.push_back({x, y, z});
-    if (with_attributes_ && scan_.line_goes_on()) read_colour();
+    if (with_attributes_ && scan_.line_continues()) read_colour();
   }
 
   void read_colour() {
@@ -147,7 +147,7 @@ class ObjReader {
     return corner;
   }
 
-  // From 1, or backwards from the latest when negative.
+  // Counts from 1, or backwards from the latest value when negative.
   std::uint32_t read_index(std::string_view token, std::uint64_t count, ForwardReference& furthest, const char* kind) {
     const std::optional<std::int64_t> index = parse_integer(token);
     if (!index || *index <= 0) return index_from_latest(token, index, count, kind);
@@ -167,8 +167,8 @@ class ObjReader {
     return static_cast<std::uint32_t>(count - back);
   }
 
-  // The values of an attribute at the corners of the latest face, whose triangles begin at `before`. Nothing is kept
-  // up to the first corner that has a value.
+  // Adds the values of an attribute at the corners of the latest face, whose triangles begin at `before`. Nothing is
+  // stored before the first corner that has a value.
   void add_values(std::vector<Triangle>& values, std::uint32_t Corner::*value, std::size_t before) {
     values.resize(before, no_values);
     TriangleFan fan(values);
@@ -199,7 +199,7 @@ class ObjReader {
     mesh_.wedges.material = std::move(material);
   }
 
-  // The surface is sound without them.
+  // The surface is valid without them.
   void drop_out_of_range(std::vector<Triangle>& values, std::size_t count, const ForwardReference& furthest,
                          const std::string& kind) {
     if (furthest.line == 0 || furthest.index < count) return;
@@ -210,7 +210,7 @@ class ObjReader {
     mesh_.warnings.push_back(describe(input_->name(), "line " + std::to_string(furthest.line),
                                       kind + " index " + std::to_string(furthest.index + 1) +
                                           " is out of range, the file has " + std::to_string(count) + "; " +
-                                          std::to_string(dropped) + " corners go without"));
+                                          std::to_string(dropped) + " corners have none"));
   }
 
   ByteReader* input_;

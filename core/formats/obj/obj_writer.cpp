@@ -1,5 +1,4 @@
-#include "core/formats/obj/obj_writer.h"
-
+// Writer of OBJ and MTL.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -12,11 +11,12 @@
 #include <vector>
 
 #include "core/formats/common/colour.h"
+#include "core/formats/obj/obj.h"
 
 namespace lodestone {
 namespace {
 
-// A line of text put together in place: a keyword, numbers, corners of faces.
+// Assembles a line of text in place: a keyword, numbers, corners of faces.
 class Line {
  public:
   explicit Line(std::string_view keyword) { append(keyword); }
@@ -25,7 +25,7 @@ class Line {
     append(" ");
     return number(value);
   }
-  // "v/vt/vn", counting from 0; without what is not there.
+  // "v/vt/vn" from indices that count from 0; absent attributes are left out.
   Line& corner(std::uint64_t v, std::uint64_t wedge, bool uv, bool normal) {
     *this << v + 1;
     if (uv || normal) append("/");
@@ -56,7 +56,7 @@ class Line {
   std::size_t length_ = 0;
 };
 
-// What "v" says: wedges that agree in it are one vertex to programs that know positions only.
+// The values of a line "v": wedges that agree in them are one vertex to programs that know positions only.
 struct ObjVertex {
   std::array<std::uint64_t, 3> place{};
   Rgba8 colour;
@@ -174,7 +174,7 @@ class ObjWriter {
     const auto material_of = [&](std::uint32_t t) {
       return materials_ && mesh_.wedges->material[t] < names_.size() ? mesh_.wedges->material[t] : no_material;
     };
-    // No statement takes a material away again.
+    // No statement ends a material.
     std::stable_partition(order.begin(), order.end(), [&](std::uint32_t t) { return material_of(t) == no_material; });
     std::uint32_t latest = no_material;
     for (const std::uint32_t t : order) {
@@ -194,7 +194,7 @@ class ObjWriter {
   MeshCompanions& companions_;
   bool uv_ = false, normals_ = false, colours_ = false, materials_ = false;
   std::vector<std::string> names_;        // of the materials
-  std::vector<std::uint32_t> vertex_of_;  // of a wedge; empty: itself
+  std::vector<std::uint32_t> vertex_of_;  // by wedge; empty: the wedge itself
 };
 
 }  // namespace

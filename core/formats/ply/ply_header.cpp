@@ -30,7 +30,7 @@ constexpr std::array<std::pair<std::string_view, ScalarType>, 16> type_names{{
     {"float64", ScalarType::float64},
 }};
 
-constexpr const char* damaged = "the header is damaged, or this is no PLY file";
+constexpr const char* damaged = "the header is damaged, or this is not a PLY file";
 
 ScalarType parse_type(const TextScanner& scan, std::string_view token) {
   for (const auto& [name, type] : type_names)
@@ -60,7 +60,7 @@ PlyElement parse_element(TextScanner& scan, const PlyHeader& header) {
   PlyElement element;
   element.name = parse_name(scan, "an element name");
   const std::int64_t count = scan.integer(scan.token(), "the number of elements");
-  if (count < 0) scan.fail("a negative number of elements", damaged);
+  if (count < 0) scan.fail("the number of elements is negative", damaged);
   element.count = static_cast<std::uint64_t>(count);
   if (header.find(element.name)) scan.fail("element " + quote(element.name) + " is declared twice", damaged);
   return element;
@@ -83,7 +83,7 @@ void check_counts(const PlyHeader& header, const ByteReader& input) {
   // An ASCII file may lack the separator after its last value.
   std::uint64_t left = input.remaining() + (header.byte_order ? 0 : 1);
   for (const PlyElement& element : header.elements) {
-    const std::uint64_t each = element.least_bytes(!header.byte_order);
+    const std::uint64_t each = element.min_bytes(!header.byte_order);
     if (each != 0 && element.count > left / each)
       throw InputError(describe(input.name(), "header",
                                 "declares " + std::to_string(element.count) + " of element " + quote(element.name) +
@@ -154,7 +154,7 @@ PlyVertexAttributes vertex_attributes(const PlyElement& vertex) {
   return attributes;
 }
 
-std::uint64_t PlyElement::least_bytes(bool ascii) const {
+std::uint64_t PlyElement::min_bytes(bool ascii) const {
   std::uint64_t bytes = 0;
   for (const PlyProperty& property : properties)
     bytes += ascii ? 2 : size_of(property.count_type.value_or(property.type));  // a digit and a separator
@@ -180,7 +180,7 @@ bool PlyHeader::has_textured_faces() const {
 PlyHeader read_ply_header(ByteReader& input) {
   TextScanner scan(input);
   PlyHeader header;
-  if (scan.token() != "ply") scan.fail("does not begin with 'ply'", "this is no PLY file");
+  if (scan.token() != "ply") scan.fail("the file does not begin with 'ply'", "this is not a PLY file");
   bool has_format = false, complete = false;
   while (!complete && scan.next_line()) {
     const std::string keyword(scan.token());
@@ -190,14 +190,14 @@ PlyHeader read_ply_header(ByteReader& input) {
     } else if (keyword == "element") {
       header.elements.push_back(parse_element(scan, header));
     } else if (keyword == "property") {
-      if (header.elements.empty()) scan.fail("a property before the first element", damaged);
+      if (header.elements.empty()) scan.fail("a property comes before the first element", damaged);
       header.elements.back().properties.push_back(parse_property(scan));
     } else if (keyword == "comment") {
       if (scan.continues_with("TextureFile ") && !scan.token().empty()) header.textures.push_back(scan.rest_of_line());
     } else if (keyword == "end_header") {
       complete = true;
     } else if (!keyword.empty() && keyword != "obj_info" && !header.elements.empty()) {
-      // Before the first element unknown lines are let through: some exporters forget the word "comment" there.
+      // Before the first element unknown lines are accepted: some exporters forget the word "comment" there.
       scan.fail("unknown keyword " + quote(keyword), damaged);
     }
   }
@@ -212,7 +212,7 @@ PlyHeader read_ply_header(ByteReader& input) {
 
 std::optional<VertexLayout> vertex_layout(const PlyHeader& header, const PlyElement& vertex) {
   if (!header.byte_order || has_list(vertex)) return std::nullopt;
-  VertexLayout layout{.stride = vertex.least_bytes(false), .coordinates = {}, .byte_order = *header.byte_order};
+  VertexLayout layout{.stride = vertex.min_bytes(false), .coordinates = {}, .byte_order = *header.byte_order};
   constexpr std::array<std::string_view, 3> names{"x", "y", "z"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const PlyProperty* property = vertex.find(names[axis]);
@@ -229,7 +229,7 @@ VertexAttributeLayout vertex_attribute_layout(const PlyHeader& header, const Ply
     for (const PlyProperty* property : properties) values.push_back({*offset_of(vertex, *property), property->type});
     return values;
   };
-  return {.stride = vertex.least_bytes(false),
+  return {.stride = vertex.min_bytes(false),
           .normal = places(attributes.normal),
           .colour = places(attributes.colour),
           .uv = places(attributes.uv),
@@ -243,7 +243,7 @@ std::optional<TriangleLayout> triangle_layout(const PlyHeader& header, const Ply
   const bool other_lists = std::count_if(face.properties.begin(), face.properties.end(),
                                          [](const PlyProperty& p) { return p.count_type.has_value(); }) > 1;
   if (other_lists) return std::nullopt;
-  return TriangleLayout{.stride = face.least_bytes(false) + 3 * size_of(list->type),
+  return TriangleLayout{.stride = face.min_bytes(false) + 3 * size_of(list->type),
                         .count_offset = *offset_of(face, *list),
                         .byte_order = *header.byte_order};
 }
@@ -266,22 +266,22 @@ std::optional<PlyFixedLayout> fixed_layout(const PlyHeader& header) {
       offset += face->count * triangles->stride;
       continue;
     }
-    if (has_list(element)) return std::nullopt;  // what lies behind it cannot be located without reading it
+    if (has_list(element)) return std::nullopt;  // the offset after it is not known without reading it
     if (&element == vertex) layout.vertex_offset = offset;
-    offset += element.count * element.least_bytes(false);
+    offset += element.count * element.min_bytes(false);
   }
   layout.end = offset;
   return layout;
 }
 
-void add_ply_warnings(const PlyHeader& header, const std::string& name, bool attributes, std::uint64_t bytes_behind,
+void add_ply_warnings(const PlyHeader& header, const std::string& name, bool attributes, std::uint64_t bytes_after,
                       std::vector<std::string>& warnings) {
   const PlyElement* face = header.find("face");
   if (attributes && face && face->count > 0 && face->find("red"))
     warnings.push_back(describe(name, "header", "the colours of the faces are left out; those of vertices are read"));
-  if (bytes_behind > 0)
-    warnings.push_back(describe(name, "", std::to_string(bytes_behind) + " bytes behind the last element are left out",
-                                "is its count right?"));
+  if (bytes_after > 0)
+    warnings.push_back(describe(name, "", std::to_string(bytes_after) + " bytes after the last element are left out",
+                                "check its count"));
 }
 
 }  // namespace lodestone

@@ -1,4 +1,4 @@
-// The header of a PLY file: which elements follow, of what properties, in what encoding.
+// The header of a PLY file: its elements, their properties, and the encoding.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 #include "core/files/byte_reader.h"
 #include "core/files/scalar.h"
-#include "core/formats/common/fixed_layout.h"
+#include "core/formats/ply/ply_layout.h"
 
 namespace lodestone {
 
@@ -28,11 +28,11 @@ struct PlyElement {
   [[nodiscard]] const PlyProperty* find(std::string_view property) const;
   // The list of vertex indices of a face or strip, by any of its usual names; nullptr when there is none.
   [[nodiscard]] const PlyProperty* index_list() const;
-  // Two texture coordinates per corner of a face, and the number of the face's texture; nullptr when there is none.
+  // The list of two texture coordinates per corner of a face, and the number of its texture; nullptr when absent.
   [[nodiscard]] const PlyProperty* texture_coordinate_list() const;
   [[nodiscard]] const PlyProperty* texture_number() const;
-  // The least number of bytes one of them takes; the exact number for a binary element without lists.
-  [[nodiscard]] std::uint64_t least_bytes(bool ascii) const;
+  // Minimum size of one record in bytes; its exact size for a binary element without lists.
+  [[nodiscard]] std::uint64_t min_bytes(bool ascii) const;
 };
 
 struct PlyHeader {
@@ -44,7 +44,7 @@ struct PlyHeader {
 
   [[nodiscard]] const PlyElement* find(std::string_view element) const;
   [[nodiscard]] std::uint64_t vertex_count() const;
-  // Whether faces have texture coordinates at their corners, or numbers of textures that the header names.
+  // True if faces have texture coordinates at their corners, or numbers of textures that the header names.
   [[nodiscard]] bool has_textured_faces() const;
 };
 
@@ -54,13 +54,12 @@ struct PlyVertexAttributes {
 };
 [[nodiscard]] PlyVertexAttributes vertex_attributes(const PlyElement& vertex);
 
-// Reads up to the line after end_header. Every declared count is checked against the bytes that are left, so that what
-// is allocated for them is bounded by the size of the file. Throws InputError naming file and line, UnsupportedError
+// Reads up to the line after end_header. Every declared count is checked against the remaining bytes, so that the
+// memory allocated for it is bounded by the size of the file. Throws InputError naming file and line, UnsupportedError
 // for other versions, ResourceError for more vertices than 32-bit indices reach.
 [[nodiscard]] PlyHeader read_ply_header(ByteReader& input);
 
-// Where the vertices and triangles of the common binary layout lie: vertices of fixed size, and faces that, when all of
-// them are triangles, are of fixed size too.
+// Offsets in the common binary layout, in which vertices have a fixed size, and faces, too, if all are triangles.
 struct PlyFixedLayout {
   VertexLayout vertices;
   VertexAttributeLayout attributes;
@@ -77,9 +76,9 @@ struct PlyFixedLayout {
 // Empty when the file is of another layout: ASCII, other elements with lists, strips, ...
 [[nodiscard]] std::optional<PlyFixedLayout> fixed_layout(const PlyHeader& header);
 
-// What every reader of the file says about it, for the mesh's warnings: colours of faces that are left out (when
-// attributes are asked for), and bytes behind the last element.
-void add_ply_warnings(const PlyHeader& header, const std::string& name, bool attributes, std::uint64_t bytes_behind,
+// Adds the warnings of every reader of the file: colours of faces that are left out (when attributes are asked for),
+// and bytes after the last element.
+void add_ply_warnings(const PlyHeader& header, const std::string& name, bool attributes, std::uint64_t bytes_after,
                       std::vector<std::string>& warnings);
 
 }  // namespace lodestone

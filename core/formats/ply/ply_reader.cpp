@@ -1,4 +1,4 @@
-// PLY (Turk 1994), general reader: ASCII and binary bodies through one template, element by element in file order.
+// General reader of PLY: ASCII and binary bodies through one template, element by element in file order.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -8,9 +8,9 @@
 
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
-#include "core/formats/common/mesh_readers.h"
+#include "core/formats/common/companion_files.h"
 #include "core/formats/common/polygon_fan.h"
-#include "core/formats/common/texture_set.h"
+#include "core/formats/ply/ply.h"
 #include "core/formats/ply/ply_header.h"
 #include "core/formats/ply/ply_source.h"
 #include "core/mesh/raw_mesh.h"
@@ -19,7 +19,7 @@
 namespace lodestone {
 namespace {
 
-// Binary records of fixed size, a window at a time. Returns how many it read.
+// Reads binary records of fixed size, a window at a time. Returns the number read.
 template <class Source, class Layout, class Decode>
 std::uint64_t read_records(Source& source, const Layout& layout, std::uint64_t count, const Decode& decode) {
   std::uint64_t done = 0;
@@ -35,7 +35,7 @@ std::uint64_t read_records(Source& source, const Layout& layout, std::uint64_t c
   return done;
 }
 
-// Which value of a vertex each of its properties is.
+// Index of a property among the values of a vertex.
 enum Slot : std::uint8_t { slot_position = 0, slot_normal = 3, slot_colour = 6, slot_uv = 10, slot_none = 12 };
 
 std::vector<std::uint8_t> slots_of(const PlyElement& element, const PlyVertexAttributes& attributes) {
@@ -55,10 +55,10 @@ template <class Source>
 void require_positions(const Source& source, const PlyElement& element) {
   for (const char* axis : {"x", "y", "z"})
     if (const PlyProperty* property = element.find(axis); !property || property->count_type)
-      source.fail("vertices without x, y and z", "this is no surface in space");
+      source.fail("vertices have no x, y and z", "give a mesh in three dimensions");
 }
 
-// Vertices value by value: any types, text, lists among the properties.
+// Reads vertices value by value: any types, text, lists among the properties.
 template <class Source>
 void read_vertex_values(Source& source, const PlyElement& element, const PlyVertexAttributes& attributes,
                         RawMesh& mesh) {
@@ -96,7 +96,7 @@ void read_vertices(Source& source, const PlyHeader& header, const PlyElement& el
   require_positions(source, element);
   mesh.positions.resize(element.count);
   if constexpr (std::is_same_v<Source, PlyBinarySource>) {
-    // A record longer than the window (thousands of properties) goes the general way.
+    // The general code reads a record longer than the window (thousands of properties).
     if (const auto layout = vertex_layout(header, element); layout && layout->stride <= ByteReader::max_window) {
       const VertexAttributeLayout attributes =
           config.attributes ? vertex_attribute_layout(header, element) : VertexAttributeLayout{};
@@ -157,12 +157,13 @@ void read_strip(Source& source, const PlyProperty& list, std::uint64_t vertex_co
 template <class Source>
 const PlyProperty* index_list(Source& source, const PlyElement& element) {
   const PlyProperty* indices = element.index_list();
-  if (!indices) source.fail("without a list of vertex_indices", "only meshes of polygons or strips are read");
-  if (!is_integer(indices->type)) source.fail("vertex indices that are no integers", "the header is damaged");
+  if (!indices) source.fail("faces have no list of vertex_indices", "give a mesh of polygons or strips");
+  if (!is_integer(indices->type)) source.fail("vertex indices are not integers", "the header is damaged");
   return indices;
 }
 
-// Faces or strips from number `first` on: `read_list` takes the list of vertex indices, everything else is skipped.
+// Reads faces or strips from number `first` on: `read_list` reads the list of vertex indices, other properties are
+// skipped.
 template <class Source, class ReadList>
 void read_lists(Source& source, const PlyElement& element, std::uint64_t first, const ReadList& read_list) {
   const PlyProperty* indices = index_list(source, element);
@@ -176,11 +177,11 @@ void read_lists(Source& source, const PlyElement& element, std::uint64_t first, 
 template <class Source>
 void read_faces(Source& source, const PlyHeader& header, const PlyElement& element, RawMesh& mesh) {
   const std::uint64_t vertex_count = header.vertex_count();
-  (void)index_list(source, element);  // before memory is reserved for elements that may be of zero size
+  (void)index_list(source, element);  // before memory is reserved for elements that may have no size
   mesh.triangles.reserve(mesh.triangles.size() + element.count);
   std::uint64_t done = 0;
   if constexpr (std::is_same_v<Source, PlyBinarySource>) {
-    // The fast kernel takes the triangles up to the first face that is none; what follows goes the general way.
+    // The fast kernel reads up to the first face that is not a triangle; the general code reads the rest.
     if (const auto layout = triangle_layout(header, element); layout && layout->stride <= ByteReader::max_window) {
       done = read_records(source, *layout, element.count, [&](auto bytes, std::size_t, std::size_t count) {
         const std::size_t before = mesh.triangles.size();
@@ -195,7 +196,7 @@ void read_faces(Source& source, const PlyHeader& header, const PlyElement& eleme
   read_lists(source, element, done, [&](const PlyProperty& list) { read_polygon(source, list, vertex_count, mesh); });
 }
 
-// Texture coordinates at the corners of faces, until vertices and faces are complete, in either order.
+// Texture coordinates at the corners of faces, collected until vertices and faces are complete, in either order.
 struct FaceCoordinates {
   std::vector<Vec2f> uv;
   std::vector<Triangle> uv_of;
@@ -277,7 +278,7 @@ class TexturedFaces {
   std::vector<double> values_;
 };
 
-// Wedges out of what corners have and what their vertices have.
+// Makes wedges from the attributes of corners and of their vertices.
 void share_corners(RawMesh& mesh, FaceCoordinates&& coordinates) {
   RawWedges& vertices = mesh.wedges;
   CornerAttributes attributes{.uv = std::move(coordinates.uv),
@@ -304,7 +305,7 @@ void add_materials(const PlyHeader& header, const ByteReader& input, RawMesh& me
 
 template <class Source>
 void skip_element(Source& source, const PlyElement& element) {
-  if (element.properties.empty()) return;  // any number of nothing
+  if (element.properties.empty()) return;  // of any count, but without bytes
   for (std::uint64_t i = 0; i < element.count; ++i) {
     source.place.index = i;
     for (const PlyProperty& property : element.properties) skip_property(source, property);
@@ -336,9 +337,9 @@ RawMesh read_body(Source source, const PlyHeader& header, const ByteReader& inpu
   if (coordinates.faces_without > 0)
     mesh.warnings.push_back(describe(
         input.name(), "",
-        std::to_string(coordinates.faces_without) + " faces have not two texture coordinates for each corner"));
+        std::to_string(coordinates.faces_without) + " faces do not have two texture coordinates for each corner"));
   add_ply_warnings(header, input.name(), config.attributes, source.bytes_left(), mesh.warnings);
-  // Without numbers there is one texture, the first; strips have none.
+  // Without texture numbers all faces have the first texture; strips have none.
   if (!mesh.materials.empty())
     mesh.wedges.material.resize(mesh.triangles.size(), mesh.wedges.material.empty() ? 0 : no_material);
   return mesh;

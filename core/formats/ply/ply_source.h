@@ -12,7 +12,7 @@
 
 namespace lodestone {
 
-// What is being read, for messages: one element of a kind, counted from 0.
+// The element being read, for messages; counted from 0.
 struct PlyPlace {
   const PlyElement* element = nullptr;
   std::uint64_t index = 0;
@@ -48,7 +48,7 @@ class PlyTextSource {
   void skip(ScalarType, std::uint64_t count) {
     for (std::uint64_t i = 0; i < count; ++i) (void)next();
   }
-  // From the next word on; blank lines are nothing.
+  // Counts from the next word on; blank lines are nothing.
   std::uint64_t bytes_left() {
     const std::string_view token = scan_.token_across_lines();
     return token.empty() ? 0 : token.size() + input_->remaining();
@@ -58,8 +58,8 @@ class PlyTextSource {
   }
 
  private:
-  // A word that does not fit is rarely a typing error: mostly the header announces more or other values than follow,
-  // so that the reader is at another place of the file than it believes.
+  // A word that does not fit is rarely a typing error: usually the header declares more or other values than follow, so
+  // that the reader is at another place in the file than it expects.
   [[noreturn]] void fail_expected(const std::string& what, std::string_view found) const {
     fail("expected " + what + ", found " + quote(found), ply_counts_may_be_wrong);
   }
@@ -116,7 +116,7 @@ class PlyBinarySource {
 template <class Source>
 std::uint64_t list_length(Source& source, const PlyProperty& list) {
   const std::int64_t length = source.length(list);
-  if (length < 0) source.fail("a list of negative length", ply_counts_may_be_wrong);
+  if (length < 0) source.fail("a list has a negative length", ply_counts_may_be_wrong);
   return static_cast<std::uint64_t>(length);
 }
 

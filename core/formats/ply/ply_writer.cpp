@@ -1,11 +1,11 @@
-#include "core/formats/ply/ply_writer.h"
-
+// Writer of binary PLY.
 #include <algorithm>
 #include <cassert>
 #include <cstring>
 #include <vector>
 
 #include "core/formats/common/colour.h"
+#include "core/formats/ply/ply.h"
 
 namespace lodestone {
 namespace {
@@ -21,12 +21,12 @@ ScalarType coordinate_type(const MeshView& mesh) {
   return in_range && largest <= 4 * extent ? ScalarType::float32 : ScalarType::float64;
 }
 
-// What the vertices and faces of the file have.
+// The properties of the vertices and faces of the file.
 struct PlyForm {
   ScalarType coordinates{};
   bool normals = false, colours = false, alpha = false, uv = false;
   std::vector<std::string> textures{};  // names of the image files
-  std::vector<std::int32_t> number{};   // of a material's texture among them, -1: none; empty: no numbers
+  std::vector<std::int32_t> number{};   // by material: number of its texture, -1: none; empty: faces have no numbers
 };
 
 PlyForm form_of(const MeshView& mesh, MeshCompanions& companions) {
@@ -74,7 +74,7 @@ std::string header_of(std::size_t vertices, std::size_t triangles, const PlyForm
   return text + "end_header\n";
 }
 
-// Values one after the other, without alignment.
+// Packs values without alignment.
 class Records {
  public:
   template <class T>
@@ -83,7 +83,7 @@ class Records {
     bytes_.resize(at + sizeof value);
     std::memcpy(bytes_.data() + at, &value, sizeof value);
   }
-  // Writes them out, and begins anew.
+  // Writes them out and clears the buffer.
   void write_to(AtomicFile& file) {
     file.write(bytes_);
     bytes_.clear();

@@ -1,7 +1,4 @@
-#include "core/formats/terrain/grid_readers.h"
-
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -9,21 +6,13 @@
 
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
-#include "core/formats/common/mesh_readers.h"
+#include "core/formats/terrain/height_grid.h"
 
 namespace lodestone {
 namespace {
 
-constexpr const char* damaged = "the file is damaged, or is no such grid";
-constexpr float void_height = std::numeric_limits<float>::quiet_NaN();
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return result;
-}
-
-// The lines "key value" before the heights, keys in lower case; the first number that stands alone ends them.
+constexpr const char* damaged = "the file is damaged or not an ESRI grid";
+// The lines "key value" before the heights, keys in lower case; the first number without a key ends them.
 struct EsriHeader {
   std::map<std::string, double> values;
   std::string first_height;
@@ -39,7 +28,7 @@ struct EsriHeader {
 EsriHeader read_esri_header(TextScanner& scan) {
   EsriHeader header;
   while (true) {
-    const std::string key = lower(scan.token_across_lines());
+    const std::string key = lower_case(scan.token_across_lines());
     if (key.empty()) scan.fail("the file ends in its header", damaged);
     if (parse_number(key) && key != "nan") {
       header.first_height = key;
@@ -79,11 +68,10 @@ HeightGrid read_esri_grid(ByteReader& input) {
   grid.spacing_x = header.has("dx") ? header.at(scan, "dx") : header.at(scan, "cellsize");
   grid.spacing_y = header.has("dy") ? header.at(scan, "dy") : grid.spacing_x;
   if (!(grid.spacing_x > 0) || !(grid.spacing_y > 0) || !std::isfinite(grid.spacing_x * grid.spacing_y))
-    scan.fail("a cell size that is not positive", damaged);
+    scan.fail("the cell size is not positive", damaged);
   grid.origin_x = origin(header, "xllcorner", "xllcenter", grid.spacing_x);
   grid.origin_y = origin(header, "yllcorner", "yllcenter", grid.spacing_y);
-  if (!std::isfinite(grid.origin_x) || !std::isfinite(grid.origin_y))
-    scan.fail("an origin that is not finite", damaged);
+  if (!std::isfinite(grid.origin_x) || !std::isfinite(grid.origin_y)) scan.fail("the origin is not finite", damaged);
   const double no_data = header.has("nodata_value") ? header.at(scan, "nodata_value") : -9999;
   grid.heights.resize(grid.posts());
   std::string token = header.first_height;

@@ -14,10 +14,10 @@ struct Estimate {
   double weight = 0, height = 0;  // sum of weights, weighted sum of heights
 };
 
-// One sweep along a row or column of posts: each void post takes up the latest known one.
+// One sweep along a row or column of posts: each void post adds the latest known one to its estimate.
 void sweep(std::span<const float> heights, std::span<Estimate> estimates, std::size_t first, std::ptrdiff_t step,
            std::size_t count) {
-  float latest = std::numeric_limits<float>::quiet_NaN();
+  float latest = void_height;
   std::size_t distance = 0;
   auto post = static_cast<std::ptrdiff_t>(first);
   for (std::size_t i = 0; i < count; ++i, post += step) {
@@ -34,7 +34,7 @@ void sweep(std::span<const float> heights, std::span<Estimate> estimates, std::s
   }
 }
 
-// Fills what has a known post in its row or column.
+// Fills the posts that have a known post in their row or column.
 std::uint64_t fill_once(HeightGrid& grid) {
   std::vector<Estimate> estimates(grid.posts());
   const auto [width, height] = std::pair(grid.width, grid.height);

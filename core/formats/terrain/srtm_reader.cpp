@@ -12,8 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
-#include "core/formats/common/mesh_readers.h"
-#include "core/formats/terrain/grid_readers.h"
+#include "core/formats/terrain/height_grid.h"
 
 namespace lodestone {
 namespace {
@@ -21,9 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<std::size_t, 2> sides{1201, 3601};  // 3 and 1 arc seconds
-constexpr float lowest = -500;                           // metres; nothing on dry land is lower
+constexpr float lowest = -500;                           // metres; no dry land is lower
 constexpr double earth_radius = 6371000;                 // metres
-constexpr float void_height = std::numeric_limits<float>::quiet_NaN();
 
 // "N49W124": latitude and longitude in degrees.
 std::optional<std::pair<int, int>> corner_of(std::string name) {
@@ -68,7 +66,7 @@ std::string corner_name(const SrtmTile& tile) {
 void check_tiles(const std::vector<SrtmTile>& tiles, const Extent& extent, const std::string& name) {
   for (const SrtmTile& tile : tiles)
     if (tile.side != tiles.front().side)
-      throw InputError(describe(name, corner_name(tile), "is of another resolution than the tiles before it",
+      throw InputError(describe(name, corner_name(tile), "has another resolution than the tiles before it",
                                 "join tiles of one resolution"));
   if (extent.rows() * extent.columns() > 4 * tiles.size())
     throw InputError(describe(name, "",
@@ -78,7 +76,7 @@ void check_tiles(const std::vector<SrtmTile>& tiles, const Extent& extent, const
                               "build tiles that lie together"));
 }
 
-// Into its place in the grid; the posts that it shares with tiles before it have to agree.
+// Copies a tile to its place in the grid; posts that it shares with earlier tiles have to agree.
 void insert(const SrtmTile& tile, const Extent& extent, HeightGrid& grid, const std::string& name) {
   const std::size_t steps = tile.side - 1;
   const std::size_t first_row = static_cast<std::size_t>(extent.north - tile.latitude) * steps;
@@ -103,7 +101,7 @@ void insert(const SrtmTile& tile, const Extent& extent, HeightGrid& grid, const 
 SrtmTile read_srtm_tile(ByteReader& input) {
   const auto corner = corner_of(fs::path(input.name()).stem().string());
   if (!corner)
-    throw InputError(describe(input.name(), "", "the name does not tell a corner such as N49W124",
+    throw InputError(describe(input.name(), "", "the name is not that of a corner such as N49W124",
                               "name the tile after its south-west corner"));
   const auto side = std::find_if(sides.begin(), sides.end(), [&](std::size_t s) { return input.size() == 2 * s * s; });
   if (side == sides.end())
@@ -151,9 +149,7 @@ std::vector<fs::path> list_srtm_tiles(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    std::string extension = entry->path().extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (extension == ".hgt") files.push_back(entry->path());
+    if (extension_of(entry->path()) == ".hgt") files.push_back(entry->path());
   }
   if (error) throw FileError(describe(folder.string(), "", "cannot read the folder: " + error.message()));
   std::sort(files.begin(), files.end());

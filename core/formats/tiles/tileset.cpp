@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <optional>
 #include <system_error>
@@ -10,10 +9,11 @@
 
 #include "core/base/error.h"
 #include "core/files/json_view.h"
+#include "core/files/scalar.h"
 #include "core/files/text_scanner.h"
 #include "core/formats/common/companion_files.h"
-#include "core/formats/common/mesh_readers.h"
-#include "core/formats/gltf/gltf_nodes.h"
+#include "core/formats/gltf/gltf.h"
+#include "core/formats/gltf/gltf_document.h"
 #include "core/mesh/raw_mesh.h"
 
 namespace lodestone {
@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* damaged = "the file is damaged";
-constexpr int deepest = 256;                        // tiles below tiles, external tilesets included
+constexpr int deepest = 256;                        // nesting of tiles, external tilesets included
 constexpr std::uint64_t most_tilesets = 1'000'000;  // files of a few bytes can refer to each other without end
 
 // Turns models of this up axis so that z is up. glTF has y up; old tilesets may say otherwise.
@@ -31,12 +31,6 @@ Affine3d up_to_z(const JsonView& asset) {
   if (axis == "Z" || axis == "z") return {};
   if (axis == "X" || axis == "x") return {{Vec3d{0, 0, 1}, Vec3d{0, 1, 0}, Vec3d{-1, 0, 0}}, {}};
   return {{Vec3d{1, 0, 0}, Vec3d{0, 0, 1}, Vec3d{0, -1, 0}}, {}};
-}
-
-std::string extension_of(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
 }
 
 class TilesetWalk {
@@ -62,10 +56,10 @@ class TilesetWalk {
   struct Tileset {
     JsonView root;
     std::string file;
-    std::optional<fs::path> folder;  // of bytes in memory: none, so that every tile is missing
+    std::optional<fs::path> folder;  // none for bytes in memory, so that every tile is missing
   };
 
-  // Adds a tile and what is below it; returns whether there was any content.
+  // Adds a tile and its descendants; true if any of them has content.
   bool add_tile(const Tileset& tileset, const JsonView& tile, const Affine3d& outer, std::string refine, int depth) {
     if (depth > deepest)
       tile.fail("lies below more than " + std::to_string(deepest) + " others", "does the tileset refer to itself?");
@@ -76,7 +70,7 @@ class TilesetWalk {
     refine = tile.string_or("refine", refine);
     if (refine != "REPLACE" && refine != "ADD") tile.fail("unknown refinement " + quote(refine), damaged);
 
-    // Content comes before that of the children, but with REPLACE only their absence lets it in.
+    // Content goes before that of the children; with REPLACE it counts only if they have none.
     const std::size_t here = list_.tiles.size();
     bool refined = false;
     if (const std::optional<JsonView> children = tile.find("children"))
@@ -105,13 +99,13 @@ class TilesetWalk {
 
   bool add_content(const Tileset& tileset, const JsonView& content, const Affine3d& map, int depth) {
     const std::optional<JsonView> uri = content.find("uri");
-    const JsonView reference = uri ? *uri : content.at("url");  // as 3D Tiles 0.0 called it
+    const JsonView reference = uri ? *uri : content.at("url");  // the name in 3D Tiles 0.0
     const std::string name = percent_decoded(reference.string().substr(0, reference.string().find_first_of("?#")));
     const fs::path file = tileset.folder.value_or(fs::path()) / name;
     std::error_code ignored;
     if (!tileset.folder || fs::path(name).is_absolute() || !fs::is_regular_file(file, ignored))
       throw FileError(describe(tileset.file, reference.place(), "the tile " + quote(name) + " is missing",
-                               "a tileset is read with all of its tiles beside it"));
+                               "put all tiles of the tileset beside it"));
     const std::string extension = extension_of(file);
     if (extension == ".json") {
       ByteReader input(file);
@@ -121,7 +115,7 @@ class TilesetWalk {
     }
     const std::string place = describe(tileset.file, reference.place(), quote(name));
     if (extension == ".pnts" || extension == ".i3dm" || extension == ".cmpt") {
-      list_.warnings.push_back(place + " is no plain mesh and is left out");
+      list_.warnings.push_back(place + " is not a plain mesh and is left out");
       return false;
     }
     list_.tiles.push_back({file, map, up_to_z(tileset.root.at("asset")), place});

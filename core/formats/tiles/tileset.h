@@ -24,11 +24,14 @@ struct TileList {
   std::vector<std::string> warnings;
 };
 
-// The tiles that together are the surface at its finest: with refinement REPLACE those with content of which no
-// descendant has content, with ADD all. External tilesets are followed. Throws InputError for a malformed tileset or
-// one that refers to itself, FileError for a file that is missing, UnsupportedError for implicit tiling. Point clouds,
+// The tiles that make up the finest surface: with refinement REPLACE those with content and without a descendant that
+// has content, with ADD all. External tilesets are followed. Throws InputError for a malformed tileset or
+// one that refers to itself, FileError for a missing file, UnsupportedError for implicit tiling. Point clouds,
 // instanced models and composites are left out with a warning.
 [[nodiscard]] TileList list_tiles(ByteReader& input);
+
+// All of them as one mesh, in the coordinates of the root, usually on the Earth.
+[[nodiscard]] RawMesh read_tileset(ByteReader& input, const ReadConfig& config = {});
 
 // A tile as a mesh in the coordinates of the root's parent: glTF, or one wrapped as Batched 3D Model (.b3dm).
 [[nodiscard]] RawMesh read_tile(const Tile& tile, const ReadConfig& config);

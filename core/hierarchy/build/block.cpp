@@ -1,8 +1,8 @@
-// Merging, simplifying and splitting one block.
+// Merges, simplifies and splits one block.
 //
 // Based on the hierarchy of li2023 (child-parent relation with a displacement bound on a cubic grid); different from it
 // in that blocks are shifted from level to level, that vertices on block borders are known exactly (UsageBox) and that
-// nothing here depends on which worker runs it.
+// the result does not depend on the worker that runs it.
 #include "core/hierarchy/build/block.h"
 
 #include <algorithm>
@@ -17,14 +17,14 @@ namespace {
 
 constexpr std::uint32_t none = 0xffff'ffffu;
 constexpr std::size_t kept_share = 4;  // one triangle of this many is kept per level
-// Of the vertices that may move, this share stays in any case. In a block with many locked ones, a corner cut off the
-// surface, a quarter of the triangles would leave hardly any of the others, and the largest errors of the level. A
-// larger share would be more than a quarter of ordinary blocks: 0.25 stores 1.351 times the sphere, 0.2 1.329.
-constexpr double least_share = 0.2;
+// At least this share of the vertices that may move is kept. In a block with many locked vertices (a corner cut off the
+// surface) a quarter of the triangles would leave hardly any of the others, and the largest errors of the level. A
+// larger share would exceed a quarter in ordinary blocks: 0.25 stores 1.351 times the sphere, 0.2 1.329.
+constexpr double min_share = 0.2;
 
-// A simplifier that measures looks around the parents, and sees nothing of the stars there that are no fans: around
-// non-manifold edges its distances may be many times too large. A block whose largest is more than this many times the
-// mean is measured again where it matters. Smooth scans stay below.
+// A simplifier that measures distances searches around the parents and misses stars that are not fans: around
+// non-manifold edges its distances may be many times too large. A block whose largest distance is more than this many
+// times the mean is measured again where it matters. Smooth scans remain below.
 constexpr float doubtful_ratio = 16;
 
 // Rounded towards larger values, except that zero stays zero.
@@ -37,13 +37,14 @@ float sum_up(float a, float b) { return b > 0 ? std::nextafter(a + b, std::numer
 
 class BlockBuilder {
  public:
-  BlockBuilder(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
-               std::span<CellBuild> parents, const AttributeSet& attributes, BlockScratch& scratch)
-      : block_(block),
-        parent_level_(parent_level),
-        cells_(cells),
-        parents_(parents),
-        attributes_(attributes),
+  BlockBuilder(const BlockInput& input, BlockScratch& scratch)
+      : block_(input.block),
+        parent_level_(input.parent_level),
+        cells_(input.cells),
+        parents_(input.parents),
+        sigma0_(input.sigma0),
+        attributes_(input.attributes),
+        lattice_(input.lattice),
         s_(scratch) {}
 
   void merge() {
@@ -58,18 +59,18 @@ class BlockBuilder {
     if (attributes_.wedges) weld_wedges();
   }
 
-  const SimplifyResult& simplify(Simplifier& simplifier, float sigma0, Lattice lattice) {
-    const float bound = displacement_bound(sigma0, block_.level);
+  const SimplifyResult& simplify(Simplifier& simplifier) {
+    const float bound = displacement_bound(sigma0_, block_.level);
     const std::size_t target = s_.triangles.size() / kept_share;
     if (!attributes_.wedges)
       return simplifier.simplify(
-          {s_.positions, s_.triangles, s_.locked, bound, target, {}, {}, lattice, {}, least_share});
-    const SimplifyResult& result = s_.wedges.simplify(simplifier, bound, target, least_share, lattice);
+          {s_.positions, s_.triangles, s_.locked, bound, target, {}, {}, lattice_, {}, min_share});
+    const SimplifyResult& result = s_.wedges.simplify(simplifier, bound, target, min_share, lattice_);
     interpolate_attributes();
     return result;
   }
 
-  void split(const SimplifyResult& result, float sigma0) {
+  void split(const SimplifyResult& result) {
     search_ = result.distance.empty() || is_doubtful(result.distance);
     if (search_) index_images(result);
     gather_members(result);
@@ -77,7 +78,7 @@ class BlockBuilder {
     std::size_t vertex = 0, member = 0;
     for (std::size_t i = 0; i < block_.parents.size(); ++i) {
       const std::size_t end = member_end_[i];
-      make_parent(result, block_.parents[i], std::span(s_.members).subspan(member, end - member), vertex, sigma0);
+      make_parent(result, block_.parents[i], std::span(s_.members).subspan(member, end - member), vertex);
       member = end;
     }
   }
@@ -118,7 +119,7 @@ class BlockBuilder {
     visit(s_.shared), visit(s_.usage);
   }
 
-  // A cell's own vertices as they are, the shared ones unless an earlier cell brought them.
+  // Appends a cell's own vertices, and its shared ones unless an earlier cell has added them.
   void append_cell(const CellBuild& cell) {
     const std::size_t first = s_.block_id.size(), own = cell.first_shared();
     const auto base = static_cast<std::uint32_t>(s_.positions.size());
@@ -142,7 +143,7 @@ class BlockBuilder {
     for (const Triangle& t : cell.triangles) *to++ = {{block_id[t.v[0]], block_id[t.v[1]], block_id[t.v[2]]}};
   }
 
-  // Block id of a cell's k-th shared vertex.
+  // Block id of a cell's k-th shared vertex, which is added if it is new.
   std::uint32_t append_shared(const CellBuild& cell, std::size_t k) {
     std::uint32_t& index = find_shared(cell.slab.shared_ids[k]);
     if (index == none) {
@@ -175,7 +176,7 @@ class BlockBuilder {
     return s_.table_values[slot];
   }
 
-  // Wedges of one vertex are used where any of them is.
+  // The usage of a wedge is that of all wedges of its vertex.
   void weld_wedges() {
     s_.wedges.weld(s_.vertex_ids, s_.positions, s_.triangles, s_.locked);
     const std::span<const std::uint32_t> vertex = s_.wedges.vertex();
@@ -191,7 +192,7 @@ class BlockBuilder {
     for (const std::uint32_t p : members) s_.used_by[p] = s_.vertex_used_by[vertex[p]];
   }
 
-  // Survivors that have moved take the attributes of the place that they have moved to.
+  // Survivors that have moved get the attributes of their new place.
   void interpolate_attributes() {
     const std::span<const BlockWedges::Moved> moved = s_.wedges.moved();
     s_.moved_uv.clear();
@@ -233,8 +234,8 @@ class BlockBuilder {
     s_.surface.reset(s_.images, result.positions);
   }
 
-  // The survivors that each parent cell uses, in order of appearance, and by which of the at most eight parents.
-  // Whether a vertex brings a new one cannot be foretold: written without a branch, one place too far at most.
+  // Lists the survivors that each parent cell uses, in order of appearance, and for each survivor which of the at most
+  // eight parents use it. Without a branch, since new survivors are unpredictable: writes at most one item too many.
   void gather_members(const SimplifyResult& result) {
     s_.used_by.assign(s_.positions.size(), 0);
     if (s_.members.size() <= s_.block_id.size()) s_.members.resize(s_.block_id.size() + 1);
@@ -257,7 +258,7 @@ class BlockBuilder {
     }
   }
 
-  // Used by another cell of the parents' level: by one of this block, or by one of a block that it is locked against.
+  // True if another cell of the parents' level uses the survivor: one of this block, or one of another block.
   [[nodiscard]] bool becomes_shared(std::uint32_t survivor) const {
     return s_.locked[survivor] || (s_.used_by[survivor] & (s_.used_by[survivor] - 1)) != 0;
   }
@@ -273,7 +274,7 @@ class BlockBuilder {
   }
 
   void make_parent(const SimplifyResult& result, CellRank rank, std::span<const std::uint32_t> members,
-                   std::size_t& vertex, float sigma0) {
+                   std::size_t& vertex) {
     CellBuild& parent = parents_[rank];
     const std::size_t shared = number_members(members);
     std::size_t triangles = 0;
@@ -294,7 +295,7 @@ class BlockBuilder {
       parent.bounds.extend(child.bounds);
       child.release_transient();
     });
-    measure_cell(parent, block_.level - 1, sigma0);
+    measure_cell(parent, block_.level - 1, sigma0_);
   }
 
   // Local ids of the members: in their order, shared ones last. Returns the number of those.
@@ -310,7 +311,7 @@ class BlockBuilder {
     return shared;
   }
 
-  // P of the child's vertices, and how far it moves them.
+  // Stores P of the child's vertices, and the distance by which it moves them.
   void link_child(const SimplifyResult& result, CellBuild& child, CellBuild& parent, std::size_t first_vertex) {
     double farthest2 = 0;
     float distance = 0;
@@ -326,24 +327,24 @@ class BlockBuilder {
     parent.error = std::max(parent.error, sum_up(child.error, std::min(distance, child.max_displacement)));
   }
 
-  // Distances below three quarters of the block's largest so far are not told apart: most vertices are done after a
-  // glance, and the figure that matters, the largest, stays exact.
+  // Distances below three quarters of the block's largest so far are not distinguished: most vertices are done quickly,
+  // and the largest distance, the figure that matters, remains exact.
   float search_distance(const SimplifyResult& result, const CellBuild& child, std::size_t first_vertex) {
     double squared = 0.5625 * off_surface2_;
     for (std::size_t i = 0; i < child.vertex_count(); ++i) {
       const std::uint32_t v = s_.block_id[first_vertex + i], p = result.parent[v];
       const Vec3f from = child.slab.positions[i];
       const Vec3d moved = to_double(result.positions[p]) - to_double(from);
-      double most = dot(moved, moved);
-      if (!result.distance.empty()) most = std::min(most, square(result.distance[v]));
-      if (most > squared) squared = s_.surface.farther(squared, from, p);
+      double bound = dot(moved, moved);
+      if (!result.distance.empty()) bound = std::min(bound, square(result.distance[v]));
+      if (bound > squared) squared = s_.surface.farther(squared, from, p);
     }
     off_surface2_ = std::max(off_surface2_, squared);
     return root_up(squared);
   }
 
-  // The child's triangles under P, by the parent's local ids, behind those that are `kept` already; what has
-  // degenerated goes, again without a branch. Returns how many there are then.
+  // Appends the child's triangles under P, by the parent's local ids, to the `kept` ones; degenerate ones are dropped,
+  // again without a branch. Returns the new number of triangles.
   std::size_t keep_triangles(const CellBuild& child, std::size_t kept) {
     const std::span<const std::uint32_t> parents = child.slab.parents;
     Triangle* const to = s_.kept.data();
@@ -376,7 +377,7 @@ class BlockBuilder {
     }
   }
 
-  // Triangles of one material stand together, as who draws them wants them.
+  // Groups triangles by material, for drawing.
   void fill_attributes(std::span<const std::uint32_t> members, CellBuild& parent) {
     parent.vertex_ids.resize(members.size());
     for (const std::uint32_t p : members) {
@@ -392,22 +393,21 @@ class BlockBuilder {
   const Block& block_;
   const LevelCells& parent_level_;
   std::span<CellBuild> cells_, parents_;
-  const AttributeSet& attributes_;
+  float sigma0_;
+  AttributeSet attributes_;
+  Lattice lattice_;
   BlockScratch& s_;
   std::array<std::size_t, 8> member_end_{};  // of each parent's members
-  bool search_ = false;                      // distances are searched, not taken from the simplifier
-  double off_surface2_ = 0;                  // largest squared distance of a vertex so far from the coarse surface
+  bool search_ = false;                      // distances are searched for, not those of the simplifier
+  double off_surface2_ = 0;                  // largest squared distance so far of a vertex from the coarse surface
 };
 
 }  // namespace
 
-void build_block(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
-                 std::span<CellBuild> parents, float sigma0, const AttributeSet& attributes, Simplifier& simplifier,
-                 BlockScratch& scratch, Lattice lattice) {
-  BlockBuilder builder(block, parent_level, cells, parents, attributes, scratch);
+void build_block(const BlockInput& input, Simplifier& simplifier, BlockScratch& scratch) {
+  BlockBuilder builder(input, scratch);
   builder.merge();
-  const SimplifyResult& result = builder.simplify(simplifier, sigma0, lattice);
-  builder.split(result, sigma0);
+  builder.split(builder.simplify(simplifier));
 }
 
 }  // namespace lodestone

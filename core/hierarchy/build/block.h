@@ -22,10 +22,10 @@ struct BlockScratch {
   std::vector<std::uint8_t> locked;
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> block_id;  // of every vertex of every cell, cell after cell
-  std::vector<Vec2f> uv;                // these three as the attributes say
+  std::vector<Vec2f> uv;                // these three only if the attributes have them
   std::vector<Rgba8> colours;
   std::vector<std::uint32_t> materials;
-  // With wedges: the vertices that they stand at.
+  // With wedges: their vertices.
   std::vector<std::uint32_t> vertex_ids;
   BlockWedges wedges;
   std::vector<UsageBox> vertex_usage;
@@ -39,20 +39,26 @@ struct BlockScratch {
   std::vector<std::uint32_t> table_keys, table_values;  // shared id -> index in `shared`
   // Splitting into the parents.
   std::vector<std::uint8_t> used_by;    // bit i: the i-th parent uses this survivor
-  std::vector<std::uint32_t> members;   // survivors, parent after parent; longer than those
+  std::vector<std::uint32_t> members;   // survivors, parent after parent; may be longer
   std::vector<std::uint32_t> local;     // of a survivor in the parent being made
   std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
-  std::vector<Triangle> kept;           // of the parent being made; longer than those
+  std::vector<Triangle> kept;           // of the parent being made; may be longer
   // For simplifiers that do not measure distances.
   std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
   StarDistance surface;          // of the images
 };
 
-// `cells` and `parents` are the builds of levels block.level and block.level - 1, by rank. Fills the parents of the
-// block and the `parents` arrays and displacement statistics of its cells, whose transient memory it releases. Vertices
-// stay on `lattice`, if there is one.
-void build_block(const Block& block, const LevelCells& parent_level, std::span<CellBuild> cells,
-                 std::span<CellBuild> parents, float sigma0, const AttributeSet& attributes, Simplifier& simplifier,
-                 BlockScratch& scratch, Lattice lattice = {});
+struct BlockInput {
+  const Block& block;
+  const LevelCells& parent_level;
+  std::span<CellBuild> cells, parents;  // builds of levels block.level and block.level - 1, by rank
+  float sigma0 = 0;
+  AttributeSet attributes = {};
+  Lattice lattice = {};  // vertices remain on it, if there is one
+};
+
+// Fills the parents of the block and the `parents` arrays and displacement statistics of its cells, whose transient
+// memory it releases.
+void build_block(const BlockInput& input, Simplifier& simplifier, BlockScratch& scratch);
 
 }  // namespace lodestone

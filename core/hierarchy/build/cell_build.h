@@ -1,22 +1,23 @@
-// A cell while the hierarchy is being built: its final payload, and what only the next coarser level needs to know.
+// A cell while the hierarchy is being built: its final payload, and data that only the next coarser level needs.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "core/hierarchy/model/edge_lengths.h"
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/math/float4.h"
 
 namespace lodestone {
 
-// Bounding box, in cell coordinates of one level, of the cells that use a vertex. Whether a vertex is used outside of a
-// block is the question whether this box leaves the block's: that is all that locking needs, and it takes 12 bytes.
+// Bounding box, in cell coordinates of one level, of the cells that use a vertex. A vertex is used outside a block if
+// and only if this box leaves that of the block: locking needs nothing else, and it takes 12 bytes.
 //
-// After the finest level a copy may know less than the whole truth: what a neighbouring block added by collapses. It
-// always knows one cell of every block that uses the vertex beside its own, or learns it when copies are merged, so the
-// question is still answered exactly (docs/decisions/0003-usage-boxes.md gives the argument).
+// Above the finest level the box of a copy may lack cells that a neighbouring block added by collapses. It always has
+// one cell of every other block that uses the vertex, or gets it when copies are merged, so that the test remains exact
+// (docs/decisions/0003-usage-boxes.md gives the argument).
 struct UsageBox {
   CellCoord lo{0xffff, 0xffff, 0xffff}, hi{0, 0, 0};
   void extend(CellCoord c);
@@ -34,16 +35,40 @@ class CellSlab {
   std::span<PackedNormal> normals;
   std::span<std::uint32_t> parents;
   std::span<std::uint32_t> shared_ids;
-  std::span<Vec2f> uv;  // these three as the attributes say
+  std::span<Vec2f> uv;  // these three only if the attributes have them
   std::span<Rgba8> colours;
   std::span<std::uint32_t> materials;
-  std::span<Triangle> triangles;  // empty at the finest level: those live in the partition's array
+  std::span<Triangle> triangles;  // empty at the finest level: they are in the partition's array
 
  private:
   std::unique_ptr<std::byte[]> memory_;
 };
 
-// What is known of a cell beside its payload.
+// The longest edge of a cell and the number of half-edges beyond a limit, triangle by triangle.
+class EdgeLengths {
+ public:
+  explicit EdgeLengths(float limit) : limit2_(all4(limit * limit)) {}
+
+  // The three edges of a triangle as vectors, of either direction.
+  void add(Float4 ab, Float4 bc, Float4 ca) {
+    const Float4 length2 = squared_lengths(ab, bc, ca);
+    longest2_ = max(length2, longest2_);
+    over_ -= length2 > limit2_;  // -1 in every lane where it is true
+  }
+  [[nodiscard]] float longest2() const { return std::max({longest2_[0], longest2_[1], longest2_[2]}); }
+  // The number of half-edges beyond the limit, for at most 2^32 - 1 triangles.
+  [[nodiscard]] std::uint64_t over() const {
+    std::uint64_t sum = 0;
+    for (int k = 0; k < 3; ++k) sum += static_cast<std::uint32_t>(over_[k]);
+    return sum;
+  }
+
+ private:
+  Float4 limit2_, longest2_{};
+  Int4 over_{};
+};
+
+// The figures of a cell beside its payload.
 struct CellFigures {
   Box3f bounds;
   float max_displacement = 0, error = 0;
@@ -57,7 +82,7 @@ struct CellBuild : CellFigures {
   CellSlab slab;
   std::span<Triangle> triangles;   // local ids; in the slab, or in the partition's array
   std::vector<std::uint32_t> ids;  // input vertex that each vertex survives from; released with usage
-  // With wedges, the input vertex that each stands at: the first wedge there. Empty otherwise: the same as ids.
+  // With wedges, the input vertex of each: the first wedge there. Empty otherwise: the same as ids.
   std::vector<std::uint32_t> vertex_ids;
   std::vector<UsageBox> usage;  // of the shared vertices, in the order of shared_ids
 
@@ -66,15 +91,15 @@ struct CellBuild : CellFigures {
   void release_transient();
 };
 
-// Lets the cell look at the payload; the root has no parents.
+// Sets the spans of the cell to the payload; the root has no parents.
 void view_payload(const CellBuild& build, bool has_parents, Cell& cell);
 
-// Brings the triangles of each material together, in the order of the materials and else in the order they have.
+// Sorts the triangles by material and otherwise keeps their order.
 void sort_by_material(CellBuild& cell);
 
 // Fills reach and diameter from the positions and the bounds.
 void set_box_statistics(CellBuild& cell, int level);
-// Fills max_edge and long_edges; `lengths` with the limit sigma0 h_l.
+// Fills max_edge and long_edges; `lengths` has the limit sigma0 h_l.
 void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths);
 // Both, from the payload and the bounds.
 void measure_cell(CellBuild& cell, int level, float sigma0);

@@ -9,7 +9,7 @@ namespace lodestone {
 namespace {
 
 constexpr std::uint32_t unused = 0xffff'ffffu;
-// Vertices: half of what the index codec remembers. 16 gives files larger by a hundredth, 32 by a thirtieth.
+// In vertices: half the size of the index codec's cache. 16 gives files larger by a hundredth, 32 by a thirtieth.
 constexpr unsigned cache_size = 8;
 
 void order_run(std::span<Triangle> triangles, std::size_t vertices, CellOrderScratch& s) {
@@ -18,7 +18,7 @@ void order_run(std::span<Triangle> triangles, std::size_t vertices, CellOrderScr
                                   vertices, cache_size);
 }
 
-// The triangles of a material stay together.
+// Keeps the triangles of a material together.
 void order_triangles(CellBuild& cell, CellOrderScratch& s) {
   const std::span<const std::uint32_t> materials = cell.slab.materials;
   const auto material = [&](const Triangle& t) { return materials.empty() ? 0 : materials[t.v[0]]; };
@@ -28,7 +28,7 @@ void order_triangles(CellBuild& cell, CellOrderScratch& s) {
   }
 }
 
-// By first use, own vertices first; what no triangle uses comes behind, in its old order.
+// Numbers vertices by first use, own ones first; unused ones follow in their old order.
 std::vector<std::uint32_t> number_by_use(std::span<const Triangle> triangles, std::uint32_t first_shared,
                                          std::uint32_t count) {
   std::vector<std::uint32_t> moved(count, unused);
@@ -57,7 +57,7 @@ void move_items(std::span<T> items, std::uint32_t first, std::span<const std::ui
 std::vector<std::uint32_t> order_cell(CellBuild& cell, CellOrderScratch& scratch) {
   const auto count = static_cast<std::uint32_t>(cell.vertex_count());
   const auto first_shared = static_cast<std::uint32_t>(cell.first_shared());
-  cell.release_transient();  // in the old order, and of no use any more
+  cell.release_transient();  // in the old order, and not needed any more
   order_triangles(cell, scratch);
   std::vector<std::uint32_t> moved = number_by_use(cell.triangles, first_shared, count);
   for (Triangle& t : cell.triangles)

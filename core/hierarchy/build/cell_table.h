@@ -1,4 +1,4 @@
-// Which cells and blocks exist: the combinatorial part of a hierarchy, known before any vertex moves.
+// The cells and blocks that exist: the combinatorial part of a hierarchy, known before any vertex moves.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct LevelCells {
 };
 
 // The cells of a level that are simplified together: those of coordinates [4k-2, 4k+2) on each axis. Their parents are
-// the range [2k-1, 2k+1), so that eight siblings always share a block and no border plane lies on one of the next
-// level.
+// the range [2k-1, 2k+1), so that eight siblings always share a block and no border plane coincides with one of the
+// next level.
 struct Block {
   int level = 0;                  // of the cells that it consumes; it makes cells of level - 1
   UsageBox range;                 // cell coordinates of `level`, both ends included

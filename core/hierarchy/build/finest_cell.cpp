@@ -3,12 +3,11 @@
 #include <algorithm>
 
 #include "core/base/prefetch.h"
-#include "core/hierarchy/model/edge_lengths.h"
 
 namespace lodestone {
 namespace {
 
-// Stable partition of the vertices: those of this cell alone first, shared ones last. Returns the number of the first.
+// Stable partition of the vertices: those of this cell alone first, shared ones last. Returns the number of the former.
 std::size_t move_shared_last(const FinestVertices& all, CellBuild& cell, FinestCellScratch& s) {
   const std::size_t count = cell.ids.size();
   s.renumbered.resize(count);
@@ -50,7 +49,7 @@ void place_vertices(const FinestVertices& all, std::size_t first_shared, CellBui
   std::copy(cell.ids.begin() + static_cast<std::ptrdiff_t>(first_shared), cell.ids.end(), cell.slab.shared_ids.begin());
 }
 
-// One pass over the triangles: their final ids, and what their edges tell.
+// One pass over the triangles: sets their final ids, sums normals and measures edges.
 EdgeLengths visit_triangles(float limit, CellBuild& cell, FinestCellScratch& s) {
   s.normals.assign(s.positions.size(), Float4{});
   const std::uint32_t* const renumbered = s.renumbered.data();

@@ -1,4 +1,4 @@
-// Packing one cell of the finest level from the triangles that the partition assigned to it.
+// Packs one cell of the finest level from the triangles that the partition assigned to it.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 
 namespace lodestone {
 
-// What the partition knows about the vertices of the whole level.
+// The vertices of the whole level, from the partition.
 struct FinestVertices {
   std::vector<Vec3f> positions;  // by input vertex
-  // By input vertex: shared_flag | number among the shared ones, for a vertex that several cells use; anything without
+  // By input vertex: shared_flag | number among the shared ones for a vertex that several cells use; any value without
   // the flag for a vertex of one cell.
   std::vector<std::uint32_t> sharing;
-  std::size_t shared = 0;  // how many numbers there are
+  std::size_t shared = 0;  // number of shared vertices
   // With wedges the above is by input wedge: wedges of one vertex share a number.
   AttributeSet attributes{};
   WedgeAttributes wedges{};
@@ -32,20 +32,20 @@ struct FinestCellScratch {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> by_vertex;  // wedges: vertex, local id
 };
 
-// Takes a cell with `triangles`, whose local ids are in order of appearance, and `ids`, the input vertices that these
-// stand for. Brings the vertices of one cell before the shared ones, and fills positions, shared ids, bounds, normals
-// of the cell's own vertices and measure_cell's statistics. Usage and normals of the shared vertices are left for
-// whoever sees the other cells, parents for the block.
+// The cell has `triangles`, whose local ids are in order of appearance, and `ids`, the input vertices of these. Moves
+// the vertices of this cell alone before the shared ones, and fills positions, shared ids, bounds, normals of the
+// cell's own vertices and measure_cell's statistics. Usage and normals of the shared vertices need the other cells,
+// parents the block.
 //
-// With wedges also vertex_ids; attributes are left for give_attributes.
+// With wedges it also fills vertex_ids; give_attributes fills the attributes.
 //
-// Returns what this cell's triangles add to the normals of the shared vertices, in the order of shared_ids: sums of
-// cross products, so weighted by area. Valid until the next call.
+// Returns the contributions of this cell's triangles to the normals of the shared vertices, in the order of shared_ids:
+// sums of cross products, so weighted by area. Valid until the next call.
 [[nodiscard]] std::span<const Float4> make_finest_cell(const FinestVertices& all, int level, float sigma0,
                                                        CellBuild& cell, FinestCellScratch& scratch);
 
-// Attributes of the cell's wedges, normals that the input has instead of those that are there; triangles of one
-// material together. Once normals of shared vertices are known.
+// Fills the attributes of the cell's wedges, replaces normals by those of the input, and groups triangles by material.
+// Called when the normals of shared vertices are known.
 void give_attributes(const FinestVertices& all, CellBuild& cell);
 
 }  // namespace lodestone

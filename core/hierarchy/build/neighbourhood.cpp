@@ -16,7 +16,7 @@ Float4x3 cross(const Float4x3& a, const Float4x3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-// Squared distance of o from the segment from the origin to e, which has a length.
+// Squared distance of o from the segment from the origin to e; e is not zero.
 Float4 from_segment(const Float4x3& o, const Float4x3& e) {
   const Float4 t = max(min(dot(o, e) / dot(e, e), all4(1)), Float4{});
   const Float4x3 d{o.x - t * e.x, o.y - t * e.y, o.z - t * e.z};
@@ -25,10 +25,10 @@ Float4 from_segment(const Float4x3& o, const Float4x3& e) {
 
 }  // namespace
 
-bool Neighbourhood::gather(const LevelSurface& surface, const Box3f& box, double reach, std::size_t most) {
+bool Neighbourhood::gather(const LevelSurface& surface, const Box3f& box, double reach, std::size_t limit) {
   items_.clear();
-  surface.gather(box, reach, most, items_);
-  if (items_.size() > most) return false;
+  surface.gather(box, reach, limit, items_);
+  if (items_.size() > limit) return false;
   reach_ = reach;
   middle_ = 0.5 * (to_double(box.lo) + to_double(box.hi));
   corners_.clear();
@@ -60,7 +60,7 @@ void Neighbourhood::add_group(std::size_t first) {
   groups_.push_back(group);
 }
 
-// The nearest of three segments and, where the foot of the perpendicular lies inside, the plane.
+// Distance from the plane if the foot of the perpendicular lies inside, else from the nearest of three segments.
 Float4 Neighbourhood::squared_distances(const Group& group, const Float4x3& p) {
   const Float4x3 &ab = group.ab, &ac = group.ac, ap = p - group.corner, bp = ap - ab, bc = ac - ab;
   const Float4 size = dot(group.normal, group.normal), height = dot(group.normal, ap);
@@ -76,7 +76,7 @@ Neighbourhood::Nearest Neighbourhood::nearest(Vec3d p, std::uint32_t hint) const
     return nearest_on_triangle(p, corners_[i][0], corners_[i][1], corners_[i][2]).squared_distance;
   };
   Nearest best{std::sqrt(distance2(hint)), hint};
-  // Distances in single precision tell which items may be nearer.
+  // Distances in single precision select the items that may be nearer.
   const auto bound_of = [&](double distance) {
     const float bound = static_cast<float>(distance) + slack_;
     return bound * bound;

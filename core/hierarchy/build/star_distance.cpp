@@ -9,7 +9,7 @@ namespace lodestone {
 void StarDistance::reset(std::span<const Triangle> triangles, std::span<const Vec3f> positions) {
   triangles_ = triangles;
   positions_ = positions;
-  // A counting sort; first_ holds the ends while the triangles are put in place from behind.
+  // A counting sort; first_ has the ends while the triangles are placed, last one first.
   first_.assign(positions.size() + 1, 0);
   for (const Triangle& t : triangles)
     if (!is_degenerate(t))
@@ -32,16 +32,16 @@ void StarDistance::search_star(double known, const Vec3d& p, std::uint32_t verte
   }
 }
 
-// The stars of all vertices around a triangle: a step over a notch in the border of the block, where the way along
-// nearer and nearer triangles ends too early.
+// Searches the stars of all vertices around a triangle: a step over a notch in the border of the block, where the
+// search along nearer and nearer triangles would end too early.
 void StarDistance::search_around(double known, const Vec3d& p, std::uint32_t triangle, Nearest& nearest) const {
   for (const std::uint32_t v : triangles_[triangle].v)
     for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i)
       for (const std::uint32_t u : triangles_[incident_[i]].v) search_star(known, p, u, nearest);
 }
 
-// Whether the foot of p on a triangle around `vertex` lies inside that triangle and within `known`: in single precision
-// and without a division, for the many vertices that this is true of.
+// True if the foot of p on a triangle around `vertex` lies inside that triangle and within `known`: in single precision
+// and without a division, since it is true for most vertices.
 bool StarDistance::is_near(float known, Vec3f p, std::uint32_t vertex) const {
   const Vec3f centre = positions_[vertex], o = p - centre;
   for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {

@@ -1,9 +1,10 @@
-// How far the vertices of a level are from the surface of the next coarser one: measured, where |v - P(v)| only bounds.
+// Measures the distance of the vertices of a level from the surface of the next coarser one, of which |v - P(v)| is
+// only a bound.
 //
-// A vertex mostly slides along the surface to its parent; the bound of (1) counts all of that way as error. Measured is
-// the distance to the triangles around the parent, and from there on to neighbouring ones as long as they are nearer:
-// never less than the distance of the vertex from the surface, and nearly always that distance. Points between the
-// vertices may be farther.
+// A vertex mostly slides along the surface to its parent; the bound of (1) counts all of that way as error. Here the
+// distance to the triangles around the parent is measured, then to neighbouring ones as long as they are nearer: never
+// less than the distance of the vertex from the surface, and nearly always equal. Points between the vertices may be
+// farther.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +21,9 @@ class StarDistance {
   // The coarse triangles by vertex; degenerate ones are passed over. The spans must outlive the queries.
   void reset(std::span<const Triangle> triangles, std::span<const Vec3f> positions);
 
-  // The larger of `known` and the squared distance of p from the surface near `vertex`; from the vertex itself where it
-  // has no triangle. Looks no further once a triangle is within `known`: a running maximum makes most queries end at
-  // their first triangle.
+  // The larger of `known` and the squared distance of p from the surface near `vertex`; from the vertex itself if it
+  // has no triangle. Stops at the first triangle within `known`: with a running maximum most queries end at their first
+  // triangle.
   [[nodiscard]] double farther(double known, Vec3f p, std::uint32_t vertex) const;
 
  private:

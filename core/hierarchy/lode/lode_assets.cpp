@@ -1,25 +1,31 @@
-#include "core/hierarchy/lode/lode_assets.h"
-
+// Materials and textures of a .lode file (lode_format.h describes their bytes).
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <string>
 
+#include "core/hierarchy/lode/lode_format.h"
+
 namespace lodestone {
 namespace {
 
+// Both archives are called with the fields of a record in order: one writes them, the other reads them.
 class Writer {
  public:
   template <class T>
-  void put(const T& value) {
+  bool operator()(const T& value) {
     append(&value, sizeof(value));
+    return true;
   }
-  void put(const std::string& text) {
-    put(static_cast<std::uint32_t>(text.size()));
+  bool operator()(const std::string& text) {
+    (*this)(static_cast<std::uint32_t>(text.size()));
     append(text.data(), text.size());
+    return true;
   }
-  void put(const std::vector<char>& content) {
-    put(static_cast<std::uint64_t>(content.size()));
+  bool operator()(const std::vector<char>& content) {
+    (*this)(static_cast<std::uint64_t>(content.size()));
     append(content.data(), content.size());
+    return true;
   }
   std::vector<std::byte> bytes;
 
@@ -30,29 +36,33 @@ class Writer {
   }
 };
 
-// Every read says whether the bytes were there; nothing is allocated for more than is there.
+// Every call returns false if the bytes end before or are invalid; no memory is allocated for more than the bytes can
+// hold.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
   template <class T>
-  bool take(T& value) {
+  bool operator()(T& value) {
     return copy(&value, sizeof(value));
   }
-  bool take(std::string& text) {
-    std::uint32_t size = 0;
-    if (!take(size) || size > rest_.size()) return false;
-    text.resize(size);
-    return copy(text.data(), size);
+  bool operator()(float& value) { return copy(&value, sizeof(value)) && std::isfinite(value); }
+  bool operator()(TextureWrap& wrap) { return copy(&wrap, sizeof(wrap)) && wrap <= TextureWrap::mirror; }
+  bool operator()(const std::uint16_t& zero) {
+    std::uint16_t value = 1;
+    return copy(&value, sizeof(value)) && value == zero;
   }
-  bool take(std::vector<char>& content) {
-    std::uint64_t size = 0;
-    if (!take(size) || size > rest_.size()) return false;
-    content.resize(size);
-    return copy(content.data(), size);
-  }
+  bool operator()(std::string& text) { return take_sized<std::uint32_t>(text); }
+  bool operator()(std::vector<char>& content) { return take_sized<std::uint64_t>(content); }
   [[nodiscard]] std::size_t left() const { return rest_.size(); }
 
  private:
+  template <class Size, class Items>
+  bool take_sized(Items& items) {
+    Size size = 0;
+    if (!(*this)(size) || size > rest_.size()) return false;
+    items.resize(size);
+    return copy(items.data(), size);
+  }
   bool copy(void* to, std::size_t count) {
     if (count > rest_.size()) return false;
     if (count > 0) std::memcpy(to, rest_.data(), count);
@@ -62,51 +72,23 @@ class Reader {
   std::span<const std::byte> rest_;
 };
 
-void put(Writer& writer, const Material& m) {
-  writer.put(m.name);
-  for (const float channel : m.base_colour) writer.put(channel);
-  writer.put(m.texture);
-  writer.put(m.normal_map);
-}
+// The records; items are const for a Writer.
+constexpr auto each_material = [](auto& archive, auto& m) {
+  return archive(m.name) && archive(m.base_colour[0]) && archive(m.base_colour[1]) && archive(m.base_colour[2]) &&
+         archive(m.base_colour[3]) && archive(m.texture) && archive(m.normal_map);
+};
 
-void put(Writer& writer, const Texture& t) {
-  writer.put(t.name);
-  writer.put(t.media_type);
-  writer.put(static_cast<std::uint8_t>(t.wrap_u));
-  writer.put(static_cast<std::uint8_t>(t.wrap_v));
-  writer.put(std::uint16_t{0});
-  writer.put(t.bytes);
-}
+constexpr auto each_texture = [](auto& archive, auto& t) {
+  constexpr std::uint16_t zero = 0;
+  return archive(t.name) && archive(t.media_type) && archive(t.wrap_u) && archive(t.wrap_v) && archive(zero) &&
+         archive(t.bytes);
+};
 
-bool take(Reader& reader, Material& m) {
-  bool there = reader.take(m.name);
-  for (float& channel : m.base_colour) there = there && reader.take(channel) && std::isfinite(channel);
-  return there && reader.take(m.texture) && reader.take(m.normal_map);
-}
+constexpr auto each_copy = [](auto& archive, auto& c) {
+  return archive(c.texture) && archive(c.halvings) && archive(c.width) && archive(c.height) && archive(c.bytes);
+};
 
-bool take(Reader& reader, Texture& t) {
-  constexpr auto last = static_cast<std::uint8_t>(TextureWrap::mirror);
-  std::uint8_t u = 0, v = 0;
-  std::uint16_t zero = 0;
-  if (!reader.take(t.name) || !reader.take(t.media_type) || !reader.take(u) || !reader.take(v) || !reader.take(zero))
-    return false;
-  if (u > last || v > last || zero != 0) return false;
-  t.wrap_u = static_cast<TextureWrap>(u);
-  t.wrap_v = static_cast<TextureWrap>(v);
-  return reader.take(t.bytes);
-}
-
-void put(Writer& writer, const TextureCopy& c) {
-  for (const std::uint32_t number : {c.texture, c.halvings, c.width, c.height}) writer.put(number);
-  writer.put(c.bytes);
-}
-
-bool take(Reader& reader, TextureCopy& c) {
-  return reader.take(c.texture) && reader.take(c.halvings) && reader.take(c.width) && reader.take(c.height) &&
-         reader.take(c.bytes);
-}
-
-// By texture, then 1, 2, ... halvings.
+// True if copies are sorted by texture, then by 1, 2, ... halvings.
 bool in_order(const std::vector<TextureCopy>& copies, std::size_t textures) {
   for (std::size_t i = 0; i < copies.size(); ++i) {
     const TextureCopy& c = copies[i];
@@ -118,17 +100,21 @@ bool in_order(const std::vector<TextureCopy>& copies, std::size_t textures) {
   return true;
 }
 
-// No record is smaller than this.
-constexpr std::size_t least_record = 20;
+// Minimum size of a record.
+constexpr std::size_t min_record = 20;
 
-template <class T>
-bool take_all(Reader& reader, std::vector<T>& items) {
+template <class T, class Visit>
+bool take_all(Reader& reader, std::vector<T>& items, const Visit& visit) {
   std::uint32_t count = 0;
-  if (!reader.take(count) || count > reader.left() / least_record) return false;
+  if (!reader(count) || count > reader.left() / min_record) return false;
   items.resize(count);
-  for (T& item : items)
-    if (!take(reader, item)) return false;
-  return true;
+  return std::all_of(items.begin(), items.end(), [&](T& item) { return visit(reader, item); });
+}
+
+template <class T, class Visit>
+void put_all(Writer& writer, const std::vector<T>& items, const Visit& visit) {
+  writer(static_cast<std::uint32_t>(items.size()));
+  for (const T& item : items) visit(writer, item);
 }
 
 }  // namespace
@@ -136,29 +122,25 @@ bool take_all(Reader& reader, std::vector<T>& items) {
 std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
   if (hierarchy.materials.empty() && hierarchy.textures.empty()) return {};
   Writer writer;
-  writer.put(static_cast<std::uint32_t>(hierarchy.materials.size()));
-  for (const Material& m : hierarchy.materials) put(writer, m);
-  writer.put(static_cast<std::uint32_t>(hierarchy.textures.size()));
-  for (const Texture& t : hierarchy.textures) put(writer, t);
-  if (!hierarchy.texture_copies.empty()) {
-    writer.put(static_cast<std::uint32_t>(hierarchy.texture_copies.size()));
-    for (const TextureCopy& c : hierarchy.texture_copies) put(writer, c);
-  }
+  put_all(writer, hierarchy.materials, each_material);
+  put_all(writer, hierarchy.textures, each_texture);
+  if (!hierarchy.texture_copies.empty()) put_all(writer, hierarchy.texture_copies, each_copy);
   return std::move(writer.bytes);
 }
 
 const char* decode_assets(std::span<const std::byte> bytes, bool has_copies, Hierarchy& hierarchy) {
-  if (bytes.empty()) return has_copies ? "copies of textures, but no textures" : nullptr;
+  if (bytes.empty()) return has_copies ? "there are copies of textures, but no textures" : nullptr;
   Reader reader(bytes);
-  if (!take_all(reader, hierarchy.materials)) return "the materials are not what they should be";
-  if (!take_all(reader, hierarchy.textures)) return "the textures are not what they should be";
-  if (has_copies &&
-      (!take_all(reader, hierarchy.texture_copies) || !in_order(hierarchy.texture_copies, hierarchy.textures.size())))
-    return "the copies of textures are not what they should be";
-  if (reader.left() != 0) return "materials and textures go on beyond their end";
+  if (!take_all(reader, hierarchy.materials, each_material)) return "the materials are invalid";
+  if (!take_all(reader, hierarchy.textures, each_texture)) return "the textures are invalid";
+  if (has_copies && (!take_all(reader, hierarchy.texture_copies, each_copy) ||
+                     !in_order(hierarchy.texture_copies, hierarchy.textures.size())))
+    return "the copies of textures are invalid";
+  if (reader.left() != 0) return "there are bytes after the materials and textures";
   for (const Material& m : hierarchy.materials)
     for (const std::uint32_t texture : {m.texture, m.normal_map})
-      if (texture != no_texture && texture >= hierarchy.textures.size()) return "a material has no such texture";
+      if (texture != no_texture && texture >= hierarchy.textures.size())
+        return "the texture of a material does not exist";
   return nullptr;
 }
 

@@ -1,14 +1,10 @@
-// Bytes of a .lode file -> Hierarchy, trusting nothing.
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
+// Bytes of a .lode file -> Hierarchy. Everything is checked.
 #include <bit>
 #include <cstring>
 #include <new>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode/lode_assets.h"
-#include "core/hierarchy/lode/lode_compress.h"
+#include "core/files/checksum.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/hierarchy/lode/lode_payload.h"
 #include "core/hierarchy/model/structure.h"
@@ -35,8 +31,8 @@ T record_at(std::span<const std::byte> bytes, std::uint64_t offset) {
   return record;
 }
 
-// Size and kind first, so that nothing below reads beyond the end; the checksum next, so that what follows only meets
-// files that a program wrote on purpose.
+// Checks size and kind first, so that nothing below reads beyond the end. The checksum follows, so that later checks
+// only see files that a program wrote deliberately.
 LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file) {
   const auto say = [&](bool holds, const char* what) { require(holds, file, "header", what); };
   if (bytes.size() < lode_magic.size() || std::memcmp(bytes.data(), lode_magic.data(), lode_magic.size()) != 0)
@@ -48,19 +44,19 @@ LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file
                                     "this program reads up to version " + std::to_string(lode_version)));
   say(h.byte_order == lode_byte_order && h.header_bytes == sizeof(LodeHeader) && h.level_bytes == sizeof(LodeLevel) &&
           h.cell_bytes == sizeof(LodeCell),
-      "record sizes do not fit the version");
+      "record sizes do not match the version");
   if ((h.features & ~lode_known_features) != 0)
     throw UnsupportedError(describe(file, "header", "features that this program does not know", "use a newer one"));
-  say(h.reserved == 0 && h.lattice_bits <= Lattice::most_bits, "lattice out of range");
-  say(!(h.features & lode_compressed) || h.lattice_bits != 0, "compressed, but on no lattice");
-  say(h.level_count >= 1 && h.level_count <= max_level + 1, "number of levels out of range");
-  say(h.cell_count >= 1 && h.cell_count < no_cell, "number of cells out of range");
+  say(h.reserved == 0 && h.lattice_bits <= Lattice::most_bits, "the lattice is out of range");
+  say(!(h.features & lode_compressed) || h.lattice_bits != 0, "the file is compressed, but has no lattice");
+  say(h.level_count >= 1 && h.level_count <= max_level + 1, "the number of levels is out of range");
+  say(h.cell_count >= 1 && h.cell_count < no_cell, "the number of cells is out of range");
   const std::uint64_t tables = sizeof(LodeHeader) + h.level_count * sizeof(LodeLevel) + h.cell_count * sizeof(LodeCell);
-  say(h.payload_offset == (tables + lode_alignment - 1) / lode_alignment * lode_alignment, "wrong size of the tables");
+  say(h.payload_offset == lode_aligned(tables), "the size of the tables is wrong");
   say(bytes.size() >= h.payload_offset, "the file ends inside the tables");
   const std::uint64_t rest = bytes.size() - h.payload_offset;
   say(rest >= h.payload_bytes && rest - h.payload_bytes >= h.asset_bytes, "the file is truncated");
-  say(rest - h.payload_bytes == h.asset_bytes, "the file goes on beyond its end");
+  say(rest - h.payload_bytes == h.asset_bytes, "there are bytes after the end");
   return h;
 }
 
@@ -69,8 +65,8 @@ void check_table_checksum(std::span<const std::byte> bytes, const LodeHeader& he
   LodeHeader blank = header;
   blank.table_checksum = 0;
   std::memcpy(tables.data(), &blank, sizeof(blank));
-  require(XXH3_64bits(tables.data(), tables.size()) == header.table_checksum, file, "tables",
-          "the checksum does not fit: the file was altered");
+  require(checksum(tables) == header.table_checksum, file, "tables",
+          "the checksum does not match: the file was altered");
 }
 
 void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
@@ -124,16 +120,14 @@ Cell cell_of_record(const LodeCell& r, const PayloadCounts& counts, const std::b
   return cell;
 }
 
-constexpr std::uint64_t align_up(std::uint64_t n) { return (n + lode_alignment - 1) / lode_alignment * lode_alignment; }
-
 std::string cell_place(std::uint32_t cell) { return "cell " + std::to_string(cell); }
 
-// Memory for the plain payloads, not touched yet.
+// Memory for the plain payloads, not initialised.
 std::shared_ptr<std::byte[]> allocate_payloads(std::uint64_t bytes, const std::string& file) {
   try {
     return std::shared_ptr<std::byte[]>(new std::byte[bytes]);
   } catch (const std::bad_alloc&) {
-    throw ResourceError(describe(file, "", "no memory for " + std::to_string(bytes) + " bytes of payload"));
+    throw ResourceError(describe(file, "", "there is no memory for " + std::to_string(bytes) + " bytes of payload"));
   }
 }
 
@@ -156,7 +150,7 @@ LodeCell LodeReader::record(std::uint32_t cell) const {
   return record_at<LodeCell>(bytes_, table + std::uint64_t{cell} * sizeof(LodeCell));
 }
 
-// Payloads follow each other to the end of the file; take_cells has seen to it.
+// Payloads are adjacent up to the assets; take_cells has checked it.
 std::span<const std::byte> LodeReader::payload(std::uint32_t cell) const {
   const std::uint64_t begin = record(cell).offset;
   const std::uint64_t end = cell + 1 < cell_count() ? record(cell + 1).offset : payload_end_;
@@ -177,10 +171,10 @@ void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void
     const std::uint64_t end = c + 1 < count ? record(c + 1).offset : payload_end_, plain = plain_bytes(counts(r, c));
     say(r.offset >= header.payload_offset && r.offset <= end && end <= payload_end_ && r.offset % lode_alignment == 0 &&
             (c > 0 || r.offset == header.payload_offset),
-        "a payload is not where it belongs");
-    say(form_ == LodeForm::plain ? end - r.offset == align_up(plain) : plain <= most_decompressed(end - r.offset),
-        "a payload has not the size of what it holds");
-    say(r.shared <= r.vertices, "more shared vertices than vertices");
+        "a payload has a wrong offset");
+    say(form_ == LodeForm::plain ? end - r.offset == lode_aligned(plain) : plain <= max_decompressed(end - r.offset),
+        "the size of a payload does not match its counts");
+    say(r.shared <= r.vertices, "a cell has more shared vertices than vertices");
     unpacked += plain;
   }
   hierarchy_.storage = std::move(storage);
@@ -201,8 +195,8 @@ void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void
 
 void LodeReader::take_assets(const LodeHeader& header) {
   const std::span<const std::byte> assets = bytes_.subspan(payload_end_);
-  if (XXH3_64bits(assets.data(), assets.size()) != header.asset_checksum)
-    refuse(file_, "materials and textures", "the checksum does not fit: the file was altered");
+  if (checksum(assets) != header.asset_checksum)
+    refuse(file_, "materials and textures", "the checksum does not match: the file was altered");
   if (const char* fault = decode_assets(assets, header.features & lode_texture_copies, hierarchy_))
     refuse(file_, "materials and textures", fault);
 }
@@ -237,8 +231,8 @@ std::uint64_t LodeReader::plain_size(std::uint32_t cell) const {
 
 void LodeReader::unpack(std::uint32_t c, std::span<std::byte> memory) const {
   const std::span<const std::byte> packed = payload(c);
-  if (XXH3_64bits(packed.data(), packed.size()) != record(c).checksum)
-    refuse(file_, cell_place(c), "the checksum does not fit: the file was altered");
+  if (checksum(packed) != record(c).checksum)
+    refuse(file_, cell_place(c), "the checksum does not match: the file was altered");
   if (form_ == LodeForm::plain) return;
   const PayloadCounts n = counts_of(hierarchy_.cells[c]);
   if (const char* fault = decompress_payload(packed, n, hierarchy_.transform.lattice, memory))

@@ -1,14 +1,11 @@
 // Hierarchy -> bytes of a .lode file.
-#define XXH_INLINE_ALL  // header only: nothing to link, nothing to find for those who install the library
-#include <xxhash.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode/lode_compress.h"
+#include "core/files/checksum.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/hierarchy/lode/lode_payload.h"
 
@@ -16,8 +13,6 @@ namespace lodestone {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, ".lode files are mapped in place: little-endian hosts only");
-
-constexpr std::uint64_t align_up(std::uint64_t n) { return (n + lode_alignment - 1) / lode_alignment * lode_alignment; }
 
 template <typename T>
 std::byte* put(std::byte* to, std::span<const T> items) {
@@ -89,8 +84,8 @@ template <class SizeOf>
 LodeLayout plan(const Hierarchy& hierarchy, LodeForm form, const SizeOf& payload_size) {
   LodeLayout layout;
   layout.form = form;
-  layout.table_bytes = align_up(sizeof(LodeHeader) + hierarchy.levels.size() * sizeof(LodeLevel) +
-                                hierarchy.cells.size() * sizeof(LodeCell));
+  layout.table_bytes = lode_aligned(sizeof(LodeHeader) + hierarchy.levels.size() * sizeof(LodeLevel) +
+                                    hierarchy.cells.size() * sizeof(LodeCell));
   layout.cell_offset.reserve(hierarchy.cells.size() + 1);
   std::uint64_t offset = layout.table_bytes;
   for (std::size_t c = 0; c < hierarchy.cells.size(); ++c) {
@@ -113,7 +108,7 @@ std::vector<PayloadCounts> counts_of_cells(const Hierarchy& hierarchy) {
 LodeLayout plan_lode(const Hierarchy& hierarchy) { return plan_lode(hierarchy, counts_of_cells(hierarchy)); }
 
 LodeLayout plan_lode(const Hierarchy& hierarchy, std::span<const PayloadCounts> counts) {
-  return plan(hierarchy, LodeForm::plain, [&](std::size_t c) { return align_up(plain_bytes(counts[c])); });
+  return plan(hierarchy, LodeForm::plain, [&](std::size_t c) { return lode_aligned(plain_bytes(counts[c])); });
 }
 
 LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes) {
@@ -137,14 +132,14 @@ std::uint64_t encode_payload(const Cell& cell, std::span<std::byte> bytes) {
   std::byte* to = bytes.data();
   visit_arrays(cell, counts_of(cell), [&](const auto& items, std::size_t) { to = put(to, items); });
   std::fill(to, bytes.data() + bytes.size(), std::byte{0});
-  return XXH3_64bits(bytes.data(), bytes.size());
+  return checksum(bytes);
 }
 
 std::uint64_t append_compressed_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& bytes) {
   const std::size_t begin = bytes.size();
   compress_payload(cell, lattice, bytes);
-  bytes.resize(begin + align_up(bytes.size() - begin));
-  return XXH3_64bits(bytes.data() + begin, bytes.size() - begin);
+  bytes.resize(begin + lode_aligned(bytes.size() - begin));
+  return checksum(std::span(bytes).subspan(begin));
 }
 
 void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, LodeChunk chunk,
@@ -181,7 +176,7 @@ std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, std::span<
   std::vector<std::byte> bytes(layout.table_bytes);
   LodeHeader header = header_of(hierarchy, layout);
   header.asset_bytes = assets.size();
-  header.asset_checksum = XXH3_64bits(assets.data(), assets.size());
+  header.asset_checksum = checksum(assets);
   std::byte* to = bytes.data() + sizeof(LodeHeader);
   for (const Level& level : hierarchy.levels) {
     const LodeLevel record = record_of(level);
@@ -192,7 +187,7 @@ std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, std::span<
     to = put(to, std::span(&record, 1));
   }
   std::memcpy(bytes.data(), &header, sizeof(header));
-  header.table_checksum = XXH3_64bits(bytes.data(), bytes.size());
+  header.table_checksum = checksum(bytes);
   std::memcpy(bytes.data(), &header, sizeof(header));
   return bytes;
 }

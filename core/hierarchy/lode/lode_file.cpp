@@ -3,16 +3,15 @@
 #include <vector>
 
 #include "core/files/atomic_file.h"
-#include "core/files/mapped_file.h"
-#include "core/hierarchy/lode/lode_assets.h"
+#include "core/files/input_file.h"
 #include "core/hierarchy/lode/lode_format.h"
 
 namespace lodestone {
 
 namespace {
 
-// The tables come first and hold the checksums of what follows, so the payloads are encoded twice: once to be summed,
-// once to be written. That is cheaper than holding the file in memory; the parallel twin writes at offsets instead.
+// The tables come first and have the checksums of the payloads, so these are encoded twice: for the checksums, and to
+// be written. That is cheaper than holding the file in memory; the parallel twin writes at offsets instead.
 std::uint64_t write_plain(const Hierarchy& hierarchy, AtomicFile& file) {
   const LodeLayout layout = plan_lode(hierarchy);
   const std::vector<LodeChunk> chunks = lode_chunks(layout);

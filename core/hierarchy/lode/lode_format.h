@@ -4,14 +4,13 @@
 //
 //   LodeHeader | LodeLevel x levels | LodeCell x cells | padding | payload of cell 0 | payload of cell 1 | ... | assets
 //
-// Cells go from coarse to fine, so that a reader (or a network) has a whole coarse model first. A plain payload holds
+// Cells go from coarse to fine, so that a reader (or a network) gets a whole coarse model first. A plain payload holds
 // positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
 // mapped file is used in place, and all offsets follow from the counts alone. A compressed payload holds the same
-// arrays as streams (core/hierarchy/lode/lode_compress.h), then zeros up to 16 bytes. Payloads follow each other, so that
-// each ends where the next begins. Assets are materials and textures with their copies (core/hierarchy/lode/lode_assets.h).
-// Each payload has its XXH3-64 checksum in the cell table; one more covers header and tables, and one the assets.
-// Nothing in the file depends on time, paths or threads: equal hierarchies give equal bytes.
-//
+// arrays as streams (core/hierarchy/lode/lode_payload.h), then zeros up to 16 bytes. Payloads follow each other, so
+// that each ends where the next begins. Assets are materials and textures with their copies (encode_assets). Each
+// payload has its XXH3-64 checksum in the cell table; one more covers header and tables, and one the assets. Nothing in
+// the file depends on time, paths or threads: equal hierarchies give equal bytes.
 #pragma once
 
 #include <array>
@@ -29,11 +28,14 @@
 
 namespace lodestone {
 
-// The first byte is not ASCII and the line ends differ, so that a transfer in text mode is noticed (as in PNG).
+// The first byte is not ASCII and the line ends differ, so that a transfer in text mode is detected (as in PNG).
 inline constexpr std::array<char, 8> lode_magic{'\x93', 'L', 'O', 'D', 'E', '\r', '\n', '\x1a'};
 inline constexpr std::uint32_t lode_version = 1;
 inline constexpr std::uint32_t lode_byte_order = 0x0403'0201u;
 inline constexpr std::uint64_t lode_alignment = 16;
+[[nodiscard]] constexpr std::uint64_t lode_aligned(std::uint64_t n) {
+  return (n + lode_alignment - 1) / lode_alignment * lode_alignment;
+}
 
 // Bits of LodeHeader::features. A reader refuses a file with a bit that it does not know.
 enum LodeFeatures : std::uint16_t {
@@ -81,7 +83,7 @@ static_assert(sizeof(LodeLevel) == 2 * 4 + 3 * 8 + 2 * 4 + 3 * 4 + 4);
 struct LodeCell {
   std::uint64_t code = 0;
   std::uint64_t offset = 0;    // of the payload, from the start of the file
-  std::uint64_t checksum = 0;  // of the payload with its padding, as it lies in the file
+  std::uint64_t checksum = 0;  // of the payload with its padding, as stored in the file
   std::uint32_t parent = 0, first_child = 0, child_count = 0;
   std::uint32_t vertices = 0, shared = 0, triangles = 0;
   std::array<float, 3> lo{}, hi{};
@@ -89,22 +91,23 @@ struct LodeCell {
 };
 static_assert(sizeof(LodeCell) == 3 * 8 + 6 * 4 + 6 * 4 + 2 * 4);
 
-// Where everything goes.
+// Offsets in the file.
 struct LodeLayout {
   LodeForm form = LodeForm::plain;
   std::uint64_t table_bytes = 0;           // header, levels, cells and padding: the offset of the first payload
-  std::vector<std::uint64_t> cell_offset;  // one per cell and one more: where the assets begin
+  std::vector<std::uint64_t> cell_offset;  // one per cell, and one more for the assets
   [[nodiscard]] std::uint64_t payload_end() const { return cell_offset.back(); }
 };
 [[nodiscard]] LodeLayout plan_lode(const Hierarchy& hierarchy);
-// The same for cells whose payloads are elsewhere: their counts, one per cell.
+// The same for cells whose payloads are stored elsewhere: their counts, one per cell.
 [[nodiscard]] LodeLayout plan_lode(const Hierarchy& hierarchy, std::span<const PayloadCounts> counts);
-// The same for compressed payloads, whose sizes are known when they are there: one per cell, multiples of 16.
+// The same for compressed payloads, whose sizes are known after compression: one per cell, multiples of 16.
 [[nodiscard]] LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std::uint64_t> payload_sizes);
 
-// The plain payload of one cell, padding included, into exactly the bytes that the layout has for it; its checksum.
+// Writes the plain payload of one cell, with padding, into the bytes that the layout has for it. Returns its checksum.
 std::uint64_t encode_payload(const Cell& cell, std::span<std::byte> bytes);
-// The compressed one with its padding, appended; its checksum. Throws InputError when a vertex is not on the lattice.
+// Appends the compressed payload with padding. Returns its checksum. Throws InputError when a vertex is off the
+// lattice.
 std::uint64_t append_compressed_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& bytes);
 
 // A run of consecutive cells that is encoded and written at once.
@@ -114,25 +117,39 @@ struct LodeChunk {
 // Cuts all cells into runs of about chunk_bytes, each at least one cell; a function of the layout alone.
 [[nodiscard]] std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes = 4u << 20);
 
-// The bytes of the chunk's plain payloads into `bytes` (resized); their checksums into checksums[first_cell..end_cell).
+// Writes the chunk's plain payloads into `bytes` (resized), their checksums into checksums[first_cell..end_cell).
 void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, LodeChunk chunk,
                        std::vector<std::byte>& bytes, std::span<std::uint64_t> checksums);
 
 // The same for compressed payloads, one after the other; their sizes into payload_sizes[first_cell..end_cell). Throws
-// InputError when the vertices stand on no lattice.
+// InputError when the hierarchy has no lattice.
 void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vector<std::byte>& bytes,
                          std::span<std::uint64_t> payload_sizes, std::span<std::uint64_t> checksums);
 
 // Header and tables: the first layout.table_bytes bytes of the file. checksums: one per cell.
-// assets: those that follow the last payload (encode_assets).
+// assets: the bytes after the last payload (encode_assets).
 [[nodiscard]] std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy, const LodeLayout& layout,
                                                         std::span<const std::uint64_t> checksums,
                                                         std::span<const std::byte> assets = {});
-// The same for cells whose payloads are elsewhere.
+// The same for cells whose payloads are stored elsewhere.
 [[nodiscard]] std::vector<std::byte> encode_lode_tables(const Hierarchy& hierarchy,
                                                         std::span<const PayloadCounts> counts, const LodeLayout& layout,
                                                         std::span<const std::uint64_t> checksums,
                                                         std::span<const std::byte> assets);
+
+// Materials and textures, the last section of the file:
+//
+//   u32 materials | material x n | u32 textures | texture x n [| u32 copies | copy x n]
+//   material: string name, 4 floats of base colour, u32 texture, u32 normal map
+//   texture: string name, string media type, u8 wrap in u and v, u16 zero, u64 bytes, the bytes
+//   copy of a texture: u32 texture, u32 halvings, u32 width and height, u64 bytes, the bytes; by texture, then 1, 2,
+//   ... halvings; only in files with the feature lode_texture_copies
+//   string: u32 bytes, the bytes
+//
+// Empty when there is neither.
+[[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy);
+// Returns the fault of the bytes, nullptr if there is none. Empty bytes are no materials and no textures.
+[[nodiscard]] const char* decode_assets(std::span<const std::byte> bytes, bool has_copies, Hierarchy& hierarchy);
 
 // A file that is being opened: its tables as a hierarchy. Payloads are views of `bytes`, or of memory that check()
 // decompresses into, as large as the plain payloads. `bytes` starts 16-byte aligned and lives as long as `storage`.
@@ -151,12 +168,12 @@ class LodeReader {
   // and 16-byte aligned. Any number of threads may load at once.
   [[nodiscard]] Cell load(std::uint32_t cell, std::span<std::byte> memory) const;
   [[nodiscard]] std::uint64_t plain_size(std::uint32_t cell) const;
-  [[nodiscard]] std::span<const std::byte> payload(std::uint32_t cell) const;  // as it lies in the file
+  [[nodiscard]] std::span<const std::byte> payload(std::uint32_t cell) const;  // as stored in the file
 
-  // The tables: cells as the file has them. What their arrays hold is not known before they are checked.
+  // The tables: cells as the file has them. Their arrays must not be used before they are checked.
   [[nodiscard]] const Hierarchy& tables() const { return hierarchy_; }
   [[nodiscard]] std::uint32_t cell_count() const { return static_cast<std::uint32_t>(hierarchy_.cells.size()); }
-  // What the cells of the file are, once all of them are checked.
+  // The hierarchy, after all cells are checked.
   [[nodiscard]] Hierarchy take() && { return std::move(hierarchy_); }
 
  private:

@@ -1,15 +1,16 @@
-// The arrays of a cell's payload, listed once for everything that measures, writes, maps or compresses them.
+// The arrays of a cell's payload, listed once for all code that measures, writes, maps or compresses them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
 
 namespace lodestone {
 
-// What the lengths of a payload's arrays follow from.
+// Determines the lengths of a payload's arrays.
 struct PayloadCounts {
   std::uint32_t vertices = 0, shared = 0, triangles = 0;
   bool has_parents = false;  // all cells but the root
@@ -25,9 +26,9 @@ struct PayloadCounts {
           {false, !a.uv.empty(), !a.colours.empty(), !a.materials.empty()}};
 }
 
-// Calls visit(array, length) for the arrays of a cell (const or not) in file order. A line here adds an array to both
-// forms of the file: its elements are made of 4-byte words (of at most 256 bytes), and the codec of compressed payloads
-// is chosen by their type (lode_compress.cpp). Readers must be told by a new bit of LodeFeatures.
+// Calls visit(array, length) for the arrays of a cell (const or not) in file order. A new line here adds an array to
+// both forms of the file: its elements consist of 4-byte words (at most 256 bytes), and their type selects the codec of
+// compressed payloads (lode_payload.cpp). Such a file needs a new bit of LodeFeatures.
 template <class AnyCell, class Visit>
 void visit_arrays(AnyCell& cell, const PayloadCounts& n, const Visit& visit) {
   visit(cell.positions, n.vertices);
@@ -47,6 +48,44 @@ inline constexpr std::size_t payload_arrays = 8;
   const Cell types;
   visit_arrays(types, n, [&](const auto& array, std::uint64_t length) { bytes += length * sizeof(*array.data()); });
   return bytes;
+}
+
+// The compressed form: one stream per array, by the codecs of meshoptimizer.
+//
+//   u32 bytes of each stream, in the order of visit_arrays | stream | stream | ...
+//
+// Positions are written as integers on the lattice of the whole model, so that a vertex gets the same bits in every
+// cell; other per-vertex arrays are coded word by word; triangles by the index codec, which keeps their order and
+// orientation but may begin each with another corner. Nothing else is lost. The size of the streams depends on the
+// order of vertices and triangles (core/hierarchy/build/cell_order.h).
+
+// Appends the compressed payload, without padding. Throws InputError when a position is not on the lattice.
+void compress_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& out);
+
+// Writes the arrays to `out` as visit_arrays lists them, without padding; out.size() == plain_bytes(counts). Returns
+// the fault of the bytes, nullptr if there is none; never accesses memory outside the two spans. Indices may still be
+// out of range: see payload_fault.
+[[nodiscard]] const char* decompress_payload(std::span<const std::byte> bytes, const PayloadCounts& counts,
+                                             Lattice lattice, std::span<std::byte> out);
+
+// Maximum decompressed size of a payload of so many bytes: checked before memory is allocated.
+[[nodiscard]] constexpr std::uint64_t max_decompressed(std::uint64_t bytes) { return 64 * bytes; }
+
+// A *family*: the children of one cell, which are drawn together or not at all. It is named by its parent's index; the
+// root alone is the family no_cell. The values are indices in Hierarchy::cells.
+struct FamilyCells {
+  std::uint32_t begin = 0, end = 0;
+};
+
+[[nodiscard]] inline FamilyCells family_cells(const Hierarchy& hierarchy, std::uint32_t parent) {
+  if (parent == no_cell) return {0, 1};
+  const Cell& cell = hierarchy.cells[parent];
+  return {cell.first_child, cell.first_child + cell.child_count};
+}
+
+// Empties the arrays of the cell.
+inline void drop_arrays(Cell& cell) {
+  visit_arrays(cell, {}, [](auto& array, std::uint32_t) { array = {}; });
 }
 
 }  // namespace lodestone

@@ -1,4 +1,4 @@
-// Identity of a set of triangles as a sum of 64-bit hashes: what went into a hierarchy against what is in it.
+// Identity of a set of triangles as a sum of 64-bit hashes, to compare the input of a hierarchy with its content.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace lodestone {
 
-// Hash of a triangle by the bits of its corners: the same for its three rotations, another one turned over. Signs of
-// coordinates are not looked at: the unit cube has none, and -0 is +0. Inline, since it runs for every input triangle.
+// Hash of a triangle by the bits of its corners: the same for its three rotations, another one if it is reversed. Signs
+// of coordinates are ignored: the unit cube has none, and -0 is +0. Inline, since it runs for every input triangle.
 [[nodiscard]] constexpr std::uint64_t triangle_fingerprint(Vec3f a, Vec3f b, Vec3f c) {
   // Both halves of a product of 128 bits. One half alone is linear in xy: points in a row gave hashes in a row.
   __extension__ using Product = unsigned __int128;

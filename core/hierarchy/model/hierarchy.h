@@ -1,6 +1,6 @@
 // The hierarchical level of detail, in memory: a table of levels, a table of cells, and views of the cells' payloads.
 //
-// The payloads live in `storage` (blocks of the builder, or a mapped .lode file); a Hierarchy is cheap to move, and
+// The payloads are in `storage` (blocks of the builder, or a mapped .lode file); a Hierarchy is cheap to move, and
 // copies share it. Notation follows docs/architecture.md: level 0 is the root, level `finest` the input; h_l = 2^-l;
 // P maps the vertices of level l to vertices of level l-1.
 #pragma once
@@ -30,7 +30,7 @@ void pack_normals(std::span<const Float4> n, std::span<PackedNormal> packed);  /
 
 inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
 
-// Which attributes vertices have, beside a normal. `wedges`: several vertices may share a position.
+// The attributes of vertices besides a normal. `wedges`: several vertices may share a position.
 struct AttributeSet {
   bool wedges = false, uv = false, colours = false, materials = false;
   friend bool operator==(const AttributeSet&, const AttributeSet&) = default;
@@ -46,7 +46,7 @@ struct CellAttributes {
 // One cell. Vertex ids in `triangles` and positions in `parents` are local to a cell's payload: triangles index this
 // cell's positions, parents[i] is the index of P(vertex i) in the positions of the *parent* cell.
 //
-// `positions` is V_l(C): every vertex that a triangle of M_L below this cell arrives at, also those that only
+// `positions` is V_l(C): the image of every vertex of the triangles of M_L below this cell, also those that only
 // degenerate triangles use. A vertex that several cells of the level use has a copy in each, the same bits, and one id
 // in `shared_ids`; such vertices come last, shared_ids[k] belonging to positions[positions.size() - shared_ids.size() +
 // k]. The id names a vertex through all levels: P keeps it where a vertex survives.
@@ -93,7 +93,7 @@ struct Provenance {
   std::uint32_t simplifier = 0;      // SimplifierKind
   std::uint32_t placement = 0;       // Placement of its survivors
   std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
-  bool measured_errors = false;      // errors are bounds of what measure_errors says, not estimates
+  bool measured_errors = false;      // errors are bounds, by measure_errors, not estimates
   bool refined = false;              // M_L has the input's edges beyond sigma0 h_L split (core/mesh/refine.h)
 };
 
@@ -114,11 +114,11 @@ struct Hierarchy {
   std::vector<Cell> cells;    // by level, then Morton code
   std::vector<Material> materials;
   std::vector<Texture> textures;
-  // What coarser levels show textures with (core/hierarchy/model/texture_levels.h): by texture, then 1, 2, ... halvings.
+  // Textures of coarser levels (core/hierarchy/model/level_mesh.h): by texture, then 1, 2, ... halvings.
   std::vector<TextureCopy> texture_copies;
   std::shared_ptr<const void> storage;  // keeps the payloads alive
 
-  // Which attributes the vertices of all cells have.
+  // The attributes that the vertices of all cells have.
   AttributeSet attributes;
 
   [[nodiscard]] int finest() const { return static_cast<int>(levels.size()) - 1; }

@@ -1,10 +1,11 @@
 #include "core/hierarchy/model/level_mesh.h"
 
+#include <algorithm>
 #include <string>
 #include <unordered_map>
 
 #include "core/base/error.h"
-#include "core/hierarchy/model/texture_levels.h"
+#include "core/texture/downsample.h"
 
 namespace lodestone {
 namespace {
@@ -13,12 +14,12 @@ constexpr std::uint32_t unseen = 0xffff'ffffu;
 
 const Level& level_or_throw(const Hierarchy& hierarchy, int level) {
   if (level < 0 || level > hierarchy.finest())
-    throw InputError(describe("", "level " + std::to_string(level), "there is no such level",
+    throw InputError(describe("", "level " + std::to_string(level), "the level does not exist",
                               "give one from 0 to " + std::to_string(hierarchy.finest())));
   const Level& found = hierarchy.levels[static_cast<std::size_t>(level)];
   if (found.vertices >= unseen)
     throw ResourceError(
-        describe("", "level " + std::to_string(level), "more than 2^32 vertices", "export a coarser one"));
+        describe("", "level " + std::to_string(level), "has more than 2^32 vertices", "export a coarser level"));
   return found;
 }
 
@@ -26,6 +27,15 @@ void append_attributes(const Hierarchy& hierarchy, const Cell& cell, std::uint32
   out.normal.push_back(unpack_normal(cell.normals[v]));
   if (hierarchy.attributes.uv) out.uv.push_back(cell.attributes.uv[v]);
   if (hierarchy.attributes.colours) out.colour.push_back(cell.attributes.colours[v]);
+}
+
+PixelMeaning meaning_of(const Hierarchy& hierarchy, std::uint32_t texture) {
+  bool colours = false, normals = false;
+  for (const Material& m : hierarchy.materials) {
+    colours = colours || m.texture == texture;
+    normals = normals || m.normal_map == texture;
+  }
+  return normals && !colours ? PixelMeaning::normals : PixelMeaning::colours;
 }
 
 }  // namespace
@@ -65,6 +75,40 @@ RawMesh level_mesh(const Hierarchy& hierarchy, int level) {
     }
   }
   return mesh;
+}
+
+std::vector<TextureCopy> make_texture_copies(const Hierarchy& hierarchy, std::uint32_t texture, int count) {
+  std::vector<TextureCopy> copies;
+  const Texture& source = hierarchy.textures[texture];
+  const auto fits = [](PixelSize size) { return std::min(size.width, size.height) >= 2 * min_texture_side; };
+  if (count < 1 || !fits(image_size(source.bytes, source.media_type))) return copies;
+  const PixelMeaning meaning = meaning_of(hierarchy, texture);
+  PixelImage pixels = decode_image(source.bytes, source.media_type);
+  const int chroma = pixels.chroma;
+  LinearImage image = to_linear(pixels, meaning);
+  pixels = {};
+  for (std::uint32_t halvings = 1; halvings <= static_cast<std::uint32_t>(count) && fits(image.size); ++halvings) {
+    image = halve(image);
+    PixelImage half = to_pixels(image, meaning);
+    half.chroma = chroma;
+    copies.push_back({texture, halvings, image.size.width, image.size.height, encode_image(half, source.media_type)});
+  }
+  return copies;
+}
+
+const TextureCopy* texture_copy(const Hierarchy& hierarchy, std::uint32_t texture, int level) {
+  const auto halvings = static_cast<std::uint32_t>(hierarchy.finest() - level);
+  const TextureCopy* best = nullptr;
+  for (const TextureCopy& copy : hierarchy.texture_copies)
+    if (copy.texture == texture && copy.halvings <= halvings) best = &copy;
+  return best;
+}
+
+std::vector<Texture> level_textures(const Hierarchy& hierarchy, int level) {
+  std::vector<Texture> textures = hierarchy.textures;
+  for (std::uint32_t t = 0; t < textures.size(); ++t)
+    if (const TextureCopy* copy = texture_copy(hierarchy, t, level)) textures[t].bytes = copy->bytes;
+  return textures;
 }
 
 }  // namespace lodestone

@@ -21,7 +21,7 @@ const char* header_fault(const Hierarchy& h) {
 const char* level_fault(const Hierarchy& h) {
   std::uint64_t next_cell = 0;
   for (const Level& level : h.levels) {
-    if (level.first_cell != next_cell || level.cell_count == 0) return "the levels do not follow each other";
+    if (level.first_cell != next_cell || level.cell_count == 0) return "the levels are not consecutive";
     next_cell += level.cell_count;
     if (next_cell > h.cells.size()) return "a level goes beyond the last cell";
     if (!is_bound(level.reach[0]) || !is_bound(level.reach[1]) || !is_bound(level.diameter) || !is_bound(level.error) ||
@@ -47,7 +47,7 @@ const char* cell_fault(const Hierarchy& h, int l, std::uint32_t c) {
 // The children of a level's cells, one after the other, are the next level.
 const char* children_fault(const Hierarchy& h, int l, std::uint32_t c, std::uint64_t& next_child) {
   const Cell& cell = h.cells[c];
-  if (l == h.finest()) return cell.child_count == 0 ? nullptr : "is of the finest level and has children";
+  if (l == h.finest()) return cell.child_count == 0 ? nullptr : "is on the finest level and has children";
   if (cell.child_count == 0 || cell.child_count > 8 || cell.first_child != next_child ||
       next_child + cell.child_count > h.cells.size())
     return "has children out of range";
@@ -86,7 +86,7 @@ std::string table_fault(const Hierarchy& h) {
       if (next_child != std::uint64_t{finer.first_cell} + finer.cell_count)
         return "a cell of level " + std::to_string(l + 1) + " has no parent";
     }
-    if (!counts_fit(h, l)) return "the counts of level " + std::to_string(l) + " do not fit its cells";
+    if (!counts_fit(h, l)) return "the counts of level " + std::to_string(l) + " do not match its cells";
   }
   return {};
 }
@@ -98,15 +98,16 @@ const char* payload_fault(const Hierarchy& h, std::uint32_t c) {
 
 const char* payload_fault(const Cell& cell, AttributeSet attributes, std::size_t parent_vertices) {
   const bool root = cell.parent == no_cell;
-  if (cell.normals.size() != cell.positions.size()) return "not one normal per vertex";
-  if (cell.parents.size() != (root ? 0 : cell.positions.size())) return "not one parent per vertex";
+  if (cell.normals.size() != cell.positions.size()) return "the number of normals is not that of the vertices";
+  if (cell.parents.size() != (root ? 0 : cell.positions.size()))
+    return "the number of parents is not that of the vertices";
   const auto fits = [&](const auto& values, bool there) {
     return values.size() == (there ? cell.positions.size() : 0);
   };
   if (!fits(cell.attributes.uv, attributes.uv) || !fits(cell.attributes.colours, attributes.colours) ||
       !fits(cell.attributes.materials, attributes.materials))
-    return "not one value of each attribute per vertex";
-  if (cell.shared_ids.size() > cell.positions.size()) return "more shared vertices than vertices";
+    return "the number of values of an attribute is not that of the vertices";
+  if (cell.shared_ids.size() > cell.positions.size()) return "there are more shared vertices than vertices";
   for (const Vec3f p : cell.positions)
     if (!is_finite(p)) return "a position is not finite";
   for (const std::uint32_t parent : cell.parents)

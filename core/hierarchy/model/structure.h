@@ -1,5 +1,5 @@
-// Whether the tables and payloads of a hierarchy hang together: what must hold before any index may be followed.
-// The file reader and the verifier both start here.
+// Checks that the tables and payloads of a hierarchy are consistent, so that every index may be followed. The file
+// reader and the verifier both begin with it.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace lodestone {
 [[nodiscard]] std::string table_fault(const Hierarchy& hierarchy);
 
 // The first fault of one cell's payload, nullptr when there is none: span sizes, finite positions, parents and triangle
-// vertices in range, no degenerate triangle. The tables are known to be sound.
+// vertices in range, no degenerate triangle. The tables are valid.
 [[nodiscard]] const char* payload_fault(const Hierarchy& hierarchy, std::uint32_t cell);
-// The same of a cell that is not in the table (yet), whose parent cell has so many vertices.
+// The same for a cell that is not in the table (yet), whose parent cell has `parent_vertices`.
 [[nodiscard]] const char* payload_fault(const Cell& cell, AttributeSet attributes, std::size_t parent_vertices);
 
 }  // namespace lodestone

@@ -8,8 +8,8 @@ namespace {
 
 constexpr std::uint32_t no_id = 0xffff'ffffu;
 
-// The slot of this id, or the empty one where it belongs. Whether the first one is either of these is easy to foretell;
-// which of them is not, hence one branch for both.
+// The slot of this id, or the empty one for it. The processor predicts well that the first slot is one of these, but
+// not which, hence one branch for both.
 template <class Slot>
 inline Slot& find(Slot* slots, std::uint32_t mask, int shift, std::uint32_t id) {
   std::uint32_t i = (id * 0x9e37'79b9u) >> shift;  // Fibonacci hashing
@@ -20,7 +20,7 @@ inline Slot& find(Slot* slots, std::uint32_t mask, int shift, std::uint32_t id) 
 }  // namespace
 
 void VertexNumbers::clear(std::size_t triangles) {
-  // Half a vertex a triangle, and some for the border.
+  // Half a vertex per triangle, and some for the border.
   resize(std::bit_ceil(std::clamp<std::size_t>(triangles + triangles / 4, 16, std::size_t{1} << 30)));
   count_ = 0;
 }
@@ -48,7 +48,7 @@ void VertexNumbers::number(std::span<const Triangle> from, Triangle* to) {
   }
 }
 
-// How many triangles of new vertices leave the table at most half full.
+// Number of triangles with new vertices that leave the table at most half full.
 std::size_t VertexNumbers::room() const { return ((std::size_t{mask_} + 1) / 2 - count_) / 3; }
 
 void VertexNumbers::number_with_room(std::span<const Triangle> from, Triangle* to) {
@@ -60,7 +60,7 @@ void VertexNumbers::number_with_room(std::span<const Triangle> from, Triangle* t
   for (const Triangle& triangle : from) {
     Triangle numbered;
     for (std::size_t k = 0; k < 3; ++k) {
-      // Every sixth vertex is a new one, unpredictably: written without a branch.
+      // Every sixth vertex is new, unpredictably: hence without a branch.
       const std::uint32_t id = triangle.v[k];
       Slot& slot = find(slots, mask, shift, id);
       const bool is_new = slot.id != id;

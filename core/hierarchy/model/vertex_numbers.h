@@ -15,7 +15,7 @@ namespace lodestone {
 // cells; memory: 16 to 32 bytes per vertex of the largest cell.
 class VertexNumbers {
  public:
-  // Forgets all. `triangles`, the number that will come, sizes the table for a closed surface; it grows when needed.
+  // Clears the table. `triangles`, their expected number, sizes it for a closed surface; it grows when needed.
   void clear(std::size_t triangles);
   // Copies triangles with the numbers in place of the ids; ids are below 2^32 - 1. `to` may be `from` itself.
   void number(std::span<const Triangle> from, Triangle* to);
@@ -32,7 +32,7 @@ class VertexNumbers {
   void number_with_room(std::span<const Triangle> from, Triangle* to);
 
   std::vector<Slot> slots_;              // the first mask_ + 1 are in use
-  std::vector<std::uint32_t> vertices_;  // room for one more than the table takes
+  std::vector<std::uint32_t> vertices_;  // with space for one vertex more than the table
   std::uint32_t count_ = 0, mask_ = 0;
   int shift_ = 0;
 };

@@ -1,9 +1,9 @@
-#include "core/hierarchy/tiles/cell_glb.h"
-
+// One cell as binary glTF.
 #include <map>
 
 #include "core/formats/common/colour.h"
 #include "core/formats/gltf/glb_builder.h"
+#include "core/hierarchy/tiles/tileset_tree.h"
 
 namespace lodestone {
 namespace {
@@ -35,7 +35,7 @@ class CellEncoder {
     glb_.root["nodes"] = {{{"mesh", 0}, {"matrix", {s, 0, 0, 0, 0, 0, -s, 0, 0, s, 0, 0, 0, 0, 0, 1}}}};
   }
 
-  // In the order in which triangles come upon them.
+  // Numbers vertices in the order in which triangles use them.
   void number_vertices() {
     number_.assign(cell_.positions.size(), unseen);
     for (const Triangle& t : cell_.triangles)
@@ -77,7 +77,7 @@ class CellEncoder {
     if (hierarchy_.attributes.colours) attributes_["_PARENTCOLOR"] = add_colours(parent, cell_.parents);
   }
 
-  // By what a vertex of this cell is in the other one.
+  // `there`: vertices of `from` by vertex of this cell; empty: the same.
   std::size_t add_colours(const Cell& from, std::span<const std::uint32_t> there) {
     const std::size_t at = add_values(
         [&](std::uint32_t v) { return linear_colour(from.attributes.colours[there.empty() ? v : there[v]]); },

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/common/mesh_companions.h"
-#include "core/hierarchy/model/texture_levels.h"
+#include "core/formats/common/mesh_output.h"
+#include "core/hierarchy/model/level_mesh.h"
 
 namespace lodestone {
 namespace {
@@ -32,7 +32,7 @@ double area(Vec2f a, Vec2f b, Vec2f c) {
 }
 
 // Mean size of a texel on the triangles whose texture is a copy at this level, in normalised units; 0 without any.
-// Triangles that lie in one texel of the texture itself have one colour, and lose nothing.
+// Triangles inside one texel of the texture itself have one colour and lose nothing.
 double texel_size(const Hierarchy& hierarchy, const Cell& cell, int level) {
   if (hierarchy.texture_copies.empty() || !hierarchy.attributes.uv) return 0;
   std::vector<const TextureCopy*> copy_of;  // by material
@@ -73,9 +73,9 @@ class TreeEncoder {
   }
 
  private:
-  // At levels finest - n, finest - 2 n, ... of a large tree.
+  // True at levels finest - n, finest - 2 n, ... of a large tree.
   [[nodiscard]] bool is_cut(int level) const {
-    if (hierarchy_.cells.size() <= config_.most_tiles || level == 0 || level == hierarchy_.finest()) return false;
+    if (hierarchy_.cells.size() <= config_.max_tiles || level == 0 || level == hierarchy_.finest()) return false;
     return (hierarchy_.finest() - level) % config_.levels_per_file == 0;
   }
 
@@ -131,7 +131,7 @@ class TreeEncoder {
 
   void add_file(const std::string& path, json root, std::uint32_t cell) {
     json tileset{{"asset", {{"version", "1.1"}}}, {"geometricError", errors_[cell]}, {"root", std::move(root)}};
-    // What is missing where nothing is drawn is the model.
+    // If nothing is drawn, the error is the size of the model.
     if (cell == 0) {
       const auto [lo, hi] = hierarchy_.cells[0].bounds;
       const double size = hierarchy_.transform.scale * length(to_double(hi) - to_double(lo));

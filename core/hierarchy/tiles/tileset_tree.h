@@ -5,7 +5,9 @@
 // Large trees are cut: a tile whose content is another tileset (LEVEL/X_Y_Z.json) stands for a whole subtree.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,8 +17,8 @@
 namespace lodestone {
 
 struct TilesetConfig {
-  bool morph = false;             // whether tiles carry what a viewer needs to morph between levels
-  std::size_t most_tiles = 4096;  // a tree of more is cut
+  bool morph = false;             // tiles have the attributes that a viewer needs to morph between levels
+  std::size_t max_tiles = 4096;   // larger trees are cut
   int levels_per_file = 5;        // of the subtrees that are cut off, at least 1: about 1400 tiles of a surface
 };
 
@@ -30,13 +32,26 @@ struct TilesetFile {
 // The file of a texture as the level shows it.
 [[nodiscard]] std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int level);
 
-// How far a cell is from the model, in its unit: the measured error of the surface, or, when its textures are copies of
-// lower resolution, the mean size of their texels on it where that is more. 0 on the finest level.
+// Distance of a cell from the model, in its unit: the measured error of the surface, or, when its textures are copies
+// of lower resolution, the mean size of their texels on it if that is larger. 0 on the finest level.
 [[nodiscard]] double tile_error(const Hierarchy& hierarchy, std::uint32_t cell);
 
-// The tileset.json, followed by those it refers to. `errors` has one value per cell; what is written does not decrease
-// towards the root. Boxes lie in each other, grown by rounding errors. The root's transform is the origin of the model.
+// The tileset.json, followed by those it refers to. `errors` has one value per cell; the values written do not decrease
+// towards the root. Boxes contain those of their children, grown by rounding errors. The root's transform is the origin
+// of the model.
 [[nodiscard]] std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,
                                                        const TilesetConfig& config = {});
+
+// The URI, relative to the file, of a texture as the level shows it; `texture` is an index in Hierarchy::textures.
+using TextureUri = std::function<std::string(std::uint32_t texture)>;
+
+// One cell as binary glTF, the content of a tile. Positions are those of the cell, bit for bit: inside the unit cube, z
+// up. The matrix of the one node scales them to the model's size around its origin and turns them y up, as glTF has it;
+// copies of a vertex in several cells coincide under the same matrix. Vertices that no triangle uses are left out.
+// Materials are those that the cell uses, textures are linked. `morph` adds the values of each vertex's parent as
+// attributes (except for the root): _PARENT and _PARENTNORMAL, in the same coordinates, _PARENTTEXCOORD and
+// _PARENTCOLOR. The cell has triangles.
+[[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, std::uint32_t cell, bool morph,
+                                                     const TextureUri& texture_uri);
 
 }  // namespace lodestone

@@ -22,8 +22,8 @@ std::string place(int level, std::uint32_t cell, std::size_t vertex) {
 }
 
 bool is_tight_bound(float stored, double exact) {
-  constexpr double least = 1e-30;  // what rounding up may make of zero
-  return stored >= exact && stored <= exact * (1 + bound_slack) + least;
+  constexpr double smallest = 1e-30;  // rounding up may give this for zero
+  return stored >= exact && stored <= exact * (1 + bound_slack) + smallest;
 }
 
 namespace {

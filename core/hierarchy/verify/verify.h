@@ -1,7 +1,7 @@
-// Proof that a hierarchy is what the design says it is (docs/architecture.md, mathematics): written independently of
-// the builder, from the definitions, with sorting and plain loops. Every statement is recomputed from the payloads.
+// Verifies that a hierarchy satisfies the design (docs/architecture.md, mathematics). Written independently of the
+// builder, from the definitions, with sorting and plain loops. Every statement is recomputed from the payloads.
 //
-// Two things are taken from the definition and not recomputed otherwise: the barycentre in float that decides the cell
+// Two things follow the definition and are not recomputed in another way: the barycentre in float that decides the cell
 // of a triangle, and the fingerprint of a triangle. Lengths are evaluated in double; a stored bound must be no less
 // than the recomputed value and at most `bound_slack` of it more.
 #pragma once
@@ -17,7 +17,7 @@ namespace lodestone {
 struct VerifyCheck {
   std::string name;
   bool passed = false;
-  std::string detail;  // what was examined, or the first failure and the number of failures
+  std::string detail;  // the number of items examined, or the first failure and the number of failures
 };
 
 struct VerifyReport {
@@ -29,7 +29,7 @@ struct VerifyReport {
 inline constexpr double bound_slack = 1e-4;  // relative
 
 // The checks, in this order:
-//   structure      tables and payloads hang together: ranges, Morton order, children, counts, finite numbers
+//   structure      tables and payloads are consistent: ranges, Morton order, children, counts, finite numbers
 //   cells          a cell exists iff M_L has triangles below it
 //   partition      each triangle of M_L lies in the half-open cell of its barycentre; V_L(C) = vertices of M_L(C)
 //   identity       a shared id occurs in two cells or more, once in each; its copies have the same bits; on M_L equal
@@ -38,17 +38,17 @@ inline constexpr double bound_slack = 1e-4;  // relative
 //   vertices       V_{l-1}(C) = P(union of V_l over the children of C), as sets
 //   triangles      M_{l-1}(C) = image under P of M_l of the children without degenerate ones, as oriented multisets
 //   displacement   (1): d(v, P(v)) <= sigma0 h_l / 2, and the stored maximum of each cell
-//   lattice        if the model has a lattice, every vertex of every level stands on it
+//   lattice        if the model has a lattice, every vertex of every level is on it
 //   edges          stored longest edges and numbers of long half-edges; no long edge where M_L has none, and M_L has
 //                  none where edges were split
 //   boxes          B(C) is the box of V_l(C) and of the children's B
 //   reach          rho_l of both metrics and the largest diameter
-//   errors         on M_L what the lattice may have moved the input by (twice that when edges were split), 0 without
-//                  one. Estimated: a coarser cell's is at least a child's error + the distance of the child's vertices
-//                  from the surface of the coarser level, at most the worst child's error + displacement. Measured: at
-//                  least every child's, at least the distances of M_l(C) from M_L and of M_L below C from M_l at the
-//                  corners and middles of triangles and edges, at most all displacements together with the longest
-//                  edge. Both of a regular sample on large levels. e_l
+//   errors         on M_L the distance by which the lattice may have moved the input (twice that when edges were
+//                  split), 0 without one. Estimated: a coarser cell's is at least a child's error + the distance of the
+//                  child's vertices from the surface of the coarser level, at most the worst child's error +
+//                  displacement. Measured: at least every child's, at least the distances of M_l(C) from M_L and of M_L
+//                  below C from M_l at the corners and middles of triangles and edges, at most all displacements
+//                  together with the longest edge. Both of a regular sample on large levels. e_l
 //   fingerprint    every input triangle is there: number of triangles, of vertices, and fingerprint of M_L
 //   wedges         only with attributes: wedges of one vertex of M_L have parents at one position, level by level; the
 //                  corners of a triangle have one material, and P keeps it; finite texture coordinates

@@ -1,4 +1,4 @@
-// Inside verify: how a check collects its findings, and the groups of checks. See verify.h for what each one states.
+// Internals of verify: the collector of findings, and the groups of checks. verify.h documents each check.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace lodestone::verify {
 
-// Result of one check while it runs: how much was examined, how much failed, the first failure in words.
+// Result of one check while it runs: numbers of items examined and failed, the first failure in words.
 class Finding {
  public:
   explicit Finding(std::string name) : name_(std::move(name)) {}
 
-  // say() returns the failure in words; it is called for the first failure alone.
+  // say() returns the failure in words; it is called for the first failure only.
   template <typename Say>
   void require(bool holds, Say&& say) {
     ++examined_;
@@ -37,11 +37,11 @@ class Finding {
 [[nodiscard]] std::string place(int level, std::uint32_t cell);
 [[nodiscard]] std::string place(int level, std::uint32_t cell, std::size_t vertex);
 
-// stored is a bound of exact, and not much more.
+// True if `stored` is a bound of `exact` and at most bound_slack larger.
 [[nodiscard]] bool is_tight_bound(float stored, double exact);
 
-// Which stored vertices of a level are the same vertex: identity[first_vertex[cell - first_cell] + i] is the number of
-// the first stored copy of vertex i of the cell. Vertices without a shared id are their own first copy.
+// Identity of the stored vertices of a level: identity[first_vertex[cell - first_cell] + i] is the number of the first
+// stored copy of vertex i of the cell. Vertices without a shared id are their own first copy.
 struct LevelIdentity {
   std::uint32_t first_cell = 0;
   std::vector<std::uint32_t> first_vertex;  // one per cell of the level and one more
@@ -72,15 +72,14 @@ void check_parent_function(const Hierarchy& hierarchy, int level, const LevelIde
                            const LevelIdentity& coarse, Finding& parents);
 void check_images(const Hierarchy& hierarchy, int coarse_level, const LevelIdentity& coarse, Finding& vertices,
                   Finding& triangles);
-
-// verify_wedges.cpp: attributes, and which wedges belong to one vertex. The groups go to `vertex` of the identities.
+// With wedges: finds the wedges of one vertex. The groups go to `vertex` of the identities.
 void group_by_position(const Hierarchy& hierarchy, LevelIdentity& finest);
 // Also requires that wedges of one vertex have parents at one position.
 void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity& fine, LevelIdentity& coarse,
                       Finding& wedges);
-void check_wedges(const Hierarchy& hierarchy, Finding& wedges);
 
-// verify_textures.cpp: copies of textures.
+// verify_attributes.cpp: wedges and their materials; copies of textures.
+void check_wedges(const Hierarchy& hierarchy, Finding& wedges);
 void check_textures(const Hierarchy& hierarchy, Finding& textures);
 
 // verify_geometry.cpp: lengths, boxes, stored bounds.

@@ -1,5 +1,5 @@
-// Check of the errors, with search structures over whole levels: estimates of the builder, which looks around the
-// parents only, are made again; measured errors are compared with distances at sample points, both ways.
+// Check of the errors, with search structures over whole levels: estimates of the builder, which searches around the
+// parents only, are recomputed; measured errors are compared with distances at sample points, both ways.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace lodestone::verify {
 namespace {
 
-// What single precision in the builder may lose on a distance.
+// Rounding errors of a distance in the builder, in single precision.
 constexpr double relative_slack = 1e-4, absolute_slack = 1e-7;
 
 constexpr std::size_t vertices_measured = 250'000;  // per level, about
@@ -37,7 +37,8 @@ TriangleBvh surface_of(const Hierarchy& hierarchy, int level, bool with_points) 
   return TriangleBvh(positions, triangles);
 }
 
-// Estimated errors: a cell's covers those of its children and the way from their vertices to the coarser surface.
+// Estimated errors: that of a cell bounds those of its children plus the distances of their vertices from the coarser
+// surface.
 void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
   const Level& level = hierarchy.levels[static_cast<std::size_t>(coarse)];
   if (level.triangles == 0) return;
@@ -51,11 +52,11 @@ void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
     for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
       const Cell& child = hierarchy.cells[k];
       for (std::size_t v = 0; v < child.positions.size(); ++v) {
-        // Vertices that do not move say nothing.
+        // Vertices that do not move need no check.
         if (number++ % stride != 0 || child.positions[v] == cell.positions[child.parents[v]]) continue;
         const TriangleBvh::Nearest nearest = surface.nearest(to_double(child.positions[v]), hint);
         hint = nearest.slot;
-        // The image of an island that has collapsed is a point or a line: it counts, although nothing draws it.
+        // The image of an island that has collapsed is a point or a line: it counts, although it is not drawn.
         const double moved2 =
             squared_length(to_double(child.positions[v]) - to_double(cell.positions[child.parents[v]]));
         const double needed = double{child.error} + std::sqrt(std::min(nearest.squared_distance, moved2));
@@ -86,7 +87,7 @@ class MeasuredErrors {
     for (std::uint32_t k = 0; k < ancestor_.size(); ++k) ancestor_[k] = level.first_cell + k;
   }
 
-  // Levels one by one, beginning below the finest.
+  // Called for one level after the other, beginning below the finest.
   void check(int l) {
     for (std::uint32_t& cell : ancestor_) cell = hierarchy_.cells[cell].parent;
     const Level &level = hierarchy_.levels[static_cast<std::size_t>(l)], &fine = hierarchy_.levels.back();
@@ -104,7 +105,7 @@ class MeasuredErrors {
   }
 
  private:
-  // Of a triangle of `from`, a cell of the one level or the other.
+  // Compares a triangle of `from`, a cell of level `level` or of the finest, with the other surface.
   void compare(int level, std::uint32_t cell, const Cell& from, const Triangle& t, const TriangleBvh& surface) {
     const double error = hierarchy_.cells[cell].error;
     for (const Vec3d p : samples_of(from, t)) {
@@ -124,7 +125,7 @@ class MeasuredErrors {
   std::uint32_t hint_ = TriangleBvh::no_hint;
 };
 
-// What the finest level has: a corner of the input is at most half a diagonal of the lattice from its vertex, and so is
+// Error of the finest level: a corner of the input is at most half a diagonal of the lattice from its vertex, and so is
 // every point between; a new vertex on an edge is rounded once more.
 double moved_by_lattice(const Hierarchy& hierarchy) {
   const int bits = hierarchy.transform.lattice.bits;
@@ -132,11 +133,11 @@ double moved_by_lattice(const Hierarchy& hierarchy) {
   return (hierarchy.provenance.refined ? 2 : 1) * std::sqrt(0.75) * std::ldexp(1.0, -bits);
 }
 
-// Between which values a cell's error must lie whatever it is measured by: its own way from M_L is no longer than what
-// its vertices have moved, on all levels together. A measured error may be too large by the tolerance; and what is left
-// of a triangle that has collapsed to a segment are the segment's ends.
+// Range of a cell's error, estimated or measured: its distance from M_L is at most the sum of the movements of its
+// vertices on all levels. A measured error may be too large by the tolerance, and only the ends remain of a triangle
+// that has collapsed to a segment.
 struct Allowed {
-  double least = 0, most = 0;
+  double min = 0, max = 0;
 };
 constexpr double measured_slack = 0.06;
 
@@ -147,17 +148,17 @@ std::vector<Allowed> allowed_errors(const Hierarchy& hierarchy) {
   std::vector<double> moved(hierarchy.cells.size());
   for (std::size_t c = hierarchy.cells.size(); c-- > 0;) {
     const Cell& cell = hierarchy.cells[c];
-    if (cell.child_count == 0) allowed[c].least = allowed[c].most = moved_by_lattice(hierarchy);
+    if (cell.child_count == 0) allowed[c].min = allowed[c].max = moved_by_lattice(hierarchy);
     for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
       const Cell& child = hierarchy.cells[k];
       moved[c] = std::max(moved[c], moved[k] + child.max_displacement);
-      allowed[c].least = std::max(allowed[c].least, double{child.error});
-      allowed[c].most = measured ? std::max(allowed[c].most, double{child.error})
-                                 : std::max(allowed[c].most, double{child.error} + child.max_displacement);
+      allowed[c].min = std::max(allowed[c].min, double{child.error});
+      allowed[c].max = measured ? std::max(allowed[c].max, double{child.error})
+                                : std::max(allowed[c].max, double{child.error} + child.max_displacement);
     }
     if (measured && cell.child_count > 0)
-      allowed[c].most =
-          std::max(allowed[c].most, moved_by_lattice(hierarchy) + (1 + measured_slack) * (moved[c] + longest));
+      allowed[c].max =
+          std::max(allowed[c].max, moved_by_lattice(hierarchy) + (1 + measured_slack) * (moved[c] + longest));
   }
   return allowed;
 }
@@ -173,9 +174,9 @@ void check_errors(const Hierarchy& hierarchy, Finding& errors) {
     double largest = 0;
     for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
       const double error = hierarchy.cells[c].error;
-      errors.require(error >= allowed[c].least && error <= allowed[c].most * (1 + 1e-6), [&] {
+      errors.require(error >= allowed[c].min && error <= allowed[c].max * (1 + 1e-6), [&] {
         return place(l, c) + ": error " + std::to_string(error) + " stored, its children allow " +
-               std::to_string(allowed[c].least) + " to " + std::to_string(allowed[c].most);
+               std::to_string(allowed[c].min) + " to " + std::to_string(allowed[c].max);
       });
       largest = std::max(largest, error);
     }

@@ -8,12 +8,12 @@ namespace {
 
 double distance(Vec3f a, Vec3f b) { return length(to_double(a) - to_double(b)); }
 
-// Lengths that differ from sigma0 h_l by less than this share may be counted as long or not: float or double decides.
+// Edges whose length differs from sigma0 h_l by less than this share may count as long or not: float and double differ.
 constexpr double edge_slack = 1e-6;
 
 struct LevelEdges {
   double longest = 0;
-  std::uint64_t surely_long = 0, perhaps_long = 0;  // perhaps: includes surely
+  std::uint64_t surely_long = 0, perhaps_long = 0;  // perhaps_long includes surely_long
 };
 
 LevelEdges edges_of(const Hierarchy& hierarchy, int level) {

@@ -1,4 +1,4 @@
-// Checks of the finest level: its cells, its partition, and that it is the input.
+// Checks of the finest level: its cells, its partition, and its equality with the input.
 #include <algorithm>
 #include <numeric>
 
@@ -9,7 +9,7 @@
 namespace lodestone::verify {
 namespace {
 
-// Corners in file order, rotated so that the least comes first: equal iff the triangles are, with orientation.
+// Corners in file order, rotated so that the smallest comes first: equal iff the triangles and their orientations are.
 struct Corners {
   std::array<std::array<float, 3>, 3> p;
   friend bool operator==(const Corners&, const Corners&) = default;
@@ -23,7 +23,7 @@ Corners corners(Vec3f a, Vec3f b, Vec3f c) {
   return result;
 }
 
-// Triangles of a mesh, of whatever making: size() and corners of the i-th.
+// Corners of the triangles of a mesh, by number.
 class InputTriangles {
  public:
   explicit InputTriangles(const IndexedMesh& mesh) : mesh_(mesh) {}
@@ -58,8 +58,8 @@ class FinestTriangles {
   std::span<const Cell> cells_;
 };
 
-// What splitting edges beyond a limit makes of the input, triangle by triangle: the definition of core/mesh/refine.h
-// once more, without ids, since what is split and where follows from positions alone.
+// The parts of the input triangles after splitting edges beyond a limit: the definition of core/mesh/refine.h once
+// more, without ids, since the splits follow from positions alone.
 class RefinedTriangles {
  public:
   RefinedTriangles(const IndexedMesh& mesh, double longest) : lattice_(mesh.transform.lattice) {
@@ -81,7 +81,7 @@ class RefinedTriangles {
   [[nodiscard]] bool is_long(Vec3d p, Vec3d q) const { return dot(p - q, p - q) > limit2_; }
   [[nodiscard]] Vec3f rounded(Vec3d p) const { return lattice_ ? lattice_.nearest(p) : to_float(p); }
 
-  // Turned until the edges that are too long are bc and ca, or ab alone, or all, or none.
+  // Rotates the corners until the edges that are too long are bc and ca, or ab alone, or all, or none.
   void add(Vec3d a, Vec3d b, Vec3d c) {
     const bool ab = is_long(a, b), bc = is_long(b, c), ca = is_long(c, a);
     const Vec3d m = 0.5 * (a + b), n = 0.5 * (b + c), o = 0.5 * (c + a);
@@ -110,8 +110,8 @@ class RefinedTriangles {
   std::vector<Corners> parts_;
 };
 
-// Triangles bucketed by where their least corner lies: both sides are sorted and compared bucket by bucket, which keeps
-// the working set small and needs 8 bytes per triangle instead of 36.
+// Triangles in buckets by the position of their smallest corner: both sides are sorted and compared bucket by bucket,
+// which keeps the working set small and needs 8 bytes per triangle instead of 36.
 constexpr int bucket_level = 6;
 constexpr std::size_t bucket_count = std::size_t{1} << (3 * bucket_level);
 
@@ -151,7 +151,7 @@ std::string name_of(const Corners& t) {
   return text;
 }
 
-// Both as multisets, bucket by bucket.
+// Compares both as multisets, bucket by bucket.
 template <typename Given>
 void compare(const Given& given, std::uint64_t given_count, const FinestTriangles& kept, std::uint64_t kept_count,
              Finding& same) {
@@ -168,14 +168,14 @@ void compare(const Given& given, std::uint64_t given_count, const FinestTriangle
       while (at < shorter && a[at] == b[at]) ++at;
       const bool lost = at == b.size() || (at < a.size() && a[at] < b[at]);
       return name_of(lost ? a[at] : b[at]) +
-             (lost ? ": of the input, but not of the finest level" : ": of the finest level, but not of the input");
+             (lost ? ": in the input, but not in the finest level" : ": in the finest level, but not in the input");
     });
   }
 }
 
 }  // namespace
 
-// Structure already says that every coarse cell has children, so it is enough to look at the finest ones.
+// Every coarse cell has children (check_structure), so that the finest cells are enough.
 void check_cells(const Hierarchy& hierarchy, Finding& cells) {
   const Level& finest = hierarchy.levels.back();
   for (std::uint32_t c = finest.first_cell; c < finest.first_cell + finest.cell_count; ++c)
@@ -198,8 +198,9 @@ void check_partition(const Hierarchy& hierarchy, Finding& partition) {
     }
     for (std::size_t v = 0; v < cell.positions.size(); ++v) {
       const Vec3f p = cell.positions[v];
-      partition.require(used[v] != 0, [&] { return place(l, c, v) + ": of no triangle"; });
-      partition.require(Box3f{{0, 0, 0}, {1, 1, 1}}.contains(p), [&] { return place(l, c, v) + ": not in the root"; });
+      partition.require(used[v] != 0, [&] { return place(l, c, v) + ": no triangle uses it"; });
+      partition.require(Box3f{{0, 0, 0}, {1, 1, 1}}.contains(p),
+                        [&] { return place(l, c, v) + ": outside the root cell"; });
     }
   }
 }

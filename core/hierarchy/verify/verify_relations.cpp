@@ -1,12 +1,19 @@
 // Checks of identities and of the parent relation.
+//
+// In hierarchies with attributes several stored vertices (wedges) have one position. The wedges of one vertex are not
+// stored: on the finest level they follow from their positions; on coarser ones wedges belong to one vertex when P maps
+// wedges of one finer vertex to them.
 #include <algorithm>
 #include <cstring>
 #include <tuple>
 
+#include "core/base/disjoint_sets.h"
 #include "core/hierarchy/verify/verify_checks.h"
 
 namespace lodestone::verify {
 namespace {
+
+constexpr std::uint32_t none = 0xffff'ffffu;
 
 using Shared = LevelIdentity::Shared;
 
@@ -22,7 +29,36 @@ void for_runs(const std::vector<Shared>& shared, Body&& body) {
   }
 }
 
-// The same triangle, rotated so that its smallest vertex comes first: orientation kept, rotation forgotten.
+template <typename Body>
+void for_vertices(const Hierarchy& hierarchy, int level, Body&& body) {
+  std::uint32_t number = 0, c = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
+  for (const Cell& cell : hierarchy.cells_of(level)) {
+    for (std::uint32_t v = 0; v < cell.positions.size(); ++v) body(c, v, number++);
+    ++c;
+  }
+}
+
+// Position of the first copy of a vertex.
+struct Place {
+  float x, y, z;
+  std::uint32_t number;
+  [[nodiscard]] auto key() const { return std::tie(x, y, z); }  // -0 == +0
+};
+
+// The places of a level, by position, then by number.
+std::vector<Place> sorted_places(const Hierarchy& hierarchy, int level, const LevelIdentity& identity) {
+  std::vector<Place> places;
+  for_vertices(hierarchy, level, [&](std::uint32_t c, std::uint32_t v, std::uint32_t number) {
+    const Vec3f p = hierarchy.cells[c].positions[v];
+    if (identity.identity[number] == number) places.push_back({p.x, p.y, p.z, number});
+  });
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return std::tie(a.x, a.y, a.z, a.number) < std::tie(b.x, b.y, b.z, b.number);
+  });
+  return places;
+}
+
+// The same triangle, rotated so that its smallest vertex comes first; its orientation is kept.
 Triangle rotated(Triangle t) {
   std::rotate(t.v.begin(), std::min_element(t.v.begin(), t.v.end()), t.v.end());
   return t;
@@ -80,20 +116,7 @@ void check_copies(const Hierarchy& hierarchy, int level, const LevelIdentity& fi
 
 // One identity has one position (check_copies), so it is enough that different identities have different positions.
 void check_positions_distinct(const Hierarchy& hierarchy, const LevelIdentity& finest, Finding& identity) {
-  struct Place {
-    float x, y, z;
-    std::uint32_t number;
-    [[nodiscard]] auto key() const { return std::tie(x, y, z); }
-  };
-  std::vector<Place> places;
-  places.reserve(finest.identity.size());
-  std::uint32_t number = 0;
-  for (const Cell& cell : hierarchy.cells_of(hierarchy.finest()))
-    for (const Vec3f p : cell.positions) {
-      if (finest.identity[number] == number) places.push_back({p.x, p.y, p.z, number});  // -0 == +0 in what follows
-      ++number;
-    }
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.key() < b.key(); });
+  const std::vector<Place> places = sorted_places(hierarchy, hierarchy.finest(), finest);
   for (std::size_t i = 1; i < places.size(); ++i)
     identity.require(places[i - 1].key() != places[i].key(), [&] {
       const auto cell_of_number = [&](std::uint32_t n) {
@@ -155,7 +178,8 @@ void check_images(const Hierarchy& hierarchy, int coarse_level, const LevelIdent
     }
     const auto missed = std::find(reached.begin(), reached.end(), 0);
     vertices.require(missed == reached.end(), [&] {
-      return place(coarse_level, c, static_cast<std::size_t>(missed - reached.begin())) + ": no vertex's parent";
+      return place(coarse_level, c, static_cast<std::size_t>(missed - reached.begin())) +
+             ": not the parent of any vertex";
     });
 
     stored.resize(cell.triangles.size());
@@ -172,6 +196,38 @@ void check_images(const Hierarchy& hierarchy, int coarse_level, const LevelIdent
              (extra ? ": not the image of a triangle below" : ": image of a triangle below, but missing");
     });
   }
+}
+
+void group_by_position(const Hierarchy& hierarchy, LevelIdentity& finest) {
+  const std::vector<Place> places = sorted_places(hierarchy, hierarchy.finest(), finest);
+  finest.vertex = finest.identity;
+  for (std::size_t i = 1; i < places.size(); ++i)
+    if (places[i].key() == places[i - 1].key()) finest.vertex[places[i].number] = finest.vertex[places[i - 1].number];
+  for (std::size_t n = 0; n < finest.vertex.size(); ++n) finest.vertex[n] = finest.vertex[finest.identity[n]];
+}
+
+void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity& fine, LevelIdentity& coarse,
+                      Finding& wedges) {
+  DisjointSets groups(coarse.identity.size());
+  for (std::uint32_t n = 0; n < groups.size(); ++n) groups.unite(n, coarse.identity[n]);
+  struct Seen {
+    std::uint32_t parent = none;
+    Vec3f position;
+  };
+  std::vector<Seen> first(fine.vertex.size());  // of each finer vertex
+  for_vertices(hierarchy, level, [&](std::uint32_t c, std::uint32_t v, std::uint32_t number) {
+    const Cell& cell = hierarchy.cells[c];
+    const std::uint32_t parent = coarse.of(cell.parent, cell.parents[v]);
+    const Vec3f position = hierarchy.cells[cell.parent].positions[cell.parents[v]];
+    Seen& seen = first[fine.vertex[number]];
+    if (seen.parent == none) seen = {parent, position};
+    wedges.require(seen.position == position, [&] {
+      return place(level, c, v) + ": its parent has another position than that of another wedge there";
+    });
+    groups.unite(seen.parent, parent);
+  });
+  coarse.vertex.resize(groups.size());
+  for (std::uint32_t n = 0; n < groups.size(); ++n) coarse.vertex[n] = groups.find(n);
 }
 
 }  // namespace lodestone::verify

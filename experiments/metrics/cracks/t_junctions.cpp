@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <tuple>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/spatial/box_tree.h"
 #include "core/spatial/point_triangle.h"
 #include "experiments/metrics/drawn/drawn_mesh.h"
 
@@ -15,8 +15,6 @@ namespace lodestone {
 namespace {
 
 constexpr std::size_t edges_per_chunk = 1024;
-
-double axis(Vec3d p, std::size_t k) { return k == 0 ? p.x : k == 1 ? p.y : p.z; }
 
 // One number for all vertices at one place, in the order of places; -0 and +0 are one place.
 std::vector<std::uint32_t> weld(std::span<const Vec3d> positions) {
@@ -76,68 +74,6 @@ struct BorderVertex {
   std::uint32_t id = 0;
 };
 
-// Points in a balanced tree: the middle one of a range splits it along the axis on which the range is widest.
-class PointTree {
- public:
-  explicit PointTree(std::vector<BorderVertex> points) : points_(std::move(points)), split_(points_.size()) {
-    build(0, points_.size());
-  }
-  [[nodiscard]] std::size_t size() const { return points_.size(); }
-
-  // Calls visit(number, point) for all points within `distance` of the segment, and for some that are farther.
-  template <class Visit>
-  void near_segment(Vec3d a, Vec3d b, double distance, const Visit& visit) const {
-    descend(0, points_.size(), a, b, distance, visit);
-  }
-
- private:
-  void build(std::size_t begin, std::size_t end) {
-    if (begin >= end) return;
-    Vec3d lo = points_[begin].position, hi = lo;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3d p = points_[i].position;
-      lo = {std::min(lo.x, p.x), std::min(lo.y, p.y), std::min(lo.z, p.z)};
-      hi = {std::max(hi.x, p.x), std::max(hi.y, p.y), std::max(hi.z, p.z)};
-    }
-    const Vec3d extent = hi - lo;
-    const std::size_t k = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    const std::size_t middle = begin + (end - begin) / 2;
-    const auto at = [&](std::size_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(begin), at(middle), at(end), [k](const BorderVertex& p, const BorderVertex& q) {
-      return std::pair(axis(p.position, k), p.id) < std::pair(axis(q.position, k), q.id);
-    });
-    split_[middle] = static_cast<std::uint8_t>(k);
-    build(begin, middle);
-    build(middle + 1, end);
-  }
-
-  // The part of the segment on either side of the splitting plane, grown by the distance, is what its points can be
-  // near to.
-  template <class Visit>
-  void descend(std::size_t begin, std::size_t end, Vec3d a, Vec3d b, double distance, const Visit& visit) const {
-    if (begin >= end) return;
-    const std::size_t middle = begin + (end - begin) / 2, k = split_[middle];
-    const double plane = axis(points_[middle].position, k), from = axis(a, k), to = axis(b, k);
-    visit(middle, points_[middle]);
-    // Parameter of the segment at a height over the axis.
-    const auto cut = [&](double height) { return a + std::clamp((height - from) / (to - from), 0.0, 1.0) * (b - a); };
-    const bool rising = to > from;
-    if (std::min(from, to) <= plane + distance) {
-      const bool all = std::max(from, to) <= plane + distance;
-      descend(begin, middle, all || rising ? a : cut(plane + distance), all || !rising ? b : cut(plane + distance),
-              distance, visit);
-    }
-    if (std::max(from, to) >= plane - distance) {
-      const bool all = std::min(from, to) >= plane - distance;
-      descend(middle + 1, end, all || !rising ? a : cut(plane - distance), all || rising ? b : cut(plane - distance),
-              distance, visit);
-    }
-  }
-
-  std::vector<BorderVertex> points_;
-  std::vector<std::uint8_t> split_;
-};
-
 std::vector<BorderVertex> border_vertices(const std::vector<BorderEdge>& border, std::span<const Vec3d> positions) {
   std::vector<BorderVertex> points;
   for (const BorderEdge& edge : border)
@@ -157,9 +93,25 @@ double distance_inside(Vec3d p, Vec3d a, Vec3d b, double tolerance) {
   return inside ? std::sqrt(foot.squared_distance) : -1;
 }
 
+BoxTree tree_of(const std::vector<BorderVertex>& points) {
+  std::vector<BoxTree::Item> items(points.size());
+  for (std::uint32_t i = 0; i < items.size(); ++i) {
+    extend(items[i].box, points[i].position);
+    items[i].number = i;
+  }
+  return items.empty() ? BoxTree() : BoxTree(std::move(items), 4);
+}
+
+// More than the tolerance by what the tests of boxes may round off.
+double search_distance(std::span<const BorderVertex> points, double tolerance) {
+  double largest = 1;
+  for (const auto& [p, id] : points) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  return tolerance * (1 + 1e-9) + 1e-14 * largest;
+}
+
 struct Part {
   TJunctionReport report;
-  std::vector<std::uint32_t> vertices;  // numbers in the tree
+  std::vector<std::uint32_t> vertices;  // numbers of border vertices
 };
 
 void add_junction(double distance, Vec3d where, TJunctionReport& report) {
@@ -178,9 +130,9 @@ TJunctionReport t_junctions(std::span<const Vec3d> positions, std::span<const Tr
   if (!std::all_of(positions.begin(), positions.end(), [](Vec3d p) { return is_finite(p); }))
     throw InputError("T-junctions: a position is not finite; clean the mesh first");
   const std::vector<BorderEdge> border = border_edges(triangles, weld(positions));
-  const PointTree tree(border_vertices(border, positions));
-  // The tree cuts the segment in floating point: it is asked for a little more than what counts.
-  const double searched = tolerance * (1 + 1e-9) + 1e-15;
+  const std::vector<BorderVertex> points = border_vertices(border, positions);
+  const BoxTree tree = tree_of(points);
+  const double searched = search_distance(points, tolerance);
 
   std::vector<Part> parts(chunk_count(border.size(), edges_per_chunk));
   scheduler.for_chunks(border.size(), edges_per_chunk, [&](ChunkRange chunk) {
@@ -188,19 +140,29 @@ TJunctionReport t_junctions(std::span<const Vec3d> positions, std::span<const Tr
     for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
       const BorderEdge& edge = border[e];
       const Vec3d a = positions[edge.vertex[0]], b = positions[edge.vertex[1]];
-      tree.near_segment(a, b, searched, [&](std::size_t number, const BorderVertex& vertex) {
-        if (vertex.id == edge.end[0] || vertex.id == edge.end[1]) return;
-        const double distance = distance_inside(vertex.position, a, b, tolerance);
-        if (distance < 0) return;
-        add_junction(distance, vertex.position, part.report);
-        part.vertices.push_back(static_cast<std::uint32_t>(number));
+      const BoxLine line(a, b - a);
+      const auto accepts = [&](const Box3f& box) {
+        const auto [enter, leave] = line.clip(box, searched, 0, 1);
+        return enter <= leave;
+      };
+      tree.walk(accepts, [&](BoxTree::Slots slots) {
+        for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) {
+          const std::uint32_t number = tree.items()[slot];
+          const BorderVertex& vertex = points[number];
+          if (vertex.id == edge.end[0] || vertex.id == edge.end[1]) continue;
+          const double distance = distance_inside(vertex.position, a, b, tolerance);
+          if (distance < 0) continue;
+          add_junction(distance, vertex.position, part.report);
+          part.vertices.push_back(number);
+        }
+        return false;
       });
     }
   });
 
   TJunctionReport report;
   report.border_edges = border.size();
-  std::vector<std::uint8_t> lies(tree.size(), 0);
+  std::vector<std::uint8_t> lies(points.size(), 0);
   for (const Part& part : parts) {
     for (const std::uint32_t v : part.vertices) lies[v] = 1;
     if (part.report.junctions > 0 && (report.junctions == 0 || part.report.worst > report.worst)) {

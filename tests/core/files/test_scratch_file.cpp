@@ -76,7 +76,7 @@ TEST_F(ScratchFileTest, ErrorsNameTheFileAndARemedy) {
   expect(message([&] { (void)free_bytes(folder_ / "nowhere"); }), "nowhere: ");
   const auto file = ScratchFile::nameless(folder_);
   std::vector<std::byte> bytes(10);
-  expect(message([&] { file->read_at(0, bytes); }), "temporary data is gone");
+  expect(message([&] { file->read_at(0, bytes); }), "temporary data is missing");
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   expect(message([&] { ScratchFile::named("/dev/full")->write_at(0, bytes); }), "free some space");
 }

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "core/formats/gltf/glb_writer.h"
+#include "core/formats/gltf/gltf.h"
 
 namespace lodestone {
 namespace {

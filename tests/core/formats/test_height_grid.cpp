@@ -5,7 +5,6 @@
 #include <map>
 #include <random>
 
-#include "core/formats/terrain/grid_readers.h"
 #include "core/formats/terrain/height_grid.h"
 #include "tests/core/formats/io_test_util.h"
 #include "tests/test_data.h"
@@ -112,7 +111,7 @@ TEST(Srtm, HeightsAreBigEndianMetresAndTheNameTellsThePlace) {
 
 TEST(Srtm, Errors) {
   for (const char* name : {"tile.hgt", "X01E002.hgt", "N1E002.hgt", "N01E0x2.hgt", "N91E000.hgt", "N01E180.hgt"})
-    expect_error<InputError>("1234", MeshFormat::hgt, {name, "does not tell a corner"}, name);
+    expect_error<InputError>("1234", MeshFormat::hgt, {name, "not that of a corner"}, name);
   expect_error<InputError>("1234", MeshFormat::hgt, {"N01E002.hgt", "4 bytes", "1201 x 1201"}, "N01E002.hgt");
   expect_error<InputError>("", MeshFormat::hgt, {"empty"}, "N01E002.hgt");
   expect_error<InputError>(srtm_bytes(-32768), MeshFormat::hgt, {"no triangle"}, "N01E002.hgt");

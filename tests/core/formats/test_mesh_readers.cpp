@@ -4,7 +4,6 @@
 #include <string>
 
 #include "core/files/text_scanner.h"
-#include "core/formats/common/mesh_readers.h"
 #include "tests/core/formats/io_test_util.h"
 #include "tests/test_data.h"
 
@@ -194,7 +193,7 @@ TEST(Stl, SeveralSolidsAndPolygons) {
 TEST(Stl, Errors) {
   expect_error<InputError>("", stl, {"empty"});
   expect_error<InputError>("short", stl, {"84"});
-  expect_error<InputError>(binary_stl("", 3, 2), stl, {"byte 80", "3 facets", "holds 2"});
+  expect_error<InputError>(binary_stl("", 3, 2), stl, {"byte 80", "3 facets", "has 2"});
   expect_error<InputError>(binary_stl("solid", 3, 2), stl, {"byte 80", "3 facets"});
   expect_error<InputError>(binary_stl("", 0xFFFFFFFFu, 2), stl, {"truncated"});
   expect_error<InputError>(binary_stl("", 0, 0), stl, {"no triangle"});

@@ -7,7 +7,6 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
-#include "core/formats/mesh_writer.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/formats/common/texture_set.h"
+#include "core/formats/common/companion_files.h"
 #include "tests/core/formats/io_test_util.h"
 #include "tests/test_data.h"
 
@@ -125,7 +125,7 @@ TEST_F(ObjMaterialsTest, WhatIsMissingIsAWarningAndTheSurfaceStays) {
   folder_.write("text.png", "root:x:0:0::/:/bin/sh");
   const RawMesh textures = read("mtllib t.mtl\nusemtl m\nf 1 2 3\nusemtl n\nf 1 3 4\nusemtl m\nf 1 3 4\n");
   expect_warning(textures, {"m.obj: line 12", "t.mtl: line 2", "'no.jpg'", "cannot be found"});
-  expect_warning(textures, {"t.mtl: line 4", "'text.png'", "no PNG, JPEG"});
+  expect_warning(textures, {"t.mtl: line 4", "'text.png'", "not a PNG, JPEG"});
   EXPECT_EQ(textures.warnings.size(), 2u);
   for (const Material& material : textures.materials) EXPECT_EQ(material.base_colour, missing_texture_colour);
   EXPECT_TRUE(textures.textures.empty());

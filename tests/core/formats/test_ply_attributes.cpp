@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "core/formats/common/texture_set.h"
+#include "core/formats/common/companion_files.h"
 #include "tests/core/formats/io_test_util.h"
 
 namespace lodestone {
@@ -122,7 +122,7 @@ TEST_F(PlyTextures, CoordinatesAndNumbersOfFaces) {
   ASSERT_EQ(mesh.textures.size(), 2u);
   EXPECT_EQ(mesh.textures[1].name, "b c.png");
   EXPECT_EQ(mesh.materials[1].texture, 1u);
-  expect_warning(mesh, {"m.ply", "1 faces have not two texture coordinates"});
+  expect_warning(mesh, {"m.ply", "1 faces do not have two texture coordinates"});
 }
 
 TEST_F(PlyTextures, FacesBeforeVertices) {
@@ -209,12 +209,12 @@ TEST(Ply, ColoursOfFacesAreLeftOutWithAWarning) {
 TEST(Ply, BytesBehindTheLastElementAreAWarning) {
   const std::string text = small_ply("ascii", "", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\n  \n");
   EXPECT_EQ(read_bytes(text, MeshFormat::ply).warnings, std::vector<std::string>{});
-  expect_warning(read_bytes(text + "3 0 1 2\n", MeshFormat::ply), {"8 bytes behind the last element"});
+  expect_warning(read_bytes(text + "3 0 1 2\n", MeshFormat::ply), {"8 bytes after the last element"});
   const std::string binary =
       small_ply("binary_little_endian", "",
                 std::string("\0\0\0\1\0\0\0\1\0", 9) + Bytes().put(std::uint8_t{3}).put(0).put(1).put(2).str());
   EXPECT_EQ(read_bytes(binary, MeshFormat::ply).warnings, std::vector<std::string>{});
-  expect_warning(read_bytes(binary + "more", MeshFormat::ply), {"4 bytes behind the last element"});
+  expect_warning(read_bytes(binary + "more", MeshFormat::ply), {"4 bytes after the last element"});
 }
 
 }  // namespace

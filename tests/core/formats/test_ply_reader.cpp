@@ -195,7 +195,7 @@ TEST(Ply, HeaderErrorsNameTheLine) {
       {"no triangle", "1 vertices"});
   expect_error<InputError>(header("ascii", "element face 1000000000000\n"), ply, {"vertex_indices"});
   expect_error<InputError>(header("ascii", "element face 1\nproperty list uchar float vertex_indices\n") + "1 0", ply,
-                           {"no integers"});
+                           {"not integers"});
 }
 
 TEST(Ply, UnknownWordsBeforeTheFirstElementAreForgottenComments) {

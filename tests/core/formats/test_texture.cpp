@@ -7,8 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
-#include "core/hierarchy/lode/lode_assets.h"
-#include "core/hierarchy/model/texture_levels.h"
+#include "core/hierarchy/lode/lode_format.h"
+#include "core/hierarchy/model/level_mesh.h"
 #include "core/texture/downsample.h"
 
 namespace lodestone {
@@ -208,7 +208,7 @@ TEST(ImageCodec, RefusesFourInks) {
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
   ASSERT_EQ(tjCompress2(turbo, inks.data(), 16, 0, 16, TJPF_CMYK, &bytes, &size, TJSAMP_444, 90, 0), 0);
-  expect_refusal<UnsupportedError>({bytes, bytes + size}, "image/jpeg", "four inks");
+  expect_refusal<UnsupportedError>({bytes, bytes + size}, "image/jpeg", "CMYK");
   tjFree(bytes);
   tjDestroy(turbo);
 }
@@ -299,7 +299,7 @@ TEST(LodeAssets, CopiesComeBackInOrderOrNotAtAll) {
     change(other.texture_copies);
     return fault(other, true);
   };
-  const std::string wrong = "the copies of textures are not what they should be";
+  const std::string wrong = "the copies of textures are invalid";
   EXPECT_EQ(broken([](Copies& c) { c[2].texture = 2; }), wrong);
   EXPECT_EQ(broken([](Copies& c) { c[1].halvings = 3; }), wrong);
   EXPECT_EQ(broken([](Copies& c) { c[0].halvings = 0; }), wrong);

@@ -123,7 +123,7 @@ TEST_F(TilesetTest, BatchedModels) {
 }
 
 TEST_F(TilesetTest, Errors) {
-  expect_refusal<InputError>("{", {"tileset.json", "malformed JSON"});
+  expect_refusal<InputError>("{", {"tileset.json", "invalid JSON"});
   expect_refusal<InputError>("{}", {"no 'asset'"});
   expect_refusal<InputError>(R"({"asset": {"version": "1.0"}})", {"no 'root'"});
   expect_refusal<UnsupportedError>(tileset(tile("a.glb"), {{"version", "2.0"}}), {"asset", "'2.0'"});
@@ -136,7 +136,7 @@ TEST_F(TilesetTest, Errors) {
   expect_refusal<UnsupportedError>(tileset(tile("a.glb", {}, {{"implicitTiling", json::object()}})),
                                    {"implicit tiling"});
   expect_refusal<InputError>(tileset(tile("tileset.json")), {"256", "refer to itself"});
-  expect_refusal<InputError>(tileset(tile("")), {"holds no triangle"});
+  expect_refusal<InputError>(tileset(tile("")), {"has no triangle"});
   folder_.write("bad.glb", triangle_file().glb().substr(0, 100));
   expect_refusal<InputError>(tileset(tile("bad.glb")), {"bad.glb", "byte 8"});
 }

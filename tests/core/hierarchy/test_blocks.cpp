@@ -137,7 +137,7 @@ TEST_P(Blocks, LocksExactlyTheVerticesUsedOutside) {
       std::set<CellRank> inside;
       for (const CellRank p : block.parents)
         for (CellRank c = parents.first_child[p]; c < parents.first_child[p + 1]; ++c) inside.insert(c);
-      build_block(block, parents, build.cells[level], build.cells[level - 1], 1, {}, simplifier, scratch);
+      build_block({block, parents, build.cells[level], build.cells[level - 1], 1}, simplifier, scratch);
       for (std::size_t v = 0; v < scratch.ids.size(); ++v) {
         bool used_outside = false;
         for (const CellRank c : used_by.at(scratch.ids[v])) used_outside |= !inside.contains(c);
@@ -166,7 +166,7 @@ float error_at_the_root(const IndexedMesh& mesh, Simplifier& simplifier) {
   BlockScratch scratch;
   for (const Block& block : build.plan.blocks) {
     const auto level = static_cast<std::size_t>(block.level);
-    build_block(block, build.plan.levels[level - 1], build.cells[level], build.cells[level - 1], 1, {}, simplifier,
+    build_block({block, build.plan.levels[level - 1], build.cells[level], build.cells[level - 1], 1}, simplifier,
                 scratch);
   }
   return build.cells[0].front().error;

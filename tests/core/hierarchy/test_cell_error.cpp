@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/hierarchy/build/cell_error.h"
+#include "core/hierarchy/build/neighbourhood.h"
 #include "core/spatial/point_triangle.h"
 #include "tests/core/hierarchy/tiny_hierarchy.h"
 
@@ -82,7 +83,7 @@ Measured measure(const Hierarchy& hierarchy, double tolerance) {
       std::uint32_t begin = hierarchy.levels.back().cell_count, end = 0;
       for (std::uint32_t k = 0; k < hierarchy.levels.back().cell_count; ++k)
         if (is_below(hierarchy, first_finest + k, c)) begin = std::min(begin, k), end = std::max(end, k + 1);
-      result.error[c] = meter.measure(surface, c - level.first_cell, finest, begin, end, 0, 1e-9);
+      result.error[c] = meter.measure({surface, c - level.first_cell, finest, begin, end, 0, 1e-9});
     }
   }
   return result;
@@ -130,7 +131,7 @@ struct TwoLevels {
     hierarchy.cells[1].positions = fine;
     hierarchy.cells[1].triangles = fine_triangles;
     return CellErrorMeter({tolerance})
-        .measure(surface_of(hierarchy, 0), 0, surface_of(hierarchy, 1), 0, 1, known, 1e-9);
+        .measure({surface_of(hierarchy, 0), 0, surface_of(hierarchy, 1), 0, 1, known, 1e-9});
   }
 };
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-#include "core/hierarchy/model/edge_lengths.h"
+#include "core/hierarchy/build/cell_build.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/hierarchy/model/vertex_numbers.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode/lode_compress.h"
+#include "core/hierarchy/lode/lode_payload.h"
 #include "core/mesh/clean.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 

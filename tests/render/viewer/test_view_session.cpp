@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "core/base/error.h"
-#include "core/formats/mesh_writer.h"
+#include "core/formats/mesh_file.h"
 #include "core/hierarchy/lode/lode_file.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"

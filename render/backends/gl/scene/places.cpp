@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/hierarchy/lode/family.h"
+#include "core/hierarchy/lode/lode_payload.h"
 
 namespace lodestone {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/hierarchy/lode/family.h"
+#include "core/hierarchy/lode/lode_payload.h"
 #include "render/backends/gl/device/device.h"
 #include "render/backends/gl/shaders/draw_program.h"
 

@@ -1,0 +1,14 @@
+// Sizes in bytes as people write them, the same for all options.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace lodestone {
+
+// "2GiB", "1500MB", "4G", "1048576": a positive number and a unit, in any case. kB, MB, GB, TB are powers of 1000; KiB,
+// MiB, GiB, TiB and K, M, G, T powers of 1024. Empty for anything else and for 2^63 bytes and more.
+[[nodiscard]] std::optional<std::uint64_t> parse_byte_size(std::string_view text);
+
+}  // namespace lodestone
