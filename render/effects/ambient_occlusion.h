@@ -4,9 +4,10 @@
 //     colour = colour (1 - strength fog through min(1, o)),
 //     o = 5 / N sum over the points of max(0, 1 - t.t)^3 max(0, (t.n - bias) / (t.t + epsilon)),
 //
-// t being the way to what is seen at the point, over the radius, and n the normal, from the nearer of the neighbours'
-// depths. fog is the share of a surface's colour that fog lets through, through that of transparent layers: what is
-// hardly seen is hardly darkened. It is done once a pixel, with several samples by the depth of the first one.
+// t being the vector to the surface seen at the point, over the radius, and n the normal, from the nearer of the
+// neighbours' depths. fog is the share of a surface's colour that fog lets through, through that of transparent layers:
+// a hardly visible surface is hardly darkened. It is done once a pixel, with several samples by the depth of the first
+// one.
 #pragma once
 
 #include <array>

@@ -3,7 +3,7 @@
 //
 // Code for `gl` is source text, put together by render/backends/gl/shaders/draw_program.h. Code for `soft` is a
 // function on the lanes of a group of pixels (render/surface), put together by render/backends/soft/resolve_kernel.h.
-// It is compiled only where render/surface/lanes.h, which defines LODESTONE_SHADING_LANES, comes first.
+// It is compiled only after render/surface/lanes.h, which defines LODESTONE_SHADING_LANES.
 #pragma once
 
 #include <span>

@@ -82,11 +82,13 @@ struct DrawnMaps {
                                   Scheduler& scheduler);
 // Maps that were read; the report gets their spacing.
 [[nodiscard]] DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report);
-// `mesh`: what the maps show, for its attributes; null: not known. The maps are extended, and get normals, in place.
+// `mesh`: the mesh that the maps show, for its attributes; null: not known. The maps are extended, and get normals, in
+// place.
 [[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
                                      ReconstructReport& report, Scheduler& scheduler);
 
-// About so many triangles: the resolution is what the area suggests, found by trying where nothing is simplified.
+// Reconstructs about this number of triangles: the resolution follows from the area, or from trials if nothing is
+// simplified.
 [[nodiscard]] Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConfig config,
                                                       std::uint64_t triangles, Scheduler& scheduler);
 

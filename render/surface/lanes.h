@@ -1,4 +1,4 @@
-// Several floats or integers in a register: four with what every x86-64 has (or any processor that GCC and Clang
+// Vectors of floats or integers in a register: four with what every x86-64 has (or any processor that GCC and Clang
 // compile vectors for), eight with AVX2. A lane is a vertex, a triangle or a pixel and never looks at its neighbours;
 // every operation is one IEEE rounding, so that any width gives the same bytes.
 //
@@ -18,7 +18,7 @@
 #include "core/base/instruction_set.h"
 #include "core/math/vec3.h"
 
-// Where this is defined, effects (render/effects) have their code for lanes.
+// Effects (render/effects) have their code for lanes if this is defined.
 #define LODESTONE_SHADING_LANES
 
 namespace lodestone::soft::LODESTONE_LANES {

@@ -1,7 +1,7 @@
 // The surface that the pixels of a group see, and how the stages of shading read its corners.
 //
 // A *surface* is a triangle for each pixel of the group and the pixel's place on it, as weights of the corners. The
-// stages of shading (render/effects) fetch what they need of the corners themselves, and only of triangles in view.
+// stages of shading (render/effects) fetch the data of the corners themselves, and only of visible triangles.
 #pragma once
 
 #include <bit>

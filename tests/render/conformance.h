@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string>
@@ -166,6 +167,12 @@ inline void expect_conformance(const Image& image, const Image& reference, const
     elsewhere += std::abs(image.depth[i] - reference.depth[i]) > tolerance.depth;
   EXPECT_LE(static_cast<double>(elsewhere),
             std::max(1.0, tolerance.differing_share * static_cast<double>(image.depth.size())));
+}
+
+// For inspection: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
+inline void keep_picture(const std::string& name, const Image& image) {
+  if (const char* folder = std::getenv("LODESTONE_PICTURES"))
+    write_png(std::string(folder) + "/" + name + ".png", image);
 }
 
 }  // namespace lodestone::test

@@ -77,7 +77,7 @@ void GeometryStage::place_lambdas() {
   }
 }
 
-// A cell's triangles right after its vertices: those are still in the cache.
+// A cell's triangles are set up right after its vertices, which are still in the cache.
 template <int Samples>
 void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std::uint32_t> cells) {
   const Viewport viewport(pass.size);

@@ -1,5 +1,5 @@
 // Stages 1 and 2 for all cells of a pass: vertices to the window, triangles into the lists of tiles. The picture is one
-// pass; a shadow map, seen from the light, is another.
+// pass, a shadow map, seen from the light, another.
 #pragma once
 
 #include <memory>

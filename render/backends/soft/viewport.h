@@ -1,4 +1,5 @@
-// From clip space to the window, one vertex at a time: what the vertex stage does in lanes, and clipping needs.
+// From clip space to the window, one vertex at a time: the vertex stage does the same in lanes; clipping needs single
+// ones.
 #pragma once
 
 #include "render/backends/soft/raster_types.h"

@@ -1,8 +1,7 @@
 // Zipping within a box of space: the kernel of zip_seams, knows no threads.
 //
 // An advancing front from seam to seam: the incremental side of ball pivoting (bernardini1999) with the Delaunay choice
-// of the third vertex, restricted to the borders of pieces that are there already (turklevoy1994 zips by clipping
-// instead).
+// of the third vertex, restricted to the borders of existing pieces (turklevoy1994 zips by clipping instead).
 #pragma once
 
 #include <cstdint>

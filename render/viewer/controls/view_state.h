@@ -79,8 +79,7 @@ struct ActionKey {
 [[nodiscard]] const std::vector<ActionKey>& action_keys();
 [[nodiscard]] std::optional<Action> action_of(char key);
 
-// Changes the state as far as it alone is concerned; what the rest of the program has to do about it (pictures, paths,
-// moving home gently, the end) is left to it.
+// Changes the state alone; the rest of the work (pictures, paths, moving home gently, the end) is left to it.
 void apply(Action action, ViewState& state);
 
 // Starts to look at a new scene: camera, home, speed of flight, nothing frozen. The settings are kept.

@@ -1,5 +1,4 @@
 // Every backend draws the same scenes; pictures agree with those of `soft`, counts with those of `null`.
-#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <tuple>
@@ -11,12 +10,6 @@ namespace lodestone {
 namespace {
 
 using namespace lodestone::test;
-
-// For inspection: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
-void keep_picture(const std::string& name, const Image& image) {
-  if (const char* folder = std::getenv("LODESTONE_PICTURES"))
-    write_png(std::string(folder) + "/" + name + ".png", image);
-}
 
 class Conformance : public ::testing::TestWithParam<std::tuple<std::size_t, const char*>> {
  protected:

@@ -1,6 +1,5 @@
 // The effects that are passes or steps of their own: both backends draw the same, and what asks for nothing changes
 // nothing.
-#include <cstdlib>
 #include <tuple>
 
 #include "render/backends/soft/soft_renderer.h"
@@ -11,12 +10,6 @@ namespace lodestone {
 namespace {
 
 using namespace lodestone::test;
-
-// For inspection: with LODESTONE_PICTURES=DIR in the environment the pictures are written there.
-void keep_picture(const std::string& name, const Image& image) {
-  if (const char* folder = std::getenv("LODESTONE_PICTURES"))
-    write_png(std::string(folder) + "/" + name + ".png", image);
-}
 
 const std::vector<EffectScene>& scenes() {
   static const std::vector<EffectScene> all = effect_scenes();
