@@ -1,4 +1,4 @@
-// Levels of a progressive mesh and what moves between them: core/progressive/mesh/level.h and births.h.
+// Levels of a progressive mesh and what moves between them: core/progressive/mesh/level.h and activation.h.
 //
 // A mesh here: {vertexCount, baseVertices, positions (Float32Array, normalised), parents (Uint32Array), errors
 // (Float32Array, normalised), triangles (Uint32Array), origin, scale, and, where it has them, normals, uv, colours,
