@@ -26,7 +26,7 @@ void print_error(std::string message) {
   fmt::print(stderr, "lodestone: {}\n", message);
 }
 
-// What was not understood comes before what is missing: `lodestone biuld` is not a call without a subcommand.
+// An unknown word is reported before a missing one: `lodestone biuld` is not a call without a subcommand.
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
   const std::string command = given.empty() ? "lodestone" : "lodestone " + given.front()->get_name();
@@ -42,7 +42,7 @@ std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
 int run(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
-    // Results that did not reach a full disk are no success.
+    // Results that did not reach a full disk are an error.
     if (std::fflush(stdout) != 0) throw FileError(std::string("cannot write to standard output: ") + strerror(errno));
     return 0;
   } catch (const CLI::Success& e) {  // --help, --version

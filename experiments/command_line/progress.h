@@ -19,7 +19,7 @@ class Progress {
   // from here.
   void phase(std::string label);
 
-  // What the phase works through in all: `amount` of `unit`, shown beside the share, with the rate.
+  // The whole work of the phase is `amount` of `unit`, shown beside the share, with the rate.
   void measure(double amount, std::string unit);
 
   // Share done in [0, 1]; calls more often than ten times a second cost next to nothing.
@@ -34,7 +34,7 @@ class Progress {
   std::string label_, unit_;
   double amount_ = 0;   // in the phase; 0: not known
   bool shown_;          // may be shown at all
-  bool drawn_ = false;  // something stands on the line
+  bool drawn_ = false;  // the line is not empty
   Clock::time_point start_, phase_start_, last_;
 };
 

@@ -7,10 +7,13 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 
+#include "core/base/error.h"
 #include "core/files/atomic_file.h"
 
 namespace lodestone {
@@ -33,26 +36,50 @@ void on_interrupt(int signal) {
   std::_Exit(128 + signal);
 }
 
-}  // namespace
+namespace fs = std::filesystem;
 
-CLI::App& add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      const std::string& examples, const std::shared_ptr<CommonOptions>& common) {
-  CLI::App& command = *app.add_subcommand(name, description);
-  command.footer("Examples:\n" + examples);
-  command.add_option("--json", common->json, "Write results as JSON to this file (- for standard output)");
-  command.add_option("--threads", common->threads, "Number of threads; 0 takes all of the machine")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command.add_flag("--quiet", common->quiet, "No progress and no summary, errors only");
-  return command;
+// Also for names that do not exist yet.
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  if (fs::equivalent(a, b, ignored)) return true;
+  return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
 }
+
+// Pipes and devices: not replaced but written to, and not to be opened twice.
+bool is_stream(const std::string& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+void check_output(const FileArgument& output) {
+  if (is_stream(output.path)) return;
+  AtomicFile probe(output.path);  // never committed: the temporary goes, and a file of that name is kept
+  if (!output.extension.empty() && fs::path(output.path).extension() != output.extension)
+    throw InputError(describe(output.path, "", output.option + " must name a " + output.extension + " file"));
+}
+
+void refuse_same(const FileArgument& a, const FileArgument& b) {
+  if (is_stream(a.path) || !same_file(a.path, b.path)) return;
+  throw InputError(describe(a.path, "", "is given as " + a.option + " and as " + b.option,
+                            "the one would destroy the other; choose two names"));
+}
+
+}  // namespace
 
 std::unique_ptr<Scheduler> make_scheduler(const CommonOptions& common) { return make_tbb_scheduler(common.threads); }
 
 void check_files(const CommonOptions& common, const std::vector<FileArgument>& inputs,
                  std::vector<FileArgument> outputs) {
   if (!common.json.empty() && common.json != "-") outputs.push_back({"--json", common.json});
-  check_files(inputs, outputs);
+  for (const auto* list : std::initializer_list<const std::vector<FileArgument>*>{&inputs, &outputs})
+    for (const FileArgument& file : *list)
+      if (file.path.empty()) throw InputError(file.option + ": the file name is empty");
+  for (auto output = outputs.begin(); output != outputs.end(); ++output) {
+    for (const FileArgument& input : inputs) refuse_same(input, *output);
+    for (auto other = outputs.begin(); other != output; ++other) refuse_same(*other, *output);
+  }
+  for (const FileArgument& output : outputs) check_output(output);
 }
 
 const CancelFlag& interrupt_flag() {
@@ -76,7 +103,7 @@ void check_interrupt() {
   if (interrupted) throw Cancelled{};
 }
 
-void write_json(const CommonOptions& common, const nlohmann::json& result) {
+void write_result(const CommonOptions& common, const nlohmann::json& result) {
   if (common.json.empty()) return;
   // File names need not be UTF-8, JSON must.
   const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";

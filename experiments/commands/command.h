@@ -1,31 +1,30 @@
-// What the subcommands have in common: shared options, progress, interruption, results as JSON.
+// Common parts of the subcommands: names of files, interruption, results as JSON.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "experiments/commands/files.h"
+#include "experiments/commands/options.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 
-struct CommonOptions {
-  std::string json;  // file for machine-readable results; empty: none; "-": standard output
-  int threads = 0;   // 0: all that the machine has
-  bool quiet = false;
-};
-
-// A subcommand of `app` that runs `body` when it is given on the command line. --json, --threads and --quiet are added.
-CLI::App& add_command(CLI::App& app, const std::string& name, const std::string& description,
-                      const std::string& examples, const std::shared_ptr<CommonOptions>& common);
-
 [[nodiscard]] std::unique_ptr<Scheduler> make_scheduler(const CommonOptions& common);
 
-// check_files() with the file of --json among the outputs.
+struct FileArgument {
+  std::string option;          // as the user knows it: "IN", "--output"
+  std::string path;            // empty: given as an empty word
+  std::string extension = {};  // that an output must have, with its dot; empty: any
+};
+
+// Looks at the file names of a command line, the file of --json included, before any work: a typing error costs a line,
+// not a night or a model. Throws InputError when a name is empty or has another extension than asked for, or when an
+// output would replace an input or another output; FileError when an output cannot be created. Leaves no trace in any
+// folder. Inputs are not opened. Pipes and devices may be outputs under any name.
 void check_files(const CommonOptions& common, const std::vector<FileArgument>& inputs,
                  std::vector<FileArgument> outputs = {});
 
@@ -37,14 +36,14 @@ void install_interrupt_handler();
 [[nodiscard]] const CancelFlag& interrupt_flag();
 // Throws Cancelled when the flag is set.
 void check_interrupt();
-// What is printed when the command was interrupted, a line with its end; a literal.
+// The line, with its end, that is printed when the command is interrupted; a literal.
 void set_interrupt_line(const char* line);
 [[nodiscard]] const char* interrupt_line();
 // 128 + signal, once the flag is set.
 [[nodiscard]] int interrupt_status();
 
-// Written aside and renamed; "-" prints.
-void write_json(const CommonOptions& common, const nlohmann::json& result);
+// Writes the file of --json, aside and renamed; "-" prints.
+void write_result(const CommonOptions& common, const nlohmann::json& result);
 
 [[nodiscard]] nlohmann::json to_json(const StageTime& time);
 [[nodiscard]] nlohmann::json to_json(const Repairs& repairs);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "experiments/commands/command.h"
+#include "experiments/commands/schema.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/sweep/column_presence.h"
 #include "experiments/sweep/plan.h"
@@ -63,12 +64,22 @@ void print(const Experiment& experiment) {
                column.meaning, column.needs.empty() ? "" : " (" + needs_text(column) + ")");
 }
 
-void run(const std::string& name, const CommonOptions& common) {
+struct ExperimentsOptions {
+  std::string name;
+  bool schema = false;
+};
+
+void run(const ExperimentsOptions& options, const CommonOptions& common) {
   check_files(common, {});
-  const bool printed = !common.quiet && common.json != "-";
+  const std::string& name = options.name;
+  const bool printed = common.prints();
+  if (options.schema) {
+    fmt::print("{}", schema_text());
+    return;
+  }
   if (!name.empty()) {
     const Experiment& experiment = find_experiment(name);
-    write_json(common, experiment_json(experiment));
+    write_result(common, experiment_json(experiment));
     if (printed) print(experiment);
     return;
   }
@@ -77,21 +88,24 @@ void run(const std::string& name, const CommonOptions& common) {
     all.push_back(experiment_json(experiment));
     if (printed) fmt::print("{:<16} {}\n", experiment.name, experiment.question);
   }
-  write_json(common, all);
+  write_result(common, all);
+}
+
+OptionTable declare(ExperimentsOptions& o) {
+  return {{"NAME", &o.name, "One of them: its parameters and columns"},
+          {"--schema", &o.schema, "Print the keys of every command's JSON and the columns of every experiment"}};
 }
 
 }  // namespace
 
 void add_experiments(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto name = std::make_shared<std::string>();
-  CLI::App& command = add_command(app, "experiments", "List the experiments of sweeps with their questions",
-                                  "  lodestone experiments\n"
-                                  "  lodestone experiments probe\n"
-                                  "  lodestone experiments --json experiments.json\n",
-                                  common);
-  command.add_option("NAME", *name, "One of them: its parameters and columns");
-  command.callback([name, common] { run(*name, *common); });
+  define_command(app,
+                 {"experiments", "List the experiments of sweeps with their questions",
+                  "  lodestone experiments\n"
+                  "  lodestone experiments probe\n"
+                  "  lodestone experiments --json experiments.json\n"
+                  "  lodestone experiments --schema\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

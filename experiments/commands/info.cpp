@@ -11,6 +11,7 @@
 #include "core/simplify/block/simplifier.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
+#include "experiments/subjects/build.h"
 #include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
@@ -18,19 +19,6 @@
 
 namespace lodestone {
 namespace {
-
-nlohmann::json describe_level(const Hierarchy& h, std::size_t l) {
-  const Level& level = h.levels[l];
-  return {{"level", l},
-          {"cells", level.cell_count},
-          {"triangles", level.triangles},
-          {"vertices", level.vertices},
-          {"reach", {{"euclidean", level.reach[0]}, {"chebyshev", level.reach[1]}}},
-          {"diameter", level.diameter},
-          {"error_ratio", level.error},
-          {"max_edge_ratio", level.max_edge},
-          {"long_edges", level.long_edges}};
-}
 
 const char* name_of_errors(const Hierarchy& h) { return h.provenance.measured_errors ? "measured" : "estimated"; }
 
@@ -102,18 +90,18 @@ void describe_mesh(const InfoOptions& options, Scheduler& scheduler, const Commo
   const IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler, file);
   const EdgeCensus edges = count_edges(mesh.triangles, mesh.positions.size());
   const Vec3d o = mesh.transform.origin;
-  write_json(common, {{"file", file},
-                      {"triangles", mesh.triangles.size()},
-                      {"vertices", mesh.positions.size()},
-                      {"origin", {o.x, o.y, o.z}},
-                      {"scale", mesh.transform.scale},
-                      {"repairs", to_json(repairs)},
-                      {"warnings", warnings},
-                      {"edges", edges.edges},
-                      {"border_edges", edges.border},
-                      {"non_manifold_edges", edges.non_manifold},
-                      {"inconsistent_edges", edges.inconsistent}});
-  if (common.quiet || common.json == "-") return;
+  write_result(common, {{"file", file},
+                        {"triangles", mesh.triangles.size()},
+                        {"vertices", mesh.positions.size()},
+                        {"origin", {o.x, o.y, o.z}},
+                        {"scale", mesh.transform.scale},
+                        {"repairs", to_json(repairs)},
+                        {"warnings", warnings},
+                        {"edges", edges.edges},
+                        {"border_edges", edges.border},
+                        {"non_manifold_edges", edges.non_manifold},
+                        {"inconsistent_edges", edges.inconsistent}});
+  if (!common.prints()) return;
   fmt::print("{}: {} triangles, {} vertices\n", file, mesh.triangles.size(), mesh.positions.size());
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, mesh.transform.scale);
   print_warnings(warnings);
@@ -123,8 +111,6 @@ void describe_mesh(const InfoOptions& options, Scheduler& scheduler, const Commo
 
 void describe_hierarchy(const std::string& file, Scheduler& scheduler, const CommonOptions& common) {
   const Hierarchy h = load_lode(file, scheduler);
-  nlohmann::json levels = nlohmann::json::array();
-  for (std::size_t l = 0; l < h.levels.size(); ++l) levels.push_back(describe_level(h, l));
   const Vec3d o = h.transform.origin;
   const Stored stored = stored_in(h, file);
   const nlohmann::json result{
@@ -149,9 +135,10 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"bytes_per_stored_triangle", stored.bytes_per_triangle()},
       {"materials", h.materials.size()},
       {"textures", describe_textures(h)},
-      {"levels", levels}};
-  write_json(common, result);
-  if (common.quiet || common.json == "-") return;
+      {"levels", h.levels.size()},
+      {"level_table", level_table(h)}};
+  write_result(common, result);
+  if (!common.prints()) return;
   fmt::print("{}: {} triangles, {} vertices, sigma0 {}, simplifier {}\n", file, h.provenance.input_triangles,
              h.provenance.input_vertices, h.sigma0, name_of(static_cast<SimplifierKind>(h.provenance.simplifier)));
   fmt::print("{} triangles and {} vertices stored in {} bytes, {:.2f} per triangle{}\n", stored.triangles,
@@ -178,20 +165,21 @@ void run(const InfoOptions& options, const CommonOptions& common) {
   is_mesh(options) ? describe_mesh(options, *scheduler, common) : describe_hierarchy(options.file, *scheduler, common);
 }
 
+OptionTable declare(InfoOptions& o) {
+  return with_input_options(
+      {OptionSpec{"FILE", &o.file, std::string("Hierarchy (.lode), or mesh: ") + mesh_formats}.must()}, o.reading);
+}
+
 }  // namespace
 
 void add_info(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<InfoOptions>();
-  CLI::App& command = add_command(
-      app, "info", "Show the levels of a .lode file and the figures the guarantee rests on, or the edges of a mesh",
-      "  lodestone info scan.lode\n"
-      "  lodestone info scan.lode --json -\n"
-      "  lodestone info scan.ply\n",
-      common);
-  command.add_option("FILE", options->file, std::string("Hierarchy (.lode), or mesh: ") + mesh_formats)->required();
-  add_input_options(command, options->reading);
-  command.callback([options, common] { run(*options, *common); });
+  define_command(
+      app,
+      {"info", "Show the levels of a .lode file and the figures the guarantee rests on, or the edges of a mesh",
+       "  lodestone info scan.lode\n"
+       "  lodestone info scan.lode --json -\n"
+       "  lodestone info scan.ply\n"},
+      declare, run);
 }
 
 }  // namespace lodestone

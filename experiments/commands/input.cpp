@@ -16,7 +16,7 @@ namespace lodestone {
 namespace {
 
 [[noreturn]] void fail_grid(const std::string& text) {
-  throw InputError(describe("--grid", "", "'" + text + "' is no size and type of a grid",
+  throw InputError(describe("--grid", "", "'" + text + "' is not the size and type of a grid",
                             "give WIDTHxHEIGHT[:TYPE[:SPACING]], TYPE one of i16, u16, i32, f32, f64, with 'be' for "
                             "big-endian, such as 1197x643:i16:30"));
 }
@@ -35,17 +35,7 @@ bool parse(std::string_view text, T& value) {
   return error == std::errc{} && end == text.data() + text.size();
 }
 
-}  // namespace
-
-void add_input_options(CLI::App& command, InputOptions& options) {
-  command.add_flag("--fill-voids", options.fill_voids,
-                   "Height grids: interpolate posts without a height instead of leaving the surface open there");
-  command.add_option(
-      "--grid", options.grid,
-      "A file of bare heights (of no extension known): WxH[:TYPE[:SPACING]], rows from the north, TYPE "
-      "i16 (default), u16, i32, f32 or f64, little-endian unless 'be' follows; SPACING of posts, default 1");
-}
-
+// "WxH[:TYPE[:SPACING]]". Throws InputError for anything else.
 RawGridFormat parse_raw_grid(const std::string& text) {
   constexpr std::array<std::pair<std::string_view, ScalarType>, 5> types{{{"i16", ScalarType::int16},
                                                                           {"u16", ScalarType::uint16},
@@ -71,6 +61,18 @@ RawGridFormat parse_raw_grid(const std::string& text) {
   if (!spacing.empty() && !parse(spacing, format.spacing)) fail_grid(text);
   if (!(format.spacing > 0) || !std::isfinite(format.spacing)) fail_grid(text);
   return format;
+}
+
+}  // namespace
+
+OptionTable with_input_options(OptionTable table, InputOptions& options) {
+  table.push_back({"--fill-voids", &options.fill_voids,
+                   "Height grids: interpolate posts without a height instead of leaving the surface open there"});
+  table.push_back({"--grid", &options.grid,
+                   "A file of bare heights (of no extension known): WxH[:TYPE[:SPACING]], rows from the north, TYPE "
+                   "i16 (default), u16, i32, f32 or f64, little-endian unless 'be' follows; SPACING of posts, default "
+                   "1"});
+  return table;
 }
 
 ReadConfig read_config(const InputOptions& options, const std::vector<std::string>& files) {

@@ -1,11 +1,11 @@
 // Meshes given to the subcommands: their options, reading them, what is said about them.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "core/formats/common/read_config.h"
+#include "experiments/commands/options.h"
 
 namespace lodestone {
 
@@ -18,11 +18,8 @@ struct InputOptions {
   std::string grid;  // as given by --grid; empty: none
 };
 
-// Adds --fill-voids and --grid.
-void add_input_options(CLI::App& command, InputOptions& options);
-
-// "WxH[:TYPE[:SPACING]]". Throws InputError for anything else.
-[[nodiscard]] RawGridFormat parse_raw_grid(const std::string& text);
+// The options with --fill-voids and --grid after them.
+[[nodiscard]] OptionTable with_input_options(OptionTable table, InputOptions& options);
 
 // Throws InputError when --grid is given, but every file is of a format that its name tells.
 [[nodiscard]] ReadConfig read_config(const InputOptions& options, const std::vector<std::string>& files);

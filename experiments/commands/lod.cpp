@@ -17,7 +17,7 @@ namespace {
 struct LodOptions {
   std::string input, output;
   std::optional<std::uint32_t> vertices;
-  std::optional<std::size_t> triangles;
+  std::optional<std::uint64_t> triangles;
   std::optional<double> error;
   bool prefix = false;
 };
@@ -29,6 +29,8 @@ std::uint32_t choose(const LodOptions& options, const LevelFinder& levels, const
 }
 
 void run(const LodOptions& options, const CommonOptions& common) {
+  if (!options.vertices && !options.triangles && !options.error)
+    throw InputError("--vertices, --triangles or --error is required; see lodestone lod --help");
   check_files(common, {{"IN", options.input}}, {{"--output", options.output}});
   const ProgressiveMesh mesh = load_progressive(options.input, options.prefix);
   const LevelFinder levels(mesh);
@@ -40,46 +42,40 @@ void run(const LodOptions& options, const CommonOptions& common) {
     throw InputError(describe(options.input, "", "the level has no triangles", "ask for a finer one"));
   write_mesh(options.output, view_of(raw));
   const double error = levels.error_of(vertices) * mesh.transform.scale;
-  write_json(common, {{"input", options.input},
-                      {"output", options.output},
-                      {"vertices", vertices},
-                      {"triangles", raw.triangles.size()},
-                      {"error", error},
-                      {"level", to_json(time)},
-                      {"finest_vertices", mesh.vertex_count()},
-                      {"finest_triangles", mesh.triangles.size()},
-                      {"base_vertices", mesh.base_vertices}});
-  if (!common.quiet && common.json != "-")
+  write_result(common, {{"input", options.input},
+                        {"output", options.output},
+                        {"vertices", vertices},
+                        {"triangles", raw.triangles.size()},
+                        {"error", error},
+                        {"level", to_json(time)},
+                        {"finest_vertices", mesh.vertex_count()},
+                        {"finest_triangles", mesh.triangles.size()},
+                        {"base_vertices", mesh.base_vertices}});
+  if (common.prints())
     fmt::print("{}: {} triangles, {} vertices of {}, error {:g}\n", options.output, raw.triangles.size(), vertices,
                mesh.vertex_count(), error);
+}
+
+OptionTable declare(LodOptions& o) {
+  return {
+      OptionSpec{"IN", &o.input, "Progressive mesh (.lpm or .glb of `lodestone progressive`)"}.must(),
+      {"--vertices", &o.vertices, "Maximum number of vertices"},
+      OptionSpec{"--triangles", &o.triangles, "Maximum number of triangles"}.not_with({"--vertices"}),
+      OptionSpec{"--error", &o.error, "The coarsest level whose estimated error is at most this, in units of the model"}
+          .at_least(0)
+          .not_with({"--vertices", "--triangles"}),
+      {"--prefix", &o.prefix, "Accept an .lpm that ends early: the part of it that is there"},
+      OptionSpec{"-o,--output", &o.output, "Mesh to write: .ply, .obj, .stl or .glb"}.must()};
 }
 
 }  // namespace
 
 void add_lod(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<LodOptions>();
-  CLI::App& command = add_command(app, "lod", "Take a level of a progressive mesh",
-                                  "  lodestone lod statue.glb --triangles 5000 -o statue5k.ply\n"
-                                  "  lodestone lod scan.lpm --error 0.5 -o coarse.obj\n",
-                                  common);
-  command.add_option("IN", options->input, "Progressive mesh (.lpm or .glb of `lodestone progressive`)")->required();
-  CLI::Option* vertices = command.add_option("--vertices", options->vertices, "At most so many vertices");
-  CLI::Option* triangles = command.add_option("--triangles", options->triangles, "At most so many triangles");
-  CLI::Option* error =
-      command
-          .add_option("--error", options->error,
-                      "The coarsest level whose estimated error is at most this, in units of the model")
-          ->check(CLI::NonNegativeNumber);
-  vertices->excludes(triangles)->excludes(error);
-  triangles->excludes(error);
-  command.add_flag("--prefix", options->prefix, "Accept an .lpm that ends early: what there is of it");
-  command.add_option("-o,--output", options->output, "Mesh to write: .ply, .obj, .stl or .glb")->required();
-  command.callback([options, common] {
-    if (!options->vertices && !options->triangles && !options->error)
-      throw CLI::RequiredError("--vertices, --triangles or --error");
-    run(*options, *common);
-  });
+  define_command(app,
+                 {"lod", "Take a level of a progressive mesh",
+                  "  lodestone lod statue.glb --triangles 5000 -o statue5k.ply\n"
+                  "  lodestone lod scan.lpm --error 0.5 -o coarse.obj\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

@@ -161,32 +161,32 @@ void run(const PageOptions& options, const CommonOptions& common) {
   check_interrupt();
   folder.commit();
   progress.clear();
-  write_json(common, {{"folder", options.output}, {"models", models}});
-  if (!common.quiet && common.json != "-")
+  write_result(common, {{"folder", options.output}, {"models", models}});
+  if (common.prints())
     fmt::print("{}: a page with {} models; show it with scripts/page {} or any web server\n", options.output,
                models.size(), options.output);
+}
+
+OptionTable declare(PageOptions& o) {
+  return with_input_options(
+      {OptionSpec{"IN", &o.inputs,
+                  std::string("Models: progressive (.lpm, .glb), hierarchies (.lode), tilesets of `lodestone export "
+                              "--tiles --morph`, or meshes to make progressive: ") +
+                      mesh_formats}
+           .must(),
+       OptionSpec{"-o,--output", &o.output, "Folder to write, new or empty"}.must(),
+       {"--metric", &o.metric, "Metric for meshes that are made progressive, as for `lodestone progressive`"}},
+      o.reading);
 }
 
 }  // namespace
 
 void add_page(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<PageOptions>();
-  CLI::App& command = add_command(app, "page", "Write a static web page that shows models at any level",
-                                  "  lodestone page scan.ply statue.obj -o page\n"
-                                  "  lodestone page scan.lpm city.lode tileset -o page\n",
-                                  common);
-  command
-      .add_option("IN", options->inputs,
-                  std::string("Models: progressive (.lpm, .glb), hierarchies (.lode), tilesets of `lodestone export "
-                              "--tiles --morph`, or meshes to make progressive: ") +
-                      mesh_formats)
-      ->required();
-  command.add_option("-o,--output", options->output, "Folder to write, new or empty")->required();
-  command.add_option("--metric", options->metric, "Of meshes that are made progressive, as of `lodestone progressive`")
-      ->capture_default_str();
-  add_input_options(command, options->reading);
-  command.callback([options, common] { run(*options, *common); });
+  define_command(app,
+                 {"page", "Write a static web page that shows models at any level",
+                  "  lodestone page scan.ply statue.obj -o page\n"
+                  "  lodestone page scan.lpm city.lode tileset -o page\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

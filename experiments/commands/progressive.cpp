@@ -1,18 +1,12 @@
 // lodestone progressive: a mesh that any level can be taken from, on one parent index per vertex.
+#include "experiments/subjects/progressive.h"
+
 #include <fmt/core.h>
 
-#include "core/base/error.h"
 #include "core/progressive/mesh/level.h"
-#include "core/progressive/progressive_file.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/metrics/cost/cost.h"
-#include "experiments/metrics/cracks/progressive_cracks.h"
-#include "parallel/clean/prepare.h"
-#include "parallel/mesh/load.h"
-#include "parallel/progressive/make_progressive.h"
-#include "parallel/scheduler/clock.h"
 
 namespace lodestone {
 namespace {
@@ -20,123 +14,99 @@ namespace {
 struct ProgressiveOptions {
   std::string input, output, metric = "quadric";
   InputOptions reading;
-  ProgressiveConfig config;
-  ProgressiveFileConfig file;
-  bool no_attributes = false, no_normals = false;
+  std::uint64_t base_triangles = 0;
+  std::uint32_t position_bits = LpmConfig{}.position_bits, uv_bits = LpmConfig{}.uv_bits;
+  bool no_attributes = false, no_normals = false, compress = false;
   std::uint32_t check_levels = 0;
 };
 
-// By kilobytes of geometry, so that textures do not hide what vertices cost.
-double per_vertex(std::size_t bytes, const ProgressiveMesh& mesh) {
-  return static_cast<double>(bytes) / static_cast<double>(mesh.positions.size());
+ProgressiveJob job_of(const ProgressiveOptions& options) {
+  ProgressiveJob job;
+  job.input = options.input;
+  job.output = options.output;
+  job.reading = read_config(options.reading, {options.input});
+  job.reading.attributes = !options.no_attributes;
+  job.normals = !options.no_normals;
+  job.config.metric = progressive::metric_kind(options.metric);
+  job.config.base_triangles = options.base_triangles;
+  job.file.lpm.position_bits = options.position_bits;
+  job.file.lpm.uv_bits = options.uv_bits;
+  job.file.compress_glb = options.compress;
+  job.check_levels = options.check_levels;
+  return job;
 }
 
-RawMesh read(const ProgressiveOptions& options, Scheduler& scheduler) {
-  ReadConfig reading = read_config(options.reading, {options.input});
-  reading.attributes = !options.no_attributes;
-  RawMesh raw = load_mesh(options.input, scheduler, reading);
-  if (options.no_normals) raw.wedges.normal.clear();
-  return raw;
+nlohmann::json to_json(const ProgressiveResult& result, const ProgressiveOptions& options) {
+  using lodestone::to_json;
+  nlohmann::json json = without_nulls(to_row(result));
+  json.update(
+      {{"input", options.input},
+       {"output", options.output},
+       {"metric", options.metric},
+       {"base_error", LevelFinder(result.mesh).error_of(result.mesh.base_vertices) * result.mesh.transform.scale},
+       {"collapse_rounds", result.report.rounds},
+       {"repairs", to_json(result.repairs)},
+       {"warnings", result.warnings}});
+  return json;
+}
+
+void print(const ProgressiveResult& result, const ProgressiveOptions& options) {
+  const Row row = to_row(result);
+  const auto number = [&](const char* column) { return row.at(column).get<double>(); };
+  fmt::print("{}: {} triangles to a base of {} in {:.2f} s, {:.0f} thousand per core-second\n", options.output,
+             number("input_triangles"), number("base_triangles"), number("seconds"), number("ktri_per_core_second"));
+  fmt::print("{} vertices, {:.2f} bytes each, {:.1f} kB to the first picture\n", number("finest_vertices"),
+             number("bytes_per_vertex"), number("base_bytes") / 1000);
+  print_repairs(result.repairs);
+  if (result.report.cut_vertices > 0)
+    fmt::print("cut apart where it is not a manifold: {} edges, {} vertices copied\n", number("cut_edges"),
+               number("cut_vertices"));
+  if (result.residual_edges)
+    fmt::print("residual edges at {} levels: {}\n", options.check_levels, *result.residual_edges);
+  print_warnings(result.warnings);
 }
 
 void run(const ProgressiveOptions& options, const CommonOptions& common) {
-  ProgressiveConfig config = options.config;
-  config.metric = progressive::metric_kind(options.metric);
+  ProgressiveJob job = job_of(options);
   const bool lpm = options.output.ends_with(".lpm");
   check_files(common, {{"IN", options.input}}, {{"--output", options.output, lpm ? ".lpm" : ".glb"}});
-  const auto scheduler = make_scheduler(common);
   Progress progress("reading", common.quiet);
-  progress.phase("reading");
-  RawMesh raw = read(options, *scheduler);
-  const std::vector<std::string> warnings = std::move(raw.warnings);
-  Repairs repairs;
-  IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, *scheduler, options.input);
-  check_interrupt();
-  progress.phase("collapsing");
-  const CpuClock clock;
-  ProgressiveReport report;
-  const ProgressiveMesh made = make_progressive(std::move(mesh), config, *scheduler, report);
-  const StageTime time = clock.elapsed();
-  check_interrupt();
-  progress.phase("writing");
-  const ProgressiveFileSize size = save_progressive(made, options.output, options.file);
+  job.on_phase = [&](const std::string& phase) { progress.phase(phase); };
+  const ProgressiveResult result = run(job, *make_scheduler(common));
   progress.clear();
-  const auto faces = static_cast<double>(made.triangles.size());
-  const LevelFinder levels(made);
-  nlohmann::json cracks;
-  if (options.check_levels > 0) cracks = residual_edges_of_levels(made, options.check_levels);
-  write_json(common, {{"input", options.input},
-                      {"output", options.output},
-                      {"residual_edges", cracks},
-                      {"metric", options.metric},
-                      {"triangles", made.triangles.size()},
-                      {"vertices", made.vertex_count()},
-                      {"base_triangles", levels.triangles_of(made.base_vertices)},
-                      {"base_vertices", made.base_vertices},
-                      {"base_error", levels.error_of(made.base_vertices) * made.transform.scale},
-                      {"cut_vertices", report.cut_vertices},
-                      {"cut_edges", report.cut_edges},
-                      {"rounds", report.rounds},
-                      {"repairs", to_json(repairs)},
-                      {"warnings", warnings},
-                      {"collapse", to_json(time)},
-                      {"faces_per_cpu_second", faces / std::max(time.cpu_seconds, 1e-9)},
-                      {"bytes", size.bytes},
-                      {"geometry_bytes", size.geometry},
-                      {"base_bytes", size.base},
-                      {"bytes_per_vertex", per_vertex(size.geometry, made)},
-                      {"peak_bytes", peak_resident_bytes()}});
-  if (common.quiet || common.json == "-") return;
-  fmt::print("{}: {} triangles to a base of {} in {:.2f} s, {:.0f} thousand per core-second\n", options.output,
-             made.triangles.size(), levels.triangles_of(made.base_vertices), time.seconds,
-             faces / std::max(time.cpu_seconds, 1e-9) / 1000);
-  fmt::print("{} vertices, {:.2f} bytes each, {:.1f} kB to the first picture\n", made.vertex_count(),
-             per_vertex(size.geometry, made), static_cast<double>(size.base) / 1000);
-  print_repairs(repairs);
-  if (report.cut_vertices > 0)
-    fmt::print("cut apart where it is no manifold: {} edges, {} vertices copied\n", report.cut_edges,
-               report.cut_vertices);
-  if (options.check_levels > 0) fmt::print("residual edges at {} levels: {}\n", options.check_levels, cracks.dump());
-  print_warnings(warnings);
+  write_result(common, to_json(result, options));
+  if (common.prints()) print(result, options);
+}
+
+OptionTable declare(ProgressiveOptions& o) {
+  return with_input_options(
+      {OptionSpec{"IN", &o.input, std::string("Mesh: ") + mesh_formats}.must(),
+       OptionSpec{"-o,--output", &o.output,
+                  ".glb (every viewer shows it, nothing is lost) or .lpm (small, quantized, draws while it loads)"}
+           .must(),
+       {"--metric", &o.metric,
+        "quadric: geometry alone; attribute-quadric: with normals, colours and texture coordinates; parametric: the "
+        "largest distance between points of equal texture coordinates"},
+       {"--base", &o.base_triangles, "Triangles to stop at; 0: when nothing can collapse"},
+       OptionSpec{"--position-bits", &o.position_bits, ".lpm: 2 to this power steps over the model"}.between(4, 20),
+       OptionSpec{"--uv-bits", &o.uv_bits, ".lpm: the same over the texture coordinates"}.between(4, 20),
+       {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"},
+       {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
+       {"--no-normals", &o.no_normals,
+        "Leave out its normals, which make every edge a seam where faces are shaded flat"},
+       OptionSpec{"--check-levels", &o.check_levels, "Number of levels at which cracks (residual edges) are counted"}
+           .between(0, 1000)},
+      o.reading);
 }
 
 }  // namespace
 
 void add_progressive(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<ProgressiveOptions>();
-  CLI::App& command =
-      add_command(app, "progressive", "Make a progressive mesh: any level by vertices, triangles or error",
+  define_command(app,
+                 {"progressive", "Make a progressive mesh: any level by vertices, triangles or error",
                   "  lodestone progressive scan.ply -o scan.lpm\n"
-                  "  lodestone progressive statue.obj -o statue.glb --metric attribute-quadric --base 2000\n",
-                  common);
-  command.add_option("IN", options->input, std::string("Mesh: ") + mesh_formats)->required();
-  command
-      .add_option("-o,--output", options->output,
-                  ".glb (every viewer shows it, nothing is lost) or .lpm (small, quantized, draws while it loads)")
-      ->required();
-  command
-      .add_option("--metric", options->metric,
-                  "quadric: geometry alone; attribute-quadric: with normals, colours and texture coordinates; "
-                  "parametric: the largest distance between points of equal texture coordinates")
-      ->capture_default_str();
-  command.add_option("--base", options->config.base_triangles, "Triangles to stop at; 0: when nothing can collapse")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command.add_option("--position-bits", options->file.lpm.position_bits, ".lpm: steps over the model are 2 to so many")
-      ->check(CLI::Range(4, 20))
-      ->capture_default_str();
-  command.add_option("--uv-bits", options->file.lpm.uv_bits, ".lpm: the same over the texture coordinates")
-      ->check(CLI::Range(4, 20))
-      ->capture_default_str();
-  command.add_flag("--compress", options->file.compress_glb, ".glb: by EXT_meshopt_compression, without loss");
-  command.add_flag("--no-attributes", options->no_attributes, "Leave out what the mesh has besides its shape");
-  command.add_flag("--no-normals", options->no_normals,
-                   "Leave out its normals, which make every edge a seam where faces are shaded flat");
-  command.add_option("--check-levels", options->check_levels, "Count cracks (residual edges) at so many levels")
-      ->check(CLI::Range(0, 1000));
-  add_input_options(command, options->reading);
-  command.callback([options, common] { run(*options, *common); });
+                  "  lodestone progressive statue.obj -o statue.glb --metric attribute-quadric --base 2000\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

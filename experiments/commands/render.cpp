@@ -1,4 +1,6 @@
 // lodestone render: a camera path through a scene; pictures, times, and the proof of every frame.
+#include "experiments/subjects/render.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -6,12 +8,11 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "experiments/command_line/byte_size.h"
 #include "experiments/command_line/picture_writer.h"
 #include "experiments/command_line/progress.h"
+#include "experiments/command_line/sizes.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "experiments/flights/flight.h"
 #include "experiments/metrics/cracks/adversary.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
@@ -32,17 +33,8 @@ struct RenderOptions {
   float beta = RadiiConfig{}.beta, delta = 0;
   bool allow_inadmissible = false, tint = false, no_metrics = false, explain = false, cull_occluded = false,
        cull_back_faces = false, measure_screen = false, select_on_device = false;
-  std::uint64_t memory_budget = 0;  // bytes; 0: the whole file
+  Bytes memory_budget;  // 0: the whole file
 };
-
-ImageSize parse_size(const std::string& text) {
-  ImageSize size;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 1 ||
-      size.height < 1 || size.width > 16384 || size.height > 16384)
-    throw InputError("--size " + text + ": not a picture size; write WIDTHxHEIGHT, each from 1 to 16384");
-  return size;
-}
 
 DistanceMetric parse_metric(const std::string& name) {
   if (name == "euclidean") return DistanceMetric::euclidean;
@@ -92,7 +84,7 @@ std::vector<FileArgument> input_files(const RenderOptions& options) {
   return files;
 }
 
-// What the options change of the scene.
+// Applies the options that replace settings of the scene.
 void apply(const RenderOptions& options, Scene& scene) {
   scene.radii = radii_config(options, scene.radii);
   if (options.blend_name) scene.blend = blend(*options.blend_name);
@@ -127,7 +119,7 @@ std::vector<std::string> names_of(const Scene& scene) {
   return names;
 }
 
-nlohmann::json to_json(const std::vector<PlannedEffect>& plan, const std::vector<std::string>& names) {
+nlohmann::json plan_json(const std::vector<PlannedEffect>& plan, const std::vector<std::string>& names) {
   nlohmann::json rows = nlohmann::json::array();
   for (const PlannedEffect& planned : plan) {
     nlohmann::json reasons = nlohmann::json::object();
@@ -137,29 +129,11 @@ nlohmann::json to_json(const std::vector<PlannedEffect>& plan, const std::vector
   return rows;
 }
 
-nlohmann::json to_json(const FlightResult& result, bool measured, bool streamed) {
-  nlohmann::json frames = nlohmann::json::array();
-  for (const FrameRow& row : result.frames) {
-    nlohmann::json frame{{"cells", row.cells}, {"triangles", row.triangles}, {"milliseconds", row.milliseconds}};
-    frame.update({{"work", row.work}, {"drawn", row.drawn}});
-    if (row.draw_calls > 0) frame["draw_calls"] = row.draw_calls;
-    if (row.screen_error > 0) frame["screen_error"] = row.screen_error;
-    if (streamed) frame.update({{"resident_bytes", row.resident_bytes}, {"complete", row.complete}});
-    if (measured)
-      frame.update({{"selected_triangles", row.selected_triangles},
-                    {"open_edges", row.open_edges},
-                    {"gap_max", row.gap_max},
-                    {"max_jump", row.max_jump},
-                    {"jump_over_bound", row.jump_over_bound}});
-    frames.push_back(std::move(frame));
-  }
-  nlohmann::json json{
-      {"admissible", result.admissible}, {"frames", frames}, {"milliseconds_median", result.milliseconds_median}};
-  if (result.screen_error_max > 0) json["screen_error_max"] = result.screen_error_max;
-  if (measured) {
-    json["cracks"] = {{"open_edges_max", result.open_edges_max}, {"gap_max", result.gap_max}};
-    json["pops"] = {{"jump_over_bound_max", result.jump_over_bound_max}};
-  }
+nlohmann::json frame_json(const FrameResult& frame, bool streamed) {
+  nlohmann::json json = without_nulls(to_row(frame));
+  json.update({{"milliseconds", frame.milliseconds}, {"work", frame.work}, {"drawn", frame.drawn}});
+  if (frame.draw_calls > 0) json["draw_calls"] = frame.draw_calls;
+  if (streamed) json.update({{"resident_bytes", frame.resident_bytes}, {"complete", frame.complete}});
   return json;
 }
 
@@ -174,157 +148,208 @@ std::unique_ptr<Renderer> renderer_or_soft(const std::string& backend, Scheduler
   }
 }
 
+// A scene that is open, before a camera, and the renderer that draws it.
+class Flight {
+ public:
+  Flight(const RenderOptions& options, const CommonOptions& common)
+      : options_(options), common_(common), scheduler_(make_scheduler(common)), progress_("rendering", common.quiet) {}
+
+  void run() {
+    open();
+    configure();
+    const RenderResult result = fly();
+    progress_.clear();
+    if (common_.prints()) print_warnings(result.warnings);
+    if (options_.explain && common_.json != "-") fmt::print("{}", to_text(plan_, names_of(scene_)));
+    write_result(common_, result_json(result));
+    if (common_.prints()) print(result);
+  }
+
+ private:
+  void open() {
+    scene_ = OpenScene::read(options_.file);
+    apply(options_, scene_);
+    job_.measure = !common_.json.empty() && !options_.no_metrics;
+    job_.measure_screen = options_.measure_screen;
+    job_.cancel = &interrupt_flag();
+    OpenSceneConfig opening;
+    opening.memory_budget = options_.memory_budget.count;
+    opening.whole_too = needs_wholes();
+    opening.cancel = job_.cancel;
+    opening.progress = [&](const std::string& phase, const SceneModel& model, std::optional<double> share) {
+      share ? progress_.update(*share) : progress_.phase(phase + " " + model.name);
+    };
+    opened_.emplace(scene_, opening, *scheduler_);
+    if (common_.prints()) print_warnings(opened_->warnings());
+    if (streamed()) job_.measured = opened_->wholes();
+    std::vector<OpenModel> models = opened_->models();
+    for (OpenModel& model : models)
+      if (options_.cull_back_faces)
+        model.back_faces = &back_faces_.try_emplace(model.hierarchy, *model.hierarchy, *scheduler_).first->second;
+    view_.emplace(scene_, std::move(models));
+    refuse_inadmissible(options_, *view_);
+  }
+
+  void configure() {
+    job_.view = view_config(scene_, parse_image_size("--size", options_.size));
+    job_.view.samples = options_.samples;
+    job_.view.cull_occluded = options_.cull_occluded;
+    job_.view.select_on_device = options_.select_on_device;
+    job_.cameras = cameras(*view_, needs_wholes() ? *opened_->wholes().front() : view_->hierarchy(0));
+    renderer_ = renderer_or_soft(options_.backend, *scheduler_, fallback_);
+    if (!fallback_.empty()) {
+      progress_.clear();
+      fmt::print(stderr, "lodestone: {}; drawing with soft instead\n", fallback_);
+    }
+  }
+
+  RenderResult fly() {
+    std::optional<PictureWriter> pictures;
+    writes_ = options_.backend != "null" && !options_.output.empty();
+    if (writes_) pictures.emplace(options_.output, job_.cameras.size());
+    progress_.phase("rendering");
+    progress_.measure(static_cast<double>(job_.cameras.size()), "frames");
+    job_.on_frame = [&](std::size_t index, Renderer& renderer) {
+      if (index == 0) {
+        first_picture_seconds_ = clock_.elapsed().seconds;
+        plan_ = explain_plan(view_->frame());
+      }
+      if (pictures) pictures->add(index, renderer.read_back());
+      progress_.update(static_cast<double>(index + 1) / static_cast<double>(job_.cameras.size()));
+    };
+    RenderResult result = lodestone::run(job_, *view_, *renderer_, *scheduler_);
+    if (pictures) pictures->finish();
+    return result;
+  }
+
+  [[nodiscard]] nlohmann::json result_json(const RenderResult& result) const {
+    nlohmann::json frames = nlohmann::json::array();
+    for (const FrameResult& frame : result.frames) frames.push_back(frame_json(frame, streamed()));
+    nlohmann::json json = without_nulls(restricted_to(without(render_columns(), round_columns), to_row(result)));
+    json.update({{"frames", frames},
+                 {"file", options_.file},
+                 {"backend", renderer_->name()},
+                 {"camera", scene_.camera.path.empty() ? "keys" : scene_.camera.path},
+                 {"blend", name_of(scene_.blend)},
+                 {"models", names_of(scene_)},
+                 {"effects", plan_json(plan_, names_of(scene_))},
+                 {"metric", options_.metric},
+                 {"radii", options_.radii},
+                 {"first_picture_seconds", first_picture_seconds_},
+                 {"samples", job_.view.samples},
+                 {"size", {job_.view.size.width, job_.view.size.height}}});
+    if (!fallback_.empty()) json["fallback"] = fallback_;
+    return json;
+  }
+
+  void print(const RenderResult& result) const {
+    const Row row = to_row(result);
+    fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer_->name(),
+               number_in(row, "frame_ms_median").value_or(0), writes_ ? ", pictures in " + options_.output : "");
+    if (job_.measure_screen)
+      fmt::print("screen error at most {:.3f} pixels\n", number_in(row, "screen_error").value_or(0));
+    if (job_.measure)
+      fmt::print("open edges {}, largest gap {:g} % of the extent, largest jump {} of the analytic bound\n",
+                 number_in(row, "open_edges").value_or(0), number_in(row, "gap_max").value_or(0),
+                 ratio_text(number_in(row, "jump_over_bound")));
+  }
+
+  [[nodiscard]] bool streamed() const { return options_.memory_budget.count > 0; }
+  [[nodiscard]] bool needs_wholes() const {
+    return job_.measure || job_.measure_screen || scene_.camera.path == "adversarial";
+  }
+  static std::string ratio_text(const std::optional<double>& ratio) {
+    return ratio ? fmt::format("{:.4f}", *ratio) : "none";
+  }
+
+  // One round has neither a minimum nor a maximum.
+  inline static const std::vector<std::string> round_columns{"frame_ms_min", "frame_ms_max", "frame_cpu_ms_min",
+                                                             "frame_cpu_ms_max"};
+  const RenderOptions& options_;
+  const CommonOptions& common_;
+  const CpuClock clock_;
+  std::unique_ptr<Scheduler> scheduler_;
+  Progress progress_;
+  Scene scene_;
+  RenderJob job_;
+  std::optional<OpenScene> opened_;
+  std::map<const Hierarchy*, BackFaces> back_faces_;
+  std::optional<SceneView> view_;
+  std::unique_ptr<Renderer> renderer_;
+  std::string fallback_;  // why soft draws instead; empty: the backend is the one asked for
+  bool writes_ = false;
+  double first_picture_seconds_ = 0;
+  std::vector<PlannedEffect> plan_;
+};
+
 void run(const RenderOptions& options, const CommonOptions& common) {
   check_files(common, input_files(options));
-  const CpuClock clock;
-  Scene scene = OpenScene::read(options.file);
-  apply(options, scene);
-  FlightConfig config;
-  config.view = view_config(scene, parse_size(options.size));
-  config.view.samples = options.samples;
-  config.view.cull_occluded = options.cull_occluded;
-  config.view.select_on_device = options.select_on_device;
-  if (options.cull_back_faces && options.memory_budget > 0)
-    throw InputError("--cull-back-faces looks at whole models, --memory-budget at parts of them; give one of them");
-  config.measure = !common.json.empty() && !options.no_metrics;
-  config.cancel = &interrupt_flag();
+  if (options.cull_back_faces && options.memory_budget.count > 0)
+    throw InputError("--cull-back-faces needs whole models, --memory-budget loads parts of them; give one of them");
+  Flight(options, common).run();
+}
 
-  const auto scheduler = make_scheduler(common);
-  Progress progress("rendering", common.quiet);
-  config.measure_screen = options.measure_screen;
-  const bool needs_wholes = config.measure || config.measure_screen || scene.camera.path == "adversarial";
-  OpenSceneConfig opening;
-  opening.memory_budget = options.memory_budget;
-  opening.whole_too = needs_wholes;
-  opening.cancel = config.cancel;
-  opening.progress = [&](const std::string& phase, const SceneModel& model, std::optional<double> share) {
-    share ? progress.update(*share) : progress.phase(phase + " " + model.name);
-  };
-  const OpenScene opened(scene, opening, *scheduler);
-  if (!common.quiet && common.json != "-") print_warnings(opened.warnings());
-  if (options.memory_budget > 0) config.measured = opened.wholes();
-  std::vector<OpenModel> models = opened.models();
-  std::map<const Hierarchy*, BackFaces> back_faces;
-  for (OpenModel& model : models)
-    if (options.cull_back_faces)
-      model.back_faces = &back_faces.try_emplace(model.hierarchy, *model.hierarchy, *scheduler).first->second;
-  SceneView view(scene, std::move(models));
-  refuse_inadmissible(options, view);
-  config.cameras = cameras(view, needs_wholes ? *opened.wholes().front() : view.hierarchy(0));
-  std::string fallback;
-  const auto renderer = renderer_or_soft(options.backend, *scheduler, fallback);
-  if (!fallback.empty()) {
-    progress.clear();
-    fmt::print(stderr, "lodestone: {}; drawing with soft instead\n", fallback);
-  }
-  std::optional<PictureWriter> pictures;
-  const bool draws = options.backend != "null";
-  if (draws && !options.output.empty()) pictures.emplace(options.output, config.cameras.size());
+// Options of the scene, the camera and the pictures.
+OptionTable declare_view(RenderOptions& o) {
+  return {
+      OptionSpec{"FILE", &o.file,
+                 std::string("Hierarchy (.lode), scene (.toml), or a mesh that is built first (") + mesh_formats + ")"}
+          .must(),
+      {"--camera", &o.camera,
+       "fly-in, orbit, adversarial, or a path file (.json); fly-in unless the scene says otherwise"},
+      OptionSpec{"--frames", &o.frames, "Number of frames; 120 unless the scene says otherwise"}.between(1, 1e6),
+      {"--size", &o.size, "Picture size"},
+      OptionSpec{"--samples", &o.samples, "Samples per pixel; 4 smooths edges"}.one_of({"1", "4"}),
+      {"--backend", &o.backend, "soft, gl (soft where there is no OpenGL 4.5) or null"},
+      {"--tint", &o.tint, "Colour by level"},
+      {"--effects", &o.effects,
+       "auto (those that the scene calls for), all, none, or names separated by commas: " + effect_list()},
+      {"--explain", &o.explain, "Print which effects run, and why"},
+      {"-o,--output", &o.output, "Folder for the frames and contact.png"}};
+}
 
-  progress.phase("rendering");
-  progress.measure(static_cast<double>(config.cameras.size()), "frames");
-  double first_picture = 0;
-  std::vector<PlannedEffect> plan;
-  const FlightResult result = fly(view, *renderer, config, *scheduler, [&](std::size_t index, Renderer& r) {
-    if (index == 0) {
-      first_picture = clock.elapsed().seconds;
-      plan = explain_plan(view.frame());
-    }
-    if (pictures) pictures->add(index, r.read_back());
-    progress.update(static_cast<double>(index + 1) / static_cast<double>(config.cameras.size()));
-  });
-  if (pictures) pictures->finish();
-  progress.clear();
-  if (!common.quiet && common.json != "-") print_warnings(result.warnings);
-  if (options.explain && common.json != "-") fmt::print("{}", to_text(plan, names_of(scene)));
+// Options of selection, morph and measurement.
+OptionTable declare_levels(RenderOptions& o) {
+  return {{"--pixel-error", &o.pixel_error, "Tolerance in pixels; 1 when neither this nor --kappa0 is given"},
+          {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
+          {"--radii", &o.radii, "per-level (always admissible) or uniform (the published rule)"},
+          {"--blend", &o.blend_name,
+           "linear, smoothstep, smootherstep, cosine, early, late or step; smoothstep unless the scene says otherwise"},
+          {"--metric", &o.metric, "euclidean or chebyshev"},
+          {"--beta", &o.beta, "Minimum width of a morph band over the cell size"},
+          {"--delta", &o.delta, "Guard for a selection stale by delta cell sizes"},
+          {"--allow-inadmissible", &o.allow_inadmissible, "Draw although cracks are to be expected"},
+          {"--memory-budget", &o.memory_budget,
+           "Stream the file: load cells while drawing, coarse ones first, and keep at most this much of them (512MiB); "
+           "no crack and no pop for what is missing, but frames depend on the speed of the disk"},
+          {"--cull-occluded", &o.cull_occluded,
+           "Leave out cells that others hide: the same pictures, sooner where much is hidden"},
+          {"--select-on-device", &o.select_on_device, "Backend gl: select cells by a compute shader; the same cells"},
+          {"--cull-back-faces", &o.cull_back_faces,
+           "Leave out cells that turn their back, where the surface is closed and seen from outside"},
+          {"--no-metrics", &o.no_metrics, "With --json: times and counts only, no cracks and pops"},
+          {"--screen-error", &o.measure_screen,
+           "Measure how far the drawn surface is from the full one on the screen, in pixels; seconds a frame"}};
+}
 
-  nlohmann::json json = to_json(result, config.measure, options.memory_budget > 0);
-  json.update({{"file", options.file},
-               {"backend", renderer->name()},
-               {"camera", scene.camera.path.empty() ? "keys" : scene.camera.path},
-               {"blend", name_of(scene.blend)},
-               {"models", names_of(scene)},
-               {"effects", to_json(plan, names_of(scene))},
-               {"metric", options.metric},
-               {"radii", options.radii},
-               {"first_picture_seconds", first_picture},
-               {"samples", config.view.samples},
-               {"size", {config.view.size.width, config.view.size.height}}});
-  if (!fallback.empty()) json["fallback"] = fallback;
-  write_json(common, json);
-  if (common.quiet || common.json == "-") return;
-  fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer->name(),
-             result.milliseconds_median, pictures ? ", pictures in " + options.output : "");
-  if (config.measure_screen) fmt::print("screen error {:.3f} pixels at most\n", result.screen_error_max);
-  if (config.measure)
-    fmt::print("open edges {}, largest gap {:g}, largest jump {:.4f} of the analytic bound\n", result.open_edges_max,
-               result.gap_max, result.jump_over_bound_max);
+OptionTable declare(RenderOptions& o) {
+  OptionTable table = declare_view(o);
+  for (OptionSpec& option : declare_levels(o)) table.push_back(std::move(option));
+  return table;
 }
 
 }  // namespace
 
 void add_render(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<RenderOptions>();
-  CLI::App& command =
-      add_command(app, "render", "Draw a camera path; with --json, prove every frame free of cracks and pops",
+  define_command(app,
+                 {"render", "Draw a camera path; with --json, prove every frame free of cracks and pops",
                   "  lodestone render scan.lode --camera fly-in --frames 60 -o frames\n"
                   "  lodestone render experiments/scenes/museum.toml --explain -o frames\n"
                   "  lodestone render city.lode --memory-budget 256MiB -o frames\n"
                   "  lodestone render scan.lode --backend null --kappa0 3 --radii uniform --json proof.json\n"
                   "  lodestone render scan.lode --camera adversarial --kappa0 1.5 --radii uniform "
-                  "--allow-inadmissible --backend null --json cracks.json\n",
-                  common);
-  command
-      .add_option("FILE", options->file,
-                  std::string("Hierarchy (.lode), scene (.toml), or a mesh that is built first (") + mesh_formats + ")")
-      ->required();
-  command.add_option("--camera", options->camera,
-                     "fly-in, orbit, adversarial, or a path file (.json); fly-in unless the scene says otherwise");
-  command.add_option("--frames", options->frames, "Number of frames; 120 unless the scene says otherwise")
-      ->check(CLI::Range(1, 1'000'000));
-  command.add_option("--size", options->size, "Picture size")->capture_default_str();
-  command.add_option("--samples", options->samples, "Samples a pixel; 4 smooths edges")
-      ->check(CLI::IsMember({1, 4}))
-      ->capture_default_str();
-  command.add_option("--backend", options->backend, "soft, gl (soft where there is no OpenGL 4.5) or null")
-      ->capture_default_str();
-  command.add_option("--pixel-error", options->pixel_error,
-                     "Tolerance in pixels; 1 when neither this nor --kappa0 is given");
-  command.add_option("--kappa0", options->kappa0, "Selection radius over cell size instead");
-  command.add_option("--radii", options->radii, "per-level (always admissible) or uniform (the published rule)")
-      ->capture_default_str();
-  command.add_option(
-      "--blend", options->blend_name,
-      "linear, smoothstep, smootherstep, cosine, early, late or step; smoothstep unless the scene says otherwise");
-  command.add_option("--metric", options->metric, "euclidean or chebyshev")->capture_default_str();
-  command.add_option("--beta", options->beta, "Least width of a morph band over the cell size")->capture_default_str();
-  command.add_option("--delta", options->delta, "Guard for a selection stale by delta cell sizes")
-      ->capture_default_str();
-  command.add_flag("--allow-inadmissible", options->allow_inadmissible, "Draw although cracks are to be expected");
-  command.add_flag("--tint", options->tint, "Colour by level");
-  command.add_option(
-      "--effects", options->effects,
-      "auto (those that the scene calls for), all, none, or names separated by commas: " + effect_list());
-  command.add_flag("--explain", options->explain, "Print which effects run, and why");
-  command
-      .add_option(
-          "--memory-budget", options->memory_budget,
-          "Stream the file: load cells while drawing, coarse ones first, and keep so many bytes of them at most "
-          "(512MiB); no crack and no pop for what is missing, but frames depend on the speed of the disk")
-      ->transform(byte_size())
-      ->type_name("BYTES");
-  command.add_flag("--cull-occluded", options->cull_occluded,
-                   "Leave out cells that others hide: the same pictures, sooner where much is hidden");
-  command.add_flag("--select-on-device", options->select_on_device,
-                   "Backend gl: select cells by a compute shader; the same cells");
-  command.add_flag("--cull-back-faces", options->cull_back_faces,
-                   "Leave out cells that turn their back, where the surface is closed and seen from outside");
-  command.add_flag("--no-metrics", options->no_metrics, "With --json: times and counts only, no cracks and pops");
-  command.add_flag("--screen-error", options->measure_screen,
-                   "Measure how far the drawn surface is from the full one on the screen, in pixels; seconds a frame");
-  command.add_option("-o,--output", options->output, "Folder for the frames and contact.png");
-  command.callback([options, common] { run(*options, *common); });
+                  "--allow-inadmissible --backend null --json cracks.json\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

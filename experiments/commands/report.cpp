@@ -68,28 +68,25 @@ void run(const ReportOptions& options, const CommonOptions& common) {
                            "apt-get install python3 python3-jinja2 python3-matplotlib (scripts/setup does)"));
 }
 
+OptionTable declare(ReportOptions& o) {
+  return {OptionSpec{"DIR", &o.folders, "Directories that `lodestone sweep` wrote to; finished or not"}.must(),
+          OptionSpec{"-o,--output", &o.output,
+                     "The page, FILE.html; each figure is written as SVG, PDF and CSV to FILE_figures, too"}
+              .must(),
+          {"--csv", &o.csv, "Also write every row, with parameters and data, as FILE.csv"},
+          OptionSpec{"--pictures", &o.pictures, "MiB of the runs' pictures that the page may hold; 0: none"}.between(
+              0, 1024)};
+}
+
 }  // namespace
 
 void add_report(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<ReportOptions>();
-  CLI::App& command =
-      add_command(app, "report", "Write what sweeps have found as one web page that opens from disk",
+  define_command(app,
+                 {"report", "Write what sweeps have found as one web page that opens from disk",
                   "  lodestone report ablation -o ablation.html\n"
                   "  lodestone report scaling accuracy -o report.html --csv rows.csv --json report.json\n"
-                  "  lodestone report ablation -o small.html --pictures 0\n",
-                  common);
-  command.add_option("DIR", options->folders, "Directories that `lodestone sweep` wrote to; finished or not")
-      ->required();
-  command
-      .add_option("-o,--output", options->output,
-                  "The page, FILE.html; each figure is written as SVG, PDF and CSV to FILE_figures, too")
-      ->required();
-  command.add_option("--csv", options->csv, "Also write every row, with parameters and data, as FILE.csv");
-  command.add_option("--pictures", options->pictures, "MiB of the runs' pictures that the page may hold; 0: none")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  command.callback([options, common] { run(*options, *common); });
+                  "  lodestone report ablation -o small.html --pictures 0\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

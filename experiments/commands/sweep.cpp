@@ -18,11 +18,14 @@ struct SweepOptions {
   std::string file, directory, shard;
   std::vector<std::string> merge;
   int jobs = 1;
-  bool resume = false, prepare = false, dry_run = false;
-  SweepForm form = SweepForm::standard;
+  bool resume = false, prepare = false, dry_run = false, small = false, full = false;
 };
 
-// What the file sets, as "blend=step kappa0=2".
+SweepForm form_of(const SweepOptions& options) {
+  return options.small ? SweepForm::small : options.full ? SweepForm::full : SweepForm::standard;
+}
+
+// The parameters that the file sets, as "blend=step kappa0=2".
 std::string setting_text(const SweepRun& run) {
   std::string text;
   for (const auto& [name, value] : run.given.items())
@@ -62,7 +65,7 @@ void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOpt
     throw InputError("--dry-run --shard: runs are shared out by what their data holds, and '" + unmade.front() +
                      "' has yet to be generated; leave --shard out");
   nlohmann::json json = nlohmann::json::array();
-  const bool printed = !common.quiet && common.json != "-";
+  const bool printed = common.prints();
   std::size_t repetitions = 0, done = 0;
   for (const SweepRun& run : options.shard.empty() ? plan.runs : runs_of(plan, parse_shard(options.shard))) {
     const int ended = ended_repetitions(run, options.directory);
@@ -82,7 +85,7 @@ void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOpt
     fmt::print("{} runs, {} repetitions, {} done\n", json.size(), repetitions, done);
     for (const std::string& name : unmade) fmt::print("{} has yet to be generated; its runs have no id before\n", name);
   }
-  write_json(common, {{"name", file.name}, {"runs", json}, {"notes", file.notes}});
+  write_result(common, {{"name", file.name}, {"runs", json}, {"notes", file.notes}});
 }
 
 SweepPlan prepare(const SweepFile& file, const SweepOptions& options, const CommonOptions& common) {
@@ -110,7 +113,7 @@ RunnerResult run_all(const SweepFile& file, const std::vector<SweepRun>& runs, c
   config.cancel = &interrupt_flag();
   RunnerCallbacks callbacks;
   callbacks.progress = [&](double share) { progress.update(share); };
-  if (!common.quiet && common.json != "-")
+  if (common.prints())
     callbacks.ended = [&](const RunEvent& event) {
       progress.clear();
       fmt::print("{}/{}  {}  repetition {}: {:.3g} s{}\n", event.done, event.all, run_text(event.run), event.repetition,
@@ -135,13 +138,13 @@ nlohmann::json summary(const SweepFile& file, const std::vector<SweepRun>& runs,
 
 void merge(const SweepOptions& options, const CommonOptions& common) {
   const MergeResult result = merge_sweeps({options.merge, options.directory, options.dry_run});
-  write_json(common, {{"name", result.name},
-                      {"repetitions", result.all},
-                      {"done", result.done},
-                      {"taken", result.taken},
-                      {"failed", result.failed},
-                      {"missing", result.missing}});
-  if (!common.quiet && common.json != "-")
+  write_result(common, {{"name", result.name},
+                        {"repetitions", result.all},
+                        {"done", result.done},
+                        {"taken", result.taken},
+                        {"failed", result.failed},
+                        {"missing", result.missing}});
+  if (common.prints())
     fmt::print("{}: {} of {} repetitions {}taken over, {} have rows, {} failed, {} missing\n", options.directory,
                result.taken, result.all, options.dry_run ? "would be " : "", result.done, result.failed,
                result.missing);
@@ -160,19 +163,19 @@ void run(const SweepOptions& options, const CommonOptions& common) {
   }
   check_files(common, {{"FILE", options.file}});
   const Shard shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
-  const SweepFile file = load_sweep_file(options.file, options.form);
+  const SweepFile file = load_sweep_file(options.file, form_of(options));
   check_directory(options.directory, file.name, options.resume || options.dry_run);
   if (options.dry_run) return dry_run(file, options, common);
   set_interrupt_line("lodestone: interrupted; finished runs were kept, --resume continues\n");
-  const bool printed = !common.quiet && common.json != "-";
+  const bool printed = common.prints();
   if (printed) print_notes(file);
   if (printed && options.jobs > 1)
     fmt::print("note: {} runs at a time share the machine; their times are not comparable\n", options.jobs);
   const SweepPlan plan = prepare(file, options, common);
   const std::vector<SweepRun> runs = runs_of(plan, shard);
-  if (options.prepare) return write_json(common, {{"name", file.name}, {"runs", runs.size()}});
+  if (options.prepare) return write_result(common, {{"name", file.name}, {"runs", runs.size()}});
   const RunnerResult result = run_all(file, runs, options, common);
-  write_json(common, summary(file, runs, result, options));
+  write_result(common, summary(file, runs, result, options));
   if (printed)
     fmt::print("{}: {} runs, {} repetitions: {} were done before, {} ran, {} failed\n", options.directory, runs.size(),
                result.all, result.before, result.ran, result.failures.size());
@@ -184,55 +187,48 @@ void run(const SweepOptions& options, const CommonOptions& common) {
 }
 
 // One repetition, for a sweep that started this process.
-void add_child(CLI::App& app) {
-  const auto folder = std::make_shared<std::string>();
-  const auto report = std::make_shared<int>(-1);
-  CLI::App& command = *app.add_subcommand("sweep-run", "One repetition of a run, as a child of sweep")->group("");
-  command.add_option("FOLDER", *folder)->required();
-  command.add_option("--report", *report)->required();
-  command.callback([folder, report] { run_child(*folder, *report, interrupt_flag()); });
+struct ChildOptions {
+  std::string folder;
+  int report = -1;
+};
+
+OptionTable declare(SweepOptions& o) {
+  return {
+      {"FILE", &o.file, "The sweep file (.toml)"},
+      OptionSpec{"-o,--output", &o.directory, "Folder of the sweep; made if it is not there"}.must(),
+      {"--merge", &o.merge,
+       "Instead of FILE: bring together the results that shards left in these folders; status 1 when repetitions "
+       "failed or are missing"},
+      OptionSpec{"--jobs", &o.jobs,
+                 "Number of runs at a time, as far as there are processors for them; times are comparable with 1 only"}
+          .between(1, 1024)
+          .not_with({"--merge"}),
+      OptionSpec{"--shard", &o.shard, "Part i of n of the runs, as 2/8"}.not_with({"--merge"}),
+      OptionSpec{"--resume", &o.resume, "Run what is missing, has changed, or ended without rows"}.not_with(
+          {"--merge"}),
+      {"--dry-run", &o.dry_run, "Print the runs and how many of their repetitions are done; change nothing"},
+      OptionSpec{"--prepare", &o.prepare, "Make the data and list the runs in sweep.json, and run none"}.not_with(
+          {"--merge", "--dry-run"}),
+      OptionSpec{"--small", &o.small, "Apply the overrides that the file has under 'small'"}.not_with({"--merge"}),
+      OptionSpec{"--full", &o.full, "Apply the overrides that the file has under 'full'"}.not_with(
+          {"--merge", "--small"})};
 }
 
 }  // namespace
 
 void add_sweep(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<SweepOptions>();
-  CLI::App& command =
-      add_command(app, "sweep", "Run an experiment over parameters and data; status 1 when a run failed",
+  define_command(app,
+                 {"sweep", "Run an experiment over parameters and data; status 1 when a run failed",
                   "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --dry-run\n"
                   "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --small\n"
                   "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --resume --shard 2/8\n"
                   "  lodestone sweep --merge part1 part2 -o ablation\n",
-                  common);
-  command.get_option("--threads")
-      ->description("Threads that make data; those of a run are a parameter of its experiment");
-  command.add_option("FILE", options->file, "The sweep file (.toml)");
-  command.add_option("-o,--output", options->directory, "Folder of the sweep; made if it is not there")->required();
-  CLI::Option* const merge = command.add_option("--merge", options->merge,
-                                                "Instead of FILE: bring together what shards left in these folders; "
-                                                "status 1 when repetitions failed or are missing");
-  command
-      .add_option("--jobs", options->jobs,
-                  "Runs at a time, as far as there are processors for them; times are comparable with 1 only")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str()
-      ->excludes(merge);
-  command.add_option("--shard", options->shard, "Part i of n of the runs, as 2/8")->excludes(merge);
-  command.add_flag("--resume", options->resume, "Run what is missing, has changed, or ended without rows")
-      ->excludes(merge);
-  CLI::Option* const dry_run =
-      command.add_flag("--dry-run", options->dry_run, "Print the runs and what is done of them; change nothing");
-  command.add_flag("--prepare", options->prepare, "Make the data and list the runs in sweep.json, and run none")
-      ->excludes(merge)
-      ->excludes(dry_run);
-  const auto form = [&](const char* name, SweepForm value, const char* about) {
-    return command.add_flag_callback(name, [options, value] { options->form = value; }, about)->excludes(merge);
-  };
-  form("--small", SweepForm::small, "With what the file has under 'small'")
-      ->excludes(form("--full", SweepForm::full, "With what the file has under 'full'"));
-  command.callback([options, common] { run(*options, *common); });
-  add_child(app);
+                  "Threads that make data; those of a run are a parameter of its experiment"},
+                 declare, run);
+  const auto child = std::make_shared<ChildOptions>();
+  add_hidden_command(app, "sweep-run",
+                     {OptionSpec{"FOLDER", &child->folder}.must(), OptionSpec{"--report", &child->report}.must()},
+                     [child] { run_child(child->folder, child->report, interrupt_flag()); });
 }
 
 }  // namespace lodestone

@@ -53,8 +53,8 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
   nlohmann::json checks = nlohmann::json::array();
   for (const VerifyCheck& c : report.checks)
     checks.push_back({{"name", c.name}, {"passed", c.passed}, {"detail", c.detail}});
-  write_json(common, {{"file", file}, {"valid", valid}, {"checks", checks}});
-  if (!common.quiet && common.json != "-") {
+  write_result(common, {{"file", file}, {"valid", valid}, {"checks", checks}});
+  if (common.prints()) {
     for (const VerifyCheck& c : report.checks)
       fmt::print("{} {:<28} {}\n", c.passed ? "holds" : "FAILS", c.name, c.detail);
     fmt::print("{}: {}\n", file, valid ? "valid" : "NOT VALID");
@@ -64,20 +64,21 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
         describe(file, "", "the hierarchy does not hold what it promises", "build it again from its input"));
 }
 
+OptionTable declare(VerifyOptions& o) {
+  return with_input_options(
+      {OptionSpec{"FILE", &o.file, "Hierarchy (.lode)"}.must(),
+       {"--input", &o.input, "Mesh it was built from: compare the finest level with it triangle by triangle"}},
+      o.reading);
+}
+
 }  // namespace
 
 void add_verify(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<VerifyOptions>();
-  CLI::App& command = add_command(app, "verify", "Check every invariant of a hierarchy, independently of the builder",
-                                  "  lodestone verify scan.lode\n"
-                                  "  lodestone verify scan.lode --input scan.ply --json verify.json\n",
-                                  common);
-  command.add_option("FILE", options->file, "Hierarchy (.lode)")->required();
-  command.add_option("--input", options->input,
-                     "Mesh it was built from: compare the finest level with it triangle by triangle");
-  add_input_options(command, options->reading);
-  command.callback([options, common] { run(*options, *common); });
+  define_command(app,
+                 {"verify", "Check every invariant of a hierarchy, independently of the builder",
+                  "  lodestone verify scan.lode\n"
+                  "  lodestone verify scan.lode --input scan.ply --json verify.json\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

@@ -1,10 +1,8 @@
 // lodestone view: a window onto a hierarchy, or onto a mesh that is built for it.
 #include <fmt/core.h>
 
-#include <cstdio>
-
 #include "core/base/error.h"
-#include "experiments/command_line/byte_size.h"
+#include "experiments/command_line/sizes.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "render/viewer/viewer.h"
@@ -15,21 +13,12 @@ namespace {
 struct ViewOptions {
   std::vector<std::string> files;
   std::string camera, backend = "auto", size = "1280x720", folder = ".";
+  Bytes memory_budget;
   InputOptions reading;
-  viewer::ViewerConfig config;
   viewer::ViewSettings settings;
   std::optional<float> kappa0;
   std::string radii = "per-level", blend_name = "smoothstep", metric = "euclidean";
 };
-
-ImageSize window_size(const std::string& text) {
-  ImageSize size;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &size.width, &size.height, &rest) != 2 || size.width < 1 ||
-      size.height < 1 || size.width > 16384 || size.height > 16384)
-    throw InputError("--size " + text + ": not the size of a window; write WIDTHxHEIGHT, each from 1 to 16384");
-  return size;
-}
 
 viewer::ViewState first_state(const ViewOptions& options) {
   viewer::ViewState state;
@@ -51,12 +40,13 @@ void run(const ViewOptions& options, const CommonOptions& common) {
   for (const std::string& file : options.files) inputs.push_back({"FILE", file});
   if (!options.camera.empty()) inputs.push_back({"--camera", options.camera});
   check_files(common, inputs);
-  viewer::ViewerConfig config = options.config;
+  viewer::ViewerConfig config;
+  if (options.memory_budget.count > 0) config.load.memory_budget = options.memory_budget.count;
   config.load.paths.assign(options.files.begin(), options.files.end());
   config.load.threads = common.threads;
   config.load.reading = read_config(options.reading, options.files);
   config.backend = options.backend;
-  config.size = window_size(options.size);
+  config.size = parse_image_size("--size", options.size);
   config.state = first_state(options);
   config.folder = options.folder;
   if (!options.camera.empty()) config.path = read_camera_keys(options.camera);
@@ -66,68 +56,56 @@ void run(const ViewOptions& options, const CommonOptions& common) {
   const auto scheduler = make_scheduler(common);
   const viewer::ViewerResult result = viewer::run_viewer(config, *scheduler);
   const auto array = [](Vec3d v) { return nlohmann::json::array({v.x, v.y, v.z}); };
-  write_json(common,
-             {{"backend", result.backend},
-              {"device", result.device},
-              {"camera", {{"position", array(result.camera.position)}, {"target", array(result.camera.target)}}},
-              {"resident_bytes", result.resident_bytes},
-              {"complete", result.complete},
-              {"uploads", result.uploads},
-              {"selections", result.selections},
-              {"draws", result.draws},
-              {"window_frames", result.window_frames},
-              {"files", result.files}});
+  write_result(common,
+               {{"backend", result.backend},
+                {"device", result.device},
+                {"camera", {{"position", array(result.camera.position)}, {"target", array(result.camera.target)}}},
+                {"resident_bytes", result.resident_bytes},
+                {"complete", result.complete},
+                {"uploads", result.uploads},
+                {"selections", result.selections},
+                {"draws", result.draws},
+                {"window_frames", result.window_frames},
+                {"files", result.files}});
+}
+
+OptionTable declare(ViewOptions& o) {
+  return with_input_options(
+      {{"FILE", &o.files,
+        std::string("Scene (.toml), or hierarchies (.lode) and meshes, shown together (") + mesh_formats +
+            "); none waits for files to be dropped"},
+       {"--size", &o.size, "Size of the window, in pixels"},
+       OptionSpec{"--backend", &o.backend,
+                  "soft, gl, or auto: gl on a graphics card, soft where a processor would do its work"}
+           .one_of({"auto", "soft", "gl"}),
+       {"--camera", &o.camera, "A path file (.json): the camera is at its beginning, P plays it"},
+       {"--pixel-error", &o.settings.pixel_error, "Tolerance in pixels"},
+       {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
+       OptionSpec{"--radii", &o.radii, "per-level (always admissible) or uniform (the published rule)"}.one_of(
+           {"per-level", "uniform"}),
+       {"--blend", &o.blend_name, "linear, smoothstep, smootherstep, cosine, early, late or step"},
+       OptionSpec{"--metric", &o.metric, "euclidean or chebyshev"}.one_of({"euclidean", "chebyshev"}),
+       OptionSpec{"--samples", &o.settings.samples, "Samples per pixel; 4 smooths edges"}.one_of({"1", "4"}),
+       {"--tint", &o.settings.tint, "Colour by level"},
+       {"--memory-budget", &o.memory_budget,
+        "Stream files that take more than this in memory, such as 2GiB: cells load while they are looked at"},
+       {"-o,--output", &o.folder, "Folder for screenshots and recorded paths"}},
+      o.reading);
 }
 
 }  // namespace
 
 void add_view(CLI::App& app) {
-  const auto common = std::make_shared<CommonOptions>();
-  const auto options = std::make_shared<ViewOptions>();
-  CLI::App& command =
-      add_command(app, "view", "Look at a model in a window; a mesh is built for it, in memory",
+  define_command(app,
+                 {"view", "Look at a model in a window; a mesh is built for it, in memory",
                   "  lodestone view scan.lode\n"
                   "  lodestone view scan.ply --size 1600x900\n"
                   "  lodestone view experiments/scenes/museum.toml\n"
                   "  lodestone view city.lode --memory-budget 512MiB\n"
                   "  lodestone view scan.lode --camera path.json --pixel-error 2\n"
                   "In the window: left button orbits, right one pans, wheel zooms, a double click focuses; the panel "
-                  "names the keys.\n",
-                  common);
-  command.add_option("FILE", options->files,
-                     std::string("Scene (.toml), or hierarchies (.lode) and meshes, shown together (") + mesh_formats +
-                         "); none waits for files to be dropped");
-  add_input_options(command, options->reading);
-  command.add_option("--size", options->size, "Of the window, in pixels")->capture_default_str();
-  command
-      .add_option("--backend", options->backend,
-                  "soft, gl, or auto: gl on a graphics card, soft where a processor would do its work")
-      ->check(CLI::IsMember({"auto", "soft", "gl"}))
-      ->capture_default_str();
-  command.add_option("--camera", options->camera,
-                     "A path file (.json): the camera stands at its beginning, P plays it");
-  command.add_option("--pixel-error", options->settings.pixel_error, "Tolerance in pixels")->capture_default_str();
-  command.add_option("--kappa0", options->kappa0, "Selection radius over cell size instead");
-  command.add_option("--radii", options->radii, "per-level (always admissible) or uniform (the published rule)")
-      ->check(CLI::IsMember({"per-level", "uniform"}))
-      ->capture_default_str();
-  command.add_option("--blend", options->blend_name, "linear, smoothstep, smootherstep, cosine, early, late or step")
-      ->capture_default_str();
-  command.add_option("--metric", options->metric, "euclidean or chebyshev")
-      ->check(CLI::IsMember({"euclidean", "chebyshev"}))
-      ->capture_default_str();
-  command.add_option("--samples", options->settings.samples, "Samples a pixel; 4 smooths edges")
-      ->check(CLI::IsMember({1, 4}))
-      ->capture_default_str();
-  command.add_flag("--tint", options->settings.tint, "Colour by level");
-  command
-      .add_option("--memory-budget", options->config.load.memory_budget,
-                  "Stream files that take more than this in memory: cells load while they are looked at (2GiB)")
-      ->transform(byte_size())
-      ->type_name("BYTES");
-  command.add_option("-o,--output", options->folder, "Folder for screenshots and recorded paths")
-      ->capture_default_str();
-  command.callback([options, common] { run(*options, *common); });
+                  "names the keys.\n"},
+                 declare, run);
 }
 
 }  // namespace lodestone

@@ -5,12 +5,12 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "experiments/studies/catalogue.h"
-#include "experiments/studies/frame_rounds.h"
-#include "experiments/studies/result_hash.h"
+#include "experiments/studies/experiment.h"
 #include "experiments/studies/rounds.h"
-#include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
+#include "experiments/studies/verdict.h"
+#include "experiments/subjects/frame_times.h"
+#include "experiments/subjects/result_hash.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/effects/plan.h"
@@ -67,7 +67,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text.empty() ? "none" : text;
 }
 
-// What runs in any of the frames.
+// The effects that run in any of the frames.
 std::vector<std::string> planned_effects(SceneView& view, const ViewConfig& config,
                                          const std::vector<Camera>& cameras) {
   std::vector<std::string> names;
@@ -109,7 +109,7 @@ void fly_once(Choice& choice, SceneView& view, ViewConfig config, const std::vec
   choice.last = renderer.read_back();
 }
 
-// Of each round, in which all choices took their turns: so what the machine does meanwhile is in both times.
+// Gains by round, in which all choices took their turns: other work of the machine is in both times.
 void add_gains(Row& row, const FrameRounds& choice, const FrameRounds& planned) {
   std::vector<double> gain, share, cpu;
   for (std::size_t round = 0; round < planned.wall_ms.size(); ++round) {

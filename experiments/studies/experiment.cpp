@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "experiments/studies/catalogue.h"
-#include "experiments/studies/probe.h"
 
 namespace lodestone {
 

@@ -10,44 +10,20 @@
 #include <vector>
 
 #include "experiments/studies/parameters.h"
+#include "experiments/subjects/row.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
 
-// What a row says: name -> number, text, truth value or null (not measured in this row). A flat object.
-using Row = nlohmann::json;
-
-// What a setting has to say for a column to be measured: one of these conditions.
-struct ColumnNeed {
-  struct Condition {
-    std::string parameter;
-    ParameterValue value;
-    bool is = true;  // false: any other value
-  };
-  std::vector<Condition> any;
-};
-
-// A column that a row may have besides the parameters.
-struct ColumnInfo {
-  // Of accuracy less is better, of quality (PSNR, SSIM) more.
-  enum class Kind { label, accuracy, quality, cost, count };
-
-  std::string name;
-  std::string unit;     // "s", "% of the diagonal", "pixels", ...; empty: none
-  std::string meaning;  // for the report
-  Kind kind = Kind::count;
-  std::vector<ColumnNeed> needs{};  // all of them; empty: every setting has it
-};
-
 struct RunContext {
-  std::string input;      // file that the data's name stands for; empty: the experiment takes none
+  std::string input;      // file of the data; empty: the experiment takes none
   std::string directory;  // of the run, exists; scratch files go there and are removed, pictures stay
   int repetition = 0;     // from 0
   const CancelFlag* cancel = nullptr;
   std::function<void(double)> progress = [](double) {};  // share done
 };
 
-// What is wrong with a setting.
+// A fault of a setting.
 struct SettingFault {
   std::vector<std::string> parameters;  // that are at odds; told at the last one that is given
   std::string what;                     // in words, with the remedy
@@ -61,11 +37,25 @@ struct Experiment {
   std::vector<ParameterInfo> parameters;
   std::vector<ColumnInfo> columns;  // every column that a row can have
   std::function<std::vector<Row>(const Parameters&, const RunContext&)> run;
-  // What is wrong with the rows, in words; empty: they may be reported.
+  // The faults of the rows, in words; empty: they may be reported.
   std::function<std::vector<std::string>(const Parameters&, const std::vector<Row>&)> verify;
-  // What contradicts itself, told before anything is run: run() may count on there being nothing. Empty: nothing can.
+  // Contradictions of a setting, told before anything is run: run() may rely on there being none. Empty: none can be.
   std::function<std::vector<SettingFault>(const Parameters&)> check{};
 };
+
+// The experiments, a file each. `probe` has known results and every way to fail: it tries out a machine, a cluster or
+// the sweep itself.
+[[nodiscard]] Experiment build_experiment();
+[[nodiscard]] Experiment effects_experiment();
+[[nodiscard]] Experiment families_experiment();
+[[nodiscard]] Experiment flight_experiment();
+[[nodiscard]] Experiment probe_experiment();
+[[nodiscard]] Experiment progressive_experiment();
+[[nodiscard]] Experiment raster_experiment();
+[[nodiscard]] Experiment reconstruct_experiment();
+[[nodiscard]] Experiment scaling_experiment();
+[[nodiscard]] Experiment systems_experiment();
+[[nodiscard]] Experiment table_experiment();
 
 // All experiments, by name. Names are unique.
 [[nodiscard]] const std::vector<Experiment>& experiments();

@@ -13,14 +13,14 @@
 #include "core/progressive/mesh/level.h"
 #include "core/simplify/peers/whole_mesh.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
-#include "experiments/studies/catalogue.h"
-#include "experiments/studies/geometry_columns.h"
+#include "experiments/studies/experiment.h"
 #include "experiments/studies/rounds.h"
-#include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
+#include "experiments/studies/verdict.h"
+#include "experiments/subjects/compare.h"
+#include "experiments/subjects/reconstruct.h"
 #include "parallel/progressive/make_progressive.h"
 #include "parallel/scheduler/clock.h"
-#include "render/reconstruct/reconstruct.h"
 
 namespace lodestone {
 namespace {
@@ -75,7 +75,7 @@ class Comparison {
         context_(context),
         scheduler_(study_scheduler(parameters)),
         mesh_(read_study_mesh(context, *scheduler_).mesh) {
-    config_.merge = parameters.text("merge") == "stitch" ? MergeKind::stitch : MergeKind::concatenate;
+    config_.merge = merge_kind(parameters.text("merge"));
   }
 
   std::vector<Row> run() {

@@ -6,14 +6,15 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "experiments/studies/catalogue.h"
 #include "experiments/studies/effects_parameter.h"
+#include "experiments/studies/experiment.h"
 #include "experiments/studies/frame_measures.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/rounds.h"
-#include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
+#include "experiments/studies/verdict.h"
 #include "experiments/studies/viewpoints.h"
+#include "experiments/subjects/render.h"
 
 namespace lodestone {
 namespace {
@@ -50,7 +51,6 @@ std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
   const ColumnNeed by_kappa0{{{"kappa0", 0.0, false}, {"kappa0_over_rho", 0.0, false}}};
   std::vector<ColumnInfo> list{
-      {"frame_count", "", "viewpoints", count},
       {"rho", "", "reach in the metric of the run: the admissible border of uniform radii", accuracy},
       {"kappa0_used",
        "cell sizes",
@@ -58,13 +58,8 @@ std::vector<ColumnInfo> columns() {
        accuracy,
        {by_kappa0}},
       {"over_border", "", "kappa0 over the admissible border rho + 3 delta", accuracy, {by_kappa0}},
-      {"admissible", "", "every morph band has a width: no crack, no pop", label},
-      {"triangles", "", "drawn in a frame, mean", cost},
-      {"cells", "", "drawn in a frame, mean", cost},
-      {"select_ms", "ms", "radii and selection of a frame; mean over the path, median of the rounds", cost},
   };
-  append(list, frame_columns("a frame, from camera to picture"));
-  append(list, SurfaceSummary::columns());
+  append(list, without(render_columns(), {"screen_error"}));
   append(list, needing({{{"image", true}}}, PictureSummary::columns()));
   return list;
 }
@@ -99,43 +94,30 @@ void add_border(Row& row, const RadiiConfig& config, const Hierarchy& hierarchy)
   row["over_border"] = config.kappa0 && border > 0 ? Row(*config.kappa0 / border) : Row();
 }
 
-void add_times(Row& row, const FlightTimes& times) {
-  add_frames(row, times.frames);
-  row["select_ms"] = median_of(times.select_ms);
-  row["triangles"] = times.triangles, row["cells"] = times.cells;
-}
-
-std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
-  const auto scheduler = study_scheduler(parameters);
-  const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *scheduler);
-  const RadiiConfig radii = radii_config(parameters, hierarchy);
-  const ImageSize size = view_size(parameters);
-  ViewConfig view = view_of_model(size, parameters.integer("samples"));
+ViewConfig view_config(const Parameters& parameters, const RadiiConfig& radii) {
+  ViewConfig view = view_of_model(view_size(parameters), parameters.integer("samples"));
   view.radii = radii;
   view.blend = blend(parameters.text("blend"));
   view.effects = effect_request(parameters);
-  const std::vector<Shot> shots = viewpoints(hierarchy, make_radii(hierarchy, radii), parameters);
+  return view;
+}
 
-  Row row;
-  row["frame_count"] = shots.size();
-  add_border(row, radii, hierarchy);
-  ModelDrawer drawn(hierarchy, view, parameters.text("backend"), *scheduler);
-  add_times(row, time_flight(drawn, shots, parameters.integer("rounds"), context));
+// Cracks and pops of every shot, and its picture against that of the full model where that is asked for.
+void add_accuracy(Row& row, const Hierarchy& hierarchy, const ViewConfig& view, std::span<const Shot> shots,
+                  const Study& study) {
+  Scheduler& scheduler = *study.scheduler;
+  const bool with_pictures = study.parameters.flag("image");
+  const std::string backend = with_pictures ? study.parameters.text("backend") : "null";
+  ModelDrawer picture(hierarchy, view, backend, scheduler);
+  ModelDrawer full(hierarchy, at_full_detail(view), backend, scheduler);
   DrawnSurface drawn_surface(view.effects);
-  row["admissible"] = drawn.view().admissible() && drawn_surface.morphs();
-  if (context.repetition > 0) return {row};
-
-  SurfaceMeasures surface(hierarchy, size, *scheduler);
-  const bool with_pictures = parameters.flag("image");
-  const std::string backend = with_pictures ? parameters.text("backend") : "null";
-  ModelDrawer picture(hierarchy, view, backend, *scheduler);
-  ModelDrawer full(hierarchy, at_full_detail(view), backend, *scheduler);
-  PictureMeasures pictures(*scheduler);
+  SurfaceMeasures surface(hierarchy, view.size, scheduler);
+  PictureMeasures pictures(scheduler);
   SurfaceSummary cracks_and_pops;
   PictureSummary summary;
   WorstPicture worst;
   for (std::size_t i = 0; i < shots.size(); ++i) {
-    check_cancelled(context);
+    check_cancelled(study.context);
     picture.draw(shots[i].camera);
     const ModelFrame frame = drawn_surface.of(picture.view().frame().only());
     cracks_and_pops.add(surface.measure(frame, shots[i]));
@@ -147,11 +129,26 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
       worst.offer(seen, whole, sample.quality.flip.mean);
       summary.add(std::move(sample));
     }
-    context.progress(static_cast<double>(i + 1) / static_cast<double>(shots.size()));
+    study.context.progress(static_cast<double>(i + 1) / static_cast<double>(shots.size()));
   }
   cracks_and_pops.add_to(row);
   summary.add_to(row);
-  worst.write(context.directory, *scheduler);
+  worst.write(study.context.directory, scheduler);
+}
+
+std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context) {
+  const Study study(parameters, context);
+  const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *study.scheduler);
+  const RadiiConfig radii = radii_config(parameters, hierarchy);
+  const ViewConfig view = view_config(parameters, radii);
+  const std::vector<Shot> shots = viewpoints(hierarchy, make_radii(hierarchy, radii), parameters);
+  Row row;
+  row["frame_count"] = shots.size();
+  add_border(row, radii, hierarchy);
+  ModelDrawer drawn(hierarchy, view, parameters.text("backend"), *study.scheduler);
+  row.update(to_row(time_flight(drawn, shots, parameters.integer("rounds"), context)));
+  row["admissible"] = drawn.view().admissible() && DrawnSurface(view.effects).morphs();
+  if (context.repetition == 0) add_accuracy(row, hierarchy, view, shots, study);
   return {row};
 }
 
@@ -179,7 +176,7 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   check_frames(verdict);
   verdict.present("admissible");
   verdict.in_order("triangles", "surface_triangles");
-  SurfaceSummary::check(verdict, parameters.text("blend") != "step");
+  check_surface(verdict, parameters.text("blend") != "step");
   PictureSummary::check(verdict);
   return std::move(verdict).messages();
 }
@@ -189,7 +186,7 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
 Experiment flight_experiment() {
   return {"flight",  "What does a morphing hierarchy draw along a path, where does it crack, and how far does it pop?",
           true,      parameters(),
-          columns(), run,
+          columns(), rows_of,
           verify,    check};
 }
 

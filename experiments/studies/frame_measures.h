@@ -1,40 +1,34 @@
-// What is measured of the frames of a flight beside their cost: cracks and pops of the drawn surface, and what an
+// Measures of the frames of a flight beside their cost: cracks and pops of the drawn surface, and what an
 // observer sees of them in the picture.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pictures/error_map.h"
-#include "experiments/metrics/pops/jump_tracker.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
-#include "experiments/studies/surface_summary.h"
+#include "experiments/subjects/frame_proof.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/frame/frame.h"
 #include "render/frame/image.h"
 
 namespace lodestone {
 
-// The drawn surface of a morphing hierarchy, whole and before culling.
+// The proof of a model's frames as a drawer shows them, leaks of a closed model included.
 class SurfaceMeasures {
  public:
-  // Of pictures of a size. The hierarchy outlives it.
+  // For pictures of this size. The hierarchy outlives it.
   SurfaceMeasures(const Hierarchy& hierarchy, ImageSize size, Scheduler& scheduler);
 
   // `frame` is what the shot's camera sees.
   [[nodiscard]] SurfaceSample measure(const ModelFrame& frame, const Shot& shot);
 
  private:
-  const Hierarchy& hierarchy_;
   ImageSize size_;
-  Scheduler& scheduler_;
-  CrackBasis basis_;
-  CrackScratch scratch_;
-  JumpTracker jumps_;
-  // Draws M_L, for the silhouette that leaks of the background lie in. Of closed models alone, and of its own: what
-  // leaks must not depend on which pictures are asked for, nor on what draws them.
+  FrameProof proof_;
+  // Draws M_L, for the silhouette that leaks of the background lie in. Only for closed models, and with a renderer of
+  // its own: what leaks must not depend on which pictures are asked for, nor on what draws them.
   std::optional<ModelDrawer> full_;
 };
 

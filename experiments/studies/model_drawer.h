@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "experiments/studies/experiment.h"
-#include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/viewpoints.h"
+#include "experiments/subjects/frame_times.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/frame/renderer.h"
 #include "render/scene/scene_view.h"
@@ -42,11 +42,6 @@ class ModelDrawer {
   std::unique_ptr<Renderer> renderer_;
 };
 
-struct FlightTimes {
-  FrameRounds frames;
-  std::vector<double> select_ms;    // of a frame, mean of each round
-  double triangles = 0, cells = 0;  // drawn in a frame, mean
-};
 // All shots once to warm up, then `rounds` times. There is at least one.
 [[nodiscard]] FlightTimes time_flight(ModelDrawer& drawer, std::span<const Shot> shots, int rounds,
                                       const RunContext& context);

@@ -16,7 +16,7 @@ using ParameterValue = nlohmann::json;
 // Texts that a parameter takes besides its choices.
 struct OtherTexts {
   std::string what;  // in words, as "a recorded path (.json)"
-  // The text in the form in which equal ones are equal; none: it is no such text. Throws InputError that says more.
+  // The text in the form in which equal ones are equal; none: it is not such a text. Throws InputError that says more.
   std::function<std::optional<std::string>(const std::string&)> usual_form;
   // They name files, relative to the sweep file, and this throws Error for one that is missing or wrong. Null: they
   // name none.

@@ -31,7 +31,7 @@ std::optional<PopTotals> totals(const std::vector<PictureSample>& samples, Pops 
   return t;
 }
 
-// Of all pairs of frames, those without a pixel in common included.
+// Largest share over all pairs of frames, those without a pixel in common included.
 std::optional<double> largest_share_without_predecessor(const std::vector<PictureSample>& samples) {
   std::optional<double> most;
   for (const PictureSample& sample : samples)

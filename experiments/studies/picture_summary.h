@@ -7,7 +7,7 @@
 #include "experiments/metrics/pictures/image_quality.h"
 #include "experiments/metrics/pops/image_pops.h"
 #include "experiments/studies/experiment.h"
-#include "experiments/studies/row_verdict.h"
+#include "experiments/studies/verdict.h"
 
 namespace lodestone {
 

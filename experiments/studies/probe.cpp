@@ -1,5 +1,3 @@
-#include "experiments/studies/probe.h"
-
 #include <fmt/core.h>
 #include <poll.h>
 
@@ -11,6 +9,7 @@
 #include <new>
 
 #include "core/base/error.h"
+#include "experiments/studies/experiment.h"
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {

@@ -4,14 +4,14 @@
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "experiments/metrics/pictures/image_quality.h"
-#include "experiments/studies/catalogue.h"
 #include "experiments/studies/effects_parameter.h"
+#include "experiments/studies/experiment.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
-#include "experiments/studies/result_hash.h"
 #include "experiments/studies/rounds.h"
-#include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
+#include "experiments/studies/verdict.h"
+#include "experiments/subjects/result_hash.h"
 
 namespace lodestone {
 namespace {
@@ -36,11 +36,9 @@ std::vector<ColumnInfo> columns() {
   const ColumnNeed measured{{{"measured_frames", 0, false}}}, drawn{{{"backend", "null", false}}};
   std::vector<ColumnInfo> list{
       {"input_triangles", "", "of the model", count},
-      {"triangles", "", "drawn in a frame, mean", cost},
       {"first_frame_ms", "ms", "of the first frame, with what it uploads and compiles", cost},
-      {"select_ms", "ms", "radii and selection of a frame; mean over the path, median of the rounds", cost},
       {"mtri_per_second", "million/s", "triangles drawn over frame_ms", cost},
-      {"peak_memory", "bytes", "largest resident set while drawing, the model included", cost},
+      {"peak_bytes", "bytes", "largest resident set while drawing, the model included", cost},
       {"screen_error",
        "pixels",
        "largest distance in the picture between what is drawn and the full model",
@@ -49,12 +47,12 @@ std::vector<ColumnInfo> columns() {
       {"hash", "", "of all pictures", label},
       {"same", "", "a single thread draws the same pictures", label},
   };
-  append(list, frame_columns("a frame, from camera to picture"));
+  append(list, flight_columns());
   append(list, needing(measured, needing(drawn, QualitySummary::columns())));
   return list;
 }
 
-// Of all pictures, in their order; each is drawn anew.
+// Hash of all pictures, in their order; each is drawn anew.
 std::uint64_t hash_of_pictures(ModelDrawer& drawer, std::span<const Shot> shots, const RunContext& context) {
   std::uint64_t sum = 0;
   for (const Shot& shot : shots) {
@@ -96,46 +94,43 @@ class FrameAccuracy {
 };
 
 void add_accuracy(Row& row, ModelDrawer& drawn, const ViewConfig& view, const Hierarchy& hierarchy,
-                  std::span<const Shot> shots, const Parameters& parameters, const RunContext& context,
-                  Scheduler& scheduler) {
-  const std::string backend = parameters.text("backend");
+                  std::span<const Shot> shots, const Study& study) {
+  const std::string backend = study.parameters.text("backend");
   const auto serial = make_serial_scheduler();
   ModelDrawer alone(hierarchy, view, backend, *serial);
-  row["same"] = hash_of_pictures(alone, shots, context) == hash_of_pictures(drawn, shots, context);
+  row["same"] = hash_of_pictures(alone, shots, study.context) == hash_of_pictures(drawn, shots, study.context);
 
-  const std::size_t measured = std::min<std::size_t>(shots.size(), parameters.json().at("measured_frames"));
+  const std::size_t measured = std::min<std::size_t>(shots.size(), study.parameters.json().at("measured_frames"));
   if (measured == 0) return;
-  ModelDrawer full(hierarchy, at_full_detail(view), backend, scheduler);
+  ModelDrawer full(hierarchy, at_full_detail(view), backend, *study.scheduler);
   const ScreenErrorBasis basis(hierarchy);
   FrameAccuracy accuracy(view.effects);
   for (std::size_t i = 0; i < measured; ++i) {
-    check_cancelled(context);
-    accuracy.measure(drawn, full, shots[i * shots.size() / measured], view_size(parameters), basis, scheduler);
+    check_cancelled(study.context);
+    accuracy.measure(drawn, full, shots[i * shots.size() / measured], view.size, basis, *study.scheduler);
   }
   accuracy.add_to(row);
-  if (backend != "null") write_png(context.directory + "/last.png", drawn.renderer().read_back());
+  if (backend != "null") write_png(study.context.directory + "/last.png", drawn.renderer().read_back());
 }
 
 std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
-  const auto scheduler = study_scheduler(parameters);
-  const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *scheduler);
+  const Study study(parameters, context);
+  const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *study.scheduler);
   ViewConfig view = view_of_model(view_size(parameters), parameters.integer("samples"));
   view.radii.pixel_error = static_cast<float>(parameters.number("pixel_error"));
   view.effects = effect_request(parameters);
   const std::vector<Shot> shots = viewpoints(hierarchy, make_radii(hierarchy, view.radii), parameters);
 
-  Row row;
   const CostMeter meter;
-  ModelDrawer drawn(hierarchy, view, parameters.text("backend"), *scheduler);
-  row["first_frame_ms"] = 1000 * drawn.draw(shots.back().camera).time.seconds;
-  const FlightTimes times = time_flight(drawn, shots, parameters.integer("rounds"), context);
-  row["peak_memory"] = meter.elapsed().peak_memory;
-  add_frames(row, times.frames);
-  row["select_ms"] = median_of(times.select_ms);
-  row["triangles"] = times.triangles, row["input_triangles"] = hierarchy.provenance.input_triangles;
-  row["mtri_per_second"] = times.triangles * 1e-3 / row["frame_ms"].get<double>();
+  ModelDrawer drawn(hierarchy, view, parameters.text("backend"), *study.scheduler);
+  const double first_frame = drawn.draw(shots.back().camera).time.seconds;
+  Row row = to_row(time_flight(drawn, shots, parameters.integer("rounds"), context));
+  row["peak_bytes"] = meter.elapsed().peak_memory;
+  row["first_frame_ms"] = 1000 * first_frame;
+  row["input_triangles"] = hierarchy.provenance.input_triangles;
+  row["mtri_per_second"] = row["triangles"].get<double>() * 1e-3 / row["frame_ms"].get<double>();
   row["hash"] = to_hex(hash_of_pictures(drawn, shots, context));
-  if (context.repetition == 0) add_accuracy(row, drawn, view, hierarchy, shots, parameters, context, *scheduler);
+  if (context.repetition == 0) add_accuracy(row, drawn, view, hierarchy, shots, study);
   return {row};
 }
 

@@ -2,19 +2,9 @@
 
 namespace lodestone {
 
-void add_spread_columns(std::vector<ColumnInfo>& columns, const std::string& name, const std::string& unit,
-                        const std::string& meaning) {
-  const auto kind = ColumnInfo::Kind::cost;
-  columns.push_back({name, unit, meaning + ", median", kind});
-  columns.push_back({name + "_min", unit, meaning + ", least", kind});
-  columns.push_back({name + "_max", unit, meaning + ", most", kind});
-}
-
-void add_spread(Row& row, const std::string& name, const std::vector<double>& values) {
-  const Spread spread = spread_of(values);
-  row[name] = spread.median;
-  row[name + "_min"] = spread.minimum;
-  row[name + "_max"] = spread.maximum;
+void add_times(Row& row, const Rounds& rounds) {
+  add_spread(row, "seconds", rounds.wall);
+  add_spread(row, "cpu_seconds", rounds.cpu);
 }
 
 ParameterInfo rounds_parameter(int rounds) {

@@ -1,4 +1,4 @@
-// Timing: warm-up, rounds, and what becomes of them.
+// Timing in rounds, after one that warms up.
 #pragma once
 
 #include <functional>
@@ -15,14 +15,13 @@ namespace lodestone {
 struct Rounds {
   std::vector<double> wall, cpu;
   void add(StageTime time) { wall.push_back(time.seconds), cpu.push_back(time.cpu_seconds); }
+  [[nodiscard]] StageTime median() const { return {median_of(wall), median_of(cpu)}; }
 };
 
-// name, name_min, name_max: their columns and their values.
-void add_spread_columns(std::vector<ColumnInfo>& columns, const std::string& name, const std::string& unit,
-                        const std::string& meaning);
-void add_spread(Row& row, const std::string& name, const std::vector<double>& values);
+// The columns seconds and cpu_seconds with their minima and maxima.
+void add_times(Row& row, const Rounds& rounds);
 
-// "rounds" of a run: as often is it timed, after a round that warms up and does not count.
+// "rounds" of a run: the number of times that it is timed, after a round that warms up and does not count.
 [[nodiscard]] ParameterInfo rounds_parameter(int rounds);
 
 // Throws Cancelled when the run is to end.

@@ -9,12 +9,12 @@
 
 #include <algorithm>
 
-#include "experiments/studies/catalogue.h"
-#include "experiments/studies/result_hash.h"
+#include "experiments/studies/experiment.h"
 #include "experiments/studies/rounds.h"
-#include "experiments/studies/row_verdict.h"
 #include "experiments/studies/scaling_work.h"
 #include "experiments/studies/study_input.h"
+#include "experiments/studies/verdict.h"
+#include "experiments/subjects/result_hash.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/processors.h"
 #include "parallel/scheduler/trace.h"

@@ -5,8 +5,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/raw_mesh.h"
-#include "experiments/studies/result_hash.h"
 #include "experiments/studies/study_input.h"
+#include "experiments/subjects/result_hash.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/progressive/make_progressive.h"
 #include "render/backends/make_renderer.h"

@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include "core/base/error.h"
+#include "experiments/subjects/compare.h"
 #include "parallel/build/measure_errors.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
@@ -20,10 +21,6 @@ std::vector<std::string> simplifier_names() {
 }  // namespace
 
 void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more) {
-  list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-}
-
-void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more) {
   list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
@@ -129,11 +126,37 @@ Hierarchy build_study_hierarchy(const Parameters& parameters, const RunContext& 
   return hierarchy;
 }
 
-std::string failed_checks(const VerifyReport& report) {
+void add_geometry(Row& row, const RawMesh& reference, const RawMesh& mesh, Scheduler& scheduler) {
+  row.update(to_row(geometry_error(reference, mesh, {}, scheduler)));
+}
+
+void check_geometry(RowVerdict& verdict) {
+  verdict.in_order("error_mean", "rms");
+  verdict.in_order("rms", "error_max");
+  verdict.in_order("error_p99", "error_max");
+  verdict.at_most("slivers", 100);
+  verdict.at_most("normal_mean", 180);
+}
+
+std::vector<ColumnInfo> verify_columns() {
+  using enum ColumnInfo::Kind;
+  return {{"valid", "", "the hierarchy has every property that verify checks", label},
+          {"failed_checks", "", "names of the properties that it does not have", label}};
+}
+
+void add_verification(Row& row, const Hierarchy& hierarchy, const IndexedMesh* input) {
+  const VerifyReport report = verify_hierarchy(hierarchy, input);
   std::string failed;
   for (const VerifyCheck& check : report.checks)
     if (!check.passed) failed += (failed.empty() ? "" : ", ") + check.name;
-  return failed;
+  row["valid"] = report.valid(), row["failed_checks"] = failed;
+}
+
+void check_verification(RowVerdict& verdict) {
+  verdict.is_true("valid");
+  for (const Row& row : verdict.rows())
+    if (const std::string failed = text_in(row, "failed_checks"); !failed.empty())
+      verdict.require(false, "failed checks: " + failed);
 }
 
 }  // namespace lodestone

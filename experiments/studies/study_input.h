@@ -10,7 +10,7 @@
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/studies/experiment.h"
-#include "experiments/studies/setting_verdict.h"
+#include "experiments/studies/verdict.h"
 #include "parallel/build/build.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
@@ -19,23 +19,31 @@
 namespace lodestone {
 
 void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more);
-void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more);
 
 // The columns, with one more need each.
 [[nodiscard]] std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> columns);
 
 [[nodiscard]] ParameterInfo threads_parameter();
-[[nodiscard]] std::vector<ParameterInfo> build_parameters();    // how a hierarchy is built, strategy included
+[[nodiscard]] std::vector<ParameterInfo> build_parameters();  // how a hierarchy is built, strategy included
 // Those, and what needs the whole hierarchy in memory: split edges, measured errors.
 [[nodiscard]] std::vector<ParameterInfo> in_core_build_parameters();
 [[nodiscard]] std::vector<ParameterInfo> picture_parameters();  // width, height, samples
-// What an experiment with these parameters has to refuse.
+// Refuses what no experiment with these parameters can run.
 void check_build(SettingVerdict& verdict, const Parameters& parameters);
 void check_picture(SettingVerdict& verdict, const Parameters& parameters);
 [[nodiscard]] ImageSize view_size(const Parameters& parameters);
 
-// As `threads` says.
+// With as many workers as `threads` says.
 [[nodiscard]] std::unique_ptr<Scheduler> study_scheduler(const Parameters& parameters);
+// A run at work: its setting, its files, its workers.
+struct Study {
+  Study(const Parameters& given, const RunContext& of_run)
+      : parameters(given), context(of_run), scheduler(study_scheduler(given)) {}
+
+  const Parameters& parameters;
+  const RunContext& context;
+  std::unique_ptr<Scheduler> scheduler;
+};
 [[nodiscard]] BuildConfig build_config(const Parameters& parameters, const RunContext& context);
 
 // Without attributes, height grids without voids.
@@ -53,7 +61,14 @@ struct StudyMesh {
 [[nodiscard]] Hierarchy build_study_hierarchy(const Parameters& parameters, const RunContext& context,
                                               Scheduler& scheduler);
 
-// Their names, separated by commas.
-[[nodiscard]] std::string failed_checks(const VerifyReport& report);
+// Puts geometry_columns() in: distances of the mesh from the reference, both ways.
+void add_geometry(Row& row, const RawMesh& reference, const RawMesh& mesh, Scheduler& scheduler);
+void check_geometry(RowVerdict& verdict);
+
+// `valid` and `failed_checks`: whether a hierarchy has every property that verify checks, compared with its input
+// where that is given.
+[[nodiscard]] std::vector<ColumnInfo> verify_columns();
+void add_verification(Row& row, const Hierarchy& hierarchy, const IndexedMesh* input = nullptr);
+void check_verification(RowVerdict& verdict);
 
 }  // namespace lodestone

@@ -4,20 +4,19 @@
 // A run is one system, so that its frame times and its processor time are its own; systems are compared by repetitions
 // that take turns. Timing passes come first and measure nothing else.
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/error.h"
-#include "experiments/studies/catalogue.h"
 #include "experiments/studies/effects_parameter.h"
+#include "experiments/studies/experiment.h"
 #include "experiments/studies/frame_measures.h"
-#include "experiments/studies/frame_rounds.h"
 #include "experiments/studies/model_drawer.h"
 #include "experiments/studies/picture_summary.h"
 #include "experiments/studies/rounds.h"
-#include "experiments/studies/row_verdict.h"
 #include "experiments/studies/study_input.h"
-#include "experiments/studies/surface_summary.h"
+#include "experiments/studies/verdict.h"
 #include "experiments/studies/viewpoints.h"
+#include "experiments/subjects/frame_proof.h"
+#include "experiments/subjects/frame_times.h"
 #include "experiments/systems/system_flight.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
@@ -66,89 +65,71 @@ std::vector<ColumnInfo> columns() {
   return list;
 }
 
-// Lengths of a row are in the units of the model.
-SurfaceSample surface_of(const SystemRow& row, const SystemModel& model, bool follows) {
-  const double percent = 100 / model.hierarchy->transform.scale;
-  SurfaceSample sample;
-  for (const SelectedCell& s : model.whole.cells)
-    sample.triangles += static_cast<double>(model.hierarchy->cells[s.cell].triangles.size());
-  sample.open_edges = static_cast<double>(row.open_edges);
-  sample.gap = percent * row.gap_max, sample.gap_mean = percent * row.gap_mean, sample.gap_pixels = row.gap_max_pixels;
-  sample.gap_mean_pixels = row.gap_mean_pixels;
-  sample.t_junctions = static_cast<double>(row.t_junctions);
-  if (row.closed) {
-    sample.torn_pixels = static_cast<double>(row.torn_pixels);
-    sample.leak_pixels = static_cast<double>(row.leak_pixels);
-  }
-  // Nothing moves in a cross-fade: what changes is in the pictures alone.
-  if (!follows || row.system == LodSystem::cross_fade) return sample;
-  JumpSample jump{percent * row.jump_max, percent * row.jump_p99, row.jump_max_pixels, row.jump_p99_pixels, {}, {}};
-  if (row.step > 0) jump.per_step = row.jump_max / row.step;
-  if (std::isfinite(row.jump_over_bound)) jump.over_bound = row.jump_over_bound;
-  sample.jump = jump;
-  return sample;
-}
-
-void add_times(Row& row, SystemPictures& pictures, LodSystem system, const std::vector<Camera>& cameras,
-               const ViewConfig& view, int rounds, const RunContext& context) {
+void add_times(Row& row, SystemPictures& pictures, const SystemFlightConfig& config, const Study& study) {
   FrameRounds times;
   double drawn = 0, triangles = 0;
-  for (int round = 0; round <= rounds; ++round) {
+  for (int round = 0; round <= study.parameters.integer("rounds"); ++round) {
     std::vector<StageTime> frames;
     drawn = triangles = 0;  // the same in every round
-    for (const Camera& camera : cameras) {
-      check_cancelled(context);
+    for (const Camera& camera : config.cameras) {
+      check_cancelled(study.context);
       const CpuClock clock;
-      const SystemPicture picture = pictures.draw(system, camera, view);
+      const SystemPicture picture = pictures.draw(config.systems.front(), camera, config.view);
       frames.push_back(clock.elapsed());
       drawn += picture.pictures, triangles += static_cast<double>(picture.stats.triangles);
     }
     if (round > 0) times.add(frames);  // the first one warms up
   }
-  const auto count = static_cast<double>(cameras.size());
+  const auto count = static_cast<double>(config.cameras.size());
   add_frames(row, times);
   row["pictures"] = drawn / count, row["triangles"] = triangles / count;
 }
 
-std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
-  const auto scheduler = study_scheduler(parameters);
-  const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *scheduler);
-  const LodSystem system = lod_system(parameters.text("system"));
+void add_accuracy(Row& row, SceneView& scene, Renderer& renderer, const SystemFlightConfig& config,
+                  const Study& study) {
+  SurfaceSummary cracks_and_pops;
+  PictureSummary seen;
+  WorstPicture worst;
+  (void)fly_systems(
+      scene, renderer, config, *study.scheduler,
+      [&](const SystemRow& frame, const SystemPicture& drawn, const Image& full) {
+        cracks_and_pops.add(*frame.surface);
+        PictureSample sample{frame.quality, {}, {}};
+        if (frame.frame > 0) sample.pops = frame.pops, sample.flip_pops = frame.flip_pops;
+        seen.add(std::move(sample));
+        worst.offer(drawn.image, full, frame.quality.flip.mean);
+        study.context.progress(static_cast<double>(frame.frame) / static_cast<double>(config.cameras.size()));
+      });
+  cracks_and_pops.add_to(row);
+  seen.add_to(row);
+  worst.write(study.context.directory, *study.scheduler);
+}
+
+SystemFlightConfig flight_config(const Parameters& parameters, const Hierarchy& hierarchy, const RunContext& context) {
   SystemFlightConfig config;
   config.view = view_of_model(view_size(parameters), parameters.integer("samples"));
   config.view.radii.pixel_error = static_cast<float>(parameters.number("pixel_error"));
   config.view.effects = effect_request(parameters);
   config.view.effects.listed.insert(Effect::geomorph);
-  config.systems = {system};
+  config.systems = {lod_system(parameters.text("system"))};
   config.system.fade_width = parameters.number("fade_width");
   config.cancel = context.cancel;
   config.cameras = path_cameras(hierarchy, parameters);
+  return config;
+}
 
+std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
+  const Study study(parameters, context);
+  const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *study.scheduler);
+  const SystemFlightConfig config = flight_config(parameters, hierarchy, context);
   SceneView scene(scene_of("input"), {{&hierarchy}});
-  const auto renderer = make_renderer(parameters.text("backend"), *scheduler);
+  const auto renderer = make_renderer(parameters.text("backend"), *study.scheduler);
   scene.upload(*renderer);
   Row row;
   SystemPictures pictures(scene, *renderer, config.system);
-  add_times(row, pictures, system, config.cameras, config.view, parameters.integer("rounds"), context);
-  row["admissible"] = system == LodSystem::morph && scene.admissible();
-  if (context.repetition > 0) return {row};
-
-  SurfaceSummary cracks_and_pops;
-  PictureSummary seen;
-  WorstPicture worst;
-  (void)fly_systems(scene, *renderer, config, *scheduler,
-                    [&](const SystemRow& frame, const SystemPicture& drawn, const Image& full) {
-                      const bool follows = frame.frame > 0;
-                      cracks_and_pops.add(surface_of(frame, drawn.models.front(), follows));
-                      PictureSample sample{frame.quality, {}, {}};
-                      if (follows) sample.pops = frame.pops, sample.flip_pops = frame.flip_pops;
-                      seen.add(std::move(sample));
-                      worst.offer(drawn.image, full, frame.quality.flip.mean);
-                      context.progress(static_cast<double>(frame.frame) / static_cast<double>(config.cameras.size()));
-                    });
-  cracks_and_pops.add_to(row);
-  seen.add_to(row);
-  worst.write(context.directory, *scheduler);
+  add_times(row, pictures, config, study);
+  row["admissible"] = config.systems.front() == LodSystem::morph && scene.admissible();
+  if (context.repetition == 0) add_accuracy(row, scene, *renderer, config, study);
   return {row};
 }
 
@@ -165,7 +146,7 @@ std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows)
   RowVerdict verdict(columns(), rows);
   check_frames(verdict);
   verdict.present("admissible");
-  SurfaceSummary::check(verdict, true);
+  check_surface(verdict, true);
   PictureSummary::check(verdict);
   return std::move(verdict).messages();
 }

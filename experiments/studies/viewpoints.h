@@ -1,4 +1,4 @@
-// Where a model is looked at from: camera paths, and viewpoints that are hard on a level of detail.
+// Viewpoints of a model: camera paths, and viewpoints that are hard on a level of detail.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 #include "core/hierarchy/model/hierarchy.h"
 #include "experiments/studies/experiment.h"
-#include "experiments/studies/setting_verdict.h"
+#include "experiments/studies/verdict.h"
 #include "render/camera/camera.h"
 #include "render/lod/radii.h"
 
@@ -24,7 +24,7 @@ struct Shot {
 void check_path(SettingVerdict& verdict, const Parameters& parameters);
 // "camera": one of these names, or the file of a recorded path, as `render --camera` takes it.
 [[nodiscard]] ParameterInfo camera_parameter(const std::string& description, std::vector<std::string> names);
-// Of the path that "camera" names: "orbit", "fly-in" or a file. Throws what read_camera_path throws.
+// Cameras of the path that "camera" names: "orbit", "fly-in" or a file. Throws what read_camera_path throws.
 [[nodiscard]] std::vector<Camera> path_cameras(const Hierarchy& hierarchy, const Parameters& parameters);
 
 // "camera" (orbit, fly-in, random, adversarial, or a file), "step", "seed", and those of a path.

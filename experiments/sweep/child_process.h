@@ -24,7 +24,7 @@ class ChildProcess {
  public:
   // Standard output and error are appended to `log`, `inherited` descriptors stay open in the child, which is told by
   // `--report N` to which descriptor to report. The child ends when this process does, however that ends. Throws
-  // ResourceError when there is no process to be had, FileError when the log cannot be written.
+  // ResourceError when no process can be started, FileError when the log cannot be written.
   ChildProcess(std::vector<std::string> arguments, const std::filesystem::path& log, int inherited);
   ~ChildProcess();  // ends it
   ChildProcess(const ChildProcess&) = delete;

@@ -5,7 +5,7 @@
 namespace lodestone {
 namespace {
 
-// What the report derives from `seconds` over the numbers of threads, where the experiment has no such columns.
+// Columns that the report derives from `seconds` over the numbers of threads, where the experiment has no such columns.
 const std::set<std::string> derived{"speedup", "efficiency", "karp_flatt"};
 
 bool has_column(const Experiment& experiment, const std::string& name) {

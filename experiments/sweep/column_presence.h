@@ -1,4 +1,4 @@
-// Which columns figures and lists of metrics may name, and which settings of a sweep have them.
+// The columns that figures and lists of metrics may name, and the settings of a sweep that have them.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct ColumnPresence {
   std::size_t settings = 0;  // of the sweep that have the column
   std::string remedy;        // for the others, as "set image = true"; empty: there are none
 };
-// Names that are no columns are in all settings. O(settings).
+// Names that are not columns are in all settings. O(settings).
 [[nodiscard]] ColumnPresence presence(const SweepSection& sweep, const std::string& name);
 
 // "set image = true": what a setting needs for the column; empty: nothing.

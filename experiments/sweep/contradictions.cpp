@@ -20,7 +20,7 @@ class Checker {
   }
 
  private:
-  // What becomes of a parameter that has no effect in some settings.
+  // The use of a parameter that has no effect in some settings.
   struct Use {
     std::size_t first = 0;  // of these settings
     std::string what;
@@ -37,7 +37,7 @@ class Checker {
     reduced_.push_back(std::move(reduced));
   }
 
-  // Whether settings are told apart by nothing but parameters without effect.
+  // Refuses settings that differ only in parameters without effect.
   void refuse_equal_runs() const {
     std::map<nlohmann::json, std::size_t> known;
     for (std::size_t i = 0; i < settings_.size(); ++i) {

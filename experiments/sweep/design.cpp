@@ -70,7 +70,7 @@ struct Range {
 
 Range read_range(const ParameterInfo& info, const toml::node& node, bool counted, const TomlTable& parent) {
   TomlTable table(*node.as_table(), parent.file(), info.name);
-  if (!info.default_value.is_number()) parent.fail(node, info.name, "has no range; it is no number");
+  if (!info.default_value.is_number()) parent.fail(node, info.name, "has no range; it is not a number");
   constexpr double any = 1e300;
   Range range;
   range.whole = info.default_value.is_number_integer();
@@ -172,7 +172,7 @@ double drawn_share(std::int64_t seed, std::uint64_t number, const std::string& n
   return static_cast<double>(state >> 11) * 0x1p-53;
 }
 
-// What a parameter is drawn from: values, or a range.
+// The source of a drawn parameter: values, or a range.
 struct Drawn {
   std::string name;
   Values values;

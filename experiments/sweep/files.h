@@ -19,10 +19,10 @@ void write_durably(const std::filesystem::path& target, std::string_view text);
 [[nodiscard]] nlohmann::json read_json(const std::filesystem::path& path);
 [[nodiscard]] std::string read_text(const std::filesystem::path& path);
 
-// What killed processes have left of files under way. For who holds the lock of the folder.
+// Removes unfinished files that killed processes have left. The caller holds the lock of the folder.
 void remove_temporaries_in(const std::filesystem::path& folder);
 
-// An exclusive lock (flock) on a file that is made for it and stays. It ends with the last process that has the
+// An exclusive lock (flock) on a file that is made for it and kept. It ends with the last process that has the
 // descriptor: a child that has inherited it keeps others off for as long as it lives.
 class FileLock {
  public:

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file's times are no finer than this, in seconds, on any file system that we know.
+// No known file system has file times coarser than this, in seconds.
 constexpr std::time_t settled_after = 3;
 
 std::vector<fs::path> files_below(const fs::path& folder) {
@@ -83,17 +83,16 @@ SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHas
                               : "take the right file, or correct the sha256");
   const std::vector<std::string> companions = companions_of(source);
   if (companions.empty()) return input;
-  Sha256 all;
-  all.add(input.sha256 + "\n");
+  std::string hashes_of_all = input.sha256 + "\n";
   InputFiles files = *input.hashed;
   for (const std::string& companion : companions) {
     expect(file, source, companion);
     const SweepInput part = hashes.of(companion);
-    all.add(part.sha256 + "\n");
+    hashes_of_all += part.sha256 + "\n";
     input.bytes += part.bytes;
     append(files, *part.hashed);
   }
-  input.sha256 = all.finish();
+  input.sha256 = sha256(hashes_of_all);
   input.hashed = std::make_shared<InputFiles>(std::move(files));
   return input;
 }
@@ -155,10 +154,10 @@ SweepInput ContentHashes::of(const fs::path& path) {
     input.sha256 = of_file(path, files);
   } else {
     files.folders.push_back(path.string());
-    Sha256 all;
+    std::string all;
     for (const fs::path& file : files_below(path))
-      all.add(of_file(file, files) + "  " + fs::relative(file, path).generic_string() + "\n");
-    input.sha256 = all.finish();
+      all += of_file(file, files) + "  " + fs::relative(file, path).generic_string() + "\n";
+    input.sha256 = sha256(all);
   }
   for (const FileState& file : files.files) input.bytes += static_cast<std::uint64_t>(file.key[0]);
   input.hashed = std::make_shared<InputFiles>(std::move(files));

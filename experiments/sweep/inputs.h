@@ -33,8 +33,8 @@ struct InputFiles {
 
 struct SweepInput {
   std::string path;
-  // Of the content: of the file; of a folder, the names and contents of its files; of a scene, with its models; with
-  // what else belongs to it. Empty: not yet made.
+  // Hash of the content: of the file; of a folder, the names and contents of its files; of a scene, with its models;
+  // with what else belongs to it. Empty: not yet made.
   std::string sha256;
   std::uint64_t bytes = 0;
   std::shared_ptr<const InputFiles> hashed;  // what that is of; null: not yet made
@@ -69,7 +69,7 @@ struct InputConfig {
   std::function<void(const std::string& name, double share)> progress = [](const std::string&, double) {};
 };
 
-// Inputs of the given names; generated ones are made in directory/data and stay there. For who holds the directory's
+// Inputs of the given names; generated ones are made in directory/data and kept there. The caller holds the directory's
 // lock, unless nothing is to be made. Throws InputError with the line for one that is missing or another than its
 // sha256 says, Cancelled.
 [[nodiscard]] std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::set<std::string>& names,

@@ -31,7 +31,7 @@ SweepSheet common_sheet(const MergeConfig& config) {
   return *std::move(common);
 }
 
-// What there is of a repetition.
+// The results that a repetition has.
 struct Outcome {
   bool rows = false, fault = false;
 };
@@ -40,7 +40,7 @@ Outcome outcome_of(const RunFolder& run, int repetition) {
   return {run.has_rows(repetition), run.fault(repetition).has_value()};
 }
 
-// Rows are worth more than an error, and anything more than nothing; what is there stays.
+// Rows are worth more than an error, and anything more than nothing; what is there is kept.
 bool is_wanted(const Outcome& offered, const Outcome& there) {
   return !there.rows && (offered.rows || (offered.fault && !there.fault));
 }
@@ -56,7 +56,7 @@ void take_files(const nlohmann::json& sweep, const fs::path& from, const fs::pat
   }
 }
 
-// What belongs to the run and not to a repetition, where `to` has none.
+// Copies files that belong to the run and not to a repetition, where `to` has none.
 void take_run(const RunFolder& from, const RunFolder& to) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(from.path(), ignored)) {

@@ -14,7 +14,7 @@ struct MergeConfig {
   bool dry_run = false;  // counts, and writes nothing
 };
 
-// Of repetitions; after merging.
+// Numbers of repetitions after merging.
 struct MergeResult {
   std::string name;       // of the sweep
   std::size_t all = 0;    // that the sweep has

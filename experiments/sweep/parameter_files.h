@@ -30,7 +30,7 @@ using ParameterFiles = std::map<std::string, ParameterFile>;
 [[nodiscard]] ParameterFiles files_of(const nlohmann::json& parameters, const std::vector<ParameterInfo>& known,
                                       const ParameterFiles& named);
 
-// Copies that are missing. For who holds the folder's lock; throws FileError.
+// Writes copies that are missing. The caller holds the folder's lock. Throws FileError.
 void write_copies(const ParameterFiles& files, const std::filesystem::path& folder);
 
 // The parameters with the hashes of these files instead of their names, and with the paths of their copies.

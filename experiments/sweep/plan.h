@@ -1,4 +1,4 @@
-// What a sweep comes to: its runs, by the hash of everything that decides their results.
+// The plan of a sweep: its runs, by the hash of everything that decides their results.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,10 @@
-// Processors that a run has for itself, among all runs of sweeps on this machine, whichever processes started them.
+// Processors that a run has for itself, among all runs of the user's sweeps on this machine, whichever processes
+// started them.
 #pragma once
 
 #include <vector>
+
+#include "experiments/sweep/files.h"
 
 namespace lodestone {
 
@@ -9,19 +12,15 @@ class ProcessorClaim {
  public:
   ProcessorClaim() = default;
   // The first `threads` of the allowed processors that no other run has, in their order; all of them for threads = 0.
-  // None when these are too few. A claim ends with this object, or with the process.
+  // None when these are too few. A claim is a locked file (flock) per processor: it ends with this object, or with the
+  // process. Throws FileError when the files cannot be made.
   ProcessorClaim(int threads, const std::vector<int>& allowed);
-  ~ProcessorClaim();
-  ProcessorClaim(ProcessorClaim&& other) noexcept;
-  ProcessorClaim& operator=(ProcessorClaim&&) = delete;
 
   [[nodiscard]] const std::vector<int>& processors() const { return processors_; }
 
  private:
-  void give_back();
-
   std::vector<int> processors_;
-  std::vector<int> sockets_;  // whose names are the claims
+  std::vector<FileLock> locks_;
 };
 
 }  // namespace lodestone

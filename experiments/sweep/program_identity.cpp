@@ -1,71 +1,84 @@
 #include "experiments/sweep/program_identity.h"
 
-#include <elf.h>
+#include <link.h>
 
-#include <cstring>
+#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <filesystem>
-#include <optional>
-#include <span>
 #include <string_view>
-#include <vector>
+#include <system_error>
 
+#include "core/files/checksum.h"
 #include "core/files/input_file.h"
 #include "experiments/command_line/version.h"
-#include "experiments/sweep/libraries.h"
+#include "experiments/subjects/result_hash.h"
+#include "experiments/sweep/files.h"
 #include "experiments/sweep/sha256.h"
 
 namespace lodestone {
 namespace {
 
-using Bytes = std::span<const std::byte>;
+// The system's run-time. What it computes is laid down by standards, and security updates replace it often: runs of
+// weeks would be lost to them. libm, whose last digits differ from one version to the next, does not belong to it.
+constexpr std::array run_time = {"libc.so", "libstdc++.so", "libgcc_s.so", "libpthread.so", "libdl.so", "ld-linux"};
 
-template <class Struct>
-std::optional<Struct> at(Bytes file, std::uint64_t offset) {
-  if (offset > file.size() || file.size() - offset < sizeof(Struct)) return {};
-  Struct value;
-  std::memcpy(&value, file.data() + offset, sizeof(Struct));
-  return value;
+int add_path(dl_phdr_info* info, std::size_t, void* paths) {
+  const std::string path = info->dlpi_name;  // empty for the executable, without a folder for the kernel's
+  if (path.find('/') != std::string::npos) static_cast<std::vector<std::string>*>(paths)->push_back(path);
+  return 0;
 }
 
-std::optional<Bytes> part(Bytes file, std::uint64_t offset, std::uint64_t size) {
-  if (offset > file.size() || size > file.size() - offset) return {};
-  return file.subspan(offset, size);
+std::vector<std::string> loaded_paths() {
+  std::vector<std::string> paths;
+  dl_iterate_phdr(add_path, &paths);
+  return paths;
 }
 
-// The sections that are loaded and decide what the program does; nothing for a file that is not as expected.
-std::optional<std::vector<Bytes>> decisive_sections(Bytes file) {
-  const auto header = at<Elf64_Ehdr>(file, 0);
-  if (!header || std::memcmp(header->e_ident, ELFMAG, SELFMAG) != 0 || header->e_ident[EI_CLASS] != ELFCLASS64)
-    return {};
-  const auto section = [&](std::uint64_t i) { return at<Elf64_Shdr>(file, header->e_shoff + i * sizeof(Elf64_Shdr)); };
-  const auto name_table = section(header->e_shstrndx);
-  if (header->e_shnum == 0 || !name_table) return {};
-  std::vector<Bytes> sections;
-  for (std::uint64_t i = 0; i < header->e_shnum; ++i) {
-    const auto s = section(i);
-    if (!s) return {};
-    if (!(s->sh_flags & SHF_ALLOC) || s->sh_type == SHT_NOBITS || s->sh_type == SHT_NOTE) continue;
-    const auto name = part(file, name_table->sh_offset + s->sh_name, commit_section.size() + 1);
-    if (name && std::memcmp(name->data(), commit_section.data(), commit_section.size()) == 0) continue;
-    const auto bytes = part(file, s->sh_offset, s->sh_size);
-    if (!bytes) return {};
-    sections.push_back(*bytes);
-  }
-  return sections;
+// Before anything has been loaded at run time.
+const std::vector<std::string> paths_at_start = loaded_paths();
+
+std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+bool decides(const std::string& path) {
+  const std::string name = file_name(path);
+  const char* const preloaded = std::getenv("LD_PRELOAD");
+  if (preloaded && std::string_view(preloaded).find(name) != std::string_view::npos) return false;
+  return std::ranges::none_of(run_time, [&](const char* start) { return name.starts_with(start); });
+}
+
+LoadedLibrary identified(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {path, to_hex(0)};  // replaced since it was loaded
+  return {path, to_hex(checksum(MappedFile(path).bytes()))};
 }
 
 std::string hash_program() {
-  const MappedFile file("/proc/self/exe");
-  Sha256 hash;
-  const auto sections = decisive_sections(file.bytes());
-  if (!sections) hash.add(file.bytes());
-  for (const Bytes bytes : sections.value_or(std::vector<Bytes>{})) hash.add(bytes);
+  std::string content = read_text("/proc/self/exe");
+  const ProgramCommit commit = program_commit();
+  std::string text = commit.hash + (commit.dirty ? " dirty" : "");
+  text.resize(commit_size);  // as the executable has it, with zeros after it
+  if (const std::size_t at = content.find(text); at != std::string::npos)
+    content.replace(at, commit_size, commit_size, '\0');
   for (const LoadedLibrary& library : deciding_libraries())
-    hash.add(library.identity + "  " + std::filesystem::path(library.path).filename().string() + "\n");
-  return hash.finish();
+    content += library.identity + "  " + file_name(library.path) + "\n";
+  return sha256(content);
 }
 
 }  // namespace
+
+std::vector<LoadedLibrary> loaded_libraries() {
+  std::vector<LoadedLibrary> libraries;
+  for (const std::string& path : loaded_paths()) libraries.push_back(identified(path));
+  return libraries;
+}
+
+std::vector<LoadedLibrary> deciding_libraries() {
+  std::vector<LoadedLibrary> libraries;
+  for (const std::string& path : paths_at_start)
+    if (decides(path)) libraries.push_back(identified(path));
+  return libraries;
+}
 
 const std::string& program_hash() {
   static const std::string hash = hash_program();

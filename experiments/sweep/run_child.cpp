@@ -49,7 +49,7 @@ bool is_column(const Experiment& experiment, const std::string& name) {
   return std::ranges::find(experiment.columns, name, &ColumnInfo::name) != experiment.columns.end();
 }
 
-// What a reader can make something of, where not all is as it has to be.
+// The values that a reader can use, of rows that are not as they have to be.
 std::vector<Row> readable(const Experiment& experiment, std::vector<Row> rows) {
   for (Row& row : rows) {
     if (!row.is_object()) row = Row::object();
@@ -69,7 +69,7 @@ nlohmann::json manifest(const nlohmann::json& machine) {
   return facts;
 }
 
-// Where a run is not pinned, it has nevertheless as many processors as it asks for: more threads would share them.
+// A run that is not pinned has as many processors as it asks for, too: more threads would share them.
 void check_threads(const nlohmann::json& parameters) {
   const auto threads = parameters.value("threads", std::size_t{0}), processors = allowed_processors().size();
   if (threads > processors)
@@ -105,12 +105,12 @@ std::vector<std::string> faulty_values(const Experiment& experiment, const std::
   std::vector<std::string> messages;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!rows[i].is_object()) {
-      messages.push_back(fmt::format("row {} is no object", i));
+      messages.push_back(fmt::format("row {} is not an object", i));
       continue;
     }
     for (const auto& [name, value] : rows[i].items()) {
       if (!is_column(experiment, name))
-        messages.push_back(fmt::format("row {}: {} is no column of {}", i, name, experiment.name));
+        messages.push_back(fmt::format("row {}: {} is not a column of {}", i, name, experiment.name));
       else if (value.is_structured())
         messages.push_back(fmt::format("row {}: {} is not a single value", i, name));
       else if (value.is_number_float() && !std::isfinite(value.get<double>()))
@@ -123,7 +123,7 @@ std::vector<std::string> faulty_values(const Experiment& experiment, const std::
 void run_child(const fs::path& folder, int report, const CancelFlag& cancel) {
   const WorkFolder work{folder};
   const nlohmann::json job = read_json(work.job());
-  if (!job.is_object()) throw InputError(describe(work.job().string(), "", "is no job of a sweep"));
+  if (!job.is_object()) throw InputError(describe(work.job().string(), "", "is not a job of a sweep"));
   pin_to(job.at("processors").get<std::vector<int>>());
   const nlohmann::json machine = machine_facts();
   RunContext context;

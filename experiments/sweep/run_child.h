@@ -7,7 +7,7 @@
 
 namespace lodestone {
 
-// What is wrong with rows of any experiment: a column that it does not declare, a value that is no scalar or not
+// Faults of rows of any experiment: a column that it does not declare, a value that is not a scalar or not
 // finite.
 [[nodiscard]] std::vector<std::string> faulty_values(const Experiment& experiment, const std::vector<Row>& rows);
 

@@ -114,7 +114,7 @@ std::optional<Fault> RunFolder::take_over(int repetition, const nlohmann::json& 
   manifest.update(facts);
   write_durably(manifest_file(repetition), text_of(manifest));
   keep_pictures(work.scratch(), path_);
-  // Of rows that do not verify, the fault has to be there first. That of an earlier attempt has to go first.
+  // The fault of rows that do not verify has to be there first. That of an earlier attempt has to go first.
   if (fault)
     write_durably(fault_file(repetition), text_of(to_json(*fault)));
   else

@@ -1,7 +1,7 @@
 // The directory of one run: what is done, what went wrong, and the taking over of a finished repetition.
 //
 // A repetition works in a folder of its own below it, `work.R`, and leaves its results there. take_over() puts them
-// where readers look: the rows last, under their name all at once, so that whoever is killed at any time leaves a
+// where readers look: the rows last, under their name all at once, so that a process killed at any time leaves a
 // repetition that is done or one that is not.
 #pragma once
 

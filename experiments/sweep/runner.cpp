@@ -41,7 +41,7 @@ struct Job {
   [[nodiscard]] bool is_pinned() const { return !claim.processors().empty(); }
 };
 
-// What a repetition took.
+// The time that a repetition took.
 struct Spent {
   std::time_t started = 0;
   double seconds = 0, cpu_seconds = 0;  // wall, and of all its threads
@@ -56,7 +56,7 @@ std::string last_words(const std::filesystem::path& log) {
   return text.starts_with("---") ? "" : text;
 }
 
-// What to record of a child that left no verdict of its own.
+// The fault to record of a child that left no verdict of its own.
 std::optional<Fault> crash_of(const ChildEnd& end, const std::filesystem::path& log) {
   if (end.succeeded()) return {};
   const std::string words = last_words(log);
@@ -258,7 +258,7 @@ class Runner {
       seconds += share > 0 ? share * expected : std::min(elapsed, expected);
       shares += share;
     }
-    // What takes longer than expected makes the rest longer, too; a bar that goes back tells nobody anything.
+    // A run that takes longer than expected makes the rest longer, too; the bar does not go back.
     share_ = std::max(share_, time_left_.share(seconds, shares));
     callbacks_.progress(share_);
   }

@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// What is asked of a file that a person may have changed.
+// Checks of a file that a person may have changed.
 class Checker {
  public:
   explicit Checker(fs::path path) : path_(std::move(path)) {}
@@ -26,20 +26,20 @@ class Checker {
   }
   [[nodiscard]] const json& list(const json& object, const char* key) const {
     const json& value = member(object, key);
-    require(value.is_array(), std::string("'") + key + "' is no list");
+    require(value.is_array(), std::string("'") + key + "' is not a list");
     return value;
   }
   [[nodiscard]] std::string text(const json& object, const char* key) const {
     const json& value = member(object, key);
-    require(value.is_string(), std::string("'") + key + "' is no text");
+    require(value.is_string(), std::string("'") + key + "' is not a text");
     return value.get<std::string>();
   }
   [[nodiscard]] int repetitions(const json& object) const {
     const json& value = member(object, "repetitions");
-    require(value.is_number_unsigned() && value.get<std::uint64_t>() <= 1'000'000, "'repetitions' is no count");
+    require(value.is_number_unsigned() && value.get<std::uint64_t>() <= 1'000'000, "'repetitions' is not a count");
     return value.get<int>();
   }
-  // Of a run; it is the name of a folder.
+  // Identity of a run, which is the name of a folder.
   [[nodiscard]] std::string id(const json& object) const {
     const std::string id = text(object, "id");
     require(id.size() == 16 && id.find_first_not_of("0123456789abcdef") == std::string::npos,
@@ -68,7 +68,7 @@ std::optional<SweepSheet> read_sheet(const fs::path& folder) {
   const Checker check(path);
   SweepSheet sheet;
   sheet.content = json::parse(read_text(path), nullptr, false);
-  check.require(sheet.content.is_object(), "is no JSON object");
+  check.require(sheet.content.is_object(), "is not a JSON object");
   sheet.name = check.text(sheet.content, "name");
   for (const json& section : check.list(sheet.content, "sweeps"))
     for (const json& run : check.list(section, "runs"))

@@ -102,7 +102,7 @@ std::vector<DataSource> read_data(TomlTable& root) {
   return sources;
 }
 
-// What a [[sweep]], its `small` or its `full` gives.
+// Reads a [[sweep]], its `small` or its `full`.
 struct SweepReader {
   const SweepFile& file;
   const Experiment& experiment;
@@ -176,7 +176,7 @@ void read_design(TomlTable& table, const toml::node& at, const SweepReader& read
   table.integer("seed", design.seed, 0, std::numeric_limits<std::int64_t>::max());
 }
 
-// Whether the settings of the sweep have the column: an error where none has, a note where some have not.
+// Checks that settings of the sweep have the column: an error where none has, a note where some have not.
 void check_presence(TomlTable& table, const char* key, const std::string& name, const SweepSection& sweep,
                     const std::string& where, SweepFile& file) {
   const ColumnPresence found = presence(sweep, name);
@@ -197,7 +197,7 @@ std::vector<std::string> read_metrics(TomlTable& table, const SweepSection& swee
   for (const std::string& name : metrics) {
     if (!known.contains(name))
       table.fail(*table.find("metrics"), "metrics",
-                 fmt::format("'{}' is no column of {}; known are {}", name, sweep.experiment->name,
+                 fmt::format("'{}' is not a column of {}; known are {}", name, sweep.experiment->name,
                              joined({known.begin(), known.end()})));
     check_presence(table, "metrics", name, sweep, "sweep '" + sweep.name + "'", file);
   }
@@ -280,7 +280,7 @@ FigureSpec read_figure(TomlTable& table, const toml::node& at, SweepFile& file) 
     table.fail_at(at.source(), "needs title, sweep, x and y");
   for (const std::string& name : figure.sweep)
     if (std::ranges::find(file.sweeps, name, &SweepSection::name) == file.sweeps.end())
-      table.fail(*table.find("sweep"), "sweep", "'" + name + "' is no sweep of this file");
+      table.fail(*table.find("sweep"), "sweep", "'" + name + "' is not a sweep of this file");
   check_names(table, "x", {figure.x}, figure, true, file);
   check_names(table, "y", figure.y, figure, true, file);
   check_names(table, "series", figure.series, figure, false, file);

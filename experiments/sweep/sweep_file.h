@@ -16,7 +16,7 @@
 
 namespace lodestone {
 
-// Where an input comes from: a file or folder, or a generator.
+// Source of an input: a file or folder, or a generator.
 struct DataSource {
   std::string name;
   std::string place;              // "line 7", for messages
@@ -36,7 +36,7 @@ struct SweepSection {
   std::vector<std::string> metrics;      // columns that the tables of the report show; empty: all
 };
 
-// Which sizes a sweep file is run with: its own, or those with the overrides of that name.
+// The sizes that a sweep file is run with: its own, or those with the overrides of that name.
 enum class SweepForm : std::uint8_t { small, standard, full };
 [[nodiscard]] std::string_view name_of(SweepForm form);
 
@@ -55,7 +55,7 @@ struct SweepFile {
   std::vector<SweepSection> sweeps;
   ParameterFiles files;  // that settings name
   std::vector<FigureSpec> figures;
-  std::vector<std::string> notes;  // of what is no error, but ought to be known before hours have gone
+  std::vector<std::string> notes;  // not errors, but to be known before hours have gone
 };
 
 using ExperimentLookup = std::function<const Experiment&(const std::string&)>;

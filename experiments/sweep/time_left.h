@@ -30,8 +30,8 @@ class TimeLeft {
     return known_ > 0 ? sum_ / static_cast<double>(known_) : 0;
   }
 
-  // Of the session's work, when of the repetitions under way so many seconds, and such a share of them in sum, are
-  // done.
+  // Share of the session's work that is done, when of the repetitions under way so many seconds, and such a share of
+  // them in sum, are done.
   [[nodiscard]] double share(double seconds, double shares) const {
     double left = 0, count = 0;
     for (const auto& [run, repetitions] : left_) {

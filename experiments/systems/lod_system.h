@@ -31,7 +31,7 @@ enum class LodSystem : std::uint8_t {
 // Selects all cells of a level, lambda = 1 everywhere.
 [[nodiscard]] Radii whole_level(const Radii& radii, int level);
 
-// Which levels of the whole model are seen: `share` of the coarse one and 1 - share of the fine one; one level when
+// The levels of the whole model that are seen: `share` of the coarse one and 1 - share of the fine one; one level when
 // they are equal.
 struct CrossFade {
   int fine = 0, coarse = 0;

@@ -1,28 +1,17 @@
 #include "experiments/systems/system_flight.h"
 
 #include <algorithm>
-#include <limits>
+#include <memory>
 
 #include "core/base/error.h"
-#include "experiments/metrics/cracks/cracks.h"
-#include "experiments/metrics/cracks/leaks.h"
-#include "experiments/metrics/cracks/t_junctions.h"
-#include "experiments/metrics/pops/pops.h"
-#include "render/culling/back_faces.h"
 
 namespace lodestone {
 namespace {
 
-// What a frame of one system leaves for the next one.
+// State that a frame of one system leaves for the next one.
 struct Past {
-  std::vector<SystemModel> models;
   ErrorMap absolute, flip;
-};
-
-// What of a model all its frames share.
-struct ModelBasis {
-  CrackBasis cracks;
-  bool closed = false;
+  std::vector<std::unique_ptr<FrameProof>> proofs;  // of the models
 };
 
 class Flight {
@@ -32,8 +21,9 @@ class Flight {
     scene.upload(renderer);
     past_.resize(config.systems.size());
     if (!config.geometry) return;
-    for (std::size_t m = 0; m < scene.model_count(); ++m)
-      bases_.push_back({make_crack_basis(scene.hierarchy(m), scheduler), is_closed(scene.hierarchy(m), scheduler)});
+    for (Past& past : past_)
+      for (std::size_t m = 0; m < scene.model_count(); ++m)
+        past.proofs.push_back(std::make_unique<FrameProof>(scene.hierarchy(m), scheduler));
   }
 
   void fly(std::size_t frame, const OnSystemRow& on_row, std::vector<SystemRow>& rows) {
@@ -47,10 +37,10 @@ class Flight {
       PictureErrors errors = picture_errors(full.image, drawn.image, scheduler_, config_.quality);
       row.quality = errors.quality;
       if (frame > 0) measure_pops(past_[s], errors, full, row);
-      if (config_.geometry) measure_geometry(drawn, full.image, past_[s], row);
+      if (config_.geometry) row.surface = measure_surface(drawn, full.image, past_[s], row);
       rows.push_back(row);
       if (on_row) on_row(row, drawn, full.image);
-      past_[s] = {std::move(drawn.models), std::move(errors.absolute), std::move(errors.flip)};
+      past_[s].absolute = std::move(errors.absolute), past_[s].flip = std::move(errors.flip);
     }
     full_before_ = std::move(full);
   }
@@ -80,65 +70,28 @@ class Flight {
     if (config_.quality.with_flip) row.flip_pops = pops.back();
   }
 
-  void measure_geometry(const SystemPicture& drawn, const Image& full, const Past& past, SystemRow& row) {
-    double gap_sum = 0, pixel_sum = 0;
-    std::uint64_t in_view = 0;
-    row.closed = std::ranges::all_of(bases_, &ModelBasis::closed);
+  SurfaceSample measure_surface(const SystemPicture& drawn, const Image& full, const Past& past,
+                                const SystemRow& row) const {
+    SurfaceSample all;
     for (std::size_t m = 0; m < drawn.models.size(); ++m) {
       const SystemModel& model = drawn.models[m];
-      const MorphContext context = model.context();
-      const Screen screen(model.view_projection, config_.view.size);
-      const double unit = model.hierarchy->transform.scale;
-      row.open_edges += residual_edges(context, model.whole, bases_[m].cracks, scheduler_, scratch_).open_edges;
-      const GapReport gaps = vertex_gaps(context, model.whole, bases_[m].cracks, scheduler_, scratch_, &screen);
-      row.gaps += gaps.gaps;
-      row.gap_max = std::max(row.gap_max, unit * gaps.gap_max);
-      row.gap_max_pixels = std::max(row.gap_max_pixels, gaps.gap_max_pixels);
-      gap_sum += unit * gaps.gap_mean * static_cast<double>(gaps.gaps);
-      pixel_sum += gaps.gap_mean_pixels * static_cast<double>(gaps.gaps_in_view);
-      in_view += gaps.gaps_in_view;
-      const double near = junction_tolerance * cell_size(model.hierarchy->finest());
-      row.t_junctions += t_junctions(context, model.whole, near, scheduler_).vertices;
-      if (config_.leaks && bases_[m].closed) add_leaks(context, model, screen, full, row);
-      if (row.frame > 0 && row.system != LodSystem::cross_fade) add_jumps(past.models[m], model, screen, row);
+      MorphContext promise = model.context();
+      promise.radii = &model.morph;
+      promise.blend = config_.view.blend;  // `step` has another one of its own
+      ProofFrame frame{model.context(), model.view_projection, config_.view.size};
+      frame.follows = row.frame > 0 && row.system != LodSystem::cross_fade;
+      frame.promise = &promise;
+      // Several models may lie behind each other: their silhouette is not that of one of them.
+      const bool alone = drawn.models.size() == 1;
+      if (config_.leaks) frame.full_depth = alone ? std::span<const float>(full.depth) : std::span<const float>();
+      add(all, past.proofs[m]->measure(frame));
     }
-    if (row.gaps > 0) row.gap_mean = gap_sum / static_cast<double>(row.gaps);
-    if (in_view > 0) row.gap_mean_pixels = pixel_sum / static_cast<double>(in_view);
-  }
-
-  // Behind several models there may be others: their silhouette is not that of one of them.
-  void add_leaks(const MorphContext& context, const SystemModel& model, const Screen& screen, const Image& full,
-                 SystemRow& row) {
-    LeakConfig config;
-    if (bases_.size() == 1) config.full_depth = full.depth;
-    const LeakReport leaks = find_leaks(context, model.whole, screen, scheduler_, config);
-    row.leak_pixels += leaks.leak_pixels();
-    row.torn_pixels += leaks.torn;
-  }
-
-  void add_jumps(const SystemModel& before, const SystemModel& after, const Screen& screen, SystemRow& row) {
-    MorphContext morph_before = before.context(), morph_after = after.context();
-    morph_before.radii = &before.morph;
-    morph_after.radii = &after.morph;
-    morph_before.blend = morph_after.blend = config_.view.blend;  // `step` has another one of its own
-    const std::vector<double> bounds = jump_bounds(morph_before, morph_after);
-    const PopReport jumps = largest_jump(before.context(), before.whole, after.context(), after.whole, scheduler_,
-                                         {.percentiles = true, .screen = &screen, .bounds = bounds});
-    const double unit = after.hierarchy->transform.scale;
-    row.step = std::max(row.step, unit * jumps.step);
-    row.jump_max = std::max(row.jump_max, unit * jumps.max_jump);
-    row.jump_p99 = std::max(row.jump_p99, unit * jumps.p99_jump);
-    row.jump_max_pixels = std::max(row.jump_max_pixels, jumps.max_jump_pixels);
-    row.jump_p99_pixels = std::max(row.jump_p99_pixels, jumps.p99_jump_pixels);
-    row.jump_over_bound =
-        std::max(row.jump_over_bound, jumps.bounded ? jumps.jump_over_bound : std::numeric_limits<double>::infinity());
+    return all;
   }
 
   const SystemFlightConfig& config_;
   Scheduler& scheduler_;
   SystemPictures pictures_;
-  std::vector<ModelBasis> bases_;
-  CrackScratch scratch_;
   std::vector<Past> past_;  // by system
   SystemPicture full_before_;
 };

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "experiments/metrics/pictures/image_quality.h"
 #include "experiments/metrics/pops/image_pops.h"
+#include "experiments/subjects/frame_proof.h"
 #include "experiments/systems/system_pictures.h"
 #include "parallel/scheduler/scheduler.h"
 
@@ -24,8 +26,7 @@ struct SystemFlightConfig {
   const CancelFlag* cancel = nullptr;
 };
 
-// One frame of one system. Lengths over all models of the scene, in the units of each model; pops and jumps are those
-// since the frame before, 0 in the first one.
+// One frame of one system.
 struct SystemRow {
   std::size_t frame = 0;
   LodSystem system = LodSystem::morph;
@@ -33,21 +34,12 @@ struct SystemRow {
   double milliseconds = 0;                 // by the renderer
   int pictures = 1;                        // drawn for this frame
   ImageQuality quality;                    // against the full model
-  ImagePops pops;                          // of absolute differences
-  ImagePops flip_pops;                     // of FLIP
-
-  std::uint64_t open_edges = 0;  // residual edges
-  std::uint64_t gaps = 0;
-  double gap_max = 0, gap_mean = 0, gap_max_pixels = 0, gap_mean_pixels = 0;
-  std::uint64_t t_junctions = 0;  // border vertices within junction_tolerance of an edge
-  bool closed = false;            // all models are: leaks have a meaning
-  std::uint64_t leak_pixels = 0, torn_pixels = 0;
-  // Of vertices since the frame before. A cross-fade moves none: what it shows is in the pictures alone, and the jumps
-  // are left at 0, as they are where the selections cannot be compared.
-  double step = 0;  // way of the viewpoint, longest
-  double jump_max = 0, jump_p99 = 0, jump_max_pixels = 0, jump_p99_pixels = 0;
-  // Of the analytic bound of the morph by the view's own blend, for discrete and step, too; infinite: it has none.
-  double jump_over_bound = 0;
+  ImagePops pops;                          // of absolute differences, since the frame before
+  ImagePops flip_pops;                     // of FLIP, likewise
+  // Cracks and jumps over all models, if measured. A cross-fade moves no vertex: its changes are in the pictures alone,
+  // and there are no jumps. The bound of jumps is that of the morph by the view's own blend, for discrete and step,
+  // too.
+  std::optional<SurfaceSample> surface;
 };
 
 // Called with each row as it is done, by frame and then in the order of `systems`, with the picture, the one of the

@@ -25,6 +25,7 @@ class Page:
 
 
 DATA, TRIANGLES = ("data", "data"), ("triangles", "triangles")
+INPUT = ("triangles", "input_triangles")
 CPU, SECONDS = ("CPU seconds", "cpu_seconds"), ("seconds", "seconds")
 RMS, MAX, NORMALS = ("RMS, %", "rms"), ("max, %", "error_max"), ("normals, degrees", "normal_mean")
 CRACKS, GAP = ("residual edges", "open_edges"), ("gap, pixels", "gap_pixels")
@@ -38,22 +39,23 @@ CELL, SELECT, OVER_BORDER = ("cell triangles", "cell_triangles"), ("select, ms",
 RATE, STORED = ("Mtri per core-second", "mtri_per_core_second"), ("stored / input", "stored_ratio")
 FLIGHT = [DATA, ("camera", "camera"), OVER_BORDER, SURFACE, DRAWN, SELECT,
           CRACKS, BOUND]
-TABLE = [("stands for", "model"), ("limit, GiB", "memory_limit"), TRIANGLES, ("HLOD triangles", "hlod_triangles"),
-         SECONDS, CPU, ("of which building", "build_cpu_seconds"), RATE, ("peak MB", "peak_memory", MB),
-         ("scratch MB", "scratch_bytes", MB), ("file MB", "bytes", MB), ("verified", "valid")]
+TABLE = [("stands for", "model"), ("limit, GiB", "memory_limit"), INPUT, ("HLOD triangles", "stored_triangles"),
+         ("seconds", "file_seconds"), ("CPU seconds", "file_cpu_seconds"), ("of which building", "cpu_seconds"), RATE,
+         ("peak MB", "peak_bytes", MB),
+         ("scratch MB", "scratch_bytes", MB), ("file MB", "file_bytes", MB), ("verified", "valid")]
 
 PAGES = [
     Page("build", [
         Table("Models", ("models",),
-              [DATA, TRIANGLES, ("levels", "levels"), STORED, ("rho", "rho"), ("D", "diameter"), ("e", "e"), SECONDS, CPU,
-               RATE, ("peak MB", "peak_memory", MB), ("verified", "valid")]),
+              [DATA, INPUT, ("levels", "levels"), STORED, ("rho", "rho"), ("D", "diameter"), ("e", "e"), SECONDS, CPU,
+               RATE, ("peak MB", "peak_bytes", MB), ("verified", "valid")]),
         Table("Plain and compressed files", ("compressed",),
               [DATA, ("compressed", "compress"), ("stored triangles", "stored_triangles"),
-               ("stored vertices", "stored_vertices"), ("bytes per stored triangle", "bytes_per_triangle"), ("e", "e"),
+               ("stored vertices", "stored_vertices"), ("bytes per stored triangle", "bytes_per_stored_triangle"), ("e", "e"),
                ("write, s", "write_seconds"), CPU, ("verified", "valid")]),
         Table("Split edges: the hierarchy", ("refine",),
-              [DATA, ("split", "refine"), ("triangles of the finest level", "triangles"), ("levels", "levels"),
-               ("long half-edges", "long_edges"), ("longest edge / h_L", "max_edge"), ("rho", "rho"), ("D", "diameter"),
+              [DATA, ("split", "refine"), ("triangles of the finest level", "input_triangles"), ("levels", "levels"),
+               ("long half-edges", "long_edges"), ("longest edge / h_L", "max_edge_ratio"), ("rho", "rho"), ("D", "diameter"),
                ("verified", "valid")]),
         Table("Split edges: a fly-in at one pixel", ("refine_drawn",), [DATA, ("split", "refine"), SURFACE, DRAWN, CRACKS, BOUND],
               "Splitting bounds the reach; it makes pictures no cheaper: a plane of two triangles becomes many."),

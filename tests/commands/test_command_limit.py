@@ -36,7 +36,7 @@ class SameFiles(CommandCase):
                 self.assertLess(results["peak_bytes"], 110 << 20)
                 self.assertEqual(results["memory_limit"], 110 << 20)
                 scratch = results["scratch"]
-                self.assertLess(abs(scratch["bytes"] / scratch["expected_bytes"] - 1), 0.25, scratch)
+                self.assertLess(abs(results["scratch_bytes"] / scratch["expected_bytes"] - 1), 0.25, scratch)
                 self.assertEqual(scratch["folder"], ".")
                 self.assertEqual(set(self.listing()), {"m.lode", "results.json"})
 

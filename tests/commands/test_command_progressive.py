@@ -26,10 +26,10 @@ class Progressive(CommandCase):
             result = self.results("progressive", sphere(), "-o", name, "--base", 500, "--check-levels", 20)
             self.assertEqual(result["residual_edges"], 0)
             size = (self.folder / name).stat().st_size
-            self.assertEqual((result["bytes"], result["vertices"]), (size, result["triangles"] // 2 + 2))
+            self.assertEqual((result["file_bytes"], result["finest_vertices"]), (size, result["input_triangles"] // 2 + 2))
             self.assertIn(result["base_triangles"], (500, 501))
             self.assertEqual((result["cut_edges"], result["cut_vertices"]), (0, 0))
-            self.assertAlmostEqual(result["bytes_per_vertex"], size / result["vertices"])
+            self.assertAlmostEqual(result["bytes_per_vertex"], size / result["finest_vertices"])
 
     def test_summary_and_quiet(self):
         said = self.lodestone("progressive", sphere(), "-o", "out.lpm")

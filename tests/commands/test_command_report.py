@@ -212,10 +212,10 @@ class Faults(CommandCase):
         study = small_study(self.folder / "study")
         folder = study.path / "runs" / study.sheet["sweeps"][0]["runs"][1]["id"]
         study.rows(folder, 1, [{"length": 2}, 3, {"gap": [1, 2]}])
-        study.fault(folder, 1, "verify", "row 0: length is no column of flight")
+        study.fault(folder, 1, "verify", "row 0: length is not a column of flight")
         study.write()
         self.lodestone(*self.report(), "--csv", "rows.csv", "--quiet")
-        self.assertIn("length is no column of flight", PageParser((self.folder / "report.html").read_text()).text)
+        self.assertIn("length is not a column of flight", PageParser((self.folder / "report.html").read_text()).text)
 
     def test_results_that_differ_between_repetitions_are_left_out(self):
         study = small_study(self.folder / "study")

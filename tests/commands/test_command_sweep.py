@@ -331,11 +331,11 @@ class Shards(SweepCase):
     def test_sweep_json_that_was_changed_is_named(self):
         self.sweep(self.TEXT, output="part")
         whole = self.plan("part")
-        for change, says in ((lambda s: s.update(name=3), "'name' is no text"),
-                             (lambda s: s.update(sweeps=3), "'sweeps' is no list"),
+        for change, says in ((lambda s: s.update(name=3), "'name' is not a text"),
+                             (lambda s: s.update(sweeps=3), "'sweeps' is not a list"),
                              (lambda s: s.pop("sweeps"), "has no 'sweeps'"),
                              (lambda s: s["sweeps"].append(3), "has no 'runs'"),
-                             (lambda s: s["sweeps"][0].update(repetitions="x"), "'repetitions' is no count"),
+                             (lambda s: s["sweeps"][0].update(repetitions="x"), "'repetitions' is not a count"),
                              (lambda s: s["sweeps"][0]["runs"][0].update(id="../x"), "'id' is not that of a run")):
             sheet = json.loads(json.dumps(whole))
             change(sheet)
@@ -345,7 +345,7 @@ class Shards(SweepCase):
             self.refused("sweep", "sweep.toml", "-o", "part", "--resume", names=names)
             self.refused("sweep", "sweep.toml", "-o", "part", "--dry-run", names=names)
         self.write("part/sweep.json", "[")
-        self.refused("sweep", "--merge", "part", "-o", "all", names=["part/sweep.json", "is no JSON object"])
+        self.refused("sweep", "--merge", "part", "-o", "all", names=["part/sweep.json", "is not a JSON object"])
         (self.folder / "part/sweep.json").unlink()
         self.assertEqual(self.sweep(self.TEXT, "--resume", output="part")["ran"], 0)
 
@@ -358,7 +358,7 @@ class Shards(SweepCase):
 class Failures(SweepCase):
     def test_each_kind_is_recorded_and_the_sweep_goes_on(self):
         kinds = {"verify": ("verify", "is not"), "not-finite": ("verify", "multiple is not finite"),
-                 "column": ("verify", "surprise is no column of probe"), "error": ("error", "an error was asked for"),
+                 "column": ("verify", "surprise is not a column of probe"), "error": ("error", "an error was asked for"),
                  "unsupported": ("error", "not available here"), "memory": ("error", "out of memory"),
                  "cancelled": ("crash", "ended with status"), "crash": ("crash", "signal 6"),
                  "killed": ("crash", "signal 9"), "exit": ("crash", "ended with status 3")}

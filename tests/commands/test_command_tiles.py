@@ -47,7 +47,7 @@ class Tiles(CommandCase):
         info = self.results("info", hierarchy())
         self.assertEqual(found.leaf_triangles, info["input_triangles"])
         self.assertEqual(found.triangles, info["stored_triangles"])
-        self.assertEqual(found.leaves, info["levels"][-1]["cells"])
+        self.assertEqual(found.leaves, info["level_table"][-1]["cells"])
         self.assertEqual((result["tiles"], result["tilesets"], result["textures"], result["triangles"]),
                          (found.contents, 1, 0, found.triangles))
         sizes = sum(p.stat().st_size for p in (self.folder / "tiles").rglob("*") if p.is_file())
@@ -64,7 +64,7 @@ class Tiles(CommandCase):
                 walk(child, level + 1)
 
         walk(document["root"], 0)
-        for level in info["levels"]:
+        for level in info["level_table"]:
             measured = level["error_ratio"] / 2 ** level["level"] * info["scale"]
             self.assertAlmostEqual(largest[level["level"]], measured, delta=1e-5 * measured)
         self.assertGreater(document["geometricError"], info["scale"])
@@ -105,7 +105,7 @@ class Tiles(CommandCase):
         figures = document["extras"]["lodestone"]
         self.assertAlmostEqual(figures["sigma0"], info["sigma0"])
         self.assertEqual([r["euclidean"] for r in figures["reach"]],
-                         [level["reach"]["euclidean"] for level in info["levels"]])
+                         [level["reach"]["euclidean"] for level in info["level_table"]])
 
         def walk(tile, above):
             glb = tileset_checker.Glb(self.folder / "tiles" / tile["content"]["uri"])

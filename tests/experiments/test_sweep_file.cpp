@@ -10,7 +10,7 @@
 
 #include "core/base/error.h"
 #include "experiments/studies/effects_parameter.h"
-#include "experiments/studies/setting_verdict.h"
+#include "experiments/studies/verdict.h"
 #include "experiments/studies/viewpoints.h"
 #include "experiments/sweep/plan.h"
 #include "experiments/sweep/sha256.h"
@@ -219,7 +219,7 @@ TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
   EXPECT_EQ(file.figures[0].kind, "line");
   refused(head + "sweep = \"s\"\nx = \"kappa0\"\ny = \"gaps\"", 12,
           "'gaps' is neither a parameter nor a column of clock");
-  refused(head + "sweep = \"t\"\nx = \"kappa0\"\ny = \"gap\"", 10, "'t' is no sweep of this file");
+  refused(head + "sweep = \"t\"\nx = \"kappa0\"\ny = \"gap\"", 10, "'t' is not a sweep of this file");
   refused(head + "sweep = \"s\"\nx = \"kappa0\"", 8, "needs title, sweep, x and y");
   refused(head + "sweep = \"s\"\nx = \"kappa0\"\ny = \"gap\"\nkind = \"pie\"", 13, "line, scatter, bar");
   refused(head + "sweep = \"s\"\nx = \"kappa0\"\ny = \"gap\"\ncolour = \"red\"", 13, "unknown key 'colour'");
@@ -323,8 +323,8 @@ TEST_F(SweepFiles, MetricsAreColumnsThatTheSettingsHave) {
   ASSERT_EQ(file.notes.size(), 1u);
   EXPECT_NE(file.notes[0].find("line 8: sweep 's', metrics 'rho' is measured in 1 of 2 settings"), std::string::npos);
   EXPECT_EQ(make_plan(file, {}).json.at("sweeps").at(0).at("metrics"), Json({"plain", "rho"}));
-  refused(strict("metrics = [\"plain\", \"gaps\"]"), 8, "'gaps' is no column of strict; known are gap, plain, rho");
-  refused(strict("metrics = \"kappa0\""), 8, "'kappa0' is no column of strict");
+  refused(strict("metrics = [\"plain\", \"gaps\"]"), 8, "'gaps' is not a column of strict; known are gap, plain, rho");
+  refused(strict("metrics = \"kappa0\""), 8, "'kappa0' is not a column of strict");
   refused(strict("metrics = [\"gap\"]"), 8, "'gap' is measured in no setting of sweep 's'; set fast = true");
   refused(strict("metrics = [\"plain\", \"plain\"]"), 8, "has 'plain' twice");
   refused(strict("metrics = []"), 8, "must be a text, or texts");

@@ -12,9 +12,8 @@
 
 #include "core/base/error.h"
 #include "experiments/command_line/version.h"
-#include "experiments/studies/probe.h"
+#include "experiments/studies/experiment.h"
 #include "experiments/sweep/inputs.h"
-#include "experiments/sweep/libraries.h"
 #include "experiments/sweep/processor_claim.h"
 #include "experiments/sweep/program_identity.h"
 #include "experiments/sweep/run_child.h"
@@ -39,18 +38,19 @@ class Folder {
   fs::path path_;
 };
 
-// The examples of nist2015's companion, and every length around the borders of blocks against one byte at a time.
+// The examples of nist2015's companion; texts and files have one hash.
 TEST(Sha256, KnownAnswers) {
   EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
   EXPECT_EQ(sha256(std::string(1'000'000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  const Folder folder;
+  const fs::path file = folder / "text";
   for (std::size_t length = 0; length < 200; ++length) {
     const std::string text(length, 'x');
-    Sha256 pieces;
-    for (const char c : text) pieces.add(std::string_view(&c, 1));
-    EXPECT_EQ(pieces.finish(), sha256(text)) << length;
+    std::ofstream(file) << text;
+    EXPECT_EQ(sha256_of_file(file), sha256(text)) << length;
   }
 }
 
@@ -227,8 +227,8 @@ TEST(Rows, FaultyValuesAreNamed) {
   EXPECT_TRUE(faulty_values(probe, {{{"number", 1}, {"multiple", nullptr}}, Row::object()}).empty());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const auto& [row, part] :
-       std::vector<std::pair<Row, std::string>>{{Row::array(), "row 0 is no object"},
-                                                {{{"other", 1}}, "other is no column of probe"},
+       std::vector<std::pair<Row, std::string>>{{Row::array(), "row 0 is not an object"},
+                                                {{{"other", 1}}, "other is not a column of probe"},
                                                 {{{"multiple", nan}}, "multiple is not finite"},
                                                 {{{"multiple", {1, 2}}}, "not a single value"}}) {
     const std::vector<std::string> wrong = faulty_values(probe, {row});

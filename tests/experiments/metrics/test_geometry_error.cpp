@@ -9,7 +9,7 @@
 #include "core/mesh/generate.h"
 #include "experiments/metrics/drawn/position_resolution.h"
 #include "experiments/metrics/geometry/geometry_error.h"
-#include "experiments/studies/geometry_columns.h"
+#include "experiments/studies/study_input.h"
 #include "parallel/mesh/compare.h"
 
 namespace lodestone {

@@ -13,7 +13,7 @@ namespace lodestone {
 
 // 16 hexadecimal digits.
 [[nodiscard]] std::string to_hex(std::uint64_t hash);
-// Of cells and payloads: everything that the builder decides.
+// Hash of cells and payloads: everything that the builder decides.
 [[nodiscard]] std::uint64_t hash_of(const Hierarchy& hierarchy);
 [[nodiscard]] std::uint64_t hash_of(const ProgressiveMesh& mesh);  // positions, triangles, parents
 [[nodiscard]] std::uint64_t hash_of(const RawMesh& mesh);          // positions, triangles

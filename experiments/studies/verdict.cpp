@@ -1,4 +1,4 @@
-#include "experiments/studies/row_verdict.h"
+#include "experiments/studies/verdict.h"
 
 #include <fmt/core.h>
 
@@ -17,29 +17,17 @@ bool is_of_kind(const Row& value, ColumnInfo::Kind kind) {
 
 }  // namespace
 
-std::optional<double> number_in(const Row& row, const std::string& column) {
-  const auto found = row.find(column);
-  if (found == row.end() || !found->is_number() || !std::isfinite(found->get<double>())) return {};
-  return found->get<double>();
-}
-
-std::string text_in(const Row& row, const std::string& column) {
-  const auto found = row.find(column);
-  return found != row.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
 RowVerdict::RowVerdict(const std::vector<ColumnInfo>& columns, const std::vector<Row>& rows) : rows_(rows) {
   require(!rows.empty(), "there are no rows");
   for (const Row& row : rows) {
-    require(row.is_object(), "a row is no object");
+    require(row.is_object(), "a row is not an object");
     if (!row.is_object()) continue;
     for (const auto& [name, value] : row.items()) {
-      const auto column =
-          std::find_if(columns.begin(), columns.end(), [&](const ColumnInfo& c) { return c.name == name; });
+      const auto column = std::ranges::find(columns, name, &ColumnInfo::name);
       if (column == columns.end())
         messages_.push_back(fmt::format("{} is none of the experiment's columns", name));
       else
-        require(is_of_kind(value, column->kind), fmt::format("{} = {} is no value of its kind", name, value.dump()));
+        require(is_of_kind(value, column->kind), fmt::format("{} = {} is not a value of its kind", name, value.dump()));
     }
   }
 }
@@ -87,6 +75,45 @@ void RowVerdict::present(const std::string& column) {
     const bool there = row.contains(column) && !row.at(column).is_null() && row.at(column) != "";
     require(there, fmt::format("{} is missing", column));
   }
+}
+
+void check_surface(RowVerdict& verdict, bool continuous_blend) {
+  verdict.in_order("gap_mean", "gap_max");
+  verdict.in_order("gap_mean_pixels", "gap_pixels");
+  verdict.in_order("jump_p99", "jump_max");
+  verdict.in_order("jump_p99_pixels", "jump_pixels");
+  verdict.at_most("cracked_frames", 100);
+  for (const Row& row : verdict.rows()) {
+    if (!row.is_object()) continue;
+    const auto zero = [&](const char* column) { return number_in(row, column).value_or(0) == 0; };
+    verdict.require(!zero("gap_max") || zero("open_edges"), "residual edges without a gap");
+    if (row.value("admissible", Row()) != true) continue;
+    for (const char* column : {"open_edges", "gap_max", "gap_pixels", "torn_pixels"})
+      verdict.require(zero(column), std::string(column) + " is not 0, although the radii are admissible");
+    if (continuous_blend)
+      verdict.require(number_in(row, "jump_over_bound").value_or(0) <= 1,
+                      "a vertex jumps beyond its bound, although the radii are admissible and the blend is continuous");
+  }
+}
+
+void check_frames(RowVerdict& verdict) {
+  verdict.spread("frame_ms");
+  verdict.in_order("frame_ms", "frame_ms_worst");
+  verdict.in_order("frame_ms_median", "frame_ms_worst");
+  verdict.in_order("frame_cpu_ms_min", "frame_cpu_ms");
+  verdict.in_order("frame_cpu_ms", "frame_cpu_ms_max");
+}
+
+void SettingVerdict::require(bool holds, std::vector<std::string> names, const std::string& otherwise) {
+  if (!holds) faults_.push_back({std::move(names), otherwise, false});
+}
+
+void SettingVerdict::idle(bool without_effect, const std::string& name, const std::string& beside) {
+  if (without_effect) faults_.push_back({{name}, name + " has no effect beside " + beside, true});
+}
+
+std::string assignment(const Parameters& parameters, const std::string& name) {
+  return name + " = " + parameters.json().at(name).dump();
 }
 
 }  // namespace lodestone

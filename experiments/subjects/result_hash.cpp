@@ -1,4 +1,4 @@
-#include "experiments/studies/result_hash.h"
+#include "experiments/subjects/result_hash.h"
 
 #include <fmt/core.h>
 

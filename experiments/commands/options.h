@@ -1,0 +1,90 @@
+// The options of a subcommand as a table. The parser itself (CLI11) is named in options.cpp and main.cpp alone.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace lodestone {
+
+// An amount of memory, as "2GiB" or "1500MB"; 0: not given.
+struct Bytes {
+  std::uint64_t count = 0;
+};
+
+// The variable that takes the value of an option. A bool is a flag; an optional one is empty unless the option is
+// given.
+using OptionValue =
+    std::variant<bool*, int*, float*, double*, std::uint32_t*, std::uint64_t*, std::string*, Bytes*,
+                 std::vector<std::string>*, std::optional<int>*, std::optional<float>*, std::optional<double>*,
+                 std::optional<std::uint32_t>*, std::optional<std::uint64_t>*, std::optional<std::string>*>;
+
+struct ValueRange {
+  double least = 0, most = std::numeric_limits<double>::infinity();
+};
+
+struct OptionSpec {
+  // "FILE" (an argument without a name before it), "--json", "-o,--output", or "!--no-parts" (a flag that sets false).
+  std::string name;
+  OptionValue value;
+  std::string help{};
+  std::optional<ValueRange> range{};
+  std::vector<std::string> choices{}, excludes{}, needs{};  // options that are named are declared before this one
+  std::string type{};                                       // of the value, for the help; empty: its usual name
+  bool required = false;
+
+  OptionSpec must() && { return required = true, std::move(*this); }
+  OptionSpec between(double least, double most) && { return range = {least, most}, std::move(*this); }
+  OptionSpec at_least(double least) && { return range = ValueRange{least}, std::move(*this); }
+  OptionSpec one_of(std::vector<std::string> texts) && { return choices = std::move(texts), std::move(*this); }
+  OptionSpec not_with(std::vector<std::string> names) && { return excludes = std::move(names), std::move(*this); }
+  OptionSpec only_with(std::vector<std::string> names) && { return needs = std::move(names), std::move(*this); }
+  OptionSpec of_type(std::string text) && { return type = std::move(text), std::move(*this); }
+};
+using OptionTable = std::vector<OptionSpec>;
+
+struct CommonOptions {
+  std::string json;  // file for machine-readable results; empty: none; "-": standard output
+  int threads = 0;   // 0: all that the machine has
+  bool quiet = false;
+
+  // True if the command may print on standard output.
+  [[nodiscard]] bool prints() const { return !quiet && json != "-"; }
+};
+
+struct CommandInfo {
+  std::string name, description, examples;
+  std::string threads_help = "Number of threads; 0 takes all of the machine";
+};
+
+// Adds a subcommand with --json, --threads, --quiet and the options of the table; `run` is called when it is given on
+// the command line. `common` outlives the parser.
+void add_command(CLI::App& app, const CommandInfo& info, CommonOptions& common, const OptionTable& table,
+                 std::function<void()> run);
+
+// A subcommand whose options live in a struct: `declare` makes the table of their addresses.
+template <class Options>
+void define_command(CLI::App& app, const CommandInfo& info, OptionTable (*declare)(Options&),
+                    void (*run)(const Options&, const CommonOptions&)) {
+  struct Both {
+    Options own;
+    CommonOptions common;
+  };
+  const auto both = std::make_shared<Both>();
+  add_command(app, info, both->common, declare(both->own), [both, run] { run(both->own, both->common); });
+}
+
+// Adds a subcommand that no help mentions, without the common options.
+void add_hidden_command(CLI::App& app, const std::string& name, const OptionTable& table, std::function<void()> run);
+
+}  // namespace lodestone

@@ -1,0 +1,81 @@
+#include "experiments/subjects/progressive.h"
+
+#include <algorithm>
+
+#include "core/progressive/mesh/level.h"
+#include "experiments/metrics/cost/cost.h"
+#include "experiments/metrics/cracks/progressive_cracks.h"
+#include "experiments/subjects/result_hash.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/scheduler/clock.h"
+
+namespace lodestone {
+namespace {
+
+using enum ColumnInfo::Kind;
+
+Row size_of(const ProgressiveResult& result, std::size_t ProgressiveFileSize::*part) {
+  return result.size ? Row((*result.size).*part) : Row();
+}
+
+const std::vector<Column<ProgressiveResult>>& columns() {
+  using R = const ProgressiveResult&;
+  static const std::vector<Column<ProgressiveResult>> list{
+      {{"input_triangles", "", "triangles of the input", count}, [](R r) { return r.mesh.triangles.size(); }},
+      {{"finest_vertices", "", "vertices of the finest level", count}, [](R r) { return r.mesh.vertex_count(); }},
+      {{"base_triangles", "", "triangles of the base mesh", count},
+       [](R r) { return LevelFinder(r.mesh).triangles_of(r.mesh.base_vertices); }},
+      {{"base_vertices", "", "vertices of the base mesh", count}, [](R r) { return r.mesh.base_vertices; }},
+      {{"cut_vertices", "", "copies made where the surface is not a manifold", count},
+       [](R r) { return r.report.cut_vertices; }},
+      {{"cut_edges", "", "edges cut apart where the surface is not a manifold", count},
+       [](R r) { return r.report.cut_edges; }},
+      {{"seconds", "s", "making the progressive mesh", cost}, [](R r) { return r.time.seconds; }},
+      {{"cpu_seconds", "s", "processor time of making it, all threads", cost}, [](R r) { return r.time.cpu_seconds; }},
+      {{"ktri_per_core_second", "thousand/s", "input triangles over processor seconds", cost},
+       [](R r) { return static_cast<double>(r.mesh.triangles.size()) * 1e-3 / std::max(r.time.cpu_seconds, 1e-9); }},
+      {{"file_bytes", "bytes", "size of the file", cost}, [](R r) { return size_of(r, &ProgressiveFileSize::bytes); }},
+      {{"geometry_bytes", "bytes", "part of the file that is not images", cost},
+       [](R r) { return size_of(r, &ProgressiveFileSize::geometry); }},
+      {{"base_bytes", "bytes", "part of the file that has to be there before something can be drawn", cost},
+       [](R r) { return size_of(r, &ProgressiveFileSize::base); }},
+      // Images are left out, so that textures do not hide the cost of the vertices.
+      {{"bytes_per_vertex", "bytes", "geometry_bytes over the number of stored vertices", cost},
+       [](R r) {
+         return r.size ? Row(static_cast<double>(r.size->geometry) / static_cast<double>(r.mesh.positions.size()))
+                       : Row();
+       }},
+      {{"peak_bytes", "bytes", "largest resident set", cost}, [](R r) { return r.peak_bytes; }},
+      {{"residual_edges", "", "cracks: edges of a level's border that are not the image of the input's", count},
+       [](R r) { return or_null(r.residual_edges); }},
+      {{"hash", "", "hash of the progressive mesh", label}, [](R r) { return to_hex(hash_of(r.mesh)); }},
+  };
+  return list;
+}
+
+}  // namespace
+
+ProgressiveResult run(const ProgressiveJob& job, Scheduler& scheduler) {
+  ProgressiveResult result;
+  job.on_phase("reading");
+  RawMesh raw = load_mesh(job.input, scheduler, job.reading);
+  if (!job.normals) raw.wedges.normal.clear();
+  result.warnings = std::move(raw.warnings);
+  IndexedMesh mesh = prepare_mesh(std::move(raw), result.repairs, scheduler, job.input);
+  job.on_phase("collapsing");
+  const CpuClock clock;
+  result.mesh = make_progressive(std::move(mesh), job.config, scheduler, result.report);
+  result.time = clock.elapsed();
+  job.on_phase("writing");
+  result.size = save_progressive(result.mesh, job.output, job.file);
+  if (job.check_levels > 0) result.residual_edges = residual_edges_of_levels(result.mesh, job.check_levels);
+  result.peak_bytes = peak_resident_bytes();
+  return result;
+}
+
+std::vector<ColumnInfo> progressive_columns() { return infos_of(columns()); }
+
+Row to_row(const ProgressiveResult& result) { return row_of(columns(), result); }
+
+}  // namespace lodestone
