@@ -54,7 +54,7 @@ function testValid() {
     console.log('gltf-validator is not installed: not validated');
     return;
   }
-  const validator = path.join(here, '../experiments/validate_glb.cjs'), glb = files.filter((f) => f.endsWith('.glb'));
+  const validator = path.join(here, '../commands/validate_glb.cjs'), glb = files.filter((f) => f.endsWith('.glb'));
   const {files: count, issues} = JSON.parse(execFileSync('node', [validator, modules, folder], {encoding: 'utf8'}));
   check(count >= glb.length && issues.every((i) => i.includes('MESH_PRIMITIVE_GENERATED_TANGENT_SPACE')),
         `gltf-validator has nothing against ${count} files, ${issues.length} normal maps without tangents aside ${issues.filter((i) => !i.includes('TANGENT')).join('; ')}`);
