@@ -27,28 +27,34 @@ inline IndexedMesh normalised(std::vector<Vec3d> positions, std::vector<Triangle
   return mesh;
 }
 
+// Splits each triangle on the unit sphere into four, `times` times, with the new vertices on the sphere.
+template <class Vec>
+void subdivide_on_sphere(std::vector<Vec>& positions, std::vector<Triangle>& triangles, int times) {
+  for (int i = 0; i < times; ++i) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+      const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(positions.size()));
+      if (is_new) {
+        const Vec sum = positions[a] + positions[b];
+        positions.push_back((1 / length(sum)) * sum);
+      }
+      return at->second;
+    };
+    std::vector<Triangle> finer;
+    for (const auto& [v] : triangles) {
+      const std::uint32_t ab = middle(v[0], v[1]), bc = middle(v[1], v[2]), ca = middle(v[2], v[0]);
+      finer.insert(finer.end(), {{{v[0], ab, ca}}, {{v[1], bc, ab}}, {{v[2], ca, bc}}, {{ab, bc, ca}}});
+    }
+    triangles = std::move(finer);
+  }
+}
+
 // Closed: an octahedron, subdivided n times, on the sphere, displaced by a wave of the given amplitude.
 inline IndexedMesh sphere_mesh(int subdivisions, double amplitude = 0.05) {
   std::vector<Vec3d> p{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<Triangle> t{{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}},
                           {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
-  for (int s = 0; s < subdivisions; ++s) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
-    const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [at, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(p.size()));
-      if (fresh) {
-        const Vec3d m = p[a] + p[b];
-        p.push_back((1 / length(m)) * m);
-      }
-      return at->second;
-    };
-    std::vector<Triangle> finer;
-    for (const auto& [v] : t) {
-      const std::uint32_t ab = middle(v[0], v[1]), bc = middle(v[1], v[2]), ca = middle(v[2], v[0]);
-      finer.insert(finer.end(), {{{v[0], ab, ca}}, {{v[1], bc, ab}}, {{v[2], ca, bc}}, {{ab, bc, ca}}});
-    }
-    t = std::move(finer);
-  }
+  subdivide_on_sphere(p, t, subdivisions);
   for (Vec3d& d : p) d = (1 + amplitude * std::sin(9 * d.x) * std::sin(7 * d.y + 1) * std::cos(8 * d.z)) * d;
   return normalised(std::move(p), std::move(t));
 }
@@ -69,6 +75,13 @@ inline IndexedMesh terrain_mesh(std::uint32_t n, double height = 0.1) {
       t.push_back({{a, d, c}});
     }
   return normalised(std::move(p), std::move(t));
+}
+
+inline RawMesh raw_of(const IndexedMesh& mesh) {
+  RawMesh raw;
+  for (const Vec3f p : mesh.positions) raw.positions.push_back(to_double(p));
+  raw.triangles = mesh.triangles;
+  return raw;
 }
 
 // Closed, genus 1: n x m squares around a torus.

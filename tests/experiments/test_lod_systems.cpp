@@ -11,7 +11,7 @@
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 #include "tests/experiments/lod_frames.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -20,7 +20,7 @@ namespace {
 using namespace testing;
 
 const Hierarchy& torus() {
-  static const test::SmallHierarchy made = test::small_hierarchy(test::torus_mesh(120, 60), 4);
+  static const test::NaiveHierarchy made = test::naive_hierarchy(test::torus_mesh(120, 60), 4);
   return made.hierarchy;
 }
 

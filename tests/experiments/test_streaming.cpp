@@ -23,6 +23,8 @@
 #include "render/lod/resident_cells.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_metrics.h"
+#include "tests/test_bytes.h"
+#include "tests/test_folder.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -33,39 +35,27 @@ using namespace std::chrono_literals;
 
 constexpr float rate = 0.2f;
 
-template <class T>
-bool same_bytes(std::span<const T> a, std::span<const T> b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
-}
-
 bool same_arrays(const Cell& a, const Cell& b) {
-  return same_bytes(a.positions, b.positions) && same_bytes(a.normals, b.normals) && same_bytes(a.parents, b.parents) &&
-         same_bytes(a.shared_ids, b.shared_ids) && same_bytes(a.triangles, b.triangles);
+  return test::same_bytes(a.positions, b.positions) && test::same_bytes(a.normals, b.normals) &&
+         test::same_bytes(a.parents, b.parents) && test::same_bytes(a.shared_ids, b.shared_ids) &&
+         test::same_bytes(a.triangles, b.triangles);
 }
 
 class Streaming : public ::testing::TestWithParam<LodeForm> {
  protected:
   void SetUp() override {
-    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    std::string name = std::string(info->name()) + ".lode";
-    std::replace(name.begin(), name.end(), '/', '_');
-    file_ = std::filesystem::temp_directory_path() / ("lodestone_" + std::to_string(::getpid()) + "_" + name);
     IndexedMesh mesh = test::sphere_mesh(6);
     BuildConfig config;
     config.sigma0 = 0.8f;
     config.finest_level = 4;
     if (GetParam() == LodeForm::compressed) {
-      RawMesh raw;
-      for (const Vec3f p : mesh.positions) raw.positions.push_back(to_double(p));
-      raw.triangles = mesh.triangles;
       Repairs repairs;
-      mesh = prepare_mesh(std::move(raw), repairs, *scheduler_, {}, {16});
+      mesh = prepare_mesh(test::raw_of(mesh), repairs, *scheduler_, {}, {16});
     }
     (void)save_lode(build_hierarchy(std::move(mesh), config, *scheduler_), file_, *scheduler_, GetParam());
     whole_ = load_lode(file_, *scheduler_);
     basis_ = make_crack_basis(whole_, *scheduler_);
   }
-  void TearDown() override { std::filesystem::remove(file_); }
 
   // The frame as `resident` draws it, on the whole hierarchy, which has the same cells.
   Frame frame(const Radii& radii, Vec3f viewpoint, const ResidentCells& resident) {
@@ -92,7 +82,8 @@ class Streaming : public ::testing::TestWithParam<LodeForm> {
   }
 
   std::unique_ptr<Scheduler> scheduler_ = make_tbb_scheduler(2);
-  std::filesystem::path file_;
+  TestFolder folder_;
+  const std::filesystem::path file_ = folder_ / "whole.lode";
   Hierarchy whole_;
   CrackBasis basis_;
   CrackScratch scratch_;

@@ -62,14 +62,10 @@ const Experiment& lookup(const std::string& name) {
   throw InputError("unknown experiment '" + name + "'");
 }
 
-class SweepFiles : public testing::Test {
+class SweepFiles : public FolderTest {
  protected:
-  SweepFiles() : path_(std::filesystem::temp_directory_path() / ("sweep_file_" + std::to_string(getpid()) + ".toml")) {}
-  ~SweepFiles() override { std::filesystem::remove(path_); }
-
   SweepFile load(const std::string& text, SweepForm form = SweepForm::standard) const {
-    std::ofstream(path_) << text;
-    return load_sweep_file(path_.string(), form, lookup);
+    return load_sweep_file(test_folder_.write("sweep.toml", text).string(), form, lookup);
   }
   // The head of a file whose sweep begins in line 5 and takes no data.
   static std::string clock(const std::string& rest) {
@@ -95,9 +91,6 @@ class SweepFiles : public testing::Test {
       EXPECT_NE(message.find(part), std::string::npos) << message << "\n" << text;
     }
   }
-
- private:
-  std::filesystem::path path_;
 };
 
 using Json = nlohmann::json;
@@ -183,8 +176,7 @@ TEST_F(SweepFiles, EffectsAreThoseOfTheRenderer) {
 }
 
 TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
-  const TestFolder folder;
-  const std::string name = (folder.path() / "walk.json").string();
+  const std::string name = (folder_ / "walk.json").string();
   const auto camera = [](const std::string& names) { return clock("\nparameters = { camera = [" + names + "] }"); };
   const std::string missing = name + ": cannot be opened for reading; name a good file, relative to that of the sweep";
   refused(camera("\"orbit\", \"" + name + "\""), 9, "camera = \"" + name + "\": ");
@@ -205,7 +197,7 @@ TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
   ASSERT_EQ(file.files.size(), 1u);
   EXPECT_EQ(file.files.at(name).sha256, sha256("{\"frames\": [" + key + "]}"));
   EXPECT_EQ(file.files.at(name).copy, "data/" + file.files.at(name).sha256.substr(0, 16) + ".json");
-  const std::string detour = (folder.path() / "." / "walk.json").string();
+  const std::string detour = (folder_ / "." / "walk.json").string();
   refused(camera("\"" + name + "\", \"" + detour + "\""), 9, "twice");
 }
 

@@ -26,13 +26,6 @@ inline void write_ply(const std::filesystem::path& path, const RawMesh& mesh, bo
   }
 }
 
-inline RawMesh raw_of(const IndexedMesh& mesh) {
-  RawMesh raw;
-  for (const Vec3f p : mesh.positions) raw.positions.push_back(to_double(p));
-  raw.triangles = mesh.triangles;
-  return raw;
-}
-
 // Adds corners of their own, degenerate, repeated and non-finite triangles, and vertices that nothing uses, anywhere.
 inline RawMesh with_faults(RawMesh raw, unsigned seed) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();

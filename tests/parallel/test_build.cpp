@@ -11,30 +11,26 @@
 #include "core/mesh/clean.h"
 #include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "tests/test_bytes.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
-template <class T>
-void append(std::string& out, std::span<const T> values) {
-  out.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-}
-
 // Everything a hierarchy holds, in order.
 std::string bytes(const Hierarchy& h) {
   std::string out;
-  append(out, std::span<const Level>(h.levels));
+  test::append_bytes(out, h.levels);
   for (const Cell& c : h.cells) {
-    append(out, std::span<const std::uint64_t>(&c.code.morton, 1));
-    append(out, std::span<const std::uint32_t>(&c.parent, 3));
-    append(out, std::span<const Box3f>(&c.bounds, 1));
-    append(out, std::span<const float>(&c.max_displacement, 2));
-    append(out, c.positions);
-    append(out, c.normals);
-    append(out, c.parents);
-    append(out, c.shared_ids);
-    append(out, c.triangles);
+    test::append_bytes(out, std::span<const std::uint64_t>(&c.code.morton, 1));
+    test::append_bytes(out, std::span<const std::uint32_t>(&c.parent, 3));
+    test::append_bytes(out, std::span<const Box3f>(&c.bounds, 1));
+    test::append_bytes(out, std::span<const float>(&c.max_displacement, 2));
+    test::append_bytes(out, c.positions);
+    test::append_bytes(out, c.normals);
+    test::append_bytes(out, c.parents);
+    test::append_bytes(out, c.shared_ids);
+    test::append_bytes(out, c.triangles);
   }
   return out;
 }
@@ -65,9 +61,7 @@ TEST_P(BuildStrategies, SameBytesForAnyThreadsAndStrategy) {
 
 // Eight workers meet in another order each time, on few cores all the more so.
 TEST(Build, TwoHundredTimesTheSameBytes) {
-  RawMesh raw;
-  for (const Vec3f p : test::terrain_mesh(70).positions) raw.positions.push_back(to_double(p));
-  raw.triangles = test::terrain_mesh(70).triangles;
+  const RawMesh raw = test::raw_of(test::terrain_mesh(70));
   const auto built = [&](Scheduler& scheduler, Strategy strategy) {
     Repairs repairs;
     IndexedMesh mesh = prepare_mesh(RawMesh(raw), repairs, scheduler);
@@ -81,11 +75,8 @@ TEST(Build, TwoHundredTimesTheSameBytes) {
 }
 
 IndexedMesh on_lattice(const IndexedMesh& mesh, int bits) {
-  RawMesh raw;
-  for (const Vec3f p : mesh.positions) raw.positions.push_back(to_double(p));
-  raw.triangles = mesh.triangles;
   Repairs repairs;
-  return clean_mesh(raw, repairs, {}, {bits});
+  return clean_mesh(test::raw_of(mesh), repairs, {}, {bits});
 }
 
 std::string failures(const VerifyReport& report) {

@@ -15,6 +15,7 @@
 #include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -142,10 +143,8 @@ TEST_P(BuildWedges, SurvivesTheFile) {
   raw.materials[2].texture = 0;
   const Hierarchy h =
       build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler, {}, Lattice{18}), config, *scheduler);
-  const std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) /
-      ("wedges" + std::to_string(static_cast<int>(GetParam().shape)) +
-       std::to_string(static_cast<int>(GetParam().simplifier)) + std::to_string(::getpid()) + ".lode");
+  const TestFolder folder;
+  const std::filesystem::path path = folder / "wedges.lode";
   for (const LodeForm form : {LodeForm::plain, LodeForm::compressed}) {
     (void)save_lode(h, path, *scheduler, form);
     const Hierarchy read = load_lode(path, *scheduler);
@@ -171,7 +170,6 @@ TEST_P(BuildWedges, SurvivesTheFile) {
     std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(serial.data()), std::ssize(serial));
     EXPECT_THROW((void)load_lode(path, *scheduler), InputError);
   }
-  std::filesystem::remove(path);
 }
 
 TEST_P(BuildWedges, LevelsComeOutWithTheirAttributes) {

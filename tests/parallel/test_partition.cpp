@@ -10,6 +10,7 @@
 #include "core/hierarchy/model/fingerprint.h"
 #include "parallel/build/finest_level.h"
 #include "parallel/build/partition.h"
+#include "tests/test_bytes.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -105,6 +106,41 @@ TEST_P(Partitions, PutsTheTrianglesOfACellTogetherInInputOrder) {
   EXPECT_EQ(partition.fingerprint, fingerprint);
 }
 
+// Rounded up, by no more than rounding.
+void expect_rounded_up(float found, float expected) {
+  EXPECT_NEAR(found, expected, 1e-6f * found);
+  EXPECT_GE(found, expected);
+}
+
+void expect_edges(const CellBuild& cell, const std::vector<Triangle>& triangles, const std::vector<Vec3f>& positions,
+                  int level, float sigma0) {
+  const float limit = sigma0 * cell_size(level);
+  float longest2 = 0;
+  std::uint64_t over = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(cell.ids[cell.triangles[t].v[k]], triangles[t].v[k]);
+      const Vec3f edge = positions[triangles[t].v[(k + 1) % 3]] - positions[triangles[t].v[k]];
+      longest2 = std::max(longest2, dot(edge, edge));
+      over += dot(edge, edge) > limit * limit;
+    }
+  EXPECT_EQ(cell.long_edges, over);
+  expect_rounded_up(cell.max_edge, std::sqrt(longest2) / cell_size(level));
+}
+
+void expect_reach(const CellBuild& cell, int level) {
+  const Box3f& box = cell.bounds;
+  float farthest = 0, farthest_axis = 0;
+  for (const Vec3f p : cell.slab.positions) {
+    const Vec3f d{std::max(p.x - box.lo.x, box.hi.x - p.x), std::max(p.y - box.lo.y, box.hi.y - p.y),
+                  std::max(p.z - box.lo.z, box.hi.z - p.z)};
+    farthest = std::max(farthest, length(d));
+    farthest_axis = std::max({farthest_axis, d.x, d.y, d.z});
+  }
+  expect_rounded_up(cell.reach[0], farthest / cell_size(level));
+  expect_rounded_up(cell.reach[1], farthest_axis / cell_size(level));
+}
+
 TEST_P(Partitions, PacksEveryCellAsTheSlowTwinWould) {
   const IndexedMesh mesh = GetParam().mesh();
   const int level = GetParam().level;
@@ -136,29 +172,8 @@ TEST_P(Partitions, PacksEveryCellAsTheSlowTwinWould) {
       EXPECT_TRUE(size == 0 || dot(normal, normals[v]) / size > 0.999999);
     }
     EXPECT_EQ(cell.bounds, box);
-    float longest2 = 0;
-    std::uint64_t over = 0;
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      for (std::size_t k = 0; k < 3; ++k) {
-        EXPECT_EQ(cell.ids[cell.triangles[t].v[k]], triangles[t].v[k]);
-        const Vec3f edge = mesh.positions[triangles[t].v[(k + 1) % 3]] - mesh.positions[triangles[t].v[k]];
-        longest2 = std::max(longest2, dot(edge, edge));
-        over += dot(edge, edge) > sigma0 * cell_size(level) * (sigma0 * cell_size(level));
-      }
-    EXPECT_EQ(cell.long_edges, over);
-    EXPECT_NEAR(cell.max_edge, std::sqrt(longest2) / cell_size(level), 1e-6f * cell.max_edge);
-    EXPECT_GE(cell.max_edge, std::sqrt(longest2) / cell_size(level));
-    float farthest = 0, farthest_axis = 0;
-    for (const Vec3f p : cell.slab.positions) {
-      const Vec3f d{std::max(p.x - box.lo.x, box.hi.x - p.x), std::max(p.y - box.lo.y, box.hi.y - p.y),
-                    std::max(p.z - box.lo.z, box.hi.z - p.z)};
-      farthest = std::max(farthest, length(d));
-      farthest_axis = std::max({farthest_axis, d.x, d.y, d.z});
-    }
-    EXPECT_NEAR(cell.reach[0], farthest / cell_size(level), 1e-6f * cell.reach[0]);
-    EXPECT_GE(cell.reach[0], farthest / cell_size(level));
-    EXPECT_NEAR(cell.reach[1], farthest_axis / cell_size(level), 1e-6f * cell.reach[1]);
-    EXPECT_GE(cell.reach[1], farthest_axis / cell_size(level));
+    expect_edges(cell, triangles, mesh.positions, level, sigma0);
+    expect_reach(cell, level);
     CellBuild measured;
     measured.bounds = box;
     measured.triangles = cell.triangles;
@@ -171,25 +186,20 @@ TEST_P(Partitions, PacksEveryCellAsTheSlowTwinWould) {
   }
 }
 
-template <class T>
-void append(std::string& out, std::span<const T> values) {
-  out.append(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-}
-
 std::string bytes(const IndexedMesh& mesh, int level, Scheduler& scheduler) {
   Partition partition = partition_mesh(IndexedMesh(mesh), level, scheduler);
   const std::vector<Triangle> triangles = std::move(partition.triangles);
   std::string out;
-  append(out, std::span<const Triangle>(triangles));
-  append(out, std::span<const CellCode>(partition.codes));
+  test::append_bytes(out, triangles);
+  test::append_bytes(out, partition.codes);
   for (const CellBuild& cell : make_finest_cells(std::move(partition), level, 0.2f, scheduler)) {
-    append(out, std::span<const Vec3f>(cell.slab.positions));
-    append(out, std::span<const PackedNormal>(cell.slab.normals));
-    append(out, std::span<const std::uint32_t>(cell.slab.shared_ids));
-    append(out, std::span<const std::uint32_t>(cell.ids));
-    append(out, std::span<const UsageBox>(cell.usage));
-    append(out, std::span<const float>(cell.reach));
-    append(out, std::span<const float>(&cell.max_edge, 1));
+    test::append_bytes(out, cell.slab.positions);
+    test::append_bytes(out, cell.slab.normals);
+    test::append_bytes(out, cell.slab.shared_ids);
+    test::append_bytes(out, cell.ids);
+    test::append_bytes(out, cell.usage);
+    test::append_bytes(out, cell.reach);
+    test::append_bytes(out, std::span<const float>(&cell.max_edge, 1));
   }
   return out;
 }

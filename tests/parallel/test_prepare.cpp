@@ -10,6 +10,7 @@
 #include "core/mesh/clean.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
+#include "tests/test_bytes.h"
 #include "tests/test_data.h"
 
 namespace lodestone {
@@ -18,14 +19,9 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
 void expect_same(const IndexedMesh& a, const IndexedMesh& b) {
-  EXPECT_TRUE(same_bytes(a.positions, b.positions));
-  EXPECT_TRUE(same_bytes(a.triangles, b.triangles));
+  EXPECT_TRUE(test::same_bytes(a.positions, b.positions));
+  EXPECT_TRUE(test::same_bytes(a.triangles, b.triangles));
   EXPECT_EQ(a.transform, b.transform);
   EXPECT_EQ(std::memcmp(&a.transform.origin, &b.transform.origin, sizeof(Vec3d)), 0);  // also the sign of zero
 }

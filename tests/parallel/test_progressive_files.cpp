@@ -13,6 +13,7 @@
 #include "parallel/progressive/make_progressive.h"
 #include "tests/core/progressive/progressive_checks.h"
 #include "tests/parallel/progressive_meshes.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -183,16 +184,15 @@ TEST(Lpm, RefusesDamagedAndForeignFiles) {
 }
 
 TEST(ProgressiveFiles, ByExtension) {
-  const auto folder = std::filesystem::temp_directory_path();
+  const TestFolder folder;
   const ProgressiveMesh mesh = make(test::sphere_mesh(3));
-  for (const char* name : {"lodestone_test.lpm", "lodestone_test.GLB"}) {
+  for (const char* name : {"a.lpm", "a.GLB"}) {
     const ProgressiveFileSize size = save_progressive(mesh, folder / name);
     EXPECT_EQ(std::filesystem::file_size(folder / name), size.bytes);
     EXPECT_EQ(load_progressive(folder / name).parents, mesh.parents);
-    std::filesystem::remove(folder / name);
   }
-  EXPECT_THROW(save_progressive(mesh, folder / "lodestone_test.ply"), UnsupportedError);
-  EXPECT_THROW((void)load_progressive(folder / "lodestone_none.lpm"), FileError);
+  EXPECT_THROW(save_progressive(mesh, folder / "a.ply"), UnsupportedError);
+  EXPECT_THROW((void)load_progressive(folder / "none.lpm"), FileError);
 }
 
 // Messages of the checks for damaged values, for any kind of file.

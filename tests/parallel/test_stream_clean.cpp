@@ -11,6 +11,7 @@
 #include "parallel/mesh/load.h"
 #include "parallel/mesh/mesh_stream.h"
 #include "tests/parallel/stream_meshes.h"
+#include "tests/test_bytes.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -19,11 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 class StreamTest : public FolderTest {};
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
 
 // For any number of workers and any memory, down to that for a few hundred hashes.
 void expect_same_as_in_memory(const fs::path& path, Lattice lattice = {}) {
@@ -39,14 +35,14 @@ void expect_same_as_in_memory(const fs::path& path, Lattice lattice = {}) {
       const CleanStream clean = clean_stream(*stream, lattice, working_bytes, *scheduler);
       EXPECT_EQ(clean.repairs, repairs) << path;
       EXPECT_EQ(clean.triangles, expected.triangles.size());
-      EXPECT_TRUE(same_bytes(clean.positions, expected.positions)) << path;
+      EXPECT_TRUE(test::same_bytes(clean.positions, expected.positions)) << path;
       EXPECT_EQ(clean.transform, expected.transform);
       const auto count = static_cast<std::size_t>(stream->triangle_count());
-      EXPECT_TRUE(same_bytes(clean.read(*stream, 0, count), expected.triangles)) << path;
+      EXPECT_TRUE(test::same_bytes(clean.read(*stream, 0, count), expected.triangles)) << path;
       std::vector<Triangle> pieces = clean.read(*stream, 0, count / 3);
       const std::vector<Triangle> rest = clean.read(*stream, count / 3, count - count / 3);
       pieces.insert(pieces.end(), rest.begin(), rest.end());
-      EXPECT_TRUE(same_bytes(pieces, expected.triangles)) << path;
+      EXPECT_TRUE(test::same_bytes(pieces, expected.triangles)) << path;
     }
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,7 +19,7 @@
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 #include "render/lod/radii.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
@@ -46,7 +47,7 @@ struct ConformanceScene {
 namespace detail {
 
 inline std::shared_ptr<const Hierarchy> shared(IndexedMesh mesh, int finest, float sigma0 = 0.5f) {
-  auto small = std::make_shared<SmallHierarchy>(small_hierarchy(std::move(mesh), finest, sigma0));
+  auto small = std::make_shared<NaiveHierarchy>(naive_hierarchy(std::move(mesh), finest, sigma0));
   return {small, &small->hierarchy};
 }
 
@@ -76,6 +77,17 @@ inline Camera camera(const Hierarchy& hierarchy, Vec3d position, Vec3d target, d
 
 }  // namespace detail
 
+// Adds the scenes of these names once more, with four samples per pixel.
+template <class Scene>
+void add_multisampled(std::vector<Scene>& scenes, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    Scene smooth = *std::ranges::find(scenes, name, &Scene::name);
+    smooth.name += "_4x";
+    smooth.samples = 4;
+    scenes.push_back(std::move(smooth));
+  }
+}
+
 inline std::vector<ConformanceScene> conformance_scenes() {
   using detail::camera, detail::kappa0;
   static const auto torus = detail::shared(torus_mesh(96, 48), 3);
@@ -104,12 +116,7 @@ inline std::vector<ConformanceScene> conformance_scenes() {
   scenes.push_back({"built", scan, scan_view, {}});  // at one pixel
   scenes.push_back({"built_tinted", scan, scan_view, kappa0(0.9f), Blend::late, {320, 240}, true});
   scenes.push_back({"one_pixel", sphere, outside(sphere), kappa0(2), Blend::smoothstep, {1, 1}});
-  for (const char* name : {"morphing", "near_plane", "inside", "built_tinted", "one_pixel"}) {
-    ConformanceScene smooth = *std::ranges::find(scenes, name, &ConformanceScene::name);
-    smooth.name += "_4x";
-    smooth.samples = 4;
-    scenes.push_back(std::move(smooth));
-  }
+  add_multisampled(scenes, {"morphing", "near_plane", "inside", "built_tinted", "one_pixel"});
   return scenes;
 }
 

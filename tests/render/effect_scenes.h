@@ -156,6 +156,36 @@ inline EffectScene still_life(const std::string& name) {
   return scene;
 }
 
+// A shadow, then glass in front of it, and everything at once.
+inline void add_transparent_scenes(std::vector<EffectScene>& scenes) {
+  EffectScene shaded = still_life("shadow");
+  shaded.of_models.insert(Effect::directional_light);
+  shaded.of_picture.insert(Effect::shadow);
+  shaded.settings.lighting.directional.shadows = true;
+  shaded.settings.lighting.directional.shadow_texels = 1024;
+  scenes.push_back(shaded);
+  EffectScene glass = shaded;
+  glass.name = "transparency";
+  glass.of_picture.insert(Effect::transparency);
+  glass.models[1].appearance.opacity = 0.4f;
+  glass.models[2].appearance.opacity = 0.7f;
+  glass.models[2].offset = {-0.3, -0.5, 0.05};  // through the torus
+  scenes.push_back(glass);
+  EffectScene all_glass = glass;  // with fog and edges, all of it
+  all_glass.name = "transparency_all";
+  all_glass.models[0].appearance.opacity = 0.5f;
+  for (const Effect effect : {Effect::fog, Effect::wireframe}) all_glass.of_models.insert(effect);
+  all_glass.settings.fog.density = 0.25f;
+  all_glass.settings.wireframe = 0.4f;
+  scenes.push_back(all_glass);
+  EffectScene everything = all_glass;
+  everything.name = "everything";
+  everything.models[0].appearance.opacity = 1;
+  everything.of_picture.insert(Effect::ambient_occlusion);
+  everything.settings.ambient_occlusion = {0.8f, 0.25f};
+  scenes.push_back(everything);
+}
+
 }  // namespace detail
 
 inline std::vector<EffectScene> effect_scenes() {
@@ -184,45 +214,15 @@ inline std::vector<EffectScene> effect_scenes() {
   count.of_picture.insert(Effect::overdraw);
   count.settings.overdraw = true;
   scenes.push_back(count);
-  EffectScene shaded = detail::still_life("shadow");
-  shaded.of_models.insert(Effect::directional_light);
-  shaded.of_picture.insert(Effect::shadow);
-  shaded.settings.lighting.directional.shadows = true;
-  shaded.settings.lighting.directional.shadow_texels = 1024;
-  scenes.push_back(shaded);
-  EffectScene glass = shaded;
-  glass.name = "transparency";
-  glass.of_picture.insert(Effect::transparency);
-  glass.models[1].appearance.opacity = 0.4f;
-  glass.models[2].appearance.opacity = 0.7f;
-  glass.models[2].offset = {-0.3, -0.5, 0.05};  // through the torus
-  scenes.push_back(glass);
-  EffectScene all_glass = glass;  // with fog and edges, all of it
-  all_glass.name = "transparency_all";
-  all_glass.models[0].appearance.opacity = 0.5f;
-  for (const Effect effect : {Effect::fog, Effect::wireframe}) all_glass.of_models.insert(effect);
-  all_glass.settings.fog.density = 0.25f;
-  all_glass.settings.wireframe = 0.4f;
-  scenes.push_back(all_glass);
+  detail::add_transparent_scenes(scenes);
   EffectScene dark = detail::still_life("occlusion");
   dark.of_picture.insert(Effect::ambient_occlusion);
   dark.settings.lighting.ambient = 1;
   dark.settings.ambient_occlusion = {1, 0.2f};
   dark.models[1].offset.z = 0;
   scenes.push_back(dark);
-  EffectScene everything = all_glass;
-  everything.name = "everything";
-  everything.models[0].appearance.opacity = 1;
-  everything.of_picture.insert(Effect::ambient_occlusion);
-  everything.settings.ambient_occlusion = {0.8f, 0.25f};
-  scenes.push_back(everything);
-  for (const char* name : {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency",
-                           "transparency_all", "occlusion", "everything"}) {
-    EffectScene smooth = *std::ranges::find(scenes, name, &EffectScene::name);
-    smooth.name += "_4x";
-    smooth.samples = 4;
-    scenes.push_back(std::move(smooth));
-  }
+  add_multisampled(scenes, {"directional", "wireframe", "wireframe_near_plane", "overdraw", "shadow", "transparency",
+                            "transparency_all", "occlusion", "everything"});
   return scenes;
 }
 

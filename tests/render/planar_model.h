@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "render/textures/mip_chain.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/render/textured_models.h"
 #include "tests/test_meshes.h"
 
@@ -21,12 +21,12 @@ struct Plan {
 inline std::shared_ptr<const Hierarchy> planar_model(double height, const Plan& plan, std::vector<Texture> textures,
                                                      std::vector<Material> materials) {
   struct Storage {
-    SmallHierarchy small;
+    NaiveHierarchy small;
     std::deque<std::vector<Vec2f>> uv;
     std::deque<std::vector<Rgba8>> colours;
   };
   const auto storage = std::make_shared<Storage>();
-  storage->small = small_hierarchy(terrain_mesh(48, height), 3);
+  storage->small = naive_hierarchy(terrain_mesh(48, height), 3);
   const auto h = std::make_shared<Hierarchy>(storage->small.hierarchy);
   for (Cell& cell : h->cells) {
     std::vector<Vec2f>& uv = storage->uv.emplace_back();

@@ -12,19 +12,19 @@
 
 #include "core/base/error.h"
 #include "render/camera/camera.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
 const Hierarchy& terrain() {
-  static const auto small = test::small_hierarchy(test::terrain_mesh(32), 2);
+  static const auto small = test::naive_hierarchy(test::terrain_mesh(32), 2);
   return small.hierarchy;
 }
 
 const Hierarchy& torus() {
-  static const auto small = test::small_hierarchy(test::torus_mesh(64, 32), 2);
+  static const auto small = test::naive_hierarchy(test::torus_mesh(64, 32), 2);
   return small.hierarchy;
 }
 

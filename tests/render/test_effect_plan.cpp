@@ -61,8 +61,8 @@ std::vector<Wish> wishes() {
 class TwoModels {
  public:
   TwoModels()
-      : torus_(test::small_hierarchy(test::torus_mesh(96, 48), 3)),
-        hills_(test::small_hierarchy(test::terrain_mesh(48), 2)) {
+      : torus_(test::naive_hierarchy(test::torus_mesh(96, 48), 3)),
+        hills_(test::naive_hierarchy(test::terrain_mesh(48), 2)) {
     scene.models.resize(2);
     scene.models[0].name = "torus";
     scene.models[1].name = "hills";
@@ -76,7 +76,7 @@ class TwoModels {
   Scene scene;
 
  private:
-  test::SmallHierarchy torus_, hills_;
+  test::NaiveHierarchy torus_, hills_;
 };
 
 struct Drawn {

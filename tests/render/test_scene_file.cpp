@@ -29,8 +29,7 @@ class SceneFile : public FolderTest {
   }
 };
 
-TEST_F(SceneFile, EveryKey) {
-  const Scene scene = read_scene(write(R"(
+const std::string every_key = R"(
 background = [0.1, 0.2, 0.3]
 [[model]]
 file = "scans/statue.ply"
@@ -73,7 +72,10 @@ blend = "cosine"
 frames = 9
 key = [{ position = [0, -5, 1], target = [0, 0, 0], up = [0, 1, 0], fov_degrees = 60 },
        { position = [0, -3, 1], target = [0, 0, 0] }]
-)"));
+)";
+
+TEST_F(SceneFile, EveryKey) {
+  const Scene scene = read_scene(write(every_key));
   ASSERT_EQ(scene.models.size(), 2u);
   const SceneModel &statue = scene.models[0], &ball = scene.models[1];
   EXPECT_EQ(statue.name, "statue");

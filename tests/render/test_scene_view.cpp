@@ -11,7 +11,7 @@ namespace lodestone {
 namespace {
 
 const Hierarchy& torus() {
-  static const test::SmallHierarchy made = test::small_hierarchy(test::torus_mesh(96, 48), 3);
+  static const test::NaiveHierarchy made = test::naive_hierarchy(test::torus_mesh(96, 48), 3);
   return made.hierarchy;
 }
 

@@ -34,10 +34,15 @@ PixelImage gradient(std::uint32_t width, std::uint32_t height, std::uint32_t cha
   return image;
 }
 
+struct Rectangle {
+  double x0, x1, y0, y1;
+};
+
 // The mean of a channel over a rectangle of an image, pixel by pixel with the share of each that lies inside: the slow
 // twin of the filter.
 double mean_over(const std::vector<double>& values, PixelSize size, std::uint32_t channels, std::uint32_t channel,
-                 double x0, double x1, double y0, double y1) {
+                 const Rectangle& over) {
+  const auto [x0, x1, y0, y1] = over;
   double sum = 0;
   for (std::uint32_t y = 0; y < size.height; ++y)
     for (std::uint32_t x = 0; x < size.width; ++x) {
@@ -96,7 +101,7 @@ TEST(Downsample, IsTheMeanOverEachPixelsShare) {
             const std::size_t at = (std::size_t{y} * expected.width + x) * channels;
             for (std::uint32_t c = 0; c < channels; ++c) {
               pixel.push_back(
-                  mean_over(numbers, size, channels, c, x * wide, (x + 1) * wide, y * high, (y + 1) * high));
+                  mean_over(numbers, size, channels, c, {x * wide, (x + 1) * wide, y * high, (y + 1) * high}));
               ASSERT_NEAR(half.values[at + c], pixel[c], 2e-6);
             }
             const std::vector<double> bytes = bytes_of(pixel, meaning);

@@ -9,13 +9,13 @@
 #include "core/hierarchy/build/cell_error.h"
 #include "core/hierarchy/build/neighbourhood.h"
 #include "core/spatial/point_triangle.h"
-#include "tests/core/hierarchy/tiny_hierarchy.h"
+#include "tests/core/hierarchy/lattice_meshes.h"
 
 namespace lodestone {
 namespace {
 
 using test::bumpy_sphere;
-using test::tiny_hierarchy;
+using test::naive_hierarchy;
 
 LevelSurface surface_of(const Hierarchy& hierarchy, int level) {
   LevelSurface surface(hierarchy, level);
@@ -93,7 +93,7 @@ class CellErrorOf : public testing::TestWithParam<std::pair<bool, double>> {};
 
 TEST_P(CellErrorOf, EachCellIsAboveAllDistancesByTheToleranceAtMost) {
   const auto [open, tolerance] = GetParam();
-  const Hierarchy hierarchy = tiny_hierarchy(bumpy_sphere(3, open), 2, 1.2f).hierarchy();
+  const Hierarchy hierarchy = naive_hierarchy(bumpy_sphere(3, open), 2, 1.2f).hierarchy;
   const Measured measured = measure(hierarchy, tolerance);
   const std::uint32_t first_finest = hierarchy.levels.back().first_cell;
   for (int l = 0; l < hierarchy.finest(); ++l) {
@@ -208,7 +208,7 @@ TEST(CellError, BearsDegenerateTriangles) {
 }
 
 TEST(LevelSurface, FindsTheNearestItem) {
-  const Hierarchy hierarchy = tiny_hierarchy(bumpy_sphere(3), 2, 1.2f).hierarchy();
+  const Hierarchy hierarchy = naive_hierarchy(bumpy_sphere(3), 2, 1.2f).hierarchy;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-0.2, 1.2);
   for (int l = 0; l <= hierarchy.finest(); ++l) {
@@ -229,7 +229,7 @@ TEST(LevelSurface, FindsTheNearestItem) {
 }
 
 TEST(Neighbourhood, HasTheNearestItemWithinItsReach) {
-  const Hierarchy hierarchy = tiny_hierarchy(bumpy_sphere(4), 2, 1.2f).hierarchy();
+  const Hierarchy hierarchy = naive_hierarchy(bumpy_sphere(4), 2, 1.2f).hierarchy;
   const LevelSurface surface = surface_of(hierarchy, hierarchy.finest());
   std::mt19937 random(5);
   std::uniform_real_distribution<float> place(0, 1), offset(-0.05f, 0.05f);

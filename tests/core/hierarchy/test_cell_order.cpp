@@ -6,7 +6,7 @@
 
 #include "core/hierarchy/build/cell_order.h"
 #include "core/mesh/clean.h"
-#include "tests/core/hierarchy/tiny_hierarchy.h"
+#include "tests/core/hierarchy/lattice_meshes.h"
 
 namespace lodestone {
 namespace {
@@ -36,7 +36,7 @@ std::vector<std::array<std::uint32_t, 3>> sorted(std::span<const Triangle> trian
 }
 
 TEST(CellOrder, KeepsVerticesTrianglesAndParents) {
-  const Hierarchy h = test::tiny_hierarchy(test::bumpy_sphere(4), 2, 0.3f).hierarchy();
+  const Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(4), 2, 0.3f).hierarchy;
   CellOrderScratch scratch;
   std::vector<CellBuild> builds;
   std::vector<std::vector<std::uint32_t>> moved;
@@ -66,7 +66,7 @@ TEST(CellOrder, KeepsVerticesTrianglesAndParents) {
 }
 
 TEST(CellOrder, NumbersOwnVerticesByFirstUse) {
-  const Hierarchy h = test::tiny_hierarchy(test::bumpy_sphere(4), 1, 0.3f).hierarchy();
+  const Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(4), 1, 0.3f).hierarchy;
   CellOrderScratch scratch;
   for (const Cell& cell : h.cells) {
     CellBuild build = build_of(cell);
@@ -82,7 +82,7 @@ TEST(CellOrder, NumbersOwnVerticesByFirstUse) {
 }
 
 TEST(CellOrder, MovesAttributesAndKeepsMaterialsTogether) {
-  const Hierarchy h = test::tiny_hierarchy(test::bumpy_sphere(4), 0, 0.3f).hierarchy();
+  const Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(4), 0, 0.3f).hierarchy;
   const Cell& cell = h.cells[0];
   CellBuild build;
   build.slab.allocate(cell.positions.size(), 0, cell.triangles.size(), {true, true, true, true});

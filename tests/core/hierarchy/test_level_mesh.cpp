@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/spatial/mesh_distance.h"
-#include "tests/core/hierarchy/tiny_hierarchy.h"
+#include "tests/core/hierarchy/lattice_meshes.h"
 
 namespace lodestone {
 namespace {
@@ -36,7 +36,7 @@ std::vector<Corners> sorted_corners(const std::vector<Triangle>& triangles, Posi
 
 TEST(LevelMesh, GivesTheInputBackAtTheFinestLevel) {
   const IndexedMesh mesh = test::bumpy_sphere(4, true);
-  const RawMesh level = level_mesh(test::tiny_hierarchy(mesh, 2, 0.2f).hierarchy(), 2);
+  const RawMesh level = level_mesh(test::naive_hierarchy(mesh, 2, 0.2f).hierarchy, 2);
   EXPECT_EQ(level.positions.size(), mesh.positions.size());
   EXPECT_EQ(
       sorted_corners(level.triangles, [&](std::uint32_t v) { return level.positions[v]; }),
@@ -44,7 +44,7 @@ TEST(LevelMesh, GivesTheInputBackAtTheFinestLevel) {
 }
 
 TEST(LevelMesh, IsWeldedAndUsesEveryVertex) {
-  const Hierarchy h = test::tiny_hierarchy(test::bumpy_sphere(5), 2, 0.3f).hierarchy();
+  const Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(5), 2, 0.3f).hierarchy;
   for (int l = 0; l <= h.finest(); ++l) {
     const RawMesh mesh = level_mesh(h, l);
     EXPECT_EQ(mesh.triangles.size(), h.levels[static_cast<std::size_t>(l)].triangles);
@@ -63,7 +63,7 @@ TEST(LevelMesh, IsWeldedAndUsesEveryVertex) {
 }
 
 TEST(LevelMesh, StaysWithinTheStoredErrorOfTheInput) {
-  const Hierarchy h = test::tiny_hierarchy(test::bumpy_sphere(5), 2, 0.6f).hierarchy();
+  const Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(5), 2, 0.6f).hierarchy;
   const RawMesh input = level_mesh(h, 2);
   for (int l = 0; l < 2; ++l) {
     const MeshDistance distance = compare_meshes(level_mesh(h, l), input);
@@ -74,7 +74,7 @@ TEST(LevelMesh, StaysWithinTheStoredErrorOfTheInput) {
 }
 
 TEST(LevelMesh, RefusesLevelsThatAreNotThere) {
-  const Hierarchy h = test::tiny_hierarchy(test::bumpy_sphere(1), 1, 0.3f).hierarchy();
+  const Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(1), 1, 0.3f).hierarchy;
   EXPECT_THROW((void)level_mesh(h, -1), InputError);
   EXPECT_THROW((void)level_mesh(h, 2), InputError);
 }

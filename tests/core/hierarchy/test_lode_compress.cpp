@@ -71,7 +71,7 @@ void expect_round_trip(const Cell& cell) {
 }
 
 TEST(LodeCompress, GivesBackEveryCell) {
-  const Hierarchy h = test::lattice_sphere(4, lattice).hierarchy();
+  const Hierarchy h = test::lattice_sphere(4, lattice).hierarchy;
   for (const Cell& cell : h.cells) expect_round_trip(cell);
 }
 
@@ -80,7 +80,7 @@ TEST(LodeCompress, GivesBackOddPayloads) {
   expect_round_trip(cell);  // nothing at all, and the root
   std::mt19937 random(3);
   for (const std::size_t count : {1u, 2u, 15u, 17u, 255u, 256u, 257u, 5000u}) {
-    test::TinyCell payload;
+    test::NaivePayload payload;
     for (std::size_t i = 0; i < count; ++i) {
       const auto coordinate = [&] { return static_cast<float>(random() % (lattice.last() + 1)) * lattice.step(); };
       payload.positions.push_back({coordinate(), coordinate(), coordinate()});
@@ -121,7 +121,7 @@ TEST(LodeCompress, RefusesVerticesOffTheLattice) {
 }
 
 TEST(LodeCompress, RefusesWhatIsNotOneStreamPerArray) {
-  const Hierarchy h = test::lattice_sphere(3, lattice).hierarchy();
+  const Hierarchy h = test::lattice_sphere(3, lattice).hierarchy;
   const Cell& cell = h.cells[1];
   const PayloadCounts n = counts_of(cell);
   std::vector<std::byte> packed, out(plain_bytes(n));
@@ -145,7 +145,7 @@ TEST(LodeCompress, RefusesWhatIsNotOneStreamPerArray) {
 
 // The codecs are somebody else's: their promise to survive any bytes is tried on the sizes and streams we make.
 TEST(LodeCompress, SurvivesHostileBytes) {
-  const Hierarchy h = test::lattice_sphere(4, lattice).hierarchy();
+  const Hierarchy h = test::lattice_sphere(4, lattice).hierarchy;
   std::mt19937 random(11);
   std::size_t refused = 0, taken = 0;
   for (std::uint32_t c = 0; c < h.cells.size(); ++c) {

@@ -36,9 +36,9 @@ void write_bytes(const fs::path& path, const Bytes& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-Hierarchy lattice_model() { return test::lattice_sphere(3, {13}).hierarchy(); }
+Hierarchy lattice_model() { return test::lattice_sphere(3, {13}).hierarchy; }
 
-Hierarchy small_model() { return test::tiny_hierarchy(test::bumpy_sphere(3), 2, 0.3f).hierarchy(); }
+Hierarchy small_model() { return test::naive_hierarchy(test::bumpy_sphere(3), 2, 0.3f).hierarchy; }
 
 template <typename T>
 bool same(std::span<const T> a, std::span<const T> b) {
@@ -101,7 +101,7 @@ TEST_F(LodeFile, GivesBackWhatWasWritten) {
 
 TEST_F(LodeFile, GivesBackWhatWasCompressed) {
   for (const int finest : {0, 2}) {
-    const Hierarchy model = test::lattice_sphere(4, {13}, finest).hierarchy();
+    const Hierarchy model = test::lattice_sphere(4, {13}, finest).hierarchy;
     const std::uint64_t plain = write_lode(model, path("plain.lode"));
     expect_equal(model, open_lode(path("plain.lode")));
     const std::uint64_t packed = write_lode(model, path(), LodeForm::compressed);
@@ -135,7 +135,7 @@ TEST_F(LodeFile, IsUsedInPlaceAndOutlivesTheHierarchyItCameFrom) {
 
 TEST_F(LodeFile, HasTheSameBytesFromEveryWriterAndAnyNumberOfThreads) {
   // Cells of several sizes, more than one chunk: about 5 MB.
-  const Hierarchy model = test::tiny_hierarchy(test::bumpy_sphere(7), 3, 0.05f).hierarchy();
+  const Hierarchy model = test::naive_hierarchy(test::bumpy_sphere(7), 3, 0.05f).hierarchy;
   ASSERT_GT(lode_chunks(plan_lode(model)).size(), 1u);
   write_lode(model, path());
   const Bytes expected = read_bytes(path());
@@ -152,7 +152,7 @@ TEST_F(LodeFile, HasTheSameBytesFromEveryWriterAndAnyNumberOfThreads) {
 }
 
 TEST_F(LodeFile, HasTheSameCompressedBytesFromEveryWriterAndAnyNumberOfThreads) {
-  const Hierarchy model = test::lattice_sphere(7, {15}, 3).hierarchy();
+  const Hierarchy model = test::lattice_sphere(7, {15}, 3).hierarchy;
   ASSERT_GT(lode_chunks(plan_lode(model), 1u << 20).size(), 1u);
   write_lode(model, path(), LodeForm::compressed);
   const Bytes expected = read_bytes(path());
@@ -331,52 +331,52 @@ TEST_F(LodeFile, LeavesNothingBehindWhenTheTargetCannotBeWritten) {
 // A file whose checksums fit can still be wrong, by mistake or on purpose: each rule is broken in memory, then written.
 struct Breakage {
   const char* name;
-  std::function<void(test::TinyHierarchy&)> apply;
+  std::function<void(test::NaiveHierarchy&)> apply;
 };
 
 const Breakage breakages[] = {
-    {"position is NaN", [](auto& t) { t.payloads[1].positions[0].y = std::nanf(""); }},
-    {"parent out of range", [](auto& t) { t.payloads[2].parents[0] = 1u << 20; }},
-    {"triangle out of range", [](auto& t) { t.payloads[2].triangles[0].v[1] = 0xffff'ffffu; }},
-    {"degenerate triangle", [](auto& t) { t.payloads[2].triangles[0].v[1] = t.payloads[2].triangles[0].v[0]; }},
-    {"child range", [](auto& t) { t.tables.cells[0].child_count -= 1; }},
-    {"first child", [](auto& t) { t.tables.cells[0].first_child += 1; }},
-    {"too many children", [](auto& t) { t.tables.cells[1].child_count = 0xffff'ffffu; }},
-    {"parent cell", [](auto& t) { t.tables.cells.back().parent = 0; }},
-    {"child of finest", [](auto& t) { t.tables.cells.back().child_count = 1; }},
-    {"codes out of order", [](auto& t) { std::swap(t.tables.cells[1].code, t.tables.cells[2].code); }},
-    {"code outside the grid", [](auto& t) { t.tables.cells[0].code.morton = 8; }},
-    {"box is NaN", [](auto& t) { t.tables.cells[0].bounds.lo.x = std::nanf(""); }},
-    {"box is empty", [](auto& t) { t.tables.cells[0].bounds = {}; }},
-    {"negative error", [](auto& t) { t.tables.cells[1].error = -1; }},
-    {"infinite displacement", [](auto& t) { t.tables.cells[1].max_displacement = HUGE_VALF; }},
-    {"level range", [](auto& t) { t.tables.levels[1].first_cell = 0; }},
-    {"level count", [](auto& t) { t.tables.levels[2].cell_count += 1; }},
-    {"cells of no level", [](auto& t) { t.tables.levels[2].cell_count -= 1; }},
-    {"level triangles", [](auto& t) { t.tables.levels[0].triangles += 1; }},
-    {"level reach", [](auto& t) { t.tables.levels[0].reach[1] = -1; }},
-    {"no level", [](auto& t) { t.tables.levels.clear(); }},
-    {"sigma0", [](auto& t) { t.tables.sigma0 = 0; }},
-    {"scale", [](auto& t) { t.tables.transform.scale = 0; }},
-    {"origin", [](auto& t) { t.tables.transform.origin.z = HUGE_VAL; }},
+    {"position is NaN", [](auto& t) { (*t.payloads)[1].positions[0].y = std::nanf(""); }},
+    {"parent out of range", [](auto& t) { (*t.payloads)[2].parents[0] = 1u << 20; }},
+    {"triangle out of range", [](auto& t) { (*t.payloads)[2].triangles[0].v[1] = 0xffff'ffffu; }},
+    {"degenerate triangle", [](auto& t) { (*t.payloads)[2].triangles[0].v[1] = (*t.payloads)[2].triangles[0].v[0]; }},
+    {"child range", [](auto& t) { t.hierarchy.cells[0].child_count -= 1; }},
+    {"first child", [](auto& t) { t.hierarchy.cells[0].first_child += 1; }},
+    {"too many children", [](auto& t) { t.hierarchy.cells[1].child_count = 0xffff'ffffu; }},
+    {"parent cell", [](auto& t) { t.hierarchy.cells.back().parent = 0; }},
+    {"child of finest", [](auto& t) { t.hierarchy.cells.back().child_count = 1; }},
+    {"codes out of order", [](auto& t) { std::swap(t.hierarchy.cells[1].code, t.hierarchy.cells[2].code); }},
+    {"code outside the grid", [](auto& t) { t.hierarchy.cells[0].code.morton = 8; }},
+    {"box is NaN", [](auto& t) { t.hierarchy.cells[0].bounds.lo.x = std::nanf(""); }},
+    {"box is empty", [](auto& t) { t.hierarchy.cells[0].bounds = {}; }},
+    {"negative error", [](auto& t) { t.hierarchy.cells[1].error = -1; }},
+    {"infinite displacement", [](auto& t) { t.hierarchy.cells[1].max_displacement = HUGE_VALF; }},
+    {"level range", [](auto& t) { t.hierarchy.levels[1].first_cell = 0; }},
+    {"level count", [](auto& t) { t.hierarchy.levels[2].cell_count += 1; }},
+    {"cells of no level", [](auto& t) { t.hierarchy.levels[2].cell_count -= 1; }},
+    {"level triangles", [](auto& t) { t.hierarchy.levels[0].triangles += 1; }},
+    {"level reach", [](auto& t) { t.hierarchy.levels[0].reach[1] = -1; }},
+    {"no level", [](auto& t) { t.hierarchy.levels.clear(); }},
+    {"sigma0", [](auto& t) { t.hierarchy.sigma0 = 0; }},
+    {"scale", [](auto& t) { t.hierarchy.transform.scale = 0; }},
+    {"origin", [](auto& t) { t.hierarchy.transform.origin.z = HUGE_VAL; }},
 };
 
 TEST_F(LodeFile, RefusesBrokenContentsWithGoodChecksums) {
   for (const Breakage& breakage : breakages) {
-    test::TinyHierarchy tiny = test::tiny_hierarchy(test::bumpy_sphere(3), 2, 0.3f);
+    test::NaiveHierarchy tiny = test::naive_hierarchy(test::bumpy_sphere(3), 2, 0.3f);
     breakage.apply(tiny);
-    write_lode(tiny.hierarchy(), path());
+    write_lode(tiny.attach(), path());
     EXPECT_THROW((void)open_lode(path()), InputError) << breakage.name;
   }
 }
 
 TEST_F(LodeFile, RefusesBrokenContentsInCompressedFilesToo) {
   for (const Breakage& breakage : breakages) {
-    test::TinyHierarchy tiny = test::lattice_sphere(3, {13});
+    test::NaiveHierarchy tiny = test::lattice_sphere(3, {13});
     breakage.apply(tiny);
     // What is no number is on no lattice: refused on writing already.
     try {
-      write_lode(tiny.hierarchy(), path(), LodeForm::compressed);
+      write_lode(tiny.attach(), path(), LodeForm::compressed);
     } catch (const InputError&) {
       continue;
     }

@@ -8,13 +8,12 @@
 
 #include "core/hierarchy/verify/verify.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
-#include "tests/core/hierarchy/tiny_hierarchy.h"
 
 namespace lodestone {
 namespace {
 
-using test::TinyCell;
-using test::TinyHierarchy;
+using test::NaiveHierarchy;
+using test::NaivePayload;
 
 constexpr float sigma0 = 0.6f;
 constexpr int finest = 2;
@@ -31,34 +30,34 @@ TEST(Verify, PassesHierarchiesMadeByTheDefinitions) {
     for (const int levels : {0, 1, 2, 3})
       for (const float s : {0.05f, 0.2f, 0.6f}) {
         const IndexedMesh mesh = test::bumpy_sphere(4, open);
-        const VerifyReport report = verify_hierarchy(test::tiny_hierarchy(mesh, levels, s).hierarchy(), &mesh);
+        const VerifyReport report = verify_hierarchy(test::naive_hierarchy(mesh, levels, s).hierarchy, &mesh);
         EXPECT_TRUE(report.valid()) << "L " << levels << " sigma0 " << s << "\n" << failures_of(report);
         EXPECT_EQ(report.checks.size(), 15u);
       }
 }
 
 TEST(Verify, AnswersWithoutTheInputToo) {
-  const VerifyReport report = verify_hierarchy(test::tiny_hierarchy(test::bumpy_sphere(3), 2, 0.2f).hierarchy());
+  const VerifyReport report = verify_hierarchy(test::naive_hierarchy(test::bumpy_sphere(3), 2, 0.2f).hierarchy);
   EXPECT_TRUE(report.valid());
   EXPECT_EQ(report.find("input"), nullptr);
   EXPECT_FALSE(VerifyReport{}.valid());
 }
 
-// Places in a TinyHierarchy that the breakages below aim at.
-std::uint32_t first_of(const TinyHierarchy& t, int level) {
-  return t.tables.levels[static_cast<std::size_t>(level)].first_cell;
+// Places in a NaiveHierarchy that the breakages below aim at.
+std::uint32_t first_of(const NaiveHierarchy& t, int level) {
+  return t.hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
 }
-TinyCell& finest_cell(TinyHierarchy& t) { return t.payloads[first_of(t, finest)]; }
-TinyCell& middle_cell(TinyHierarchy& t) { return t.payloads[first_of(t, 1)]; }
-std::size_t first_shared(const TinyCell& c) { return c.positions.size() - c.shared_ids.size(); }
+NaivePayload& finest_cell(NaiveHierarchy& t) { return (*t.payloads)[first_of(t, finest)]; }
+NaivePayload& middle_cell(NaiveHierarchy& t) { return (*t.payloads)[first_of(t, 1)]; }
+std::size_t first_shared(const NaivePayload& c) { return c.positions.size() - c.shared_ids.size(); }
 
-Cell& most_moved_cell(TinyHierarchy& t) {
-  return *std::max_element(t.tables.cells.begin(), t.tables.cells.end(),
+Cell& most_moved_cell(NaiveHierarchy& t) {
+  return *std::max_element(t.hierarchy.cells.begin(), t.hierarchy.cells.end(),
                            [](const Cell& a, const Cell& b) { return a.max_displacement < b.max_displacement; });
 }
 
 // A vertex of the cell that no other cell has and that has another parent to go to.
-std::size_t own_vertex(const TinyCell& cell) {
+std::size_t own_vertex(const NaivePayload& cell) {
   EXPECT_GT(first_shared(cell), 0u);
   return 0;
 }
@@ -66,25 +65,25 @@ std::size_t own_vertex(const TinyCell& cell) {
 struct Breakage {
   const char* check;  // the one that must fail
   const char* what;
-  std::function<void(TinyHierarchy&)> apply;
+  std::function<void(NaiveHierarchy&)> apply;
 };
 
 // Another parent than now, within the bound of (1) or not.
-void send_elsewhere(TinyHierarchy& t, std::uint32_t c, std::size_t v) {
-  TinyCell& cell = t.payloads[c];
-  const auto count = static_cast<std::uint32_t>(t.payloads[t.tables.cells[c].parent].positions.size());
+void send_elsewhere(NaiveHierarchy& t, std::uint32_t c, std::size_t v) {
+  NaivePayload& cell = (*t.payloads)[c];
+  const auto count = static_cast<std::uint32_t>((*t.payloads)[t.hierarchy.cells[c].parent].positions.size());
   cell.parents[v] = (cell.parents[v] + 1) % count;
 }
 
 const Breakage breakages[] = {
-    {"structure", "level ranges", [](auto& t) { t.tables.levels[1].first_cell += 1; }},
-    {"structure", "cells of no level", [](auto& t) { t.tables.levels[finest].cell_count -= 1; }},
+    {"structure", "level ranges", [](auto& t) { t.hierarchy.levels[1].first_cell += 1; }},
+    {"structure", "cells of no level", [](auto& t) { t.hierarchy.levels[finest].cell_count -= 1; }},
     {"structure", "Morton order",
-     [](auto& t) { std::swap(t.tables.cells[first_of(t, 1)].code, t.tables.cells[first_of(t, 1) + 1].code); }},
-    {"structure", "children", [](auto& t) { t.tables.cells[0].child_count -= 1; }},
-    {"structure", "parent", [](auto& t) { t.tables.cells.back().parent = 0; }},
-    {"structure", "stored triangles", [](auto& t) { t.tables.levels[1].triangles += 1; }},
-    {"structure", "stored vertices", [](auto& t) { t.tables.levels[1].vertices += 1; }},
+     [](auto& t) { std::swap(t.hierarchy.cells[first_of(t, 1)].code, t.hierarchy.cells[first_of(t, 1) + 1].code); }},
+    {"structure", "children", [](auto& t) { t.hierarchy.cells[0].child_count -= 1; }},
+    {"structure", "parent", [](auto& t) { t.hierarchy.cells.back().parent = 0; }},
+    {"structure", "stored triangles", [](auto& t) { t.hierarchy.levels[1].triangles += 1; }},
+    {"structure", "stored vertices", [](auto& t) { t.hierarchy.levels[1].vertices += 1; }},
     {"structure", "vertex index",
      [](auto& t) { finest_cell(t).triangles[0].v[0] = static_cast<std::uint32_t>(finest_cell(t).positions.size()); }},
     {"structure", "degenerate", [](auto& t) { finest_cell(t).triangles[0].v[0] = finest_cell(t).triangles[0].v[1]; }},
@@ -93,22 +92,23 @@ const Breakage breakages[] = {
     {"structure", "no normals", [](auto& t) { finest_cell(t).normals.pop_back(); }},
     {"structure", "too many ids", [](auto& t) { finest_cell(t).shared_ids.resize(100'000); }},
     {"structure", "NaN", [](auto& t) { finest_cell(t).positions[0].x = std::nanf(""); }},
-    {"structure", "no levels", [](auto& t) { t.tables.levels.clear(); }},
+    {"structure", "no levels", [](auto& t) { t.hierarchy.levels.clear(); }},
     {"cells", "empty finest cell",
      [](auto& t) {
-       t.tables.levels[finest].triangles -= finest_cell(t).triangles.size();
+       t.hierarchy.levels[finest].triangles -= finest_cell(t).triangles.size();
        finest_cell(t).triangles.clear();
      }},
-    {"partition", "triangle in the wrong cell", [](auto& t) { t.tables.cells[first_of(t, finest)].code.morton ^= 1; }},
+    {"partition", "triangle in the wrong cell",
+     [](auto& t) { t.hierarchy.cells[first_of(t, finest)].code.morton ^= 1; }},
     {"partition", "vertex of no triangle",
      [](auto& t) {
-       TinyCell& cell = finest_cell(t);
+       NaivePayload& cell = finest_cell(t);
        cell.positions.insert(cell.positions.begin(), Vec3f{0.1f, 0.1f, 0.1f});
        cell.normals.insert(cell.normals.begin(), PackedNormal{});
        cell.parents.insert(cell.parents.begin(), 0);
        for (Triangle& triangle : cell.triangles)
          for (std::uint32_t& v : triangle.v) ++v;
-       t.tables.levels[finest].vertices += 1;
+       t.hierarchy.levels[finest].vertices += 1;
      }},
     {"partition", "outside the root", [](auto& t) { finest_cell(t).positions[0].x = -0.001f; }},
     {"identity", "copies apart",
@@ -118,8 +118,9 @@ const Breakage breakages[] = {
      }},
     {"identity", "minus zero is another pattern",
      [](auto& t) {
-       for (std::size_t c = first_of(t, finest); c < t.payloads.size(); ++c)
-         if (t.payloads[c].shared_ids.back() == finest_cell(t).shared_ids.back()) t.payloads[c].positions.back().x = 0;
+       for (std::size_t c = first_of(t, finest); c < t.payloads->size(); ++c)
+         if ((*t.payloads)[c].shared_ids.back() == finest_cell(t).shared_ids.back())
+           (*t.payloads)[c].positions.back().x = 0;
        finest_cell(t).positions.back().x = -0.0f;
      }},
     {"identity", "normals apart", [](auto& t) { finest_cell(t).normals.back().u ^= 1; }},
@@ -129,22 +130,23 @@ const Breakage breakages[] = {
     {"identity", "not shared, though at one position",
      [](auto& t) {
        // The vertex comes first in its cell, so that it may be left out of the shared ones.
-       TinyCell& cell = finest_cell(t);
+       NaivePayload& cell = finest_cell(t);
        cell.shared_ids.erase(cell.shared_ids.begin());
      }},
     {"identity", "id given to another vertex on the next level",
      [](auto& t) {
        // Two vertices that survive exchange their ids on level 1, in all copies.
-       const TinyCell& cell = middle_cell(t);
+       const NaivePayload& cell = middle_cell(t);
        ASSERT_GE(cell.shared_ids.size(), 2u);
        std::vector<std::uint32_t> kept;
-       for (std::size_t c = first_of(t, finest); c < t.payloads.size(); ++c)
-         for (const std::uint32_t id : t.payloads[c].shared_ids)
+       for (std::size_t c = first_of(t, finest); c < t.payloads->size(); ++c)
+         for (const std::uint32_t id : (*t.payloads)[c].shared_ids)
            if (std::count(cell.shared_ids.begin(), cell.shared_ids.end(), id) > 0 && (kept.empty() || kept[0] != id))
              kept.push_back(id);
        ASSERT_GE(kept.size(), 2u);
        for (std::size_t c = first_of(t, 1); c < first_of(t, finest); ++c)
-         for (std::uint32_t& id : t.payloads[c].shared_ids) id = id == kept[0] ? kept[1] : id == kept[1] ? kept[0] : id;
+         for (std::uint32_t& id : (*t.payloads)[c].shared_ids)
+           id = id == kept[0] ? kept[1] : id == kept[1] ? kept[0] : id;
      }},
     {"parents", "one copy goes elsewhere",
      [](auto& t) { send_elsewhere(t, first_of(t, finest), finest_cell(t).positions.size() - 1); }},
@@ -152,10 +154,10 @@ const Breakage breakages[] = {
      [](auto& t) { send_elsewhere(t, first_of(t, 1), middle_cell(t).positions.size() - 1); }},
     {"vertices", "vertex that is no parent",
      [](auto& t) {
-       TinyCell& cell = t.payloads[0];
+       NaivePayload& cell = (*t.payloads)[0];
        cell.positions.push_back(cell.positions[0]);
        cell.normals.push_back(cell.normals[0]);
-       t.tables.levels[0].vertices += 1;
+       t.hierarchy.levels[0].vertices += 1;
      }},
     {"triangles", "own vertex goes elsewhere",
      [](auto& t) { send_elsewhere(t, first_of(t, finest), own_vertex(finest_cell(t))); }},
@@ -164,50 +166,52 @@ const Breakage breakages[] = {
     {"triangles", "one missing",
      [](auto& t) {
        middle_cell(t).triangles.pop_back();
-       t.tables.levels[1].triangles -= 1;
+       t.hierarchy.levels[1].triangles -= 1;
      }},
     {"triangles", "one twice",
      [](auto& t) {
        middle_cell(t).triangles.push_back(middle_cell(t).triangles[0]);
-       t.tables.levels[1].triangles += 1;
+       t.hierarchy.levels[1].triangles += 1;
      }},
-    {"displacement", "bound of (1)", [](auto& t) { t.tables.sigma0 *= 0.4f; }},
+    {"displacement", "bound of (1)", [](auto& t) { t.hierarchy.sigma0 *= 0.4f; }},
     {"displacement", "stored too small",
      [](auto& t) {
        float& stored = most_moved_cell(t).max_displacement;
        stored = std::nextafter(stored, 0.0f);
      }},
     {"displacement", "stored too large", [](auto& t) { most_moved_cell(t).max_displacement *= 1.01f; }},
-    {"displacement", "of the root", [](auto& t) { t.tables.cells[0].max_displacement = 0.1f; }},
-    {"edges", "longest too small", [](auto& t) { t.tables.levels[1].max_edge *= 0.999f; }},
-    {"edges", "longest too large", [](auto& t) { t.tables.levels[1].max_edge *= 1.001f; }},
-    {"edges", "long ones of the finest level", [](auto& t) { t.tables.levels[finest].long_edges += 1; }},
-    {"edges", "long ones of another level", [](auto& t) { t.tables.levels[1].long_edges += 1; }},
+    {"displacement", "of the root", [](auto& t) { t.hierarchy.cells[0].max_displacement = 0.1f; }},
+    {"edges", "longest too small", [](auto& t) { t.hierarchy.levels[1].max_edge *= 0.999f; }},
+    {"edges", "longest too large", [](auto& t) { t.hierarchy.levels[1].max_edge *= 1.001f; }},
+    {"edges", "long ones of the finest level", [](auto& t) { t.hierarchy.levels[finest].long_edges += 1; }},
+    {"edges", "long ones of another level", [](auto& t) { t.hierarchy.levels[1].long_edges += 1; }},
     {"boxes", "too large",
-     [](auto& t) { t.tables.cells[1].bounds.hi.x = std::nextafter(t.tables.cells[1].bounds.hi.x, 2.0f); }},
+     [](auto& t) { t.hierarchy.cells[1].bounds.hi.x = std::nextafter(t.hierarchy.cells[1].bounds.hi.x, 2.0f); }},
     {"boxes", "too small",
-     [](auto& t) { t.tables.cells.back().bounds.lo.y = std::nextafter(t.tables.cells.back().bounds.lo.y, 2.0f); }},
+     [](auto& t) {
+       t.hierarchy.cells.back().bounds.lo.y = std::nextafter(t.hierarchy.cells.back().bounds.lo.y, 2.0f);
+     }},
     {"boxes", "without the children's",
      [](auto& t) {
-       t.tables.cells[0].bounds = {};
-       for (const Vec3f p : t.payloads[0].positions) t.tables.cells[0].bounds.extend(p);
+       t.hierarchy.cells[0].bounds = {};
+       for (const Vec3f p : (*t.payloads)[0].positions) t.hierarchy.cells[0].bounds.extend(p);
      }},
-    {"reach", "Euclidean too small", [](auto& t) { t.tables.levels[1].reach[0] *= 0.999f; }},
-    {"reach", "Euclidean too large", [](auto& t) { t.tables.levels[1].reach[0] *= 1.001f; }},
-    {"reach", "Chebyshev too small", [](auto& t) { t.tables.levels[finest].reach[1] *= 0.999f; }},
-    {"reach", "diameter too small", [](auto& t) { t.tables.levels[0].diameter *= 0.999f; }},
-    {"errors", "not 0 on the finest level", [](auto& t) { t.tables.cells.back().error = 1e-6f; }},
+    {"reach", "Euclidean too small", [](auto& t) { t.hierarchy.levels[1].reach[0] *= 0.999f; }},
+    {"reach", "Euclidean too large", [](auto& t) { t.hierarchy.levels[1].reach[0] *= 1.001f; }},
+    {"reach", "Chebyshev too small", [](auto& t) { t.hierarchy.levels[finest].reach[1] *= 0.999f; }},
+    {"reach", "diameter too small", [](auto& t) { t.hierarchy.levels[0].diameter *= 0.999f; }},
+    {"errors", "not 0 on the finest level", [](auto& t) { t.hierarchy.cells.back().error = 1e-6f; }},
     {"errors", "less than the children's",
-     [](auto& t) { t.tables.cells[0].error = std::nextafter(t.tables.cells[1].error, 0.0f); }},
+     [](auto& t) { t.hierarchy.cells[0].error = std::nextafter(t.hierarchy.cells[1].error, 0.0f); }},
     {"errors", "less than the distance of the children's vertices",
-     [](auto& t) { t.tables.cells[0].error = t.tables.cells[1].error; }},
-    {"errors", "absurdly large", [](auto& t) { t.tables.cells[1].error *= 2; }},
-    {"errors", "of the level", [](auto& t) { t.tables.levels[1].error *= 0.99f; }},
+     [](auto& t) { t.hierarchy.cells[0].error = t.hierarchy.cells[1].error; }},
+    {"errors", "absurdly large", [](auto& t) { t.hierarchy.cells[1].error *= 2; }},
+    {"errors", "of the level", [](auto& t) { t.hierarchy.levels[1].error *= 0.99f; }},
     {"fingerprint", "triangle turned over",
      [](auto& t) { std::swap(finest_cell(t).triangles[0].v[0], finest_cell(t).triangles[0].v[1]); }},
-    {"fingerprint", "fewer triangles", [](auto& t) { t.tables.provenance.input_triangles -= 1; }},
-    {"fingerprint", "fewer vertices", [](auto& t) { t.tables.provenance.input_vertices -= 1; }},
-    {"fingerprint", "another input", [](auto& t) { t.tables.provenance.fingerprint += 1; }},
+    {"fingerprint", "fewer triangles", [](auto& t) { t.hierarchy.provenance.input_triangles -= 1; }},
+    {"fingerprint", "fewer vertices", [](auto& t) { t.hierarchy.provenance.input_vertices -= 1; }},
+    {"fingerprint", "another input", [](auto& t) { t.hierarchy.provenance.fingerprint += 1; }},
     {"input", "turned over",
      [](auto& t) { std::swap(finest_cell(t).triangles[0].v[0], finest_cell(t).triangles[0].v[1]); }},
     {"input", "moved by one place",
@@ -216,17 +220,17 @@ const Breakage breakages[] = {
        x = std::nextafter(x, 2.0f);
      }},
     {"input", "one twice, one missing", [](auto& t) { finest_cell(t).triangles[0] = finest_cell(t).triangles[1]; }},
-    {"input", "another scale", [](auto& t) { t.tables.transform.scale *= 2; }},
+    {"input", "another scale", [](auto& t) { t.hierarchy.transform.scale *= 2; }},
 };
 
 TEST(Verify, SeesEveryBreakageInTheCheckMeantForIt) {
   const IndexedMesh mesh = test::bumpy_sphere(4);
-  const TinyHierarchy whole = test::tiny_hierarchy(mesh, finest, sigma0);
-  ASSERT_TRUE(verify_hierarchy(whole.hierarchy(), &mesh).valid());
+  const NaiveHierarchy whole = test::naive_hierarchy(mesh, finest, sigma0);
+  ASSERT_TRUE(verify_hierarchy(whole.hierarchy, &mesh).valid());
   for (const Breakage& breakage : breakages) {
-    TinyHierarchy broken = whole;
+    NaiveHierarchy broken = whole;
     breakage.apply(broken);
-    const VerifyReport report = verify_hierarchy(broken.hierarchy(), &mesh);
+    const VerifyReport report = verify_hierarchy(broken.attach(), &mesh);
     const VerifyCheck* check = report.find(breakage.check);
     ASSERT_NE(check, nullptr) << breakage.check;
     EXPECT_FALSE(check->passed) << breakage.check << ", " << breakage.what << "\n" << failures_of(report);
@@ -237,54 +241,54 @@ TEST(Verify, SeesEveryBreakageInTheCheckMeantForIt) {
 
 TEST(Verify, ChecksTheLatticeAndWhatItAddsToTheErrors) {
   const IndexedMesh mesh = test::on_lattice(test::bumpy_sphere(4), {14});
-  const TinyHierarchy whole = test::tiny_hierarchy(mesh, finest, sigma0);
-  EXPECT_TRUE(verify_hierarchy(whole.hierarchy(), &mesh).valid())
-      << failures_of(verify_hierarchy(whole.hierarchy(), &mesh));
+  const NaiveHierarchy whole = test::naive_hierarchy(mesh, finest, sigma0);
+  EXPECT_TRUE(verify_hierarchy(whole.hierarchy, &mesh).valid())
+      << failures_of(verify_hierarchy(whole.hierarchy, &mesh));
   const Breakage lattice_breakages[] = {
-      {"structure", "out of range", [](auto& t) { t.tables.transform.lattice.bits = 25; }},
+      {"structure", "out of range", [](auto& t) { t.hierarchy.transform.lattice.bits = 25; }},
       {"lattice", "off the lattice on the finest level",
-       [](auto& t) { finest_cell(t).positions[0].x += 0.25f * t.tables.transform.lattice.step(); }},
+       [](auto& t) { finest_cell(t).positions[0].x += 0.25f * t.hierarchy.transform.lattice.step(); }},
       {"lattice", "off the lattice on a coarse level",
-       [](auto& t) { middle_cell(t).positions[0].z += 0.25f * t.tables.transform.lattice.step(); }},
-      {"lattice", "another lattice", [](auto& t) { t.tables.transform.lattice.bits = 13; }},
-      {"errors", "without the lattice's share", [](auto& t) { t.tables.cells.back().error = 0; }},
-      {"errors", "a lattice that is said to be finer", [](auto& t) { t.tables.transform.lattice.bits = 15; }},
-      {"input", "on another lattice", [](auto& t) { t.tables.transform.lattice.bits = 15; }},
+       [](auto& t) { middle_cell(t).positions[0].z += 0.25f * t.hierarchy.transform.lattice.step(); }},
+      {"lattice", "another lattice", [](auto& t) { t.hierarchy.transform.lattice.bits = 13; }},
+      {"errors", "without the lattice's share", [](auto& t) { t.hierarchy.cells.back().error = 0; }},
+      {"errors", "a lattice that is said to be finer", [](auto& t) { t.hierarchy.transform.lattice.bits = 15; }},
+      {"input", "on another lattice", [](auto& t) { t.hierarchy.transform.lattice.bits = 15; }},
   };
   for (const Breakage& breakage : lattice_breakages) {
-    TinyHierarchy broken = whole;
+    NaiveHierarchy broken = whole;
     breakage.apply(broken);
-    const VerifyReport report = verify_hierarchy(broken.hierarchy(), &mesh);
+    const VerifyReport report = verify_hierarchy(broken.attach(), &mesh);
     EXPECT_FALSE(report.find(breakage.check)->passed) << breakage.what;
   }
 }
 
 TEST(Verify, RunsNothingOnABrokenStructure) {
-  TinyHierarchy broken = test::tiny_hierarchy(test::bumpy_sphere(3), 2, 0.2f);
-  broken.tables.cells[0].first_child = 0xffff'fff0u;
-  for (const VerifyCheck& check : verify_hierarchy(broken.hierarchy()).checks) EXPECT_FALSE(check.passed) << check.name;
+  NaiveHierarchy broken = test::naive_hierarchy(test::bumpy_sphere(3), 2, 0.2f);
+  broken.hierarchy.cells[0].first_child = 0xffff'fff0u;
+  for (const VerifyCheck& check : verify_hierarchy(broken.attach()).checks) EXPECT_FALSE(check.passed) << check.name;
 }
 
 // A stored edge count may follow float or double, but long edges never come from nothing.
 TEST(Verify, AllowsLongEdgesThatTheInputHas) {
   const IndexedMesh mesh = test::bumpy_sphere(1);  // 32 large triangles
-  const VerifyReport report = verify_hierarchy(test::tiny_hierarchy(mesh, 3, 0.2f).hierarchy(), &mesh);
+  const VerifyReport report = verify_hierarchy(test::naive_hierarchy(mesh, 3, 0.2f).hierarchy, &mesh);
   EXPECT_TRUE(report.valid()) << failures_of(report);
 }
 
 TEST(Verify, RefusesLongEdgesWhereTheFinerLevelHasNone) {
   // Level 0 is stretched, and its stored figures say so truthfully: only the comparison of the levels can object.
-  TinyHierarchy t = test::tiny_hierarchy(test::bumpy_sphere(4), 1, 0.6f);
-  Level& root = t.tables.levels[0];
-  ASSERT_EQ(t.tables.levels[1].long_edges, 0u);
-  for (Vec3f& p : t.payloads[0].positions) p = 64.0f * p;  // exact, so that the longest edge is, too
+  NaiveHierarchy t = test::naive_hierarchy(test::bumpy_sphere(4), 1, 0.6f);
+  Level& root = t.hierarchy.levels[0];
+  ASSERT_EQ(t.hierarchy.levels[1].long_edges, 0u);
+  for (Vec3f& p : (*t.payloads)[0].positions) p = 64.0f * p;  // exact, so that the longest edge is, too
   root.max_edge *= 64;
-  for (const Triangle& triangle : t.payloads[0].triangles)
+  for (const Triangle& triangle : (*t.payloads)[0].triangles)
     for (std::size_t e = 0; e < 3; ++e)
-      root.long_edges += length(t.payloads[0].positions[triangle.v[e]] -
-                                t.payloads[0].positions[triangle.v[(e + 1) % 3]]) > t.tables.sigma0;
+      root.long_edges += length((*t.payloads)[0].positions[triangle.v[e]] -
+                                (*t.payloads)[0].positions[triangle.v[(e + 1) % 3]]) > t.hierarchy.sigma0;
   ASSERT_GT(root.long_edges, 0u);
-  const VerifyReport report = verify_hierarchy(t.hierarchy());
+  const VerifyReport report = verify_hierarchy(t.attach());
   EXPECT_NE(report.find("edges")->detail.find("none on the finer level"), std::string::npos);
   EXPECT_FALSE(report.find("displacement")->passed);
 }

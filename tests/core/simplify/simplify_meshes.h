@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/simplify/block/simplifier.h"
+#include "tests/test_meshes.h"
 
 namespace lodestone::simplify_test {
 
@@ -33,23 +34,7 @@ inline TestMesh bumpy_sphere(int levels, float amplitude = 1) {
   TestMesh m{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
              {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}},
              {}};
-  for (int l = 0; l < levels; ++l) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middle;
-    const auto split = [&](std::uint32_t a, std::uint32_t b) {
-      const auto [at, is_new] = middle.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(m.positions.size()));
-      if (is_new) {
-        const Vec3f sum = m.positions[a] + m.positions[b];
-        m.positions.push_back((1 / length(sum)) * sum);
-      }
-      return at->second;
-    };
-    std::vector<Triangle> finer;
-    for (const auto& [v] : m.triangles) {
-      const std::uint32_t ab = split(v[0], v[1]), bc = split(v[1], v[2]), ca = split(v[2], v[0]);
-      finer.insert(finer.end(), {{{v[0], ab, ca}}, {{v[1], bc, ab}}, {{v[2], ca, bc}}, {{ab, bc, ca}}});
-    }
-    m.triangles = std::move(finer);
-  }
+  test::subdivide_on_sphere(m.positions, m.triangles, levels);
   for (Vec3f& p : m.positions) p = (1 + amplitude * bump(p)) * p;
   return m;
 }

@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "core/spatial/mesh_distance.h"
 #include "parallel/mesh/compare.h"
-#include "tests/core/hierarchy/tiny_hierarchy.h"
+#include "tests/core/hierarchy/lattice_meshes.h"
 
 namespace lodestone {
 namespace {

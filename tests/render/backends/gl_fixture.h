@@ -12,7 +12,7 @@
 #include "core/base/error.h"
 #include "render/backends/gl/gl_renderer.h"
 #include "render/camera/camera.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {

@@ -32,7 +32,7 @@ Vec3d window_of(const Frame& frame, Vec3d p) {
 }
 
 TEST_F(GlTest, PlateHasTheColourDepthAndPlaceThatTheFormulasSay) {
-  const SmallHierarchy plate_above = small_hierarchy(plate(16), 1);
+  const NaiveHierarchy plate_above = naive_hierarchy(plate(16), 1);
   WholeFrame whole(plate_above.hierarchy, with_kappa0(2), from_above);
   whole.frame.only().towards_eye = {0.6f, 0, 0.8f};
   renderer_->upload(plate_above.hierarchy);
@@ -77,7 +77,7 @@ TEST_F(GlTest, PlateHasTheColourDepthAndPlaceThatTheFormulasSay) {
 }
 
 TEST_F(GlTest, BothSidesAreLit) {
-  const SmallHierarchy plate_above = small_hierarchy(plate(4), 0);
+  const NaiveHierarchy plate_above = naive_hierarchy(plate(4), 0);
   const Camera from_below{{0.5, 0.25, -0.5}, {0.5, 0.25, 0.5}, {0, 1, 0}};
   WholeFrame whole(plate_above.hierarchy, with_kappa0(2), from_below);
   whole.frame.only().towards_eye = {0, 0, -1};
@@ -87,7 +87,7 @@ TEST_F(GlTest, BothSidesAreLit) {
 }
 
 TEST_F(GlTest, TintFollowsTheLevel) {
-  const SmallHierarchy plate_above = small_hierarchy(plate(16), 2);
+  const NaiveHierarchy plate_above = naive_hierarchy(plate(16), 2);
   renderer_->upload(plate_above.hierarchy);
   for (const auto& [kappa0, level] : {std::pair{100.0f, 2}, std::pair{0.01f, 0}}) {
     WholeFrame whole(plate_above.hierarchy, with_kappa0(kappa0), from_above);
@@ -101,7 +101,7 @@ TEST_F(GlTest, TintFollowsTheLevel) {
 }
 
 TEST_F(GlTest, CulledCellsAreNeitherDrawnNorCounted) {
-  const SmallHierarchy plate_above = small_hierarchy(plate(16), 1);
+  const NaiveHierarchy plate_above = naive_hierarchy(plate(16), 1);
   WholeFrame whole(plate_above.hierarchy, with_kappa0(100), from_above);
   std::uint64_t left = 0;
   for (SelectedCell& selected : whole.selection.cells) {
@@ -119,7 +119,7 @@ TEST_F(GlTest, CulledCellsAreNeitherDrawnNorCounted) {
 }
 
 TEST_F(GlTest, AnEmptySelectionGivesTheBackground) {
-  const SmallHierarchy plate_above = small_hierarchy(plate(4), 0);
+  const NaiveHierarchy plate_above = naive_hierarchy(plate(4), 0);
   WholeFrame whole(plate_above.hierarchy, with_kappa0(2), from_above);
   whole.selection.cells.clear();
   renderer_->upload(plate_above.hierarchy);
@@ -131,7 +131,7 @@ TEST_F(GlTest, AnEmptySelectionGivesTheBackground) {
 }
 
 TEST_F(GlTest, SizesMayChangeFromFrameToFrame) {
-  const SmallHierarchy plate_above = small_hierarchy(plate(8), 1);
+  const NaiveHierarchy plate_above = naive_hierarchy(plate(8), 1);
   renderer_->upload(plate_above.hierarchy);
   EXPECT_TRUE(renderer_->read_back().rgba.empty());  // no frame yet
   const auto draw = [&](ImageSize size) {
@@ -147,7 +147,7 @@ TEST_F(GlTest, SizesMayChangeFromFrameToFrame) {
 }
 
 TEST_F(GlTest, SizesOutOfRangeAreRefused) {
-  const SmallHierarchy plate_above = small_hierarchy(plate(2), 0);
+  const NaiveHierarchy plate_above = naive_hierarchy(plate(2), 0);
   WholeFrame whole(plate_above.hierarchy, with_kappa0(2), from_above);
   renderer_->upload(plate_above.hierarchy);
   for (const ImageSize size : {ImageSize{0, 10}, ImageSize{10, -1}, ImageSize{1 << 20, 10}}) {
@@ -159,7 +159,7 @@ TEST_F(GlTest, SizesOutOfRangeAreRefused) {
 }
 
 TEST_F(GlTest, RenderersDoNotDisturbEachOther) {
-  const SmallHierarchy low = small_hierarchy(plate(8), 1), high = small_hierarchy(plate(8, 0.5f), 1);
+  const NaiveHierarchy low = naive_hierarchy(plate(8), 1), high = naive_hierarchy(plate(8, 0.5f), 1);
   auto other = make_gl_renderer();
   EXPECT_EQ(other->name(), "gl");
   EXPECT_FALSE(other->device().empty());
@@ -178,7 +178,7 @@ TEST_F(GlTest, RenderersDoNotDisturbEachOther) {
 }
 
 TEST_F(GlTest, ANewUploadReplacesTheModel) {
-  const SmallHierarchy low = small_hierarchy(plate(8), 1), high = small_hierarchy(plate(8, 0.5f), 2);
+  const NaiveHierarchy low = naive_hierarchy(plate(8), 1), high = naive_hierarchy(plate(8, 0.5f), 2);
   WholeFrame low_frame(low.hierarchy, with_kappa0(2), from_above);
   WholeFrame high_frame(high.hierarchy, with_kappa0(2), from_above);
   renderer_->upload(high.hierarchy);
@@ -193,7 +193,7 @@ TEST_F(GlTest, ANewUploadReplacesTheModel) {
 }
 
 TEST_F(GlTest, CellsBeyondAStorageBlockAreRefused) {
-  const SmallHierarchy low = small_hierarchy(plate(8), 1);
+  const NaiveHierarchy low = naive_hierarchy(plate(8), 1);
   const auto renderer = make_gl_renderer({.max_storage_block_bytes = 64});
   try {
     renderer->upload(low.hierarchy);

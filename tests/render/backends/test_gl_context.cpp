@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/render/backends/gl_fixture.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 using namespace lodestone::test;
 
 TEST_F(GlTest, ThreadsMayTakeTurns) {
-  const SmallHierarchy low = small_hierarchy(plate(8), 1);
+  const NaiveHierarchy low = naive_hierarchy(plate(8), 1);
   WholeFrame whole(low.hierarchy, with_kappa0(2), from_above);
   renderer_->upload(low.hierarchy);
   (void)renderer_->draw(whole.frame);
@@ -31,7 +32,7 @@ TEST_F(GlTest, ThreadsMayTakeTurns) {
 
 // Whoever shares the context leaves it as it likes.
 TEST_F(GlTest, AForeignStateDoesNotShow) {
-  const SmallHierarchy low = small_hierarchy(plate(8), 1);
+  const NaiveHierarchy low = naive_hierarchy(plate(8), 1);
   WholeFrame whole(low.hierarchy, with_kappa0(2), from_above);
   auto context = make_headless_context();
   GlContext& shared = *context;
@@ -64,7 +65,7 @@ TEST_F(GlTest, AContextThatWasCurrentStaysCurrent) {
   EXPECT_FALSE(watched.origin().empty());
   auto renderer = make_gl_renderer(std::move(context));
   EXPECT_FALSE(watched.is_current());
-  const SmallHierarchy low = small_hierarchy(plate(2), 0);
+  const NaiveHierarchy low = naive_hierarchy(plate(2), 0);
   watched.make_current();
   renderer->upload(low.hierarchy);
   EXPECT_TRUE(watched.is_current());
@@ -108,11 +109,9 @@ class GlMissingTest : public ::testing::Test {
 
 TEST_F(GlMissingTest, LibrariesAreNamed) {
   // The dynamic linker searches there first, and finds a file that is not a library.
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "lodestone_no_egl";
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "libEGL.so.1") << "none";
-  expect_refusal("LD_LIBRARY_PATH", folder.string(), "libEGL.so.1 is missing; install libegl1.*--backend soft");
-  std::filesystem::remove_all(folder);
+  const TestFolder folder;
+  folder.write("libEGL.so.1", "none");
+  expect_refusal("LD_LIBRARY_PATH", folder.path().string(), "libEGL.so.1 is missing; install libegl1.*--backend soft");
 }
 
 TEST_F(GlMissingTest, DriversAreNamed) {

@@ -56,8 +56,8 @@ std::vector<Camera> cameras() {
   return all;
 }
 
-const SmallHierarchy& closed_surface() {
-  static const SmallHierarchy surface = small_hierarchy(torus_mesh(128, 64), 4);
+const NaiveHierarchy& closed_surface() {
+  static const NaiveHierarchy surface = naive_hierarchy(torus_mesh(128, 64), 4);
   return surface;
 }
 
@@ -193,7 +193,7 @@ TEST_F(GlTest, CracksAreSeenWhereTheRadiiAreInadmissible) {
 
 // Copies of a vertex in cells of one level have the same position, also on open surfaces.
 TEST_F(GlTest, CopiesOfAVertexStandTogether) {
-  const SmallHierarchy terrain = small_hierarchy(terrain_mesh(96), 3);
+  const NaiveHierarchy terrain = naive_hierarchy(terrain_mesh(96), 3);
   renderer_->upload(terrain.hierarchy);
   for (const Camera& camera : cameras()) {
     WholeFrame whole(terrain.hierarchy, with_kappa0(2), camera);

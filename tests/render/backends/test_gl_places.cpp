@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "render/backends/gl/scene/places.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -17,7 +17,7 @@ namespace {
 using namespace lodestone::test;
 
 const Hierarchy& surface() {
-  static const SmallHierarchy made = small_hierarchy(torus_mesh(96, 48), 4);
+  static const NaiveHierarchy made = naive_hierarchy(torus_mesh(96, 48), 4);
   return made.hierarchy;
 }
 

@@ -47,7 +47,7 @@ void expect_same(const Selection& device, const Selection& cpu, int view) {
 }
 
 TEST_F(GlSelect, IsTheCpusSelection) {
-  const SmallHierarchy torus = small_hierarchy(torus_mesh(128, 64), 4), land = small_hierarchy(terrain_mesh(64), 3);
+  const NaiveHierarchy torus = naive_hierarchy(torus_mesh(128, 64), 4), land = naive_hierarchy(terrain_mesh(64), 3);
   const std::vector<const Hierarchy*> models{&torus.hierarchy, &land.hierarchy};
   renderer_->upload(models);
   std::mt19937 random(2);
@@ -102,7 +102,7 @@ TEST_F(GlSelect, IsTheCpusSelection) {
 }
 
 TEST_F(GlSelect, DrawsTheSamePicture) {
-  const SmallHierarchy torus = small_hierarchy(torus_mesh(96, 48), 3);
+  const NaiveHierarchy torus = naive_hierarchy(torus_mesh(96, 48), 3);
   renderer_->upload(torus.hierarchy);
   for (const float kappa0 : {0.4f, 2.0f, 5.0f}) {
     WholeFrame whole(torus.hierarchy, with_kappa0(kappa0), {{0.4, -0.55, 0.6}, {0.5, 0.5, 0.1}});

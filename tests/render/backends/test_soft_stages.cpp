@@ -8,7 +8,7 @@
 #include "render/backends/soft/kernels.h"
 #include "render/camera/camera.h"
 #include "render/lod/selection.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::soft {
@@ -49,7 +49,7 @@ void expect_same_vertices(const VertexJob& job, const MorphContext& morph, int l
 }
 
 TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
-  const test::SmallHierarchy small = test::small_hierarchy(test::torus_mesh(40, 20), 3, 0.6f);
+  const test::NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(40, 20), 3, 0.6f);
   const Hierarchy& h = small.hierarchy;
   const Camera camera{h.transform.origin + h.transform.scale * Vec3d{0.3, 0.1, 0.4},
                       h.transform.origin + h.transform.scale * Vec3d{0.6, 0.6, 0.1}};

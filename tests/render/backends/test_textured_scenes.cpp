@@ -49,12 +49,7 @@ std::vector<TexturedScene> textured_scenes() {
   TexturedScene tinted{"tinted", {{coloured, {}, own}}};
   tinted.settings.level_tint = 0.3f;
   scenes.push_back(tinted);
-  for (const char* name : {"textured", "mixed", "magnified", "minified", "near_plane"}) {
-    TexturedScene smooth = *std::ranges::find(scenes, name, &TexturedScene::name);
-    smooth.name += "_4x";
-    smooth.samples = 4;
-    scenes.push_back(std::move(smooth));
-  }
+  add_multisampled(scenes, {"textured", "mixed", "magnified", "minified", "near_plane"});
   return scenes;
 }
 
@@ -66,11 +61,6 @@ class TexturedScenes : public ::testing::TestWithParam<std::size_t> {
   }
   std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
 };
-
-void keep_picture(const std::string& name, const Image& image) {
-  if (const char* folder = std::getenv("LODESTONE_PICTURES"))
-    write_png(std::string(folder) + "/" + name + ".png", image);
-}
 
 TEST_P(TexturedScenes, GlAgreesWithSoft) {
   std::string why;

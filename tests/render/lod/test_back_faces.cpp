@@ -8,21 +8,21 @@
 
 #include "render/culling/back_faces.h"
 #include "render/lod/morph.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/render/conformance.h"
-#include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
-using test::SmallHierarchy;
+using test::NaiveHierarchy;
 
 const Hierarchy& sphere() {
-  static const SmallHierarchy small = test::small_hierarchy(test::sphere_mesh(5), 4, 0.5f);
+  static const NaiveHierarchy small = test::naive_hierarchy(test::sphere_mesh(5), 4, 0.5f);
   return small.hierarchy;
 }
 const Hierarchy& torus() {
-  static const SmallHierarchy small = test::small_hierarchy(test::torus_mesh(96, 48), 3, 0.5f);
+  static const NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(96, 48), 3, 0.5f);
   return small.hierarchy;
 }
 
@@ -108,7 +108,7 @@ TEST(NormalCones, WhatTurnsItsBackIsSeenFromBehindInEveryMorphState) {
 // A cell of the builder's with hardly any curvature: the cone is hardly wider than its normals are apart.
 TEST(NormalCones, AreAsNarrowAsTheSurfaceIsFlat) {
   const auto scheduler = make_serial_scheduler();
-  const SmallHierarchy flat = test::small_hierarchy(test::terrain_mesh(32, 0), 2, 0.5f);
+  const NaiveHierarchy flat = test::naive_hierarchy(test::terrain_mesh(32, 0), 2, 0.5f);
   const NormalCones cones(flat.hierarchy, *scheduler);
   for (std::uint32_t c = 0; c < flat.hierarchy.cells.size(); ++c) {
     EXPECT_LT(cones.still(c).sine, 0.01f);
@@ -136,7 +136,7 @@ IndexedMesh turned_over(IndexedMesh mesh) {
 TEST(BackFaces, ClosedSurfacesAreKnown) {
   const auto scheduler = make_tbb_scheduler(2);
   const auto closed = [&](IndexedMesh mesh) {
-    return is_closed(test::small_hierarchy(std::move(mesh), 2, 0.5f).hierarchy, *scheduler);
+    return is_closed(test::naive_hierarchy(std::move(mesh), 2, 0.5f).hierarchy, *scheduler);
   };
   EXPECT_TRUE(closed(test::sphere_mesh(3)));
   EXPECT_TRUE(closed(test::torus_mesh(24, 12)));
@@ -191,7 +191,7 @@ TEST(BackFaces, AreDrawnWhereTheyCanBeSeen) {
   EXPECT_TRUE(closed.closed());
   EXPECT_NE(closed.cones_from({3, 0, 0}), nullptr);
   EXPECT_EQ(closed.cones_from({0.5f, 0.5f, 0.5f}), nullptr) << "from inside";
-  const SmallHierarchy terrain = test::small_hierarchy(test::terrain_mesh(16), 1, 0.5f);
+  const NaiveHierarchy terrain = test::naive_hierarchy(test::terrain_mesh(16), 1, 0.5f);
   EXPECT_EQ(BackFaces(terrain.hierarchy, *scheduler).cones_from({3, 0, 0}), nullptr) << "open";
 }
 

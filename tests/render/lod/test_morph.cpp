@@ -11,21 +11,21 @@
 
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
-using test::SmallHierarchy;
+using test::NaiveHierarchy;
 
-const SmallHierarchy& torus() {
-  static const SmallHierarchy small = test::small_hierarchy(test::torus_mesh(96, 48), 4, 0.6f);
+const NaiveHierarchy& torus() {
+  static const NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(96, 48), 4, 0.6f);
   return small;
 }
 
-const SmallHierarchy& terrain() {
-  static const SmallHierarchy small = test::small_hierarchy(test::terrain_mesh(48), 4, 0.6f);
+const NaiveHierarchy& terrain() {
+  static const NaiveHierarchy small = test::naive_hierarchy(test::terrain_mesh(48), 4, 0.6f);
   return small;
 }
 
@@ -44,7 +44,7 @@ std::array<std::uint32_t, 3> bits(Vec3f p) {
 
 // The map form of "no crack": every vertex of the finest mesh has one position, whichever cell draws it. Returns the
 // number of vertices that do not.
-std::size_t torn_vertices(const SmallHierarchy& small, const MorphContext& morph) {
+std::size_t torn_vertices(const NaiveHierarchy& small, const MorphContext& morph) {
   const Hierarchy& h = small.hierarchy;
   Selection selection;
   select_cells(h, *morph.radii, morph.viewpoint, {}, selection);
@@ -159,7 +159,7 @@ class Cracks : public ::testing::TestWithParam<std::tuple<DistanceMetric, RadiiR
 TEST_P(Cracks, NoneWhereAdmissible) {
   const auto [metric, rule, blend] = GetParam();
   std::mt19937 random(7);
-  for (const SmallHierarchy* small : {&torus(), &terrain()}) {
+  for (const NaiveHierarchy* small : {&torus(), &terrain()}) {
     const Hierarchy& h = small->hierarchy;
     const float kappa0 = rule == RadiiRule::uniform ? reach(h, metric) * 1.0001f : 0.05f;
     const Radii radii = radii_of(h, kappa0, rule, metric);
@@ -186,7 +186,7 @@ INSTANTIATE_TEST_SUITE_P(All, Cracks,
 
 TEST(Morph, CracksOpenBelowRho) {
   std::mt19937 random(11);
-  const SmallHierarchy& small = torus();
+  const NaiveHierarchy& small = torus();
   const Hierarchy& h = small.hierarchy;
   const Radii radii =
       radii_of(h, 0.4f * reach(h, DistanceMetric::euclidean), RadiiRule::uniform, DistanceMetric::euclidean);

@@ -8,17 +8,17 @@
 #include "render/backends/soft/viewport.h"
 #include "render/camera/camera.h"
 #include "render/culling/occlusion.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/render/conformance.h"
-#include "tests/render/small_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
-using test::SmallHierarchy;
+using test::NaiveHierarchy;
 
 const Hierarchy& torus() {
-  static const SmallHierarchy small = test::small_hierarchy(test::torus_mesh(96, 48), 3, 0.5f);
+  static const NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(96, 48), 3, 0.5f);
   return small.hierarchy;
 }
 

@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "render/lod/radii.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -169,7 +169,7 @@ TEST(Radii, ParametersOutOfRangeAreRefused) {
 }
 
 TEST(Radii, ReachOfASmallHierarchyIsItsLargestInnerLevel) {
-  const Hierarchy h = test::small_hierarchy(test::torus_mesh(48, 24), 3).hierarchy;
+  const Hierarchy h = test::naive_hierarchy(test::torus_mesh(48, 24), 3).hierarchy;
   for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev}) {
     const auto m = static_cast<std::size_t>(metric);
     EXPECT_EQ(reach(h, metric), std::max(h.levels[1].reach[m], h.levels[2].reach[m]));

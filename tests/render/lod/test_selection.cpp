@@ -9,21 +9,21 @@
 #include "render/camera/camera.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
-using test::SmallHierarchy;
+using test::NaiveHierarchy;
 
-const SmallHierarchy& torus() {
-  static const SmallHierarchy small = test::small_hierarchy(test::torus_mesh(96, 48), 4);
+const NaiveHierarchy& torus() {
+  static const NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(96, 48), 4);
   return small;
 }
 
-const SmallHierarchy& terrain() {
-  static const SmallHierarchy small = test::small_hierarchy(test::terrain_mesh(48), 3);
+const NaiveHierarchy& terrain() {
+  static const NaiveHierarchy small = test::naive_hierarchy(test::terrain_mesh(48), 3);
   return small;
 }
 

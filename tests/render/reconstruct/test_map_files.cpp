@@ -8,17 +8,16 @@
 #include "core/base/error.h"
 #include "render/position_map/map_files.h"
 #include "tests/render/reconstruct/obvious_map.h"
+#include "tests/test_folder.h"
 
 namespace lodestone::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-class MapFiles : public ::testing::Test {
+class MapFiles : public FolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("lodestone-maps-" + std::to_string(getpid()));
-    fs::create_directories(folder_);
     IndexedMesh mesh = sphere_mesh(3);
     for (const Vec3f& p : mesh.positions) {
       mesh.wedges.uv.push_back({p.x, p.y});
@@ -29,15 +28,9 @@ class MapFiles : public ::testing::Test {
                                 perspective_view(box_of(mesh), {2, 2, 2}, 1.0 / 40)})
       maps_.push_back(rasterize_map(mesh, view, {true, true}, *serial));
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  void write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder_ / name, std::ios::binary) << bytes;
-  }
-  [[nodiscard]] std::string read(const std::string& name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  void write(const std::string& name, const std::string& bytes) const { test_folder_.write(name, bytes); }
+  [[nodiscard]] std::string read(const std::string& name) const { return content(folder_ / name); }
   // Expects an InputError that names the file.
   template <class Read>
   void refused(const std::string& name, const Read& read) const {
@@ -49,7 +42,6 @@ class MapFiles : public ::testing::Test {
     }
   }
 
-  fs::path folder_;
   std::vector<PositionMap> maps_;
 };
 

@@ -11,17 +11,16 @@
 #include "render/position_map/read_map.h"
 #include "render/reconstruct/reconstruct.h"
 #include "tests/render/reconstruct/obvious_map.h"
+#include "tests/test_folder.h"
 
 namespace lodestone::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-class MapMutations : public ::testing::Test {
+class MapMutations : public FolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("lodestone-mutations-" + std::to_string(getpid()));
-    fs::create_directories(folder_);
     IndexedMesh mesh = sphere_mesh(2);
     for (const Vec3f& p : mesh.positions) {
       mesh.wedges.uv.push_back({p.x, p.y});
@@ -31,12 +30,8 @@ class MapMutations : public ::testing::Test {
     view_ = orthographic_view(box_of(mesh), {0.1, -0.4, 0.7}, 1.0 / 16);
     map_ = rasterize_map(mesh, view_, {true, true}, *serial);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  [[nodiscard]] std::string bytes_of(const std::string& name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  [[nodiscard]] std::string bytes_of(const std::string& name) const { return content(folder_ / name); }
 
   // Some bytes changed, taken out, repeated, or the end cut off.
   static std::string mutated(std::string bytes, std::mt19937& random) {
@@ -103,7 +98,6 @@ class MapMutations : public ::testing::Test {
     EXPECT_LT(read, rounds);
   }
 
-  fs::path folder_;
   MapView view_;
   PositionMap map_;
 };
@@ -128,7 +122,7 @@ TEST_F(MapMutations, OfTheListOfViews) {
   std::mt19937 random(21);
   int read = 0;
   for (int round = 0; round < 1000; ++round) {
-    std::ofstream(folder_ / "views.json", std::ios::binary) << mutated(bytes, random);
+    test_folder_.write("views.json", mutated(bytes, random));
     try {
       for (const PositionMap& map : read_map_set(folder_).maps) expect_usable(map);
       ++read;

@@ -9,7 +9,7 @@
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/session/band_tint.h"
 #include "render/viewer/session/view_drawing.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::viewer {
@@ -49,7 +49,7 @@ class Drawing : public testing::Test {
 
   std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
   std::unique_ptr<Renderer> renderer_ = make_renderer("soft", *scheduler_);
-  std::unique_ptr<Model> model_ = make_model("torus", test::small_hierarchy(test::torus_mesh(96, 48), 3).hierarchy);
+  std::unique_ptr<Model> model_ = make_model("torus", test::naive_hierarchy(test::torus_mesh(96, 48), 3).hierarchy);
   ViewDrawing drawing_{*scheduler_};
   ViewState state_;
 };

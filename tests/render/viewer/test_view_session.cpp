@@ -13,7 +13,8 @@
 #include "render/camera/camera.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/session/view_session.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
+#include "tests/test_folder.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::viewer {
@@ -21,17 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Session : public testing::Test {
+class Session : public FolderTest {
  protected:
   Session() {
-    fs::create_directories(folder_);
-    hierarchy_ = test::small_hierarchy(test::torus_mesh(96, 48), 3).hierarchy;
+    hierarchy_ = test::naive_hierarchy(test::torus_mesh(96, 48), 3).hierarchy;
     (void)write_lode(hierarchy_, lode_);
     std::ofstream mesh(mesh_);
     mesh << "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
     session_.drawing().set_renderer(renderer_.get());
   }
-  ~Session() override { fs::remove_all(folder_); }
 
   SessionConfig config() {
     SessionConfig config;
@@ -47,9 +46,6 @@ class Session : public testing::Test {
     return session_.collect(0);
   }
 
-  fs::path folder_ = fs::path(testing::TempDir()) /
-                     ("lodestone_session_" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) +
-                      testing::UnitTest::GetInstance()->current_test_info()->name());
   std::string lode_ = (folder_ / "torus.lode").string(), mesh_ = (folder_ / "tetrahedron.off").string();
   Hierarchy hierarchy_;
   std::atomic<int> wakes_{0};

@@ -12,7 +12,7 @@
 #include "render/viewer/controls/view_state.h"
 #include "render/viewer/session/frame_times.h"
 #include "render/viewer/session/resolution.h"
-#include "tests/render/small_hierarchy.h"
+#include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::viewer {
@@ -21,7 +21,7 @@ namespace {
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 const Hierarchy& torus() {
-  static const auto small = test::small_hierarchy(test::torus_mesh(64, 32), 2);
+  static const auto small = test::naive_hierarchy(test::torus_mesh(64, 32), 2);
   return small.hierarchy;
 }
 
