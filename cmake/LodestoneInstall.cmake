@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(package_layers core parallel render experiments)
 
-# The libraries are static: whoever links them links what they link, also what is PRIVATE to them. This table says
+# The libraries are static: a program that links them links their dependencies, too, also PRIVATE ones. This table says
 # which package provides a target; linking to one that is missing here stops the configuration, so that the installed
 # package can never lack a dependency.
 set(lodestone_provider_TBB::tbb "find_dependency(TBB)")

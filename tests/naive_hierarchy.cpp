@@ -169,9 +169,9 @@ class Assembly {
         cell.error = std::max(cell.error, rounded_up(double{h_.cells[k].error} + h_.cells[k].max_displacement));
       }
       for (std::size_t v = 0; v < cell.parents.size(); ++v)
-        cell.max_displacement = std::max(
-            cell.max_displacement,
-            rounded_up(exact_distance(cell.positions[v], h_.cells[cell.parent].positions[cell.parents[v]])));
+        cell.max_displacement =
+            std::max(cell.max_displacement,
+                     rounded_up(exact_distance(cell.positions[v], h_.cells[cell.parent].positions[cell.parents[v]])));
     }
   }
 

@@ -26,7 +26,7 @@ class DisjointSets {
     while (root_[v] != v) v = root_[v] = root_[root_[v]];
     return v;
   }
-  // Whether two sets became one.
+  // True if two sets became one.
   bool unite(std::uint32_t a, std::uint32_t b) {
     a = find(a), b = find(b);
     root_[std::max(a, b)] = std::min(a, b);

@@ -5,7 +5,7 @@
 
 namespace lodestone {
 
-// How many items a loop over random accesses looks ahead: enough to fill the processor's queue of misses.
+// Number of items that a loop over random accesses looks ahead: enough to fill the processor's queue of misses.
 inline constexpr std::size_t prefetch_distance = 16;
 
 inline void prefetch(const void* address) {

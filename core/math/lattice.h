@@ -38,11 +38,11 @@ struct Lattice {
   [[nodiscard, gnu::always_inline]] Vec3f nearest(Vec3d p) const { return {nearest(p.x), nearest(p.y), nearest(p.z)}; }
   [[nodiscard, gnu::always_inline]] float nearest(double v) const {
     const double scaled = v * last() + 0.5;
-    const double inside = scaled >= 0 ? (scaled < last() ? scaled : last()) : 0;  // also for what is no number
+    const double inside = scaled >= 0 ? (scaled < last() ? scaled : last()) : 0;  // also for NaN
     return static_cast<float>(static_cast<std::int32_t>(inside)) * step();
   }
 
-  // Whether p is a point of the lattice; always, without one.
+  // True if p is a point of the lattice; always, without one.
   [[nodiscard]] bool holds(Vec3f p) const { return bits == 0 || nearest(to_double(p)) == p; }
 };
 

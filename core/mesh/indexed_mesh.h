@@ -1,7 +1,7 @@
 // Triangle meshes as plain data.
 //
-// RawMesh has the content of a file: double precision, nothing checked beyond index range. The rest of the program works
-// on IndexedMesh: float32 inside the unit cube, welded and clean, with the transform back to the file's space.
+// RawMesh has the content of a file: double precision, nothing checked beyond index range. The rest of the program
+// works on IndexedMesh: float32 inside the unit cube, welded and clean, with the transform back to the file's space.
 #pragma once
 
 #include <algorithm>

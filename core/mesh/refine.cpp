@@ -11,8 +11,8 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t max_vertices = 0x8000'0000u;   // the builder's own limit
-constexpr double float_rounding = 6e-8;                // of a point of the unit cube: above sqrt(3) 2^-25
+constexpr std::uint32_t max_vertices = 0x8000'0000u;  // the builder's own limit
+constexpr double float_rounding = 6e-8;               // of a point of the unit cube: above sqrt(3) 2^-25
 // Minimum limit over the rounding of a point: the middle of a shorter edge might coincide with its ends.
 constexpr double min_limit = 16;
 

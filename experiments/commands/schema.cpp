@@ -198,6 +198,34 @@ std::vector<Key> render_details() {
           {"size[]", "pixels", "width and height"}};
 }
 
+std::vector<Key> export_keys() {
+  return {{"file", "", "mesh written"},
+          {"level", "", "level written"},
+          {"triangles", "", "triangles written, of all tiles"},
+          {"vertices", "", "vertices written"},
+          {"folder", "", "folder of the tileset"},
+          {"tiles", "", "tiles written"},
+          {"tilesets", "", "tileset files written"},
+          {"textures", "", "images written"},
+          {"finest_triangles", "", "triangles of the finest level"},
+          {"bytes", "bytes", "size of all files"},
+          {"seconds", "s", "writing the tileset"},
+          {"cpu_seconds", "s", "its processor time, all threads"}};
+}
+
+std::vector<Key> lod_keys() {
+  return {{"input", "", "progressive mesh"},
+          {"output", "", "mesh written"},
+          {"vertices", "", "vertices of the level"},
+          {"triangles", "", "triangles of the level"},
+          {"error", "model units", "error of the level, by the metric"},
+          {"level.seconds", "s", "taking the level"},
+          {"level.cpu_seconds", "s", "its processor time, all threads"},
+          {"finest_vertices", "", "vertices of the finest level"},
+          {"finest_triangles", "", "triangles of the finest level"},
+          {"base_vertices", "", "vertices of the base mesh"}};
+}
+
 std::vector<CommandKeys> command_keys() {
   // The proof of the command is not thorough, and it draws one round.
   const std::vector<std::string> thorough{"frame_ms_min",    "frame_ms_max", "frame_cpu_ms_min", "frame_cpu_ms_max",
@@ -211,20 +239,7 @@ std::vector<CommandKeys> command_keys() {
                     {"b", "", "second surface"},
                     {"non_finite_triangles[]", "", "triangles left out of each, with a corner that is not finite"}},
                    distances("")})},
-          {"export",
-           {},
-           {{"file", "", "mesh written"},
-            {"level", "", "level written"},
-            {"triangles", "", "triangles written, of all tiles"},
-            {"vertices", "", "vertices written"},
-            {"folder", "", "folder of the tileset"},
-            {"tiles", "", "tiles written"},
-            {"tilesets", "", "tileset files written"},
-            {"textures", "", "images written"},
-            {"finest_triangles", "", "triangles of the finest level"},
-            {"bytes", "bytes", "size of all files"},
-            {"seconds", "s", "writing the tileset"},
-            {"cpu_seconds", "s", "its processor time, all threads"}}},
+          {"export", {}, export_keys()},
           {"generate",
            {},
            {{"output", "", "file written"},
@@ -237,18 +252,7 @@ std::vector<CommandKeys> command_keys() {
             {"cpu_seconds", "s", "its processor time, all threads"},
             {"peak_bytes", "bytes", "largest resident set"}}},
           {"info", {}, info_keys()},
-          {"lod",
-           {},
-           {{"input", "", "progressive mesh"},
-            {"output", "", "mesh written"},
-            {"vertices", "", "vertices of the level"},
-            {"triangles", "", "triangles of the level"},
-            {"error", "model units", "error of the level, by the metric"},
-            {"level.seconds", "s", "taking the level"},
-            {"level.cpu_seconds", "s", "its processor time, all threads"},
-            {"finest_vertices", "", "vertices of the finest level"},
-            {"finest_triangles", "", "triangles of the finest level"},
-            {"base_vertices", "", "vertices of the base mesh"}}},
+          {"lod", {}, lod_keys()},
           {"progressive", progressive_columns(), progressive_details()},
           {"reconstruct", levels, reconstruct_details()},
           {"render", without(render_columns(), thorough), render_details()},

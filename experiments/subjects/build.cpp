@@ -1,6 +1,7 @@
 #include "experiments/subjects/build.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/base/error.h"
@@ -76,9 +77,11 @@ double millions_per(double seconds, const BuildResult& result) {
 
 using enum ColumnInfo::Kind;
 
-const std::vector<Column<BuildResult>>& columns() {
+using Columns = std::vector<Column<BuildResult>>;
+
+Columns size_columns() {
   using R = const BuildResult&;
-  static const std::vector<Column<BuildResult>> list{
+  return {
       {{"input_triangles", "", "triangles of the input", count}, [](R r) { return input_of(r).input_triangles; }},
       {{"input_vertices", "", "vertices of the input", count}, [](R r) { return input_of(r).input_vertices; }},
       {{"levels", "", "levels of the hierarchy", count}, [](R r) { return r.hierarchy.levels.size(); }},
@@ -97,6 +100,12 @@ const std::vector<Column<BuildResult>>& columns() {
        [](R r) { return ratio(r.file_bytes, totals(r).triangles); }},
       {{"out_of_core", "", "built on disk, as the limit demands", label}, [](R r) { return r.scratch.has_value(); }},
       {{"scratch_bytes", "bytes", "temporary files", cost}, [](R r) { return r.scratch ? r.scratch->bytes : 0; }},
+  };
+}
+
+Columns time_columns() {
+  using R = const BuildResult&;
+  return {
       {{"seconds", "s",
         "building, from the mesh to packed levels; out of core with everything that goes through temporary files "
         "meanwhile",
@@ -141,6 +150,14 @@ const std::vector<Column<BuildResult>>& columns() {
       {{"fingerprint", "", "hash of the triangles of the input", label},
        [](R r) { return to_hex(input_of(r).fingerprint); }},
   };
+}
+
+const Columns& columns() {
+  static const Columns list = [] {
+    Columns all = size_columns();
+    std::ranges::copy(time_columns(), std::back_inserter(all));
+    return all;
+  }();
   return list;
 }
 

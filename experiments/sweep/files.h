@@ -15,7 +15,7 @@ void make_folder(const std::filesystem::path& folder);
 void write_aside(const std::filesystem::path& target, std::string_view text);
 // The same, and a power cut right afterwards leaves the file as it is then.
 void write_durably(const std::filesystem::path& target, std::string_view text);
-// Null when the file is missing or is no JSON.
+// Null when the file is missing or is not JSON.
 [[nodiscard]] nlohmann::json read_json(const std::filesystem::path& path);
 [[nodiscard]] std::string read_text(const std::filesystem::path& path);
 

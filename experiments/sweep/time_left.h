@@ -1,4 +1,4 @@
-// How much of a sweep is done, from how long its repetitions took so far.
+// Estimates the share of a sweep that is done from the duration of its repetitions so far.
 #pragma once
 
 #include <cstddef>

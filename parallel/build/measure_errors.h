@@ -18,9 +18,9 @@ struct MeasureConfig {
 };
 
 // Replaces the errors of all cells and levels except for the finest one's: that is the distance by which the input was
-// moved, and is added to all others. A cell's error becomes the largest of its children's and of its own bound, which is at
-// most 1 + tolerance times its distance (see core/hierarchy/build/cell_error.h) or 1e-5 h, whichever is larger. The same
-// for any number of workers.
+// moved, and is added to all others. A cell's error becomes the largest of its children's and of its own bound, which
+// is at most 1 + tolerance times its distance (see core/hierarchy/build/cell_error.h) or 1e-5 h, whichever is larger.
+// The same for any number of workers.
 //
 // Memory, with the hierarchy: search structures of the finest and of one more level, about 30 bytes per triangle of
 // the finest level, and little for each worker. Throws Cancelled.

@@ -1,5 +1,5 @@
-// A counting sort in two steps: triangles of a chunk to runs of one cell each (parallel/build/cell_runs.h); then the runs of
-// a cell, in the order of chunks, to the cell. The second step gives the vertices their local ids.
+// A counting sort in two steps: triangles of a chunk to runs of one cell each (parallel/build/cell_runs.h); then the
+// runs of a cell, in the order of chunks, to the cell. The second step gives the vertices their local ids.
 //
 // This keeps the input order within a cell for any number of workers. What several workers add to one place is added
 // with operations that commute exactly.

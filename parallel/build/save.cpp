@@ -50,9 +50,8 @@ class LodeSaver {
     for_levels([&](std::span<const LodeChunk> chunks) {
       for (std::size_t begin = 0; begin < chunks.size(); begin += payloads.size()) {
         const std::size_t count = std::min(payloads.size(), chunks.size() - begin);
-        scheduler_.for_chunks(count, 1, [&](ChunkRange range) {
-          compress(chunks[begin + range.begin], payloads[range.begin], sizes);
-        });
+        scheduler_.for_chunks(
+            count, 1, [&](ChunkRange range) { compress(chunks[begin + range.begin], payloads[range.begin], sizes); });
         for (std::size_t i = 0; i < count; ++i) {
           file_.write_at(at, payloads[i]);
           at += payloads[i].size();

@@ -26,9 +26,9 @@ struct SavedTiles {
   std::uint64_t bytes = 0;      // of all files
 };
 
-// Writes the files that core/hierarchy/tiles/tileset_tree.h lists into the folder, which is not committed. The same bytes for
-// any number of workers. Throws FileError when a file cannot be written, ResourceError for a cell of more than 4 GiB,
-// Cancelled. Working memory: one tile per worker, and the JSON.
+// Writes the files that core/hierarchy/tiles/tileset_tree.h lists into the folder, which is not committed. The same
+// bytes for any number of workers. Throws FileError when a file cannot be written, ResourceError for a cell of more
+// than 4 GiB, Cancelled. Working memory: one tile per worker, and the JSON.
 [[nodiscard]] SavedTiles save_tiles(const Hierarchy& hierarchy, AtomicFolder& folder, Scheduler& scheduler,
                                     const SaveTilesConfig& config = {});
 

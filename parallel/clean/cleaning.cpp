@@ -187,8 +187,7 @@ template <class Extend>
 Box3d Cleaning::reduce_box(const Extend& extend_by) {
   std::vector<Box3d> boxes(chunk_count(vertex_count_, grain));
   scheduler_.for_chunks(vertex_count_, grain, [&](ChunkRange range) {
-    read_vertices(range,
-                  [&](std::span<const Vec3d> positions) { extend_by(range, positions, boxes[range.index]); });
+    read_vertices(range, [&](std::span<const Vec3d> positions) { extend_by(range, positions, boxes[range.index]); });
   });
   Box3d all;
   for (const Box3d& box : boxes) all.extend(box);

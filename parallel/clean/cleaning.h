@@ -93,7 +93,7 @@ class Cleaning {
   std::vector<std::uint32_t> numbers_;
   Transform transform_;
   Repairs repairs_;
-  std::uint64_t dropped_ = 0;  // triangles
+  std::uint64_t dropped_ = 0;                  // triangles
   std::size_t working_bytes_ = all_in_memory;  // for finding equal vertices and triangles
   std::size_t shrink_ratio_ = 2;               // see compact()
 

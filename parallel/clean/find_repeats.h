@@ -79,8 +79,8 @@ inline constexpr std::size_t all_in_memory = std::size_t{1} << 60;  // working b
 template <class Visit, class Equals, class Found>
 std::uint64_t find_repeats(std::size_t count, std::size_t working_bytes, const Visit& visit, const Equals& equals,
                            const Found& found, Scheduler& scheduler) {
-  const std::uint64_t rounds = std::clamp<std::uint64_t>(
-      (count * sizeof(HashedItem) * 9 / 8 + working_bytes) / (working_bytes + 1), 1, 1 << 12);
+  const std::uint64_t rounds =
+      std::clamp<std::uint64_t>((count * sizeof(HashedItem) * 9 / 8 + working_bytes) / (working_bytes + 1), 1, 1 << 12);
   std::vector<RepeatFinder> finders(static_cast<std::size_t>(scheduler.workers()));
   std::uint64_t total = 0;
   for (std::uint64_t round = 0; round < rounds; ++round) {
@@ -93,11 +93,11 @@ std::uint64_t find_repeats(std::size_t count, std::size_t working_bytes, const V
     const HashPartition partition(count, visit_round, scheduler);
     std::vector<std::uint64_t> repeats(partition.buckets(), 0);
     scheduler.for_chunks(partition.buckets(), 1, [&](ChunkRange range) {
-      finders[static_cast<std::size_t>(scheduler.worker_index())].find(
-          partition.bucket(range.begin), equals, [&](std::uint32_t repeat, std::uint32_t first) {
-            found(repeat, first);
-            ++repeats[range.index];
-          });
+      finders[static_cast<std::size_t>(scheduler.worker_index())].find(partition.bucket(range.begin), equals,
+                                                                       [&](std::uint32_t repeat, std::uint32_t first) {
+                                                                         found(repeat, first);
+                                                                         ++repeats[range.index];
+                                                                       });
     });
     for (const std::uint64_t here : repeats) total += here;
   }

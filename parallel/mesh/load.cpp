@@ -32,7 +32,7 @@ struct Records {
   std::size_t stride = 0;
 };
 
-// Whether the file holds them and a buffer holds one: asked before memory is allocated for them.
+// True if the file holds them and a buffer holds one: checked before memory is allocated for them.
 bool readable(const Records& records, const InputFile& file) {
   return records.stride > 0 && records.stride <= chunk_bytes && records.offset <= file.size() &&
          records.count <= (file.size() - records.offset) / records.stride;

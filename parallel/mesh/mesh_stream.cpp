@@ -17,7 +17,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t most_stride = 1 << 12;  // records longer than this are no common layout
+constexpr std::size_t most_stride = 1 << 12;  // longer records are not a common layout
 
 // A run of records of fixed size in a file.
 struct Records {
@@ -90,7 +90,7 @@ class PlyStream final : public FileStream {
     const std::size_t sound = decode_triangles(layout_.triangles, bytes, static_cast<std::uint32_t>(vertices_), out);
     if (sound < out.size())
       throw InputError(describe(name(), "face " + std::to_string(first + sound),
-                                "is no triangle, or has the index of no vertex",
+                                "is not a triangle, or has an index out of range",
                                 "make triangles of all faces, or build without --memory-limit"));
   }
 

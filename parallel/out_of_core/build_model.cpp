@@ -43,7 +43,7 @@ void check_limit(const std::filesystem::path& path, const RawMesh& mesh, std::ui
 }
 
 AttributeCounts count_attributes(const RawMesh& mesh) {
-  return {wedge_count(mesh),      mesh.wedges.normal.size(), mesh.wedges.colour.size(),
+  return {wedge_count(mesh),     mesh.wedges.normal.size(), mesh.wedges.colour.size(),
           mesh.wedges.uv.size(), mesh.materials.size(),     mesh.textures.size()};
 }
 
@@ -73,8 +73,9 @@ class InCoreBuild {
     report.stages.merge(result_.report.stages);
     result_.report = std::move(report);
     if (config_.measure_errors)
-      step("measure", "measuring",
-           [&] { return measure_errors(hierarchy, {{}, build.cancel, build.progress}, scheduler_); });
+      step("measure", "measuring", [&] {
+        return measure_errors(hierarchy, {{}, build.cancel, build.progress}, scheduler_);
+      });
     if (config_.texture_copies) copy_textures();
     result_.file_bytes =
         step("write", "writing", [&] { return save_lode(hierarchy, config_.output, scheduler_, config_.form); });

@@ -186,11 +186,10 @@ class OutOfCoreBuild {
 
     steps_.begin("spill", "sorting");
     mesh_.vertices.sharing.assign(clean.positions.size(), unowned);
-    mesh_.cells = spill_triangles(
-        stream_, clean,
-        {mesh_.level, memory_.part(clean),
-         [&](std::uint64_t done) { steps_.share(ratio(done, stream_.triangle_count())); }},
-        mesh_.vertices.sharing, files_.triangles(), scheduler_);
+    mesh_.cells = spill_triangles(stream_, clean,
+                                  {mesh_.level, memory_.part(clean),
+                                   [&](std::uint64_t done) { steps_.share(ratio(done, stream_.triangle_count())); }},
+                                  mesh_.vertices.sharing, files_.triangles(), scheduler_);
     mesh_.triangles = clean.triangles;
     mesh_.transform = clean.transform;
     mesh_.repairs = clean.repairs;
@@ -231,9 +230,8 @@ class OutOfCoreBuild {
     const CellStore store(files_.cells(), {});
     using enum StoredSource::Order;
     StoredSource source(stored_, store, config_.build.order_cells ? for_compression : as_stored, scheduler_);
-    result_.file_bytes =
-        save_lode(source, config_.output, scheduler_, config_.form,
-                  [&](std::size_t cells) { steps_.share(ratio(cells, stored_.tables.cells.size())); });
+    result_.file_bytes = save_lode(source, config_.output, scheduler_, config_.form,
+                                   [&](std::size_t cells) { steps_.share(ratio(cells, stored_.tables.cells.size())); });
     steps_.end();
     result_.scratch_bytes = files_.bytes();
     files_.remove();
@@ -261,8 +259,7 @@ class OutOfCoreBuild {
     out.provenance.repairs = mesh_.repairs;
     out.provenance.fingerprint = mesh_.cells.fingerprint;
     out.provenance.simplifier = static_cast<std::uint32_t>(build.simplifier);
-    out.provenance.placement =
-        static_cast<std::uint32_t>(placement_of(build));
+    out.provenance.placement = static_cast<std::uint32_t>(placement_of(build));
     out.provenance.cell_triangles = build.finest_level < 0 ? build.cell_triangles : 0;
     for (std::size_t l = 0; l < plan_.levels.size(); ++l)
       append_level(

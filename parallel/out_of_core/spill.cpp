@@ -47,8 +47,8 @@ class Spilling {
     // The part as one chunk, a run for each of its cells.
     ChunkRuns written{std::move(part.codes), {}, part.fingerprint};
     for (std::uint32_t c = 0; c < written.codes.size(); ++c)
-      written.runs.push_back({offset / sizeof(Triangle) + part.first_triangle[c],
-                              static_cast<std::uint32_t>(part.triangles_of(c)), c});
+      written.runs.push_back(
+          {offset / sizeof(Triangle) + part.first_triangle[c], static_cast<std::uint32_t>(part.triangles_of(c)), c});
     parts_.push_back(std::move(written));
   }
 

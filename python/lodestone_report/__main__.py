@@ -28,7 +28,7 @@ def system_has_modules():
 
 def find_modules():
     """Goes on in the system's Python where this one lacks a module. Without jinja2 there is no page, without matplotlib there
-    are no plots."""
+    are not any plots."""
     missing = [module for module in ("jinja2", "matplotlib") if importlib.util.find_spec(module) is None]
     is_chosen = "LODESTONE_PYTHON" in os.environ or sys.executable == SYSTEM_PYTHON
     if missing and not is_chosen and os.path.exists(SYSTEM_PYTHON) and ("jinja2" in missing or system_has_modules()):

@@ -11,7 +11,7 @@
 namespace lodestone {
 namespace {
 
-// How much less urgent a family that is drawn must be than a missing one to make room for it: without a difference two
+// Factor by which a drawn family must be less urgent than a missing one to make room for it: without a difference two
 // of them would take turns.
 constexpr float contrast = 1.25f;
 // Urgency of families out of view.

@@ -13,7 +13,7 @@ Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level) {
 
 namespace {
 
-// True if lambda = 1 on the whole box: its farthest corner is no farther than the begin of the band.
+// True if lambda = 1 on the whole box: its farthest corner lies at most at the beginning of the band.
 bool is_static(const Radii& radii, std::size_t level, Vec3f viewpoint, const Box3f& box, DetailLimits limits) {
   return limited_farthest_distance(radii.metric, viewpoint, box, limits) < radii.band_begin[level];
 }

@@ -21,7 +21,7 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-// Whether `bytes` more may pass.
+// True if `bytes` more may pass.
 bool passes(std::atomic<long long>& left, size_t bytes) { return (left -= static_cast<long long>(bytes)) >= 0; }
 
 }  // namespace

@@ -196,7 +196,7 @@ class Looks(ViewCase):
         thawed = viewer.press("space")
         self.assertNotEqual(frozen, thawed)
         found = viewer.closed()
-        # Of the first picture and of the last one; many more were drawn between them.
+        # The first picture and the last one; many more were drawn between them.
         self.assertEqual(found["selections"], 2)
         self.assertGreater(found["draws"], 5)
 

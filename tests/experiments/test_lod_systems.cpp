@@ -211,7 +211,7 @@ TEST(SystemFlight, TellsTheSystemsApart) {
   EXPECT_FALSE(fade.surface.jump);
 }
 
-// Of one path by the systems that let vertices jump, the largest ratio.
+// The largest ratio on one path by the systems that let vertices jump.
 std::map<LodSystem, std::optional<double>> jumps_over_bound(Scene scene, Blend blend) {
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);

@@ -28,78 +28,77 @@ struct Case {
   std::vector<Lie> lies;
 };
 
-std::vector<Case> cases() {
-  const Row picture = {{"width", 64}, {"height", 48}};
-  return {
-      {"build",
-       with(shallow, {{"threads", 2}, {"rounds", 2}, {"error_level", 1}, {"measure_error", true}, {"compress", true}}),
-       {{"valid", false},
-        {"failed_checks", "parents"},
-        {"hash", "0000000000000000"},
-        {"fingerprint", ""},
-        {"seconds", 0},
-        {"seconds_min", 1e9},
-        {"stored_triangles", 1},
-        {"error_mean", 1e3},
-        {"slivers", 101},
-        {"level_distance", 1},
-        {"normal_mean", 181}}},
-      {"effects",
-       with(picture, {{"rounds", 1}, {"frames", 3}}),
-       {{"effects", "other"}, {"frame_ms", -1}, {"gain_ms_min", 1e9}}},
-      {"families",
-       with(shallow, {{"rounds", 1}, {"level_count", 1}, {"peers", true}}),
-       {{"family", "progressive"}, {"triangles", 1}, {"rms", 1e3}, {"cpu_seconds", Row()}}},
-      {"flight",
-       with(with(shallow, picture), {{"frames", 4}, {"image", true}, {"kappa0", 1.0}, {"backend", "soft"}}),
-       {{"open_edges", 1},
-        {"gap_max", 1e-9},
-        {"torn_pixels", 1},
-        {"jump_over_bound", 1.01},
-        {"jump_p99", 1e3},
-        {"admissible", Row()},
-        {"ssim", 1.1},
-        {"pop_p99", 101},
-        {"pop_p50", 100},
-        {"flip_pop_changed", 101},
-        {"gap_mean_pixels", 1},
-        {"triangles", 1e9}}},
-      {"progressive",
-       {{"rounds", 1}, {"level_count", 2}},
-       {{"residual_edges", 1}, {"same", false}, {"hash", Row()}, {"base_triangles", 1e9}, {"error_p99", 1e3}}},
-      {"raster",
-       with(with(shallow, picture), {{"frames", 3}, {"rounds", 1}, {"measured_frames", 2}, {"camera", "orbit"}}),
-       {{"same", false}, {"hash", ""}, {"screen_error", 3}, {"frame_ms_max", 0}, {"flip_worst", 2}, {"flip", 1}}},
-      {"reconstruct",
-       {{"rounds", 1}, {"resolution", 32}},
-       {{"manifold", false}, {"same", false}, {"triangles", 0}, {"coverage", 101}, {"seconds_max", 0}}},
-      {"scaling",
-       with(shallow, {{"threads", 2}, {"rounds", 2}}),
-       {{"same", false},
-        {"hash", "0000000000000000"},
-        {"processors", 3},
-        {"speedup", 7},
-        {"efficiency", 1},
-        {"seconds", Row()}}},
-      {"systems",
-       with(with(shallow, picture), {{"frames", 3}}),
-       {{"open_edges", 1}, {"gap_pixels", 1}, {"jump_over_bound", 1.01}, {"frame_ms", Row()}, {"image_error", 101}}},
-      {"table",
-       shallow,
-       {{"valid", false},
-        {"failed_checks", "parents"},
-        {"fingerprint", Row()},
-        {"stored_triangles", 1},
-        {"seconds", 1e9},
-        {"read_seconds", 1e9},
-        {"weld_seconds", 1e9},
-        {"write_seconds", 1e9},
-        {"spill_seconds", 1e9},
-        {"cpu_seconds", 1e9},
-        {"file_seconds", 0},
-        {"out_of_core", true}}},
-  };
-}
+const Row picture = {{"width", 64}, {"height", 48}};
+
+const std::vector<Case> cases = {
+    {"build",
+     with(shallow, {{"threads", 2}, {"rounds", 2}, {"error_level", 1}, {"measure_error", true}, {"compress", true}}),
+     {{"valid", false},
+      {"failed_checks", "parents"},
+      {"hash", "0000000000000000"},
+      {"fingerprint", ""},
+      {"seconds", 0},
+      {"seconds_min", 1e9},
+      {"stored_triangles", 1},
+      {"error_mean", 1e3},
+      {"slivers", 101},
+      {"level_distance", 1},
+      {"normal_mean", 181}}},
+    {"effects",
+     with(picture, {{"rounds", 1}, {"frames", 3}}),
+     {{"effects", "other"}, {"frame_ms", -1}, {"gain_ms_min", 1e9}}},
+    {"families",
+     with(shallow, {{"rounds", 1}, {"level_count", 1}, {"peers", true}}),
+     {{"family", "progressive"}, {"triangles", 1}, {"rms", 1e3}, {"cpu_seconds", Row()}}},
+    {"flight",
+     with(with(shallow, picture), {{"frames", 4}, {"image", true}, {"kappa0", 1.0}, {"backend", "soft"}}),
+     {{"open_edges", 1},
+      {"gap_max", 1e-9},
+      {"torn_pixels", 1},
+      {"jump_over_bound", 1.01},
+      {"jump_p99", 1e3},
+      {"admissible", Row()},
+      {"ssim", 1.1},
+      {"pop_p99", 101},
+      {"pop_p50", 100},
+      {"flip_pop_changed", 101},
+      {"gap_mean_pixels", 1},
+      {"triangles", 1e9}}},
+    {"progressive",
+     {{"rounds", 1}, {"level_count", 2}},
+     {{"residual_edges", 1}, {"same", false}, {"hash", Row()}, {"base_triangles", 1e9}, {"error_p99", 1e3}}},
+    {"raster",
+     with(with(shallow, picture), {{"frames", 3}, {"rounds", 1}, {"measured_frames", 2}, {"camera", "orbit"}}),
+     {{"same", false}, {"hash", ""}, {"screen_error", 3}, {"frame_ms_max", 0}, {"flip_worst", 2}, {"flip", 1}}},
+    {"reconstruct",
+     {{"rounds", 1}, {"resolution", 32}},
+     {{"manifold", false}, {"same", false}, {"triangles", 0}, {"coverage", 101}, {"seconds_max", 0}}},
+    {"scaling",
+     with(shallow, {{"threads", 2}, {"rounds", 2}}),
+     {{"same", false},
+      {"hash", "0000000000000000"},
+      {"processors", 3},
+      {"speedup", 7},
+      {"efficiency", 1},
+      {"seconds", Row()}}},
+    {"systems",
+     with(with(shallow, picture), {{"frames", 3}}),
+     {{"open_edges", 1}, {"gap_pixels", 1}, {"jump_over_bound", 1.01}, {"frame_ms", Row()}, {"image_error", 101}}},
+    {"table",
+     shallow,
+     {{"valid", false},
+      {"failed_checks", "parents"},
+      {"fingerprint", Row()},
+      {"stored_triangles", 1},
+      {"seconds", 1e9},
+      {"read_seconds", 1e9},
+      {"weld_seconds", 1e9},
+      {"write_seconds", 1e9},
+      {"spill_seconds", 1e9},
+      {"cpu_seconds", 1e9},
+      {"file_seconds", 0},
+      {"out_of_core", true}}},
+};
 
 class EachStudy : public Studies, public ::testing::WithParamInterface<Case> {};
 
@@ -128,13 +127,13 @@ TEST_P(EachStudy, LaterRepetitionsVerify) {
   EXPECT_EQ(joined(faults(name, given, rows_of(name, given, 1))), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachStudy, ::testing::ValuesIn(cases()),
+INSTANTIATE_TEST_SUITE_P(All, EachStudy, ::testing::ValuesIn(cases),
                          [](const auto& param) { return param.param.experiment; });
 
 TEST(StudyList, HasACaseForEach) {
   std::set<std::string> known, tested;
   for (const Experiment& experiment : studies()) known.insert(experiment.name);
-  for (const Case& one : cases()) tested.insert(one.experiment);
+  for (const Case& one : cases) tested.insert(one.experiment);
   EXPECT_EQ(known, tested);
 }
 
@@ -344,7 +343,7 @@ TEST(StudyList, DefaultsAndTestedSettingsAreWithoutContradiction) {
     }
   };
   for (const Experiment& experiment : studies()) check(experiment.name, Row::object());
-  for (const Case& one : cases()) check(one.experiment, one.parameters);
+  for (const Case& one : cases) check(one.experiment, one.parameters);
 }
 
 TEST_F(Studies, MissingInputIsAnError) {

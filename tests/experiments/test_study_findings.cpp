@@ -137,7 +137,7 @@ TEST_F(Studies, WithoutGeomorphAFlightCracksAndPops) {
   EXPECT_TRUE(still.at("jump_over_bound").is_null());
 }
 
-// What a backend that draws nothing would get by another one's pictures would make it the cheapest of all.
+// Measured on another backend's pictures, a backend that draws nothing would be the cheapest of all.
 TEST_F(Studies, PicturesAreThoseOfTheBackend) {
   const auto rows = [&](const char* backend) {
     return rows_of(

@@ -188,10 +188,10 @@ TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
   for (const auto& [content, wrong] : {std::pair{std::string("{"), "is not valid JSON"},
                                        {"{\"frames\": []}", "\"frames\" is empty"},
                                        {"{\"frames\": [{\"position\": [1, 2, 3]}]}", "has no \"target\""}}) {
-    folder.write("walk.json", content);
+    test_folder_.write("walk.json", content);
     refused(camera("\"" + name + "\""), 9, wrong);
   }
-  folder.write("walk.json", "{\"frames\": [" + key + "]}");
+  test_folder_.write("walk.json", "{\"frames\": [" + key + "]}");
   const SweepFile file = load(camera("\"fly-in\", \"" + name + "\""));
   EXPECT_EQ(file.sweeps[0].settings[1].at("camera"), name);
   ASSERT_EQ(file.files.size(), 1u);
@@ -282,7 +282,7 @@ TEST_F(SweepFiles, ParametersGivenForNothingAreRefused) {
   refused(strict("design = \"list\"\nparameters = [{ kappa0 = 3 }, { blend = \"step\" },\n"
                  "{ blend = \"step\", kappa0 = 3 }]"),
           10, "equal runs");
-  // Of use to one of the settings, and no two runs are equal.
+  // Used by one of the settings, and no two runs are equal.
   EXPECT_EQ(load(strict("parameters = { blend = [\"linear\", \"step\"], kappa0 = 3 }")).sweeps[0].settings.size(), 2u);
   EXPECT_EQ(load(strict("parameters = { blend = \"step\" }")).sweeps[0].settings.size(), 1u);
 }

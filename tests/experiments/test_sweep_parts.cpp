@@ -20,23 +20,12 @@
 #include "experiments/sweep/sha256.h"
 #include "experiments/sweep/time_left.h"
 #include "render/backends/gl/device/graphics_driver.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Folder {
- public:
-  Folder() : path_(fs::temp_directory_path() / ("sweep_parts_" + std::to_string(getpid()))) {
-    fs::create_directory(path_);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  [[nodiscard]] fs::path operator/(const std::string& name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
 
 // The examples of nist2015's companion; texts and files have one hash.
 TEST(Sha256, KnownAnswers) {
@@ -45,7 +34,7 @@ TEST(Sha256, KnownAnswers) {
   EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"),
             "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
   EXPECT_EQ(sha256(std::string(1'000'000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
-  const Folder folder;
+  const TestFolder folder;
   const fs::path file = folder / "text";
   for (std::size_t length = 0; length < 200; ++length) {
     const std::string text(length, 'x');
@@ -55,7 +44,7 @@ TEST(Sha256, KnownAnswers) {
 }
 
 TEST(ContentHashes, AreRememberedUntilTheFileChanges) {
-  const Folder folder;
+  const TestFolder folder;
   const fs::path file = folder / "a.txt", memory = folder / "hashes.json";
   std::ofstream(file) << "abc";
   {
@@ -72,7 +61,7 @@ TEST(ContentHashes, AreRememberedUntilTheFileChanges) {
 }
 
 TEST(ContentHashes, BelieveTheirMemoryAsLongAsTimesAndSizeAgree) {
-  const Folder folder;
+  const TestFolder folder;
   const fs::path file = folder / "a.txt", memory = folder / "hashes.json";
   std::ofstream(file) << "abc";
   struct stat status {};
@@ -86,7 +75,7 @@ TEST(ContentHashes, BelieveTheirMemoryAsLongAsTimesAndSizeAgree) {
 }
 
 TEST(ContentHashes, KnowWhichFilesHaveChangedSince) {
-  const Folder folder;
+  const TestFolder folder;
   const fs::path set = folder / "set";
   fs::create_directories(set / "deep");
   std::ofstream(set / "a") << "1";
@@ -110,7 +99,7 @@ TEST(ContentHashes, KnowWhichFilesHaveChangedSince) {
 }
 
 TEST(ContentHashes, OfFoldersKnowNamesAndContents) {
-  const Folder folder;
+  const TestFolder folder;
   const fs::path set = folder / "set";
   fs::create_directories(set / "deep");
   std::ofstream(set / "a") << "1";

@@ -1,4 +1,5 @@
-// Readers of one format each, the MeshFormat LODESTONE_FORMAT: any bytes give a mesh that cleaning accepts, or an Error.
+// Readers of one format each, the MeshFormat LODESTONE_FORMAT: any bytes give a mesh that cleaning accepts, or an
+// Error.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

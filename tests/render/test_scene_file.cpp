@@ -166,7 +166,8 @@ TEST_F(SceneFile, WhatIsWrongIsNamedWithItsLine) {
       {model + "[camera]\nframes = 0\n", "line 4", "frames must be a whole number from 1"},
       {model + "[camera]\nfly_to = \"b\"\n", "line 4", "is not the name of a model"},
       {model + "[camera]\nkey = [{ position = [1, 0, 0] }]\n", "line 4", "target is missing"},
-      {model + "[camera]\nkey = [{ position = [1, 0, 0], target = [1, 0, 0] }]\n", "line 4", "the position of the camera"},
+      {model + "[camera]\nkey = [{ position = [1, 0, 0], target = [1, 0, 0] }]\n", "line 4",
+       "the position of the camera"},
       {model + "[camera]\npath = \"orbit\"\nkey = [{ position = [1, 0, 0], target = [0, 0, 0] }]\n", "line 4",
        "exclude each other"},
   };

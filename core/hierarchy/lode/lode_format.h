@@ -148,7 +148,7 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 //
 // Empty when there is neither.
 [[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy);
-// Returns the fault of the bytes, nullptr if there is none. Empty bytes are no materials and no textures.
+// Returns the fault of the bytes, nullptr if there is none. Empty bytes mean neither materials nor textures.
 [[nodiscard]] const char* decode_assets(std::span<const std::byte> bytes, bool has_copies, Hierarchy& hierarchy);
 
 // A file that is being opened: its tables as a hierarchy. Payloads are views of `bytes`, or of memory that check()

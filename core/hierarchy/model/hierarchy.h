@@ -25,8 +25,9 @@ struct PackedNormal {
   friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
 };
 [[nodiscard]] PackedNormal pack_normal(Vec3f n);  // n need not be of unit length; zero gives +z
-void pack_normals(std::span<const Float4> n, std::span<PackedNormal> packed);  // the same bits; packed is no shorter
-[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);                        // of unit length within rounding
+void pack_normals(std::span<const Float4> n,
+                  std::span<PackedNormal> packed);       // the same bits; packed has at least the length of n
+[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);  // of unit length within rounding
 
 inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
 

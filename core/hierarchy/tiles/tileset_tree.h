@@ -17,9 +17,9 @@
 namespace lodestone {
 
 struct TilesetConfig {
-  bool morph = false;             // tiles have the attributes that a viewer needs to morph between levels
-  std::size_t max_tiles = 4096;   // larger trees are cut
-  int levels_per_file = 5;        // of the subtrees that are cut off, at least 1: about 1400 tiles of a surface
+  bool morph = false;            // tiles have the attributes that a viewer needs to morph between levels
+  std::size_t max_tiles = 4096;  // larger trees are cut
+  int levels_per_file = 5;       // of the subtrees that are cut off, at least 1: about 1400 tiles of a surface
 };
 
 struct TilesetFile {

@@ -39,7 +39,7 @@ template <int G>
   return gather_star<G>(points, ids, points[v]);
 }
 
-// What the collapse into each neighbour adds.
+// Cost that the collapse into each neighbour adds.
 template <int G>
 [[gnu::always_inline]] inline void star_ranks(const CentredQuadric& q, const Star<G>& star, Float8 (&ranks)[G]) {
   const Float8 stiff = all8(stiffness * q.weight), scale = all8(rank_scale(q.weight));

@@ -240,7 +240,7 @@ class SplitCodec {
     values_.errors.push_back(static_cast<std::uint16_t>(before - coded));
   }
 
-  // What is known of a star before its vertex has a position: sums over its neighbours.
+  // A star before its vertex has a position: sums over its neighbours.
   struct Fit {
     std::array<std::size_t, 3> axis{};  // two along the surface, then the one closest to its normal
     std::array<double, 3> middle{}, normal{};

@@ -19,7 +19,7 @@ void check_progressive(const ProgressiveMesh& mesh, const std::string& name) {
     const std::string place = "vertex " + std::to_string(v);
     if (!is_finite(mesh.positions[v])) fail(place, "the position is not finite");
     if (v >= mesh.base_vertices && mesh.parents[v] >= v) fail(place, "the parent comes in after it");
-    if (!(mesh.errors[v] >= 0) || !std::isfinite(mesh.errors[v])) fail(place, "the error is no distance");
+    if (!(mesh.errors[v] >= 0) || !std::isfinite(mesh.errors[v])) fail(place, "the error is not a distance");
     if (v > 0 && mesh.errors[v] > mesh.errors[v - 1]) fail(place, "the error is larger than that of the vertex before");
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)

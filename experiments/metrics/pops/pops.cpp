@@ -94,7 +94,7 @@ double step_length(const MorphContext& before, const MorphContext& after) {
   return length(to_double(after.viewpoint) - to_double(before.viewpoint));
 }
 
-// What all jumps between two frames are measured with.
+// The inputs that all jumps between two frames share.
 struct Frames {
   const MorphContext &before, &after;
   std::span<const DrawnPair> pairs;

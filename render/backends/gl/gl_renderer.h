@@ -35,7 +35,7 @@ class GlRenderer : public Renderer {
   // The cells that the device selects for each model of the frame: those of select_cells within the frustum.
   [[nodiscard]] virtual std::vector<Selection> select(const Frame& frame) = 0;
 
-  // How many sets of buffers the hierarchy takes: the multi-draws of a frame that shows all of it.
+  // Number of buffer sets of the hierarchy: the multi-draws of a frame that shows all of it.
   [[nodiscard]] virtual std::size_t group_count() const = 0;
   // "llvmpipe (...), 4.5 (Core Profile) ..., EGL surfaceless"
   [[nodiscard]] virtual std::string device() const = 0;

@@ -107,7 +107,7 @@ PixelFlags find_borders(std::span<const MergeView> views, Scheduler& scheduler) 
 
 namespace {
 
-// How much a block of rows holds, and, summed up, where it begins.
+// Size of a block of rows, and, summed up, its beginning.
 struct Amounts {
   std::size_t far = 0, frozen = 0, beside = 0;  // vertices
   std::size_t triangles = 0, beside_triangles = 0;

@@ -8,7 +8,7 @@
 namespace lodestone {
 namespace {
 
-// How much the view counts besides its samples: enough to outvote the noise of a tie.
+// Weight of the view besides its samples: enough to outvote the noise of a tie.
 float rank_factor(std::size_t number) {
   const auto k = static_cast<float>(number);
   return 1 - 0.02f * std::min(k, 8.0f) - 0.002f * std::clamp(k - 8, 0.0f, 50.0f);

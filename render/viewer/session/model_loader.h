@@ -33,7 +33,7 @@ struct LoadConfig {
   BuildConfig build{};   // likewise; cancel and progress are the loader's own
 };
 
-// How far it is.
+// Its progress.
 struct LoadStatus {
   std::string phase;           // "reading", "welding", "building", "loading"
   std::optional<float> share;  // of the phase, in [0, 1]; empty: not known

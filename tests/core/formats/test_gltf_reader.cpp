@@ -154,7 +154,7 @@ TEST(Gltf, NormalsAndColoursOfAllTypes) {
   const std::size_t rgb = file.floats({0, 0.5f, 1, 2, -1, 0.002f, 0, 0, 0}, "VEC3");
   const std::size_t rgba = file.accessor(
       std::vector<std::uint16_t>{0, 65535, 32768, 32768, 0, 0, 0, 0, 65535, 65535, 65535, 65535}, 5123, "VEC4", true);
-  // Normals of 3 bytes are misaligned, which is no harm here.
+  // Normals of 3 bytes are misaligned, which does no harm here.
   file.show({{{"attributes", {{"POSITION", position}, {"NORMAL", normal}, {"COLOR_0", rgb}}}},
              {{"attributes", {{"POSITION", position}, {"COLOR_0", rgba}}}}});
   const RawMesh mesh = read_bytes(file.glb(), gltf);

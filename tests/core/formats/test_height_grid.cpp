@@ -102,7 +102,7 @@ TEST(Srtm, HeightsAreBigEndianMetresAndTheNameTellsThePlace) {
   const double degree = std::acos(-1.0) / 180;
   EXPECT_NEAR(mesh.positions.back().y, 6371000 * degree, 1e-6);
   EXPECT_NEAR(mesh.positions[1200].x, 6371000 * degree * std::cos(0.5 * degree), 1e-6);
-  EXPECT_EQ(mesh.positions.back().z, -430) << "the Dead Sea is no void";
+  EXPECT_EQ(mesh.positions.back().z, -430) << "the Dead Sea is not a void";
   const RawMesh filled = read_bytes(bytes, MeshFormat::hgt, {.fill_voids = true}, "S01E002.hgt");
   EXPECT_EQ(filled.filled_posts, 2u);
   EXPECT_EQ(filled.void_posts, 0u);

@@ -175,7 +175,7 @@ TEST(Stl, BinaryAndAsciiAreToldApartBySizeNotByTheWordSolid) {
     EXPECT_EQ(mesh.positions, expected.positions);
     EXPECT_EQ(mesh.triangles, expected.triangles);
   }
-  EXPECT_EQ(read_bytes(binary_stl("x", 1, 2), stl).triangles.size(), 1u) << "trailing bytes are no facets";
+  EXPECT_EQ(read_bytes(binary_stl("x", 1, 2), stl).triangles.size(), 1u) << "trailing bytes are not facets";
 }
 
 TEST(Stl, SeveralSolidsAndPolygons) {

@@ -20,7 +20,7 @@ std::vector<Vec3f> lattice(unsigned side) {
   return points;
 }
 
-// Of all triangles of the points, in both orientations.
+// Hash of all triangles of the points, in both orientations.
 std::vector<std::uint64_t> all_fingerprints(const std::vector<Vec3f>& p) {
   std::vector<std::uint64_t> found;
   for (std::size_t a = 0; a < p.size(); ++a)

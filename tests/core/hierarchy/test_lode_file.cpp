@@ -374,7 +374,7 @@ TEST_F(LodeFile, RefusesBrokenContentsInCompressedFilesToo) {
   for (const Breakage& breakage : breakages) {
     test::NaiveHierarchy tiny = test::lattice_sphere(3, {13});
     breakage.apply(tiny);
-    // What is no number is on no lattice: refused on writing already.
+    // NaN is not on any lattice: refused on writing already.
     try {
       write_lode(tiny.attach(), path(), LodeForm::compressed);
     } catch (const InputError&) {

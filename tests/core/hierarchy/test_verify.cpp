@@ -152,7 +152,7 @@ const Breakage breakages[] = {
      [](auto& t) { send_elsewhere(t, first_of(t, finest), finest_cell(t).positions.size() - 1); }},
     {"parents", "on level 1 too",
      [](auto& t) { send_elsewhere(t, first_of(t, 1), middle_cell(t).positions.size() - 1); }},
-    {"vertices", "vertex that is no parent",
+    {"vertices", "vertex that is not a parent",
      [](auto& t) {
        NaivePayload& cell = (*t.payloads)[0];
        cell.positions.push_back(cell.positions[0]);

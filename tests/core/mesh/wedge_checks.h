@@ -10,7 +10,7 @@
 
 namespace lodestone {
 
-// What is wrong with the attributes of a mesh; empty when nothing is.
+// Describes the fault of the attributes of a mesh; empty if there is none.
 [[nodiscard]] inline std::string wedge_mistake(const RawMesh& mesh) {
   const RawWedges& w = mesh.wedges;
   const std::size_t count = wedge_count(mesh);
@@ -43,7 +43,7 @@ namespace lodestone {
     for (const float c : material.base_colour)
       if (!(c >= 0 && c <= 1)) return "a base colour out of range";
   for (const Texture& texture : mesh.textures)
-    if (texture.bytes.empty() || !texture.media_type.starts_with("image/")) return "a texture that is no image";
+    if (texture.bytes.empty() || !texture.media_type.starts_with("image/")) return "a texture that is not an image";
   return {};
 }
 

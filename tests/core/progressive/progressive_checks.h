@@ -93,7 +93,7 @@ std::multiset<std::array<CornerBits, 3>> triangle_values(const Mesh& mesh) {
   return out;
 }
 
-// What is wrong with it; empty when nothing is.
+// Describes its fault; empty if there is none.
 inline std::string progressive_mistake(const ProgressiveMesh& mesh, const IndexedMesh& input) {
   if (mesh.parents.size() != mesh.positions.size() || mesh.errors.size() != mesh.positions.size()) return "counts";
   for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {

@@ -80,7 +80,7 @@ TEST(CollapseKernel, ChainsFansAsOneByOne) {
     }
     ++(shape == Shape::several ? several : sound);
     if (shape == Shape::several) continue;
-    // What it says is so.
+    // Its claims hold.
     for (std::uint32_t k = 0; k + 1 < n; ++k) ASSERT_EQ(end[expected[k]], start[expected[k + 1]]);
     ASSERT_EQ(end[expected[n - 1]] == start[expected[0]], shape == Shape::closed);
   }
@@ -114,7 +114,7 @@ TEST(CollapseKernel, FirstQuadricsAreSumsOfPlanes) {
   }
 }
 
-// Whether a triangle around v turns by 60 degrees or more; nothing where one is close to it.
+// True if a triangle around v turns by 60 degrees or more; empty if one is close to it.
 std::optional<bool> obviously_turns(const RingMesh& rings, Id v, Id u) {
   const Ring& ring = rings.ring(v);
   bool turned = false;

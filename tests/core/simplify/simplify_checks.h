@@ -21,7 +21,7 @@ namespace lodestone::simplify_test {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-// What of a mesh must survive.
+// The properties of a mesh that must survive.
 struct Topology {
   std::size_t vertices = 0, edges = 0;
   std::size_t triangles = 0;  // doubled ones once
@@ -55,7 +55,7 @@ class Parts {
   std::map<std::uint32_t, std::uint32_t> parent_;
 };
 
-// Whether the triangles around one vertex, given as directed edges of its link, form one open or closed fan.
+// True if the triangles around one vertex, given as directed edges of its link, form one open or closed fan.
 inline bool one_fan(const std::vector<Edge>& link) {
   std::map<std::uint32_t, int> degree;
   Parts parts;
@@ -123,7 +123,7 @@ inline std::string broken_contract(const SimplifyInput& input, const SimplifyRes
     const std::uint32_t p = result.parent[v];
     if (p >= n) return "parent out of range" + at;
     if (result.parent[p] != p) return "P is not idempotent" + at;
-    if (!is_finite(result.positions[p])) return "position is no number" + at;
+    if (!is_finite(result.positions[p])) return "position is not a number" + at;
     if (!input.lattice.holds(result.positions[p])) return "not on the lattice" + at;
     if (input.locked[v] && p != v) return "locked vertex collapsed" + at;
     if (input.locked[v] && result.positions[v] != input.positions[v]) return "locked vertex moved" + at;
@@ -134,7 +134,7 @@ inline std::string broken_contract(const SimplifyInput& input, const SimplifyRes
   return {};
 }
 
-// What the topology-keeping ones promise on top.
+// Further promises of the simplifiers that keep the topology.
 inline std::string broken_topology(const SimplifyInput& input, const SimplifyResult& result) {
   const Topology before = topology_of({input.triangles.begin(), input.triangles.end()});
   const Topology after = topology_of(image(input, result));

@@ -30,7 +30,7 @@ TEST_F(GlTest, ThreadsMayTakeTurns) {
   EXPECT_EQ(here.rgba, there.rgba);
 }
 
-// Whoever shares the context leaves it as it likes.
+// Code that shares the context may leave it in any state.
 TEST_F(GlTest, AForeignStateDoesNotShow) {
   const NaiveHierarchy low = naive_hierarchy(plate(8), 1);
   WholeFrame whole(low.hierarchy, with_kappa0(2), from_above);

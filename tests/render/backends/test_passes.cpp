@@ -46,7 +46,7 @@ std::vector<WorldTriangle> drawn_triangles(const EffectScene& scene) {
   return all;
 }
 
-// How far along the ray, in units of its direction; nothing where it misses.
+// Distance along the ray, in units of its direction; empty where it misses.
 std::optional<double> hit(const WorldTriangle& t, Vec3d from, Vec3d along) {
   const Vec3d ab = t.v[1] - t.v[0], ac = t.v[2] - t.v[0], p = cross(along, ac), s = from - t.v[0];
   const double det = dot(ab, p);
@@ -73,7 +73,7 @@ EffectScene small(const std::string& name) {
   return scene;
 }
 
-// Of the pixels in order, those along a ray to which anything is hit, from the front.
+// The pixels, in order, whose rays hit anything, from the front.
 using Hits = std::vector<std::pair<double, const WorldTriangle*>>;
 Hits hits_of(const EffectScene& scene, const std::vector<WorldTriangle>& triangles, int x, int y) {
   Hits hits;

@@ -85,7 +85,7 @@ void expect_same(const Drawn& a, const Drawn& b, const std::string& name) {
   }
 }
 
-// Of equally near samples OpenGL keeps the one that is drawn first, and cells of the second part are drawn later. With
+// OpenGL keeps the first of equally near samples, and cells of the second part are drawn later. With
 // four samples a pixel that has been met, on silhouettes.
 void expect_same_but_for_ties(const Drawn& a, const Drawn& b, const std::string& name) {
   for (std::size_t k = 0; k < a.images.size(); ++k) {

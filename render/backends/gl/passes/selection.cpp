@@ -62,7 +62,7 @@ float squared(vec3 a) {
 #endif
 }
 
-// How far apart along each axis: the box and the viewpoint, and two boxes.
+// Distances along each axis: of the box from the viewpoint, and of two boxes.
 float nearest(Box box) {
   precise vec3 outside = max(max(box.lo - view.viewpoint, view.viewpoint - box.hi), vec3(0.0));
   return squared(outside);

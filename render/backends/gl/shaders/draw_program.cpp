@@ -151,7 +151,7 @@ invariant gl_Position;
 layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) out vec3 drawn_position;
 flat out uint drawn_instance;
 
-// Of this vertex, for the effects.
+// Values of this vertex, for the effects.
 uint level, parent;  // the parent's number among the vertices of the group; only where lambda < 1
 float lambda = 1.0;
 )";

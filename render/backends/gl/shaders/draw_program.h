@@ -41,7 +41,7 @@ inline constexpr GLuint limits_block = 2;
 inline constexpr GLuint instances_block = 3;
 // Attributes of the group again, as above.
 inline constexpr GLuint uv_block = 4, colours_block = 5;
-// Of all models (render/backends/gl/scene/textures.h).
+// Textures of all models (render/backends/gl/scene/textures.h).
 inline constexpr GLuint materials_block = 6, texture_levels_block = 7;
 inline constexpr GLuint texture_pages_unit = 4;
 // Uniform block.
