@@ -81,7 +81,7 @@ class Tiles(CommandCase):
         for lode in (hierarchy(), far_box()):
             folder = tileset(lode.stem + ".tiles", lode)
             info = self.results("info", lode)
-            distances = self.results("compare", folder, f"{lode}:{len(info['levels']) - 1}")
+            distances = self.results("compare", folder, f"{lode}:{info['levels'] - 1}")
             for way in ("forward", "backward"):
                 self.assertLess(distances[way]["max"], 1e-14 * 4e6)
             result = self.results("build", folder, "-o", "again.lode")

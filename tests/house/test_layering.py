@@ -87,13 +87,6 @@ class Checker(unittest.TestCase):
             "core/x/b/1.h": '#include "core/y/1.h"\n', "core/y/1.h": '#include "core/0.h"\n', "core/0.h": "",
         }), [])
 
-    def test_known_exceptions_are_still_needed(self):
-        """An exception whose cause is gone must go, too."""
-        for folder in layering.KNOWN_FULL:
-            without = {other: held for other, held in layering.KNOWN_FULL.items() if other != folder}
-            with self.subTest(folder=folder), unittest.mock.patch.object(layering, "KNOWN_FULL", without):
-                self.assertNotEqual(list(layering.violations(SOURCE_DIR)), [])
-
     def test_refuses_folders_that_are_full_or_do_not_say_what_they_are(self):
         files = {f"core/a{i}.{kind}": "" for i in range(layering.MAX_SUBJECTS) for kind in ["h", "cpp"]}
         self.assertEqual(self.found(files), [])

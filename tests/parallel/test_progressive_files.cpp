@@ -212,7 +212,7 @@ TEST(ProgressiveFiles, ContradictionsAreNamed) {
   refused([](ProgressiveMesh& m) { m.parents.pop_back(); }, "not one per vertex");
   refused([](ProgressiveMesh& m) { m.base_vertices = 1u << 20; }, "base has more vertices");
   refused([](ProgressiveMesh& m) { m.parents.back() = m.vertex_count() - 1; }, "comes in after it");
-  refused([](ProgressiveMesh& m) { m.errors.front() = -1; }, "no distance");
+  refused([](ProgressiveMesh& m) { m.errors.front() = -1; }, "not a distance");
   refused([](ProgressiveMesh& m) { m.errors.back() = 10; }, "larger than that of the vertex before");
   refused([](ProgressiveMesh& m) { m.positions[3].x = NAN; }, "not finite");
   refused([](ProgressiveMesh& m) { m.triangles[0].v[1] = 1u << 20; }, "there is no vertex");
