@@ -12,6 +12,7 @@ pandas, matplotlib and jinja2 (Debian: python3-pandas, python3-matplotlib, pytho
 
 from .reading import load
 from .report import write_report
-from .study import Study, StudyError
+from .runs import StudyError
+from .study import Study
 
 __all__ = ["Study", "StudyError", "load", "write_report"]

@@ -8,12 +8,11 @@ from collections import defaultdict
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from .files import write_all
 from .fronts import cheapest_within, error_limits, pareto_front
 from .outcome import describe_outcome
-from .settings import median
-from .study import is_number
 from .text import shown_unit, value_text
+from .values import is_number, median
+from .writing import write_all
 
 MOST_MARKS = 6
 

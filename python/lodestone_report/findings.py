@@ -4,8 +4,8 @@ from collections import Counter, defaultdict
 
 import json
 
-from .study import dotted, is_number
 from .text import counted, dump, shown_unit, value_text, with_unit
+from .values import dotted, is_number
 
 STATES = ("complete", "incomplete", "unverified", "failed", "missing")
 # Manifest keys in which the repetitions of one study should agree.

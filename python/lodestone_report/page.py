@@ -6,8 +6,8 @@ import re
 
 from . import files, findings
 from .reading import read_bytes
-from .study import is_number
 from .text import counted, number_text, shown_unit, value_text
+from .values import is_number
 
 TEMPLATES = pathlib.Path(__file__).with_name("templates")
 KIND_WORDS = {"bar": "Bars", "scatter": "Points", "line": "Curves"}

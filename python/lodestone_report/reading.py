@@ -4,8 +4,10 @@ import json
 import math
 import pathlib
 
-from .study import COLUMN_KINDS, FIGURE_KINDS, Column, Fault, FigureRequest, Repetition, Run, Study, StudyError, Sweep, is_number
+from .runs import COLUMN_KINDS, FIGURE_KINDS, Column, Fault, FigureRequest, Repetition, Run, StudyError, Sweep
+from .study import Study
 from .text import plain
+from .values import is_number
 
 
 def refuse_constant(name):

@@ -7,6 +7,7 @@ from . import files
 from .page import PICTURE_BYTES, make_page
 from .reading import load
 from .study import Study
+from .writing import write_all
 
 WITHOUT_PLOTS = "without plots: there is no python3 with matplotlib (scripts/setup installs python3-matplotlib)"
 
@@ -63,7 +64,7 @@ def write_report(studies, output, csv=None, json=None, picture_bytes=PICTURE_BYT
     try:
         if is_new:
             folder.mkdir()
-        files.write_all(contents)
+        write_all(contents)
     except BaseException:
         if is_new and folder.exists():
             folder.rmdir()

@@ -7,7 +7,7 @@ import pathlib
 
 from .reading import load
 from .result_tables import PAGES
-from .study import is_number
+from .values import is_number
 
 STUDIES = [page.study for page in PAGES]
 

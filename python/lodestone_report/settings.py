@@ -5,8 +5,9 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any
 
-from .study import Column, Run, is_number
+from .runs import Column, Run
 from .text import dump, value_text
+from .values import is_number, median
 
 
 @dataclass
@@ -95,13 +96,6 @@ class SettingTable:
             if isinstance(value, str) or is_number(value):
                 of_run[setting.run.id].add(value)
         return any(len(values) > 1 for values in of_run.values())
-
-
-def median(values):
-    """The value in the middle, or between the two there."""
-    ordered = sorted(values)
-    lower, upper = ordered[(len(ordered) - 1) // 2], ordered[len(ordered) // 2]
-    return lower + (upper - lower) / 2
 
 
 def plain_cell(value, count=1):

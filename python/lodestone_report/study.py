@@ -1,110 +1,14 @@
-"""A study: what the directory of a sweep holds, as data and as DataFrames."""
-
-from __future__ import annotations
+"""A study: what the directory of a sweep holds, as DataFrames, figures and settings."""
 
 import pathlib
 from dataclasses import dataclass, field
 from functools import cached_property
 
-COLUMN_KINDS = ("label", "accuracy", "quality", "cost", "count")
-FIGURE_KINDS = ("line", "scatter", "bar")
-
-
-class StudyError(Exception):
-    """A folder that cannot be read or breaks the contract; its text is one line, FILE: PLACE: what is wrong; what to do."""
-
-
-@dataclass
-class Column:
-    """A column of rows, or a parameter: then its kind is "label"."""
-
-    name: str
-    unit: str = ""
-    meaning: str = ""
-    kind: str = "label"  # of COLUMN_KINDS; of accuracy less is better, of quality more
-
-
-@dataclass
-class FigureRequest:
-    """A figure as the sweep's file asks for it; fields as in docs/decisions/0036-sweeps.md."""
-
-    title: str
-    sweeps: list[str]
-    x: str
-    y: list[str]
-    series: list[str] = field(default_factory=list)
-    kind: str = "line"
-    log: str = ""
-    mark: str = ""
-    pareto: bool = False
-
-
-@dataclass
-class Fault:
-    """Why a repetition is not reported."""
-
-    kind: str  # "verify", "error", "crash"
-    messages: list[str]
-
-
-@dataclass
-class Repetition:
-    """Rows, or a fault, or both (rows that did not verify), or nothing yet (rows is None)."""
-
-    number: int
-    rows: list[dict] | None = None
-    fault: Fault | None = None
-    manifest: dict = field(default_factory=dict)
-
-
-@dataclass
-class Run:
-    """One setting on one input, with all repetitions that its sweep asks for."""
-
-    id: str
-    data: str
-    parameters: dict
-    repetitions: list[Repetition] = field(default_factory=list)
-    program: str = ""
-    input: str = ""
-    input_sha256: str = ""
-    unsteady: list[str] = field(default_factory=list)  # results that differ between repetitions, in words
-    pictures: list[pathlib.Path] = field(default_factory=list)
-
-    @property
-    def state(self):
-        """ "complete", "incomplete" (repetitions are missing), "unverified" (results are wrong, or differ between
-        repetitions), "failed" (every repetition ended in an error or a crash) or "missing" (not yet run)."""
-        if self.unsteady or any(r.fault and r.fault.kind == "verify" for r in self.repetitions):
-            return "unverified"
-        good = len(self.good_repetitions)
-        if good:
-            return "complete" if good == len(self.repetitions) else "incomplete"
-        return "failed" if any(r.fault for r in self.repetitions) else "missing"
-
-    @property
-    def is_reported(self):
-        """True if tables and figures show the run."""
-        return self.state in ("complete", "incomplete")
-
-    @property
-    def good_repetitions(self):
-        """Those that verified."""
-        return [r for r in self.repetitions if r.rows is not None and not r.fault]
-
-
-@dataclass
-class Sweep:
-    """The runs of one experiment, with the columns of its rows."""
-
-    name: str
-    experiment: str
-    question: str
-    repetitions: int
-    parameters: list[Column]
-    columns: list[Column]
-    metrics: list[str] = field(default_factory=list)  # columns that tables show beside parameters; empty: all
-    runs: list[Run] = field(default_factory=list)
+from .figures import make_figure
+from .findings import list_oddities
+from .runs import FigureRequest, Sweep
+from .settings import aggregate
+from .values import dotted
 
 
 @dataclass
@@ -167,15 +71,11 @@ class Study:
     @cached_property
     def oddities(self):
         """What to know before reading figures, in words: several machines or programs, missing repetitions, ..."""
-        from .findings import list_oddities
-
         return list_oddities(self)
 
     @cached_property
     def tables(self):
         """A SettingTable for each sweep."""
-        from .settings import aggregate
-
         return [aggregate(sweep) for sweep in self.sweeps]
 
     @cached_property
@@ -196,8 +96,6 @@ class Study:
 
     def make_figure(self, request):
         """The Figure of a FigureRequest."""
-        from .figures import make_figure
-
         return make_figure(request, [t for name in request.sweeps for t in self.tables if t.sweep == name])
 
     def figure(self, title, **request):
@@ -217,19 +115,6 @@ class Study:
     def unique_runs(self):
         """All runs, once each: a run may belong to several sweeps."""
         return list({run.id: run for sweep in reversed(self.sweeps) for run in reversed(sweep.runs)}.values())[::-1]
-
-
-def is_number(value):
-    """True for numbers of JSON, which truth values are not."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def dotted(tree, prefix=""):
-    """{"gl": {"vendor": 1}} -> {"gl.vendor": 1}"""
-    flat = {}
-    for name, value in tree.items():
-        flat.update(dotted(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value})
-    return flat
 
 
 def column_names(studies):

@@ -3,7 +3,7 @@
 import json
 import math
 
-from .study import is_number
+from .values import is_number
 
 
 def number_text(value):

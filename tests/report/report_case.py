@@ -16,7 +16,7 @@ if any(importlib.util.find_spec(module) is None for module in ("jinja2", "matplo
     sys.exit(77)
 sys.path[:0] = [str(TESTS.parent / "python"), str(TESTS / "commands")]
 
-from lodestone_report.study import Column, FigureRequest, Repetition, Run, Sweep  # noqa: E402
+from lodestone_report.runs import Column, FigureRequest, Repetition, Run, Sweep  # noqa: E402
 
 
 def column(name, unit="", kind="cost"):

@@ -11,6 +11,7 @@ from unittest import mock
 from report_case import FolderCase
 import sweep_folder
 import lodestone_report as lr
+from lodestone_report.writing import write_all
 from lodestone_report import files
 from lodestone_report.page import make_page
 from sweep_folder import small_study
@@ -68,10 +69,10 @@ class Page(FolderCase):
         target.write_text("before")
         target.chmod(0o640)
         link.symlink_to(target)
-        files.write_all({link: b"after"})
+        write_all({link: b"after"})
         self.assertTrue(link.is_symlink())
         self.assertEqual((target.read_bytes(), target.stat().st_mode & 0o777), (b"after", 0o640))
-        files.write_all({pathlib.Path("/dev/null"): b"gone"})
+        write_all({pathlib.Path("/dev/null"): b"gone"})
         self.assertFalse(os.path.isfile("/dev/null"))
 
     def test_drawing_that_fails_is_a_note_and_numbers_are_written(self):

@@ -7,7 +7,7 @@ from report_case import column, make_run, make_sweep
 from lodestone_report.findings import count_runs, reported
 from lodestone_report.reading import unsteady_results
 from lodestone_report.settings import aggregate
-from lodestone_report.study import Fault, Repetition
+from lodestone_report.runs import Fault, Repetition
 from lodestone_report.text import number_text, value_text
 
 
