@@ -1,4 +1,4 @@
-# What every target of the project is compiled with, in one place.
+# Compiler options of every target of the project, in one place.
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)

@@ -10,7 +10,7 @@
 // Q: the cell is never refined. When R sinks slowly after the finer cells have come, they appear at their parents'
 // places (lambda = 0) and move on from there: d' changes by no more than R does.
 //
-// What sinks geometrically is the excess of a limit, R - d(v_p, Q). Where a limit of excess e is larger than d, d' is
+// The excess of a limit, R - d(v_p, Q), decreases geometrically. Where a limit of excess e is larger than d, d' is
 // at least e / 2 (for d' >= d(v_p, x) and d' >= R - d(x, Q) >= e - d(v_p, x)). A step of e by a given share thus
 // changes d' by at most twice that share, everywhere: near the viewpoint, where bands are narrow, by little.
 #pragma once

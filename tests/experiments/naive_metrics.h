@@ -33,7 +33,7 @@ inline std::set<std::uint32_t> drawn_cells(const Selection& selection) {
   return cells;
 }
 
-// Where a frame draws a vertex of a leaf: up through the parents to the drawn cell, then the morph.
+// The position at which a frame draws a vertex of a leaf: up through the parents to the drawn cell, then the morph.
 struct DrawnVertex {
   Vec3f position;
   int level = 0;

@@ -1,4 +1,4 @@
-// What experiments that draw find out, where it is known beforehand.
+// Experiments that draw find the results that are known beforehand.
 #include <gtest/gtest.h>
 
 #include <string>

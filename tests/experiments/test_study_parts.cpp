@@ -1,4 +1,4 @@
-// What experiments are put together from: timing, verdicts, viewpoints, summaries, copies of a mesh.
+// The parts of experiments: timing, verdicts, viewpoints, summaries, copies of a mesh.
 #include <gtest/gtest.h>
 
 #include <algorithm>

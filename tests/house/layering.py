@@ -96,7 +96,7 @@ def circles(includes):
             continue
         arrows["the tree"]["/".join(a)].add("/".join(b))
         shared = next(i for i, (x, y) in enumerate(zip([*a, ""], [*b, ""])) if x != y)
-        # What lies in the parent itself counts as a child of its own, "parent/".
+        # Files of the parent itself count as a child of its own, "parent/".
         arrows["/".join(a[:shared])]["/".join([*a, ""][:shared + 1])].add("/".join([*b, ""][:shared + 1]))
     for parent, graph in arrows.items():
         try:

@@ -81,7 +81,7 @@ def large_functions(root):
 
 # A comment that begins without a subject, on its first line; "Where it is flat, nothing moves" is a sentence.
 FRAGMENT = re.compile(r"(?:^|[;{})\],]\s+)(?://|#) ?(?:(?:Of|Whether|Who|Whoever|How (?:far|much|many|long)) "
-                      r"|(?:What|Where) [^,]*$)")
+                      r"|What [^?]*$|Where [^,]*$)")
 NOT_PLAIN = re.compile(r"\b(?<!here )(?:is|are|was|were) no (?!longer|more|less|other|larger|smaller|greater|finer|coarser)"
                        r"|\bwhoever\b", re.IGNORECASE)
 

@@ -1,4 +1,4 @@
-// What a caller asks of a reader of mesh files, and what every reader promises. core/formats/mesh_file.h chooses among
+// Requests of a caller to a reader of mesh files, and promises of all readers. core/formats/mesh_file.h chooses among
 // the readers; the header of each format (core/formats/ply/ply.h, ...) says what it reads.
 //
 // A reader begins at the current offset and ends with the mesh. It allocates no memory for a declared count that the

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t none = 0xffff'ffffu;
 
-// Where a point nearest to p lies in a triangle, as weights of its corners that add up to 1. A triangle without area
+// The point of a triangle nearest to p, as weights of its corners that add up to 1. A triangle without area
 // gives its corner nearest to p.
 std::array<float, 3> weights_in(const std::array<Vec3d, 3>& corner, Vec3d p) {
   const Vec3d q = nearest_on_triangle(p, corner[0], corner[1], corner[2]).point;

@@ -1,4 +1,4 @@
-// What a collapse costs and whether the surface allows it, for all neighbours of a vertex at once, in lanes.
+// Costs of collapses, and tests whether the surface allows them, for all neighbours of a vertex at once, in lanes.
 #pragma once
 
 #include <algorithm>

@@ -48,8 +48,8 @@ template <int G>
   return lanes;
 }
 
-// What the candidate needs of the ring. Lane by lane: the compiler copies an aggregate in halves, and the loads that
-// follow would wait for them.
+// The part of the ring that a candidate needs. Lane by lane: the compiler copies an aggregate in halves, and the loads
+// that follow would wait for them.
 template <int G>
 [[gnu::always_inline]] inline void survey(const Block& b, Id v, unsigned n, Candidate<G>& c) {
   const Ring& ring = b.a.ring[v];

@@ -96,7 +96,7 @@ std::vector<Triangle> wedge_images(const SimplifyInput& input, const SimplifyRes
   return left;
 }
 
-// What must hold of P on wedges: empty, or the first thing that does not.
+// The properties of P on wedges: empty, or the first thing that does not.
 std::string broken_wedges(const SimplifyInput& input, const SimplifyResult& result) {
   if (result.wedge_parent.size() != input.wedge_vertex.size()) return "sizes differ";
   for (std::uint32_t w = 0; w < result.wedge_parent.size(); ++w) {

@@ -1,4 +1,4 @@
-// What every reader promises of attributes, checked without the code that makes them. For tests and fuzz harnesses.
+// The promises of every reader about attributes, checked without the code that makes them, for tests and fuzzing.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What a progressive mesh promises, checked without the code that makes or reads them: slow and obvious.
+// The promises of a progressive mesh, checked without the code that makes or reads them: slow and obvious.
 #pragma once
 
 #include <algorithm>

@@ -113,7 +113,7 @@ inline std::vector<Triangle> image(const SimplifyInput& input, const SimplifyRes
   return left;
 }
 
-// What every simplifier promises: empty, or the first thing that does not hold.
+// The promises of every simplifier: empty, or the first thing that does not hold.
 inline std::string broken_contract(const SimplifyInput& input, const SimplifyResult& result) {
   const std::size_t n = input.positions.size();
   if (result.parent.size() != n || result.positions.size() != n) return "sizes differ";
