@@ -282,7 +282,7 @@ class SplitCodec {
                    std::size_t group) {
     code_error(coder, source, group);
     Fit f = fit(star);
-    std::array<std::int32_t, 3>& p = f.position;
+    std::array<std::int32_t, 3> p{};  // not in f: the compiler keeps it in registers
     const std::array<std::int32_t, 3> goal = group < source.positions.size() ? source.positions[group] : p;
     const std::uint32_t scale = std::min(f.scale, 15u);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -299,6 +299,7 @@ class SplitCodec {
       if (p[i] < 0 || p[i] > most) fail();
     }
     values_.positions.push_back(p);
+    f.position = p;
     for (std::uint32_t w = 0; w < s.parents.size(); ++w) code_wedge_values(coder, s, star, source, f, w);
   }
 
