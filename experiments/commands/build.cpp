@@ -75,14 +75,14 @@ void report_to(Progress& progress, BuildJob& job, const CommonOptions& common) {
 }
 
 // The row, and what a person or a script may want to know besides.
-nlohmann::json to_json(const BuildResult& result, const BuildOptions& options, int threads) {
+nlohmann::json to_json(const BuildResult& result, const Row& row, const BuildOptions& options, int threads) {
   using lodestone::to_json;
   const Hierarchy& hierarchy = result.hierarchy;
   const Lattice lattice = hierarchy.transform.lattice;
   const RefineReport& refined = result.report.refinement;
   nlohmann::json stages;
   for (const auto& [name, time] : result.stages) stages[name] = to_json(time);
-  nlohmann::json json = without_nulls(to_row(result));
+  nlohmann::json json = without_nulls(row);
   json.update({{"input", options.input},
                {"level_table", level_table(hierarchy)},
                {"compressed", options.compress},
@@ -130,8 +130,7 @@ void print_notes(const BuildResult& result, const BuildOptions& options, double 
         options.input);
 }
 
-void print(const BuildResult& result, const BuildOptions& options) {
-  const Row row = to_row(result);
+void print(const BuildResult& result, const Row& row, const BuildOptions& options) {
   const auto number = [&](const char* column) { return row.at(column).get<double>(); };
   const Hierarchy& hierarchy = result.hierarchy;
   fmt::print("{}: {} triangles -> {} levels, {} cells, {} triangles stored ({:.3f} of the input)\n", options.output,
@@ -166,8 +165,9 @@ void run(const BuildOptions& options, const CommonOptions& common) {
   const BuildResult result = run(job, *scheduler);
   progress.clear();
   if (job.trace) write_trace(*job.trace, options.trace);
-  write_result(common, to_json(result, options, scheduler->workers()));
-  if (common.prints()) print(result, options);
+  const Row row = to_row(result);
+  write_result(common, to_json(result, row, options, scheduler->workers()));
+  if (common.prints()) print(result, row, options);
 }
 
 OptionTable declare(BuildOptions& o) {

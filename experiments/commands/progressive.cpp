@@ -36,9 +36,9 @@ ProgressiveJob job_of(const ProgressiveOptions& options) {
   return job;
 }
 
-nlohmann::json to_json(const ProgressiveResult& result, const ProgressiveOptions& options) {
+nlohmann::json to_json(const ProgressiveResult& result, const Row& row, const ProgressiveOptions& options) {
   using lodestone::to_json;
-  nlohmann::json json = without_nulls(to_row(result));
+  nlohmann::json json = without_nulls(row);
   json.update(
       {{"input", options.input},
        {"output", options.output},
@@ -50,8 +50,7 @@ nlohmann::json to_json(const ProgressiveResult& result, const ProgressiveOptions
   return json;
 }
 
-void print(const ProgressiveResult& result, const ProgressiveOptions& options) {
-  const Row row = to_row(result);
+void print(const ProgressiveResult& result, const Row& row, const ProgressiveOptions& options) {
   const auto number = [&](const char* column) { return row.at(column).get<double>(); };
   fmt::print("{}: {} triangles to a base of {} in {:.2f} s, {:.0f} thousand per core-second\n", options.output,
              number("input_triangles"), number("base_triangles"), number("seconds"), number("ktri_per_core_second"));
@@ -74,8 +73,9 @@ void run(const ProgressiveOptions& options, const CommonOptions& common) {
   job.on_phase = [&](const std::string& phase) { progress.phase(phase); };
   const ProgressiveResult result = run(job, *make_scheduler(common));
   progress.clear();
-  write_result(common, to_json(result, options));
-  if (common.prints()) print(result, options);
+  const Row row = to_row(result);
+  write_result(common, to_json(result, row, options));
+  if (common.prints()) print(result, row, options);
 }
 
 OptionTable declare(ProgressiveOptions& o) {

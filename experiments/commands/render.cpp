@@ -161,8 +161,9 @@ class Flight {
     progress_.clear();
     if (common_.prints()) print_warnings(result.warnings);
     if (options_.explain && common_.json != "-") fmt::print("{}", to_text(plan_, names_of(scene_)));
-    write_result(common_, result_json(result));
-    if (common_.prints()) print(result);
+    const Row row = to_row(result);
+    write_result(common_, result_json(result, row));
+    if (common_.prints()) print(result, row);
   }
 
  private:
@@ -222,10 +223,10 @@ class Flight {
     return result;
   }
 
-  [[nodiscard]] nlohmann::json result_json(const RenderResult& result) const {
+  [[nodiscard]] nlohmann::json result_json(const RenderResult& result, const Row& row) const {
     nlohmann::json frames = nlohmann::json::array();
     for (const FrameResult& frame : result.frames) frames.push_back(frame_json(frame, streamed()));
-    nlohmann::json json = without_nulls(restricted_to(without(render_columns(), round_columns), to_row(result)));
+    nlohmann::json json = without_nulls(restricted_to(without(render_columns(), round_columns), row));
     json.update({{"frames", frames},
                  {"file", options_.file},
                  {"backend", renderer_->name()},
@@ -242,8 +243,7 @@ class Flight {
     return json;
   }
 
-  void print(const RenderResult& result) const {
-    const Row row = to_row(result);
+  void print(const RenderResult& result, const Row& row) const {
     fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer_->name(),
                number_in(row, "frame_ms_median").value_or(0), writes_ ? ", pictures in " + options_.output : "");
     if (job_.measure_screen)

@@ -38,6 +38,7 @@ std::vector<ColumnInfo> columns() {
                 {"share", "%", "triangles of the level over those of the input", count},
                 {"error_estimate", "% of the diagonal", "error of the level, by the metric", accuracy},
                 {"level_seconds", "s", "taking the level out of the progressive mesh", cost},
+                {"hash", "", "hash of the progressive mesh", label},
                 {"same", "", "all rounds and a single worker make the same", label}});
   append(list, geometry_columns());
   return list;
@@ -46,6 +47,7 @@ std::vector<ColumnInfo> columns() {
 struct Made {
   ProgressiveResult result;
   Rounds times;
+  std::uint64_t hash = 0;
   bool same = true;
 };
 
@@ -55,21 +57,21 @@ Made make(const IndexedMesh& mesh, const Study& study) {
   config.base_triangles = static_cast<std::size_t>(study.parameters.integer("base"));
   Made made;
   const CostMeter meter;
-  std::uint64_t hash = 0;
   made.times = time_rounds(study.parameters.integer("rounds"), study.context, [&] {
     made.result.mesh = {};
     const CpuClock clock;
     made.result.mesh = make_progressive(mesh, config, *study.scheduler, made.result.report);
     const StageTime time = clock.elapsed();
-    made.same = made.same && (hash == 0 || hash == hash_of(made.result.mesh));
-    hash = hash_of(made.result.mesh);
+    const std::uint64_t hash = hash_of(made.result.mesh);
+    made.same = made.same && (made.hash == 0 || made.hash == hash);
+    made.hash = hash;
     return time;
   });
   made.result.peak_bytes = meter.elapsed().peak_memory;
   made.result.time = made.times.median();
   if (study.context.repetition == 0) {
     ProgressiveReport report;
-    made.same = made.same && hash == hash_of(make_progressive(mesh, config, *make_serial_scheduler(), report));
+    made.same = made.same && made.hash == hash_of(make_progressive(mesh, config, *make_serial_scheduler(), report));
   }
   return made;
 }
@@ -108,7 +110,7 @@ std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context
   const RawMesh reference = in_model_space(mesh);
   Row common = restricted_to(columns(), to_row(made.result));
   add_times(common, made.times);
-  common["same"] = made.same;
+  common["hash"] = to_hex(made.hash), common["same"] = made.same;
 
   std::vector<Row> rows;
   std::size_t target = mesh.triangles.size();

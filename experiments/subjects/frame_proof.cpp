@@ -25,11 +25,22 @@ void raise(std::optional<double>& to, const std::optional<double>& value) {
   if (value) to = std::max(to.value_or(*value), *value);
 }
 
-void increase(std::optional<double>& to, const std::optional<double>& value) {
+template <class Value>
+void raise(Row& cell, const Value& value) {
+  if (cell.is_null() || cell.get<Value>() < value) cell = value;
+}
+
+template <class Value>
+void raise(Row& cell, const std::optional<Value>& value) {
+  if (value) raise(cell, *value);
+}
+
+void increase(std::optional<std::uint64_t>& to, const std::optional<std::uint64_t>& value) {
   if (value) to = to.value_or(0) + *value;
 }
 
-double weighted_mean(double a, double weight_a, double b, double weight_b) {
+double weighted_mean(double a, std::uint64_t number_a, double b, std::uint64_t number_b) {
+  const auto weight_a = static_cast<double>(number_a), weight_b = static_cast<double>(number_b);
   return weight_a + weight_b > 0 ? (a * weight_a + b * weight_b) / (weight_a + weight_b) : 0;
 }
 
@@ -75,22 +86,20 @@ SurfaceSample FrameProof::measure(const ProofFrame& frame) {
   Selection whole;
   select_cells(hierarchy_, *morph.radii, morph.viewpoint, {.limits = morph.limits}, whole);
   SurfaceSample sample;
-  for (const SelectedCell& s : whole.cells)
-    sample.triangles += static_cast<double>(hierarchy_.cells[s.cell].triangles.size());
+  for (const SelectedCell& s : whole.cells) sample.triangles += hierarchy_.cells[s.cell].triangles.size();
 
-  sample.open_edges = static_cast<double>(residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges);
+  sample.open_edges = residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges;
   const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, screen);
   sample.gap = 100 * gaps.gap_max, sample.gap_mean = 100 * gaps.gap_mean;
-  sample.gaps = static_cast<double>(gaps.gaps), sample.gaps_in_view = static_cast<double>(gaps.gaps_in_view);
+  sample.gaps = gaps.gaps, sample.gaps_in_view = gaps.gaps_in_view;
   if (frame.thorough) {
     sample.gap_pixels = gaps.gap_max_pixels, sample.gap_mean_pixels = gaps.gap_mean_pixels;
     const double near = junction_tolerance * cell_size(hierarchy_.finest());
-    sample.t_junctions = static_cast<double>(t_junctions(morph, whole, near, scheduler_).vertices);
+    sample.t_junctions = t_junctions(morph, whole, near, scheduler_).vertices;
   }
   if (screen && frame.full_depth && closed()) {
     const LeakReport leaks = find_leaks(morph, whole, *screen, scheduler_, {.full_depth = *frame.full_depth});
-    sample.torn_pixels = static_cast<double>(leaks.torn);
-    sample.leak_pixels = static_cast<double>(leaks.leak_pixels());
+    sample.torn_pixels = leaks.torn, sample.leak_pixels = leaks.leak_pixels();
   }
   sample.jump = follow(frame, morph, std::move(whole), screen);
   return sample;
@@ -145,26 +154,25 @@ std::vector<ColumnInfo> SurfaceSummary::columns() {
 
 void SurfaceSummary::add_to(Row& row) const {
   const auto count = static_cast<double>(std::max<std::size_t>(samples_.size(), 1));
-  double triangles = 0, cracked = 0;
+  std::uint64_t triangles = 0, cracked = 0;
   for (const SurfaceSample& s : samples_) triangles += s.triangles, cracked += s.open_edges > 0 ? 1 : 0;
-  row["surface_triangles"] = triangles / count, row["cracked_frames"] = 100 * cracked / count;
+  row["surface_triangles"] = static_cast<double>(triangles) / count;
+  row["cracked_frames"] = 100 * static_cast<double>(cracked) / count;
 
   // Each the largest of all frames; null where no frame has it.
   for (const ColumnInfo& column : columns())
     if (!row.contains(column.name)) row[column.name] = nullptr;
-  const auto largest = [&](const char* column, std::optional<double> value) {
-    if (value) row[column] = std::max(number_in(row, column).value_or(*value), *value);
-  };
   bool bounded = true;
   for (const SurfaceSample& s : samples_) {
-    largest("open_edges", s.open_edges), largest("t_junctions", s.t_junctions);
-    largest("gap_max", s.gap), largest("gap_mean", s.gap_mean), largest("gap_pixels", s.gap_pixels);
-    largest("gap_mean_pixels", s.gap_mean_pixels);
-    largest("torn_pixels", s.torn_pixels), largest("leak_pixels", s.leak_pixels);
+    raise(row["open_edges"], s.open_edges), raise(row["t_junctions"], s.t_junctions);
+    raise(row["gap_max"], s.gap), raise(row["gap_mean"], s.gap_mean), raise(row["gap_pixels"], s.gap_pixels);
+    raise(row["gap_mean_pixels"], s.gap_mean_pixels);
+    raise(row["torn_pixels"], s.torn_pixels), raise(row["leak_pixels"], s.leak_pixels);
     if (!s.jump) continue;
-    largest("jump_max", s.jump->largest), largest("jump_p99", s.jump->p99), largest("jump_per_step", s.jump->per_step);
-    largest("jump_pixels", s.jump->pixels), largest("jump_p99_pixels", s.jump->p99_pixels);
-    largest("jump_over_bound", s.jump->over_bound);
+    raise(row["jump_max"], s.jump->largest), raise(row["jump_p99"], s.jump->p99);
+    raise(row["jump_per_step"], s.jump->per_step);
+    raise(row["jump_pixels"], s.jump->pixels), raise(row["jump_p99_pixels"], s.jump->p99_pixels);
+    raise(row["jump_over_bound"], s.jump->over_bound);
     bounded = bounded && s.jump->over_bound;
   }
   if (!bounded) row["jump_over_bound"] = nullptr;

@@ -25,12 +25,13 @@ struct JumpSample {
 
 // One frame. Lengths in percent of the model's extent.
 struct SurfaceSample {
-  double triangles = 0, open_edges = 0, gap = 0, gap_mean = 0;
-  std::optional<double> gap_pixels{}, gap_mean_pixels{};  // of a thorough proof
-  double gaps = 0, gaps_in_view = 0;                      // numbers, which weigh the means
-  std::optional<double> t_junctions{};                    // of a thorough proof
-  std::optional<double> torn_pixels{}, leak_pixels{};     // of closed models
-  std::optional<JumpSample> jump{};                       // where it follows the frame before
+  std::uint64_t triangles = 0, open_edges = 0;
+  double gap = 0, gap_mean = 0;
+  std::optional<double> gap_pixels{}, gap_mean_pixels{};      // of a thorough proof
+  std::uint64_t gaps = 0, gaps_in_view = 0;                   // numbers, which weigh the means
+  std::optional<std::uint64_t> t_junctions{};                 // of a thorough proof
+  std::optional<std::uint64_t> torn_pixels{}, leak_pixels{};  // of closed models
+  std::optional<JumpSample> jump{};                           // where it follows the frame before
 };
 
 // Adds another model of the same frame: counts are summed, lengths are the largest of any.

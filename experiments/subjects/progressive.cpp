@@ -5,7 +5,6 @@
 #include "core/progressive/mesh/level.h"
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/metrics/cracks/progressive_cracks.h"
-#include "experiments/subjects/result_hash.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/scheduler/clock.h"
@@ -49,7 +48,6 @@ const std::vector<Column<ProgressiveResult>>& columns() {
       {{"peak_bytes", "bytes", "largest resident set", cost}, [](R r) { return r.peak_bytes; }},
       {{"residual_edges", "", "cracks: edges of a level's border that are not the image of the input's", count},
        [](R r) { return or_null(r.residual_edges); }},
-      {{"hash", "", "hash of the progressive mesh", label}, [](R r) { return to_hex(hash_of(r.mesh)); }},
   };
   return list;
 }
