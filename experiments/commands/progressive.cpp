@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include "core/progressive/mesh/level.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -36,17 +35,21 @@ ProgressiveJob job_of(const ProgressiveOptions& options) {
   return job;
 }
 
+// In units of the model; 0 where nothing has collapsed.
+double base_error(const ProgressiveMesh& mesh) {
+  return mesh.base_vertices < mesh.vertex_count() ? mesh.errors[mesh.base_vertices] * mesh.transform.scale : 0;
+}
+
 nlohmann::json to_json(const ProgressiveResult& result, const Row& row, const ProgressiveOptions& options) {
   using lodestone::to_json;
   nlohmann::json json = without_nulls(row);
-  json.update(
-      {{"input", options.input},
-       {"output", options.output},
-       {"metric", options.metric},
-       {"base_error", LevelFinder(result.mesh).error_of(result.mesh.base_vertices) * result.mesh.transform.scale},
-       {"collapse_rounds", result.report.rounds},
-       {"repairs", to_json(result.repairs)},
-       {"warnings", result.warnings}});
+  json.update({{"input", options.input},
+               {"output", options.output},
+               {"metric", options.metric},
+               {"base_error", base_error(result.mesh)},
+               {"collapse_rounds", result.report.rounds},
+               {"repairs", to_json(result.repairs)},
+               {"warnings", result.warnings}});
   return json;
 }
 
