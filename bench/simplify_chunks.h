@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/mesh/generate.h"
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone::bench {
 

@@ -8,7 +8,7 @@
 
 #include "core/formats/mesh_file.h"
 #include "core/mesh/edge_census.h"
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/subjects/build.h"

@@ -219,9 +219,9 @@ OptionTable declare(SweepOptions& o) {
 void add_sweep(CLI::App& app) {
   define_command(app,
                  {"sweep", "Run an experiment over parameters and data; status 1 when a run failed",
-                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --dry-run\n"
-                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --small\n"
-                  "  lodestone sweep experiments/sweeps/ablation.toml -o ablation --resume --shard 2/8\n"
+                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --dry-run\n"
+                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --small\n"
+                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --resume --shard 2/8\n"
                   "  lodestone sweep --merge part1 part2 -o ablation\n",
                   "Threads that make data; those of a run are a parameter of its experiment"},
                  declare, run);

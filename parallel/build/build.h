@@ -14,7 +14,7 @@
 
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/mesh/refine.h"
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 

@@ -73,9 +73,9 @@ class Columns(CommandCase):
         return {entry["name"] for entry in about["parameters"] + about["columns"]} | {"data"}
 
     def test_are_those_of_the_experiments(self):
-        self.assertEqual(sorted(results.STUDIES), sorted(path.stem for path in (ROOT / "experiments/sweeps").glob("*.toml")))
+        self.assertEqual(sorted(results.STUDIES), sorted(path.stem for path in (ROOT / "experiments/studies/standard").glob("*.toml")))
         for page in result_tables.PAGES:
-            text = (ROOT / "experiments/sweeps" / f"{page.study}.toml").read_text(encoding="utf-8")
+            text = (ROOT / "experiments/studies/standard" / f"{page.study}.toml").read_text(encoding="utf-8")
             experiments = dict(re.findall(r'\[\[sweep\]\]\nname = "(\w+)"\nexperiment = "(\w+)"', text))
             self.assertEqual({name for table in page.tables for name in table.sweeps}, set(experiments), page.study)
             for table in page.tables:

@@ -156,7 +156,7 @@ TEST(StudyList, NamesAreUniqueAndExplained) {
 TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
   std::size_t files = 0;
   for (const auto& file :
-       std::filesystem::directory_iterator(std::string(LODESTONE_SOURCE_DIR) + "/experiments/sweeps")) {
+       std::filesystem::directory_iterator(std::string(LODESTONE_SOURCE_DIR) + "/experiments/studies/standard")) {
     const SweepFile standard = load_sweep_file(file.path().string(), SweepForm::standard);
     const SweepFile full = load_sweep_file(file.path().string(), SweepForm::full);
     const SweepFile small = load_sweep_file(file.path().string(), SweepForm::small);
@@ -178,7 +178,7 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
 
 // A run is one system: times of two are comparable by repetitions alone, which take turns.
 TEST(SweepFiles, SystemsTakeTurns) {
-  const std::string file = std::string(LODESTONE_SOURCE_DIR) + "/experiments/sweeps/systems.toml";
+  const std::string file = std::string(LODESTONE_SOURCE_DIR) + "/experiments/studies/standard/systems.toml";
   for (const SweepForm form : {SweepForm::standard, SweepForm::full})
     for (const SweepSection& sweep : load_sweep_file(file, form).sweeps) {
       EXPECT_GE(sweep.repetitions, 3) << sweep.name;

@@ -9,7 +9,7 @@
 #include "core/hierarchy/build/cell_build.h"
 #include "core/hierarchy/build/cell_table.h"
 #include "core/hierarchy/build/star_distance.h"
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone {
 

@@ -13,7 +13,7 @@
 
 #include "core/base/disjoint_sets.h"
 #include "core/math/vec3.h"
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone {
 

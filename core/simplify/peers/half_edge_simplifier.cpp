@@ -9,7 +9,7 @@
 #include <OpenMesh/Tools/Decimater/ModBaseT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
-#include "core/simplify/block/collapse_mesh.h"
+#include "core/simplify/contract/collapse_mesh.h"
 #include "core/simplify/peers/peers.h"
 
 namespace lodestone {

@@ -9,7 +9,7 @@
 #include <algorithm>
 
 #include "core/math/box3.h"
-#include "core/simplify/block/collapse_mesh.h"
+#include "core/simplify/contract/collapse_mesh.h"
 #include "core/simplify/peers/peers.h"
 
 namespace lodestone {

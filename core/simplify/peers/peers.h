@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone {
 

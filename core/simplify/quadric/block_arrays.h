@@ -11,7 +11,7 @@
 
 #include "core/math/lanes/aligned_point.h"
 #include "core/math/quadric.h"
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone::quadric {
 

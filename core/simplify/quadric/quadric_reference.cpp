@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "core/math/quadric.h"
-#include "core/simplify/block/collapse_mesh.h"
+#include "core/simplify/contract/collapse_mesh.h"
 
 namespace lodestone {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/base/instruction_set.h"
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone {
 

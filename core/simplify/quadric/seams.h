@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 #include "core/simplify/quadric/block_arrays.h"
 
 namespace lodestone::quadric {

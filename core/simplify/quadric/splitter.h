@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone::quadric {
 

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 namespace lodestone::simplify_test {
 

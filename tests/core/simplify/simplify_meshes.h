@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::simplify_test {

@@ -1,4 +1,4 @@
-#include "core/simplify/block/collapse_mesh.h"
+#include "core/simplify/contract/collapse_mesh.h"
 
 #include <algorithm>
 #include <iterator>

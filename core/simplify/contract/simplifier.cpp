@@ -1,4 +1,4 @@
-#include "core/simplify/block/simplifier.h"
+#include "core/simplify/contract/simplifier.h"
 
 #include <array>
 #include <string>
