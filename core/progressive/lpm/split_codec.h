@@ -2,9 +2,7 @@
 //
 // The parent is one of the vertices so far; the rest is determined by the triangles around it, so that a parent,
 // a neighbour and a count replace three index lists (hoppe1998's vertex splits). Positions and texture coordinates are
-// integers, predicted from the star of the new vertex: the middle of its neighbours, moved into their mean plane along
-// the axis closest to its normal once the other two coordinates are known; texture coordinates by the linear map that
-// fits the star best. All of it is exact in double, so that every reader predicts the same.
+// differences from their predictions (split_prediction.h).
 #pragma once
 
 #include <algorithm>
@@ -18,18 +16,10 @@
 #include "core/base/error.h"
 #include "core/mesh/attributes.h"
 #include "core/progressive/lpm/range_coder.h"
+#include "core/progressive/lpm/split_prediction.h"
 #include "core/progressive/mesh/split_mesh.h"
 
 namespace lodestone::progressive {
-
-// The values of vertices as integers, by group or by wedge; empty if the mesh has none.
-struct LatticeValues {
-  std::vector<std::array<std::int32_t, 3>> positions;
-  std::vector<std::uint16_t> errors;  // the upper half of a float, rounded up
-  std::vector<std::array<std::int32_t, 2>> uv;
-  std::vector<Rgba8> colours;
-  std::vector<std::uint32_t> materials;  // index, or no_material
-};
 
 struct CodecSettings {
   std::uint32_t position_bits = 12, uv_bits = 12;
@@ -240,48 +230,12 @@ class SplitCodec {
     values_.errors.push_back(static_cast<std::uint16_t>(before - coded));
   }
 
-  // A star before its vertex has a position: sums over its neighbours.
-  struct Fit {
-    std::array<std::size_t, 3> axis{};  // two along the surface, then the one closest to its normal
-    std::array<double, 3> middle{}, normal{};
-    std::array<std::int32_t, 3> position{};  // of the vertex, once it is known
-    std::uint32_t scale = 0;                 // bits of the largest distance of a neighbour from the first one
-  };
-
-  [[nodiscard]] Fit fit(const SplitMesh::Star& star) const {
-    Fit f;
-    const auto at = [&](std::size_t k) -> const std::array<std::int32_t, 3>& {
-      return values_.positions[star.spokes[k].vertex];
-    };
-    const std::size_t n = star.spokes.size();
-    std::int32_t far = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const std::size_t m = (k + 1) % n;
-      double d[3], e[3];
-      for (std::size_t i = 0; i < 3; ++i) {
-        f.middle[i] += at(k)[i];
-        d[i] = at(k)[i] - at(0)[i];
-        e[i] = at(m)[i] - at(0)[i];
-        far = std::max(far, std::abs(at(k)[i] - at(0)[i]));
-      }
-      for (std::size_t i = 0; i < 3; ++i)
-        f.normal[i] += d[(i + 1) % 3] * e[(i + 2) % 3] - d[(i + 2) % 3] * e[(i + 1) % 3];
-    }
-    for (double& x : f.middle) x /= static_cast<double>(n);
-    const auto size = [&](std::size_t i) { return std::abs(f.normal[i]); };
-    f.axis[2] = size(0) >= size(1) && size(0) >= size(2) ? 0 : size(1) >= size(2) ? 1 : 2;
-    f.axis[0] = (f.axis[2] + 1) % 3;
-    f.axis[1] = (f.axis[2] + 2) % 3;
-    while (far >> f.scale != 0) ++f.scale;
-    return f;
-  }
-
   static std::int32_t rounded(double x) { return static_cast<std::int32_t>(std::floor(x + 0.5)); }
 
   void code_values(Coder& coder, const SplitMesh::Split& s, const SplitMesh::Star& star, const LatticeValues& source,
                    std::size_t group) {
     code_error(coder, source, group);
-    Fit f = fit(star);
+    StarFit f = fit_star(star, values_.positions);
     std::array<std::int32_t, 3> p{};  // not in f: the compiler keeps it in registers
     const std::array<std::int32_t, 3> goal = group < source.positions.size() ? source.positions[group] : p;
     const std::uint32_t scale = std::min(f.scale, 15u);
@@ -325,13 +279,13 @@ class SplitCodec {
   }
 
   void code_wedge_values(Coder& coder, const SplitMesh::Split& s, const SplitMesh::Star& star,
-                         const LatticeValues& source, const Fit& f, std::uint32_t w) {
+                         const LatticeValues& source, const StarFit& f, std::uint32_t w) {
     const std::size_t wedge = star.first_wedge + w;
     if (settings_.materials) values_.materials.push_back(values_.materials[s.parents[w]]);
     if (settings_.uv) {
       split_parent_ = s.parent, split_parents_ = s.parents, wedge_a_ = s.wedge_a, wedge_b_ = s.wedge_b;
       list_corners(star, static_cast<std::uint32_t>(wedge));
-      const std::array<double, 2> guess = guess_uv(f, s.parents[w]);
+      const std::array<double, 2> guess = guess_uv(f, corners_, values_, s.parents[w]);
       std::array<std::int32_t, 2> uv{};
       const std::int32_t most = 1 << settings_.uv_bits;
       for (std::size_t i = 0; i < 2; ++i) {
@@ -352,36 +306,10 @@ class SplitCodec {
     values_.colours.push_back(c);
   }
 
-  // The linear map from the two coordinates along the surface to the texture, by least squares over the corners.
-  [[nodiscard]] std::array<double, 2> guess_uv(const Fit& f, std::uint32_t parent) const {
-    if (corners_.empty()) return {double(values_.uv[parent][0]), double(values_.uv[parent][1])};
-    const double n = static_cast<double>(corners_.size());
-    double mx = 0, my = 0, mu = 0, mv = 0;
-    for (const Corner& c : corners_) {
-      mx += values_.positions[c.vertex][f.axis[0]], my += values_.positions[c.vertex][f.axis[1]];
-      mu += values_.uv[c.wedge][0], mv += values_.uv[c.wedge][1];
-    }
-    mx /= n, my /= n, mu /= n, mv /= n;
-    double xx = 0, xy = 0, yy = 0, xu = 0, yu = 0, xv = 0, yv = 0;
-    for (const Corner& c : corners_) {
-      const double x = values_.positions[c.vertex][f.axis[0]] - mx, y = values_.positions[c.vertex][f.axis[1]] - my;
-      const double u = values_.uv[c.wedge][0] - mu, v = values_.uv[c.wedge][1] - mv;
-      xx += x * x, xy += x * y, yy += y * y, xu += x * u, yu += y * u, xv += x * v, yv += y * v;
-    }
-    const double det = xx * yy - xy * xy, x = f.position[f.axis[0]] - mx, y = f.position[f.axis[1]] - my;
-    if (!(det > 1e-3 * (xx * yy))) return {mu, mv};
-    return {mu + (x * (xu * yy - yu * xy) + y * (yu * xx - xu * xy)) / det,
-            mv + (x * (xv * yy - yv * xy) + y * (yv * xx - xv * xy)) / det};
-  }
-
-  struct Corner {
-    std::uint32_t vertex, wedge;
-  };
-
   CodecSettings settings_;
   SplitMesh& mesh_;
   LatticeValues& values_;
-  std::vector<Corner> corners_;
+  std::vector<StarCorner> corners_;
   std::uint32_t split_parent_ = 0, wedge_a_ = 0, wedge_b_ = 0;
   std::vector<std::uint32_t> split_parents_;
 

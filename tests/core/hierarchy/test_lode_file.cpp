@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_file.h"
@@ -48,14 +49,11 @@ bool same(std::span<const T> a, std::span<const T> b) {
 void expect_equal(const Hierarchy& a, const Hierarchy& b) {
   EXPECT_EQ(a.transform, b.transform);
   EXPECT_EQ(a.sigma0, b.sigma0);
-  EXPECT_EQ(a.provenance.repairs, b.provenance.repairs);
-  EXPECT_EQ(a.provenance.fingerprint, b.provenance.fingerprint);
-  EXPECT_EQ(a.provenance.input_vertices, b.provenance.input_vertices);
-  EXPECT_EQ(a.provenance.input_triangles, b.provenance.input_triangles);
-  EXPECT_EQ(a.provenance.simplifier, b.provenance.simplifier);
-  EXPECT_EQ(a.provenance.cell_triangles, b.provenance.cell_triangles);
-  EXPECT_EQ(a.provenance.measured_errors, b.provenance.measured_errors);
-  EXPECT_EQ(a.provenance.refined, b.provenance.refined);
+  const auto provenance = [](const Provenance& p) {
+    return std::tie(p.repairs, p.fingerprint, p.input_vertices, p.input_triangles, p.simplifier, p.cell_triangles,
+                    p.measured_errors, p.refined);
+  };
+  EXPECT_TRUE(provenance(a.provenance) == provenance(b.provenance));
   ASSERT_EQ(a.levels.size(), b.levels.size());
   for (std::size_t l = 0; l < a.levels.size(); ++l) {
     EXPECT_EQ(a.levels[l].first_cell, b.levels[l].first_cell);
