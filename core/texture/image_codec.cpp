@@ -2,7 +2,10 @@
 
 #include <png.h>
 #include <turbojpeg.h>
+#include <webp/decode.h>
+#include <webp/encode.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "core/base/error.h"
@@ -11,7 +14,6 @@ namespace lodestone {
 namespace {
 
 constexpr std::uint64_t max_pixels = std::uint64_t{1} << 28;
-constexpr int jpeg_quality = 90;
 
 void require_size(PixelSize size) {
   if (size.width == 0 || size.height == 0) throw InputError("has no pixels");
@@ -104,7 +106,7 @@ PixelImage decode_jpeg(std::span<const char> bytes) {
   return image;
 }
 
-std::vector<char> encode_jpeg(const PixelImage& image) {
+std::vector<char> encode_jpeg(const PixelImage& image, int quality) {
   const TurboHandle turbo(tjInitCompress(), tjDestroy);
   unsigned char* bytes = nullptr;
   unsigned long size = 0;
@@ -115,10 +117,80 @@ std::vector<char> encode_jpeg(const PixelImage& image) {
                                       image.channels == 1   ? TJPF_GRAY
                                       : image.channels == 3 ? TJPF_RGB
                                                             : TJPF_RGBX,
-                                      &bytes, &size, chroma, jpeg_quality, TJFLAG_ACCURATEDCT) != 0;
+                                      &bytes, &size, chroma, quality, TJFLAG_ACCURATEDCT) != 0;
   const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owned(bytes, tjFree);
   if (failed) throw ResourceError(std::string("cannot be encoded: ") + tjGetErrorStr2(turbo.get()));
   return {bytes, bytes + size};
+}
+
+// WebP.
+
+struct WebpHeader {
+  PixelSize size;
+  bool alpha = false;
+};
+
+WebpHeader read_webp_header(std::span<const char> bytes) {
+  WebPBitstreamFeatures features;
+  if (WebPGetFeatures(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), &features) != VP8_STATUS_OK)
+    throw InputError("is not a valid WebP image");
+  if (features.has_animation != 0) throw UnsupportedError("is an animated WebP image");
+  const WebpHeader header{{static_cast<std::uint32_t>(features.width), static_cast<std::uint32_t>(features.height)},
+                          features.has_alpha != 0};
+  require_size(header.size);
+  return header;
+}
+
+PixelImage decode_webp(std::span<const char> bytes) {
+  const WebpHeader header = read_webp_header(bytes);
+  PixelImage image{.size = header.size, .channels = header.alpha ? 4u : 3u, .pixels = {}};
+  image.pixels.resize(std::size_t{image.size.width} * image.size.height * image.channels);
+  const auto* const data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  const int stride = static_cast<int>(image.size.width * image.channels);
+  const auto decode = header.alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
+  if (decode(data, bytes.size(), image.pixels.data(), image.pixels.size(), stride) == nullptr)
+    throw InputError("is not a valid WebP image");
+  return image;
+}
+
+// WebP knows no grey.
+std::vector<std::uint8_t> three_channels(const PixelImage& image) {
+  std::vector<std::uint8_t> pixels;
+  pixels.reserve(3 * image.pixels.size());
+  for (const std::uint8_t x : image.pixels) pixels.insert(pixels.end(), 3, x);
+  return pixels;
+}
+
+std::vector<char> encode_webp(const PixelImage& image, int quality) {
+  if (std::max(image.size.width, image.size.height) > WEBP_MAX_DIMENSION)
+    throw UnsupportedError("has more than " + std::to_string(WEBP_MAX_DIMENSION) + " pixels a side, too many for WebP");
+  const std::vector<std::uint8_t> grey = image.channels == 1 ? three_channels(image) : std::vector<std::uint8_t>();
+  const std::uint8_t* const pixels = grey.empty() ? image.pixels.data() : grey.data();
+  const std::uint32_t channels = grey.empty() ? image.channels : 3;
+  WebPConfig config;
+  WebPPicture picture;
+  bool good = WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, static_cast<float>(quality)) != 0 &&
+              WebPPictureInit(&picture) != 0;
+  if (!good) throw ResourceError("cannot be encoded: another version of libwebp");
+  config.lossless = quality == 100 ? 1 : 0;
+  config.exact = 1;  // also colours where alpha is zero: filters read them
+  config.use_sharp_yuv = 1;
+  picture.use_argb = 1;
+  picture.width = static_cast<int>(image.size.width);
+  picture.height = static_cast<int>(image.size.height);
+  WebPMemoryWriter writer;
+  WebPMemoryWriterInit(&writer);
+  picture.writer = WebPMemoryWrite;
+  picture.custom_ptr = &writer;
+  const auto import = channels == 4 ? WebPPictureImportRGBA : WebPPictureImportRGB;
+  good = import(&picture, pixels, static_cast<int>(channels * image.size.width)) != 0 &&
+         WebPEncode(&config, &picture) != 0;
+  std::vector<char> bytes(writer.mem, writer.mem + writer.size);
+  const int fault = picture.error_code;
+  WebPPictureFree(&picture);
+  WebPMemoryWriterClear(&writer);
+  if (!good) throw ResourceError("cannot be encoded: libwebp reports error " + std::to_string(fault));
+  return bytes;
 }
 
 }  // namespace
@@ -126,6 +198,7 @@ std::vector<char> encode_jpeg(const PixelImage& image) {
 PixelImage decode_image(std::span<const char> bytes, const std::string& media_type) {
   if (media_type == "image/png") return decode_png(bytes);
   if (media_type == "image/jpeg") return decode_jpeg(bytes);
+  if (media_type == "image/webp") return decode_webp(bytes);
   refuse_type(media_type);
 }
 
@@ -135,14 +208,16 @@ PixelSize image_size(std::span<const char> bytes, const std::string& media_type)
     open_png(png, bytes);
     return {png.header.width, png.header.height};
   }
+  if (media_type == "image/webp") return read_webp_header(bytes).size;
   if (media_type != "image/jpeg") refuse_type(media_type);
   const TurboHandle turbo(tjInitDecompress(), tjDestroy);
   return read_jpeg_header(turbo.get(), bytes).size;
 }
 
-std::vector<char> encode_image(const PixelImage& image, const std::string& media_type) {
+std::vector<char> encode_image(const PixelImage& image, const std::string& media_type, int quality) {
   if (media_type == "image/png") return encode_png(image);
-  if (media_type == "image/jpeg") return encode_jpeg(image);
+  if (media_type == "image/jpeg") return encode_jpeg(image, quality);
+  if (media_type == "image/webp") return encode_webp(image, quality);
   refuse_type(media_type);
 }
 

@@ -1,4 +1,4 @@
-// Images between their encoded bytes and pixels: PNG by libpng, JPEG by libjpeg-turbo.
+// Images between their encoded bytes and pixels: PNG by libpng, JPEG by libjpeg-turbo, WebP by libwebp.
 #pragma once
 
 #include <cstddef>
@@ -24,15 +24,16 @@ struct PixelImage {
 };
 
 // Pixels as they are encoded: in sRGB for colours. 16 bits become 8, palettes become colours. Throws UnsupportedError
-// for formats other than image/png and image/jpeg, for CMYK JPEG, for more than 2^28 pixels; InputError for damaged
-// images. The message does not name the file.
+// for formats other than image/png, image/jpeg and image/webp, for CMYK JPEG, animated WebP, for more than 2^28 pixels;
+// InputError for damaged images. The message does not name the file.
 [[nodiscard]] PixelImage decode_image(std::span<const char> bytes, const std::string& media_type);
 
 // Size of the encoded image, from its header. Throws the same.
 [[nodiscard]] PixelSize image_size(std::span<const char> bytes, const std::string& media_type);
 
-// JPEG of quality 90, PNG of 8 bits. Equal pixels give equal bytes with one version of the libraries. Throws
-// UnsupportedError for other formats, ResourceError when the library fails.
-[[nodiscard]] std::vector<char> encode_image(const PixelImage& image, const std::string& media_type);
+// The quality of JPEG and WebP, from 1 to 100; WebP of quality 100 is without loss, as PNG of 8 bits always is. Equal
+// pixels give equal bytes with one version of the libraries. Throws UnsupportedError for other formats and for WebP of
+// more than 16383 pixels a side, ResourceError when the library fails.
+[[nodiscard]] std::vector<char> encode_image(const PixelImage& image, const std::string& media_type, int quality = 90);
 
 }  // namespace lodestone

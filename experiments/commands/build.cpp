@@ -189,7 +189,7 @@ OptionTable declare(BuildOptions& o) {
            .of_type("BITS"),
        {"--texture-levels", &o.texture_levels,
         "Store copies of the textures for coarser levels, each half the width and height of the next finer level's "
-        "down to 32 pixels a side; of PNG and JPEG"},
+        "down to 32 pixels a side; of PNG, JPEG and WebP"},
        {"--simplifier", &o.simplifier,
         "quadric, cluster (fast and coarse), openmesh (its decimater: the reference, slow) or meshopt (the peer); all "
         "keep the bound, locks, borders and, except for cluster, the topology"},

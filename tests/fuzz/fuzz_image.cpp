@@ -1,4 +1,4 @@
-// PNG and JPEG: any bytes give pixels that can be halved and encoded again, or an Error.
+// PNG, JPEG and WebP: any bytes give pixels that can be halved and encoded again, or an Error.
 #include <cstdint>
 #include <cstdlib>
 
@@ -8,7 +8,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace lodestone;
   const std::span<const char> bytes(reinterpret_cast<const char*>(data), size);
-  for (const char* type : {"image/png", "image/jpeg"}) {
+  for (const char* type : {"image/png", "image/jpeg", "image/webp"}) {
     try {
       const PixelSize declared = image_size(bytes, type);
       if (std::uint64_t{declared.width} * declared.height > 1u << 20) return 0;  // it is not memory that is tested

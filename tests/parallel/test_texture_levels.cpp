@@ -34,7 +34,7 @@ Hierarchy textured(Scheduler& scheduler) {
   raw.textures = {{.name = "photo", .media_type = "image/jpeg", .bytes = image(200, 3, "image/jpeg")},
                   {.name = "broken", .media_type = "image/png", .bytes = {'x'}},
                   {.name = "bumps", .media_type = "image/png", .bytes = image(128, 3, "image/png")},
-                  {.name = "web", .media_type = "image/webp", .bytes = {'R'}},
+                  {.name = "web", .media_type = "image/ktx2", .bytes = {'R'}},
                   {.name = "grey", .media_type = "image/png", .bytes = image(512, 1, "image/png")}};
   raw.materials = {{.name = "a", .texture = 0, .normal_map = 2}, {.name = "b", .texture = 4, .normal_map = 1}};
   Repairs repairs;
@@ -55,7 +55,7 @@ TEST(TextureLevels, AreTheSameForAnyNumberOfThreadsAndSurviveTheFile) {
   const std::vector<std::string> warnings = add_texture_copies(h, *serial);
   ASSERT_EQ(warnings.size(), 2u);
   EXPECT_NE(warnings[0].find("'broken' is not a valid PNG"), std::string::npos) << warnings[0];
-  EXPECT_NE(warnings[1].find("'web' is of type image/webp"), std::string::npos) << warnings[1];
+  EXPECT_NE(warnings[1].find("'web' is of type image/ktx2"), std::string::npos) << warnings[1];
   std::vector<std::array<std::uint32_t, 3>> sizes;
   for (const TextureCopy& c : h.texture_copies) sizes.push_back({c.texture, c.halvings, c.width});
   EXPECT_EQ(sizes, (std::vector<std::array<std::uint32_t, 3>>{

@@ -177,14 +177,14 @@ TEST_F(Textures, ReducedOnesComeFromTheirCopies) {
 TEST_F(Textures, ThoseThatCannotBeHadAreMarked) {
   Texture damaged = as_texture("damaged.png", painted({32, 32}, motley)), foreign = damaged, bumpy = damaged;
   damaged.bytes.resize(damaged.bytes.size() / 2);
-  foreign.name = "foreign.webp", foreign.media_type = "image/webp", foreign.bytes.assign(20, 'x');
+  foreign.name = "foreign.ktx2", foreign.media_type = "image/ktx2", foreign.bytes.assign(20, 'x');
   bumpy.name = "bumpy.png", bumpy.bytes.resize(bumpy.bytes.size() / 2);
   models_ = {planar_model(0, {}, {damaged, foreign, bumpy}, {material(0, 2), material(1), material(0)})};
   set_models();
   EXPECT_EQ(prepare(), 3u);
   const std::vector<std::string> warnings = textures_.take_warnings();
   ASSERT_EQ(warnings.size(), 3u);
-  for (const char* name : {"damaged.png", "foreign.webp", "bumpy.png"})
+  for (const char* name : {"damaged.png", "foreign.ktx2", "bumpy.png"})
     EXPECT_TRUE(std::ranges::any_of(warnings, [&](const std::string& w) { return w.find(name) != w.npos; })) << name;
   EXPECT_EQ(prepare(), 0u);
   EXPECT_TRUE(textures_.take_warnings().empty());

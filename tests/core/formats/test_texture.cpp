@@ -170,6 +170,25 @@ TEST(ImageCodec, JpegKeepsWhatIsSeen) {
   }
 }
 
+TEST(ImageCodec, WebpKeepsWhatIsSeenAndEveryByteAtQuality100) {
+  for (const std::uint32_t channels : {3u, 4u}) {
+    const PixelImage exact = noise(37, 19, channels);
+    const std::vector<char> bytes = encode_image(exact, "image/webp", 100);
+    EXPECT_EQ(decode_image(bytes, "image/webp"), exact);
+    EXPECT_EQ(image_size(bytes, "image/webp"), (PixelSize{37, 19}));
+    EXPECT_EQ(encode_image(exact, "image/webp", 100), bytes);
+  }
+  const PixelImage image = gradient(50, 41, 3);
+  const std::vector<char> fine = encode_image(image, "image/webp"), coarse = encode_image(image, "image/webp", 10);
+  EXPECT_LT(coarse.size(), fine.size());
+  const PixelImage read = decode_image(fine, "image/webp");
+  ASSERT_EQ(read.size, image.size);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) ASSERT_NEAR(read.pixels[i], image.pixels[i], 12);
+  const PixelImage grey = decode_image(encode_image(noise(9, 7, 1), "image/webp", 100), "image/webp");
+  EXPECT_EQ(grey.channels, 3u);
+  for (std::size_t i = 0; i < 63; ++i) ASSERT_EQ(grey.pixels[3 * i + 2], noise(9, 7, 1).pixels[i]);
+}
+
 TEST(ImageCodec, ChromaIsSampledAsBefore) {
   for (const int chroma : {TJSAMP_444, TJSAMP_420}) {
     PixelImage image = gradient(64, 64, 3);
@@ -199,9 +218,14 @@ TEST(ImageCodec, RefusesWhatItCannotDecode) {
   for (const std::size_t size : {std::size_t{0}, std::size_t{10}})
     expect_refusal<InputError>({jpeg.begin(), jpeg.begin() + static_cast<std::ptrdiff_t>(size)}, "image/jpeg", "");
   expect_refusal<InputError>(png, "image/jpeg", "JPEG");
-  expect_refusal<UnsupportedError>(png, "image/webp", "image/webp");
+  const std::vector<char> webp = encode_image(noise(40, 40, 3), "image/webp");
+  for (const std::size_t size : {std::size_t{0}, std::size_t{10}, webp.size() / 2})
+    expect_refusal<InputError>({webp.begin(), webp.begin() + static_cast<std::ptrdiff_t>(size)}, "image/webp", "WebP");
+  expect_refusal<InputError>(png, "image/webp", "WebP");
+  expect_refusal<UnsupportedError>(png, "image/ktx2", "image/ktx2");
   EXPECT_THROW((void)image_size(png, "image/ktx2"), UnsupportedError);
   EXPECT_THROW((void)encode_image(noise(4, 4, 3), "image/ktx2"), UnsupportedError);
+  EXPECT_THROW((void)encode_image(noise(20000, 1, 3), "image/webp"), UnsupportedError);
   std::vector<char> huge = png;  // width and height stand at 16; the checksum over them is then wrong, too
   huge[16] = huge[20] = 0x40;
   EXPECT_THROW((void)image_size(huge, "image/png"), Error);
