@@ -6,11 +6,14 @@
 // beside the triangles and no second copy of them.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/base/key_numbers.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/indexed_mesh.h"
 
@@ -78,18 +81,15 @@ void number_vertices(std::span<const VertexState> states, std::uint32_t first, s
 template <class Equals, class Found>
 void RepeatFinder::find(std::span<const HashedItem> bucket, const Equals& equals, const Found& found) {
   constexpr std::uint32_t empty = 0xFFFFFFFF;
-  std::size_t capacity = 16;
-  while (capacity < 2 * bucket.size()) capacity *= 2;
-  slots_.assign(capacity, {0, empty});
-  const std::size_t mask = capacity - 1;
+  slots_.assign(std::bit_ceil(std::max<std::size_t>(16, 2 * bucket.size())), {0, empty});
   for (const HashedItem& item : bucket) {
-    std::size_t at = item.hash & mask;
-    while (slots_[at].index != empty && !(slots_[at].hash == item.hash && equals(item.index, slots_[at].index)))
-      at = (at + 1) & mask;
-    if (slots_[at].index == empty) {
-      slots_[at] = item;
+    HashedItem& slot = probe(slots_.data(), slots_.size() - 1, item.hash, [&](const HashedItem& known) {
+      return known.index == empty || (known.hash == item.hash && equals(item.index, known.index));
+    });
+    if (slot.index == empty) {
+      slot = item;
     } else {
-      found(item.index, slots_[at].index);
+      found(item.index, slot.index);
     }
   }
 }

@@ -18,7 +18,7 @@ std::vector<CellCode> rank_cells(std::vector<ChunkRuns>& chunks) {
   CellNumbers all;
   for (ChunkRuns& chunk : chunks)
     for (Run& run : chunk.runs) run.cell = all.number(chunk.codes[run.cell]);
-  std::vector<CellCode> codes = all.codes;
+  std::vector<CellCode> codes(all.keys().begin(), all.keys().end());
   std::sort(codes.begin(), codes.end());
   std::vector<std::uint32_t> rank(codes.size());
   for (std::uint32_t c = 0; c < codes.size(); ++c) rank[all.number(codes[c])] = c;
@@ -61,7 +61,7 @@ CellRuns RunSorter::sort(std::uint64_t count, const Read& read, std::span<Triang
 
 // The cell of every triangle of the chunk, as a number within the chunk, counted. Returns the sum of the fingerprints.
 std::uint64_t RunSorter::number_cells(std::span<const Triangle> triangles, Scratch& s) const {
-  s.cells.clear();
+  s.cells.clear(s.cells.size());  // chunks have similar numbers of them
   s.next.clear();
   s.number.resize(triangles.size());
   std::uint64_t fingerprint = 0;
@@ -92,7 +92,7 @@ ChunkRuns RunSorter::sort_chunk(std::span<const Triangle> triangles, std::uint64
                                 Scratch& s) const {
   ChunkRuns chunk;
   chunk.fingerprint = number_cells(triangles, s);
-  chunk.codes.assign(s.cells.codes.begin(), s.cells.codes.end());
+  chunk.codes.assign(s.cells.keys().begin(), s.cells.keys().end());
   chunk.runs.resize(chunk.codes.size());
   std::uint32_t next = 0;
   for (std::uint32_t i = 0; i < chunk.runs.size(); ++i) {
@@ -107,12 +107,13 @@ ChunkRuns RunSorter::sort_chunk(std::span<const Triangle> triangles, std::uint64
 void collect_cell(const CellRuns& runs, std::size_t rank, const TriangleSource& source, std::span<Triangle> out,
                   VertexNumbers& numbers, CellBuild& cell) {
   cell.triangles = out;
-  numbers.clear(out.size());
+  numbers.clear(out.size() / 2 + out.size() / 8);  // of a closed surface, and some for the border
   for (const Run& run : runs.runs_of(rank)) {
-    numbers.number(source.read(run, out.first(run.count)), out.data());
+    const std::span<const Triangle> triangles = source.read(run, out.first(run.count));
+    numbers.number({triangles.data()->v.data(), 3 * triangles.size()}, out.data()->v.data());
     out = out.subspan(run.count);
   }
-  cell.ids.assign(numbers.vertices().begin(), numbers.vertices().end());
+  cell.ids.assign(numbers.keys().begin(), numbers.keys().end());
 }
 
 }  // namespace lodestone

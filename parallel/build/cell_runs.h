@@ -11,13 +11,20 @@
 #include <span>
 #include <vector>
 
+#include "core/base/key_numbers.h"
 #include "core/hierarchy/build/cell_build.h"
-#include "core/hierarchy/model/vertex_numbers.h"
+#include "core/hierarchy/model/cell_code.h"
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/build/cell_numbers.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
+
+// The cells of a stretch of the input, and the vertices of a cell.
+struct CellCodeHash {
+  [[nodiscard]] std::uint64_t operator()(CellCode code) const { return FibonacciHash{}(code.morton); }
+};
+using CellNumbers = KeyNumbers<CellCode, CellCodeHash>;
+using VertexNumbers = KeyNumbers<std::uint32_t>;
 
 // Consecutive triangles of one cell.
 struct Run {

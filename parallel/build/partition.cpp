@@ -120,13 +120,13 @@ int finest_level_of(std::span<const CellCode> sample, std::size_t triangles, std
   double best_misfit = std::numeric_limits<double>::infinity();
   CellNumbers occupied;
   for (int level = 0; level <= max_level; ++level) {
-    occupied.clear();
+    occupied.clear(occupied.size());
     CellCode last{~0ull};
     for (const CellCode finest : sample) {
       const CellCode code{finest.morton >> (3 * (max_level - level))};
       if (code != last) (void)occupied.number(last = code);
     }
-    const double mean = static_cast<double>(triangles) / static_cast<double>(occupied.codes.size());
+    const double mean = static_cast<double>(triangles) / static_cast<double>(occupied.size());
     const double misfit = std::abs(std::log(mean / cell_triangles));
     if (misfit < best_misfit) best = level, best_misfit = misfit;
     if (mean < cell_triangles) break;

@@ -7,9 +7,9 @@
 #include <numeric>
 #include <set>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "core/base/key_numbers.h"
 #include "core/formats/common/colour.h"
 #include "core/formats/obj/obj.h"
 
@@ -64,10 +64,10 @@ struct ObjVertex {
 };
 
 struct HashObjVertex {
-  std::size_t operator()(const ObjVertex& v) const {
+  std::uint64_t operator()(const ObjVertex& v) const {
     std::uint64_t hash = std::bit_cast<std::uint32_t>(v.colour);
     for (const std::uint64_t word : v.place) hash = (std::rotl(hash, 23) ^ word) * 0x9e37'79b9'7f4a'7c15ull;
-    return hash ^ hash >> 32;
+    return hash;
   }
 };
 
@@ -138,7 +138,7 @@ class ObjWriter {
   }
 
   void write_vertices() {
-    std::unordered_map<ObjVertex, std::uint32_t, HashObjVertex> known;
+    KeyNumbers<ObjVertex, HashObjVertex> known;
     for (std::size_t i = 0; i < mesh_.vertex_count; ++i) {
       const Vec3d p = mesh_.position(i);
       const Rgba8 colour = colours_ ? mesh_.wedges->colour[i] : Rgba8{};
@@ -146,9 +146,9 @@ class ObjWriter {
         const ObjVertex vertex{
             {std::bit_cast<std::uint64_t>(p.x), std::bit_cast<std::uint64_t>(p.y), std::bit_cast<std::uint64_t>(p.z)},
             colour};
-        const auto [at, fresh] = known.emplace(vertex, static_cast<std::uint32_t>(known.size()));
-        vertex_of_.push_back(at->second);
-        if (!fresh) continue;
+        const std::uint32_t next = known.size();
+        vertex_of_.push_back(known.number(vertex));
+        if (vertex_of_.back() != next) continue;
       }
       Line line("v");
       line << p.x << p.y << p.z;

@@ -15,7 +15,6 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t none = 0xffff'ffffu;
 constexpr std::size_t kept_share = 4;  // one triangle of this many is kept per level
 // At least this share of the vertices that may move is kept. In a block with many locked vertices (a corner cut off the
 // surface) a quarter of the triangles would leave hardly any of the others, and the largest errors of the level. A
@@ -107,9 +106,7 @@ class BlockBuilder {
     s_.ids.reserve(vertices);
     s_.triangles.reserve(triangles);
     s_.block_id.reserve(vertices);
-    const std::size_t slots = std::bit_ceil(2 * shared + 16);
-    s_.table_keys.assign(slots, none);
-    s_.table_values.resize(slots);
+    s_.shared_ids.clear(shared);
   }
 
   template <class Visit>
@@ -145,10 +142,9 @@ class BlockBuilder {
 
   // Block id of a cell's k-th shared vertex, which is added if it is new.
   std::uint32_t append_shared(const CellBuild& cell, std::size_t k) {
-    std::uint32_t& index = find_shared(cell.slab.shared_ids[k]);
-    if (index == none) {
+    const std::uint32_t index = s_.shared_ids.number(cell.slab.shared_ids[k]);
+    if (index == s_.shared.size()) {
       const std::size_t i = cell.first_shared() + k;
-      index = static_cast<std::uint32_t>(s_.shared.size());
       s_.shared.push_back(static_cast<std::uint32_t>(s_.positions.size()));
       s_.usage.push_back(cell.usage[k]);
       s_.positions.push_back(cell.slab.positions[i]);
@@ -162,18 +158,6 @@ class BlockBuilder {
       s_.usage[index].extend(cell.usage[k]);
     }
     return s_.shared[index];
-  }
-
-  // The value slot of a shared id; `none` when it is new.
-  std::uint32_t& find_shared(std::uint32_t id) {
-    const auto mask = static_cast<std::uint32_t>(s_.table_keys.size() - 1);
-    std::uint32_t slot = (id * 0x9e37'79b9u) >> (32 - std::countr_zero(s_.table_keys.size()));
-    while (s_.table_keys[slot] != id && s_.table_keys[slot] != none) slot = (slot + 1) & mask;
-    if (s_.table_keys[slot] == none) {
-      s_.table_keys[slot] = id;
-      s_.table_values[slot] = none;
-    }
-    return s_.table_values[slot];
   }
 
   // The usage of a wedge is that of all wedges of its vertex.

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/key_numbers.h"
 #include "core/hierarchy/build/block_wedges.h"
 #include "core/hierarchy/build/cell_build.h"
 #include "core/hierarchy/build/cell_table.h"
@@ -36,7 +37,7 @@ struct BlockScratch {
   // Vertices that cells share: their block ids, the union of their copies' usage, and how to find them.
   std::vector<std::uint32_t> shared;
   std::vector<UsageBox> usage;
-  std::vector<std::uint32_t> table_keys, table_values;  // shared id -> index in `shared`
+  KeyNumbers<std::uint32_t> shared_ids;  // by index in `shared`
   // Splitting into the parents.
   std::vector<std::uint8_t> used_by;    // bit i: the i-th parent uses this survivor
   std::vector<std::uint32_t> members;   // survivors, parent after parent; may be longer

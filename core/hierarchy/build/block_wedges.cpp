@@ -1,7 +1,6 @@
 #include "core/hierarchy/build/block_wedges.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 #include <utility>
 
@@ -35,26 +34,16 @@ std::array<float, 3> weights_in(const std::array<Vec3d, 3>& corner, Vec3d p) {
 void BlockWedges::weld(std::span<const std::uint32_t> vertex_ids, std::span<const Vec3f> positions,
                        std::span<const Triangle> corners, std::span<std::uint8_t> locked) {
   corners_ = corners;
-  const std::size_t slots = std::bit_ceil(2 * vertex_ids.size() + 16);
-  table_keys_.assign(slots, none);
-  table_values_.resize(slots);
+  vertices_.clear(vertex_ids.size());
   vertex_.resize(vertex_ids.size());
+  vertices_.number(vertex_ids, vertex_.data());
   next_wedge_.resize(vertex_ids.size());
-  first_wedge_.clear();
-  positions_.clear();
-  locked_.clear();
-  const auto mask = static_cast<std::uint32_t>(slots - 1);
+  first_wedge_.assign(vertices_.size(), none);
+  positions_.resize(vertices_.size());
+  locked_.assign(vertices_.size(), 0);
   for (std::uint32_t w = 0; w < vertex_ids.size(); ++w) {
-    std::uint32_t slot = (vertex_ids[w] * 0x9e37'79b9u) >> (32 - std::countr_zero(slots));
-    while (table_keys_[slot] != vertex_ids[w] && table_keys_[slot] != none) slot = (slot + 1) & mask;
-    if (table_keys_[slot] == none) {
-      table_keys_[slot] = vertex_ids[w];
-      table_values_[slot] = static_cast<std::uint32_t>(positions_.size());
-      positions_.push_back(positions[w]);
-      locked_.push_back(0);
-      first_wedge_.push_back(none);
-    }
-    const std::uint32_t v = vertex_[w] = table_values_[slot];
+    const std::uint32_t v = vertex_[w];
+    if (first_wedge_[v] == none) positions_[v] = positions[w];
     locked_[v] |= locked[w];
     next_wedge_[w] = std::exchange(first_wedge_[v], w);
   }
@@ -142,8 +131,7 @@ void BlockWedges::find_moved(const SimplifyResult& by_vertex) {
   const auto has_moved = [&](std::uint32_t v) {
     return by_vertex.parent[v] == v && by_vertex.positions[v] != positions_[v];
   };
-  std::vector<std::uint32_t>& index = table_values_;  // free again; of each vertex in moved_
-  if (index.size() < positions_.size()) index.resize(positions_.size());
+  moved_of_.resize(positions_.size());
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
     const auto& v = triangles_[t].v;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -154,11 +142,11 @@ void BlockWedges::find_moved(const SimplifyResult& by_vertex) {
       const double squared = nearest_on_triangle(p, corner[0], corner[1], corner[2]).squared_distance;
       if (nearest_[v[k]] >= 0 && squared >= nearest_[v[k]]) continue;
       if (nearest_[v[k]] < 0) {
-        index[v[k]] = static_cast<std::uint32_t>(moved_.size());
+        moved_of_[v[k]] = static_cast<std::uint32_t>(moved_.size());
         moved_.emplace_back();
       }
       nearest_[v[k]] = squared;
-      moved_[index[v[k]]] = {corners_[t].v[k], t, weights_in(corner, p)};
+      moved_[moved_of_[v[k]]] = {corners_[t].v[k], t, weights_in(corner, p)};
     }
   }
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/disjoint_sets.h"
+#include "core/base/key_numbers.h"
 #include "core/math/vec3.h"
 #include "core/simplify/contract/simplifier.h"
 
@@ -49,7 +50,7 @@ class BlockWedges {
 
   std::span<const Triangle> corners_;
   std::vector<std::uint32_t> vertex_;  // of each wedge
-  std::vector<std::uint32_t> table_keys_, table_values_;
+  KeyNumbers<std::uint32_t> vertices_;
   std::vector<std::uint32_t> first_wedge_;  // of each vertex
   std::vector<Vec3f> positions_;            // of each vertex
   std::vector<std::uint8_t> locked_;
@@ -59,7 +60,8 @@ class BlockWedges {
   std::map<std::vector<std::uint32_t>, std::uint32_t> label_of_;  // of charts that meet at a vertex
   std::vector<std::uint32_t> next_wedge_;                         // of the same vertex; itself at the end
   std::vector<Moved> moved_;
-  std::vector<double> nearest_;  // of each vertex, while find_moved looks
+  std::vector<std::uint32_t> moved_of_;  // of each vertex: its index in moved_
+  std::vector<double> nearest_;          // of each vertex, while find_moved looks
   SimplifyResult by_wedge_;
 };
 

@@ -1,9 +1,9 @@
 // Vertex clustering (rossignac1993) with the representative chosen by the quadric of its cell (lindstrom2000), but
 // always a vertex of the input: P has to be a map of vertices to vertices.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
+#include "core/base/key_numbers.h"
 #include "core/math/box3.h"
 #include "core/math/quadric.h"
 #include "core/simplify/peers/peers.h"
@@ -16,30 +16,16 @@ constexpr Id none = 0xffff'ffffu;
 constexpr int axis_bits = 20;
 constexpr int search_steps = 6;
 
-// Cells by integer coordinates, numbered in the order of their first vertex. Open addressing, at most half full.
-class CellTable {
- public:
-  void reset(std::size_t capacity) {
-    slots_.assign(std::bit_ceil(2 * capacity + 2), {0, 0, none});
-    count_ = 0;
+// A cell by its integer coordinates; vertices of different labels never share one.
+struct CellKey {
+  std::uint64_t coordinates = 0;
+  Id label = 0;
+  friend bool operator==(const CellKey&, const CellKey&) = default;
+};
+struct CellHash {
+  [[nodiscard]] std::uint64_t operator()(const CellKey& key) const {
+    return FibonacciHash{}(key.coordinates + key.label);
   }
-  // `label` is that of the vertex; vertices of different labels never share a cell.
-  Id number(std::uint64_t key, Id label) {
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t at = ((key + label) * 0x9e37'79b9'7f4a'7c15u >> 20) & mask;
-    while (slots_[at].number != none && (slots_[at].key != key || slots_[at].label != label)) at = (at + 1) & mask;
-    if (slots_[at].number == none) slots_[at] = {key, label, count_++};
-    return slots_[at].number;
-  }
-  [[nodiscard]] Id size() const { return count_; }
-
- private:
-  struct Slot {
-    std::uint64_t key;
-    Id label, number;
-  };
-  std::vector<Slot> slots_;
-  Id count_ = 0;
 };
 
 // The grid of one cell size over the block's box.
@@ -84,14 +70,14 @@ class ClusterSimplifier final : public Simplifier {
 
   SimplifyResult result_;
   std::size_t target_ = 0;
-  CellTable table_;
-  std::vector<std::uint64_t> key_;  // of each vertex, while searching
-  std::vector<Id> cell_;            // of each vertex; none if it has no triangles
-  std::vector<Vec3d> anchor_;       // of each cell: its first vertex; quadrics are relative to it
-  std::vector<Quadric> quadric_;    // of each cell
-  std::vector<Id> representative_;  // of each cell
-  std::vector<double> cost_;        // of the representative
-  std::vector<std::uint8_t> used_;  // has triangles
+  KeyNumbers<CellKey, CellHash> numbers_;  // of the cells, in the order of their first vertex
+  std::vector<std::uint64_t> key_;         // of each vertex, while searching
+  std::vector<Id> cell_;                   // of each vertex; none if it has no triangles
+  std::vector<Vec3d> anchor_;              // of each cell: its first vertex; quadrics are relative to it
+  std::vector<Quadric> quadric_;           // of each cell
+  std::vector<Id> representative_;         // of each cell
+  std::vector<double> cost_;               // of the representative
+  std::vector<std::uint8_t> used_;         // has triangles
 };
 
 void ClusterSimplifier::keep_all(const SimplifyInput& input) {
@@ -139,12 +125,12 @@ Grid ClusterSimplifier::search_grid(const SimplifyInput& input) {
 }
 
 void ClusterSimplifier::assign_cells(const SimplifyInput& input, const Grid& grid) {
-  table_.reset(input.positions.size());
+  numbers_.clear(input.positions.size());
   anchor_.clear();
   cell_.assign(input.positions.size(), none);
   for (Id v = 0; v < cell_.size(); ++v) {
     if (!used_[v]) continue;
-    cell_[v] = table_.number(grid.key(input.positions[v]), label_of(input, v));
+    cell_[v] = numbers_.number({grid.key(input.positions[v]), label_of(input, v)});
     if (cell_[v] == anchor_.size()) anchor_.push_back(to_double(input.positions[v]));
   }
 }

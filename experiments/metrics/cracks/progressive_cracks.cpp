@@ -4,9 +4,10 @@
 #include <array>
 #include <cstring>
 #include <map>
-#include <unordered_map>
 #include <utility>
 #include <vector>
+
+#include "core/base/key_numbers.h"
 
 namespace lodestone {
 namespace {
@@ -15,20 +16,20 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 using Chain = std::map<Edge, std::int64_t>;
 
 struct PlaceHash {
-  std::size_t operator()(const std::array<std::uint32_t, 3>& p) const {
+  std::uint64_t operator()(const std::array<std::uint32_t, 3>& p) const {
     return p[0] * 0x9e3779b97f4a7c15ull ^ p[1] * 0xc2b2ae3d27d4eb4full ^ p[2] * 0x165667b19e3779f9ull;
   }
 };
 
 // Vertices of equal positions get one number. -0 is 0.
 std::vector<std::uint32_t> weld(const std::vector<Vec3f>& positions) {
-  std::unordered_map<std::array<std::uint32_t, 3>, std::uint32_t, PlaceHash> known;
+  KeyNumbers<std::array<std::uint32_t, 3>, PlaceHash> known;
   std::vector<std::uint32_t> out;
   for (const Vec3f p : positions) {
     const std::array<float, 3> place{p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
     std::array<std::uint32_t, 3> bits{};
     std::memcpy(bits.data(), place.data(), sizeof bits);
-    out.push_back(known.try_emplace(bits, static_cast<std::uint32_t>(known.size())).first->second);
+    out.push_back(known.number(bits));
   }
   return out;
 }

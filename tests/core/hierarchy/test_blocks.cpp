@@ -7,9 +7,9 @@
 #include <random>
 #include <set>
 
+#include "core/base/key_numbers.h"
 #include "core/hierarchy/build/block.h"
 #include "core/hierarchy/build/finest_cell.h"
-#include "core/hierarchy/model/vertex_numbers.h"
 #include "core/simplify/make_simplifier.h"
 #include "tests/test_meshes.h"
 
@@ -94,14 +94,14 @@ SmallBuild start(const IndexedMesh& mesh, int finest) {
   for (const auto& [v, cells] : cells_of)
     if (cells.size() > 1) vertices.sharing[v] = FinestVertices::shared_flag;
   FinestCellScratch scratch;
-  VertexNumbers numbers;
+  KeyNumbers<std::uint32_t> numbers;
   std::size_t first = 0;
   for (std::size_t c = 0; c < codes.size(); ++c) {
     CellBuild& cell = build.cells.back()[c];
     cell.triangles = std::span(build.triangles).subspan(first, by_cell[codes[c]].size());
-    numbers.clear(cell.triangles.size());
-    numbers.number(cell.triangles, cell.triangles.data());
-    cell.ids.assign(numbers.vertices().begin(), numbers.vertices().end());
+    numbers.clear();
+    for (Triangle& t : cell.triangles) numbers.number(t.v, t.v.data());
+    cell.ids.assign(numbers.keys().begin(), numbers.keys().end());
     (void)make_finest_cell(vertices, finest, 1, cell, scratch);
     for (const std::uint32_t v : cell.slab.shared_ids) {
       UsageBox box;

@@ -3,56 +3,13 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 #include <random>
 
 #include "core/hierarchy/build/cell_build.h"
 #include "core/hierarchy/model/hierarchy.h"
-#include "core/hierarchy/model/vertex_numbers.h"
 
 namespace lodestone {
 namespace {
-
-std::vector<Triangle> random_triangles(std::size_t count, std::uint32_t ids, std::mt19937& random) {
-  std::vector<Triangle> triangles(count);
-  for (Triangle& t : triangles)
-    for (std::uint32_t& v : t.v) v = static_cast<std::uint32_t>(random() % ids * 0x0101'0101u % 0x7fff'ffffu);
-  return triangles;
-}
-
-TEST(VertexNumbers, FollowTheOrderOfAppearance) {
-  std::mt19937 random(1);
-  VertexNumbers numbers;
-  for (const std::size_t count : {0u, 1u, 2u, 100u, 5000u, 3u}) {
-    for (const std::uint32_t ids : {3u, 1000u, 1'000'000u}) {  // the last: a soup, for which the table must grow
-      const std::vector<Triangle> triangles = random_triangles(count, ids, random);
-      std::vector<Triangle> numbered(count);
-      numbers.clear(count);
-      const std::size_t half = count / 2;
-      numbers.number(std::span(triangles).first(half), numbered.data());
-      numbers.number(std::span(triangles).subspan(half), numbered.data() + half);
-      std::map<std::uint32_t, std::uint32_t> twin;
-      for (std::size_t t = 0; t < count; ++t)
-        for (std::size_t k = 0; k < 3; ++k) {
-          const auto next = static_cast<std::uint32_t>(twin.size());
-          ASSERT_EQ(numbered[t].v[k], twin.try_emplace(triangles[t].v[k], next).first->second);
-        }
-      ASSERT_EQ(numbers.vertices().size(), twin.size());
-      for (const auto& [id, number] : twin) EXPECT_EQ(numbers.vertices()[number], id);
-    }
-  }
-}
-
-TEST(VertexNumbers, MayReplaceTheIdsInPlace) {
-  std::mt19937 random(2);
-  std::vector<Triangle> triangles = random_triangles(500, 300, random);
-  const std::vector<Triangle> before = triangles;
-  VertexNumbers numbers;
-  numbers.clear(0);  // too small on purpose
-  numbers.number(triangles, triangles.data());
-  for (std::size_t t = 0; t < before.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(numbers.vertices()[triangles[t].v[k]], before[t].v[k]);
-}
 
 // Normals of all kinds: random ones, axes, diagonals, zeros of both signs, tiny, huge, not finite.
 std::vector<Vec3f> normals_of_all_kinds() {
