@@ -1,4 +1,4 @@
-// A sweep file (docs/decisions/0036-sweeps.md): data, sweeps of one experiment each, figures. Read strictly: what is
+// A sweep file (docs/experiments.md): data, sweeps of one experiment each, figures. Read strictly: what is
 // unknown or contradicts itself is an InputError that names the file and the line.
 #pragma once
 

@@ -1,4 +1,4 @@
-"""The directory of a sweep, read and checked against docs/decisions/0036-sweeps.md."""
+"""The directory of a sweep, read and checked against docs/format.md."""
 
 import json
 import math
@@ -193,7 +193,7 @@ def read_sweep(o, runs):
 
 def load(folder):
     """Reads what `lodestone sweep` wrote to a folder, finished or not, and returns a Study. Raises StudyError for a folder
-    of something else and for content that breaks docs/decisions/0036-sweeps.md, with file and line."""
+    of something else and for content that breaks docs/format.md, with file and line."""
     folder = pathlib.Path(folder)
     if not folder.is_dir():
         fail(folder, "", "is not a folder" if folder.exists() else "cannot be opened: no such folder")

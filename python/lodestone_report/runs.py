@@ -25,7 +25,7 @@ class Column:
 
 @dataclass
 class FigureRequest:
-    """A figure as the sweep's file asks for it; fields as in docs/decisions/0036-sweeps.md."""
+    """A figure as the sweep's file asks for it; fields as in docs/format.md."""
 
     title: str
     sweeps: list[str]

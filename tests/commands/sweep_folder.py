@@ -1,4 +1,4 @@
-"""The directory of a sweep, made by hand as docs/decisions/0036-sweeps.md says. usage: sweep_folder.py DIR"""
+"""The directory of a sweep, made by hand as docs/format.md says. usage: sweep_folder.py DIR"""
 
 import hashlib
 import json

@@ -141,6 +141,16 @@ def names(root, path, text):
             yield f"{path}: names `{name}`, which the sources do not have"
 
 
+PATH = re.compile(r"(?<![\w./-])((?:core|parallel|render|experiments|python|bench|tests|scripts)/[\w/.-]*\w)")
+
+
+def paths(root, path, text):
+    """Paths of the source tree, with or without extension, that a Markdown file names and the tree does not have."""
+    for name in sorted(set(PATH.findall(text))):
+        if not (root / name).exists() and not list(root.glob(name + ".*")):
+            yield f"{path}: names {name}, which is not a file of the tree"
+
+
 CITATION = re.compile(r"\b([A-Z][a-z]+)(?: (?:et al\.|(?:&|and) [A-Z][a-z]+),?)? \(?((?:19|20)\d\d)\b")
 KEY = re.compile(r"\b[a-z]{3,}(?:19|20)\d\d\b")
 MONTHS = {"January", "February", "March", "April", "May", "June", "July", "August", "September", "October", "November",

@@ -36,6 +36,11 @@ class Documents(unittest.TestCase):
         path = "docs/architecture.md"
         self.assertEqual(list(docs.names(SOURCE_DIR, path, (SOURCE_DIR / path).read_text())), [])
 
+    def test_paths_exist(self):
+        found = [line for path, text in self.markdown() if path.name != "CHANGELOG.md"  # which names what is gone, too
+                 for line in docs.paths(SOURCE_DIR, path, text)]
+        self.assertEqual(found, [])
+
     def test_changelog_has_unreleased(self):
         self.assertRegex((SOURCE_DIR / "CHANGELOG.md").read_text(), r"(?m)^## Unreleased$")
 
@@ -83,6 +88,13 @@ class Checks(unittest.TestCase):
         self.assertEqual(list(docs.names(self.root, "a.md", good)), [])
         for bad in ["`build_blocks`", "`Cell::last_child`", "`core/b.h`", "`StarDistance`"]:
             self.assertEqual(len(list(docs.names(self.root, "a.md", bad))), 1, bad)
+
+    def test_paths(self):
+        self.write("core/mesh/weld.h", "")
+        good = "the folder core/mesh, core/mesh/weld.h and core/mesh/weld, below scripts/, hardcore/x, [a](../core/link)"
+        self.assertEqual(list(docs.paths(self.root, "a.md", good)), [])
+        for bad in ["core/weld", "(core/mesh/welt.h)", "parallel/mesh."]:
+            self.assertEqual(len(list(docs.paths(self.root, "a.md", bad))), 1, bad)
 
     def test_commands(self):
         answers = {(): "Subcommands:\n  build  Build it\n", ("fly",): "-o", ("build",): "-o FILE  --sigma0 FLOAT"}
