@@ -1,4 +1,4 @@
-# Sourced by the scripts beside it: strict mode, the repository's root as working folder, and a few words they share.
+# Sourced by the scripts beside it: strict mode, the repository's root as working folder, and shared functions.
 # shellcheck shell=bash
 set -euo pipefail
 
@@ -7,11 +7,11 @@ cd "$root"
 jobs=${LODESTONE_JOBS:-$(nproc)}   # parallel compilers and tests; set LODESTONE_JOBS to limit them
 export jobs
 
-# One line on stderr, led by the name of the script that speaks.
+# Prints one line to stderr, after the name of the script.
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
 die() { say "$*"; exit 1; }
 
-# configure_and_build PRESET TARGET...: configures where needed, and builds these targets (all of them without any).
+# configure_and_build PRESET [TARGET...]: configures where needed, and builds the targets (all if none is named).
 configure_and_build() {
   local preset=$1
   shift

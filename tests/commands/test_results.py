@@ -182,7 +182,7 @@ class Runs(unittest.TestCase):
                 _, words = process.communicate(timeout=60)
                 self.assertEqual(process.returncode, 128 + number, words)
                 self.assertEqual(tidy.read_text(), str([int(number)]))
-                self.assertIn("goes on where this one stopped", words)
+                self.assertIn("run the same command again to continue", words)
                 self.assertNotIn("Traceback", words)
 
     def test_a_report_of_before_is_not_shown_as_new(self):
