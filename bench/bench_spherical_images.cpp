@@ -7,6 +7,7 @@
 
 #include "core/mesh/generate.h"
 #include "core/spherical/octahedron/octahedral_map.h"
+#include "core/spherical/octahedron/sphere_raster.h"
 #include "core/spherical/octahedron/unfold.h"
 
 namespace {
@@ -63,8 +64,25 @@ void unfolding(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.mesh.triangles.size()));
 }
 
+// Items are samples of 2048 x 2048, all steps included.
+void covering(benchmark::State& state) {
+  const Subject& s = subject();
+  constexpr std::uint32_t n = 2048;
+  SampleTile tile;
+  for (auto _ : state) {
+    SphereRaster raster(s.mesh.triangles, s.directions, {n, SampleGrid::Placing::in_cells});
+    raster.prepare();
+    for (std::size_t k = 0; k < raster.tile_count(); ++k) {
+      raster.cover(k, tile);
+      benchmark::DoNotOptimize(tile.triangle.data());
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * std::int64_t{n} * n);
+}
+
 BENCHMARK(square_to_sphere);
 BENCHMARK(sphere_to_square);
+BENCHMARK(covering)->Unit(benchmark::kMillisecond);
 BENCHMARK(unfolding)->Unit(benchmark::kMillisecond);
 
 }  // namespace
