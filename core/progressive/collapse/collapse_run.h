@@ -102,7 +102,7 @@ class CollapseRun {
       VertexState& at = s_.vertices[v];
       at.bits |= VertexState::member;
       const bool maybe = at.rank == never && at.has(VertexState::dirty);  // could not collapse, but things changed
-      if (at.rank > region.max_rank && !maybe) continue;
+      if (!maybe && (at.rank == never || at.rank > region.max_rank)) continue;
       queue_.add(maybe ? 0 : at.rank, v);
       prefetch(&rings_.points()[v]);
       if (quadrics_ != nullptr) prefetch(&quadrics_[v]), prefetch(&quadrics_[v].bz);

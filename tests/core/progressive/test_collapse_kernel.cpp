@@ -175,6 +175,26 @@ TEST(CollapseKernel, LanesDecideAsOneByOne) {
   }
 }
 
+// A vertex that nothing allowed to collapse must not collapse, untested, when its region runs again.
+TEST(CollapseKernel, CollapsesNothingTwiceRefused) {
+  for (const CollapseKernel* kernel : kernels())
+    for (const IndexedMesh& mesh : {test::torus_mesh(40, 20), test::torus_mesh(12, 5)}) {
+      RingMesh rings(mesh);
+      RingArena arena;
+      rings.list_corners();
+      rings.make_rings(0, mesh.positions.size(), arena);
+      rings.cut_open();
+      const auto metric = make_quadric_metric(rings, *kernel);
+      metric->start(0, rings.vertex_count());
+      Collapser collapser(rings, *metric, *kernel);
+      collapser.start(0, rings.vertex_count());
+      std::vector<Id> all(rings.vertex_count());
+      std::iota(all.begin(), all.end(), 0u);
+      EXPECT_GT(collapser.run({.vertices = all}, arena).size(), all.size() / 4);
+      EXPECT_TRUE(collapser.run({.vertices = all}, arena).empty());
+    }
+}
+
 TEST(CollapseKernel, RefusesWhatTheProcessorDoesNotHave) {
   if (is_available(InstructionSet::avx2)) GTEST_SKIP() << "AVX2 is here";
   EXPECT_THROW((void)collapse_kernel(InstructionSet::avx2), UnsupportedError);
