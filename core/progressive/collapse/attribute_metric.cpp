@@ -50,7 +50,7 @@ class AttributeMetric final : public CollapseMetric {
     for (std::size_t v = begin; v < end; ++v) add_star(static_cast<Id>(v));
   }
 
-  void rank(Id v, std::span<float> ranks) const override {
+  void rank(Id v, std::span<float, max_neighbours> ranks) const override {
     const Ring& ring = rings_->ring(v);
     const CentredQuadric& q = geometry_[v];
     const Vec3f centre = rings_->position(v);

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -70,29 +71,20 @@ class CollapseRun {
   static unsigned lanes_of(const Ring& ring) {
     return ring.open != 0 ? 1u | 1u << (ring.size - 1) : (1u << ring.size) - 1;
   }
-
-  template <int G>
-  [[gnu::always_inline]] void rank(Id v, const Ring& ring, const Star<G>& star, Float8 (&ranks)[G]) const {
-    if (quadrics_ != nullptr) return star_ranks<G>(quadrics_[v], star, ranks);
-    alignas(32) float values[8 * G];
-    for (float& value : values) value = never;
-    metric_.rank(v, {values, ring.size});
-    for (int g = 0; g < G; ++g) ranks[g] = load8(values + 8 * g);
-  }
+  static std::uint64_t all_of(const Ring& ring) { return ~std::uint64_t{0} >> (64 - ring.size); }
 
   void start(Id v) {
     VertexState& at = s_.vertices[v];
     const Ring& ring = rings_.ring(v);
     at.bits = VertexState::dirty;
     if (ring.size > CollapseMetric::max_neighbours) return;
-    if (ring.size <= 8) {
+    if (quadrics_ != nullptr && ring.size <= 8) {
       Float8 ranks[1];
-      rank<1>(v, ring, load_star<1>(rings_.points(), ring, v), ranks);
+      star_ranks<1>(quadrics_[v], load_star<1>(rings_.points(), ring, v), ranks);
       at.rank = lowest(select(lanes_of(ring), ranks[0], all8(never)));
-    } else {
-      float ranks[CollapseMetric::max_neighbours];
-      metric_.rank(v, {ranks, ring.size});
-      at.rank = *std::min_element(ranks, ranks + ring.size);
+    } else if (ring.size > 0) {
+      at.rank =
+          metric_.cheapest(v, ring.size > 8 ? all_of(ring) : lanes_of(ring), [](std::uint32_t) { return true; }).rank;
     }
   }
 
@@ -128,23 +120,36 @@ class CollapseRun {
   template <int G>
   bool evaluate(Id v, const Ring& ring, Collapse& c) {
     const Star<G> star = load_star<G>(rings_.points(), ring, v);
+    const auto allowed = [&](std::uint32_t at) {
+      c.at = at;
+      c.target = ring.ids[at];
+      return joins<G>(rings_, ring, at) && !star_turns<G>(star, ring, at) && complete(v, c);
+    };
+    if (quadrics_ == nullptr)
+      return take_cheapest(v, lanes_of(ring), c, [&](std::uint32_t at) { return allowed(at) && metric_.allows(c); });
     Float8 ranks[G];
-    rank<G>(v, ring, star, ranks);
-    for (unsigned allowed = lanes_of(ring); allowed != 0; allowed &= ~(1u << c.at)) {
+    star_ranks<G>(quadrics_[v], star, ranks);
+    for (unsigned left = lanes_of(ring); left != 0; left &= ~(1u << c.at)) {
       float best = never;
-      for (int g = 0; g < G; ++g) best = std::min(best, lowest(select(allowed >> 8 * g, ranks[g], all8(never))));
+      for (int g = 0; g < G; ++g) best = std::min(best, lowest(select(left >> 8 * g, ranks[g], all8(never))));
       if (!(best < never)) return false;
       unsigned lanes = 0;
       for (int g = 0; g < G; ++g) lanes |= bits(ranks[g] == all8(best)) << 8 * g;
-      c.at = static_cast<std::uint32_t>(std::countr_zero(lanes & allowed));
-      c.target = ring.ids[c.at];
-      if (!joins<G>(rings_, ring, c.at) || star_turns<G>(star, ring, c.at)) continue;
-      if (!complete(v, c)) continue;
-      if (quadrics_ == nullptr && !metric_.allows(c)) continue;
+      if (!allowed(static_cast<std::uint32_t>(std::countr_zero(lanes & left)))) continue;
       s_.vertices[v].rank = best;
       return true;
     }
     return false;
+  }
+
+  // `allowed` fills in the collapse. The metric may have asked about others after the cheapest.
+  template <class Allowed>
+  bool take_cheapest(Id v, std::uint64_t places, Collapse& c, const Allowed& allowed) {
+    const CollapseMetric::Cheapest best = metric_.cheapest(v, places, std::ref(allowed));
+    if (!(best.rank < never)) return false;
+    if (c.at != best.at) (void)allowed(best.at);
+    s_.vertices[v].rank = best.rank;
+    return true;
   }
 
   // Fills in the rest of a collapse that the surface allows; false if the wedges do not.
@@ -156,18 +161,10 @@ class CollapseRun {
 
   bool evaluate_crowded(Id v, const Ring& ring, Collapse& c) {
     if (ring.size > CollapseMetric::max_neighbours) return false;
-    float ranks[CollapseMetric::max_neighbours];
-    metric_.rank(v, {ranks, ring.size});
-    while (true) {
-      const auto best = static_cast<std::uint32_t>(std::min_element(ranks, ranks + ring.size) - ranks);
-      if (!(ranks[best] < never)) return false;
-      c.target = ring.ids[best];
-      if (rings_.allows(c) && !turns(c) && metric_.allows(c)) {
-        s_.vertices[v].rank = ranks[best];
-        return true;
-      }
-      ranks[best] = never;
-    }
+    return take_cheapest(v, all_of(ring), c, [&](std::uint32_t at) {
+      c.target = ring.ids[at];
+      return rings_.allows(c) && !turns(c) && metric_.allows(c);
+    });
   }
 
   // star_turns, one by one.

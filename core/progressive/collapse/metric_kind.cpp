@@ -5,6 +5,19 @@
 
 namespace lodestone::progressive {
 
+CollapseMetric::Cheapest CollapseMetric::cheapest(Id v, std::uint64_t places,
+                                                  const std::function<bool(std::uint32_t)>& allowed) const {
+  float ranks[max_neighbours];
+  rank(v, ranks);
+  while (places != 0) {
+    const std::uint32_t at = lowest_place(ranks, places);
+    if (!(ranks[at] < std::numeric_limits<float>::infinity())) break;
+    if (allowed(at)) return {at, ranks[at]};
+    places &= ~(std::uint64_t{1} << at);
+  }
+  return {};
+}
+
 MetricKind metric_kind(std::string_view name) {
   for (const MetricKind kind : {MetricKind::quadric, MetricKind::attribute_quadric, MetricKind::parametric})
     if (name == name_of(kind)) return kind;

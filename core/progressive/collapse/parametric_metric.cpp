@@ -2,9 +2,9 @@
 // and after a collapse. Both surfaces are linear between the crossings of their edges on the texture, so the largest
 // distance is at a crossing or at the vertex that goes.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "core/base/error.h"
 #include "core/progressive/collapse/collapse_metric.h"
@@ -20,28 +20,12 @@ struct Corner {
 
 Vec3f between(Vec3f a, Vec3f b, double t) { return to_float((1 - t) * to_double(a) + t * to_double(b)); }
 
-// The distance in space of two edges where they cross on the texture. Most do not, and nothing is divided.
-float crossing(const Corner& a, const Corner& b, const Corner& c, const Corner& d) {
-  const double du = double{b.uv.x} - a.uv.x, dv = double{b.uv.y} - a.uv.y;
-  const double eu = double{d.uv.x} - c.uv.x, ev = double{d.uv.y} - c.uv.y;
-  const double ou = double{c.uv.x} - a.uv.x, ov = double{c.uv.y} - a.uv.y;
-  const double det = du * ev - dv * eu, sign = det < 0 ? -1 : 1, size = sign * det;
-  const double s = sign * (ou * ev - ov * eu), t = sign * (ou * dv - ov * du);
-  // One branch instead of five.
-  const int crosses = int{size > 0} & int{s >= 0} & int{s <= size} & int{t >= 0} & int{t <= size};
-  if (crosses == 0) return 0;
-  return length(between(a.position, b.position, s / size) - between(c.position, d.position, t / size));
-}
-
-// The place in space of a point of the texture within a triangle; empty outside.
-std::optional<Vec3f> point_at(Vec2f uv, const Corner& a, const Corner& b, const Corner& c) {
-  const double area = uv_area(a.uv, b.uv, c.uv);
-  if (area == 0) return std::nullopt;
-  const double wa = uv_area(uv, b.uv, c.uv) / area, wb = uv_area(a.uv, uv, c.uv) / area, wc = 1 - wa - wb;
-  constexpr double least = -1e-6;
-  if (wa < least || wb < least || wc < least) return std::nullopt;
-  return to_float(wa * to_double(a.position) + wb * to_double(b.position) + wc * to_double(c.position));
-}
+// From a point of the texture to another, and the cross product of two such vectors.
+struct Way {
+  double u = 0, v = 0;
+};
+Way way(const Corner& a, const Corner& b) { return {double{b.uv.x} - a.uv.x, double{b.uv.y} - a.uv.y}; }
+double cross(Way a, Way b) { return a.u * b.v - a.v * b.u; }
 
 class ParametricMetric final : public CollapseMetric {
  public:
@@ -51,15 +35,33 @@ class ParametricMetric final : public CollapseMetric {
   void start(std::size_t, std::size_t) override {}
 
   // The deviation so far and that of the step; a millionth of its length prefers short ones where nothing deviates.
-  void rank(Id v, std::span<float> ranks) const override {
-    const Ring& ring = rings_->ring(v);
+  //
+  // Most of the work is to look for crossings, so that they are looked for last: the deviation of the vertex itself is
+  // a lower bound, and only neighbours that nothing else rules out go further.
+  [[nodiscard]] Cheapest cheapest(Id v, std::uint64_t places,
+                                  const std::function<bool(std::uint32_t)>& allowed) const override {
     Fans fans;
-    for (std::uint32_t k = 0; k < ring.size; ++k) {
-      Collapse c{.vertex = v, .target = ring.ids[k]};
-      const float way = length(rings_->position(c.target) - rings_->position(v));
-      ranks[k] = rings_->follows_wedges(c) ? deviation_[v] + step(c, fans) + 1e-6f * way
-                                           : std::numeric_limits<float>::infinity();
+    float ranks[max_neighbours];
+    Collapse collapses[max_neighbours];
+    for (std::uint64_t left = places; left != 0; left &= left - 1) {
+      const auto k = static_cast<std::uint32_t>(std::countr_zero(left));
+      collapses[k] = {.vertex = v, .target = rings_->ring(v).ids[k]};
+      ranks[k] = rings_->follows_wedges(collapses[k]) ? rank_of(collapses[k], own_deviation(collapses[k], fans))
+                                                      : std::numeric_limits<float>::infinity();
     }
+    for (std::uint64_t whole = 0; places != 0;) {
+      const std::uint32_t k = lowest_place({ranks, max_neighbours}, places);
+      if (!(ranks[k] < std::numeric_limits<float>::infinity())) break;
+      const std::uint64_t bit = std::uint64_t{1} << k;
+      if ((whole & bit) != 0) return {k, ranks[k]};
+      if (allowed(k)) {
+        ranks[k] = rank_of(collapses[k], step(collapses[k], fans));
+        whole |= bit;
+      } else {
+        places &= ~bit;
+      }
+    }
+    return {};
   }
 
   [[nodiscard]] bool allows(const Collapse& c) const override { return !turns_texture(*rings_, uv_, c); }
@@ -72,12 +74,16 @@ class ParametricMetric final : public CollapseMetric {
   }
 
  private:
+  // Ranks are not found one by one.
+  void rank(Id, std::span<float, max_neighbours>) const override {}
+
   // The surroundings of one wedge of a vertex: the neighbours' corners in its chart, and those of each triangle.
   struct Fan {
     Id wedge = no_id;
     Corner from;
     std::uint32_t spokes = 0, sectors = 0;
     Corner spoke[max_neighbours + 1];
+    Way out[max_neighbours + 1];  // from the vertex to its neighbours
     std::uint8_t first[max_neighbours], second[max_neighbours];
   };
   // The fans of the two wedges at an edge, found once for all targets of a vertex.
@@ -90,9 +96,20 @@ class ParametricMetric final : public CollapseMetric {
     return {uv_[rings_->source_of(wedge)], rings_->position(vertex)};
   }
 
+  [[nodiscard]] float rank_of(const Collapse& c, float deviation) const {
+    return deviation_[c.vertex] + deviation + 1e-6f * length(rings_->position(c.target) - rings_->position(c.vertex));
+  }
+
+  // The deviation where the vertex was, on both sides of the edge.
+  [[nodiscard]] float own_deviation(const Collapse& c, Fans& fans) const {
+    float most = own_deviation(fan_of(c, 0, fans), c, 0);
+    if (c.wedge[1] != c.wedge[0]) most = std::max(most, own_deviation(fan_of(c, 1, fans), c, 1));
+    return most;
+  }
+  // The largest deviation, on both sides of the edge.
   [[nodiscard]] float step(const Collapse& c, Fans& fans) const {
-    float most = side(fan_of(c, 0, fans), c, 0);
-    if (c.wedge[1] != c.wedge[0]) most = std::max(most, side(fan_of(c, 1, fans), c, 1));
+    float most = deviation(fan_of(c, 0, fans), c, 0);
+    if (c.wedge[1] != c.wedge[0]) most = std::max(most, deviation(fan_of(c, 1, fans), c, 1));
     return most;
   }
 
@@ -110,6 +127,7 @@ class ParametricMetric final : public CollapseMetric {
             fan.spoke[k].uv.y == end.uv.y)
           return static_cast<std::uint8_t>(k);
       fan.spoke[fan.spokes] = end;
+      fan.out[fan.spokes] = way(fan.from, end);
       return static_cast<std::uint8_t>(fan.spokes++);
     };
     for (std::uint32_t k = 0; k < ring.sectors() && ring.size <= max_neighbours; ++k) {
@@ -122,22 +140,49 @@ class ParametricMetric final : public CollapseMetric {
     return fan;
   }
 
-  // The deviation in the chart of one wedge of v.
-  [[nodiscard]] float side(const Fan& fan, const Collapse& c, int chart) const {
+  // The distance in space between the vertex and the point of the new triangles with its texture coordinates.
+  [[nodiscard]] float own_deviation(const Fan& fan, const Collapse& c, int chart) const {
     const Corner to = corner(c.target, c.wedge_target[chart]);
-    float most = 0;
-    bool found = false;
-    for (std::uint32_t k = 0; k < fan.sectors && !found; ++k)
-      if (const auto there = point_at(fan.from.uv, to, fan.spoke[fan.first[k]], fan.spoke[fan.second[k]])) {
-        most = length(*there - fan.from.position);
-        found = true;
-      }
-    // Edges with an end in common meet there, where nothing deviates.
-    for (std::uint32_t k = 0; k < fan.spokes; ++k)
-      for (std::uint32_t m = 0; m < fan.spokes; ++m)
-        if (m != k) most = std::max(most, crossing(to, fan.spoke[k], fan.from, fan.spoke[m]));
+    const Way back = way(to, fan.from);
+    for (std::uint32_t k = 0; k < fan.sectors; ++k) {
+      const Corner &a = fan.spoke[fan.first[k]], &b = fan.spoke[fan.second[k]];
+      const Way to_a = way(to, a), to_b = way(to, b);
+      const double area = cross(to_a, to_b), of_to = cross(fan.out[fan.first[k]], fan.out[fan.second[k]]);
+      const double of_a = cross(back, to_b), size = std::abs(area), sign = area < 0 ? -1 : 1;
+      // Far outside, as most are; without a division.
+      if (!(sign * of_to >= -2e-6 * size) || !(sign * of_a >= -2e-6 * size) || area == 0) continue;
+      const double w = of_to / area, wa = of_a / area, wb = 1 - w - wa;
+      constexpr double least = -1e-6;
+      if (w < least || wa < least || wb < least) continue;
+      return length(to_float(w * to_double(to.position) + wa * to_double(a.position) + wb * to_double(b.position)) -
+                    fan.from.position);
+    }
     // Outside the new triangles, along a seam or border that is not straight on the texture: at most the whole way.
-    return found ? most : std::max(most, length(to.position - fan.from.position));
+    return length(to.position - fan.from.position);
+  }
+
+  // The largest deviation in the chart of one wedge of the vertex: there, or where a new edge crosses an old one. Edges
+  // with an end in common meet there, where nothing deviates.
+  [[nodiscard]] float deviation(const Fan& fan, const Collapse& c, int chart) const {
+    const Corner to = corner(c.target, c.wedge_target[chart]);
+    const Way back = way(to, fan.from);
+    double at_old[max_neighbours + 1];
+    for (std::uint32_t m = 0; m < fan.spokes; ++m) at_old[m] = cross(back, fan.out[m]);
+    float most = own_deviation(fan, c, chart);
+    for (std::uint32_t k = 0; k < fan.spokes; ++k) {
+      const Way edge = way(to, fan.spoke[k]);
+      const double at_new = cross(back, edge);
+      for (std::uint32_t m = 0; m < fan.spokes; ++m) {
+        const double det = cross(edge, fan.out[m]), sign = det < 0 ? -1 : 1, size = sign * det;
+        const double s = sign * at_old[m], t = sign * at_new;
+        // One branch instead of six; most do not cross, and nothing is divided.
+        const int crosses = int{m != k} & int{size > 0} & int{s >= 0} & int{s <= size} & int{t >= 0} & int{t <= size};
+        if (crosses != 0)
+          most = std::max(most, length(between(to.position, fan.spoke[k].position, s / size) -
+                                       between(fan.from.position, fan.spoke[m].position, t / size)));
+      }
+    }
+    return most;
   }
 
   const RingMesh* rings_;

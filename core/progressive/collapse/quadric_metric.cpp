@@ -22,7 +22,7 @@ class QuadricMetric final : public CollapseMetric {
 
   [[nodiscard]] const CentredQuadric* plane_quadrics() const override { return quadrics_.get(); }
 
-  void rank(Id v, std::span<float> ranks) const override {
+  void rank(Id v, std::span<float, max_neighbours> ranks) const override {
     const CentredQuadric& q = quadrics_[v];
     const Ring& ring = rings_->ring(v);
     const Vec3f centre = rings_->position(v);
