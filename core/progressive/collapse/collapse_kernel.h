@@ -17,7 +17,8 @@ namespace lodestone::progressive {
 // A collapse as it happened. `order` does not decrease within a region.
 struct CollapseRecord {
   Id vertex = no_id;
-  std::uint32_t triangles = 0;  // 1 or 2 that vanished
+  std::uint16_t triangles = 0;  // 1 or 2 that vanished
+  std::uint16_t ring = 0;       // the number of neighbours that the vertex had
   float order = 0;              // the largest rank so far
   float error = 0;              // of this collapse
 };

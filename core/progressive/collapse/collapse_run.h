@@ -195,7 +195,8 @@ class CollapseRun {
     const std::uint32_t size = ring.size;
     record.vertex = c.vertex;
     record.error = metric_.collapse(c);
-    record.triangles = static_cast<std::uint32_t>(rings_.apply(c, arena));
+    record.triangles = static_cast<std::uint16_t>(rings_.apply(c, arena));
+    record.ring = static_cast<std::uint16_t>(size);
     s_.parent[c.vertex] = c.target;
     if (rings_.has_wedges())
       for (const int side : {0, 1}) s_.parent[c.wedge[side]] = c.wedge_target[side];

@@ -175,4 +175,38 @@ void RingMesh::remove(Id from, Id gone, Id stays) {
   ring.size = ring.size - 1;
 }
 
+void RingMesh::insert(Ring& ring, std::uint32_t at, Id id, RingArena& arena) const {
+  grow(ring, ring.size + 1, arena);
+  std::memmove(ring.ids + at + 1, ring.ids + at, (ring.size - at) * sizeof(Id));
+  ring.ids[at] = id;
+  ring.size = ring.size + 1;
+}
+
+void RingMesh::undo(Id vertex, Id target, std::uint32_t size, RingArena& arena) {
+  Ring &v = rings_[vertex], &u = rings_[target];
+  v.size = size;
+  const std::uint32_t at = v.find(target);
+  const Id a = v.ids[v.next(at)], b = v.ids[v.previous(at)];
+  for (const Id x : v.neighbours()) {
+    if (x == target || x == a || x == b) continue;
+    Ring& ring = rings_[x];
+    ring.ids[ring.find(target)] = vertex;
+  }
+  // In the ring of u the neighbours after a and before b give way to v; they may go on at its beginning.
+  const std::uint32_t between = size - 3, first = u.next(u.find(a));
+  if (between == 0) {
+    insert(u, first, vertex, arena);
+  } else {
+    const std::uint32_t last = std::min(first + between, u.size), wrapped = first + between - last;
+    u.ids[first] = vertex;
+    std::copy(u.ids + last, u.ids + u.size, u.ids + first + 1);
+    u.size = u.size - (last - first - 1);
+    std::copy(u.ids + wrapped, u.ids + u.size, u.ids);
+    u.size = u.size - wrapped;
+  }
+  Ring &before = rings_[a], &after = rings_[b];
+  insert(before, before.find(target), vertex, arena);
+  insert(after, after.find(target) + 1, vertex, arena);
+}
+
 }  // namespace lodestone::progressive

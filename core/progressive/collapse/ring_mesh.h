@@ -97,6 +97,9 @@ class RingMesh {
   [[nodiscard]] Id wedge_of(Id x, Id next) const { return has_wedges_ ? rings_[x].wedge(rings_[x].find(next)) : x; }
   // Carries out a collapse; `arena` serves rings that grow. Returns the number of triangles that vanish, 1 or 2.
   int apply(const Collapse& collapse, RingArena& arena);
+  // Undoes the collapse of a vertex that had `size` neighbours, where the rings of these are as that collapse left
+  // them, but for their first place. For closed fans without wedges. Touches those rings alone.
+  void undo(Id vertex, Id target, std::uint32_t size, RingArena& arena);
 
  private:
   struct Cut {
@@ -129,6 +132,7 @@ class RingMesh {
   static void splice_own(Ring& u, const Ring& v, std::uint32_t back, std::uint32_t first, std::uint32_t between);
   void grow(Ring& ring, std::uint32_t size, RingArena& arena) const;
   void remove(Id from, Id gone, Id stays);
+  void insert(Ring& ring, std::uint32_t at, Id id, RingArena& arena) const;
 
   const IndexedMesh* input_;
   bool has_wedges_ = false;
