@@ -22,7 +22,7 @@ constexpr std::size_t vertex_grain = 8192;
   throw InputError(describe({}, "map to the sphere", what, remedy));
 }
 
-// Says why this is no surface to map.
+// Throws the error that says why the surface cannot be mapped.
 [[noreturn]] void refuse_kind(std::span<const Triangle> triangles, std::size_t vertices) {
   const spherical::SurfaceKind kind = spherical::kind_of(triangles, vertices);
   const auto count = [](std::uint64_t n, const char* what) { return std::to_string(n) + " " + what; };

@@ -12,7 +12,7 @@
 
 namespace lodestone {
 
-// What decides on the order of collapses: the quadric error of a progressive mesh, or the number of neighbours.
+// Collapses are ordered by one of these: the quadric error of a progressive mesh, or the number of neighbours.
 enum class CollapseBy : std::uint8_t { shape, connectivity };
 
 // Vertices are numbered along a curve that fills space, so that neighbours are close in memory.

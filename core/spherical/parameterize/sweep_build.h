@@ -9,7 +9,7 @@
 namespace lodestone::spherical {
 inline namespace LODESTONE_LANES {
 
-// Of a face, four lanes each: weights of the squared edges opposite the vertex, its next neighbour and the one after,
+// A face in four lanes: weights of the squared edges opposite the vertex, its next neighbour and the one after that,
 // and that of the guard.
 struct FaceConstants {
   Double4 vertex, first, second, guard;

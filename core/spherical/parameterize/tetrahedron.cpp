@@ -27,7 +27,7 @@ float rank_of(const RingMesh& rings, Id v, std::uint32_t depth) {
   return static_cast<float>(ring.size + depth) + shortest / 4;
 }
 
-// Of the edges that may collapse a short one to a vertex of few neighbours; false if there is none.
+// Finds an edge that may collapse: a short one to a vertex of few neighbours. False if there is none.
 bool find_collapse(const RingMesh& rings, Id v, Collapse& best) {
   best = {};
   float least = 0;
