@@ -12,6 +12,7 @@
 #include "core/progressive/progressive_file.h"
 #include "parallel/progressive/make_progressive.h"
 #include "tests/core/progressive/progressive_checks.h"
+#include "tests/expect_error.h"
 #include "tests/parallel/progressive_meshes.h"
 #include "tests/test_folder.h"
 
@@ -105,12 +106,7 @@ TEST(ProgressiveGlb, RefusesGltfWithoutParents) {
   const std::string text =
       R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]})";
   ByteReader input({text.data(), text.size()}, "plain.gltf");
-  try {
-    (void)read_progressive_glb(input);
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("not progressive"), std::string::npos) << e.what();
-  }
+  expect_error_of<InputError>([&] { return read_progressive_glb(input); }, {"not progressive"});
 }
 
 TEST(Lpm, ComesBackWithinTheQuantization) {
@@ -162,12 +158,7 @@ TEST(Lpm, RefusesDamagedAndForeignFiles) {
   const LpmBytes lpm = encode_lpm(make(test::sphere_mesh(4)));
   const auto refused = [](std::vector<std::byte> bytes, bool prefix, const char* what) {
     ByteReader input = reader_of(bytes);
-    try {
-      (void)read_lpm(input, prefix);
-      ADD_FAILURE() << what;
-    } catch (const InputError& e) {
-      EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
-    }
+    expect_error_of<InputError>([&] { return read_lpm(input, prefix); }, {what}, what);
   };
   std::vector<std::byte> bytes = lpm.bytes;
   refused({bytes.begin(), bytes.begin() + 10}, true, "not a progressive mesh");
@@ -201,12 +192,7 @@ TEST(ProgressiveFiles, ContradictionsAreNamed) {
   const auto refused = [&](auto change, const char* what) {
     ProgressiveMesh mesh = sound;
     change(mesh);
-    try {
-      check_progressive(mesh, "test");
-      ADD_FAILURE() << what;
-    } catch (const InputError& e) {
-      EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
-    }
+    expect_error_of<InputError>([&] { check_progressive(mesh, "test"); }, {what}, what);
   };
   check_progressive(sound, "test");
   refused([](ProgressiveMesh& m) { m.parents.pop_back(); }, "not one per vertex");
