@@ -10,6 +10,7 @@
 #include "core/progressive/mesh/activation.h"
 #include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
+#include "core/texture/image_codec.h"
 #include "parallel/progressive/make_progressive.h"
 #include "tests/core/progressive/progressive_checks.h"
 #include "tests/expect_error.h"
@@ -100,6 +101,24 @@ TEST(ProgressiveGlb, ComesBackBitForBit) {
       EXPECT_EQ(back.transform, mesh.transform);
       for (std::size_t v = 0; v < mesh.errors.size(); ++v) EXPECT_NEAR(back.errors[v], mesh.errors[v], 1e-6);
     }
+}
+
+TEST(ProgressiveGlb, KeepsNormalsInObjectSpace) {
+  ProgressiveMesh mesh = some_meshes().front();
+  mesh.wedges.uv.assign(mesh.positions.size(), {});
+  mesh.wedges.material.clear();
+  const PixelImage pixel{.size = {1, 1}, .channels = 3, .pixels = {1, 2, 3}};
+  const std::vector<char> bytes = encode_image(pixel, "image/png");
+  mesh.wedges.materials = {{.name = "skin", .texture = 0}};
+  mesh.wedges.textures = {{.name = "colour", .media_type = "image/png", .bytes = bytes},
+                          {.name = "normals", .media_type = "image/png", .bytes = bytes}};
+  mesh.object_normals = {1};
+  const std::vector<std::byte> file = encode_progressive_glb(mesh, false);
+  ByteReader input = reader_of(file);
+  const ProgressiveMesh back = read_progressive_glb(input);
+  EXPECT_EQ(back.object_normals, mesh.object_normals);
+  EXPECT_EQ(back.wedges.materials, mesh.wedges.materials);
+  EXPECT_EQ(back.wedges.textures, mesh.wedges.textures);
 }
 
 TEST(ProgressiveGlb, RefusesGltfWithoutParents) {
