@@ -94,8 +94,10 @@ void SphereLevels::split_chunk(std::span<const VertexSplit> chunk, progressive::
     const VertexSplit& s = chunk[k];
     rings_.undo(s.vertex, s.target, s.ring, arena);
     const progressive::Ring& ring = rings_.ring(s.vertex);
-    if (!spherical::place_vertex(s.vertex, s.target, ring, directions_)) failed_ = true;
-    colours_[s.vertex] = spherical::free_colour(ring, colours_);
+    const std::uint8_t colour = spherical::free_colour(ring, colours_);
+    if (colour == spherical::absent_colour || !spherical::place_vertex(s.vertex, s.target, ring, directions_))
+      failed_ = true;
+    colours_[s.vertex] = colour;
     vertices.push_back(s.vertex);
   }
   if (failed_) return;
