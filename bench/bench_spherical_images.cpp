@@ -1,6 +1,8 @@
-// Cost of octahedral images: the map of points between square and sphere, unfolding.
+// Cost of octahedral images: the map of points between square and sphere, unfolding, resampling.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -9,6 +11,7 @@
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/spherical/octahedron/sphere_raster.h"
 #include "core/spherical/octahedron/unfold.h"
+#include "core/spherical/resample/resampler.h"
 
 namespace {
 
@@ -64,6 +67,66 @@ void unfolding(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.mesh.triangles.size()));
 }
 
+// The generated sphere with a texture: longitude and latitude, a triangle at the back in one piece with wedges of its
+// own.
+struct Textured {
+  IndexedMesh mesh;
+  Surface surface;
+
+  Textured() {
+    const Subject& s = subject();
+    surface.positions = s.mesh.positions;
+    surface.triangles = s.mesh.triangles;
+    for (std::uint32_t v = 0; v < surface.positions.size(); ++v) {
+      const Vec3d d = s.directions[v];
+      surface.source_vertex.push_back(v);
+      mesh.positions.push_back(to_float(surface.positions[v]));
+      mesh.wedges.vertex.push_back(v);
+      mesh.wedges.uv.push_back({static_cast<float>(std::atan2(d.y, d.x) / 6.283185307179586 + 0.5),
+                                static_cast<float>(std::acos(std::clamp(d.z, -1.0, 1.0)) / 3.141592653589793)});
+    }
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+      surface.source_triangle.push_back(t);
+      mesh.triangles.push_back(at_front(surface.triangles[t]));
+    }
+    PixelImage image{.size = {2048, 1024}, .channels = 3, .pixels = {}};
+    for (std::uint32_t i = 0; i < 3 * 2048 * 1024; ++i)
+      image.pixels.push_back(static_cast<std::uint8_t>((i / 3 % 2048) ^ (i / 6144)));
+    Texture& texture = mesh.wedges.textures.emplace_back();
+    texture.media_type = "image/png";
+    texture.bytes = encode_image(image, texture.media_type);
+    mesh.wedges.materials.emplace_back().texture = 0;
+  }
+
+  // The triangle with coordinates on one side of the seam.
+  Triangle at_front(Triangle triangle) {
+    float least = 1, most = 0;
+    for (const std::uint32_t v : triangle.v)
+      least = std::min(least, mesh.wedges.uv[v].x), most = std::max(most, mesh.wedges.uv[v].x);
+    if (most - least < 0.5f) return triangle;
+    for (std::uint32_t& v : triangle.v) {
+      if (mesh.wedges.uv[v].x > 0.5f) continue;
+      const Vec2f uv = mesh.wedges.uv[v];
+      mesh.positions.push_back(mesh.positions[v]);
+      mesh.wedges.vertex.push_back(v);
+      mesh.wedges.uv.push_back({uv.x + 1, uv.y});
+      v = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    }
+    return triangle;
+  }
+};
+
+// Items are pixels, 2 x 2 samples each, all steps included; the argument is the size, and 1 for normals besides.
+void resampling(benchmark::State& state) {
+  static const Textured textured;
+  SurfaceSource source(textured.mesh, textured.surface, subject().directions);
+  source.load(0);
+  const ResampleConfig config{
+      .size = static_cast<std::uint32_t>(state.range(0)), .sides = 2, .normals = state.range(1) != 0};
+  for (auto _ : state) benchmark::DoNotOptimize(resample(textured.surface, subject().directions, source, config));
+  state.SetItemsProcessed(state.iterations() * state.range(0) * state.range(0));
+}
+
 // Items are samples of 2048 x 2048, all steps included.
 void covering(benchmark::State& state) {
   const Subject& s = subject();
@@ -83,6 +146,7 @@ void covering(benchmark::State& state) {
 BENCHMARK(square_to_sphere);
 BENCHMARK(sphere_to_square);
 BENCHMARK(covering)->Unit(benchmark::kMillisecond);
+BENCHMARK(resampling)->Args({1024, 0})->Args({2048, 0})->Args({2048, 1})->Unit(benchmark::kMillisecond);
 BENCHMARK(unfolding)->Unit(benchmark::kMillisecond);
 
 }  // namespace

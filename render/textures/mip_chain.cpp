@@ -1,7 +1,8 @@
 #include "render/textures/mip_chain.h"
 
-#include <cmath>
 #include <utility>
+
+#include "core/texture/texel_wrap.h"
 
 namespace lodestone {
 namespace {
@@ -37,24 +38,6 @@ MipLevel bordered(const PixelImage& image, TextureWrap wrap_u, TextureWrap wrap_
 
 }  // namespace
 
-std::uint32_t wrapped(std::int64_t i, std::uint32_t n, TextureWrap wrap) {
-  const auto modulo = [i](std::int64_t m) { return ((i % m) + m) % m; };
-  std::int64_t at = 0;
-  switch (wrap) {
-    case TextureWrap::repeat:
-      at = modulo(n);
-      break;
-    case TextureWrap::clamp:
-      at = i < 0 ? 0 : i < n ? i : std::int64_t{n} - 1;
-      break;
-    case TextureWrap::mirror:
-      at = modulo(2 * std::int64_t{n});
-      if (at >= n) at = 2 * std::int64_t{n} - 1 - at;
-      break;
-  }
-  return static_cast<std::uint32_t>(at);
-}
-
 std::vector<MipLevel> make_mip_chain(PixelImage image, PixelMeaning meaning, TextureWrap wrap_u, TextureWrap wrap_v) {
   image = three_channels(std::move(image));
   std::vector<MipLevel> levels;
@@ -68,19 +51,6 @@ std::vector<MipLevel> make_mip_chain(PixelImage image, PixelMeaning meaning, Tex
     linear = halve(linear);
   }
   return levels;
-}
-
-bool is_object_space(const PixelImage& normal_map) {
-  if (normal_map.channels < 3) return false;
-  std::size_t units = 0, inwards = 0;
-  for (std::size_t p = 0; p < normal_map.pixels.size(); p += normal_map.channels) {
-    const auto component = [&](std::size_t c) { return static_cast<float>(normal_map.pixels[p + c]) / 127.5f - 1; };
-    const Vec3f n{component(0), component(1), component(2)};
-    if (std::abs(dot(n, n) - 1) > 0.5f) continue;  // between charts
-    ++units;
-    inwards += n.z < -0.1f;
-  }
-  return inwards > units / 16;
 }
 
 PixelImage placeholder_image() {

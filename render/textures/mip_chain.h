@@ -29,14 +29,6 @@ struct MipLevel {
 [[nodiscard]] std::vector<MipLevel> make_mip_chain(PixelImage image, PixelMeaning meaning, TextureWrap wrap_u,
                                                    TextureWrap wrap_v);
 
-// The index of texel i among n, for any i.
-[[nodiscard]] std::uint32_t wrapped(std::int64_t i, std::uint32_t n, TextureWrap wrap);
-
-// Tells the space of a normal map. Formats do not specify it, but texels reveal it: normals of a tangent-space map
-// point out of the surface, blue at least 128, those of an object-space map of a solid object in all directions. True
-// if more than a sixteenth of the texels that are unit vectors point inwards.
-[[nodiscard]] bool is_object_space(const PixelImage& normal_map);
-
 // Drawn instead of a texture that cannot be had: 8 x 8 fields of magenta and black.
 [[nodiscard]] PixelImage placeholder_image();
 

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
 #include "core/texture/image_codec.h"
+#include "core/texture/normal_space.h"
 #include "render/frame/appearance.h"
 
 namespace lodestone {

@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 
+#include "core/texture/texel_wrap.h"
 #include "render/textures/mip_chain.h"
 #include "tests/naive_hierarchy.h"
 #include "tests/render/textured_models.h"

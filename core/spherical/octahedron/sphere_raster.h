@@ -12,41 +12,19 @@
 #include <span>
 #include <vector>
 
+#include "core/base/instruction_set.h"
 #include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/spherical/octahedron/octahedral_map.h"
+#include "core/spherical/octahedron/raster_kernel.h"
 
 namespace lodestone::spherical {
 
-// n x n samples, n at most 32768. In cells: at the centres of n x n squares; on_sides: the first and last ones on the
-// sides (n >= 2).
-struct SampleGrid {
-  enum class Placing : std::uint8_t { in_cells, on_sides };
-  std::uint32_t n = 0;
-  Placing placing = Placing::in_cells;
-
-  [[nodiscard]] double coordinate(std::uint32_t i) const {
-    return placing == Placing::in_cells ? (i + 0.5) / n : static_cast<double>(i) / (n - 1);
-  }
-  [[nodiscard]] SquarePoint place(std::uint32_t x, std::uint32_t y) const { return {coordinate(x), coordinate(y)}; }
-};
-
-inline constexpr std::uint32_t no_triangle = 0xFFFF'FFFFu;
-
-// The samples [x, x + width) x [y, y + height), row by row.
-struct SampleTile {
-  std::uint32_t x = 0, y = 0, width = 0, height = 0;
-  std::array<std::vector<double>, 3> direction;  // components
-  std::vector<std::uint32_t> triangle;           // no_triangle where the mesh leaves a hole
-  std::array<std::vector<float>, 3> weight;      // barycentric, of sum 1; nothing without a triangle
-};
-
 class SphereRaster {
  public:
-  static constexpr std::uint32_t tile_side = 64;  // samples
-
   // The triangles are counter-clockwise seen from outside, directions of unit length. Both must outlive the raster.
-  SphereRaster(std::span<const Triangle> triangles, std::span<const Vec3d> directions, SampleGrid grid);
+  SphereRaster(std::span<const Triangle> triangles, std::span<const Vec3d> directions, SampleGrid grid,
+               InstructionSet instructions = InstructionSet::best);
 
   // The steps, in this order; those with a range may run side by side.
   void place(std::size_t begin, std::size_t end);  // of directions
@@ -71,7 +49,8 @@ class SphereRaster {
     Box box;
     std::uint32_t triangle = 0;
   };
-  [[nodiscard]] Box box_of(std::span<const SquarePoint> corners, double longest) const;
+  [[nodiscard]] Box box_of(std::span<const Vec3d> corners, std::span<const SquarePoint> places,
+                           const Octant& octant) const;
   void add_parts(std::uint32_t triangle);
   template <class Body>
   void for_each_tile(const Box& box, const Body& body) const;
@@ -79,6 +58,7 @@ class SphereRaster {
   std::span<const Triangle> triangles_;
   std::span<const Vec3d> directions_;
   SampleGrid grid_;
+  const RasterKernel& kernel_;
   std::uint32_t tiles_ = 0;
   std::vector<SquarePoint> places_;  // by direction
   std::vector<Box> boxes_;           // by triangle, of those in a single octant

@@ -20,16 +20,23 @@ double depth(const test::SphereMesh& mesh, std::uint32_t t, Vec3d d) {
 }
 
 void expect_covers(const test::SphereMesh& mesh, SampleGrid grid) {
-  SphereRaster raster(mesh.triangles, mesh.directions, grid);
+  SphereRaster raster(mesh.triangles, mesh.directions, grid),
+      plain(mesh.triangles, mesh.directions, grid, InstructionSet::plain);
   raster.prepare();
-  SampleTile tile;
+  plain.prepare();
+  SampleTile tile, other;
   std::size_t samples = 0;
   for (std::size_t k = 0; k < raster.tile_count(); ++k) {
     raster.cover(k, tile);
+    plain.cover(k, other);
+    EXPECT_EQ(tile.triangle, other.triangle);
+    EXPECT_EQ(tile.direction, other.direction);
     for (std::uint32_t y = 0; y < tile.height; ++y)
       for (std::uint32_t x = 0; x < tile.width; ++x, ++samples) {
-        const std::size_t i = std::size_t{y} * tile.width + x;
+        const std::size_t i = std::size_t{y} * SampleTile::side + x;
         const Vec3d d = direction_of(grid.place(tile.x + x, tile.y + y));
+        EXPECT_EQ(d, (Vec3d{tile.direction[0][i], tile.direction[1][i], tile.direction[2][i]}));
+        for (const auto& component : {&tile.weight, &other.weight}) EXPECT_EQ((*component)[0][i], tile.weight[0][i]);
         ASSERT_NE(tile.triangle[i], no_triangle) << tile.x + x << ' ' << tile.y + y;
         ASSERT_GE(depth(mesh, tile.triangle[i], d), -1e-15);
         Vec3d along{};

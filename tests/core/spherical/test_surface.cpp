@@ -1,4 +1,4 @@
-// Counts of the connectivity of surfaces.
+// What the connectivity of a surface is counted as.
 #include <gtest/gtest.h>
 
 #include "core/spherical/surface.h"

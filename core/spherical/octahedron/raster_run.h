@@ -1,0 +1,90 @@
+// The body of the raster's inner loops, for one instruction set.
+#pragma once
+
+#include <array>
+#include <bit>
+
+#include "core/math/lanes/double4.h"
+#include "core/spherical/octahedron/raster_kernel.h"
+
+namespace lodestone::spherical {
+inline namespace LODESTONE_LANES {
+
+inline Double4 polynomial_a(Double4 u, Double4 v) {
+  using namespace octahedral;
+  return ((all4d(1) + (all4d(a_u) * u + all4d(a_v) * v)) + (all4d(a_uu) * u * u + all4d(a_vv) * v * v)) +
+         all4d(a_uv) * (u * v);
+}
+inline Double4 polynomial_b(Double4 u, Double4 v) {
+  using namespace octahedral;
+  return ((all4d(b_0) + all4d(b_1) * (u + v)) + all4d(b_2) * (u * u + v * v)) + all4d(b_uv) * (u * v);
+}
+
+// direction_of(), operation by operation.
+inline Vec4x3 directions_of(Double4 s, Double4 t) {
+  const Double4 one = all4d(1), x = all4d(2) * s - one, y = all4d(2) * t - one;
+  const Double4 across = abs(x), up = abs(y);
+  const Mask4 south = one < across + up;
+  const Double4 u = select(south, one - up, across), v = select(south, one - across, up);
+  const Vec4x3 q{u * polynomial_a(u, v), v * polynomial_a(v, u), (one - (u + v)) * polynomial_b(u, v)};
+  const Double4 scale = one / sqrt((q.x * q.x + q.y * q.y) + q.z * q.z);
+  return {copysign(scale * q.x, x), copysign(scale * q.y, y), select(south, all4d(-1), one) * (scale * q.z)};
+}
+
+inline void set_directions(const SampleGrid& grid, SampleTile& tile) {
+  constexpr std::uint32_t side = SampleTile::side;
+  for (std::vector<double>& component : tile.direction) component.resize(std::size_t{side} * side);
+  std::array<double, side> columns;
+  for (std::uint32_t x = 0; x < side; ++x) columns[x] = grid.coordinate(tile.x + x);
+  for (std::uint32_t y = 0; y < tile.height; ++y) {
+    const Double4 row = all4d(grid.coordinate(tile.y + y));
+    for (std::uint32_t x = 0; x < side; x += 4) {
+      const Vec4x3 d = directions_of(load4(&columns[x]), row);
+      const std::size_t sample = std::size_t{y} * side + x;
+      store(&tile.direction[0][sample], d.x);
+      store(&tile.direction[1][sample], d.y);
+      store(&tile.direction[2][sample], d.z);
+    }
+  }
+}
+
+inline void cover(std::uint32_t triangle, const std::array<Vec3d, 3>& normals, const TileWindow& window,
+                  SampleTile& tile) {
+  const auto spread = [](Vec3d n) { return Vec4x3{all4d(n.x), all4d(n.y), all4d(n.z)}; };
+  const Vec4x3 p = spread(normals[0]), q = spread(normals[1]), r = spread(normals[2]);
+  const Double4 zero = all4d(0);
+  for (std::uint32_t y = window.top; y < window.bottom; ++y)
+    for (std::uint32_t x = window.left & ~3u; x < window.right; x += 4) {
+      const std::size_t sample = std::size_t{y} * SampleTile::side + x;
+      const Vec4x3 d{load4(&tile.direction[0][sample]), load4(&tile.direction[1][sample]),
+                     load4(&tile.direction[2][sample])};
+      const Double4 first = dot(p, d), second = dot(q, d), third = dot(r, d), sum = (first + second) + third;
+      // Without area the sum is zero.
+      unsigned within = ~bits((first < zero) | (second < zero) | (third < zero)) & bits(zero < sum);
+      if (within == 0) continue;
+      const Double4 scale = all4d(1) / sum;
+      std::array<std::array<double, 4>, 3> weight;
+      store(weight[0].data(), first * scale);
+      store(weight[1].data(), second * scale);
+      store(weight[2].data(), third * scale);
+      const auto free = [&](std::size_t lane) { return tile.triangle[sample + lane] == no_triangle; };
+      if (within == 15 && free(0) && free(1) && free(2) && free(3)) {
+        for (std::size_t lane = 0; lane < 4; ++lane) tile.triangle[sample + lane] = triangle;
+        for (std::size_t c = 0; c < 3; ++c)
+          for (std::size_t lane = 0; lane < 4; ++lane)
+            tile.weight[c][sample + lane] = static_cast<float>(weight[c][lane]);
+        continue;
+      }
+      for (; within != 0; within &= within - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(within));
+        if (!free(lane)) continue;
+        tile.triangle[sample + lane] = triangle;
+        for (std::size_t c = 0; c < 3; ++c) tile.weight[c][sample + lane] = static_cast<float>(weight[c][lane]);
+      }
+    }
+}
+
+inline constexpr RasterKernel raster_functions{&set_directions, &cover};
+
+}  // namespace LODESTONE_LANES
+}  // namespace lodestone::spherical

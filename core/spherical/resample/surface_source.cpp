@@ -1,0 +1,210 @@
+#include "core/spherical/resample/surface_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/formats/common/colour.h"
+#include "core/spherical/resample/chart_cover.h"
+#include "core/texture/normal_space.h"
+
+namespace lodestone::spherical {
+namespace {
+
+constexpr Triangle no_corners{{no_source, no_source, no_source}};
+
+std::uint32_t vertex_of(const IndexedMesh& mesh, std::uint32_t wedge) {
+  return mesh.wedges.vertex.empty() ? wedge : mesh.wedges.vertex[wedge];
+}
+
+Vec3f unit_or_zero(Vec3f v) {
+  const float size = length(v);
+  return size > 0 ? (1 / size) * v : Vec3f{};
+}
+
+template <class Value>
+Value mixed(const std::vector<Value>& values, const Triangle& corners, const std::array<float, 3>& weight) {
+  return weight[0] * values[corners.v[0]] + weight[1] * values[corners.v[1]] + weight[2] * values[corners.v[2]];
+}
+
+}  // namespace
+
+SurfaceSource::SurfaceSource(const IndexedMesh& mesh, const Surface& surface, std::span<const Vec3d> directions)
+    : mesh_(mesh) {
+  match_corners(surface);
+  add_shades();
+  find_charts();
+  add_normals();
+  uv_scales_.resize(corners_.size());
+  if (mesh.wedges.uv.empty()) return;
+  for (std::size_t t = 0; t < corners_.size(); ++t) {
+    if (corners_[t] == no_corners) continue;
+    const auto [a, b, c] = surface.triangles[t].v;
+    const double area = length(cross(directions[b] - directions[a], directions[c] - directions[a]));
+    const auto& [i, j, k] = corners_[t].v;
+    const Vec2f p = mesh.wedges.uv[i], q = mesh.wedges.uv[j], r = mesh.wedges.uv[k];
+    const double mapped = double{q.x - p.x} * (r.y - p.y) - double{r.x - p.x} * (q.y - p.y);
+    if (area > 0) uv_scales_[t] = static_cast<float>(std::sqrt(std::abs(mapped) / area));
+  }
+}
+
+// Corners of a triangle of the surface are those of its source, beginning with any of them.
+void SurfaceSource::match_corners(const Surface& surface) {
+  corners_.assign(surface.triangles.size(), no_corners);
+  for (std::size_t t = 0; t < corners_.size(); ++t) {
+    const std::uint32_t source = surface.source_triangle[t];
+    if (source == no_source) continue;
+    const auto& wedges = mesh_.triangles[source].v;
+    const auto& v = surface.triangles[t].v;
+    const auto fits = [&](std::size_t turn) {
+      for (std::size_t k = 0; k < 3; ++k)
+        if (vertex_of(mesh_, wedges[(k + turn) % 3]) != vertex_of(mesh_, surface.source_vertex[v[k]])) return false;
+      return true;
+    };
+    std::size_t turn = 0;
+    if (std::ranges::none_of(v, [&](std::uint32_t corner) { return surface.source_vertex[corner] == no_source; }))
+      while (turn < 3 && !fits(turn)) ++turn;
+    else
+      turn = 3;
+    if (turn == 3)
+      throw InputError(describe("", "surface", "triangle " + std::to_string(t) + " has other corners than its source",
+                                "give the mesh that it was made from"));
+    corners_[t] = {{wedges[turn], wedges[(turn + 1) % 3], wedges[(turn + 2) % 3]}};
+  }
+}
+
+std::uint32_t SurfaceSource::loaded(std::uint32_t texture, PixelMeaning meaning) {
+  if (texture == no_texture || mesh_.wedges.uv.empty()) return no_texture;
+  for (std::uint32_t k = 0; k < textures_.size(); ++k)
+    if (textures_[k].texture == texture && textures_[k].meaning == meaning) return k;
+  textures_.push_back({texture, meaning, false, {}});
+  return static_cast<std::uint32_t>(textures_.size() - 1);
+}
+
+void SurfaceSource::add_shades() {
+  shades_.emplace_back();
+  for (const Material& material : mesh_.wedges.materials) {
+    const auto& c = material.base_colour;
+    shades_.push_back({Float4{c[0] * c[3], c[1] * c[3], c[2] * c[3], c[3]},
+                       loaded(material.texture, PixelMeaning::colours),
+                       loaded(material.normal_map, PixelMeaning::normals)});
+  }
+  shade_numbers_.resize(corners_.size());
+  for (std::size_t t = 0; t < corners_.size(); ++t) {
+    if (corners_[t] == no_corners || mesh_.wedges.materials.empty()) continue;
+    const std::uint32_t number = mesh_.wedges.material.empty() ? 0 : mesh_.wedges.material[corners_[t].v[0]];
+    shade_numbers_[t] = number == no_material ? 0 : number + 1;
+  }
+}
+
+// Wedges are shared within a chart.
+void SurfaceSource::find_charts() {
+  DisjointSets charts(mesh_.positions.size());
+  for (const Triangle& corners : mesh_.triangles) {
+    charts.unite(corners.v[0], corners.v[1]);
+    charts.unite(corners.v[1], corners.v[2]);
+  }
+  charts_.assign(corners_.size(), no_source);
+  for (std::size_t t = 0; t < corners_.size(); ++t)
+    if (corners_[t] != no_corners) charts_[t] = charts.find(corners_[t].v[0]);
+}
+
+void SurfaceSource::add_normals() {
+  std::vector<Vec3d> sums(mesh_.positions.size());
+  for (const Triangle& corners : mesh_.triangles) {
+    const auto& [i, j, k] = corners.v;
+    const Vec3d a = to_double(mesh_.positions[i]), b = to_double(mesh_.positions[j]), c = to_double(mesh_.positions[k]);
+    for (const std::uint32_t wedge : corners.v) {
+      Vec3d& sum = sums[vertex_of(mesh_, wedge)];
+      sum = sum + cross(b - a, c - a);
+    }
+  }
+  normals_.resize(sums.size());
+  for (std::uint32_t w = 0; w < normals_.size(); ++w) {
+    if (!mesh_.wedges.normal.empty()) normals_[w] = unit_or_zero(mesh_.wedges.normal[w]);
+    const Vec3d sum = sums[vertex_of(mesh_, w)];
+    const double size = length(sum);
+    if (normals_[w] == Vec3f{} && size > 0) normals_[w] = to_float((1 / size) * sum);
+  }
+}
+
+void SurfaceSource::load(std::size_t texture) {
+  LoadedTexture& to = textures_[texture];
+  const Texture& from = mesh_.wedges.textures[to.texture];
+  const PixelImage image = [&] {
+    try {
+      return decode_image(from.bytes, from.media_type);
+    } catch (const UnsupportedError& error) {
+      throw UnsupportedError("texture '" + from.name + "' " + error.what());
+    } catch (const InputError& error) {
+      throw InputError("texture '" + from.name + "' " + error.what());
+    }
+  }();
+  std::vector<ChartTriangle> triangles;
+  for (std::uint32_t t = 0; t < corners_.size(); ++t) {
+    const Shade& shade = shade_of(t);
+    if (!has(t) || (shade.texture != texture && shade.normal_map != texture)) continue;
+    const auto& [i, j, k] = corners_[t].v;
+    triangles.push_back({{mesh_.wedges.uv[i], mesh_.wedges.uv[j], mesh_.wedges.uv[k]}, charts_[t]});
+  }
+  to.object_space = to.meaning == PixelMeaning::normals && is_object_space(image);
+  to.image = SourceTexture(image, to.meaning, from.wrap_u, from.wrap_v,
+                           chart_cover(triangles, image.size, from.wrap_u, from.wrap_v));
+}
+
+Vec2f SurfaceSource::uv(const SurfacePoint& point) const { return footprint(point, {}, {}).centre; }
+
+Footprint SurfaceSource::footprint(const SurfacePoint& point, const std::array<float, 3>& by_x,
+                                   const std::array<float, 3>& by_y) const {
+  if (mesh_.wedges.uv.empty()) return {};
+  const auto& v = corners_[point.triangle].v;
+  const Vec2f a = mesh_.wedges.uv[v[0]], b = mesh_.wedges.uv[v[1]], c = mesh_.wedges.uv[v[2]];
+  const auto along = [&](const std::array<float, 3>& w) {
+    return Vec2f{w[1] * (b.x - a.x) + w[2] * (c.x - a.x), w[1] * (b.y - a.y) + w[2] * (c.y - a.y)};
+  };
+  const Vec2f within = along(point.weight);
+  return {{a.x + within.x, a.y + within.y}, along(by_x), along(by_y)};
+}
+
+Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footprint) const {
+  const Shade& shade = shade_of(point.triangle);
+  Float4 colour = shade.base_colour;
+  if (shade.texture != no_texture) colour *= textures_[shade.texture].image.filtered(footprint);
+  if (mesh_.wedges.colour.empty()) return colour;
+  Float4 vertices{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Rgba8 c = mesh_.wedges.colour[corners_[point.triangle].v[k]];
+    const std::array<float, 256>& linear = linear_of_srgb();
+    const float alpha = static_cast<float>(c.a) / 255;
+    const Float4 value{linear[c.r] * alpha, linear[c.g] * alpha, linear[c.b] * alpha, alpha};
+    vertices += all4(point.weight[k]) * value;
+  }
+  return colour * vertices;
+}
+
+// A normal of tangent space: x is the direction in which u grows, made perpendicular to the normal, y is on the side
+// where v falls.
+Vec3f SurfaceSource::bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const {
+  const auto& [i, j, k] = corners_[point.triangle].v;
+  const Vec3f to_b = mesh_.positions[j] - mesh_.positions[i], to_c = mesh_.positions[k] - mesh_.positions[i];
+  const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
+  const float bu = q.x - p.x, bv = q.y - p.y, cu = r.x - p.x, cv = r.y - p.y;
+  const float turn = bu * cv - cu * bv < 0 ? -1.0f : 1.0f;
+  const Vec3f to_u = turn * (cv * to_b - bv * to_c), to_v = turn * (bu * to_c - cu * to_b);
+  const Vec3f t = unit_or_zero(to_u - dot(normal, to_u) * normal);
+  if (t == Vec3f{}) return normal;
+  const Vec3f b = cross(normal, t);
+  return (mapped.x * t + (dot(b, to_v) > 0 ? -mapped.y : mapped.y) * b) + mapped.z * normal;
+}
+
+Vec3f SurfaceSource::normal(const SurfacePoint& point, const Footprint& footprint) const {
+  const std::uint32_t map = shade_of(point.triangle).normal_map;
+  const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(textures_[map].image.filtered(footprint));
+  if (mapped != Vec3f{} && textures_[map].object_space) return unit_or_zero(mapped);
+  const Vec3f smooth = unit_or_zero(mixed(normals_, corners_[point.triangle], point.weight));
+  return mapped == Vec3f{} ? smooth : unit_or_zero(bent(point, smooth, mapped));
+}
+
+}  // namespace lodestone::spherical

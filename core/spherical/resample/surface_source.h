@@ -1,0 +1,88 @@
+// What a surface for the sphere looks like: the colours and normals of the mesh that it was made from, at any point of
+// its triangles.
+//
+// A colour is base colour of the material times texture times vertex colour, in linear light. A normal is from the
+// material's normal map, in object or tangent space (core/texture/normal_space.h), or the normals of the
+// corners interpolated; a mesh without normals gets means of its triangles', by area.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/disjoint_sets.h"
+#include "core/math/float4.h"
+#include "core/mesh/indexed_mesh.h"
+#include "core/spherical/resample/source_texture.h"
+#include "core/spherical/surface.h"
+
+namespace lodestone::spherical {
+
+// A point of a triangle by barycentric weights.
+struct SurfacePoint {
+  std::uint32_t triangle = 0;
+  std::array<float, 3> weight{};
+};
+
+class SurfaceSource {
+ public:
+  // The mesh, which must outlive the source, is the one that the surface's source_vertex and source_triangle name.
+  // directions: one per vertex of the surface; they tell the size of footprints. Throws InputError if a triangle and
+  // its source have different corners.
+  SurfaceSource(const IndexedMesh& mesh, const Surface& surface, std::span<const Vec3d> directions);
+
+  // Textures have to be loaded before they are sampled. May run side by side. Throws what decode_image throws, with the
+  // texture's name.
+  [[nodiscard]] std::size_t texture_count() const { return textures_.size(); }
+  void load(std::size_t texture);
+
+  // False for triangles that fill holes or cap cuts: nothing below may be asked of them.
+  [[nodiscard]] bool has(std::uint32_t triangle) const { return corners_[triangle].v[0] != no_source; }
+  // Equal for triangles that are connected in texture coordinates.
+  [[nodiscard]] std::uint32_t chart(std::uint32_t triangle) const { return charts_[triangle]; }
+  // Texture coordinates per unit of length on the sphere, the mean over all directions; 0 without a texture.
+  [[nodiscard]] float uv_scale(std::uint32_t triangle) const { return uv_scales_[triangle]; }
+  [[nodiscard]] Vec2f uv(const SurfacePoint& point) const;
+  // Around a point, along changes of its weights, of sum 0.
+  [[nodiscard]] Footprint footprint(const SurfacePoint& point, const std::array<float, 3>& by_x,
+                                    const std::array<float, 3>& by_y) const;
+  // Light times alpha, and alpha. The footprint is in texture coordinates.
+  [[nodiscard]] Float4 colour(const SurfacePoint& point, const Footprint& footprint) const;
+  // A unit vector, or zero where nothing tells the normal.
+  [[nodiscard]] Vec3f normal(const SurfacePoint& point, const Footprint& footprint) const;
+  // True if the normal there is read from an image.
+  [[nodiscard]] bool has_normal_map(std::uint32_t triangle) const {
+    return shade_of(triangle).normal_map != no_texture;
+  }
+  [[nodiscard]] bool has_vertex_colours() const { return !mesh_.wedges.colour.empty(); }
+
+ private:
+  struct Shade {
+    Float4 base_colour{1, 1, 1, 1};
+    std::uint32_t texture = no_texture, normal_map = no_texture;  // of textures_
+  };
+  struct LoadedTexture {
+    std::uint32_t texture = 0;  // of the mesh
+    PixelMeaning meaning = PixelMeaning::colours;
+    bool object_space = false;
+    SourceTexture image;
+  };
+  [[nodiscard]] const Shade& shade_of(std::uint32_t triangle) const { return shades_[shade_numbers_[triangle]]; }
+  void match_corners(const Surface& surface);
+  void add_shades();
+  void find_charts();
+  void add_normals();
+  [[nodiscard]] std::uint32_t loaded(std::uint32_t texture, PixelMeaning meaning);
+  [[nodiscard]] Vec3f bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const;
+
+  const IndexedMesh& mesh_;
+  std::vector<Triangle> corners_;  // by triangle of the surface: wedges of the mesh; no_source: none
+  std::vector<std::uint32_t> charts_, shade_numbers_;
+  std::vector<float> uv_scales_;
+  std::vector<Shade> shades_;  // the first: no material
+  std::vector<LoadedTexture> textures_;
+  std::vector<Vec3f> normals_;  // by wedge
+};
+
+}  // namespace lodestone::spherical
