@@ -39,7 +39,7 @@ SquarePoint square_point(Vec3d d, const Octant& octant) {
   }
   // From here on 1 - s is exact, which makes the other octants mirror images.
   const double s = 0.5 * (1 + u), t = 0.5 * (1 + v);
-  return {octant.x < 0 ? 1 - s : s, octant.y < 0 ? 1 - t : t};
+  return {octant.x < 0 ? 1 - s : s, octant.y < 0 ? t : 1 - t};
 }
 
 }  // namespace lodestone::spherical

@@ -17,7 +17,8 @@
 
 namespace lodestone::spherical {
 
-// A point of the square, (0, 0) to (1, 1). The sphere's x grows with the first coordinate, its y with the second.
+// A point of the square, (0, 0) to (1, 1). The sphere's x grows with s, and its y falls with t: an image whose rows run
+// down shows the surface as it is seen from outside, writing not mirrored.
 struct SquarePoint {
   double s = 0, t = 0;
   friend constexpr bool operator==(const SquarePoint&, const SquarePoint&) = default;
@@ -52,7 +53,7 @@ inline constexpr double b_0 = .51399, b_1 = .013775, b_2 = -.41058, b_uv = 1.611
 
 // A unit vector.
 [[nodiscard]] inline Vec3d direction_of(SquarePoint p) {
-  const double x = 2 * p.s - 1, y = 2 * p.t - 1;
+  const double x = 2 * p.s - 1, y = 1 - 2 * p.t;
   const double across = std::abs(x), up = std::abs(y);
   const bool south = across + up > 1;
   const double u = south ? 1 - up : across, v = south ? 1 - across : up, sign = south ? -1.0 : 1.0;

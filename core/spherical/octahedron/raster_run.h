@@ -22,7 +22,7 @@ inline Double4 polynomial_b(Double4 u, Double4 v) {
 
 // direction_of(), operation by operation.
 inline Vec4x3 directions_of(Double4 s, Double4 t) {
-  const Double4 one = all4d(1), x = all4d(2) * s - one, y = all4d(2) * t - one;
+  const Double4 one = all4d(1), x = all4d(2) * s - one, y = one - all4d(2) * t;
   const Double4 across = abs(x), up = abs(y);
   const Mask4 south = one < across + up;
   const Double4 u = select(south, one - up, across), v = select(south, one - across, up);

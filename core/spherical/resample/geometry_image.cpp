@@ -113,8 +113,8 @@ RawMesh remesh(const GeometryImage& image) {
       };
       const bool along = ends_cut(x, y) || ends_cut(x + 1, y + 1) ||
                          (!ends_cut(x + 1, y) && !ends_cut(x, y + 1) && distance(a, c) <= distance(b, d));
-      const std::array<Triangle, 2> pair = along ? std::array<Triangle, 2>{{{{a, b, c}}, {{a, c, d}}}}
-                                                 : std::array<Triangle, 2>{{{{a, b, d}}, {{b, c, d}}}};
+      const std::array<Triangle, 2> pair = along ? std::array<Triangle, 2>{{{{a, d, c}}, {{a, c, b}}}}
+                                                 : std::array<Triangle, 2>{{{{a, d, b}}, {{b, d, c}}}};
       mesh.triangles.insert(mesh.triangles.end(), pair.begin(), pair.end());
     }
   return mesh;

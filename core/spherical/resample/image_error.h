@@ -1,4 +1,4 @@
-// How far octahedral images are from the surface that they were made from, measured at points spread evenly over it.
+// The error of octahedral images against the surface that they were made from, at points spread evenly over it.
 #pragma once
 
 #include <cstdint>

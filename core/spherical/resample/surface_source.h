@@ -1,5 +1,5 @@
-// What a surface for the sphere looks like: the colours and normals of the mesh that it was made from, at any point of
-// its triangles.
+// The looks of a surface for the sphere: the colours and normals of the mesh that it was made from, at any point of its
+// triangles.
 //
 // A colour is base colour of the material times texture times vertex colour, in linear light. A normal is from the
 // material's normal map, in object or tangent space (core/texture/normal_space.h), or the normals of the

@@ -43,7 +43,7 @@ TEST(OctahedralMap, SymmetryIsExact) {
       const Vec3d d = direction_of({s, t});
       EXPECT_EQ(direction_of({1 - s, t}), (Vec3d{-d.x, d.y, d.z}));
       EXPECT_EQ(direction_of({s, 1 - t}), (Vec3d{d.x, -d.y, d.z}));
-      EXPECT_EQ(direction_of({t, s}), (Vec3d{d.y, d.x, d.z}));
+      EXPECT_EQ(direction_of({1 - t, 1 - s}), (Vec3d{d.y, d.x, d.z}));
       // Across the equator, within the quarter of the square.
       const double u = std::abs(2 * s - 1), v = std::abs(2 * t - 1);
       if (s >= 0.5 && t >= 0.5) {
@@ -52,7 +52,7 @@ TEST(OctahedralMap, SymmetryIsExact) {
       const SquarePoint p = square_point(d);
       EXPECT_EQ(square_point({-d.x, d.y, d.z}, {-octant_of(d).x, octant_of(d).y, octant_of(d).z}),
                 (SquarePoint{1 - p.s, p.t}));
-      EXPECT_EQ(square_point({d.y, d.x, d.z}), (SquarePoint{p.t, p.s}));
+      EXPECT_EQ(square_point({d.y, d.x, d.z}), (SquarePoint{1 - p.t, 1 - p.s}));
     }
 }
 
@@ -60,7 +60,7 @@ TEST(OctahedralMap, SidesAreTheArcsExactly) {
   EXPECT_EQ(direction_of({0.5, 0.5}), (Vec3d{0, 0, 1}));
   EXPECT_EQ(direction_of({1, 1}), (Vec3d{0, 0, -1}));
   EXPECT_EQ(direction_of({0, 1}), (Vec3d{0, 0, -1}));
-  EXPECT_EQ(direction_of({0.5, 1}), (Vec3d{0, 1, 0}));
+  EXPECT_EQ(direction_of({0.5, 1}), (Vec3d{0, -1, 0}));
   for (int i = 0; i <= 64; ++i) {
     const double a = i / 64.0;
     EXPECT_EQ(direction_of({a, 1}), direction_of({1 - a, 1}));
@@ -68,10 +68,10 @@ TEST(OctahedralMap, SidesAreTheArcsExactly) {
     EXPECT_EQ(direction_of({a, 1}).x, 0);
     EXPECT_EQ(direction_of({0, a}).y, 0);
     const Vec3d d = direction_of({a, 0});
-    EXPECT_EQ(square_point(d, {-1, -1, -1}).t, 0);
-    EXPECT_EQ(square_point(d, {1, -1, -1}).t, 0);
-    EXPECT_NEAR(square_point(d, {a < 0.5 ? -1.0 : 1.0, -1, -1}).s, a, 1e-15);
-    EXPECT_NEAR(square_point(d, {a < 0.5 ? 1.0 : -1.0, -1, -1}).s, 1 - a, 1e-15);
+    EXPECT_EQ(square_point(d, {-1, 1, -1}).t, 0);
+    EXPECT_EQ(square_point(d, {1, 1, -1}).t, 0);
+    EXPECT_NEAR(square_point(d, {a < 0.5 ? -1.0 : 1.0, 1, -1}).s, a, 1e-15);
+    EXPECT_NEAR(square_point(d, {a < 0.5 ? 1.0 : -1.0, 1, -1}).s, 1 - a, 1e-15);
   }
 }
 
@@ -87,7 +87,7 @@ TEST(OctahedralMap, StretchesLittleAndFoldsNowhere) {
       for (const double third : {1.0 / 3, 2.0 / 3}) {
         const double u = (i + third) / n, v = (j + third) / n;
         if (u + v >= 1) continue;
-        const auto at = [](double a, double b) { return direction_of({0.5 + 0.5 * a, 0.5 + 0.5 * b}); };
+        const auto at = [](double a, double b) { return direction_of({0.5 + 0.5 * a, 0.5 - 0.5 * b}); };
         const Vec3d by_u = (1 / (2 * h)) * (at(u + h, v) - at(u - h, v));
         const Vec3d by_v = (1 / (2 * h)) * (at(u, v + h) - at(u, v - h));
         const double trace = dot(by_u, by_u) + dot(by_v, by_v), det = dot(cross(by_u, by_v), at(u, v));

@@ -12,9 +12,10 @@
 namespace lodestone::spherical {
 namespace {
 
+// As seen with t running down.
 double signed_area(const Unfolding& cut, const Triangle& corners) {
   const SquarePoint a = cut.place[corners.v[0]], b = cut.place[corners.v[1]], c = cut.place[corners.v[2]];
-  return 0.5 * ((b.s - a.s) * (c.t - a.t) - (c.s - a.s) * (b.t - a.t));
+  return 0.5 * ((c.s - a.s) * (b.t - a.t) - (b.s - a.s) * (c.t - a.t));
 }
 
 void expect_is_subdivision(const test::SphereMesh& mesh, const Unfolding& cut) {
