@@ -67,6 +67,15 @@ class Cells(unittest.TestCase):
         self.assertEqual([results.cell_text(Cell(value)) for value in (None, True, "morph")], ["", "yes", "morph"])
 
 
+class Files(unittest.TestCase):
+    def test_are_where_a_checkout_has_them(self):
+        for study in (ROOT / "experiments/studies/standard").glob("*.toml"):
+            for name in re.findall(r'path = "([^"]+)"', study.read_text(encoding="utf-8")):
+                file = pathlib.Path(os.path.normpath(study.parent / name))
+                # scripts/data lays models there, and a checkout may lack them.
+                self.assertTrue(file.is_relative_to(ROOT / "build/data") or file.exists(), (study.name, name))
+
+
 class Columns(CommandCase):
     def known(self, experiment):
         about = self.results("experiments", experiment, "--quiet")
