@@ -36,22 +36,13 @@ struct RenderOptions {
   Bytes memory_budget;  // 0: the whole file
 };
 
-DistanceMetric parse_metric(const std::string& name) {
-  if (name == "euclidean") return DistanceMetric::euclidean;
-  if (name == "chebyshev") return DistanceMetric::chebyshev;
-  throw InputError("--metric " + name + ": unknown; known are euclidean, chebyshev");
-}
-
-RadiiConfig radii_config(const RenderOptions& options, const RadiiConfig& of_scene) {
-  RadiiConfig config = of_scene;
+// A tolerance that is not given is the scene's.
+RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) {
   if (options.kappa0 && options.pixel_error)
     throw InputError("--kappa0 and --pixel-error exclude each other; give one of them");
-  if (options.radii != "per-level" && options.radii != "uniform")
-    throw InputError("--radii " + options.radii + ": unknown; known are per-level, uniform");
-  config.rule = options.radii == "uniform" ? RadiiRule::uniform : RadiiRule::per_level;
-  config.metric = parse_metric(options.metric);
+  RadiiConfig config = radii_config(options.radii, options.metric);
   config.kappa0 = options.kappa0;
-  if (options.pixel_error) config.pixel_error = *options.pixel_error;
+  config.pixel_error = options.pixel_error.value_or(of_scene.pixel_error);
   config.beta = options.beta;
   config.delta = options.delta;
   return config;
@@ -86,7 +77,7 @@ std::vector<FileArgument> input_files(const RenderOptions& options) {
 
 // Applies the options that replace settings of the scene.
 void apply(const RenderOptions& options, Scene& scene) {
-  scene.radii = radii_config(options, scene.radii);
+  scene.radii = radii_of(options, scene.radii);
   if (options.blend_name) scene.blend = blend(*options.blend_name);
   if (options.effects) scene.effects = parse_effects(*options.effects);
   if (options.tint) scene.settings.level_tint = 1;

@@ -5,6 +5,7 @@
 #include "experiments/command_line/sizes.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
+#include "experiments/subjects/render.h"
 #include "render/viewer/viewer.h"
 
 namespace lodestone {
@@ -25,9 +26,10 @@ viewer::ViewState first_state(const ViewOptions& options) {
   viewer::ViewSettings settings = options.settings;
   settings.by_kappa0 = options.kappa0.has_value();
   if (options.kappa0) settings.kappa0 = *options.kappa0;
-  settings.rule = options.radii == "uniform" ? RadiiRule::uniform : RadiiRule::per_level;
+  const RadiiConfig radii = radii_config(options.radii, options.metric);
+  settings.rule = radii.rule;
   settings.blend = blend(options.blend_name);
-  state.metric = options.metric == "chebyshev" ? DistanceMetric::chebyshev : DistanceMetric::euclidean;
+  state.metric = radii.metric;
   // Out of range is an error here, where a user wrote it; in the window it is brought into range.
   if (viewer::clamped(settings) != settings)
     throw InputError("--pixel-error must lie between 0.05 and 1000, --kappa0 between 0.01 and 1000");

@@ -74,10 +74,8 @@ double kappa0_of(double ratio, const Hierarchy& hierarchy, const RadiiConfig& co
   return ratio * border;
 }
 
-RadiiConfig radii_config(const Parameters& parameters, const Hierarchy& hierarchy) {
-  RadiiConfig config;
-  config.rule = parameters.text("radii") == "uniform" ? RadiiRule::uniform : RadiiRule::per_level;
-  config.metric = parameters.text("metric") == "euclidean" ? DistanceMetric::euclidean : DistanceMetric::chebyshev;
+RadiiConfig radii_of(const Parameters& parameters, const Hierarchy& hierarchy) {
+  RadiiConfig config = radii_config(parameters.text("radii"), parameters.text("metric"));
   config.beta = static_cast<float>(parameters.number("beta"));
   config.delta = static_cast<float>(parameters.number("delta"));
   config.pixel_error = static_cast<float>(parameters.number("pixel_error"));
@@ -139,7 +137,7 @@ void add_accuracy(Row& row, const Hierarchy& hierarchy, const ViewConfig& view, 
 std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context) {
   const Study study(parameters, context);
   const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *study.scheduler);
-  const RadiiConfig radii = radii_config(parameters, hierarchy);
+  const RadiiConfig radii = radii_of(parameters, hierarchy);
   const ViewConfig view = view_config(parameters, radii);
   const std::vector<Shot> shots = viewpoints(hierarchy, make_radii(hierarchy, radii), parameters);
   Row row;

@@ -106,6 +106,17 @@ FlightTimes times_of(const std::vector<FrameResult>& frames) {
 
 }  // namespace
 
+RadiiConfig radii_config(const std::string& rule, const std::string& metric) {
+  if (rule != "per-level" && rule != "uniform")
+    throw InputError("--radii " + rule + ": unknown; known are per-level, uniform");
+  if (metric != "euclidean" && metric != "chebyshev")
+    throw InputError("--metric " + metric + ": unknown; known are euclidean, chebyshev");
+  RadiiConfig config;
+  if (rule == "uniform") config.rule = RadiiRule::uniform;
+  if (metric == "chebyshev") config.metric = DistanceMetric::chebyshev;
+  return config;
+}
+
 RenderResult run(const RenderJob& job, SceneView& scene, Renderer& renderer, Scheduler& scheduler) {
   if (job.cameras.empty()) throw InputError("a flight needs at least one camera");
   RenderRun flight(job, scene, renderer, scheduler);

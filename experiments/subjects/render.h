@@ -56,6 +56,9 @@ struct RenderResult {
 // loading throws.
 [[nodiscard]] RenderResult run(const RenderJob& job, SceneView& scene, Renderer& renderer, Scheduler& scheduler);
 
+// The rule for the radii and the metric by their names, and defaults for the rest. Throws InputError for other names.
+[[nodiscard]] RadiiConfig radii_config(const std::string& rule, const std::string& metric);
+
 // Columns that the experiments which draw have, too.
 [[nodiscard]] std::vector<ColumnInfo> render_columns();
 [[nodiscard]] Row to_row(const RenderResult& result);

@@ -6,7 +6,7 @@
 
 #include "core/base/prefetch.h"
 #include "core/hierarchy/model/fingerprint.h"
-#include "core/math/float4.h"
+#include "core/math/lanes/float4.h"
 
 namespace lodestone {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/hierarchy/build/cell_build.h"
 #include "core/hierarchy/build/finest_cell.h"
-#include "core/math/float4.h"
+#include "core/math/lanes/float4.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

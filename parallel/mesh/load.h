@@ -9,10 +9,9 @@
 
 namespace lodestone {
 
-// The same mesh as read_mesh (core/formats/mesh_file.h), the same bytes and the same errors, but binary PLY of the
-// common layout (vertices of fixed size, all faces triangles with 32-bit indices) and binary STL are read and decoded
-// in chunks on all workers, and the tiles of a tileset are read side by side. Memory: the mesh and one mebibyte per
-// worker; for a tileset, the mesh and 64 tiles.
+// The same mesh as read_mesh (core/formats/mesh_file.h), the same bytes and the same errors, but the pieces of a
+// MeshStream and the tiles of a tileset are read side by side. Memory: the mesh and one mebibyte per worker; for a
+// tileset, the mesh and 64 tiles.
 [[nodiscard]] RawMesh load_mesh(const std::filesystem::path& path, Scheduler& scheduler, const ReadConfig& config = {});
 
 }  // namespace lodestone

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <vector>
@@ -17,7 +18,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t most_stride = 1 << 12;  // longer records are not a common layout
+constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
 
 // A run of records of fixed size in a file.
 struct Records {
@@ -25,8 +26,9 @@ struct Records {
   std::size_t stride = 0;
 };
 
+// True if the file holds them and a buffer holds one: checked before memory is allocated for them.
 bool readable(const Records& records, const InputFile& file) {
-  return records.stride > 0 && records.stride <= most_stride && records.offset <= file.size() &&
+  return records.stride > 0 && records.stride <= buffer_bytes && records.offset <= file.size() &&
          records.count <= (file.size() - records.offset) / records.stride;
 }
 
@@ -51,16 +53,23 @@ class FileStream : public MeshStream {
 
  protected:
   [[nodiscard]] const InputFile& file() const { return file_; }
-  // The bytes of records [first, first + count).
-  [[nodiscard]] std::vector<char> read(const Records& records, std::uint64_t first, std::size_t count) const {
-    std::vector<char> bytes(count * records.stride);
-    const std::uint64_t offset = records.offset + first * records.stride;
-    const std::size_t got = file_.read_at(offset, bytes);
-    if (got < bytes.size())
-      throw InputError(describe(name(), "byte " + std::to_string(offset + got),
-                                "the file ends here, and was longer when it was opened",
-                                "leave it as it is until the build is done"));
-    return bytes;
+  // Calls decode(bytes, done, now) for records [first, first + count), as many at a time as a buffer holds.
+  template <class Decode>
+  void read(const Records& records, std::uint64_t first, std::size_t count, const Decode& decode) const {
+    const std::size_t at_once = std::min(count, buffer_bytes / records.stride);
+    const auto buffer = std::make_unique_for_overwrite<char[]>(at_once * records.stride);
+    for (std::size_t done = 0; done < count;) {
+      const std::size_t now = std::min(count - done, at_once);
+      const std::span<char> bytes(buffer.get(), now * records.stride);
+      const std::uint64_t offset = records.offset + (first + done) * records.stride;
+      const std::size_t got = file_.read_at(offset, bytes);
+      if (got < bytes.size())
+        throw InputError(describe(name(), "byte " + std::to_string(offset + got),
+                                  "the file ends here, and was longer when it was opened",
+                                  "leave it as it is until the build is done"));
+      decode(std::span<const char>(bytes), done, now);
+      done += now;
+    }
   }
 
  private:
@@ -70,28 +79,41 @@ class FileStream : public MeshStream {
 
 class PlyStream final : public FileStream {
  public:
-  PlyStream(const std::filesystem::path& path, const PlyFixedLayout& layout)
+  PlyStream(const std::filesystem::path& path, const PlyHeader& header, const PlyFixedLayout& layout,
+            const ReadConfig& config)
       : FileStream(path),
         layout_(layout),
         vertex_records_{layout.vertex_offset, layout.vertex_count, layout.vertices.stride},
         triangle_records_{layout.triangle_offset, layout.triangle_count, layout.triangles.stride} {
     vertices_ = layout.vertex_count;
     triangles_ = layout.triangle_count;
+    has_attributes_ = config.attributes && !layout.attributes.empty();
+    if (complete()) add_ply_warnings(header, name(), config.attributes, file().size() - layout.end, warnings_);
   }
   [[nodiscard]] bool complete() const {
-    return readable(vertex_records_, file()) && readable(triangle_records_, file());
+    return readable(vertex_records_, file()) && readable(triangle_records_, file()) && layout_.end <= file().size();
   }
 
-  void read_vertices(std::uint64_t first, std::span<Vec3d> out) const override {
-    decode_vertices(layout_.vertices, read(vertex_records_, first, out.size()), out);
+  void read_vertices(std::uint64_t first, std::span<Vec3d> out, RawWedges* wedges) const override {
+    read(vertex_records_, first, out.size(), [&](auto bytes, std::size_t done, std::size_t now) {
+      decode_vertices(layout_.vertices, bytes, out.subspan(done, now));
+      if (wedges && has_attributes_) decode_attributes(layout_.attributes, bytes, first + done, now, *wedges);
+    });
   }
   void read_triangles(std::uint64_t first, std::span<Triangle> out) const override {
-    const std::vector<char> bytes = read(triangle_records_, first, out.size());
-    const std::size_t sound = decode_triangles(layout_.triangles, bytes, static_cast<std::uint32_t>(vertices_), out);
-    if (sound < out.size())
-      throw InputError(describe(name(), "face " + std::to_string(first + sound),
-                                "is not a triangle, or has an index out of range",
-                                "make triangles of all faces, or build without --memory-limit"));
+    read(triangle_records_, first, out.size(), [&](auto bytes, std::size_t done, std::size_t now) {
+      const std::size_t sound =
+          decode_triangles(layout_.triangles, bytes, static_cast<std::uint32_t>(vertices_), out.subspan(done, now));
+      if (sound < now)
+        throw InputError(describe(name(), "face " + std::to_string(first + done + sound),
+                                  "is not a triangle, or has an index out of range",
+                                  "make triangles of all faces, or build without --memory-limit"));
+    });
+  }
+  [[nodiscard]] RawWedges wedges() const override {
+    RawWedges wedges;
+    if (has_attributes_) resize_attributes(layout_.attributes, vertices_, wedges);
+    return wedges;
   }
 
  private:
@@ -111,13 +133,16 @@ class StlStream final : public FileStream {
     return readable(records_, file()) && vertices_ <= std::numeric_limits<std::uint32_t>::max();
   }
 
-  void read_vertices(std::uint64_t first, std::span<Vec3d> out) const override {
+  void read_vertices(std::uint64_t first, std::span<Vec3d> out, RawWedges* /*wedges*/) const override {
     if (out.empty()) return;
     const std::uint64_t facet = first / 3, end = (first + out.size() + 2) / 3;
     const auto facets = static_cast<std::size_t>(end - facet);
-    std::vector<Vec3d> corners(3 * facets);
-    decode_stl_corners(read(records_, facet, facets), corners);
-    std::copy_n(corners.begin() + static_cast<std::ptrdiff_t>(first % 3), out.size(), out.begin());
+    std::vector<Vec3d> whole(3 * facets == out.size() ? 0 : 3 * facets);  // where a facet is cut
+    const std::span<Vec3d> corners = whole.empty() ? out : whole;
+    read(records_, facet, facets, [&](auto bytes, std::size_t done, std::size_t now) {
+      decode_stl_corners(bytes, corners.subspan(3 * done, 3 * now));
+    });
+    if (!whole.empty()) std::copy_n(whole.begin() + static_cast<std::ptrdiff_t>(first % 3), out.size(), out.begin());
   }
   void read_triangles(std::uint64_t first, std::span<Triangle> out) const override { number_corners(out, 3 * first); }
 
@@ -144,8 +169,7 @@ std::unique_ptr<MeshStream> open_mesh_stream(const std::filesystem::path& given,
       const PlyHeader header = read_ply_header(head);
       if (config.attributes && (header.has_textured_faces() || !header.textures.empty())) return nullptr;
       const std::optional<PlyFixedLayout> layout = fixed_layout(header);
-      if (!layout || (config.attributes && !layout->attributes.empty())) return nullptr;
-      return if_complete<PlyStream>(path, *layout);
+      return layout ? if_complete<PlyStream>(path, header, *layout, config) : nullptr;
     }
     case MeshFormat::stl: {
       const std::string_view bytes = head.window(stl_header_bytes);

@@ -120,7 +120,7 @@ ModelSource open_model_source(const std::filesystem::path& path, const ReadConfi
                               std::uint64_t memory_limit) {
   ModelSource source{path, reading};
   if (memory_limit == 0) return source;
-  if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, reading)) {
+  if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, reading); stream && !stream->has_attributes()) {
     if (in_core_bytes(stream->vertex_count(), stream->triangle_count()) > memory_limit)
       source.stream = std::move(stream);
     return source;

@@ -22,7 +22,7 @@ struct SphereMapConfig {
   SphereEffort effort = SphereEffort::normal;
   // Weight of the term that keeps triangles from shrinking to nothing on the sphere: more of it gives fewer slivers and
   // more stretch. Greater than 0.
-  double guard = 1e-5;
+  double guard = 1e-6;
   InstructionSet instructions = InstructionSet::best;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/prefetch.h"
 #include "core/spherical/parameterize/tetrahedron.h"
 
 namespace lodestone {
@@ -85,11 +86,18 @@ void SphereLevels::relax_rings(std::span<const VertexSplit> wave) {
 // Nothing in a wave shares a vertex, so that whatever others do is done elsewhere.
 void SphereLevels::split_chunk(std::span<const VertexSplit> chunk, progressive::RingArena& arena) {
   std::vector<Id> vertices;
-  for (const VertexSplit& s : chunk) {
+  for (std::size_t k = 0; k < chunk.size(); ++k) {
+    if (k + prefetch_distance < chunk.size()) prefetch(&rings_.ring(chunk[k + prefetch_distance].vertex));
+    if (const std::size_t next = k + prefetch_distance / 2; next < chunk.size())
+      for (const Id x : std::span(rings_.ring(chunk[next].vertex).ids, chunk[next].ring))
+        prefetch(&rings_.ring(x)), prefetch(&directions_[x]);
+    const VertexSplit& s = chunk[k];
     rings_.undo(s.vertex, s.target, s.ring, arena);
     const progressive::Ring& ring = rings_.ring(s.vertex);
-    if (!spherical::place_vertex(s.vertex, s.target, ring, directions_)) failed_ = true;
-    colours_[s.vertex] = spherical::free_colour(ring, colours_);
+    const std::uint8_t colour = spherical::free_colour(ring, colours_);
+    if (colour == spherical::absent_colour || !spherical::place_vertex(s.vertex, s.target, ring, directions_))
+      failed_ = true;
+    colours_[s.vertex] = colour;
     vertices.push_back(s.vertex);
   }
   if (failed_) return;

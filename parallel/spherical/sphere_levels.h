@@ -17,7 +17,7 @@ namespace lodestone {
 
 struct SphereLevelsConfig {
   int sweeps = 12;           // over all vertices, at every level
-  double guard = 1e-5;       // its weight, as SphereMapConfig
+  double guard = 1e-6;       // its weight, as SphereMapConfig
   double least_area = 1e-4;  // as SphereState, in mean areas of a triangle
   // Sweeps over the rings of the vertices that have just come in; not needed unless many come in at one place.
   int ring_sweeps = 0;

@@ -125,7 +125,7 @@ template <class CellOf, class VertexOf>
     own[k] = cell.uv ? &cell.uv[vertex].x : &none.x;
     parent[k] = cell.coarser_uv ? &cell.coarser_uv[cell.parents[vertex]].x : own[k];
   }
-  const Quads q = load_pairs([&](int k) { return own[k]; }, [&](int k) { return parent[k]; });
+  const auto q = load_pairs([&](int k) { return own[k]; }, [&](int k) { return parent[k]; });
   if (!morphing) return {q.a, q.b};
   const Float lambda = morphed_lambdas(cell_of, vertex_of), rest = 1.0f - lambda;
   const Int is_own = lambda >= 1.0f, is_coarser = lambda <= 0.0f;
@@ -237,8 +237,8 @@ struct LaneThings {
   std::int32_t above[width], below[width];
   store(above, wrapping_product(row, stride) + column);
   store(below, load<Int>(above) + stride);
-  const Quads q = load_pairs([&](int k) { return level[k]->texels.data() + above[k]; },
-                             [&](int k) { return level[k]->texels.data() + below[k]; });
+  const auto q = load_pairs([&](int k) { return level[k]->texels.data() + above[k]; },
+                            [&](int k) { return level[k]->texels.data() + below[k]; });
   const Int a = as_int(q.a), b = as_int(q.b), c = as_int(q.c), d = as_int(q.d);
   const Float along = x - to_float(column), down = y - to_float(row);
   const auto channel = [&](int shift) {

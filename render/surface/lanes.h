@@ -11,12 +11,7 @@
 #include <cstdint>
 #include <cstring>
 
-#if defined(__SSE2__)
-#include <immintrin.h>
-#endif
-
-#include "core/base/instruction_set.h"
-#include "core/math/vec3.h"
+#include "core/math/lanes/float8.h"
 
 // Effects (render/effects) have their code for lanes if this is defined.
 #define LODESTONE_SHADING_LANES
@@ -25,31 +20,22 @@ namespace lodestone::soft::LODESTONE_LANES {
 
 #if defined(__AVX2__)
 inline constexpr int width = 8;
+using Float = Float8;
+using Int = Int8;
 #else
 inline constexpr int width = 4;
+using Float = Float4;
+using Int = Int4;
 #endif
 
-using Float = float __attribute__((vector_size(4 * width)));
-using Int = std::int32_t __attribute__((vector_size(4 * width)));  // a mask has all bits of a lane set, or none
 using Unsigned = std::uint32_t __attribute__((vector_size(4 * width)));
 using HalfInt = std::int32_t __attribute__((vector_size(2 * width)));
 using HalfFloat = float __attribute__((vector_size(2 * width)));
 using HalfDouble = double __attribute__((vector_size(4 * width)));
 
+using lodestone::select;  // beside those of points
 inline Float all(float v) { return v - Float{}; }
 inline Int all(std::int32_t v) { return Int{} + v; }
-template <class V, class T>
-inline V load(const T* from) {
-  static_assert(sizeof(T) == 4);
-  V v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
-}
-template <class V, class T>
-inline void store(T* to, V v) {
-  static_assert(sizeof(T) == 4);
-  std::memcpy(to, &v, sizeof v);
-}
 inline Int iota() {
 #if defined(__AVX2__)
   return Int{0, 1, 2, 3, 4, 5, 6, 7};
@@ -68,67 +54,9 @@ inline Int wrapping_difference(Int a, Int b) {
 }
 inline Float to_float(Int v) { return __builtin_convertvector(v, Float); }
 inline Int truncated(Float v) { return __builtin_convertvector(v, Int); }
-inline Float select(Int mask, Float yes, Float no) { return mask ? yes : no; }
-inline Int select(Int mask, Int yes, Int no) { return mask ? yes : no; }
-inline Float abs(Float v) { return as_float(as_int(v) & 0x7fff'ffff); }
 
-// One bit per lane of a mask.
-inline unsigned bits(Int mask) {
-#if defined(__AVX2__)
-  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask)));
-#elif defined(__SSE2__)
-  return static_cast<unsigned>(_mm_movemask_ps(reinterpret_cast<__m128>(mask)));
-#else
-  unsigned r = 0;
-  for (int k = 0; k < width; ++k) r |= static_cast<unsigned>(mask[k] < 0) << k;
-  return r;
-#endif
-}
 inline constexpr unsigned all_lanes = (1u << width) - 1;
 
-// The second operand if either is NaN, as the instructions have it.
-inline Float min(Float a, Float b) {
-#if defined(__AVX2__)
-  return _mm256_min_ps(a, b);
-#elif defined(__SSE2__)
-  return _mm_min_ps(a, b);
-#else
-  return a < b ? a : b;
-#endif
-}
-inline Float max(Float a, Float b) {
-#if defined(__AVX2__)
-  return _mm256_max_ps(a, b);
-#elif defined(__SSE2__)
-  return _mm_max_ps(a, b);
-#else
-  return a > b ? a : b;
-#endif
-}
-inline Int min(Int a, Int b) {
-#if defined(__AVX2__)
-  return reinterpret_cast<Int>(_mm256_min_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
-#else
-  return a < b ? a : b;
-#endif
-}
-inline Int max(Int a, Int b) {
-#if defined(__AVX2__)
-  return reinterpret_cast<Int>(_mm256_max_epi32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
-#else
-  return a > b ? a : b;
-#endif
-}
-inline Float sqrt(Float v) {
-#if defined(__AVX2__)
-  return _mm256_sqrt_ps(v);
-#elif defined(__SSE2__)
-  return _mm_sqrt_ps(v);
-#else
-  for (int k = 0; k < width; ++k) v[k] = std::sqrt(v[k]);
-  return v;
-#endif
-}
 // To the nearest, ties to even.
 inline Int rounded(Float v) {
 #if defined(__AVX2__)
@@ -200,42 +128,9 @@ struct Vertices {
   Float z, inverse_w;
 };
 
-// Rows of four lanes to columns and back.
-struct Quads {
-  Float a, b, c, d;
-};
-inline Quads transposed(Float a, Float b, Float c, Float d) {
-#if defined(__AVX2__)
-  const Float ab_lo = _mm256_unpacklo_ps(a, b), ab_hi = _mm256_unpackhi_ps(a, b), cd_lo = _mm256_unpacklo_ps(c, d),
-              cd_hi = _mm256_unpackhi_ps(c, d);
-  return {_mm256_shuffle_ps(ab_lo, cd_lo, 0x44), _mm256_shuffle_ps(ab_lo, cd_lo, 0xee),
-          _mm256_shuffle_ps(ab_hi, cd_hi, 0x44), _mm256_shuffle_ps(ab_hi, cd_hi, 0xee)};
-#else
-  const Float ab_lo = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab_hi = __builtin_shufflevector(a, b, 2, 6, 3, 7),
-              cd_lo = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd_hi = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-  return {__builtin_shufflevector(ab_lo, cd_lo, 0, 1, 4, 5), __builtin_shufflevector(ab_lo, cd_lo, 2, 3, 6, 7),
-          __builtin_shufflevector(ab_hi, cd_hi, 0, 1, 4, 5), __builtin_shufflevector(ab_hi, cd_hi, 2, 3, 6, 7)};
-#endif
-}
-
-// Columns of the four values that at(lane) points to, aligned to them.
-template <class At>
-[[gnu::always_inline]] inline Quads load_quads(const At& at) {
-#if defined(__AVX2__)
-  const auto pair = [&](int k) -> Float {
-    const auto lo = _mm_load_ps(reinterpret_cast<const float*>(at(k)));
-    const auto hi = _mm_load_ps(reinterpret_cast<const float*>(at(k + 4)));
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(lo), hi, 1);
-  };
-#else
-  const auto pair = [&](int k) { return load<Float>(reinterpret_cast<const float*>(at(k))); };
-#endif
-  return transposed(pair(0), pair(1), pair(2), pair(3));
-}
-
 // Columns of the two values that upper(lane) points to and the two that lower(lane) does, anywhere.
 template <class Upper, class Lower>
-[[gnu::always_inline]] inline Quads load_pairs(const Upper& upper, const Lower& lower) {
+[[gnu::always_inline]] inline Quads<Float> load_pairs(const Upper& upper, const Lower& lower) {
 #if defined(__SSE2__)
   const auto both = [&](int k) {
     const auto first = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(upper(k))));
@@ -243,9 +138,7 @@ template <class Upper, class Lower>
   };
 #endif
 #if defined(__AVX2__)
-  const auto row = [&](int k) -> Float {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(both(k)), both(k + 4), 1);
-  };
+  const auto row = [&](int k) -> Float { return both_halves(both(k), both(k + 4)); };
 #elif defined(__SSE2__)
   const auto row = [&](int k) -> Float { return both(k); };
 #else
@@ -262,7 +155,7 @@ template <class Upper, class Lower>
 // The vertices that at(lane) points to.
 template <class At>
 [[gnu::always_inline]] inline Vertices load_vertices(const At& at) {
-  const Quads q = load_quads(at);
+  const auto q = load_quads<Float>(at);
   return {as_int(q.a), as_int(q.b), q.c, q.d};
 }
 
@@ -278,7 +171,7 @@ template <class From>
 
 // One after the other.
 inline void store_vertices(float* f, const Vertices& v) {
-  const Quads q = transposed(as_float(v.x), as_float(v.y), v.z, v.inverse_w);
+  const auto q = transposed(as_float(v.x), as_float(v.y), v.z, v.inverse_w);
 #if defined(__AVX2__)
   _mm256_storeu_ps(f, _mm256_permute2f128_ps(q.a, q.b, 0x20));
   _mm256_storeu_ps(f + 8, _mm256_permute2f128_ps(q.c, q.d, 0x20));
@@ -294,9 +187,7 @@ inline Points load_points(const Vec3f* from) {
   const auto* f = reinterpret_cast<const float*>(from);
 #if defined(__AVX2__)
   // Four points in each half: x y z x, y z x y, z x y z.
-  const auto pair = [&](int k) -> Float {
-    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(f + k)), _mm_loadu_ps(f + 12 + k), 1);
-  };
+  const auto pair = [&](int k) { return both_halves(load<Float4>(f + k), load<Float4>(f + 12 + k)); };
   const Float a = pair(0), b = pair(4), c = pair(8);
   const Float xy = _mm256_shuffle_ps(b, c, 0x9e);  // x2 y2 x3 y3
   const Float yz = _mm256_shuffle_ps(a, b, 0x49);  // y0 z0 y1 z1

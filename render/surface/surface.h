@@ -100,7 +100,7 @@ template <class CellOf, class VertexOf>
     parent[k] = cell.morphing ? &cell.coarser_positions[cell.parents[v]].x : own[k];
   }
   const auto points = [](const float* const(&at)[width]) -> Points {
-    const Quads q = load_pairs([&](int k) { return at[k]; }, [&](int k) { return at[k] + 1; });
+    const auto q = load_pairs([&](int k) { return at[k]; }, [&](int k) { return at[k] + 1; });
     return {q.a, q.b, q.d};
   };
   const Points w = points(own);

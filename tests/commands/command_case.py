@@ -3,15 +3,24 @@
 import json
 import os
 import pathlib
+import pty
 import random
+import re
+import signal
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 PROGRAM = None
 _models = None
+SHIM = os.environ.get("FAILING_DISK", "")  # the library built from failing_disk.cpp
+needs_failing_disk = unittest.skipUnless(SHIM, "the failing disk is not built for sanitizers")
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+MODULES = SOURCE / "build/npm/node_modules"
+HERMES = SOURCE / "build/data/textured/Hermes/Hermes.obj"
 
 
 def main(document):
@@ -27,12 +36,22 @@ def main(document):
         unittest.main(module="__main__", verbosity=2)
 
 
-def call(*arguments, cwd=None, timeout=120, environment=None):
+def call(*arguments, cwd=None, timeout=120, environment=None, preexec=None):
     return subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, capture_output=True, timeout=timeout, check=False,
-                          env={**os.environ, **environment} if environment else None)
+                          env={**os.environ, **environment} if environment else None, preexec_fn=preexec)
 
 
-class CommandCase(unittest.TestCase):
+def until(condition, what, timeout=30.0):
+    """The first true value of a condition; an error after so many seconds."""
+    end = time.monotonic() + timeout
+    while not (value := condition()):
+        if time.monotonic() > end:
+            raise AssertionError(f"not within {timeout} s: {what}")
+        time.sleep(0.02)
+    return value
+
+
+class FolderCase(unittest.TestCase):
     """Each test works in an empty folder of its own."""
 
     maxDiff = None
@@ -42,6 +61,8 @@ class CommandCase(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
+
+class CommandCase(FolderCase):
     def lodestone(self, *arguments):
         """Runs it, expects success and nothing on standard error; returns standard output."""
         done = call(*arguments, cwd=self.folder)
@@ -53,18 +74,99 @@ class CommandCase(unittest.TestCase):
         self.lodestone(*arguments, "--json", "results.json")
         return json.loads((self.folder / "results.json").read_text(), parse_constant=self.fail)
 
-    def refused(self, *arguments, names=()):
-        """Expects one line that names what is wrong, and a folder that nothing was added to or changed in."""
-        before = self.listing()
-        done = call(*arguments, cwd=self.folder)
+    def failing(self, *arguments, names=(), output=None, **more):
+        """Expects status 1 and one line that names what is wrong; returns it. Standard output: `output`, or anything."""
+        done = call(*arguments, cwd=self.folder, **more)
         line = done.stderr.decode(errors="replace")
-        self.assertEqual(done.returncode, 1, (arguments, line))
+        self.assertEqual(done.returncode, 1, (arguments, more, line))
         self.assertRegex(line, r"\Alodestone: [^\n]+\n\Z", arguments)
-        self.assertEqual(done.stdout, b"", arguments)
         for name in names:
-            self.assertIn(name, line, arguments)
-        self.assertEqual(self.listing(), before, arguments)
+            self.assertIn(name, line, (arguments, more))
+        if output is not None:
+            self.assertEqual(done.stdout.decode(), output, arguments)
         return line
+
+    def refused(self, *arguments, **more):
+        """As failing, without a word of output, and with a folder that nothing was added to or changed in."""
+        before = self.listing()
+        line = self.failing(*arguments, output="", **more)
+        self.assertEqual(self.listing(), before, (arguments, more))
+        return line
+
+    def fails_on_disk(self, *arguments, names, **disk):
+        """Expects a refusal on a disk of this kind (failing_disk.cpp)."""
+        self.refused(*arguments, names=names, environment={"LD_PRELOAD": SHIM} | {k: str(v) for k, v in disk.items()})
+
+    def interrupt(self, *arguments, after=None, sign="*", signal_number=signal.SIGINT):
+        """Expects a prompt end with one line, and nothing left, from a signal after so many seconds or at a new file."""
+        before, signs = self.listing().keys(), len(list(self.folder.rglob(sign)))
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE)
+        if after is None:
+            while process.poll() is None and len(list(self.folder.rglob(sign))) <= signs:
+                time.sleep(0.01)
+        else:
+            time.sleep(after)
+        if process.poll() is not None:
+            process.communicate()
+            self.fail(f"{arguments} was done before the signal: nothing to interrupt")
+        sent = time.monotonic()
+        process.send_signal(signal_number)
+        output, errors = process.communicate(timeout=60)
+        self.assertLess(time.monotonic() - sent, 2, arguments)  # a tenth of a second where cores are free
+        self.assertEqual(process.returncode, 128 + signal_number, errors)
+        self.assertRegex(errors.decode(), r"\Alodestone: interrupted[^\n]*\n\Z")
+        self.assertEqual(output, b"")
+        self.assertEqual(self.listing().keys(), before)
+
+    def same_bytes(self, mesh, *options, ways):
+        """Expects one file from builds in all these ways, and that it verifies against the mesh."""
+        files = set()
+        for way in ways:
+            self.lodestone("build", mesh, "-o", "m.lode", "--quiet", *options, *way)
+            files.add((self.folder / "m.lode").read_bytes())
+        self.assertEqual(len(files), 1, options)
+        self.assertTrue(self.results("verify", "m.lode", "--input", mesh)["valid"], options)
+
+    def on_terminal(self, *arguments, interrupt_at=None, status=0):
+        """What standard error and output show on one terminal. Ctrl-C comes when `interrupt_at` has been shown."""
+        try:
+            master, slave = pty.openpty()
+        except OSError as error:
+            self.skipTest(f"no terminal to be had here: {error}")
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], stdout=slave, stderr=slave, stdin=slave,
+                                   cwd=self.folder)
+        os.close(slave)
+        shown = b""
+        try:
+            while block := os.read(master, 65536):
+                shown += block
+                if interrupt_at and re.search(interrupt_at, shown):
+                    process.send_signal(signal.SIGINT)
+                    interrupt_at = None
+        except OSError:  # Linux: the other side was closed
+            pass
+        os.close(master)
+        self.assertEqual(process.wait(timeout=60), status)
+        return shown.decode()
+
+    def needs_gl(self):
+        probe = call("render", hierarchy(), "--frames", 1, "--size", "16x16", "--backend", "gl")
+        if b"drawing with soft instead" in probe.stderr:
+            self.skipTest(probe.stderr.decode().strip())
+
+    def validate(self, folder, known=None):
+        """Number of glTF files in a folder in which the public validator finds nothing but warnings of the known code."""
+        if not (MODULES / "gltf-validator").is_dir():
+            self.skipTest("gltf-validator is not installed: scripts/setup fetches it where node and npm are there and "
+                          "npm reaches its registry")
+        script = SOURCE / "tests/commands/validate_glb.cjs"
+        done = subprocess.run(["node", script, MODULES, folder], capture_output=True, timeout=500, check=False)
+        self.assertEqual((done.returncode, done.stderr.decode()), (0, ""))
+        report = json.loads(done.stdout)
+        self.assertGreater(report["files"], 0)
+        self.assertEqual([issue for issue in report["issues"] if not known or f": {known}: " not in issue], [])
+        return report["files"]
 
     def listing(self):
         return {
@@ -173,10 +275,3 @@ def glb(positions, triangles):
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(binary), 0x004E4942) + binary
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
-
-
-def png_size(path):
-    """(width, height) of a PNG that ends as it should."""
-    data = path.read_bytes()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND", path
-    return struct.unpack(">II", data[16:24])

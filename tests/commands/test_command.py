@@ -160,12 +160,11 @@ class Build(CommandCase):
         self.assertEqual(self.results("build", "m.raw", "--grid", "4x3:i16be", "-o", "m.lode")["input_triangles"], 4)
 
     def test_threads_and_strategies_do_not_change_a_byte(self):
-        for simplifier in ("quadric", "cluster", "openmesh", "meshopt"):
-            fixed = ("--levels", 3, "--simplifier", simplifier)
-            files = {self.build(*fixed, "--threads", n) for n in WORKERS}
-            files |= {self.build(*fixed, "--threads", 2, "--strategy", s) for s in ("serial", "levels", "graph")}
-            self.assertEqual(len(files), 1, simplifier)
-            self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
+        ways = [*(("--threads", n) for n in WORKERS),
+                *(("--threads", 2, "--strategy", s) for s in ("serial", "levels", "graph"))]
+        for form in (*(("--simplifier", s) for s in ("quadric", "cluster", "openmesh", "meshopt")), ("--compress",),
+                     ("--measure-error",)):
+            self.same_bytes(sphere(), "--levels", 3, *form, ways=ways)
 
     def test_placement_of_survivors(self):
         plain, optimal = self.build("--levels", 3), self.build("--levels", 3, "--placement", "optimal")
@@ -246,13 +245,6 @@ class Compressed(CommandCase):
                     self.assertLessEqual(distance[way]["max"], built["lattice_error"] * 1.001)
             self.assertGreater(distance["forward"]["max"], 0.1 * built["lattice_error"])
 
-    def test_threads_and_strategies_do_not_change_a_byte(self):
-        files = set()
-        for arguments in (*(("--threads", n) for n in WORKERS), *(("--strategy", s) for s in ("serial", "levels"))):
-            self.lodestone("build", sphere(), "-o", "m.lode", "--levels", 3, "--compress", "--quiet", *arguments)
-            files.add((self.folder / "m.lode").read_bytes())
-        self.assertEqual(len(files), 1)
-
     def test_no_crack_and_no_pop(self):
         self.lodestone("build", sphere(), "-o", "m.lode", "--levels", 3, "--compress", "--quiet")
         result = self.results("render", "m.lode", "--backend", "null", "--frames", 6, "--kappa0", 0.01)
@@ -314,9 +306,7 @@ class InfoVerifyExport(CommandCase):
 
     def test_verify_tells_another_input(self):
         other = model("other.ply", "generate", "sphere", "--triangles", 20000, "--seed", 2)
-        done = command_case.call("verify", hierarchy(), "--input", other, "--json", "v.json", cwd=self.folder)
-        self.assertEqual(done.returncode, 1)
-        self.assertRegex(done.stderr.decode(), r"\Alodestone: [^\n]*sphere.lode[^\n]+\n\Z")
+        self.failing("verify", hierarchy(), "--input", other, "--json", "v.json", names=["sphere.lode"])
         self.assertFalse(json.loads((self.folder / "v.json").read_text())["valid"])
 
     def test_finest_level_goes_out_and_comes_back(self):
@@ -334,12 +324,6 @@ class InfoVerifyExport(CommandCase):
 
 
 class Compare(CommandCase):
-    def test_identical_surfaces_are_at_no_distance(self):
-        result = self.results("compare", sphere(), sphere())
-        for direction in ("forward", "backward"):
-            for key in ("max", "rms", "mean", "p99"):  # samples inside triangles are on them within rounding
-                self.assertLessEqual(result[direction][key], 1e-14 * result["diagonal"])
-
     def test_parallel_squares(self):
         square = [(0, 0), (3, 0), (3, 4), (0, 4)]
         self.write("a.ply", ply([(x, y, 0) for x, y in square], [(0, 1, 2, 3)]))

@@ -6,11 +6,9 @@ import random
 import signal
 import subprocess
 import time
-import unittest
 
 import command_case
-from command_case import CommandCase, dirty_mesh, glb, model, obj, ply
-from test_command_disk import SHIM, DiskCase
+from command_case import CommandCase, dirty_mesh, glb, model, needs_failing_disk, obj, ply
 
 LIMIT = "110MiB"  # building `big` takes more in memory, and less out of core
 
@@ -187,22 +185,22 @@ class Interrupts(CommandCase):
                      names=["m.lode.scratch", "with other parameters", "remove it"])
 
 
-@unittest.skipUnless(SHIM, "the failing disk is not built for sanitizers")
-class Disks(DiskCase):
+@needs_failing_disk
+class Disks(CommandCase):
     def test_full(self):
         whole = 36 * 1_600_000
         for share in (0.05, 0.5, 1, 1.8):
             with self.subTest(share=share):
-                self.fails("build", big(), "-o", "m.lode", *OUT_OF_CORE, "--quiet",
-                           names=["No space left", "free some space"], DISK_WRITES=int(share * whole))
+                self.fails_on_disk("build", big(), "-o", "m.lode", *OUT_OF_CORE, "--quiet",
+                                   names=["No space left", "free some space"], DISK_WRITES=int(share * whole))
 
     def test_input_that_fails_or_becomes_shorter(self):
         size = big().stat().st_size
         for share in (0.1, 0.9, 1.5, 2.5):
             build = ("build", big(), "-o", "m.lode", *OUT_OF_CORE, "--quiet")
-            self.fails(*build, names=["big.ply", "byte", "cannot read"], DISK_READS=int(share * size))
-            self.fails(*build, names=["big.ply", "byte", "the file ends here"], DISK_READS=int(share * size),
-                       DISK_ENDS=1)
+            self.fails_on_disk(*build, names=["big.ply", "byte", "cannot read"], DISK_READS=int(share * size))
+            self.fails_on_disk(*build, names=["big.ply", "byte", "the file ends here"], DISK_READS=int(share * size),
+                               DISK_ENDS=1)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ import unittest
 
 import command_case
 import sweep_folder
-from command_case import CommandCase
+from command_case import CommandCase, needs_failing_disk
 from sweep_folder import SweepFolder, column, parameter, small_study
 
 HAS_MATPLOTLIB = any(subprocess.run([python, "-c", "import matplotlib"], capture_output=True).returncode == 0
@@ -150,13 +150,6 @@ class WholeReport(CommandCase):
         for svg in re.findall("<svg.*?</svg>", page, re.DOTALL):
             self.assertNotRegex(svg, "(fill|stroke|color): #", "colours follow light and dark")
 
-    @unittest.skipUnless(HAS_MATPLOTLIB, "python3-matplotlib is not installed")
-    def test_every_figure_has_files_of_its_own(self):
-        self.page()
-        names = [path.name for path in sorted((self.folder / "report_figures").iterdir())]
-        self.assertEqual(len(names), 3 * 6)
-        self.assertEqual(names[:3], [f"01-cracks-below-and-above-the-border{suffix}" for suffix in (".csv", ".pdf", ".svg")])
-
     def test_pictures_are_limited(self):
         page = self.page("--pictures", 0)
         self.assertEqual(page.images, [])
@@ -192,16 +185,8 @@ class Faults(CommandCase):
     def report(self):
         return ("report", "study", "-o", "report.html")
 
-    def test_no_folder(self):
-        self.refused(*self.report(), names=["study", "no such folder"])
-        self.write("study", "a file")
-        self.refused(*self.report(), names=["study", "is not a folder"])
-
-    def test_folder_of_something_else(self):
-        (self.folder / "study").mkdir()
-        self.refused(*self.report(), names=["study", "no sweep.json", "lodestone sweep"])
-
     def test_a_broken_line_is_named(self):
+        self.refused(*self.report(), names=["study", "no such folder"])
         study = small_study(self.folder / "study")
         study.write()
         path = next(study.path.rglob("rows.1.jsonl"))
@@ -254,28 +239,24 @@ class Faults(CommandCase):
         study.fault(crashed, 0, "crash", "signal 11")
         study.figure("Gaps", "border", "kappa0", "gap")
         study.write()
-        done = command_case.call(*self.report(), cwd=self.folder)
-        self.assertEqual(done.returncode, 1)
-        self.assertEqual(done.stderr.decode(), "lodestone: report.html: written, but no run has rows that verified: "
-                                               "of 3 runs, 1 did not verify, 1 failed, 1 are not yet run\n")
+        self.assertEqual(self.failing(*self.report()), "lodestone: report.html: written, but no run has rows that verified: "
+                                                       "of 3 runs, 1 did not verify, 1 failed, 1 are not yet run\n")
         page = PageParser((self.folder / "report.html").read_text())
         for part in ("gap is not 0", "signal 11", "not yet run", "No setting that verified has numbers for gap"):
             self.assertIn(part, page.text)
 
-    def run_with(self, environment, **modules):
-        """Runs the system's Python with modules that consist of these lines."""
+    def with_modules(self, python="/usr/bin/python3", **modules):
+        """The environment in which the report runs in a Python with modules that consist of these lines."""
         folder = self.folder / "modules"
         folder.mkdir(exist_ok=True)
         for name, line in modules.items():
             (folder / f"{name}.py").write_text(line + "\n")
-        before = self.listing()
-        done = command_case.call(*self.report(), cwd=self.folder, environment=environment | {"PYTHONPATH": str(folder)})
-        return done, before
+        return {"LODESTONE_PYTHON": python, "PYTHONPATH": str(folder)}
 
     def test_without_matplotlib_there_are_no_plots_and_a_note(self):
         small_study(self.folder / "study").write()
         for line, says in (("raise ImportError", "python3-matplotlib"), ("raise RuntimeError('no font')", "could not draw the plots: no font")):
-            done, _ = self.run_with({"LODESTONE_PYTHON": "/usr/bin/python3"}, matplotlib=line)
+            done = command_case.call(*self.report(), cwd=self.folder, environment=self.with_modules(matplotlib=line))
             self.assertEqual((done.returncode, done.stderr), (0, b""))
             page = (self.folder / "report.html").read_text()
             self.assertNotIn("<svg", page)
@@ -286,11 +267,8 @@ class Faults(CommandCase):
     def test_without_python_or_jinja2_the_packages_are_named(self):
         small_study(self.folder / "study").write()
         for python, modules in (("/no/such/python", {}), ("/usr/bin/python3", {"jinja2": "raise ImportError"})):
-            done, before = self.run_with({"LODESTONE_PYTHON": python}, **modules)
-            self.assertEqual((done.returncode, done.stdout), (1, b""))
-            self.assertRegex(done.stderr.decode(), r"\Alodestone: [^\n]*python3-jinja2[^\n]*\n\Z")
-            self.assertIn(python, done.stderr.decode())
-            self.assertEqual(self.listing(), before)
+            environment = self.with_modules(python, **modules)
+            self.refused(*self.report(), names=["python3-jinja2", python], environment=environment)
 
     def test_an_environment_without_the_modules_goes_on_in_the_python_of_the_system(self):
         small_study(self.folder / "study").write()
@@ -305,16 +283,12 @@ class Faults(CommandCase):
         self.write("json.py", "raise SystemExit(9)")
         self.lodestone(*self.report(), "--quiet")
 
-    @unittest.skipUnless(os.environ.get("FAILING_DISK"), "the failing disk is not built for sanitizers")
+    @needs_failing_disk
     def test_full_disk_leaves_nothing(self):
         small_study(self.folder / "study").write()
-        before = self.listing()
         for output, room in ((["-o", "report.html"], 1000), (["-o", "report.html", "--csv", "rows.csv"], 20)):
-            environment = {"LD_PRELOAD": os.environ["FAILING_DISK"], "DISK_WRITES": str(room)}
-            done = command_case.call("report", "study", *output, cwd=self.folder, environment=environment)
-            self.assertEqual(done.returncode, 1)
-            self.assertRegex(done.stderr.decode(), r"\Alodestone: report.html: [^\n]*No space left[^\n]*\n\Z")
-            self.assertEqual(self.listing(), before)
+            self.fails_on_disk("report", "study", *output, names=["lodestone: report.html: ", "No space left"],
+                               DISK_WRITES=room)
 
 
 if __name__ == "__main__":

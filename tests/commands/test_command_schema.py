@@ -4,7 +4,7 @@ import json
 import re
 
 import command_case
-from command_case import CommandCase, hierarchy, model, sphere
+from command_case import CommandCase, hierarchy, sphere
 from test_command_limit import BUILD, LIMIT, big
 
 

@@ -2,13 +2,12 @@
 
 import json
 import os
-import pty
 import re
 import subprocess
 import time
 
 import command_case
-from command_case import model
+from command_case import model, until
 from sweep_case import HEAD, SweepCase, children_in, end_quietly, section, start
 
 
@@ -97,7 +96,7 @@ class Runs(SweepCase):
     def test_more_threads_than_processors(self):
         allowed = len(os.sched_getaffinity(0))
         self.write("sweep.toml", HEAD + section(f"threads = [1, {allowed + 1}]"))
-        self.failing("sweep.toml", "-o", "out", names=["1 of 2", f"threads = {allowed + 1}: there are {allowed} processors"])
+        self.failing_sweep("sweep.toml", "-o", "out", names=["1 of 2", f"threads = {allowed + 1}: there are {allowed} processors"])
         self.assertEqual([self.file(run, "rows.0.jsonl").exists() for run, _, _ in self.runs()], [True, False])
 
     def test_jobs_on_all_processors_take_turns(self):
@@ -123,19 +122,8 @@ class Runs(SweepCase):
 
     def test_progress_has_the_time_left(self):
         self.write("sweep.toml", HEAD + section("x = [1, 2, 3, 4], seconds = 0.6"))
-        terminal, other = pty.openpty()
-        process = subprocess.Popen([command_case.PROGRAM, "sweep", "sweep.toml", "-o", "out"], cwd=self.folder,
-                                   stdout=subprocess.DEVNULL, stderr=other)
-        os.close(other)
-        shown = b""
-        while True:
-            try:
-                shown += os.read(terminal, 4096)
-            except OSError:  # all of it was read, and nobody writes any more
-                break
-        os.close(terminal)
-        self.assertEqual(process.wait(timeout=60), 0)
-        shares = [int(share) for share in re.findall(rb"test +\[[#.]+\] +(\d+) %  \d+ s left", shown)]
+        shown = self.on_terminal("sweep", "sweep.toml", "-o", "out")
+        shares = [int(share) for share in re.findall(r"test +\[[#.]+\] +(\d+) %  \d+ s left", shown)]
         self.assertGreater(len(shares), 3, shown)
         self.assertEqual(shares, sorted(shares))
         self.assertLess(shares[0], 75)
@@ -232,10 +220,7 @@ class Resume(SweepCase):
         self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "m.ply" }\n' +
                    section("x = [1, 2, 3], seconds = [0, 1]"))
         process = start("sweep.toml", "-o", "out", cwd=self.folder)
-        end = time.monotonic() + 60
-        while not (children_in(self.folder) and list(self.folder.glob("out/runs/*/rows.0.jsonl"))):
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.02)
+        until(lambda: children_in(self.folder) and self.rows_so_far(), "rows", 60)
         mesh.write_bytes(model("b.ply", "generate", "sphere", "--triangles", 500).read_bytes())
         status, _, errors = end_quietly(process)
         self.assertEqual(status, 1)
@@ -254,7 +239,7 @@ class Resume(SweepCase):
     def test_failures_are_tried_again_but_not_what_does_not_verify(self):
         text = HEAD + section('failure = ["first", "verify"]', "repetitions = 2")
         self.write("sweep.toml", text)
-        self.failing("sweep.toml", "-o", "out", names=["3 of 4 repetitions failed"])
+        self.failing_sweep("sweep.toml", "-o", "out", names=["3 of 4 repetitions failed"])
         summary = self.write("sweep.toml", text) and command_case.call(
             "sweep", "sweep.toml", "-o", "out", "--resume", "--quiet", "--json", "-", cwd=self.folder)
         self.assertEqual(json.loads(summary.stdout)["ran"], 1)
@@ -278,7 +263,7 @@ class Failures(SweepCase):
                  "killed": ("crash", "signal 9"), "exit": ("crash", "ended with status 3")}
         names = ", ".join(f'"{name}"' for name in ("none", *kinds))
         self.write("sweep.toml", HEAD + section(f"failure = [{names}]"))
-        self.failing("sweep.toml", "-o", "out", names=[f"{len(kinds)} of {len(kinds) + 1} repetitions failed", "out/runs/"])
+        self.failing_sweep("sweep.toml", "-o", "out", names=[f"{len(kinds)} of {len(kinds) + 1} repetitions failed", "out/runs/"])
         for run, parameters, _ in self.runs():
             failure = parameters["failure"]
             if failure == "none":
@@ -298,7 +283,7 @@ class Failures(SweepCase):
 
     def test_crash_has_the_last_words_of_the_log(self):
         self.write("sweep.toml", HEAD + section('failure = "crash"'))
-        self.failing("sweep.toml", "-o", "out", names=["signal 6"])
+        self.failing_sweep("sweep.toml", "-o", "out", names=["signal 6"])
         (run, _, _), = self.runs()
         self.assertEqual(self.read(run, "fault.0.json")["messages"][1], "probe at work, repetition 0")
 
@@ -306,13 +291,13 @@ class Failures(SweepCase):
         self.write("sweep.toml", 'name = "test"\n[data]\ntiny = { path = "none.ply" }\n' + section("x = 1"))
         self.refused("sweep", "sweep.toml", "-o", "out", "--dry-run",
                      names=["sweep.toml: line 3: tiny", "none.ply is missing; correct the path"])
-        self.failing("sweep.toml", "-o", "out", names=["none.ply is missing; correct the path"])
+        self.failing_sweep("sweep.toml", "-o", "out", names=["none.ply is missing; correct the path"])
         self.write("ours.toml", 'name = "test"\n[data]\ntiny = { path = "build/data/none.ply" }\n' + section("x = 1"))
-        self.failing("ours.toml", "-o", "out3", names=["build/data/none.ply is missing; unpack", "scripts/data"])
+        self.failing_sweep("ours.toml", "-o", "out3", names=["build/data/none.ply is missing; unpack", "scripts/data"])
         self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
         text = f'name = "test"\n[data]\ntiny = {{ path = "m.ply", sha256 = "{"0" * 64}" }}\n' + section("x = 1")
         self.write("sweep.toml", text)
-        line = self.failing("sweep.toml", "-o", "out2", names=["line 3: tiny", "has the sha256", "not 0000", "or correct"])
+        line = self.failing_sweep("sweep.toml", "-o", "out2", names=["line 3: tiny", "has the sha256", "not 0000", "or correct"])
         right = line.split("has the sha256 ")[1][:64]
         self.assertEqual(right, subprocess.run(["sha256sum", self.folder / "m.ply"], capture_output=True, text=True,
                                                check=True).stdout[:64])
@@ -337,8 +322,6 @@ class Failures(SweepCase):
     def test_errors_of_the_file_name_the_line(self):
         self.write("sweep.toml", HEAD + section("y = 1"))
         self.refused("sweep", "sweep.toml", "-o", "out", names=["sweep.toml: line 8: sweep 1, unknown parameter 'y'"])
-        self.write("sweep.toml", HEAD + section("x = 1") + '[[figure]]\ntitle = "t"\nsweep = "s"\nx = "x"\ny = "gap"\n')
-        self.refused("sweep", "sweep.toml", "-o", "out", names=["line 14", "'gap' is neither a parameter nor a column"])
         flight = ('[[sweep]]\nname = "s"\nexperiment = "flight"\ndata = "tiny"\n'
                   "[sweep.parameters]\nkappa0 = 2.0\nkappa0_over_rho = 0.5\n")
         self.write("sweep.toml", HEAD + flight)

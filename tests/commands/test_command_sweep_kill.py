@@ -1,7 +1,5 @@
 """Sweeps that are killed, shared, interrupted, or meet a full disk: no row is lost, doubled or half there.
-usage: test_command_sweep_kill.py PROGRAM
-
-FAILING_DISK names the library built from failing_disk.cpp; without it disks do not fill."""
+usage: test_command_sweep_kill.py PROGRAM"""
 
 import json
 import os
@@ -9,12 +7,11 @@ import random
 import signal
 import subprocess
 import time
-import unittest
 
 import command_case
+from command_case import SHIM, needs_failing_disk, until
 from sweep_case import HEAD, SweepCase, children_in, end_quietly, kill, section, start
 
-SHIM = os.environ.get("FAILING_DISK", "")
 INTERRUPTED = "lodestone: interrupted; finished runs were kept, --resume continues\n"
 
 
@@ -59,8 +56,7 @@ class Killed(SweepCase):
     def test_child_alone(self):
         self.write("sweep.toml", HEAD + section("seconds = 30"))
         process = start("sweep.toml", "-o", "out", "--quiet", cwd=self.folder)
-        self.wait_for_child()
-        os.kill(children_in(self.folder)[0], signal.SIGKILL)
+        os.kill(until(lambda: children_in(self.folder), "a child")[0], signal.SIGKILL)
         status, _, errors = end_quietly(process)
         self.assertEqual(status, 1)
         self.assertIn("1 of 1 repetitions failed", errors)
@@ -70,18 +66,9 @@ class Killed(SweepCase):
     def test_parent_alone_takes_its_children_with_it(self):
         self.write("sweep.toml", HEAD + section("seconds = 30"))
         process = start("sweep.toml", "-o", "out", "--quiet", cwd=self.folder)
-        self.wait_for_child()
+        until(lambda: children_in(self.folder), "a child")
         kill(process, group=False)
-        end = time.monotonic() + 10
-        while children_in(self.folder) and time.monotonic() < end:
-            time.sleep(0.02)
-        self.assertEqual(children_in(self.folder), [])
-
-    def wait_for_child(self):
-        end = time.monotonic() + 30
-        while not children_in(self.folder):
-            self.assertLess(time.monotonic(), end)
-            time.sleep(0.02)
+        until(lambda: not children_in(self.folder), "the end of its children", 10)
 
 
 class Interrupted(SweepCase):
@@ -91,10 +78,7 @@ class Interrupted(SweepCase):
                 output = f"out{number}"
                 self.write("sweep.toml", HEAD + section("x = [1, 2], seconds = [0, 30]"))
                 process = start("sweep.toml", "-o", output, "--quiet", "--jobs", 4, cwd=self.folder)
-                end = time.monotonic() + 30
-                while len(list(self.folder.glob(f"{output}/runs/*/rows.0.jsonl"))) < 2 or not children_in(self.folder):
-                    self.assertLess(time.monotonic(), end)
-                    time.sleep(0.02)
+                until(lambda: len(self.rows_so_far(output)) == 2 and children_in(self.folder), "two rows and a child")
                 began = time.monotonic()
                 os.killpg(process.pid, number) if group else process.send_signal(number)
                 status, _, errors = end_quietly(process)
@@ -102,7 +86,7 @@ class Interrupted(SweepCase):
                 self.assertEqual(status, 128 + number)
                 self.assertEqual(errors, INTERRUPTED)
                 self.check_clean(output)
-                self.assertEqual(len(list(self.folder.glob(f"{output}/runs/*/rows.0.jsonl"))), 2)
+                self.assertEqual(len(self.rows_so_far(output)), 2)
                 self.assertEqual(list(self.folder.glob(f"{output}/runs/*/fault.*")), [])
 
     def test_while_children_start(self):
@@ -112,10 +96,7 @@ class Interrupted(SweepCase):
         for i in range(10):
             output = f"out{i}"
             process = start("sweep.toml", "-o", output, "--quiet", "--jobs", 8, cwd=self.folder)
-            end = time.monotonic() + 30
-            while not list(self.folder.glob(f"{output}/runs/*/rows.0.jsonl")):
-                self.assertLess(time.monotonic(), end)
-                time.sleep(0.005)
+            until(lambda: self.rows_so_far(output), "rows")
             time.sleep(chance.uniform(0, 0.2))
             os.killpg(process.pid, signal.SIGINT)
             status, _, errors = end_quietly(process)
@@ -157,7 +138,7 @@ class Shared(SweepCase):
         self.check_complete()
 
 
-@unittest.skipUnless(SHIM, "the failing disk is not built for sanitizers")
+@needs_failing_disk
 class FullDisk(SweepCase):
     def test_ends_the_sweep_and_loses_nothing(self):
         self.write("sweep.toml", HEAD + section("x = [1, 2, 3], rows = 50"))

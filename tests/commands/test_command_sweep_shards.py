@@ -29,8 +29,8 @@ class Shards(SweepCase):
 
     def test_merging_keeps_failures_and_ends_with_them(self):
         self.write("sweep.toml", HEAD + section('failure = ["none", "error", "verify"]'))
-        self.failing("sweep.toml", "-o", "part", names=["2 of 3"])
-        self.failing("--merge", "part", "-o", "all", "--quiet", "--json", "merged.json",
+        self.failing_sweep("sweep.toml", "-o", "part", names=["2 of 3"])
+        self.failing_sweep("--merge", "part", "-o", "all", "--quiet", "--json", "merged.json",
                      names=["all: of 3 repetitions, 2 failed and 0 are missing"])
         merged = json.loads((self.folder / "merged.json").read_text())
         self.assertEqual((merged["done"], merged["failed"], merged["taken"]), (2, 2, 3))
@@ -38,7 +38,7 @@ class Shards(SweepCase):
 
     def test_merging_too_few_ends_with_what_is_missing(self):
         self.sweep(self.TEXT, "--shard", "1/3", output="part1")
-        self.failing("--merge", "part1", "-o", "all", names=["of 10 repetitions, 0 failed and 6 are missing"])
+        self.failing_sweep("--merge", "part1", "-o", "all", names=["of 10 repetitions, 0 failed and 6 are missing"])
         self.sweep(self.TEXT, "--resume", output="all")
         self.check_complete("all")
 

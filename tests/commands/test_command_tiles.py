@@ -5,20 +5,14 @@ import itertools
 import json
 import math
 import os
-import pathlib
 import shutil
-import signal
 import subprocess
-import time
 import unittest
 
 import command_case
 import tileset_checker
-from command_case import CommandCase, hierarchy, model, obj
+from command_case import HERMES, MODULES, SOURCE, CommandCase, hierarchy, model, obj
 
-SOURCE = pathlib.Path(__file__).resolve().parents[2]
-MODULES = SOURCE / "build/npm/node_modules"
-HERMES = SOURCE / "build/data/textured/Hermes/Hermes.obj"
 KOMABA = SOURCE / "build/data/textured/komaba_tiles_022"
 
 
@@ -167,18 +161,6 @@ class Tiles(CommandCase):
 
 class Validators(CommandCase):
     """The public validators, where npm could fetch them (scripts/setup)."""
-
-    def validate(self, folder, known=None):
-        """Nothing but warnings of the known code."""
-        if not (MODULES / "gltf-validator").is_dir():
-            self.skipTest("gltf-validator is not installed: scripts/setup fetches it where node and npm are there and "
-                          "npm reaches its registry")
-        script = SOURCE / "tests/commands/validate_glb.cjs"
-        done = subprocess.run(["node", script, MODULES, folder], capture_output=True, timeout=500, check=False)
-        self.assertEqual((done.returncode, done.stderr.decode()), (0, ""))
-        report = json.loads(done.stdout)
-        self.assertGreater(report["files"], 0)
-        self.assertEqual([issue for issue in report["issues"] if not known or f": {known}: " not in issue], [])
 
     def test_gltf_validator_accepts_every_tile(self):
         self.validate(tileset("sphere.tiles", hierarchy()))
@@ -342,16 +324,7 @@ class Refusals(CommandCase):
         for made in (False, True):
             if made:
                 (self.folder / "tiles").mkdir()
-            before = self.listing()
-            process = subprocess.Popen([command_case.PROGRAM, "export", big, "--tiles", "tiles"], cwd=self.folder,
-                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-            while process.poll() is None and not list(self.folder.rglob("*.glb")):
-                time.sleep(0.01)
-            process.send_signal(signal.SIGINT)
-            errors = process.communicate(timeout=60)[1].decode()
-            self.assertEqual(process.returncode, 128 + signal.SIGINT, errors)
-            self.assertRegex(errors, r"\Alodestone: interrupted[^\n]*\n\Z")
-            self.assertEqual(self.listing(), before)
+            self.interrupt("export", big, "--tiles", "tiles", sign="*.glb")
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ class Pictures(ViewCase):
             self.assertEqual(viewer.closed()["backend"], "soft")
 
     def test_gl_draws_into_the_window(self):
-        self.with_gl()
+        self.needs_gl()
         viewer = self.view("--camera", self.camera_file(), "--backend", "gl", "--tint")
         self.assertEqual(viewer.picture(), self.rendered("--backend", "gl", "--tint"))
         banded = viewer.press("m")
@@ -85,19 +85,14 @@ class Pictures(ViewCase):
         """Where its buttons are is known; what they do is seen."""
         viewer = self.with_panel()
         kappa0, uniform, slider, levels = (190, 146), (120, 192), 169, (26, 318)
-        for button in (kappa0, uniform):
-            self.display.drag(button, button, steps=1, rest=0.5)
-        self.display.away()
-        self.assertEqual(self.marks(viewer.settled()), 0)
-        right = self.beside_panel(viewer.picture())
-        self.display.drag((90, slider), (24, slider), rest=0.5)
-        self.display.away()
-        coarse = viewer.settled()
+        self.display.drag(kappa0, kappa0, steps=1, rest=0.5)
+        admissible = viewer.after(self.display.drag, uniform, uniform, steps=1, rest=0.5)
+        self.assertEqual(self.marks(admissible), 0)
+        coarse = viewer.after(self.display.drag, (90, slider), (24, slider), rest=0.5)
         self.assertGreater(self.marks(coarse), 20)
-        self.assertNotEqual(self.beside_panel(coarse), right)
-        self.display.drag(levels, levels, steps=1, rest=0.5)
-        self.display.away()
-        self.assertNotEqual(self.beside_panel(viewer.settled()), self.beside_panel(coarse))
+        self.assertNotEqual(self.beside_panel(coarse), self.beside_panel(admissible))
+        tinted = viewer.after(self.display.drag, levels, levels, steps=1, rest=0.5)
+        self.assertNotEqual(self.beside_panel(tinted), self.beside_panel(coarse))
         found = viewer.closed()
         self.assertEqual(found["camera"]["position"], CAMERA["position"])  # drags over the panel are the panel's
 
@@ -108,16 +103,9 @@ class Pictures(ViewCase):
 class Steering(ViewCase):
     def test_the_mouse_moves_the_camera(self):
         viewer = self.view()
-        seen = {viewer.picture()}
-        self.display.drag((300, 200), (400, 250))
-        self.display.away()
-        seen.add(viewer.settled())
-        self.display.drag((300, 200), (340, 240), number=3)
-        self.display.away()
-        seen.add(viewer.settled())
-        self.display.click(300, 200, number=4)
-        self.display.away()
-        seen.add(viewer.settled())
+        seen = {viewer.picture(), viewer.after(self.display.drag, (300, 200), (400, 250)),
+                viewer.after(self.display.drag, (300, 200), (340, 240), number=3),
+                viewer.after(self.display.click, 300, 200, number=4)}
         self.assertEqual(len(seen), 4)
         home = viewer.press("Home")
         self.assertIn(home, seen)
@@ -128,13 +116,9 @@ class Steering(ViewCase):
     def test_a_double_click_focuses_on_the_surface(self):
         viewer = self.view("--camera", self.camera_file())
         at_rest = viewer.picture()
-        self.display.click(5, 5, times=2)  # background
-        self.display.away()
-        self.assertEqual(viewer.settled(), at_rest)
+        self.assertEqual(viewer.after(self.display.click, 5, 5, times=2), at_rest)  # background
         for _ in range(5):  # a busy machine may click too slowly for a double click
-            self.display.click(WIDTH // 2 + 40, HEIGHT // 2 - 30, times=2)
-            self.display.away()
-            if viewer.settled() != at_rest:
+            if viewer.after(self.display.click, WIDTH // 2 + 40, HEIGHT // 2 - 30, times=2) != at_rest:
                 break
         self.assertNotEqual(viewer.picture(), at_rest)
         camera = viewer.closed()["camera"]
@@ -157,9 +141,7 @@ class Steering(ViewCase):
     def test_recorded_paths_play(self):
         viewer = self.view("--camera", self.camera_file())
         self.display.key("r")
-        self.display.drag((300, 200), (400, 250))
-        self.display.away()
-        moved = viewer.settled()
+        moved = viewer.after(self.display.drag, (300, 200), (400, 250))
         viewer.press("r")  # the window says where the path is
         viewer.press("Home")
         keys = json.loads((self.folder / "path001.json").read_text())["frames"]
@@ -190,9 +172,7 @@ class Looks(ViewCase):
         viewer = self.view("--camera", self.camera_file(), "--tint", "--pixel-error", 0.3)
         viewer.press("space")
         self.display.drag((300, 200), (500, 250))
-        self.display.click(300, 200, number=5, times=8)
-        self.display.away()
-        frozen = viewer.settled()
+        frozen = viewer.after(self.display.click, 300, 200, number=5, times=8)
         thawed = viewer.press("space")
         self.assertNotEqual(frozen, thawed)
         found = viewer.closed()

@@ -1,7 +1,6 @@
 """lodestone report of an installed program: its package is the one below the prefix. usage: FILE PROGRAM"""
 
 import pathlib
-import unittest
 
 import command_case
 import sweep_folder

@@ -4,20 +4,17 @@ usage: test_results.py PROGRAM
 """
 
 import os
-import pathlib
 import re
 import signal
 import subprocess
 import sys
-import tempfile
-import time
 import unittest
 
 import command_case
-from command_case import CommandCase
+from command_case import SOURCE as ROOT
+from command_case import CommandCase, FolderCase, until
 from sweep_folder import SweepFolder, column, parameter
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = ROOT / "scripts/results"
 sys.path.insert(0, str(ROOT / "python"))
 
@@ -93,13 +90,11 @@ class Columns(CommandCase):
                         self.assertLessEqual({column[1] for column in table.columns}, self.known(experiment))
 
 
-class Pages(unittest.TestCase):
+class Pages(FolderCase):
     """A folder of the study `guarantee` by hand: two runs that hold, one that does not verify."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        super().setUp()
         study = SweepFolder(self.folder / "guarantee", "guarantee", "The guarantee")
         study.sweep("one_pixel", [column("open_edges", "accuracy", "", "edges that do not meet"),
                                   column("jump_over_bound", "accuracy"), column("surface_triangles", "cost")],
@@ -150,11 +145,9 @@ class Pages(unittest.TestCase):
                     self.assertRegex(section, r"\nCommit [0-9a-f]{7}.*; .*; \d{4}-\d\d-\d\d.*; `scripts/results", path.name)
 
 
-class Runs(unittest.TestCase):
+class Runs(FolderCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        super().setUp()
         self.program = self.folder / "program"
         self.program.write_text(PROGRAM)
         self.program.chmod(0o755)
@@ -172,12 +165,6 @@ class Runs(unittest.TestCase):
         self.assertEqual(words, "")
         return process.returncode, errors
 
-    def wait_for(self, path):
-        end = time.monotonic() + 60
-        while not path.exists():
-            self.assertLess(time.monotonic(), end, f"no {path}")
-            time.sleep(0.02)
-
     def test_an_interrupt_reaches_the_sweep_once_and_waits_for_it(self):
         # A terminal tells the whole group, `kill` one process.
         for number, tell in ((signal.SIGINT, os.killpg), (signal.SIGINT, os.kill), (signal.SIGTERM, os.kill)):
@@ -186,7 +173,7 @@ class Runs(unittest.TestCase):
                 tidy.unlink(missing_ok=True)
                 (self.out / "ablation/sweep.json").unlink(missing_ok=True)
                 process = self.start(FAKE_SWEEP="long")
-                self.wait_for(self.out / "ablation/sweep.json")
+                until((self.out / "ablation/sweep.json").exists, "sweep.json", 60)
                 tell(process.pid, number)
                 _, words = process.communicate(timeout=60)
                 self.assertEqual(process.returncode, 128 + number, words)

@@ -7,7 +7,7 @@ import subprocess
 import time
 
 import command_case
-from command_case import CommandCase, hierarchy
+from command_case import CommandCase, hierarchy, until
 from png import Picture, read_png
 from x_display import Display
 
@@ -15,16 +15,6 @@ SIZE = (642, 480)  # of the window: two halves of 320 and a line between them
 WIDTH, HEIGHT = SIZE
 CAMERA = {"position": [2.5, -1.5, 1.2], "target": [0, 0, 0], "up": [0, 0, 1], "fov_degrees": 45}
 BACKGROUND = bytes([24, 26, 30])
-
-
-def until(condition, what, timeout=30.0):
-    """The first true value of a condition; an error after so many seconds."""
-    end = time.monotonic() + timeout
-    while not (value := condition()):
-        if time.monotonic() > end:
-            raise AssertionError(f"not within {timeout} s: {what}")
-        time.sleep(0.05)
-    return value
 
 
 class Viewer:
@@ -76,6 +66,12 @@ class Viewer:
                 last, since = now, time.monotonic()
             self.case.assertLess(time.monotonic(), end, "the picture never comes to rest")
         return last
+
+    def after(self, act, *arguments, **more):
+        """The picture at rest after an act of the display, with the pointer out of the way."""
+        act(*arguments, **more)
+        self.display.away()
+        return self.settled()
 
     def press(self, *keys):
         for key in keys:
@@ -132,8 +128,3 @@ class ViewCase(CommandCase):
     def covered(self, picture):
         """Pixels that are not background."""
         return sum(picture[i:i + 3] != BACKGROUND for i in range(0, len(picture), 3))
-
-    def with_gl(self):
-        probe = command_case.call("render", hierarchy(), "--frames", 1, "--size", "16x16", "--backend", "gl")
-        if b"drawing with soft instead" in probe.stderr:
-            self.skipTest(probe.stderr.decode().strip())

@@ -37,6 +37,19 @@ std::string failures(const VerifyReport& report) {
   return list;
 }
 
+// No crack in frames from random viewpoints.
+void expect_whole(const Hierarchy& h, Scheduler& scheduler) {
+  const CrackBasis basis = make_crack_basis(h, scheduler);
+  CrackScratch memory;
+  const Radii radii = testing::per_level_radii(h, DistanceMetric::euclidean, 0.01f);
+  ASSERT_TRUE(radii.admissible);
+  for (const Vec3f view : testing::random_viewpoints(h, 10, 3)) {
+    const testing::Frame f = testing::make_frame(h, radii, Blend::smoothstep, view);
+    EXPECT_EQ(residual_edges(f.context, f.selection, basis, scheduler, memory).open_edges, 0u);
+    EXPECT_EQ(vertex_gaps(f.context, f.selection, basis, scheduler, memory).gap_max, 0);
+  }
+}
+
 class RealScan : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RealScan, SameFileForAnyThreadsAndStrategyAndItVerifies) {
@@ -87,16 +100,7 @@ TEST_P(CompressedScan, VerifiesAndIsSmallAndDoesNotCrack) {
   save_lode(build_hierarchy(clean_mesh(path, *serial, {Lattice::automatic}), config, *serial),
             folder.path() / "other.lode", *serial, LodeForm::compressed);
   EXPECT_TRUE(content(folder.path() / "other.lode") == content(folder.path() / "model.lode"));
-
-  const CrackBasis basis = make_crack_basis(h, *scheduler);
-  CrackScratch memory;
-  const Radii radii = testing::per_level_radii(h, DistanceMetric::euclidean, 0.01f);
-  ASSERT_TRUE(radii.admissible);
-  for (const Vec3f view : testing::random_viewpoints(h, 10, 3)) {
-    const testing::Frame f = testing::make_frame(h, radii, Blend::smoothstep, view);
-    EXPECT_EQ(residual_edges(f.context, f.selection, basis, *scheduler, memory).open_edges, 0u);
-    EXPECT_EQ(vertex_gaps(f.context, f.selection, basis, *scheduler, memory).gap_max, 0);
-  }
+  expect_whole(h, *scheduler);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, CompressedScan,
@@ -119,15 +123,7 @@ TEST_P(TexturedModel, KeepsItsChartsAndDoesNotCrack) {
   const VerifyReport report = verify_hierarchy(h, &input);
   ASSERT_NE(report.find("wedges"), nullptr);
   EXPECT_EQ(failures(report), "");
-
-  const CrackBasis basis = make_crack_basis(h, *scheduler);
-  CrackScratch memory;
-  const Radii radii = testing::per_level_radii(h, DistanceMetric::euclidean, 0.01f);
-  for (const Vec3f view : testing::random_viewpoints(h, 10, 3)) {
-    const testing::Frame f = testing::make_frame(h, radii, Blend::smoothstep, view);
-    EXPECT_EQ(residual_edges(f.context, f.selection, basis, *scheduler, memory).open_edges, 0u);
-    EXPECT_EQ(vertex_gaps(f.context, f.selection, basis, *scheduler, memory).gap_max, 0);
-  }
+  expect_whole(h, *scheduler);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, TexturedModel,

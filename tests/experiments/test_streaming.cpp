@@ -21,6 +21,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/streaming/cell_stream.h"
 #include "render/lod/resident_cells.h"
+#include "tests/expect_error.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_metrics.h"
 #include "tests/test_bytes.h"
@@ -160,12 +161,8 @@ TEST_P(Streaming, CoarseFamiliesComeFirst) {
 
 TEST_P(Streaming, RefusesABudgetWithoutRoomForTheRoot) {
   CellStream stream(file_);
-  try {
-    ResidentCells resident(stream, {stream.family_bytes(no_cell) - 1, rate});
-    FAIL() << "accepted";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find(std::to_string(stream.family_bytes(no_cell))), std::string::npos);
-  }
+  const std::uint64_t room = stream.family_bytes(no_cell);
+  expect_error_of<InputError>([&] { ResidentCells(stream, {room - 1, rate}); }, {std::to_string(room)});
 }
 
 TEST_P(Streaming, TellsOfAnAlteredFileWhenItMeetsIt) {

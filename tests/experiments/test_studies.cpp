@@ -11,6 +11,7 @@
 #include "experiments/studies/experiment.h"
 #include "experiments/sweep/sweep_file.h"
 #include "parallel/scheduler/processors.h"
+#include "tests/expect_error.h"
 #include "tests/experiments/study_case.h"
 
 namespace lodestone {
@@ -353,12 +354,8 @@ TEST_F(Studies, MissingInputIsAnError) {
 }
 
 TEST_F(Studies, MultiplesOfABorderNeedOne) {
-  try {
-    (void)rows_of("flight", {{"kappa0_over_rho", 1.05}, {"cell_triangles", 1000000}});
-    FAIL() << "no error";
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("give kappa0, or smaller cells"), std::string::npos) << error.what();
-  }
+  const Row given = {{"kappa0_over_rho", 1.05}, {"cell_triangles", 1000000}};
+  expect_error_of<InputError>([&] { return rows_of("flight", given); }, {"give kappa0, or smaller cells"});
 }
 
 TEST_F(Studies, CancellationEndsARun) {

@@ -15,6 +15,7 @@
 #include "experiments/sweep/plan.h"
 #include "experiments/sweep/sha256.h"
 #include "experiments/sweep/sweep_file.h"
+#include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -82,14 +83,7 @@ class SweepFiles : public FolderTest {
   }
   // Expects an error that names the line and has the text.
   void refused(const std::string& text, int line, const std::string& part) const {
-    try {
-      (void)load(text);
-      ADD_FAILURE() << "not refused: " << text;
-    } catch (const InputError& error) {
-      const std::string message = error.what();
-      EXPECT_NE(message.find(": line " + std::to_string(line) + ": "), std::string::npos) << message << "\n" << text;
-      EXPECT_NE(message.find(part), std::string::npos) << message << "\n" << text;
-    }
+    expect_error_of<InputError>([&] { return load(text); }, {": line " + std::to_string(line) + ": ", part}, text);
   }
 };
 

@@ -65,6 +65,11 @@ TEST(MapToSphere, PleasantSurfacesAreMappedWell) {
   ASSERT_NO_FATAL_FAILURE(expect_mapped(test::bipyramid(10), 0.67));
 }
 
+// The best map that keeps the symmetry has 0.040.
+TEST(MapToSphere, AStretchedBallLosesItsSymmetry) {
+  ASSERT_NO_FATAL_FAILURE(expect_mapped(test::stretched_ball(80'000, 100), 0.07, {.effort = SphereEffort::best}));
+}
+
 TEST(MapToSphere, MoreEffortGivesNoLess) {
   const RawMesh mesh = test::stretched_ball(5000, 6);
   double before = 0;

@@ -170,7 +170,7 @@ TEST_F(OutOfCore, SameBytesForHardFiles) {
       stream = open_mesh_stream(entry.path());
     } catch (const Error&) {  // no mesh
     }
-    if (!stream) continue;
+    if (!stream || stream->has_attributes()) continue;
     EXPECT_TRUE(in_memory(entry.path()) == built(entry.path())) << entry.path();
     ++compared;
   }

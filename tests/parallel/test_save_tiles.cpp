@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -61,9 +59,7 @@ class SaveTiles : public testing::Test {
   [[nodiscard]] std::map<std::string, std::string> files() const {
     std::map<std::string, std::string> contents;
     for (const auto& entry : fs::recursive_directory_iterator(path())) {
-      if (!entry.is_regular_file()) continue;
-      std::ifstream in(entry.path(), std::ios::binary);
-      contents[fs::relative(entry.path(), path()).string()] = {std::istreambuf_iterator<char>(in), {}};
+      if (entry.is_regular_file()) contents[fs::relative(entry.path(), path()).string()] = content(entry.path());
     }
     return contents;
   }

@@ -10,6 +10,7 @@
 #include "parallel/clean/stream_clean.h"
 #include "parallel/mesh/load.h"
 #include "parallel/mesh/mesh_stream.h"
+#include "tests/expect_error.h"
 #include "tests/parallel/stream_meshes.h"
 #include "tests/test_bytes.h"
 #include "tests/test_folder.h"
@@ -93,8 +94,8 @@ TEST_F(StreamTest, OtherFilesAreNoStreams) {
   const std::size_t at = bytes.find("property float z\n") + 17;
   bytes.insert(at, "property uchar red\nproperty uchar green\nproperty uchar blue\n");
   std::ofstream(folder_ / "coloured.ply", std::ios::binary) << bytes << std::string(1000, '\0');
-  EXPECT_EQ(open_mesh_stream(folder_ / "coloured.ply"), nullptr);
-  EXPECT_NE(open_mesh_stream(folder_ / "coloured.ply", {.attributes = false}), nullptr);
+  EXPECT_TRUE(open_mesh_stream(folder_ / "coloured.ply")->has_attributes());
+  EXPECT_FALSE(open_mesh_stream(folder_ / "coloured.ply", {.attributes = false})->has_attributes());
 }
 
 TEST_F(StreamTest, BadFacesAndFilesThatShrinkAreErrors) {
@@ -103,12 +104,8 @@ TEST_F(StreamTest, BadFacesAndFilesThatShrinkAreErrors) {
   raw.triangles[1234].v[1] = 1u << 30;
   test::write_ply(folder_ / "index.ply", raw);
   const auto stream = open_mesh_stream(folder_ / "index.ply");
-  try {
-    (void)clean_stream(*stream, {}, 1 << 20, *scheduler);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("index.ply: face 1234: "), std::string::npos) << error.what();
-  }
+  expect_error_of<InputError>([&] { return clean_stream(*stream, {}, 1 << 20, *scheduler); },
+                              {"index.ply: face 1234: "});
   raw.triangles[1234].v[1] = 0;
   test::write_ply(folder_ / "cut.ply", raw);
   const auto shrunk = open_mesh_stream(folder_ / "cut.ply");

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "render/frame/image.h"
+#include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -49,12 +50,7 @@ TEST(Png, ErrorsNameTheFile) {
   write_png(temporary("whole.png"), noise({64, 64}, 2));
   const std::string bytes = content(temporary("whole.png"));
   std::ofstream(temporary("cut.png"), std::ios::binary) << bytes.substr(0, bytes.size() / 2);
-  try {
-    (void)read_png(temporary("cut.png"));
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("cut.png"), std::string::npos);
-  }
+  expect_error_of<InputError>([] { return read_png(temporary("cut.png")); }, {"cut.png"});
 }
 
 TEST(Downscale, AveragesWhatAPixelCovers) {

@@ -4,8 +4,6 @@ import importlib.util
 import os
 import pathlib
 import sys
-import tempfile
-import unittest
 
 TESTS = pathlib.Path(__file__).resolve().parents[1]
 SYSTEM_PYTHON = "/usr/bin/python3"
@@ -16,6 +14,7 @@ if any(importlib.util.find_spec(module) is None for module in ("jinja2", "matplo
     sys.exit(77)
 sys.path[:0] = [str(TESTS.parent / "python"), str(TESTS / "commands")]
 
+from command_case import FolderCase  # noqa: E402, F401
 from lodestone_report.runs import Column, FigureRequest, Repetition, Run, Sweep  # noqa: E402
 
 
@@ -34,12 +33,3 @@ def make_sweep(columns, parameters=()):
 
 def request(x, *y, **more):
     return FigureRequest("A figure", ["sweep"], x, list(y), **more)
-
-
-class FolderCase(unittest.TestCase):
-    """Each test works in an empty folder of its own."""
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)

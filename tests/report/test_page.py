@@ -12,7 +12,6 @@ from report_case import FolderCase
 import sweep_folder
 import lodestone_report as lr
 from lodestone_report.writing import write_all
-from lodestone_report import files
 from lodestone_report.page import make_page
 from sweep_folder import small_study
 

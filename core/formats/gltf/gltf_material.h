@@ -32,10 +32,11 @@ class GltfMaterials {
 
   // `reference`: the value that holds the index.
   [[nodiscard]] const GltfMaterial& use(const JsonView& reference);
+  // The texture that a textureInfo names, added to the mesh; no_texture if there is no image.
+  [[nodiscard]] std::uint32_t read_texture(const JsonView& info);
 
  private:
   GltfMaterial read(const JsonView& source);
-  std::uint32_t read_texture(const JsonView& info);
   std::uint32_t read_image(const JsonView& reference, TextureWraps wraps);
 
   GltfDocument* document_;

@@ -95,9 +95,9 @@ void set_box_statistics(CellBuild& cell, int level) {
   Float4 far2{}, far_axis{};
   for (std::size_t i = 0; i < p.size(); i += 4) {
     const auto at = [&](std::size_t k) { return to_float4(p[std::min(i + k, p.size() - 1)]); };
-    const Float4x3 v = transposed(at(0), at(1), at(2), at(3));
-    const Float4 x = farther(v.x, box.lo.x, box.hi.x), y = farther(v.y, box.lo.y, box.hi.y),
-                 z = farther(v.z, box.lo.z, box.hi.z);
+    const auto v = transposed(at(0), at(1), at(2), at(3));
+    const Float4 x = farther(v.a, box.lo.x, box.hi.x), y = farther(v.b, box.lo.y, box.hi.y),
+                 z = farther(v.c, box.lo.z, box.hi.z);
     far2 = max((x * x + y * y) + z * z, far2);
     far_axis = max(max(max(x, y), z), far_axis);
   }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
-#include "core/math/float4.h"
+#include "core/math/lanes/float4.h"
 
 namespace lodestone {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/hierarchy/build/level_surface.h"
-#include "core/math/float4.h"
+#include "core/math/lanes/float4.h"
 
 namespace lodestone {
 

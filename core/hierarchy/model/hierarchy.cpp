@@ -34,7 +34,7 @@ PackedNormal pack_normal(Vec3f n) {
 void pack_normals(std::span<const Float4> n, std::span<PackedNormal> packed) {
   for (std::size_t i = 0; i < n.size(); i += 4) {
     const std::size_t last = n.size() - 1;
-    const auto [x, y, z] =
+    const auto [x, y, z, unused] =
         transposed(n[i], n[std::min(i + 1, last)], n[std::min(i + 2, last)], n[std::min(i + 3, last)]);
     const Float4 sum = abs(x) + abs(y) + abs(z);
     const Int4 valid = (sum > 0.0f) & (sum <= std::numeric_limits<float>::max()), below = z < 0.0f;

@@ -14,7 +14,7 @@
 #include "core/hierarchy/model/cell_code.h"
 #include "core/hierarchy/model/distance_metric.h"
 #include "core/math/box3.h"
-#include "core/math/float4.h"
+#include "core/math/lanes/float4.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {

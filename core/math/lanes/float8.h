@@ -13,14 +13,12 @@
 #endif
 
 #include "core/base/instruction_set.h"
-#include "core/math/float4.h"
 #include "core/math/lanes/aligned_point.h"
+#include "core/math/lanes/float4.h"
 
 namespace lodestone {
 
 inline namespace LODESTONE_LANES {
-
-using lodestone::max, lodestone::min;  // of four floats
 
 inline Float4 sqrt(Float4 a) {
 #if defined(__SSE2__)
@@ -54,8 +52,12 @@ using Int8 = std::int32_t __attribute__((vector_size(32)));
 inline Float8 all8(float v) { return v - Float8{}; }
 inline Int8 ints8(std::int32_t v) { return v + Int8{}; }
 inline Int8 select(Int8 mask, Int8 yes, Int8 no) { return mask ? yes : no; }
-inline Float8 min(Float8 a, Float8 b) { return a < b ? a : b; }
-inline Float8 max(Float8 a, Float8 b) { return a > b ? a : b; }
+inline Float8 select(Int8 mask, Float8 yes, Float8 no) { return mask ? yes : no; }
+inline Float8 min(Float8 a, Float8 b) { return _mm256_min_ps(a, b); }
+inline Float8 max(Float8 a, Float8 b) { return _mm256_max_ps(a, b); }
+inline Int8 min(Int8 a, Int8 b) { return a < b ? a : b; }
+inline Int8 max(Int8 a, Int8 b) { return a > b ? a : b; }
+inline Float8 abs(Float8 a) { return reinterpret_cast<Float8>(reinterpret_cast<Int8>(a) & 0x7fff'ffff); }
 inline Float8 sqrt(Float8 a) { return _mm256_sqrt_ps(a); }
 inline unsigned bits(Int8 mask) { return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(mask))); }
 inline Float8 select(unsigned bits, Float8 yes, Float8 no) {
@@ -71,6 +73,15 @@ inline Float8 rotate(Float8 a, unsigned n) {
 }
 inline Float4 lower_half(Float8 a) { return _mm256_castps256_ps128(a); }
 inline Float4 upper_half(Float8 a) { return _mm256_extractf128_ps(a, 1); }
+inline Float8 both_halves(Float4 lower, Float4 upper) {
+  return _mm256_insertf128_ps(_mm256_castps128_ps256(lower), upper, 1);
+}
+inline Quads<Float8> transposed(Float8 a, Float8 b, Float8 c, Float8 d) {
+  const Float8 ab_lo = _mm256_unpacklo_ps(a, b), ab_hi = _mm256_unpackhi_ps(a, b), cd_lo = _mm256_unpacklo_ps(c, d),
+               cd_hi = _mm256_unpackhi_ps(c, d);
+  return {_mm256_shuffle_ps(ab_lo, cd_lo, 0x44), _mm256_shuffle_ps(ab_lo, cd_lo, 0xee),
+          _mm256_shuffle_ps(ab_hi, cd_hi, 0x44), _mm256_shuffle_ps(ab_hi, cd_hi, 0xee)};
+}
 
 #else
 
@@ -117,15 +128,15 @@ inline Float8 rotate(Float8 a, unsigned n) {
 }
 inline Float4 lower_half(Float8 a) { return a.lower; }
 inline Float4 upper_half(Float8 a) { return a.upper; }
+inline Float8 both_halves(Float4 lower, Float4 upper) { return {lower, upper}; }
+inline Quads<Float8> transposed(Float8 a, Float8 b, Float8 c, Float8 d) {
+  const auto lower = transposed(a.lower, b.lower, c.lower, d.lower);
+  const auto upper = transposed(a.upper, b.upper, c.upper, d.upper);
+  return {{lower.a, upper.a}, {lower.b, upper.b}, {lower.c, upper.c}, {lower.d, upper.d}};
+}
 
 #endif
 
-inline Float8 load8(const float* from) {
-  Float8 v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
-}
-inline void store(float* to, Float8 v) { std::memcpy(to, &v, sizeof v); }
 inline float lowest(Float8 a) {
   const Float4 half = min(lower_half(a), upper_half(a));
   const Float4 pair = min(half, __builtin_shufflevector(half, half, 2, 3, 2, 3));
@@ -160,27 +171,29 @@ inline void transpose(Float8 (&rows)[8]) {
 
 inline Vec3f operator-(const AlignedPoint& a, const AlignedPoint& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 
+// Columns of the four values that at(lane) points to. Loads of 16 bytes and a transposition are cheaper than gathers on
+// every processor tried.
+template <class V, class At>
+[[gnu::always_inline]] inline Quads<V> load_quads(const At& at) {
+  const auto row = [&](int k) {
+    const auto four = [&](int lane) { return load<Float4>(reinterpret_cast<const float*>(at(lane))); };
+    if constexpr (sizeof(V) == sizeof(Float8)) {
+      return both_halves(four(k), four(k + 4));
+    } else {
+      return four(k);
+    }
+  };
+  return transposed(row(0), row(1), row(2), row(3));
+}
+
 // Eight points, one in each lane.
 struct Points8 {
   Float8 x, y, z;
 };
 template <class Ids>
 inline Points8 gather(const AlignedPoint* points, const Ids* ids) {
-#if defined(__AVX2__)
-  // Eight 16-byte loads and a transposition: cheaper than four gathers on every processor tried.
-  const auto at = [&](int k) { return _mm_load_ps(&points[ids[k]].x); };
-  const auto pair = [&](int k) { return _mm256_insertf128_ps(_mm256_castps128_ps256(at(k)), at(k + 4), 1); };
-  const auto low = [](__m256 a, __m256 b) { return _mm256_castps_pd(_mm256_unpacklo_ps(a, b)); };
-  const auto high = [](__m256 a, __m256 b) { return _mm256_castps_pd(_mm256_unpackhi_ps(a, b)); };
-  const __m256 p0 = pair(0), p1 = pair(1), p2 = pair(2), p3 = pair(3);
-  const __m256d xy01 = low(p0, p1), xy23 = low(p2, p3), z01 = high(p0, p1), z23 = high(p2, p3);
-  return {_mm256_castpd_ps(_mm256_unpacklo_pd(xy01, xy23)), _mm256_castpd_ps(_mm256_unpackhi_pd(xy01, xy23)),
-          _mm256_castpd_ps(_mm256_unpacklo_pd(z01, z23))};
-#else
-  float x[8], y[8], z[8];
-  for (int k = 0; k < 8; ++k) x[k] = points[ids[k]].x, y[k] = points[ids[k]].y, z[k] = points[ids[k]].z;
-  return {load8(x), load8(y), load8(z)};
-#endif
+  const Quads<Float8> q = load_quads<Float8>([&](int k) { return &points[ids[k]]; });
+  return {q.a, q.b, q.c};
 }
 
 }  // namespace LODESTONE_LANES

@@ -74,6 +74,7 @@ class CollapseMetric {
 [[nodiscard]] std::unique_ptr<CollapseMetric> make_attribute_metric(const RingMesh& rings, const IndexedMesh& mesh,
                                                                     const AttributeWeights& weights,
                                                                     const CollapseKernel& kernel);
-[[nodiscard]] std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh);
+[[nodiscard]] std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh,
+                                                                     const CollapseKernel& kernel);
 
 }  // namespace lodestone::progressive

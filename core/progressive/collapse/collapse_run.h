@@ -16,6 +16,7 @@
 #include "core/progressive/collapse/collapse_kernel.h"
 #include "core/progressive/collapse/rank_heap.h"
 #include "core/progressive/collapse/star_quadrics.h"
+#include "core/progressive/collapse/texture_fan.h"
 
 namespace lodestone::progressive {
 inline namespace LODESTONE_LANES {
@@ -225,7 +226,9 @@ inline constexpr CollapseKernel collapse_functions{
     .star_quadrics = star_quadrics,
     .start = [](CollapseState& state, std::size_t begin, std::size_t end) { CollapseRun(state).start(begin, end); },
     .run = [](CollapseState& state, const Region& region,
-              RingArena& arena) { return CollapseRun(state).run(region, arena); }};
+              RingArena& arena) { return CollapseRun(state).run(region, arena); },
+    .sectors_near = sectors_near,
+    .find_crossings = find_crossings};
 
 }  // namespace LODESTONE_LANES
 }  // namespace lodestone::progressive

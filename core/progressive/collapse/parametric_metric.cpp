@@ -7,7 +7,8 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/progressive/collapse/collapse_metric.h"
+#include "core/progressive/collapse/collapse_kernel.h"
+#include "core/progressive/collapse/texture_fan.h"
 #include "core/progressive/collapse/uv_star.h"
 
 namespace lodestone::progressive {
@@ -20,17 +21,12 @@ struct Corner {
 
 Vec3f between(Vec3f a, Vec3f b, double t) { return to_float((1 - t) * to_double(a) + t * to_double(b)); }
 
-// From a point of the texture to another, and the cross product of two such vectors.
-struct Way {
-  double u = 0, v = 0;
-};
-Way way(const Corner& a, const Corner& b) { return {double{b.uv.x} - a.uv.x, double{b.uv.y} - a.uv.y}; }
-double cross(Way a, Way b) { return a.u * b.v - a.v * b.u; }
+Way way(Vec2f uv) { return {double{uv.x}, double{uv.y}}; }
 
 class ParametricMetric final : public CollapseMetric {
  public:
-  ParametricMetric(const RingMesh& rings, const IndexedMesh& mesh)
-      : rings_(&rings), uv_(mesh.wedges.uv), deviation_(rings.vertex_count(), 0) {}
+  ParametricMetric(const RingMesh& rings, const IndexedMesh& mesh, const CollapseKernel& kernel)
+      : rings_(&rings), kernel_(&kernel), uv_(mesh.wedges.uv), deviation_(rings.vertex_count(), 0) {}
 
   void start(std::size_t, std::size_t) override {}
 
@@ -42,12 +38,12 @@ class ParametricMetric final : public CollapseMetric {
                                   const std::function<bool(std::uint32_t)>& allowed) const override {
     Fans fans;
     float ranks[max_neighbours];
-    Collapse collapses[max_neighbours];
+    const auto collapse = [&](std::uint32_t k) { return Collapse{.vertex = v, .target = rings_->ring(v).ids[k]}; };
     for (std::uint64_t left = places; left != 0; left &= left - 1) {
       const auto k = static_cast<std::uint32_t>(std::countr_zero(left));
-      collapses[k] = {.vertex = v, .target = rings_->ring(v).ids[k]};
-      ranks[k] = rings_->follows_wedges(collapses[k]) ? rank_of(collapses[k], own_deviation(collapses[k], fans))
-                                                      : std::numeric_limits<float>::infinity();
+      Collapse c = collapse(k);
+      ranks[k] =
+          rings_->follows_wedges(c) ? rank_of(c, own_deviation(c, fans)) : std::numeric_limits<float>::infinity();
     }
     for (std::uint64_t whole = 0; places != 0;) {
       const std::uint32_t k = lowest_place({ranks, max_neighbours}, places);
@@ -55,7 +51,9 @@ class ParametricMetric final : public CollapseMetric {
       const std::uint64_t bit = std::uint64_t{1} << k;
       if ((whole & bit) != 0) return {k, ranks[k]};
       if (allowed(k)) {
-        ranks[k] = rank_of(collapses[k], step(collapses[k], fans));
+        Collapse c = collapse(k);
+        (void)rings_->follows_wedges(c);
+        ranks[k] = rank_of(c, step(c, fans));
         whole |= bit;
       } else {
         places &= ~bit;
@@ -81,10 +79,9 @@ class ParametricMetric final : public CollapseMetric {
   struct Fan {
     Id wedge = no_id;
     Corner from;
-    std::uint32_t spokes = 0, sectors = 0;
-    Corner spoke[max_neighbours + 1];
-    Way out[max_neighbours + 1];  // from the vertex to its neighbours
-    std::uint8_t first[max_neighbours], second[max_neighbours];
+    TextureFan texture;
+    Id spoke[TextureFan::max_spokes];  // without initial values, as all of it, for speed
+    std::uint8_t first[TextureFan::max_spokes], second[TextureFan::max_spokes];
   };
   // The fans of the two wedges at an edge, found once for all targets of a vertex.
   struct Fans {
@@ -118,85 +115,91 @@ class ParametricMetric final : public CollapseMetric {
     for (const Fan& fan : fans.fan)
       if (fan.wedge == wedge) return fan;
     Fan& fan = fans.fan[fans.last++ % 2];
-    fan.wedge = wedge, fan.from = corner(c.vertex, wedge), fan.spokes = fan.sectors = 0;
-    const Ring& ring = rings_->ring(c.vertex);
-    const auto add = [&](Id vertex, Id of_vertex) {  // a spoke that two triangles share counts once
-      const Corner end = corner(vertex, of_vertex);
-      for (const std::uint32_t k : {fan.spokes - 1, 0u})
-        if (k < fan.spokes && fan.spoke[k].position == end.position && fan.spoke[k].uv.x == end.uv.x &&
-            fan.spoke[k].uv.y == end.uv.y)
-          return static_cast<std::uint8_t>(k);
-      fan.spoke[fan.spokes] = end;
-      fan.out[fan.spokes] = way(fan.from, end);
-      return static_cast<std::uint8_t>(fan.spokes++);
+    fill(fan, c.vertex, wedge);
+    return fan;
+  }
+
+  void fill(Fan& fan, Id vertex, Id wedge) const {
+    TextureFan& texture = fan.texture;
+    fan.wedge = wedge, fan.from = corner(vertex, wedge), texture.spokes = texture.sectors = 0;
+    const Ring& ring = rings_->ring(vertex);
+    const auto add = [&](Id neighbour, Id of_neighbour) {  // a spoke that two triangles share counts once
+      const Corner end = corner(neighbour, of_neighbour);
+      const Way uv = way(end.uv);
+      for (const std::uint32_t k : {texture.spokes - 1, 0u})
+        if (k < texture.spokes && rings_->position(fan.spoke[k]) == end.position && texture.spoke.u[k] == uv.u &&
+            texture.spoke.v[k] == uv.v)
+          return k;
+      fan.spoke[texture.spokes] = neighbour;
+      texture.spoke.set(texture.spokes, uv);
+      texture.out.set(texture.spokes, uv - way(fan.from.uv));
+      return texture.spokes++;
     };
     for (std::uint32_t k = 0; k < ring.sectors() && ring.size <= max_neighbours; ++k) {
       if (rings_->has_wedges() && ring.wedge(k) != wedge) continue;
       const Id a = ring.ids[k], b = ring.ids[ring.next(k)];
-      if (fan.spokes + 2 > max_neighbours) break;
-      fan.first[fan.sectors] = add(a, rings_->wedge_of(a, b));
-      fan.second[fan.sectors++] = add(b, rings_->wedge_of(b, c.vertex));
+      if (texture.spokes + 2 > max_neighbours) break;
+      const std::uint32_t first = add(a, rings_->wedge_of(a, b)), second = add(b, rings_->wedge_of(b, vertex));
+      fan.first[texture.sectors] = static_cast<std::uint8_t>(first);
+      fan.second[texture.sectors] = static_cast<std::uint8_t>(second);
+      texture.first.set(texture.sectors, texture.spoke[first]);
+      texture.second.set(texture.sectors, texture.spoke[second]);
+      texture.of_vertex[texture.sectors++] = cross(texture.out[first], texture.out[second]);
     }
-    return fan;
+    texture.finish();
   }
 
   // The distance in space between the vertex and the point of the new triangles with its texture coordinates.
   [[nodiscard]] float own_deviation(const Fan& fan, const Collapse& c, int chart) const {
     const Corner to = corner(c.target, c.wedge_target[chart]);
-    const Way back = way(to, fan.from);
-    for (std::uint32_t k = 0; k < fan.sectors; ++k) {
-      const Corner &a = fan.spoke[fan.first[k]], &b = fan.spoke[fan.second[k]];
-      const Way to_a = way(to, a), to_b = way(to, b);
-      const double area = cross(to_a, to_b), of_to = cross(fan.out[fan.first[k]], fan.out[fan.second[k]]);
-      const double of_a = cross(back, to_b), size = std::abs(area), sign = area < 0 ? -1 : 1;
-      // Far outside, as most are; without a division.
-      if (!(sign * of_to >= -2e-6 * size) || !(sign * of_a >= -2e-6 * size) || area == 0) continue;
-      const double w = of_to / area, wa = of_a / area, wb = 1 - w - wa;
+    const TextureStep step{way(to.uv), way(fan.from.uv) - way(to.uv)};
+    for (std::uint64_t left = kernel_->sectors_near(fan.texture, step); left != 0; left &= left - 1) {
+      const auto k = static_cast<std::uint32_t>(std::countr_zero(left));
+      const Way to_a = fan.texture.first[k] - step.to, to_b = fan.texture.second[k] - step.to;
+      const double area = cross(to_a, to_b);
+      const double w = fan.texture.of_vertex[k] / area, wa = cross(step.back, to_b) / area, wb = 1 - w - wa;
       constexpr double least = -1e-6;
       if (w < least || wa < least || wb < least) continue;
-      return length(to_float(w * to_double(to.position) + wa * to_double(a.position) + wb * to_double(b.position)) -
+      return length(to_float(w * to_double(to.position) + wa * to_double(rings_->position(fan.spoke[fan.first[k]])) +
+                             wb * to_double(rings_->position(fan.spoke[fan.second[k]]))) -
                     fan.from.position);
     }
     // Outside the new triangles, along a seam or border that is not straight on the texture: at most the whole way.
     return length(to.position - fan.from.position);
   }
 
-  // The largest deviation in the chart of one wedge of the vertex: there, or where a new edge crosses an old one. Edges
-  // with an end in common meet there, where nothing deviates.
+  // The largest deviation in the chart of one wedge of the vertex: there, or where a new edge crosses an old one.
   [[nodiscard]] float deviation(const Fan& fan, const Collapse& c, int chart) const {
     const Corner to = corner(c.target, c.wedge_target[chart]);
-    const Way back = way(to, fan.from);
-    double at_old[max_neighbours + 1];
-    for (std::uint32_t m = 0; m < fan.spokes; ++m) at_old[m] = cross(back, fan.out[m]);
+    const TextureStep step{way(to.uv), way(fan.from.uv) - way(to.uv)};
+    std::uint64_t crossed[TextureFan::max_spokes];
+    kernel_->find_crossings(fan.texture, step, crossed);
     float most = own_deviation(fan, c, chart);
-    for (std::uint32_t k = 0; k < fan.spokes; ++k) {
-      const Way edge = way(to, fan.spoke[k]);
-      const double at_new = cross(back, edge);
-      for (std::uint32_t m = 0; m < fan.spokes; ++m) {
-        const double det = cross(edge, fan.out[m]), sign = det < 0 ? -1 : 1, size = sign * det;
-        const double s = sign * at_old[m], t = sign * at_new;
-        // One branch instead of six; most do not cross, and nothing is divided.
-        const int crosses = int{m != k} & int{size > 0} & int{s >= 0} & int{s <= size} & int{t >= 0} & int{t <= size};
-        if (crosses != 0)
-          most = std::max(most, length(between(to.position, fan.spoke[k].position, s / size) -
-                                       between(fan.from.position, fan.spoke[m].position, t / size)));
+    for (std::uint32_t k = 0; k < fan.texture.spokes; ++k)
+      for (std::uint64_t left = crossed[k]; left != 0; left &= left - 1) {
+        const auto m = static_cast<std::uint32_t>(std::countr_zero(left));
+        const Way edge = fan.texture.spoke[k] - step.to, out = fan.texture.out[m];
+        const double det = cross(edge, out), s = cross(step.back, out) / det, t = cross(step.back, edge) / det;
+        most = std::max(most, length(between(to.position, rings_->position(fan.spoke[k]), s) -
+                                     between(fan.from.position, rings_->position(fan.spoke[m]), t)));
       }
-    }
     return most;
   }
 
   const RingMesh* rings_;
+  const CollapseKernel* kernel_;
   std::span<const Vec2f> uv_;
   std::vector<float> deviation_;  // of what has collapsed into a vertex
 };
 
 }  // namespace
 
-std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh) {
+std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh,
+                                                       const CollapseKernel& kernel) {
   if (mesh.wedges.uv.empty())
     throw InputError(describe("", "", "the mesh has no texture coordinates, which the metric parametric needs",
                               "use --metric quadric"));
-  return std::make_unique<ParametricMetric>(rings, mesh);
+  return std::make_unique<ParametricMetric>(rings, mesh, kernel);
 }
 
 }  // namespace lodestone::progressive

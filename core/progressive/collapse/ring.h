@@ -9,9 +9,8 @@
 #include <span>
 #include <utility>
 #include <vector>
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
+
+#include "core/math/lanes/float8.h"
 
 namespace lodestone::progressive {
 
@@ -47,17 +46,9 @@ struct alignas(64) Ring {
   [[nodiscard]] std::uint32_t sectors() const { return size - open; }
   // The size, if there is no such neighbour. Eight at a time, since its place cannot be predicted.
   [[nodiscard]] std::uint32_t find(Id id) const {
-#if defined(__SSE2__)
-    const __m128i wanted = _mm_set1_epi32(static_cast<int>(id));
-    const auto equal = [&](const Id* four) {
-      return _mm_cmpeq_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(four)), wanted);
-    };
-    const auto found = static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi32(equal(ids), equal(ids + 4))));
-    if (found != 0) return std::min(static_cast<std::uint32_t>(std::countr_zero(found)) / 2, size);
+    const unsigned found = bits(load<Int8>(ids) == ints8(static_cast<std::int32_t>(id)));
+    if (found != 0) return std::min(static_cast<std::uint32_t>(std::countr_zero(found)), size);
     std::uint32_t k = 8;
-#else
-    std::uint32_t k = 0;
-#endif
     while (k < size && ids[k] != id) ++k;
     return std::min(k, size);
   }

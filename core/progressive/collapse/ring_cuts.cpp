@@ -1,62 +1,12 @@
 // Where the surface is nonmanifold it is cut (gueziec2001), with the triangles at an edge paired by their angle around
 // it, so that closed surfaces remain closed.
 #include <algorithm>
-#include <cmath>
-#include <tuple>
 #include <utility>
 
+#include "core/mesh/edge_pairing.h"
 #include "core/progressive/collapse/ring_mesh.h"
 
 namespace lodestone::progressive {
-namespace {
-
-// Corners that start or end at one neighbour, of triangles that share the edge to it.
-struct EdgeCorner {
-  std::uint32_t corner = 0;
-  bool forward = false;  // the triangle runs from the lower end to the higher one
-  double angle = 0;      // around the edge, from the lower end to the higher one
-  Vec3f third;           // its corner opposite the edge
-};
-
-// Any two vectors that make a right-handed frame with the axis; the same for the same axis.
-std::pair<Vec3d, Vec3d> frame_around(Vec3d axis) {
-  const Vec3d other = std::abs(axis.x) <= std::abs(axis.y) && std::abs(axis.x) <= std::abs(axis.z) ? Vec3d{1, 0, 0}
-                      : std::abs(axis.y) <= std::abs(axis.z)                                       ? Vec3d{0, 1, 0}
-                                                                                                   : Vec3d{0, 0, 1};
-  const Vec3d first = cross(axis, other);
-  return {first, cross(axis, first)};
-}
-
-// By coordinates, so that decisions do not depend on how vertices are numbered.
-bool is_lower(Vec3f a, Vec3f b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
-
-bool comes_before(const EdgeCorner& a, const EdgeCorner& b) {
-  if (a.angle != b.angle) return a.angle < b.angle;
-  if (!(a.third == b.third)) return is_lower(a.third, b.third);
-  return a.forward < b.forward;
-}
-
-// Pairs triangles of an edge that bound the same solid: it begins after a backward triangle and ends at a forward one.
-// Two turns around the edge, as brackets may begin anywhere.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_brackets(std::span<const EdgeCorner> sorted) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  std::vector<std::size_t> pending;
-  std::vector<bool> done(sorted.size());
-  for (std::size_t step = 0; step < 2 * sorted.size(); ++step) {
-    const std::size_t k = step % sorted.size();
-    if (done[k]) continue;
-    if (!sorted[k].forward) {
-      if (step < sorted.size()) pending.push_back(k);
-    } else if (!pending.empty()) {
-      pairs.emplace_back(sorted[pending.back()].corner, sorted[k].corner);
-      done[pending.back()] = done[k] = true;
-      pending.pop_back();
-    }
-  }
-  return pairs;
-}
-
-}  // namespace
 
 // Chains any number of fans: corners follow each other over edges of two triangles, and over the pairs of larger edges.
 void RingMesh::chain_any(Id vertex, std::vector<Cut>& cuts) {
@@ -83,20 +33,14 @@ void RingMesh::chain_any(Id vertex, std::vector<Cut>& cuts) {
     }
     const bool lower = is_lower(position(vertex), position(other));
     if (lower) ++cut_edges_;
-    const Vec3d origin = to_double(position(lower ? vertex : other));
-    const Vec3d axis = to_double(position(lower ? other : vertex)) - origin;
-    const auto [x, y] = frame_around(axis);
-    std::vector<EdgeCorner> around;
+    std::vector<EdgeTriangle> around;
     for (auto e = from; e != to; ++e) {
       const std::uint32_t corner = corners[e->second / 2];
       const bool ends = e->second % 2 == 1;
-      const Vec3f third = position(ends ? start_of(corner) : end_of(corner));
-      const Vec3d out = to_double(third) - origin;
-      const double angle = std::atan2(dot(out, y) / std::max(length(axis), 1e-30), dot(out, x));
-      around.push_back({e->second / 2, lower != ends, angle, third});
+      around.push_back({e->second / 2, lower != ends, position(ends ? start_of(corner) : end_of(corner))});
     }
-    std::sort(around.begin(), around.end(), comes_before);
-    for (const auto& [back, forth] : pair_brackets(around)) {
+    const Vec3f low = position(lower ? vertex : other), high = position(lower ? other : vertex);
+    for (const auto& [back, forth] : pair_around_edge(low, high, around)) {
       const auto [ending, starting] = lower ? std::pair(back, forth) : std::pair(forth, back);
       next[ending] = starting, before[starting] = ending;
     }

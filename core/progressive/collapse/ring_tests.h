@@ -17,24 +17,18 @@ inline float rank_scale(float weight) { return 1 / std::max(std::sqrt(weight * s
 
 inline namespace LODESTONE_LANES {
 
-inline Int8 load_ids(const Id* ids) {
-  Int8 v;
-  std::memcpy(&v, ids, sizeof v);
-  return v;
-}
 inline Int8 ids8(Id id) { return ints8(static_cast<std::int32_t>(id)); }
 
 // Lanes after the last neighbour hold the vertex itself.
 template <int G>
 [[gnu::always_inline]] inline Star<G> load_star(const AlignedPoint* points, const Ring& ring, Id v) {
   static constexpr std::int32_t places[8]{0, 1, 2, 3, 4, 5, 6, 7};
-  Int8 place;
-  std::memcpy(&place, places, sizeof place);
+  const Int8 place = load<Int8>(places);
   alignas(32) Id ids[8 * G];
   for (int g = 0; g < G; ++g) {
     const Int8 used = place < ints8(static_cast<int>(ring.size) - 8 * g);
-    const Int8 padded = select(used, load_ids(ring.ids + 8 * g), ids8(v));
-    std::memcpy(ids + 8 * g, &padded, sizeof padded);
+    const Int8 padded = select(used, load<Int8>(ring.ids + 8 * g), ids8(v));
+    store(ids + 8 * g, padded);
   }
   return gather_star<G>(points, ids, points[v]);
 }
@@ -58,7 +52,7 @@ template <int G>
   if (v.open == 0 && v.size < 3) return false;
   unsigned common = 0, again = 0;  // where the surface was cut two vertices may share several edges
   for (int g = 0; g < G; ++g) {
-    const Int8 ids = load_ids(v.ids + 8 * g);
+    const Int8 ids = load<Int8>(v.ids + 8 * g);
     Int8 times{};  // the number of occurrences in the ring of the target
     for (std::uint32_t i = 0; i < u.size; ++i) times = times - (ids == ids8(u.ids[i]));
     common |= bits(ints8(0) < times) << 8 * g, again |= bits(ints8(1) < times) << 8 * g;
@@ -100,7 +94,7 @@ template <int G>
 
 // chain_fan for at most eight triangles.
 inline Shape chain_eight(const Id* start, const Id* end, std::uint32_t n, std::uint8_t* order) {
-  const Int8 starts = load_ids(start);
+  const Int8 starts = load<Int8>(start);
   const unsigned all = (1u << n) - 1;
   std::uint8_t next[8];
   unsigned has_before = 0;

@@ -80,6 +80,9 @@ std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool 
   add_node(glb, mesh.transform);
   add_primitives(glb, mesh, add_vertices(glb, mesh));
   for (const Material& m : mesh.wedges.materials) glb.add_material(m, mesh.wedges.textures.size());
+  for (std::size_t m = 0; m < mesh.object_normals.size(); ++m)
+    if (mesh.object_normals[m] != no_texture)
+      glb.root["materials"][m]["extras"]["objectNormalTexture"]["index"] = mesh.object_normals[m];
   for (const Texture& t : mesh.wedges.textures) glb.add_embedded_texture(t);
   return compressed ? glb.finish_compressed() : glb.finish();
 }

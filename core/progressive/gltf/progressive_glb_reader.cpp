@@ -35,6 +35,7 @@ class ProgressiveReader {
     out_.wedges.materials = std::move(assets_.materials);
     out_.wedges.textures = std::move(assets_.textures);
     if (out_.wedges.materials.size() < 2) out_.wedges.material.clear();
+    if (!out_.object_normals.empty()) out_.object_normals.resize(out_.wedges.materials.size(), no_texture);
     check_progressive(out_, document_.file());
     progressive::sort_by_activation(out_);
     return std::move(out_);
@@ -91,7 +92,10 @@ class ProgressiveReader {
       primitive.fail("does not share the vertices of the first primitive");
     if (primitive.integer_or("mode", 4) != 4) primitive.fail("is not a list of triangles");
     std::uint32_t material = no_material;
-    if (const auto reference = primitive.find("material")) material = materials_.use(*reference).index;
+    if (const auto reference = primitive.find("material")) {
+      material = materials_.use(*reference).index;
+      read_object_normals(document_.item("materials", *reference), material);
+    }
     const JsonView reference = primitive.at("indices");
     const std::vector<std::uint32_t> ids =
         read_indices(open_accessor(document_, reference), out_.positions.size(), reference);
@@ -100,6 +104,14 @@ class ProgressiveReader {
       out_.triangles.push_back({ids[k], ids[k + 1], ids[k + 2]});
       for (std::size_t c = k; c < k + 3; ++c) out_.wedges.material[ids[c]] = material;
     }
+  }
+
+  void read_object_normals(const JsonView& source, std::uint32_t material) {
+    const auto extras = source.find("extras");
+    const auto info = extras ? extras->find("objectNormalTexture") : std::nullopt;
+    if (!info) return;
+    out_.object_normals.resize(std::max<std::size_t>(out_.object_normals.size(), material + 1), no_texture);
+    out_.object_normals[material] = materials_.read_texture(*info);
   }
 
   GltfDocument document_;

@@ -104,8 +104,8 @@ template <int G>
   const float ay = q.xy * t.x + q.yy * t.y + q.yz * t.z;
   const float az = q.xz * t.x + q.yz * t.y + q.zz * t.z;
   const float error = q.c + (t.x * (ax + 2 * q.bx) + t.y * (ay + 2 * q.by) + t.z * (az + 2 * q.bz));
-  const Float8 moved = select(1u << 7, all8(error > 0 ? error : 0), load8(&q.xx));
-  store(&sum.xx, load8(&sum.xx) + moved);
+  const Float8 moved = select(1u << 7, all8(error > 0 ? error : 0), load<Float8>(&q.xx));
+  store(&sum.xx, load<Float8>(&sum.xx) + moved);
   sum.bx += q.bx + ax, sum.by += q.by + ay, sum.bz += q.bz + az;
   sum.reach = std::max(sum.reach, (std::sqrt(t.x * t.x + t.y * t.y + t.z * t.z) + q.reach) * rounded_up);
   b.a.member[b.a.member[u].tail].next = v;

@@ -67,7 +67,7 @@ inline void place_points(Block& b) {
   for (int k = 0; k < 8; ++k)
     for (int i = 0; i < 3; ++i) {
       float* sum = &b.a.body[corner[i][k]].xx;
-      store(sum, load8(sum) + plane[k]);
+      store(sum, load<Float8>(sum) + plane[k]);
     }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/base/prefetch.h"
 #include "core/spherical/parameterize/sphere_kernel.h"
 
 namespace lodestone::spherical {
@@ -38,7 +39,10 @@ inline void sort_by_valence(const progressive::RingMesh& rings, std::span<const 
   constexpr std::uint32_t most = 32;
   std::array<std::uint32_t, most + 2> first{};
   const auto valence = [&](Id v) { return std::min(rings.ring(v).size, most); };
-  for (const Id v : vertices) ++first[valence(v) + 1];
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    if (k + prefetch_distance < vertices.size()) prefetch(&rings.ring(vertices[k + prefetch_distance]));
+    ++first[valence(vertices[k]) + 1];
+  }
   for (std::uint32_t k = 1; k <= most + 1; ++k) first[k] += first[k - 1];
   sorted.resize(vertices.size());
   const std::uint32_t large = first[most];
@@ -97,7 +101,11 @@ inline void build_block(const SphereState& state, std::span<const Id> vertices, 
   const Double4 added = all4d(1.1547005383792515 * state.least_area);
   const Id* neighbours = block.neighbours.data();
   double* constants = block.constants.data();
+  const Id* const end = neighbours + block.neighbours.size();
   for (const SweepGroup& group : block.groups) {
+    const std::uint32_t ids = 4 * (group.faces + 1);
+    if (neighbours + 3 * ids <= end)
+      for (const Id* id = neighbours + 2 * ids; id != neighbours + 3 * ids; ++id) prefetch(&state.surface[*id]);
     add_constants(state, group, neighbours, added, constants);
     neighbours += 4 * (group.faces + 1), constants += 16 * group.faces;
   }

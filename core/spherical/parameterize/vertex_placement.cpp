@@ -1,6 +1,7 @@
 #include "core/spherical/parameterize/vertex_placement.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "core/spherical/parameterize/orientation.h"
@@ -45,9 +46,14 @@ bool place_vertex(Id vertex, Id target, const Ring& ring, std::span<AlignedPoint
 }
 
 std::uint8_t free_colour(const Ring& ring, std::span<const std::uint8_t> colours) {
-  std::uint64_t taken = 0;
-  for (const Id x : ring.neighbours()) taken |= std::uint64_t{1} << (colours[x] % most_colours);
-  return static_cast<std::uint8_t>(std::countr_one(taken));
+  std::array<std::uint64_t, 4> taken{};
+  for (const Id x : ring.neighbours()) taken[colours[x] / 64] |= std::uint64_t{1} << (colours[x] % 64);
+  int colour = 0;
+  for (const std::uint64_t word : taken) {
+    colour += std::countr_one(word);
+    if (word != ~std::uint64_t{0}) break;
+  }
+  return static_cast<std::uint8_t>(std::min<int>(colour, absent_colour));
 }
 
 }  // namespace lodestone::spherical

@@ -15,8 +15,8 @@ namespace lodestone::spherical {
 [[nodiscard]] bool place_vertex(progressive::Id vertex, progressive::Id target, const progressive::Ring& ring,
                                 std::span<AlignedPoint4d> directions);
 
-// The lowest colour that no neighbour has. `absent` is not a colour.
-inline constexpr std::uint8_t absent_colour = 255, most_colours = 64;
+// The lowest colour that no neighbour has; absent_colour if none is left.
+inline constexpr std::uint8_t absent_colour = 255;
 [[nodiscard]] std::uint8_t free_colour(const progressive::Ring& ring, std::span<const std::uint8_t> colours);
 
 }  // namespace lodestone::spherical

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "core/math/float4.h"
+#include "core/math/lanes/float4.h"
 #include "core/math/vec2.h"
 #include "core/mesh/attributes.h"
 #include "core/texture/downsample.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/base/disjoint_sets.h"
-#include "core/math/float4.h"
+#include "core/math/lanes/float4.h"
 #include "core/mesh/indexed_mesh.h"
 #include "core/spherical/resample/source_texture.h"
 #include "core/spherical/surface.h"

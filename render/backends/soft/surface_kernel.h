@@ -17,9 +17,9 @@ template <class RecordOf>
                                                 Int y, Surface& s) {
   static_assert(offsetof(TriangleRecord, z) == 24 && offsetof(TriangleRecord, inverse_w) == 36);
   const auto quads = [&](int number) {
-    return load_quads([&](int k) { return reinterpret_cast<const float*>(&record(k)) + 4 * number; });
+    return load_quads<Float>([&](int k) { return reinterpret_cast<const float*>(&record(k)) + 4 * number; });
   };
-  const Quads ab = quads(0), cz = quads(1), zw = quads(2);
+  const Quads<Float> ab = quads(0), cz = quads(1), zw = quads(2);
   const auto cross = [](Double ax, Double ay, Double bx, Double by) { return to_float(ax * by - ay * bx); };
   const auto from_point = [](Float p, Int q) { return to_double(as_int(p) - q); };
   const Double ax = from_point(ab.a, x), ay = from_point(ab.b, y), bx = from_point(ab.c, x), by = from_point(ab.d, y),
@@ -79,7 +79,7 @@ template <class RecordOf>
     find_weights(job, of, bits(is_record), x, y, s);
     if (!any_fragment) return;
   }
-  const Quads q = load_quads([&](int k) {
+  const auto q = load_quads<Float>([&](int k) {
     const Fragment* f = Reference::is_record(references[k]) ? any_fragment : fragment[k];
     return reinterpret_cast<const float*>(f) + 4;
   });

@@ -50,7 +50,8 @@ export class Glb {
       return texture === undefined ? null : texture.source ?? texture.extensions?.EXT_texture_webp?.source ?? null;
     };
     return {name: m.name ?? '', colour: m.pbrMetallicRoughness?.baseColorFactor ?? [1, 1, 1, 1],
-            texture: source(m.pbrMetallicRoughness?.baseColorTexture), normalMap: source(m.normalTexture)};
+            texture: source(m.pbrMetallicRoughness?.baseColorTexture), normalMap: source(m.normalTexture),
+            objectNormals: source(m.extras?.objectNormalTexture)};
   }
 
   image(index) {

@@ -74,7 +74,12 @@ export class ProgressiveView {
       const parameters = {vertexColors: mesh.colours !== null, wireframe: this.object.material[0].wireframe};
       parameters.color = new THREE.Color(...m.colour.slice(0, 3));
       if (mesh.uv && m.texture != null) parameters.map = await this.texture(m.texture, THREE.SRGBColorSpace);
-      if (mesh.uv && m.normalMap != null) parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace);
+      if (mesh.uv && m.objectNormals != null) {  // right at every level, as the normals of vertices are not
+        parameters.normalMap = await this.texture(m.objectNormals, THREE.NoColorSpace);
+        parameters.normalMapType = THREE.ObjectSpaceNormalMap;
+      } else if (mesh.uv && m.normalMap != null) {
+        parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace);
+      }
       materials.push(morphMaterial(parameters, this.share));
     }
     this.object.material.forEach((m) => m.dispose());

@@ -15,6 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -113,25 +114,14 @@ TEST_F(AtomicFileTest, MoreRoomThanThereIsIsAnErrorBeforeAnyWork) {
   const fs::path target = folder_ / "a";
   {
     AtomicFile file(target);
-    try {
-      file.reserve(std::uint64_t{1} << 62);
-      FAIL() << "no disk is so large";
-    } catch (const FileError& error) {
-      EXPECT_NE(std::string(error.what()).find(target.string()), std::string::npos) << error.what();
-    }
+    expect_error_of<FileError>([&] { file.reserve(std::uint64_t{1} << 62); }, {target.string()});
   }
   EXPECT_EQ(files(), 0u);
 }
 
 TEST_F(AtomicFileTest, UnwritableTargetsNameTheFile) {
-  for (const fs::path& target : {folder_ / "missing" / "a", folder_}) {
-    try {
-      AtomicFile file(target);
-      ADD_FAILURE() << target;
-    } catch (const FileError& error) {
-      EXPECT_NE(std::string(error.what()).find(target.string()), std::string::npos);
-    }
-  }
+  for (const fs::path& target : {folder_ / "missing" / "a", folder_})
+    expect_error_of<FileError>([&] { AtomicFile file(target); }, {target.string()});
   EXPECT_EQ(files(), 0u);
 }
 

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/files/checksum.h"
 #include "core/files/scratch_file.h"
+#include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -60,25 +61,14 @@ TEST_F(ScratchFileTest, OneHolderAtATime) {
 }
 
 TEST_F(ScratchFileTest, ErrorsNameTheFileAndARemedy) {
-  const auto message = [](const auto& call) {
-    try {
-      call();
-    } catch (const FileError& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  const auto expect = [](const std::string& text, const char* part) {
-    EXPECT_NE(text.find(part), std::string::npos) << text;
-  };
-  expect(message([&] { (void)ScratchFile::nameless(folder_ / "nowhere"); }), "nowhere: ");
-  expect(message([&] { (void)ScratchFile::named(folder_ / "nowhere" / "a"); }), "create the folder");
-  expect(message([&] { (void)free_bytes(folder_ / "nowhere"); }), "nowhere: ");
+  expect_error_of<FileError>([&] { return ScratchFile::nameless(folder_ / "nowhere"); }, {"nowhere: "});
+  expect_error_of<FileError>([&] { return ScratchFile::named(folder_ / "nowhere" / "a"); }, {"create the folder"});
+  expect_error_of<FileError>([&] { return free_bytes(folder_ / "nowhere"); }, {"nowhere: "});
   const auto file = ScratchFile::nameless(folder_);
   std::vector<std::byte> bytes(10);
-  expect(message([&] { file->read_at(0, bytes); }), "temporary data is missing");
+  expect_error_of<FileError>([&] { file->read_at(0, bytes); }, {"temporary data is missing"});
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  expect(message([&] { ScratchFile::named("/dev/full")->write_at(0, bytes); }), "free some space");
+  expect_error_of<FileError>([&] { ScratchFile::named("/dev/full")->write_at(0, bytes); }, {"free some space"});
 }
 
 TEST_F(ScratchFileTest, KnowsTheRoomLeft) { EXPECT_GT(free_bytes(folder_), 0u); }

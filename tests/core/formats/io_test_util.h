@@ -14,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
 #include "tests/core/mesh/wedge_checks.h"
+#include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -50,22 +51,7 @@ class Bytes {
   std::endian order_;
 };
 
-// Expects that `read` throws E with all of `parts` in its message.
-template <class E, class Read>
-void expect_error_of(const Read& read, std::initializer_list<std::string_view> parts, std::string_view input = {}) {
-  try {
-    (void)read();
-    ADD_FAILURE() << "no error for: " << input.substr(0, 200);
-  } catch (const E& error) {
-    for (const std::string_view part : parts)
-      EXPECT_NE(std::string_view(error.what()).find(part), std::string_view::npos) << error.what();
-    EXPECT_EQ(std::string_view(error.what()).find('\n'), std::string_view::npos) << "one line, please";
-  } catch (const std::exception& error) {
-    ADD_FAILURE() << "an error of another kind: " << error.what();
-  }
-}
-
-// The same for reading bytes.
+// Expects an error of reading bytes.
 template <class E>
 void expect_error(std::string_view bytes, MeshFormat format, std::initializer_list<std::string_view> parts,
                   const std::string& name = "file") {

@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "core/base/error.h"
@@ -59,8 +57,7 @@ TEST_F(MeshWriterTest, StlHoldsTheCornersAndUnitNormals) {
   for (std::size_t t = 0; t < mesh.triangles.size(); t += 97)
     for (std::size_t k = 0; k < 3; ++k)
       EXPECT_EQ(read.positions[read.triangles[t].v[k]], mesh.positions[mesh.triangles[t].v[k]]);
-  std::ifstream in(folder_ / "a.stl", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const std::string bytes = content(folder_ / "a.stl");
   EXPECT_EQ(load<float>(bytes.data() + 84), 0.0f);
   EXPECT_EQ(std::abs(load<float>(bytes.data() + 84 + 8)), 1.0f);
 }

@@ -181,6 +181,22 @@ TEST(VertexPlacement, WhereTheRingHasNoKernelNothingIsPlaced) {
   EXPECT_FALSE(place_vertex(50, ring.ids[0], ring, s.directions));
 }
 
+TEST(VertexPlacement, ColoursRunOutAtLast) {
+  for (const std::uint32_t count : {3u, 64u, 70u, 254u, 255u}) {
+    IndexedMesh mesh;
+    for (std::uint32_t v = 0; v <= count; ++v) mesh.positions.push_back({static_cast<float>(v), 0, 0});
+    for (std::uint32_t v = 1; v <= count; ++v) mesh.triangles.push_back({{0, v, v % count + 1}});
+    const RingSurface fan(mesh);
+    std::vector<std::uint8_t> colours(count + 1);
+    for (std::uint32_t v = 1; v <= count; ++v) colours[v] = static_cast<std::uint8_t>(v - 1);
+    EXPECT_EQ(free_colour(fan.rings.ring(0), colours), count);
+    if (count > 3) {
+      colours[3] = 0;
+      EXPECT_EQ(free_colour(fan.rings.ring(0), colours), 2);
+    }
+  }
+}
+
 TEST(VertexPlacement, ColoursDifferFromThoseOfTheNeighbours) {
   const Situation s(0);
   for (Id v = 0; v < s.colours.size(); ++v)

@@ -1,4 +1,4 @@
-// What the connectivity of a surface is counted as.
+// Counts of the connectivity of surfaces.
 #include <gtest/gtest.h>
 
 #include "core/spherical/surface.h"

@@ -4,7 +4,6 @@
 #include <set>
 
 #include "experiments/metrics/cracks/adversary.h"
-#include "experiments/metrics/cracks/cracks.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_hierarchy.h"
 #include "tests/experiments/small_meshes.h"
@@ -70,32 +69,6 @@ TEST(Adversary, ComesCloseToTheReach) {
         best = std::max(best, v.reach);
       EXPECT_LE(best, rho);
       EXPECT_GT(best, 0.999f * rho);
-    }
-  }
-}
-
-TEST(Adversary, CracksAreThereBelowAndGoneAbove) {
-  for (const NamedMesh& named : manifold_meshes()) {
-    SCOPED_TRACE(named.name);
-    const NaiveHierarchy built = naive_hierarchy(named.mesh, finest, sigma0);
-    const auto scheduler = make_serial_scheduler();
-    const CrackBasis basis = make_crack_basis(built.hierarchy, *scheduler);
-    CrackScratch scratch;
-    const auto cracked = [&](const Radii& radii) {
-      std::size_t count = 0;
-      for (const AdversarialView& view : adversarial_views(built.hierarchy, radii, {.per_level = 16}))
-        for (const Vec3f viewpoint : {view.viewpoint, view.across}) {
-          const Frame frame = make_frame(built.hierarchy, radii, Blend::smoothstep, viewpoint);
-          count += residual_edges(frame.context, frame.selection, basis, *scheduler, scratch).open_edges > 0;
-        }
-      return count;
-    };
-    for (const DistanceMetric metric : both_metrics) {
-      const float rho = reach(built.hierarchy, metric);
-      EXPECT_GT(cracked(uniform_radii(built.hierarchy, metric, 0.3f * rho)), 0u);
-      EXPECT_GT(cracked(uniform_radii(built.hierarchy, metric, 0.999f * rho)), 0u);
-      EXPECT_EQ(cracked(uniform_radii(built.hierarchy, metric, 1.0001f * rho)), 0u);
-      EXPECT_EQ(cracked(per_level_radii(built.hierarchy, metric)), 0u);
     }
   }
 }

@@ -6,7 +6,6 @@
 
 #include "core/base/error.h"
 #include "experiments/metrics/cracks/adversary.h"
-#include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pops/pops.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_hierarchy.h"
@@ -178,20 +177,13 @@ TEST(Pops, StayWithinTheBoundWhileTheRadiiChange) {
   }
 }
 
-TEST(Pops, StepPopsButNeverCracksInItsBand) {
+TEST(Pops, StepPops) {
   for (const NamedMesh& named : manifold_meshes()) {
     SCOPED_TRACE(named.name);
     const NaiveHierarchy built = naive_hierarchy(named.mesh, finest, sigma0);
-    const auto scheduler = make_serial_scheduler();
-    const CrackBasis basis = make_crack_basis(built.hierarchy, *scheduler);
-    CrackScratch scratch;
     const Radii radii = per_level_radii(built.hierarchy, DistanceMetric::euclidean);
     const std::vector<Vec3f> path = fly_in(built.hierarchy, 240);
     EXPECT_GT(measure(built.hierarchy, radii, Blend::step, path, 1000).jump_over_bound, 1);
-    for (const Vec3f view : path) {
-      const Frame frame = make_frame(built.hierarchy, radii, Blend::step, view);
-      EXPECT_EQ(residual_edges(frame.context, frame.selection, basis, *scheduler, scratch).open_edges, 0u);
-    }
   }
 }
 

@@ -92,6 +92,11 @@ TEST(Renderers, RefuseFramesThatCannotBeDrawn) {
       EXPECT_THROW((void)renderer->draw(faulty), InputError) << backend << ", fault " << i;
       EXPECT_TRUE(renderer->read_back().rgba == before.rgba) << backend << ", fault " << i;
     }
+    if (!before.rgba.empty()) {  // larger than a picture of this backend can be
+      Frame large = frame;
+      large.size = {std::string(backend) == "soft" ? 20000 : 1 << 20, 10};
+      EXPECT_THROW((void)renderer->draw(large), InputError) << backend;
+    }
     EXPECT_NO_THROW((void)renderer->draw(frame)) << backend;
   }
 }

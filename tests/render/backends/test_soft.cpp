@@ -5,7 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "core/base/error.h"
 #include "render/backends/soft/clip.h"
 #include "render/backends/soft/kernels.h"
 #include "render/backends/soft/soft_renderer.h"
@@ -178,22 +177,6 @@ TEST(Soft, TrianglesWithoutAreaDrawNothing) {
   // Snapping may open such a triangle by a subpixel, but what it covers has a depth and a colour.
   EXPECT_LT(std::ranges::count_if(drawn.image.depth, [](float z) { return z != 1; }), 300);
   EXPECT_TRUE(std::ranges::all_of(drawn.image.depth, [](float z) { return z >= 0 && z <= 1; }));
-}
-
-TEST(Soft, SizesOutOfRangeAreRefused) {
-  const auto scheduler = make_serial_scheduler();
-  const auto renderer = make_soft_renderer(*scheduler);
-  const ConformanceScene& s = scene("coarse");
-  renderer->upload(*s.hierarchy);
-  const Radii radii = make_radii(*s.hierarchy, s.radii);
-  const Selection none;
-  for (const ImageSize size : {ImageSize{0, 10}, ImageSize{10, -1}, ImageSize{20000, 10}}) {
-    Frame frame;
-    frame.only().morph = {s.hierarchy.get(), &radii, s.blend, {}};
-    frame.only().selection = &none;
-    frame.size = size;
-    EXPECT_THROW((void)renderer->draw(frame), InputError);
-  }
 }
 
 // ---- clipping ----

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "render/lod/blend.h"
+#include "tests/expect_error.h"
 
 namespace lodestone {
 namespace {
@@ -66,12 +67,7 @@ TEST(Blend, StepJumps) {
 }
 
 TEST(Blend, UnknownNameIsRefusedWithTheKnownOnes) {
-  try {
-    (void)blend("smotherstep");
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("smootherstep"), std::string::npos);
-  }
+  expect_error_of<InputError>([] { return blend("smotherstep"); }, {"smootherstep"});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "render/position_map/map_files.h"
+#include "tests/expect_error.h"
 #include "tests/render/reconstruct/obvious_map.h"
 #include "tests/test_folder.h"
 
@@ -34,12 +35,7 @@ class MapFiles : public FolderTest {
   // Expects an InputError that names the file.
   template <class Read>
   void refused(const std::string& name, const Read& read) const {
-    try {
-      (void)read(folder_ / name);
-      ADD_FAILURE() << name << " was read";
-    } catch (const InputError& error) {
-      EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
-    }
+    expect_error_of<InputError>([&] { return read(folder_ / name); }, {name}, name);
   }
 
   std::vector<PositionMap> maps_;

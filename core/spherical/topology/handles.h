@@ -1,0 +1,43 @@
+// Closes the handles of a surface: cuts along short loops that do not separate it, and caps both sides.
+//
+// The shortest such loop is cut first, as erickson2005 choose their generators and wood2004 their handles. Both look
+// for it from every vertex; here balls grow from few vertices at once, within a bound of the shortest.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/spherical/surface.h"
+#include "core/spherical/topology/ball_search.h"
+
+namespace lodestone::spherical {
+
+// Runs body(item, worker) for the items [0, count), in any order, perhaps side by side; worker < workers, and no two
+// bodies of one worker at the same time unless one is within the other. Results do not depend on it.
+struct Runner {
+  std::size_t workers = 1;
+  using Body = std::function<void(std::size_t item, std::size_t worker)>;
+  std::function<void(std::size_t count, const Body& body)> run = [](std::size_t count, const Body& body) {
+    for (std::size_t item = 0; item < count; ++item) body(item, 0);
+  };
+};
+
+struct HandleConfig {
+  // Distance of a loop from the next ball's centre, as a share of the ball's radius, 0 to 1. With 0 every loop is the
+  // shortest one; 0.5 is ten times as fast for loops that are 0 to 2 % longer altogether.
+  double slack = 0.5;
+};
+
+struct ClosedHandles {
+  std::vector<double> lengths;  // of the loops, in the order of the cuts
+  std::uint64_t cap_triangles = 0;
+};
+
+// Closed, oriented, manifold, one component, at most one edge between two vertices; so is the result, of genus 0.
+// `memory` has one for each worker, `worker` is the caller's own.
+[[nodiscard]] ClosedHandles close_handles(Surface& surface, const HandleConfig& config, const Runner& runner,
+                                          std::vector<BallSearch>& memory, std::size_t worker);
+
+}  // namespace lodestone::spherical

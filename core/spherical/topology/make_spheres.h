@@ -1,0 +1,42 @@
+// Spheres of any triangles: each component closed, oriented, manifold and of genus 0.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh/indexed_mesh.h"
+#include "core/spherical/surface.h"
+#include "core/spherical/topology/handles.h"
+#include "core/spherical/topology/manifold.h"
+
+namespace lodestone::spherical {
+
+// Lengths in model units; all zero without loops.
+struct LoopLengths {
+  double least = 0, mean = 0, greatest = 0, total = 0;
+};
+
+// Counts of what was changed; all zero, with one component, for a mesh that was a sphere.
+struct TopologyReport {
+  ManifoldRepairs manifold;
+  std::uint64_t components = 0;
+  std::uint64_t boundary_loops = 0;  // filled
+  std::uint64_t fill_triangles = 0;
+  std::uint64_t handles = 0;         // closed
+  std::uint64_t greatest_genus = 0;  // of a component, before
+  std::uint64_t cap_triangles = 0;   // of both sides of the cuts
+  LoopLengths loops;                 // that the handles were cut along
+};
+
+struct Spheres {
+  std::vector<Surface> surfaces;  // is_sphere() is true for each; in the order of their first triangles
+  TopologyReport report;
+};
+
+// The recipe: cut apart what does not fit together (manifold.h), take the components one by one, fill their holes
+// (fill_holes.h) and close their handles (handles.h). Added triangles have no source, and close the surface only for
+// the time of its mapping. The result does not depend on the runner. Memory: some 250 bytes per triangle. Throws
+// ResourceError beyond 1.4 billion triangles.
+[[nodiscard]] Spheres make_spheres(const IndexedMesh& mesh, const HandleConfig& config = {}, const Runner& runner = {});
+
+}  // namespace lodestone::spherical
