@@ -16,7 +16,7 @@
 namespace lodestone {
 
 struct SphereLevelsConfig {
-  int sweeps = 12;           // over all vertices, at every level
+  int sweeps = 12;           // over all vertices, at every level; more at coarse ones
   double guard = 1e-6;       // its weight, as SphereMapConfig
   double least_area = 1e-4;  // as SphereState, in mean areas of a triangle
   // Sweeps over the rings of the vertices that have just come in; not needed unless many come in at one place.
@@ -43,6 +43,7 @@ class SphereLevels {
   [[nodiscard]] bool split(std::span<const spherical::VertexSplit> wave);
   void split_chunk(std::span<const spherical::VertexSplit> chunk, progressive::RingArena& arena);
   void relax_rings(std::span<const spherical::VertexSplit> wave);
+  [[nodiscard]] int sweeps_at(std::size_t vertices) const;
   void list_colours();
   void build_blocks();
   void sweep();
