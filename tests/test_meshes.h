@@ -2,9 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -49,12 +49,58 @@ void subdivide_on_sphere(std::vector<Vec>& positions, std::vector<Triangle>& tri
   }
 }
 
-// Closed: an octahedron, subdivided n times, on the sphere, displaced by a wave of the given amplitude.
+// Makes an octahedron on the unit sphere, subdivided `times` times.
+template <class Vec>
+void octahedral_sphere(std::vector<Vec>& positions, std::vector<Triangle>& triangles, int times) {
+  positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  triangles = {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
+  subdivide_on_sphere(positions, triangles, times);
+}
+
+// Adds squares of two triangles over [0, 1]^2. If the grid wraps, opposite sides are joined. `place` gives the position
+// at (u, v).
+template <class Vec, class Place>
+void add_grid(std::uint32_t columns, std::uint32_t rows, bool wraps, const Place& place, std::vector<Vec>& positions,
+              std::vector<Triangle>& triangles) {
+  const auto first = static_cast<std::uint32_t>(positions.size());
+  const std::uint32_t across = wraps ? columns : columns + 1, down = wraps ? rows : rows + 1;
+  for (std::uint32_t j = 0; j < down; ++j)
+    for (std::uint32_t i = 0; i < across; ++i) positions.push_back(place(double(i) / columns, double(j) / rows));
+  const auto at = [&](std::uint32_t i, std::uint32_t j) { return first + j % down * across + i % across; };
+  for (std::uint32_t j = 0; j < rows; ++j)
+    for (std::uint32_t i = 0; i < columns; ++i) {
+      triangles.push_back({{at(i, j), at(i + 1, j), at(i + 1, j + 1)}});
+      triangles.push_back({{at(i, j), at(i + 1, j + 1), at(i, j + 1)}});
+    }
+}
+
+// Adds the surface of the cube [0, 1]^3 of n x n squares a side, two triangles each, whose sides share their vertices.
+// `place` gives the position of a point of the cube.
+template <class Vec, class Place>
+void add_cube(std::uint32_t n, const Place& place, std::vector<Vec>& positions, std::vector<Triangle>& triangles) {
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> ids;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (const std::uint32_t side : {0u, n})
+      for (std::uint32_t i = 0; i < n; ++i)
+        for (std::uint32_t j = 0; j < n; ++j) {
+          const auto corner = [&](std::uint32_t a, std::uint32_t b) {
+            std::array<std::uint32_t, 3> c{};
+            c[axis] = side, c[(axis + 1) % 3] = a, c[(axis + 2) % 3] = b;
+            const auto [at, is_new] = ids.try_emplace(c, static_cast<std::uint32_t>(positions.size()));
+            if (is_new) positions.push_back(place(Vec3d{double(c[0]) / n, double(c[1]) / n, double(c[2]) / n}));
+            return at->second;
+          };
+          std::uint32_t a = corner(i, j), b = corner(i + 1, j), c = corner(i + 1, j + 1), d = corner(i, j + 1);
+          if (side == 0) std::swap(b, d);  // counter-clockwise seen from outside
+          triangles.insert(triangles.end(), {{{a, b, c}}, {{a, c, d}}});
+        }
+}
+
+// Closed: the octahedral sphere, displaced by a wave of the given amplitude.
 inline IndexedMesh sphere_mesh(int subdivisions, double amplitude = 0.05) {
-  std::vector<Vec3d> p{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  std::vector<Triangle> t{{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}},
-                          {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}};
-  subdivide_on_sphere(p, t, subdivisions);
+  std::vector<Vec3d> p;
+  std::vector<Triangle> t;
+  octahedral_sphere(p, t, subdivisions);
   for (Vec3d& d : p) d = (1 + amplitude * std::sin(9 * d.x) * std::sin(7 * d.y + 1) * std::cos(8 * d.z)) * d;
   return normalised(std::move(p), std::move(t));
 }
@@ -63,17 +109,10 @@ inline IndexedMesh sphere_mesh(int subdivisions, double amplitude = 0.05) {
 inline IndexedMesh terrain_mesh(std::uint32_t n, double height = 0.1) {
   std::vector<Vec3d> p;
   std::vector<Triangle> t;
-  for (std::uint32_t j = 0; j <= n; ++j)
-    for (std::uint32_t i = 0; i <= n; ++i) {
-      const double x = double(i) / n, y = double(j) / n;
-      p.push_back({x, y, height * std::sin(11 * x + 3 * y) * std::cos(13 * y)});
-    }
-  for (std::uint32_t j = 0; j < n; ++j)
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
-      t.push_back({{a, b, d}});
-      t.push_back({{a, d, c}});
-    }
+  const auto place = [&](double x, double y) {
+    return Vec3d{x, y, height * std::sin(11 * x + 3 * y) * std::cos(13 * y)};
+  };
+  add_grid(n, n, false, place, p, t);
   return normalised(std::move(p), std::move(t));
 }
 
@@ -88,19 +127,12 @@ inline RawMesh raw_of(const IndexedMesh& mesh) {
 inline IndexedMesh torus_mesh(std::uint32_t n, std::uint32_t m) {
   std::vector<Vec3d> p;
   std::vector<Triangle> t;
-  constexpr double turn = 6.283185307179586;
-  for (std::uint32_t j = 0; j < m; ++j)
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const double u = turn * i / n, v = turn * j / m, r = 1 + 0.4 * std::cos(v);
-      p.push_back({r * std::cos(u), r * std::sin(u), 0.4 * std::sin(v)});
-    }
-  for (std::uint32_t j = 0; j < m; ++j)
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const std::uint32_t k = (i + 1) % n, l = (j + 1) % m;
-      const std::uint32_t a = j * n + i, b = j * n + k, c = l * n + i, d = l * n + k;
-      t.push_back({{a, b, d}});
-      t.push_back({{a, d, c}});
-    }
+  const auto place = [](double u, double v) {
+    constexpr double turn = 6.283185307179586;
+    const double r = 1 + 0.4 * std::cos(turn * v);
+    return Vec3d{r * std::cos(turn * u), r * std::sin(turn * u), 0.4 * std::sin(turn * v)};
+  };
+  add_grid(n, m, true, place, p, t);
   return normalised(std::move(p), std::move(t));
 }
 

@@ -10,10 +10,7 @@ namespace lodestone::test {
 
 // A closed torus of n x m squares whose texture is one rectangle (two seams that cross), or a rectangle for each half.
 inline IndexedMesh textured_torus(std::uint32_t n, std::uint32_t m, bool halves, Scheduler& scheduler) {
-  const IndexedMesh plain = torus_mesh(n, m);
-  RawMesh raw;
-  for (const Vec3f p : plain.positions) raw.positions.push_back(to_double(p));
-  raw.triangles = plain.triangles;
+  RawMesh raw = raw_of(torus_mesh(n, m));
   for (std::uint32_t j = 0; j < m; ++j)
     for (std::uint32_t i = 0; i < n; ++i)
       for (int half = 0; half < 2; ++half) {
@@ -35,27 +32,9 @@ inline IndexedMesh textured_torus(std::uint32_t n, std::uint32_t m, bool halves,
 // Two cubes that share an edge, and a third that touches one of them in a corner; each of n^2 squares a side.
 inline IndexedMesh touching_cubes(std::uint32_t n, Scheduler& scheduler) {
   RawMesh raw;
-  const auto add_cube = [&](Vec3d at) {
-    for (int axis = 0; axis < 3; ++axis)
-      for (int side = 0; side < 2; ++side)
-        for (std::uint32_t i = 0; i < n; ++i)
-          for (std::uint32_t j = 0; j < n; ++j) {
-            const auto corner = [&](std::uint32_t di, std::uint32_t dj) {
-              double c[3];
-              c[axis] = side;
-              c[(axis + 1) % 3] = static_cast<double>(side == 1 ? i + di : j + dj) / n;
-              c[(axis + 2) % 3] = static_cast<double>(side == 1 ? j + dj : i + di) / n;
-              raw.positions.push_back(at + Vec3d{c[0], c[1], c[2]});
-              return static_cast<std::uint32_t>(raw.positions.size() - 1);
-            };
-            const std::uint32_t a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
-            raw.triangles.push_back({a, b, c});
-            raw.triangles.push_back({a, c, d});
-          }
-  };
-  add_cube({0, 0, 0});
-  add_cube({1, 1, 0});
-  add_cube({-1, -1, -1});
+  for (const Vec3d at : {Vec3d{0, 0, 0}, Vec3d{1, 1, 0}, Vec3d{-1, -1, -1}})
+    add_cube(
+        n, [&](Vec3d p) { return at + p; }, raw.positions, raw.triangles);
   Repairs repairs;
   return prepare_mesh(std::move(raw), repairs, scheduler);
 }

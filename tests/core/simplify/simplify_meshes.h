@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "core/simplify/contract/simplifier.h"
@@ -29,31 +27,20 @@ struct TestMesh {
 // Smooth bumps, the same on every machine that has IEEE sines to within rounding.
 inline float bump(Vec3f p) { return 0.05f * std::sin(9 * p.x + 1) * std::sin(7 * p.y + 2) * std::sin(8 * p.z + 3); }
 
-// Octahedron subdivided `levels` times, on the unit sphere, displaced along the radius: 8 * 4^levels triangles.
+// The octahedral sphere, displaced along the radius: 8 * 4^levels triangles.
 inline TestMesh bumpy_sphere(int levels, float amplitude = 1) {
-  TestMesh m{{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-             {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}},
-             {}};
-  test::subdivide_on_sphere(m.positions, m.triangles, levels);
+  TestMesh m;
+  test::octahedral_sphere(m.positions, m.triangles, levels);
   for (Vec3f& p : m.positions) p = (1 + amplitude * bump(p)) * p;
   return m;
 }
 
-// Grid of 2 columns rows triangles over [0,1]^2; wrapping joins opposite sides. `place` gives the position at (u, v).
+// As add_grid, but `place` takes floats.
 template <class Place>
-TestMesh grid(std::uint32_t columns, std::uint32_t rows, bool wrap, Place place) {
+TestMesh grid(std::uint32_t columns, std::uint32_t rows, bool wraps, Place place) {
   TestMesh m;
-  const std::uint32_t across = wrap ? columns : columns + 1, down = wrap ? rows : rows + 1;
-  for (std::uint32_t j = 0; j < down; ++j)
-    for (std::uint32_t i = 0; i < across; ++i)
-      m.positions.push_back(
-          place(static_cast<float>(i) / static_cast<float>(columns), static_cast<float>(j) / static_cast<float>(rows)));
-  const auto at = [&](std::uint32_t i, std::uint32_t j) { return (j % down) * across + i % across; };
-  for (std::uint32_t j = 0; j < rows; ++j)
-    for (std::uint32_t i = 0; i < columns; ++i) {
-      m.triangles.push_back({{at(i, j), at(i + 1, j), at(i + 1, j + 1)}});
-      m.triangles.push_back({{at(i, j), at(i + 1, j + 1), at(i, j + 1)}});
-    }
+  const auto in_float = [&](double u, double v) { return place(static_cast<float>(u), static_cast<float>(v)); };
+  test::add_grid(columns, rows, wraps, in_float, m.positions, m.triangles);
   return m;
 }
 
@@ -81,27 +68,8 @@ inline TestMesh slivers(std::uint32_t n) {
 // Closed box, n^2 quads a side, welded: flat sides, sharp edges.
 inline TestMesh box(std::uint32_t n) {
   TestMesh m;
-  std::map<std::array<std::uint32_t, 3>, std::uint32_t> ids;
-  const auto vertex = [&](std::array<std::uint32_t, 3> g) {
-    const auto [at, is_new] = ids.try_emplace(g, static_cast<std::uint32_t>(m.positions.size()));
-    const auto f = [&](int k) { return static_cast<float>(g[k]) / static_cast<float>(n); };
-    if (is_new) m.positions.push_back({f(0), f(1), f(2)});
-    return at->second;
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (const std::uint32_t side : {0u, n})
-      for (std::uint32_t i = 0; i < n; ++i)
-        for (std::uint32_t j = 0; j < n; ++j) {
-          const auto corner = [&](std::uint32_t a, std::uint32_t b) {
-            std::array<std::uint32_t, 3> g{};
-            g[axis] = side, g[(axis + 1) % 3] = a, g[(axis + 2) % 3] = b;
-            return vertex(g);
-          };
-          std::array<std::uint32_t, 4> q{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)};
-          if (side == 0) std::swap(q[1], q[3]);
-          m.triangles.push_back({{q[0], q[1], q[2]}});
-          m.triangles.push_back({{q[0], q[2], q[3]}});
-        }
+  test::add_cube(
+      n, [](Vec3d p) { return to_float(p); }, m.positions, m.triangles);
   return m;
 }
 

@@ -40,10 +40,8 @@ struct SphereMesh {
 };
 
 inline SphereMesh octahedron_on_sphere(int subdivisions) {
-  SphereMesh mesh{
-      {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-      {{{0, 2, 4}}, {{2, 1, 4}}, {{1, 3, 4}}, {{3, 0, 4}}, {{2, 0, 5}}, {{1, 2, 5}}, {{3, 1, 5}}, {{0, 3, 5}}}};
-  subdivide_on_sphere(mesh.directions, mesh.triangles, subdivisions);
+  SphereMesh mesh;
+  octahedral_sphere(mesh.directions, mesh.triangles, subdivisions);
   return mesh;
 }
 

@@ -11,25 +11,17 @@
 #include "experiments/metrics/geometry/geometry_error.h"
 #include "experiments/studies/study_input.h"
 #include "parallel/mesh/compare.h"
+#include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
 
 // A square of n x n parts in the plane through the x axis that is turned about it by an angle in degrees.
-RawMesh square(int n, double degrees, double z = 0) {
+RawMesh square(std::uint32_t n, double degrees, double z = 0) {
   RawMesh mesh;
   const double a = degrees * std::numbers::pi / 180;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) {
-      const double u = double(i) / n, v = double(j) / n;
-      mesh.positions.push_back({u, v * std::cos(a), z + v * std::sin(a)});
-    }
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const auto at = static_cast<std::uint32_t>(j * (n + 1) + i), up = static_cast<std::uint32_t>(at + n + 1);
-      mesh.triangles.push_back({{at, at + 1, up + 1}});
-      mesh.triangles.push_back({{at, up + 1, up}});
-    }
+  const auto place = [&](double u, double v) { return Vec3d{u, v * std::cos(a), z + v * std::sin(a)}; };
+  test::add_grid(n, n, false, place, mesh.positions, mesh.triangles);
   return mesh;
 }
 

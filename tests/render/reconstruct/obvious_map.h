@@ -58,27 +58,10 @@ inline Box3f box_of(const IndexedMesh& mesh) {
 // n x n squares on each face of a box.
 inline void add_box(Vec3d lo, Vec3d hi, std::uint32_t n, std::vector<Vec3d>& positions,
                     std::vector<Triangle>& triangles) {
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 2; ++side) {
-      const auto first = static_cast<std::uint32_t>(positions.size());
-      for (std::uint32_t j = 0; j <= n; ++j)
-        for (std::uint32_t i = 0; i <= n; ++i) {
-          double at[3];
-          at[axis] = side;
-          at[(axis + 1) % 3] = double(i) / n, at[(axis + 2) % 3] = double(j) / n;
-          positions.push_back(
-              {lo.x + at[0] * (hi.x - lo.x), lo.y + at[1] * (hi.y - lo.y), lo.z + at[2] * (hi.z - lo.z)});
-        }
-      for (std::uint32_t j = 0; j < n; ++j)
-        for (std::uint32_t i = 0; i < n; ++i) {
-          const std::uint32_t a = first + j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
-          if (side == 1) {
-            triangles.push_back({{a, b, d}}), triangles.push_back({{a, d, c}});
-          } else {
-            triangles.push_back({{a, d, b}}), triangles.push_back({{a, c, d}});
-          }
-        }
-    }
+  const auto place = [&](Vec3d p) {
+    return Vec3d{lo.x + p.x * (hi.x - lo.x), lo.y + p.y * (hi.y - lo.y), lo.z + p.z * (hi.z - lo.z)};
+  };
+  add_cube(n, place, positions, triangles);
 }
 
 }  // namespace lodestone::test

@@ -111,11 +111,7 @@ TEST(ViewMesh, TakesTheDiagonalThatBridgesLess) {
 TEST(ViewMesh, NeverConnectsPartsThatAbut) {
   // Two boxes side by side whose upper sides lie in one plane, but that share no vertex.
   const IndexedMesh mesh = from_boxes({{{0, 0, 0}, {0.5, 1, 0.5}}, {{0.5, 0, 0}, {1, 1, 0.5}}});
-  IndexedMesh welded = mesh;
-  const std::uint32_t half = static_cast<std::uint32_t>(mesh.positions.size() / 2);
-  // The faces of a box share no vertices as add_box makes them: join those of each box for its label.
-  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) welded.wedges.vertex.push_back(v < half ? 0 : half);
-  const std::vector<std::uint32_t> parts = label_parts(welded);
+  const std::vector<std::uint32_t> parts = label_parts(mesh);
   ASSERT_EQ(parts.size(), mesh.triangles.size());
   const PositionMap map = draw(mesh);
   ConnectConfig config;
