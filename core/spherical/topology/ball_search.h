@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/spherical/topology/near_queue.h"
 #include "core/spherical/topology/surface_graph.h"
 #include "core/spherical/topology/xor_basis.h"
 
@@ -20,7 +21,7 @@ struct Loop {
   std::vector<Id> vertices;
 };
 
-// Memory for searches, kept from one to the next: 24 bytes per vertex of the largest graph.
+// Memory for searches, kept from one to the next: 20 bytes per vertex of the largest graph.
 class BallSearch {
  public:
   // The shortest loop through `seed`, less what its beginning and end have in common, that is shorter than `limit` and
@@ -33,8 +34,7 @@ class BallSearch {
   // The vertices whose distance the last search has settled, nearest first.
   [[nodiscard]] std::span<const Id> reached() const { return reached_; }
   [[nodiscard]] float distance(Id v) const { return nodes_[v].distance; }
-  [[nodiscard]] Id parent(Id v) const { return nodes_[v].parent; }  // the seed's own is no_id
-  [[nodiscard]] bool is_reached(Id v) const { return nodes_[v].settled == search_; }
+  [[nodiscard]] Id parent(Id v) const { return parents_[v]; }  // the seed's own is no_id
   // The simple loop that an edge between two vertices closes with their paths; it begins where these part.
   [[nodiscard]] std::vector<Id> close(Id u, Id v) const;
 
@@ -42,15 +42,14 @@ class BallSearch {
   struct Node {
     std::uint64_t label = 0;  // of the path
     float distance = 0;
-    Id parent = no_id;
-    std::uint32_t seen = 0, settled = 0;  // numbers of searches
+    std::uint32_t search = 0;  // the number of the last search that saw it
   };
   void begin(const SurfaceGraph& graph, Id seed);
-  bool pop(Id& v);
-  void push(Id v, float distance);
+  bool next(const SurfaceGraph& graph, Id& v);
 
   std::vector<Node> nodes_;
-  std::vector<std::uint64_t> heap_;  // distance and vertex
+  std::vector<Id> parents_;
+  NearQueue queue_;
   std::vector<Id> reached_;
   std::uint32_t search_ = 0;
 };

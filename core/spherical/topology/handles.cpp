@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t batch = 16;  // balls that grow side by side
 constexpr double growth = 1.5;     // of the radius, from one round to the next
 constexpr double golden_ratio = 0.6180339887498949;
-constexpr int tries = 4;        // to shorten a loop from another of its vertices
+constexpr int tries = 4;        // vertices of a loop from which a shorter one may be found
+constexpr int refinement = 4;   // likewise seeds on either side of the centre, as far as the slack
 constexpr double noise = 1e-6;  // relative; lengths nearer to each other are equal
 
 // A loop that a ball has found; as cuts only make loops longer, its length remains a lower bound for the ball's seed.
@@ -50,7 +51,9 @@ class HandleCutter {
   void grow_balls(std::span<const Id> seeds);
   bool is_current(const Candidate& candidate) const;
   void cut_candidates();
+  [[nodiscard]] Loop shorter(Loop loop, std::span<const Id> seeds);
   [[nodiscard]] Loop shorten(Loop loop);
+  [[nodiscard]] Loop refine(Loop loop, Id seed);
   void cut(const Loop& loop);
 
   // A vertex on a chain of them, in the order of the chain.
@@ -166,22 +169,50 @@ bool HandleCutter::is_current(const Candidate& candidate) const {
                       [&](Id v) { return graph_.last_cut(v) > candidate.found_at; });
 }
 
-// Looks for a shorter loop from other vertices of it.
+// The shortest loop through one of the vertices, if it is noticeably shorter than the given one; else that.
+Loop HandleCutter::shorter(Loop loop, std::span<const Id> seeds) {
+  std::vector<Loop> found(seeds.size());
+  runner_.run(seeds.size(), [&](std::size_t k, std::size_t worker) {
+    found[k] = memory_[worker].find_loop(graph_, closed_, seeds[k], (1 - noise) * loop.length);
+  });
+  for (Loop& other : found)
+    if (other.length < loop.length) loop = std::move(other);
+  return loop;
+}
+
+// Looks for a shorter loop through vertices of this one, until there is none.
 Loop HandleCutter::shorten(Loop loop) {
-  double place = 0.5;
-  for (int failures = 0; failures < tries;) {
-    const auto at = static_cast<std::size_t>(place * static_cast<double>(loop.vertices.size()));
-    Loop other = own_.find_loop(graph_, closed_, loop.vertices[at], (1 - noise) * loop.length);
-    if (!other.vertices.empty()) {
-      loop = std::move(other);
-      failures = 0, place = 0.5;
-    } else {
-      ++failures;
-      place += golden_ratio;
-      if (place >= 1) place -= 1;
+  for (double before = std::numeric_limits<double>::infinity(); loop.length < before;) {
+    before = loop.length;
+    std::vector<Id> seeds;
+    double place = 0.5;
+    for (int k = 0; k < tries; ++k) {
+      seeds.push_back(loop.vertices[static_cast<std::size_t>(place * static_cast<double>(loop.vertices.size()))]);
+      place += place + golden_ratio < 1 ? golden_ratio : golden_ratio - 1;
     }
+    loop = shorter(std::move(loop), seeds);
   }
   return loop;
+}
+
+// Looks for a shorter loop through seeds that the ball of this one has covered.
+Loop HandleCutter::refine(Loop loop, Id seed) {
+  const double reach = config_.slack * radius_, step = reach / refinement;
+  std::vector<Id> seeds;
+  for (const int direction : {1, -1}) {
+    double way = 0, next = step;
+    for (std::size_t at = place_[seed]; direction > 0 ? at + 1 < seeds_.size() : at > 0;) {
+      way += seeds_[direction > 0 ? at + 1 : at].step;
+      if (!(way <= reach)) break;
+      at += static_cast<std::size_t>(direction);
+      if (way < next) continue;
+      seeds.push_back(seeds_[at].vertex);
+      next = way + step;
+    }
+  }
+  const double before = loop.length;
+  loop = shorter(std::move(loop), seeds);
+  return loop.length < before ? shorten(std::move(loop)) : loop;
 }
 
 // The seeds on the loop, and their copies, become pending.
@@ -219,7 +250,8 @@ void HandleCutter::cut_candidates() {
       if (!candidate.loop.vertices.empty()) candidates_.push(std::move(candidate));
       continue;
     }
-    cut(config_.slack > 0 ? shorten(std::move(candidate.loop)) : candidate.loop);
+    if (config_.slack > 0) candidate.loop = refine(shorten(std::move(candidate.loop)), candidate.seed);
+    cut(candidate.loop);
     cover();
   }
 }

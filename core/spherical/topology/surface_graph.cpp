@@ -6,7 +6,7 @@
 namespace lodestone::spherical {
 
 SurfaceGraph::SurfaceGraph(const Surface& surface)
-    : rows_(surface.positions.size()), triangles_(static_cast<Id>(surface.triangles.size())) {
+    : rows_(surface.positions.size()), last_cut_(rows_.size()), triangles_(static_cast<Id>(surface.triangles.size())) {
   const std::vector<Id> opposite = opposite_sides(surface.triangles, surface.positions.size());
   links_.reserve(opposite.size());
   faces_.reserve(opposite.size());
@@ -18,13 +18,16 @@ SurfaceGraph::SurfaceGraph(const Surface& surface)
     Id side = any[v];
     do {
       const Id to = end_of(surface.triangles, side);
-      links_.push_back({to, static_cast<float>(length(surface.positions[v] - surface.positions[to]))});
+      links_.push_back(
+          {to & 0x7FFF'FFFFu, 0, static_cast<float>(length(surface.positions[v] - surface.positions[to]))});
       sum += links_.back().length;
+      greatest_length_ = std::max(greatest_length_, links_.back().length);
       faces_.push_back(side / 3);
       side = opposite[previous_side(side)];
     } while (side != any[v]);
     rows_[v].count = static_cast<std::uint32_t>(links_.size()) - rows_[v].begin;
   }
+  labels_.resize(links_.size());
   mean_length_ = static_cast<float>(sum / static_cast<double>(links_.size()));
   genus_ = static_cast<Id>((4 + triangles_ - 2 * rows_.size()) / 4);  // V - 3/2 F + F = 2 - 2 genus
 }
@@ -45,21 +48,27 @@ void SurfaceGraph::split_row(Id v, Id from, Id to, Id left_cap) {
     const auto begin = static_cast<std::uint32_t>(links_.size());
     for (std::size_t k = first;; k = (k + 1) % row.count) {
       const Link link = links_[row.begin + k];
+      const std::uint64_t label = labels_[row.begin + k];
       const Id face_after = faces_[row.begin + k];
       links_.push_back(link);
+      labels_.push_back(label);
       faces_.push_back(k == last ? cap : face_after);
       if (k == last) break;
     }
-    return Row{begin, static_cast<std::uint32_t>(links_.size()) - begin, cut_count() + 1};
+    return Row{begin, static_cast<std::uint32_t>(links_.size()) - begin};
   };
   rows_.push_back(append(at_from, at_to, left_cap + 1));
   // The left part is not longer than the old row: back into its place.
   const Row left = append(at_to, at_from, left_cap);
   std::copy_n(links_.begin() + left.begin, left.count, links_.begin() + row.begin);
+  std::copy_n(labels_.begin() + left.begin, left.count, labels_.begin() + row.begin);
   std::copy_n(faces_.begin() + left.begin, left.count, faces_.begin() + row.begin);
   links_.resize(left.begin);
+  labels_.resize(left.begin);
   faces_.resize(left.begin);
-  rows_[v] = {row.begin, left.count, left.last_cut};
+  rows_[v] = {row.begin, left.count};
+  last_cut_[v] = cut_count() + 1;
+  last_cut_.push_back(cut_count() + 1);
 }
 
 // True if the copy has the neighbour between its two links of the loop, whatever either is called by now.
@@ -81,19 +90,19 @@ void SurfaceGraph::cut(std::span<const Id> loop, Surface& surface) {
     for (std::size_t i = 0; i + 1 < row.size(); ++i)
       if (const Id f = face(copy, i); f < triangles_)
         std::replace(surface.triangles[f].v.begin(), surface.triangles[f].v.end(), loop[k], copy);
-    row.front().to = first_copy + (k + n - 1) % n;
-    row.back().to = first_copy + (k + 1) % n;
+    row.front().set_to(first_copy + (k + n - 1) % n);
+    row.back().set_to(first_copy + (k + 1) % n);
     for (Link& link : row.subspan(1, row.size() - 2)) {
       if (const Id j = place_[link.to]; j == no_id) {
-        links(link.to)[find(link.to, loop[k])].to = copy;
+        links(link.to)[find(link.to, loop[k])].set_to(copy);
       } else if (is_inside_copy(first_copy + j, loop[k], loop)) {
-        link.to = first_copy + j;
+        link.set_to(first_copy + j);
       }
     }
     std::span<Link> left = links(loop[k]);
     for (Link& link : left.subspan(1, left.size() - 2))
       if (const Id j = place_[link.to]; j != no_id && is_inside_copy(first_copy + j, loop[k], loop))
-        link.to = first_copy + j;
+        link.set_to(first_copy + j);
   }
   for (const Id v : loop) {
     place_[v] = no_id;

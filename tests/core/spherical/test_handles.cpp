@@ -47,8 +47,8 @@ void expect_labels(const SurfaceGraph& graph, std::uint64_t cut_label = 0) {
   for (Id v = 0; v < graph.vertex_count(); ++v)
     for (std::size_t k = 0; k < graph.links(v).size(); ++k) {
       const Link& link = graph.links(v)[k];
-      sums[graph.face(v, k)] ^= link.label;
-      EXPECT_EQ(graph.links(link.to)[graph.find(link.to, v)].label, link.label);
+      sums[graph.face(v, k)] ^= graph.label(link);
+      EXPECT_EQ(graph.label(graph.links(link.to)[graph.find(link.to, v)]), graph.label(link));
     }
   for (std::size_t cap = 1; cap <= 2 && cut_label != 0; ++cap)
     EXPECT_EQ(std::exchange(sums[sums.size() - cap], 0), cut_label);
@@ -69,7 +69,7 @@ TEST(CycleLabels, CancelRoundFacesAndNotAlongGenerators) {
     const auto label_of = [&](const std::vector<Id>& loop) {
       std::uint64_t label = 0;
       for (std::size_t k = 0; k < loop.size(); ++k)
-        label ^= graph.links(loop[k])[graph.find(loop[k], loop[(k + 1) % loop.size()])].label;
+        label ^= graph.label(graph.links(loop[k])[graph.find(loop[k], loop[(k + 1) % loop.size()])]);
       return label;
     };
     for (const std::vector<Id>& loop : generators) {
