@@ -42,7 +42,7 @@ struct SphereMapReport {
 // depends only on the surface and the configuration, not on threads or instructions.
 //
 // The surface must be closed, oriented, in one piece, of genus 0 and without doubled edges; positions must be finite,
-// and may coincide. Throws InputError that says what it is instead. Memory at the peak: about 500 bytes per vertex.
+// and may coincide. Throws InputError that says what it is instead. Memory at the peak: about 600 bytes per vertex.
 [[nodiscard]] std::vector<Vec3d> map_to_sphere(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                                                const SphereMapConfig& config, Scheduler& scheduler,
                                                SphereMapReport& report);

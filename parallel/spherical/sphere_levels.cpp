@@ -58,7 +58,7 @@ bool SphereLevels::run(const spherical::SplitSchedule& schedule, std::span<const
 // Coarse levels cost next to nothing, and what goes wrong there remains: all levels take at least so many steps, as a
 // share of the vertices of the last.
 int SphereLevels::sweeps_at(std::size_t vertices) const {
-  constexpr double share = 0.2, most = 300;
+  constexpr double share = 0.1, most = 300;
   const double wanted = share * static_cast<double>(colours_.size()) / static_cast<double>(vertices);
   return std::max(config_.sweeps, static_cast<int>(std::min(wanted, most)));
 }
