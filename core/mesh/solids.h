@@ -19,8 +19,8 @@ namespace lodestone {
 // Scattered matter in a ball, as a scan of bone or foam has it: waves of about `frequency` to a side, cut off at
 // `level`, -1 to 1. Low levels give many components, those towards 0 many handles.
 struct FoamConfig {
-  double frequency = 14;
-  double level = -0.6;
+  double frequency = 16;
+  double level = -0.555;
 };
 [[nodiscard]] IndexedMesh foam(std::uint32_t n, const FoamConfig& config = {});
 

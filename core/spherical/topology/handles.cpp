@@ -43,7 +43,8 @@ class HandleCutter {
   void cap();
 
  private:
-  void relabel();
+  Generators relabel();
+  void cut_any();
   void uncover_all();
   void add_seeds(std::span<const Id> chain);
   void cover();
@@ -80,14 +81,29 @@ class HandleCutter {
   std::vector<double> lengths_;
 };
 
-void HandleCutter::relabel() {
+Generators HandleCutter::relabel() {
   closed_.clear();
   seeds_.clear();
   place_.assign(graph_.vertex_count(), no_id);
   candidates_ = {};
-  for (const std::vector<Id>& loop : label_cycles(graph_, own_, random_)) add_seeds(loop);
+  Generators generators = label_cycles(graph_, own_, random_);
+  for (const std::vector<Id>& loop : generators) add_seeds(loop);
   whole_ = 2.0 * own_.distance(own_.reached().back());
   uncover_all();
+  return generators;
+}
+
+// Cuts along a generator. Balls as large as the surface fail to find a loop only where random labels hide it, or
+// lengths are below the precision of distances.
+void HandleCutter::cut_any() {
+  Loop loop{0, 0, relabel().front()};
+  for (std::size_t k = 0; k < loop.vertices.size(); ++k) {
+    const Id v = loop.vertices[k];
+    const Link& link = graph_.links(v)[graph_.find(v, loop.vertices[(k + 1) % loop.vertices.size()])];
+    loop.length += link.length;
+    loop.label ^= graph_.label(link);
+  }
+  cut(shorten(std::move(loop)));
 }
 
 void HandleCutter::uncover_all() {
@@ -262,10 +278,11 @@ std::vector<double> HandleCutter::run() {
   while (graph_.genus() > 0) {
     cover();
     cut_candidates();
-    if (closed_.size() >= most_cuts || radius_ > 2 * whole_) {
+    if (closed_.size() >= most_cuts) {
       relabel();
       continue;
     }
+    if (radius_ > 2 * whole_) cut_any();
     radius_ *= growth;
     uncover_all();
   }

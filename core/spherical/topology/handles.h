@@ -26,8 +26,8 @@ struct Runner {
 
 struct HandleConfig {
   // Distance of a loop from the centre of the nearest ball, as a share of the ball's radius, 0 to 1. With 0 balls grow
-  // from every seed and each loop is the shortest one. 0.5 is ten times as fast where loops are long, and they are 0 to
-  // 1.5 % longer altogether.
+  // from every seed and each loop is the shortest one. With 0.5 it takes up to fifty times less where loops are
+  // long, and they are 0 to 1.5 % longer altogether.
   double slack = 0.5;
 };
 

@@ -21,7 +21,7 @@ class NearQueue {
   // neighbouring vertices, and tells how far apart the lists are.
   void begin(float step, float reach) {
     const float width = std::max(step / 8, reach / (lists - 2));
-    scale_ = width > 0 ? 1 / width : 0;
+    scale_ = width > 1e-30f ? 1 / width : 0;  // 0: all in the heap
     heads_.assign(lists, none);
     entries_.clear();
     heap_.clear();
