@@ -79,6 +79,7 @@ int main(int argc, char** argv) {
   add_view(app);
   add_reconstruct(app);
   add_progressive(app);
+  add_spherical(app);
   add_lod(app);
   add_page(app);
   add_report(app);

@@ -81,7 +81,7 @@ class KeyNumbers {
           keys_[n], n};
   }
 
-  // Of a cell's vertices every sixth is new, unpredictably: hence without a branch. Members are held in registers,
+  // Every sixth vertex of a cell is new, unpredictably: hence without a branch. Members are held in registers,
   // since what is written through `numbers` might be one of them.
   void number_with_room(std::span<const Key> keys, std::uint32_t* numbers) {
     Slot* const slots = slots_.data();

@@ -59,6 +59,7 @@ void add_export(CLI::App& app);
 void add_view(CLI::App& app);
 void add_reconstruct(CLI::App& app);
 void add_progressive(CLI::App& app);
+void add_spherical(CLI::App& app);
 void add_lod(CLI::App& app);
 void add_page(CLI::App& app);
 void add_report(CLI::App& app);

@@ -11,6 +11,7 @@
 #include "experiments/subjects/progressive.h"
 #include "experiments/subjects/reconstruct.h"
 #include "experiments/subjects/render.h"
+#include "experiments/subjects/spherical.h"
 
 namespace lodestone {
 namespace {
@@ -143,6 +144,20 @@ std::vector<Key> progressive_details() {
                  repairs()});
 }
 
+std::vector<Key> spherical_details() {
+  return joined(
+      {{{"input", "", "mesh that was read"},
+        {"output", "", "file written"},
+        {"effort", "", "how long the map to the sphere was improved"},
+        {"guard", "", "weight of the term that keeps triangles from shrinking to nothing"},
+        {"texture", "pixels", "side of the largest component's images"},
+        {"greatest_genus", "", "largest genus of a component"},
+        {"loop_lengths.*", "model units", "smallest, mean and largest length of the loops that handles were cut along"},
+        {"manifold.*", "", "counts of what was cut apart or turned"},
+        {"warnings[]", "", "what is wrong with the input"}},
+       repairs()});
+}
+
 std::vector<Key> reconstruct_details() {
   std::vector<Key> keys{{"input", "", "mesh or maps that were read"},
                         {"merge", "", "stitch or concatenate"},
@@ -254,6 +269,7 @@ std::vector<CommandKeys> command_keys() {
           {"info", {}, info_keys()},
           {"lod", {}, lod_keys()},
           {"progressive", progressive_columns(), progressive_details()},
+          {"spherical", spherical_columns(), spherical_details()},
           {"reconstruct", levels, reconstruct_details()},
           {"render", without(render_columns(), thorough), render_details()},
           {"verify",

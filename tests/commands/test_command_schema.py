@@ -72,6 +72,11 @@ class Schema(CommandCase):
                      self.results("progressive", "m.obj", "-o", "n.lpm"))
         self.compare("lod", self.results("lod", "m.lpm", "--triangles", 1000, "-o", "m.ply"))
 
+    def test_spherical(self):
+        self.write("m.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
+        self.compare("spherical", self.results("spherical", sphere(), "-o", "m.glb", "--texture", 64),
+                     self.results("spherical", "m.obj", "-o", "n.glb", "--texture", 64))
+
     def test_reconstruct(self):
         self.compare("reconstruct",
                      self.results("reconstruct", sphere(), "-o", "m.ply", "--resolution", 32, "--measure"))

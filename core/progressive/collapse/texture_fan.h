@@ -40,7 +40,7 @@ struct TextureFan {
   }
 };
 
-// Where the vertex and the neighbour are that it is to collapse into.
+// The places of the vertex and of the neighbour that it is to collapse into.
 struct TextureStep {
   Way to, back;  // of the neighbour; from there to the vertex
 };

@@ -1,0 +1,118 @@
+// lodestone spherical: a scan as one mesh over the sphere, with seamless textures and levels that change freely.
+#include "experiments/subjects/spherical.h"
+
+#include <fmt/core.h>
+
+#include "experiments/command_line/progress.h"
+#include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
+
+namespace lodestone {
+namespace {
+
+struct SphericalOptions {
+  std::string input, output, effort = "normal", cut = "auto", images = "webp";
+  InputOptions reading;
+  std::uint32_t texture = SphericalConfig{}.texture;
+  int quality = SphericalConfig{}.quality;
+  bool no_normals = false, compress = false;
+};
+
+SphericalJob job_of(const SphericalOptions& options) {
+  SphericalJob job;
+  job.input = options.input;
+  job.output = options.output;
+  job.reading = read_config(options.reading, {options.input});
+  job.config.map.effort = sphere_effort(options.effort);
+  job.config.choose_cut = options.cut == "auto";
+  job.config.texture = options.texture;
+  job.config.media_type = "image/" + options.images;
+  job.config.quality = options.quality;
+  job.config.normals = !options.no_normals;
+  job.compress = options.compress;
+  return job;
+}
+
+nlohmann::json to_json(const SphericalResult& result, const Row& row, const SphericalOptions& options) {
+  using lodestone::to_json;
+  const spherical::ManifoldRepairs& manifold = result.report.topology.manifold;
+  nlohmann::json json = without_nulls(row);
+  json.update({{"input", options.input},
+               {"output", options.output},
+               {"effort", options.effort},
+               {"guard", SphereMapConfig{}.guard},
+               {"texture", options.texture},
+               {"greatest_genus", result.report.topology.greatest_genus},
+               {"loop_lengths",
+                {{"min", result.report.topology.loops.least},
+                 {"mean", result.report.topology.loops.mean},
+                 {"max", result.report.topology.loops.greatest}}},
+               {"manifold",
+                {{"turned_triangles", manifold.turned_triangles},
+                 {"nonmanifold_edges", manifold.nonmanifold_edges},
+                 {"clashing_edges", manifold.clashing_edges},
+                 {"pinched_vertices", manifold.pinched_vertices},
+                 {"vertex_copies", manifold.vertex_copies},
+                 {"split_edges", manifold.split_edges}}},
+               {"repairs", to_json(result.repairs)},
+               {"warnings", result.warnings}});
+  return json;
+}
+
+void print(const SphericalResult& result, const Row& row, const SphericalOptions& options) {
+  const auto number = [&](const char* column) { return row.at(column).get<double>(); };
+  fmt::print("{}: {} triangles in {:.2f} s, {:.0f} kB: {:.0f} colours, {:.0f} normals, {:.0f} geometry\n",
+             options.output, number("input_triangles"), number("seconds"), number("file_bytes") / 1000,
+             number("colour_bytes") / 1000, number("normal_bytes") / 1000, number("geometry_bytes") / 1000);
+  fmt::print("closed for the mapping: {} holes and {} handles of {} components\n", number("holes"), number("handles"),
+             number("components"));
+  fmt::print("map: efficiency {:.3f}, {} of its triangles turned over, {} slivers (the input has {})\n",
+             number("efficiency"), number("flips"), number("slivers"), number("surface_slivers"));
+  fmt::print("images: colours {:.1f} dB", number("colour_psnr"));
+  if (!row.at("normal_psnr").is_null()) fmt::print(", normals {:.1f} dB", number("normal_psnr"));
+  fmt::print("\n");
+  print_repairs(result.repairs);
+  print_warnings(result.warnings);
+}
+
+void run(const SphericalOptions& options, const CommonOptions& common) {
+  SphericalJob job = job_of(options);
+  check_files(common, {{"IN", options.input}}, {{"--output", options.output, ".glb"}});
+  Progress progress("reading", common.quiet);
+  job.config.on_phase = [&](const std::string& phase) { progress.phase(phase); };
+  const SphericalResult result = run(job, *make_scheduler(common));
+  progress.clear();
+  const Row row = to_row(result);
+  write_result(common, to_json(result, row, options));
+  if (common.prints()) print(result, row, options);
+}
+
+OptionTable declare(SphericalOptions& o) {
+  return with_input_options(
+      {OptionSpec{"IN", &o.input, std::string("Mesh: ") + mesh_formats}.must(),
+       OptionSpec{"-o,--output", &o.output, ".glb, which every viewer shows and `lodestone page` draws at any level"}
+           .must(),
+       OptionSpec{"--effort", &o.effort, "How long the map to the sphere is improved"}.one_of(
+           {"fast", "normal", "best"}),
+       OptionSpec{"--cut", &o.cut, "Cut the sphere open where it shows least, or as the map left it"}.one_of(
+           {"auto", "none"}),
+       OptionSpec{"--texture", &o.texture, "Pixels along a side of the images, a power of two; small parts get fewer"}
+           .between(16, 16384),
+       OptionSpec{"--images", &o.images, "Format of the images"}.one_of({"webp", "jpeg", "png"}),
+       OptionSpec{"--quality", &o.quality, "Of webp and jpeg; webp of 100 is without loss"}.between(1, 100),
+       {"--no-normals", &o.no_normals, "Leave out the images of normals"},
+       {"--compress", &o.compress, "Geometry by EXT_meshopt_compression, without loss"}},
+      o.reading);
+}
+
+}  // namespace
+
+void add_spherical(CLI::App& app) {
+  define_command(app,
+                 {"spherical", "Map a scan to the sphere: seamless textures, levels that change freely",
+                  "  lodestone spherical statue.obj -o statue.glb\n"
+                  "  lodestone spherical scan.ply -o scan.glb --effort best --texture 2048 --quality 80\n"},
+                 declare, run);
+}
+
+}  // namespace lodestone

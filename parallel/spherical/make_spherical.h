@@ -1,0 +1,54 @@
+// A scan as one mesh over the sphere: seamless octahedral textures, levels that change freely.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/progressive/mesh/progressive_mesh.h"
+#include "core/spherical/topology/make_spheres.h"
+#include "parallel/progressive/make_progressive.h"
+#include "parallel/scheduler/clock.h"
+#include "parallel/scheduler/scheduler.h"
+#include "parallel/spherical/map_to_sphere.h"
+
+namespace lodestone {
+
+struct SphericalConfig {
+  SphereMapConfig map;
+  spherical::HandleConfig handles;
+  bool choose_cut = true;        // false: the sphere is cut open as the map left it
+  std::uint32_t texture = 1024;  // pixels along the side of the largest component's images; a power of two, at least 16
+  bool normals = true;           // images of normals in object space beside those of colours
+  std::string media_type = "image/webp";
+  int quality = 90;                      // of the images (core/texture/image_codec.h)
+  std::uint64_t error_points = 200'000;  // on the surface, where images are compared with what they were made from
+  ProgressiveConfig progressive{.metric = progressive::MetricKind::parametric};
+  // Called with what begins; may throw.
+  std::function<void(const std::string& phase)> on_phase = [](const std::string&) {};
+};
+
+struct SphericalReport {
+  spherical::TopologyReport topology;
+  SphereMapReport map;    // of all components: times and counts are sums
+  double efficiency = 0;  // of the map: the mean of the components' by area
+  StageTime closing, unfolding, resampling, encoding, collapsing;
+  // After the images were encoded and decoded; dB, the mean over components by area.
+  double colour_psnr = 0, normal_psnr = 0;
+  std::uint64_t pixels = 0;  // of all images
+  std::uint64_t colour_bytes = 0, normal_bytes = 0;
+  std::uint64_t added_vertices = 0;  // where the cut crosses edges
+  double cut_length = 0;             // of all components on the surface, in model units
+  double cut_exposure = 0;           // the share of the sky that is seen from the cut, its mean by length, 0 to 1
+  ProgressiveReport progressive;
+};
+
+// The recipe: close holes and handles (core/spherical/topology), map each component to the sphere (map_to_sphere.h),
+// unfold it, resample its colours and normals (core/spherical/resample), and make the surface, without what closed it,
+// progressive. A component has a material and images of its own; smaller ones have smaller images. The result depends
+// on the mesh and the configuration alone. Throws what these parts throw.
+[[nodiscard]] ProgressiveMesh make_spherical(const IndexedMesh& mesh, const SphericalConfig& config,
+                                             Scheduler& scheduler, SphericalReport& report);
+
+}  // namespace lodestone
