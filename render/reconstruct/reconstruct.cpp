@@ -86,7 +86,7 @@ void prepare_map(DrawnMaps& drawn, std::size_t view, const ReconstructConfig& co
 // The map of a view, condensed from a finer one where that is wanted.
 void draw_map(MapRenderer& renderer, const MapView& view, const ReconstructConfig& config, DrawnMaps& drawn,
               Scheduler& scheduler) {
-  const MapChannels channels{config.attributes, config.attributes};
+  const MapChannels channels{.uv = config.attributes, .colour = config.attributes};
   if (!config.condense) {
     drawn.maps.push_back(renderer.draw(view, channels));
     drawn.links.emplace_back();

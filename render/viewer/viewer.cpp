@@ -208,7 +208,7 @@ class Viewer {
         hear_key(event);
         return;
       case Event::Kind::key_up:
-        (void)navigation.key(state, event.key, false, event.shift);
+        (void)navigation.key(state, {.key = event.key, .pressed = false, .shift = event.shift});
         return;
       case Event::Kind::drop:
         drop(event, event.time);
@@ -223,7 +223,7 @@ class Viewer {
 
   void hear_key(const Event& event) {
     if (gui_.wants_text()) return;
-    if (session_.navigation.key(session_.state, event.key, true, event.shift)) return;
+    if (session_.navigation.key(session_.state, {.key = event.key, .pressed = true, .shift = event.shift})) return;
     const std::optional<Action> action = action_of(event.key);
     const bool repeats = action == Action::coarser || action == Action::finer;
     if (action && (event.kind == Event::Kind::key_down || repeats)) session_.act(*action, event.time);

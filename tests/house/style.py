@@ -1,4 +1,4 @@
-"""Functions that are too long or take too many parameters, and comments and messages that are not plain English."""
+"""Functions that are too long or take too many parameters, bools side by side, and comments that are not plain English."""
 
 import bisect
 import re
@@ -77,6 +77,19 @@ def large_functions(root):
                 yield f"{path}:{line}: {name} has {lines} lines; at most {MAX_LINES}"
             if parameters > MAX_PARAMETERS and name not in GIVEN:
                 yield f"{path}:{line}: {name} takes {parameters} parameters; at most {MAX_PARAMETERS}"
+
+
+# Bools side by side, of which a caller cannot tell which is which; {false, true} to go through both is fine.
+BOOLS = re.compile(r"\bbool(?: \w+)?(?: = \w+)?,\s*(?:const )?bool\b|(?<!: \{)\b(?:true|false),\s*(?:true|false)\b")
+
+
+def adjacent_bools(root):
+    for path in sources.files(root):
+        if path.suffix in {".h", ".cpp"}:
+            code = NO_CODE.sub(lambda match: "\n" * match.group().count("\n"), sources.text(root, path))
+            for match in BOOLS.finditer(code):
+                line = code.count("\n", 0, match.start()) + 1
+                yield f"{path}:{line}: {match.group()}: two bools side by side; name them in a struct or an enum"
 
 
 # A comment that begins without a subject, on its first line; "Where it is flat, nothing moves" is a sentence.

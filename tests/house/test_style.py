@@ -1,4 +1,4 @@
-"""Functions have their size, comments and messages are plain English. usage: test_style.py SOURCE_DIR"""
+"""Functions have their size and clear parameters, comments and messages are plain English. usage: test_style.py SOURCE_DIR"""
 
 import pathlib
 import sys
@@ -15,6 +15,9 @@ class SourceTree(unittest.TestCase):
 
     def test_functions_have_their_size(self):
         self.assertEqual(list(style.large_functions(SOURCE_DIR)), [])
+
+    def test_no_bools_side_by_side(self):
+        self.assertEqual(list(style.adjacent_bools(SOURCE_DIR)), [])
 
     def test_english_is_plain(self):
         found = list(style.plain_english(SOURCE_DIR))
@@ -47,6 +50,17 @@ class Checks(unittest.TestCase):
                 "void many(int, int, int, int, int, int, int);\n")
             found = list(style.large_functions(folder))
             self.assertEqual([line.split()[1:4] for line in found], [["no", "has", "61"], ["many", "takes", "7"]])
+
+    def test_adjacent_bools(self):
+        clear = ["void f(bool a, int b, bool c);", "f(true, 1, false);", "for (const bool a : {false, true}) f(a);",
+                 "f({.a = true, .b = false});", "bool a = true, b = false;", 'f("true, false");  // true, false']
+        unclear = ["void f(bool a, bool b);", "void f(bool a = true,\n       const bool b = false);",
+                   "std::function<void(bool, bool)> f;", "f(true, false);", "S s{1, true, true};"]
+        with tempfile.TemporaryDirectory() as folder:
+            for text in clear + unclear:
+                (pathlib.Path(folder) / "a.cpp").write_text(text + "\n")
+                with self.subTest(text=text):
+                    self.assertEqual(len(list(style.adjacent_bools(folder))), text in unclear)
 
     def test_plain_english(self):
         plain = ["// Whatever it is.", "// The largest one.\n// Of two equal ones the first.", "x;  // offset",

@@ -22,9 +22,11 @@ namespace fs = std::filesystem;
 // The attributes that a format can store.
 struct Carried {
   const char* extension;
-  bool base_colour, normal_map, alpha;
+  bool base_colour = false, normal_map = false, alpha = false;
 };
-constexpr Carried ply{".ply", false, false, true}, obj{".obj", true, true, false}, glb{".glb", true, true, true};
+constexpr Carried ply{.extension = ".ply", .alpha = true},
+    obj{.extension = ".obj", .base_colour = true, .normal_map = true},
+    glb{.extension = ".glb", .base_colour = true, .normal_map = true, .alpha = true};
 
 // Everything that distinguishes a material in the file.
 std::string signature(const RawMesh& mesh, std::uint32_t material, const Carried& carried) {

@@ -16,6 +16,11 @@
 namespace lodestone {
 namespace {
 
+// The numbers of a corner of a face besides its position.
+struct CornerParts {
+  bool uv = false, normal = false;
+};
+
 // Assembles a line of text in place: a keyword, numbers, corners of faces.
 class Line {
  public:
@@ -26,11 +31,11 @@ class Line {
     return number(value);
   }
   // "v/vt/vn" from indices that count from 0; absent attributes are left out.
-  Line& corner(std::uint64_t v, std::uint64_t wedge, bool uv, bool normal) {
+  Line& corner(std::uint64_t v, std::uint64_t wedge, CornerParts parts) {
     *this << v + 1;
-    if (uv || normal) append("/");
-    if (uv) number(wedge + 1);
-    if (!normal) return *this;
+    if (parts.uv || parts.normal) append("/");
+    if (parts.uv) number(wedge + 1);
+    if (!parts.normal) return *this;
     append("/");
     return number(wedge + 1);
   }
@@ -184,7 +189,7 @@ class ObjWriter {
       }
       Line line("f");
       for (const std::uint32_t v : mesh_.triangles[t].v)
-        line.corner(vertex_of_.empty() ? v : vertex_of_[v], v, uv_, normals_);
+        line.corner(vertex_of_.empty() ? v : vertex_of_[v], v, {.uv = uv_, .normal = normals_});
       file_.write(line.bytes());
     }
   }

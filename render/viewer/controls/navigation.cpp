@@ -72,11 +72,11 @@ void Navigation::scroll(ViewState& state, double steps) {
   }
 }
 
-bool Navigation::key(const ViewState& state, char key, bool pressed, bool shift) {
-  shift_ = shift;
-  const std::size_t index = steering_keys.find(key);
+bool Navigation::key(const ViewState& state, KeyStroke stroke) {
+  shift_ = stroke.shift;
+  const std::size_t index = steering_keys.find(stroke.key);
   if (index == std::string_view::npos) return false;
-  held_[index] = pressed && state.steering == Steering::fly;
+  held_[index] = stroke.pressed && state.steering == Steering::fly;
   return state.steering == Steering::fly;
 }
 

@@ -23,6 +23,12 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
+struct KeyStroke {
+  char key = 0;          // an upper-case letter
+  bool pressed = false;  // false: released
+  bool shift = false;
+};
+
 class Navigation {
  public:
   // `now` in seconds.
@@ -31,8 +37,8 @@ class Navigation {
   // `view_height`: of the picture under the pointer, pixels.
   void move(ViewState& state, Point to, int view_height);
   void scroll(ViewState& state, double steps);
-  // True if the key (an upper-case letter) steers; then it is not an action.
-  bool key(const ViewState& state, char key, bool pressed, bool shift);
+  // True if the key steers; then it is not an action.
+  bool key(const ViewState& state, KeyStroke stroke);
   // Releases all keys and buttons: the window has lost the keyboard.
   void let_go();
 

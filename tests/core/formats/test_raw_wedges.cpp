@@ -72,18 +72,23 @@ TEST(Wedges, AbsentAttributesStayAbsent) {
   EXPECT_TRUE(wedges.colour.empty());
 }
 
-RawMesh triangle_with(bool uv, bool corners, bool material) {
+struct Parts {
+  bool uv = false;  // false: normals
+  bool corners = false, material = false;
+};
+
+RawMesh triangle_with(Parts parts) {
   RawMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.triangles = {{{0, 1, 2}}};
-  if (uv) mesh.wedges.uv = {{0.1f, 0}, {0.2f, 0}, {0.3f, 0}};
-  if (!uv) mesh.wedges.normal = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
-  if (corners) {
+  if (parts.uv) mesh.wedges.uv = {{0.1f, 0}, {0.2f, 0}, {0.3f, 0}};
+  if (!parts.uv) mesh.wedges.normal = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  if (parts.corners) {
     mesh.wedges.corners = {{{3, 0, 1}}};
-    if (uv) mesh.wedges.uv = {{0.2f, 0}, {0.3f, 0}, {0.9f, 0}, {0.1f, 0}};
-    if (!uv) mesh.wedges.normal.push_back({0, 0, 1});
+    if (parts.uv) mesh.wedges.uv = {{0.2f, 0}, {0.3f, 0}, {0.9f, 0}, {0.1f, 0}};
+    if (!parts.uv) mesh.wedges.normal.push_back({0, 0, 1});
   }
-  if (material) {
+  if (parts.material) {
     mesh.wedges.material = {0};
     mesh.materials = {{.name = "m", .texture = 0}};
     mesh.textures = {{.name = "t", .media_type = "image/png", .bytes = {'x'}}};
@@ -94,8 +99,8 @@ RawMesh triangle_with(bool uv, bool corners, bool material) {
 TEST(RawMesh, AppendingKeepsEveryCornersValues) {
   for (int kind = 0; kind < 64; ++kind) {
     const auto bit = [&](int i) { return (kind >> i & 1) != 0; };
-    RawMesh a = triangle_with(bit(0), bit(1), bit(2));
-    const RawMesh b = triangle_with(bit(3), bit(4), bit(5));
+    RawMesh a = triangle_with({.uv = bit(0), .corners = bit(1), .material = bit(2)});
+    const RawMesh b = triangle_with({.uv = bit(3), .corners = bit(4), .material = bit(5)});
     for (Texture& texture : a.textures) texture.bytes = {'y'};
     RawMesh both = a, part = b;
     append_mesh(both, std::move(part), "file");
@@ -119,7 +124,7 @@ TEST(RawMesh, AppendingKeepsEveryCornersValues) {
 }
 
 TEST(RawMesh, EqualMaterialsAndTexturesBecomeOne) {
-  RawMesh whole = triangle_with(true, false, true);
+  RawMesh whole = triangle_with({.uv = true, .material = true});
   RawMesh other = whole, colour = whole;
   other.textures.insert(other.textures.begin(), Texture{.name = "first", .media_type = "image/png", .bytes = {'z'}});
   other.materials = {{.name = "m", .texture = 1}, {.name = "n", .texture = 0, .normal_map = 1}};
@@ -136,7 +141,7 @@ TEST(RawMesh, EqualMaterialsAndTexturesBecomeOne) {
 }
 
 TEST(RawMesh, AppendingAddsCountsAndWarnings) {
-  RawMesh a = triangle_with(true, false, false), b = a;
+  RawMesh a = triangle_with({.uv = true}), b = a;
   a.polygons_triangulated = 1, b.polygons_triangulated = 2, b.faces_dropped = 3, b.void_posts = 4, b.filled_posts = 5;
   b.warnings = {"w"};
   append_mesh(a, std::move(b), "file");
@@ -148,7 +153,7 @@ TEST(RawMesh, AppendingAddsCountsAndWarnings) {
 }
 
 TEST(RawMesh, MirrorsKeepOutsideOutside) {
-  RawMesh mesh = triangle_with(false, true, false);
+  RawMesh mesh = triangle_with({.corners = true});
   transform_mesh(mesh, {{Vec3d{-2, 0, 0}, Vec3d{0, 3, 0}, Vec3d{0, 0, 5}}, {10, 20, 30}});
   EXPECT_EQ(mesh.positions, (std::vector<Vec3d>{{10, 20, 30}, {8, 20, 30}, {10, 23, 30}}));
   EXPECT_EQ(mesh.triangles[0], (Triangle{{0, 2, 1}}));

@@ -85,7 +85,8 @@ TEST(CellOrder, MovesAttributesAndKeepsMaterialsTogether) {
   const Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(4), 0, 0.3f).hierarchy;
   const Cell& cell = h.cells[0];
   CellBuild build;
-  build.slab.allocate(cell.positions.size(), 0, cell.triangles.size(), {true, true, true, true});
+  build.slab.allocate(cell.positions.size(), 0, cell.triangles.size(),
+                      {.wedges = true, .uv = true, .colours = true, .materials = true});
   std::ranges::copy(cell.positions, build.slab.positions.begin());
   std::ranges::copy(cell.normals, build.slab.normals.begin());
   // Material by the vertex's number; a cell has each triangle in one material only, so others are left out.

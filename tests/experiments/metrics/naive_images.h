@@ -132,10 +132,11 @@ class NaiveFlip {
              a2[channel] * std::sqrt(pi / b2[channel]) * std::exp(-pi * pi * d2 / b2[channel]);
     }));
   }
-  [[nodiscard]] Kernel2d feature(bool point, bool down) const {
+  enum class Axis : std::uint8_t { across, down };
+  [[nodiscard]] Kernel2d feature(bool point, Axis along) const {
     const double sigma = 0.5 * 0.082 * ppd_;
     return balanced(sampled(static_cast<int>(std::ceil(3 * sigma)), [&](int x, int y) {
-      const double g = std::exp(-(x * x + y * y) / (2 * sigma * sigma)), t = down ? y : x;
+      const double g = std::exp(-(x * x + y * y) / (2 * sigma * sigma)), t = along == Axis::down ? y : x;
       return point ? (t * t / (sigma * sigma) - 1) * g : -t * g;
     }));
   }
@@ -181,8 +182,8 @@ class NaiveFlip {
     return seen;
   }
   [[nodiscard]] std::vector<double> lengths(const std::vector<double>& luminance, ImageSize size, bool point) const {
-    const std::vector<double> across = convolved(luminance, size, feature(point, false)),
-                              down = convolved(luminance, size, feature(point, true));
+    const std::vector<double> across = convolved(luminance, size, feature(point, Axis::across)),
+                              down = convolved(luminance, size, feature(point, Axis::down));
     std::vector<double> out;
     for (std::size_t i = 0; i < across.size(); ++i) out.push_back(std::hypot(across[i], down[i]));
     return out;

@@ -27,7 +27,7 @@ class MapFiles : public FolderTest {
     const auto serial = make_serial_scheduler();
     for (const MapView& view : {orthographic_view(box_of(mesh), {0.1, -0.4, 0.7}, 1.0 / 50),
                                 perspective_view(box_of(mesh), {2, 2, 2}, 1.0 / 40)})
-      maps_.push_back(rasterize_map(mesh, view, {true, true}, *serial));
+      maps_.push_back(rasterize_map(mesh, view, {.uv = true, .colour = true}, *serial));
   }
 
   void write(const std::string& name, const std::string& bytes) const { test_folder_.write(name, bytes); }

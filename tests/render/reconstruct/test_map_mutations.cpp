@@ -28,7 +28,7 @@ class MapMutations : public FolderTest {
     }
     const auto serial = make_serial_scheduler();
     view_ = orthographic_view(box_of(mesh), {0.1, -0.4, 0.7}, 1.0 / 16);
-    map_ = rasterize_map(mesh, view_, {true, true}, *serial);
+    map_ = rasterize_map(mesh, view_, {.uv = true, .colour = true}, *serial);
   }
 
   [[nodiscard]] std::string bytes_of(const std::string& name) const { return content(folder_ / name); }

@@ -42,14 +42,15 @@ TEST(PositionMap, IsTheSameForAnyNumberOfThreads) {
   const IndexedMesh mesh = coloured(sphere_mesh(5));
   const auto serial = make_serial_scheduler(), three = make_tbb_scheduler(3);
   for (const MapView& view : some_views(mesh))
-    EXPECT_EQ(rasterize_map(mesh, view, {true, true}, *serial), rasterize_map(mesh, view, {true, true}, *three));
+    EXPECT_EQ(rasterize_map(mesh, view, {.uv = true, .colour = true}, *serial),
+              rasterize_map(mesh, view, {.uv = true, .colour = true}, *three));
 }
 
 TEST(PositionMap, HoldsPointsOfTheSurfaceOnTheRaysOfItsPixels) {
   const IndexedMesh mesh = coloured(terrain_mesh(30, 0.2));
   const auto serial = make_serial_scheduler();
   for (const MapView& view : some_views(mesh)) {
-    const PositionMap map = rasterize_map(mesh, view, {true, true}, *serial);
+    const PositionMap map = rasterize_map(mesh, view, {.uv = true, .colour = true}, *serial);
     std::size_t seen = 0;
     for (std::size_t i = 0; i < view.pixels(); ++i) {
       if (!map.sees(i)) continue;
@@ -144,7 +145,8 @@ TEST(PositionMap, IsTheSameFromOpenGl) {
       GTEST_SKIP() << error.what();
     }
     for (const MapView& view : some_views(mesh)) {
-      const PositionMap soft = rasterize_map(mesh, view, {true, true}, *serial), drawn = gl->draw(view, {true, true});
+      const PositionMap soft = rasterize_map(mesh, view, {.uv = true, .colour = true}, *serial),
+                        drawn = gl->draw(view, {.uv = true, .colour = true});
       std::size_t seen = 0, other = 0;
       for (std::size_t i = 0; i < view.pixels(); ++i) {
         seen += soft.sees(i);

@@ -261,7 +261,7 @@ TEST_F(Session, FlightBeginsWithoutALeap) {
   session_.advance(0);
   session_.state.steering = Steering::fly;
   const Camera before = session_.state.camera;
-  (void)session_.navigation.key(session_.state, 'W', true, false);
+  (void)session_.navigation.key(session_.state, {.key = 'W', .pressed = true});
   session_.advance(10);  // the window slept so long
   EXPECT_EQ(session_.state.camera, before);
   session_.advance(10.1);

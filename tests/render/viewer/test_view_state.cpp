@@ -258,21 +258,21 @@ TEST(Navigation, WheelsZoomOrChangeTheSpeed) {
 TEST(Navigation, KeysFly) {
   ViewState state = looking_at_torus();
   Navigation navigation;
-  EXPECT_FALSE(navigation.key(state, 'W', true, false));  // not while orbiting
+  EXPECT_FALSE(navigation.key(state, {.key = 'W', .pressed = true}));  // not while orbiting
   state.steering = Steering::fly;
   EXPECT_FALSE(navigation.flying(state));
-  EXPECT_FALSE(navigation.key(state, 'T', true, false));
-  EXPECT_TRUE(navigation.key(state, 'W', true, false));
+  EXPECT_FALSE(navigation.key(state, {.key = 'T', .pressed = true}));
+  EXPECT_TRUE(navigation.key(state, {.key = 'W', .pressed = true}));
   EXPECT_TRUE(navigation.flying(state));
   const Camera before = state.camera;
   navigation.advance(state, 0.1);
   EXPECT_NEAR(length(state.camera.position - before.position), 0.1 * state.fly_speed, 1e-12);
-  EXPECT_TRUE(navigation.key(state, 'S', true, false));  // both: nowhere
+  EXPECT_TRUE(navigation.key(state, {.key = 'S', .pressed = true}));  // both: nowhere
   EXPECT_FALSE(navigation.flying(state));
-  EXPECT_TRUE(navigation.key(state, 'W', false, false));
+  EXPECT_TRUE(navigation.key(state, {.key = 'W'}));
   navigation.advance(state, 0.1);
   EXPECT_LT(length(state.camera.position - before.position), 1e-12);
-  EXPECT_TRUE(navigation.key(state, 'D', true, true));
+  EXPECT_TRUE(navigation.key(state, {.key = 'D', .pressed = true, .shift = true}));
   state.camera = before;
   navigation.advance(state, 100);  // a frame that took far too long does not make the camera leap
   EXPECT_LT(length(state.camera.position - before.position), 2 * state.fly_speed);
