@@ -57,7 +57,7 @@ class OneLevel {
   }
   [[nodiscard]] LevelSurface surface() const {
     LevelSurface surface(hierarchy_, 0);
-    surface.build_cell(0);
+    surface.build_cell(CellRank(0));
     surface.build_rest();
     return surface;
   }

@@ -121,7 +121,7 @@ class Assembly {
     const auto users = users_of(level), coarser_users = l > 0 ? users_of(levels_[l - 1]) : users;
     const auto normals = normals_of(level);
     Level& out = h_.levels.emplace_back();
-    out.first_cell = static_cast<std::uint32_t>(h_.cells.size());
+    out.first_cell = CellId(h_.cells.size());
     out.cell_count = static_cast<std::uint32_t>(level.cells.size());
     for (const auto& [code, cell] : level.cells) {
       const auto local = local_ids(cell, users);
@@ -147,9 +147,9 @@ class Assembly {
   }
 
   void link_cells() {
-    std::map<std::pair<std::size_t, CellCode>, std::uint32_t> index;
+    std::map<std::pair<std::size_t, CellCode>, CellId> index;
     for (std::size_t l = 0; l < h_.levels.size(); ++l)
-      for (std::uint32_t i = h_.levels[l].first_cell; i < h_.levels[l].first_cell + h_.levels[l].cell_count; ++i) {
+      for (CellId i = h_.levels[l].first_cell; i < h_.levels[l].end_cell(); ++i) {
         index[{l, h_.cells[i].code}] = i;
         if (l == 0) continue;
         h_.cells[i].parent = index.at({l - 1, h_.cells[i].code.parent()});
@@ -164,7 +164,7 @@ class Assembly {
       Cell& cell = h_.cells[i];
       for (const Vec3f p : cell.positions) cell.bounds.extend(p);
       if (cell.child_count == 0) cell.error = h_.transform.lattice.error();
-      for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+      for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
         cell.bounds.extend(h_.cells[k].bounds);
         cell.error = std::max(cell.error, rounded_up(double{h_.cells[k].error} + h_.cells[k].max_displacement));
       }

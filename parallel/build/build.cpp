@@ -41,7 +41,7 @@ void order_cells(Build& build, Scheduler& scheduler) {
   std::vector<std::vector<std::vector<std::uint32_t>>> moved(build.cells.size());  // by level, by rank: see order_cell
   for (std::size_t l = 0; l < build.cells.size(); ++l) {
     moved[l].resize(build.cells[l].size());
-    for (CellRank rank = 0; rank < build.cells[l].size(); ++rank) all.push_back({l, rank});
+    for (CellRank rank{0}; rank < build.cells[l].size(); ++rank) all.push_back({l, rank});
   }
   std::vector<CellOrderScratch> scratch(static_cast<std::size_t>(scheduler.workers()));
   constexpr std::size_t grain = 16;
@@ -70,8 +70,8 @@ void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
         return LevelEntry{&built[rank], built[rank].vertex_count(), built[rank].triangles.size()};
       },
       out);
-  for (CellRank rank = 0; rank < built.size(); ++rank)
-    view_payload(built[rank], l > 0, out.cells[out.levels[l].first_cell + rank]);
+  for (CellRank rank{0}; rank < built.size(); ++rank)
+    view_payload(built[rank], l > 0, out.cells[out.levels[l].id_of(rank)]);
 }
 
 // The finest level, and empty cells on the others. Releases what only the partition needs.

@@ -104,7 +104,7 @@ ChunkRuns RunSorter::sort_chunk(std::span<const Triangle> triangles, std::uint64
   return chunk;
 }
 
-void collect_cell(const CellRuns& runs, std::size_t rank, const TriangleSource& source, std::span<Triangle> out,
+void collect_cell(const CellRuns& runs, CellRank rank, const TriangleSource& source, std::span<Triangle> out,
                   VertexNumbers& numbers, CellBuild& cell) {
   cell.triangles = out;
   numbers.clear(out.size() / 2 + out.size() / 8);  // of a closed surface, and some for the border

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/id.h"
 #include "core/base/key_numbers.h"
 #include "core/hierarchy/build/cell_build.h"
 #include "core/hierarchy/model/cell_code.h"
@@ -47,10 +48,10 @@ struct CellRuns {
   std::vector<std::uint64_t> first_triangle;  // by cell, one more than cells
   std::uint64_t fingerprint = 0;
 
-  [[nodiscard]] std::span<const Run> runs_of(std::size_t cell) const {
+  [[nodiscard]] std::span<const Run> runs_of(CellRank cell) const {
     return std::span(runs).subspan(first_run[cell], first_run[cell + 1] - first_run[cell]);
   }
-  [[nodiscard]] std::uint64_t triangles_of(std::size_t cell) const {
+  [[nodiscard]] std::uint64_t triangles_of(CellRank cell) const {
     return first_triangle[cell + 1] - first_triangle[cell];
   }
 };
@@ -100,7 +101,7 @@ class TriangleSource {
 
 // Brings the triangles of a cell together in `out`, in input order, with local ids. Sets the cell's `triangles` and
 // `ids`: the input vertices that the local ids stand for, in order of appearance.
-void collect_cell(const CellRuns& runs, std::size_t rank, const TriangleSource& source, std::span<Triangle> out,
+void collect_cell(const CellRuns& runs, CellRank rank, const TriangleSource& source, std::span<Triangle> out,
                   VertexNumbers& numbers, CellBuild& cell);
 
 }  // namespace lodestone

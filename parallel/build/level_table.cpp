@@ -10,18 +10,17 @@ void append_level(const BlockPlan& plan, std::size_t l, const std::function<Leve
                   Hierarchy& out) {
   const LevelCells& table = plan.levels[l];
   Level level;
-  level.first_cell = static_cast<std::uint32_t>(out.cells.size());
+  level.first_cell = CellId(out.cells.size());
   level.cell_count = static_cast<std::uint32_t>(table.codes.size());
-  const std::uint32_t first_parent = l > 0 ? out.levels.back().first_cell : 0;
   const float h = cell_size(static_cast<int>(l));
-  for (CellRank rank = 0; rank < table.codes.size(); ++rank) {
+  for (CellRank rank{0}; rank < table.codes.size(); ++rank) {
     const LevelEntry entry = entry_of(rank);
     const CellFigures& from = *entry.figures;
     Cell cell;
     cell.code = table.codes[rank];
-    cell.parent = l > 0 ? first_parent + table.parent[rank] : no_cell;
+    cell.parent = l > 0 ? out.levels.back().id_of(table.parent[rank]) : no_cell;
     if (!table.first_child.empty()) {
-      cell.first_child = level.first_cell + level.cell_count + table.first_child[rank];
+      cell.first_child = CellId(level.end_cell() + table.first_child[rank]);
       cell.child_count = table.first_child[rank + 1] - table.first_child[rank];
     }
     cell.bounds = from.bounds;

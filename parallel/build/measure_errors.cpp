@@ -18,8 +18,9 @@ constexpr double rounding = 1e-15;  // of distances in the unit cube, in double 
 // Rounded up.
 float up(double v) { return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity()); }
 
+// Cells of the finest level.
 struct CellRange {
-  std::uint32_t first = 0, end = 0;
+  CellRank first, end;
 };
 
 class ErrorMeasurement {
@@ -58,14 +59,14 @@ class ErrorMeasurement {
     if (config_.cancel && *config_.cancel) throw Cancelled{};
   }
 
-  // Cells of the finest level below each cell, counted from the first one: children are consecutive, level by level.
+  // The cells of the finest level below each cell: children are consecutive, level by level.
   void find_descendants() {
-    const std::uint32_t finest = hierarchy_.levels.back().first_cell;
+    const Level& finest = hierarchy_.levels.back();
     for (auto c = static_cast<std::uint32_t>(hierarchy_.cells.size()); c-- > 0;) {
       const Cell& cell = hierarchy_.cells[c];
-      below_[c] = c >= finest
-                      ? CellRange{c - finest, c - finest + 1}
-                      : CellRange{below_[cell.first_child].first, below_[cell.first_child + cell.child_count - 1].end};
+      const CellRank rank = finest.rank_of(CellId(c));  // if it is one of the finest
+      below_[c] = c >= finest.first_cell ? CellRange{rank, CellRank(rank + 1)}
+                                         : CellRange{below_[cell.first_child].first, below_[cell.end_child() - 1].end};
     }
   }
 
@@ -73,7 +74,7 @@ class ErrorMeasurement {
     LevelSurface surface(hierarchy_, level);
     scheduler_.for_chunks(surface.cell_count(), tree_grain, [&](ChunkRange range) {
       check_cancelled();
-      for (std::size_t c = range.begin; c < range.end; ++c) surface.build_cell(static_cast<std::uint32_t>(c));
+      for (CellRank c(range.begin); c < range.end; ++c) surface.build_cell(c);
     });
     surface.build_rest();
     return surface;
@@ -81,17 +82,16 @@ class ErrorMeasurement {
 
   void measure_level(int level, const LevelSurface& finest) {
     const LevelSurface surface = surface_of(level);
-    const std::uint32_t first = hierarchy_.levels[static_cast<std::size_t>(level)].first_cell;
     scheduler_.for_chunks(surface.cell_count(), 1, [&](ChunkRange range) {
       check_cancelled();
-      const auto number = static_cast<std::uint32_t>(range.begin);
-      const Cell& cell = hierarchy_.cells[first + number];
+      const CellRank rank(range.begin);
+      const CellId id = hierarchy_.levels[static_cast<std::size_t>(level)].id_of(rank);
+      const Cell& cell = hierarchy_.cells[id];
       double known = 0;
-      for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k)
-        known = std::max(known, errors_[k]);
-      const CellRange below = below_[first + number];
-      errors_[first + number] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(
-          {surface, number, finest, below.first, below.end, known, negligible_ratio * cell_size(level)});
+      for (CellId k = cell.first_child; k < cell.end_child(); ++k) known = std::max(known, errors_[k]);
+      const CellRange below = below_[id];
+      errors_[id] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(
+          {surface, rank, finest, below.first, below.end, known, negligible_ratio * cell_size(level)});
       report_progress();
     });
   }
@@ -101,7 +101,7 @@ class ErrorMeasurement {
     for (std::size_t l = 0; l + 1 < hierarchy_.levels.size(); ++l) {
       Level& level = hierarchy_.levels[l];
       float largest = 0;
-      for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+      for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
         hierarchy_.cells[c].error = up(moved + errors_[c] * (1 + 1e-9) + rounding);
         largest = std::max(largest, hierarchy_.cells[c].error);
       }

@@ -39,14 +39,14 @@ void fill_cells(const CellRuns& runs, const TriangleSource& source, Partition& o
   std::vector<VertexNumbers> scratch(static_cast<std::size_t>(scheduler.workers()));
   scheduler.for_chunks(out.cells.size(), cell_grain, [&](ChunkRange range) {
     VertexNumbers& numbers = scratch[static_cast<std::size_t>(scheduler.worker_index())];
-    for (std::size_t c = range.begin; c < range.end; ++c) {
+    for (CellRank c(range.begin); c < range.end; ++c) {
       CellBuild& cell = out.cells[c];
       collect_cell(runs, c, source, std::span(out.triangles).subspan(runs.first_triangle[c], runs.triangles_of(c)),
                    numbers, cell);
       for (std::size_t i = 0; i < cell.ids.size(); ++i) {
         prefetch(&out.vertices.sharing[cell.ids[std::min(i + prefetch_distance, cell.ids.size() - 1)]]);
         const std::uint32_t vertex = wedges ? out.vertices.wedges.vertex[cell.ids[i]] : cell.ids[i];
-        claim_vertex(out.vertices.sharing[vertex], static_cast<std::uint32_t>(c));
+        claim_vertex(out.vertices.sharing[vertex], c);
       }
     }
   });

@@ -31,7 +31,7 @@ class LodeSaver {
         const LodeChunk chunk = chunks[range.begin];
         std::vector<std::byte>& bytes = buffers[static_cast<std::size_t>(scheduler_.worker_index())];
         bytes.resize(offset(chunk.end_cell) - offset(chunk.first_cell));
-        for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c)
+        for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c)
           source_.visit(c, [&](const Cell& cell) {
             checksums_[c] = encode_payload(
                 cell, std::span(bytes).subspan(offset(c) - offset(chunk.first_cell), offset(c + 1) - offset(c)));
@@ -69,13 +69,13 @@ class LodeSaver {
     const std::vector<Level>& levels = source_.tables().levels;
     std::vector<LodeChunk> chunks;
     for (std::size_t l = 0; l < levels.size(); ++l) {
-      const std::uint32_t first = levels[l].first_cell, end = first + levels[l].cell_count;
+      const std::uint32_t end = levels[l].end_cell();
       chunks.clear();
-      for (std::uint32_t c = first; c < end; ++c)
+      for (CellId c = levels[l].first_cell; c < end; ++c)
         if (chunks.empty() || plain_.cell_offset[c] - plain_.cell_offset[chunks.back().first_cell] >= chunk_bytes) {
-          chunks.push_back({c, c + 1});
+          chunks.push_back({c, CellId(c + 1)});
         } else {
-          chunks.back().end_cell = c + 1;
+          chunks.back().end_cell = CellId(c + 1);
         }
       source_.begin_level(l);
       visit(chunks);
@@ -85,7 +85,7 @@ class LodeSaver {
 
   void compress(LodeChunk chunk, std::vector<std::byte>& bytes, std::vector<std::uint64_t>& sizes) {
     bytes.clear();
-    for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c) {
+    for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c) {
       const std::size_t before = bytes.size();
       source_.visit(c, [&](const Cell& cell) {
         checksums_[c] = append_compressed_payload(cell, source_.tables().transform.lattice, bytes);
@@ -136,9 +136,8 @@ Hierarchy load_lode(const std::filesystem::path& path, Scheduler& scheduler) {
   constexpr std::size_t cells_per_task = 32;
   const auto map = std::make_shared<const MappedFile>(path);
   LodeReader reader(map->bytes(), map, path.string());
-  scheduler.for_chunks(reader.cell_count(), cells_per_task, [&](ChunkRange range) {
-    reader.check(static_cast<std::uint32_t>(range.begin), static_cast<std::uint32_t>(range.end));
-  });
+  scheduler.for_chunks(reader.cell_count(), cells_per_task,
+                       [&](ChunkRange range) { reader.check(CellId(range.begin), CellId(range.end)); });
   return std::move(reader).take();
 }
 

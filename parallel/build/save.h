@@ -25,7 +25,7 @@ class CellSource {
   virtual void begin_level(std::size_t /*level*/) {}
   // Calls visit(cell) with the payload, which lives as long as the call. From any thread.
   using Visit = std::function<void(const Cell&)>;
-  virtual void visit(std::uint32_t index, const Visit& visit) { visit(hierarchy_.cells[index]); }
+  virtual void visit(CellId id, const Visit& visit) { visit(hierarchy_.cells[id]); }
 
  private:
   const Hierarchy& hierarchy_;

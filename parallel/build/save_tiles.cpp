@@ -68,7 +68,7 @@ class Saver {
     errors_.resize(hierarchy_.cells.size());
     scheduler_.for_chunks(hierarchy_.cells.size(), 1, [&](ChunkRange range) {
       stop_if_cancelled();
-      const auto cell = static_cast<std::uint32_t>(range.begin);
+      const CellId cell(range.begin);
       errors_[cell] = tile_error(hierarchy_, cell);
       if (!hierarchy_.cells[cell].triangles.empty()) save_cell(cell);
       report(++done_);
@@ -79,7 +79,7 @@ class Saver {
     }
   }
 
-  void save_cell(std::uint32_t cell) {
+  void save_cell(CellId cell) {
     const int level = hierarchy_.level_of(cell);
     const auto uri = [&](std::uint32_t texture) { return "../" + texture_path(hierarchy_, texture, level); };
     const std::vector<std::byte> glb = encode_cell_glb(hierarchy_, cell, config_.tileset.morph, uri);

@@ -36,7 +36,7 @@ class Spilling {
       const std::uint64_t first = part.first_triangle[begin];
       std::vector<Triangle> triangles;
       triangles.reserve(part.first_triangle[end] - first);
-      for (std::size_t c = begin; c < end; ++c)
+      for (CellRank c(begin); c < end; ++c)
         for (const Run& run : part.runs_of(c))
           for (const Triangle& t : sorted.subspan(run.first, run.count)) {
             for (const std::uint32_t v : t.v) claim_vertex(sharing_[v], cell[c]);
@@ -46,7 +46,7 @@ class Spilling {
     });
     // The part as one chunk, a run for each of its cells.
     ChunkRuns written{std::move(part.codes), {}, part.fingerprint};
-    for (std::uint32_t c = 0; c < written.codes.size(); ++c)
+    for (CellRank c{0}; c < written.codes.size(); ++c)
       written.runs.push_back(
           {offset / sizeof(Triangle) + part.first_triangle[c], static_cast<std::uint32_t>(part.triangles_of(c)), c});
     parts_.push_back(std::move(written));

@@ -9,7 +9,7 @@ void SpilledFinest::describe_shared(Scheduler& scheduler, const std::function<vo
   std::atomic<std::uint64_t> seen{0};
   scheduler.for_chunks(cells_.codes.size(), 4, [&](ChunkRange range) {
     SpilledFinestScratch& s = scratch[static_cast<std::size_t>(scheduler.worker_index())];
-    for (std::size_t rank = range.begin; rank < range.end; ++rank) {
+    for (CellRank rank(range.begin); rank < range.end; ++rank) {
       s.triangles.resize(cells_.triangles_of(rank));
       CellBuild cell;
       collect_cell(cells_, rank, triangles_, s.triangles, s.numbers, cell);
@@ -21,7 +21,7 @@ void SpilledFinest::describe_shared(Scheduler& scheduler, const std::function<vo
   shared_.finish(scheduler);
 }
 
-void SpilledFinest::make(std::size_t rank, std::span<Triangle> room, SpilledFinestScratch& scratch,
+void SpilledFinest::make(CellRank rank, std::span<Triangle> room, SpilledFinestScratch& scratch,
                          CellBuild& cell) const {
   collect_cell(cells_, rank, triangles_, room, scratch.numbers, cell);
   (void)make_finest_cell(vertices_, config_.level, config_.sigma0, cell, scratch.cell);

@@ -39,7 +39,7 @@ class SpilledFinest {
   void describe_shared(Scheduler& scheduler, const std::function<void(std::uint64_t)>& progress = {});
 
   // Makes the cell without parents. Its triangles lie in `room`, as many as there are.
-  void make(std::size_t rank, std::span<Triangle> room, SpilledFinestScratch& scratch, CellBuild& cell) const;
+  void make(CellRank rank, std::span<Triangle> room, SpilledFinestScratch& scratch, CellBuild& cell) const;
 
  private:
   const CellRuns& cells_;

@@ -26,7 +26,7 @@ void StoredBlocks::for_children(const Block& block, const Visit& visit) const {
 std::uint64_t StoredBlocks::largest_block(const BlockPlan& plan, const CellRuns& spilled) {
   std::uint64_t largest = 0;
   const std::size_t finest = plan.levels.size() - 1;
-  if (finest == 0) return spilled.triangles_of(0);
+  if (finest == 0) return spilled.triangles_of(CellRank(0));
   for (std::uint32_t b = 0; b < plan.block_count[finest]; ++b) {
     std::uint64_t triangles = 0;
     for (const CellRank parent : plan.blocks[plan.first_block[finest] + b].parents)
@@ -40,8 +40,8 @@ std::uint64_t StoredBlocks::largest_block(const BlockPlan& plan, const CellRuns&
 
 void StoredBlocks::store_root() {
   CellBuild root;
-  std::vector<Triangle> triangles(spilled_.triangles_of(0));
-  finest_.make(0, triangles, scratch_.front(), root);
+  std::vector<Triangle> triangles(spilled_.triangles_of(CellRank(0)));
+  finest_.make(CellRank(0), triangles, scratch_.front(), root);
   store_.put(root, false, stored_.front().front());
 }
 

@@ -18,20 +18,20 @@ void StoredSource::begin_level(std::size_t level) {
   moved_.assign(order_ == Order::for_compression ? cells_[level].size() : 0, {});
 }
 
-void StoredSource::visit(std::uint32_t index, const Visit& visit) {
-  const std::size_t rank = index - tables().levels[level_].first_cell;
+void StoredSource::visit(CellId id, const Visit& visit) {
+  const CellRank rank = tables().levels[level_].rank_of(id);
   CellBuild build;
   store_.get_payload(cells_[level_][rank], level_ > 0, build);
-  Cell cell = tables().cells[index];
+  Cell cell = tables().cells[id];
   if (order_ == Order::for_compression) reorder(build, rank, cell.parent);
   view_payload(build, level_ > 0, cell);
   visit(cell);
 }
 
-void StoredSource::reorder(CellBuild& build, std::size_t rank, std::uint32_t parent) {
+void StoredSource::reorder(CellBuild& build, CellRank rank, CellId parent) {
   CellOrderScratch& scratch = scratch_[static_cast<std::size_t>(scheduler_.worker_index())];
   std::vector<std::uint32_t> moved = order_cell(build, scratch);
-  if (level_ > 0) order_parents(build, moved, parents_moved_[parent - tables().levels[level_ - 1].first_cell], scratch);
+  if (level_ > 0) order_parents(build, moved, parents_moved_[tables().levels[level_ - 1].rank_of(parent)], scratch);
   if (level_ + 1 < cells_.size()) moved_[rank] = std::move(moved);
 }
 

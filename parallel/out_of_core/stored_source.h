@@ -32,10 +32,10 @@ class StoredSource final : public CellSource {
 
   [[nodiscard]] std::vector<PayloadCounts> counts() const override;
   void begin_level(std::size_t level) override;
-  void visit(std::uint32_t index, const Visit& visit) override;
+  void visit(CellId id, const Visit& visit) override;
 
  private:
-  void reorder(CellBuild& build, std::size_t rank, std::uint32_t parent);
+  void reorder(CellBuild& build, CellRank rank, CellId parent);
 
   const std::vector<std::vector<StoredCell>>& cells_;
   const CellStore& store_;

@@ -29,21 +29,21 @@ CellStream::~CellStream() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-std::uint64_t CellStream::family_bytes(std::uint32_t parent) const {
+std::uint64_t CellStream::family_bytes(CellId parent) const {
   const FamilyCells range = family_cells(tables(), parent);
   std::uint64_t bytes = 0;
-  for (std::uint32_t c = range.begin; c < range.end; ++c) bytes += aligned(reader_.plain_size(c));
+  for (CellId c = range.begin; c < range.end; ++c) bytes += aligned(reader_.plain_size(c));
   return bytes;
 }
 
-LoadedFamily CellStream::load(std::uint32_t parent) const {
+LoadedFamily CellStream::load(CellId parent) const {
   LoadedFamily family;
   family.parent = parent;
   family.bytes = family_bytes(parent);
   family.memory = std::make_unique_for_overwrite<std::byte[]>(family.bytes);
   const FamilyCells range = family_cells(tables(), parent);
   std::uint64_t at = 0;
-  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+  for (CellId c = range.begin; c < range.end; ++c) {
     family.cells.push_back(reader_.load(c, {family.memory.get() + at, reader_.plain_size(c)}));
     at += aligned(reader_.plain_size(c));
     map_->forget(reader_.payload(c));
@@ -53,17 +53,17 @@ LoadedFamily CellStream::load(std::uint32_t parent) const {
 
 std::uint64_t CellStream::busy_bytes() const {
   std::uint64_t bytes = 0;
-  for (const std::uint32_t parent : loading_) bytes += family_bytes(parent);
+  for (const CellId parent : loading_) bytes += family_bytes(parent);
   for (const LoadedFamily& family : loaded_) bytes += family.bytes;
   return bytes;
 }
 
-void CellStream::request(std::span<const std::uint32_t> parents, std::uint64_t room) {
+void CellStream::request(std::span<const CellId> parents, std::uint64_t room) {
   {
     const std::lock_guard lock(mutex_);
     queue_.clear();
     std::uint64_t bytes = busy_bytes();
-    for (const std::uint32_t parent : parents) {
+    for (const CellId parent : parents) {
       const auto is_it = [&](const LoadedFamily& family) { return family.parent == parent; };
       if (std::find(loading_.begin(), loading_.end(), parent) != loading_.end() ||
           std::any_of(loaded_.begin(), loaded_.end(), is_it))
@@ -92,7 +92,7 @@ void CellStream::work() {
   while (true) {
     changed_.wait(lock, [&] { return ending_ || !queue_.empty(); });
     if (ending_) return;
-    const std::uint32_t parent = queue_.front();
+    const CellId parent = queue_.front();
     queue_.pop_front();
     loading_.push_back(parent);
     lock.unlock();

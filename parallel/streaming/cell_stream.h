@@ -22,7 +22,7 @@ namespace lodestone {
 
 // The cells of a family, their arrays in `memory`.
 struct LoadedFamily {
-  std::uint32_t parent = no_cell;
+  CellId parent = no_cell;
   std::vector<Cell> cells;
   std::unique_ptr<std::byte[]> memory;
   std::uint64_t bytes = 0;  // of memory
@@ -31,7 +31,7 @@ struct LoadedFamily {
 struct CellStreamConfig {
   int threads = 1;  // that load; at least 1
   // Called by a loading thread before it loads a family, for tests: slow disks, failing ones.
-  std::function<void(std::uint32_t parent)> before_load;
+  std::function<void(CellId parent)> before_load;
 };
 
 class CellStream {
@@ -45,14 +45,14 @@ class CellStream {
   // All cells, their arrays as long as they will be, but not to be read.
   [[nodiscard]] const Hierarchy& tables() const { return reader_.tables(); }
   // Bytes that a family takes in memory, whatever the form of the file.
-  [[nodiscard]] std::uint64_t family_bytes(std::uint32_t parent) const;
+  [[nodiscard]] std::uint64_t family_bytes(CellId parent) const;
 
   // Loads a family on the calling thread. Throws InputError for an altered file.
-  [[nodiscard]] LoadedFamily load(std::uint32_t parent) const;
+  [[nodiscard]] LoadedFamily load(CellId parent) const;
 
   // The families to load, the most urgent first, in place of earlier requests that have not begun. Those under way or
   // not yet collected count into `room` bytes; what does not fit is left out, and so is all after it.
-  void request(std::span<const std::uint32_t> parents, std::uint64_t room);
+  void request(std::span<const CellId> parents, std::uint64_t room);
 
   // Returns what has been loaded since the last call. Rethrows what a load has thrown.
   [[nodiscard]] std::vector<LoadedFamily> collect();
@@ -71,8 +71,8 @@ class CellStream {
   std::mutex mutex_;
   std::condition_variable changed_;
   bool ending_ = false;
-  std::deque<std::uint32_t> queue_;
-  std::vector<std::uint32_t> loading_;
+  std::deque<CellId> queue_;
+  std::vector<CellId> loading_;
   std::vector<LoadedFamily> loaded_;
   std::exception_ptr failure_;
   std::vector<std::thread> threads_;

@@ -4,7 +4,7 @@
 
 namespace lodestone {
 
-bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, std::uint32_t cell, int level,
+bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, CellId cell, int level,
                const ViewProjection& view_projection, ImageSize size) {
   const auto box = screen_box(view_projection, drawn_bounds(hierarchy, cell, level), size);
   return box && pyramid.hides(*box);
@@ -15,11 +15,11 @@ void HiddenCells::reset(std::size_t cells) {
   frame_ = 2;
 }
 
-bool HiddenCells::were_there(const Hierarchy& hierarchy, std::uint32_t cell) const {
+bool HiddenCells::were_there(const Hierarchy& hierarchy, CellId cell) const {
   const Cell& c = hierarchy.cells[cell];
   if (was_hidden(cell) || (c.parent != no_cell && was_hidden(c.parent))) return true;
-  for (std::uint32_t k = 0; k < c.child_count; ++k)
-    if (!was_hidden(c.first_child + k)) return false;
+  for (CellId k = c.first_child; k < c.end_child(); ++k)
+    if (!was_hidden(k)) return false;
   return c.child_count > 0;
 }
 
@@ -36,7 +36,7 @@ void OcclusionCulling::begin(const Frame& frame) {
   }
 }
 
-bool OcclusionCulling::hides(std::size_t model, std::uint32_t cell, int level) {
+bool OcclusionCulling::hides(std::size_t model, CellId cell, int level) {
   History& history = histories_[model];
   if (!is_hidden(pyramid_, *history.hierarchy, cell, level, frame_->models[model].view_projection, frame_->size))
     return false;

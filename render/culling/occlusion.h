@@ -15,7 +15,7 @@
 namespace lodestone {
 
 // True if the pyramid hides all of a selected cell, for any lambda of its vertices.
-[[nodiscard]] bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, std::uint32_t cell, int level,
+[[nodiscard]] bool is_hidden(const DepthPyramid& pyramid, const Hierarchy& hierarchy, CellId cell, int level,
                              const ViewProjection& view_projection, ImageSize size);
 
 // Which cells of a hierarchy were hidden in the frame before.
@@ -25,15 +25,15 @@ class HiddenCells {
   void reset(std::size_t cells);
   // Begins a new frame; cells noted since the last call belong to the frame before.
   void next_frame() { ++frame_; }
-  void note(std::uint32_t cell) { hidden_[cell] = frame_; }
+  void note(CellId cell) { hidden_[cell] = frame_; }
   [[nodiscard]] std::size_t size() const { return hidden_.size(); }
 
   // Was what covers the place of this cell hidden: the cell itself, the one above it, or all those below it? What was
   // out of view was not.
-  [[nodiscard]] bool were_there(const Hierarchy& hierarchy, std::uint32_t cell) const;
+  [[nodiscard]] bool were_there(const Hierarchy& hierarchy, CellId cell) const;
 
  private:
-  [[nodiscard]] bool was_hidden(std::uint32_t cell) const { return hidden_[cell] + 1 == frame_; }
+  [[nodiscard]] bool was_hidden(CellId cell) const { return hidden_[cell] + 1 == frame_; }
   std::vector<std::uint32_t> hidden_;  // by cell: the frame that noted it last
   std::uint32_t frame_ = 2;            // nothing is noted of frame 1
 };
@@ -45,11 +45,11 @@ class OcclusionCulling {
  public:
   // The frame must exist until the next call.
   void begin(const Frame& frame);
-  [[nodiscard]] bool waits(std::size_t model, std::uint32_t cell) const {
+  [[nodiscard]] bool waits(std::size_t model, CellId cell) const {
     return histories_[model].cells.were_there(*histories_[model].hierarchy, cell);
   }
   // Notes hidden cells for the next frame.
-  [[nodiscard]] bool hides(std::size_t model, std::uint32_t cell, int level);
+  [[nodiscard]] bool hides(std::size_t model, CellId cell, int level);
   [[nodiscard]] DepthPyramid& pyramid() { return pyramid_; }
 
  private:

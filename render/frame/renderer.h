@@ -44,8 +44,7 @@ class Renderer {
   }
   // Since the last frame the arrays of these families, named as in core/hierarchy/lode/lode_payload.h, were removed and
   // added (ResidentCells::went, came).
-  virtual void refresh(std::uint32_t /*model*/, std::span<const std::uint32_t> /*went*/,
-                       std::span<const std::uint32_t> /*came*/) {}
+  virtual void refresh(std::uint32_t /*model*/, std::span<const CellId> /*went*/, std::span<const CellId> /*came*/) {}
   // Throws InputError for a frame that check_frame refuses; the last picture is kept then.
   virtual FrameStats draw(const Frame& frame) = 0;
   // Picture of the last frame; empty for `null`, and before the first. Depth is that of the first sample.

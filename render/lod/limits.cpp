@@ -70,28 +70,28 @@ class LimitTracker::Update {
     tracker.missing_.clear();
   }
 
-  void visit(std::uint32_t index, std::size_t level) {
+  void visit(CellId id, std::size_t level) {
     if (static_cast<int>(level) == hierarchy_.finest()) return;
-    const Cell& cell = hierarchy_.cells[index];
+    const Cell& cell = hierarchy_.cells[id];
     const float full = radii_.select[level];
     const float d = distance(radii_.metric, viewpoint_, cell.bounds);
     if (d >= full) return;  // drawn as it is; no limit up to `full` would change d' anywhere
-    const ChildState state = child_state_(index);
-    const float radius = next_radius(index, state, d, full);
+    const ChildState state = child_state_(id);
+    const float radius = next_radius(id, state, d, full);
     if (radius > d) {
       tracker_.limits_.push_back({cell.bounds, radius});
-      tracker_.radius_.emplace(index, radius);
+      tracker_.radius_.emplace(id, radius);
     }
-    if (state == ChildState::missing) tracker_.missing_.push_back(index);
+    if (state == ChildState::missing) tracker_.missing_.push_back(id);
     if (radius >= full) return;  // never refined
-    for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1);
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) visit(k, level + 1);
   }
 
  private:
   // A limit of d or less changes nothing: that is where rising ones start and sinking ones end. No band begins below
   // that of the finest level, so that the last and the first step may be a share of it.
-  [[nodiscard]] float next_radius(std::uint32_t index, ChildState state, float d, float full) const {
-    const auto found = before_.find(index);
+  [[nodiscard]] float next_radius(CellId id, ChildState state, float d, float full) const {
+    const auto found = before_.find(id);
     const float excess = found == before_.end() ? 0 : std::max(std::min(found->second, full) - d, 0.0f);
     switch (state) {
       case ChildState::missing:
@@ -110,13 +110,13 @@ class LimitTracker::Update {
   const ChildStateOf& child_state_;
   float rate_, least_;
   LimitTracker& tracker_;
-  std::unordered_map<std::uint32_t, float> before_;
+  std::unordered_map<CellId, float> before_;
 };
 
 void LimitTracker::update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
                           const ChildStateOf& child_state, float rate) {
   Update update(hierarchy, radii, viewpoint, child_state, rate, *this);
-  if (!hierarchy.cells.empty()) update.visit(0, 0);
+  if (!hierarchy.cells.empty()) update.visit(CellId(0), 0);
 }
 
 }  // namespace lodestone

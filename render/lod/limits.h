@@ -58,7 +58,7 @@ enum class ChildState : std::uint8_t {
 // refined in the last frame: when limited_distance of its bounds was at least r_l.
 class LimitTracker {
  public:
-  using ChildStateOf = std::function<ChildState(std::uint32_t cell)>;
+  using ChildStateOf = std::function<ChildState(CellId cell)>;
 
   // Limits for a frame from this viewpoint: one for every cell that d asks to refine and whose children are missing
   // (R = r_l), and those that sink or rise after a change. `rate` in [0, 1]: share of its excess that a limit loses in
@@ -69,13 +69,13 @@ class LimitTracker {
   [[nodiscard]] DetailLimits limits() const { return limits_; }
 
   // Cells whose children are missing and needed by d, in traversal order.
-  [[nodiscard]] std::span<const std::uint32_t> missing() const { return missing_; }
+  [[nodiscard]] std::span<const CellId> missing() const { return missing_; }
 
  private:
   class Update;
   std::vector<DetailLimit> limits_;
-  std::vector<std::uint32_t> missing_;
-  std::unordered_map<std::uint32_t, float> radius_;  // of the limited cells
+  std::vector<CellId> missing_;
+  std::unordered_map<CellId, float> radius_;  // of the limited cells
 };
 
 }  // namespace lodestone

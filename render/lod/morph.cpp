@@ -36,7 +36,7 @@ Vec3f blend_normals(float lambda, PackedNormal own, PackedNormal parent) {
 
 // Calls body(i, lambda, vertex of the parent cell that P maps i to); at the root lambda is 1 and the last one i itself.
 template <class Body>
-void for_each_vertex(const MorphContext& frame, std::uint32_t cell, const Body& body) {
+void for_each_vertex(const MorphContext& frame, CellId cell, const Body& body) {
   const Cell& c = frame.hierarchy->cells[cell];
   const int level = frame.hierarchy->level_of(cell);
   MorphContext context = frame;
@@ -62,7 +62,7 @@ Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f pare
   return blend_positions(morph_lambda(context, level, w), w, parent_position);
 }
 
-void morph_cell(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out) {
+void morph_cell(const MorphContext& context, CellId cell, std::span<Vec3f> out) {
   const Cell& c = context.hierarchy->cells[cell];
   assert(out.size() == c.positions.size());
   const Cell& coarser = parent_of(context, c);
@@ -71,7 +71,7 @@ void morph_cell(const MorphContext& context, std::uint32_t cell, std::span<Vec3f
   });
 }
 
-void morph_cell_normals(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out) {
+void morph_cell_normals(const MorphContext& context, CellId cell, std::span<Vec3f> out) {
   const Cell& c = context.hierarchy->cells[cell];
   assert(out.size() == c.normals.size());
   const Cell& coarser = parent_of(context, c);
@@ -80,7 +80,7 @@ void morph_cell_normals(const MorphContext& context, std::uint32_t cell, std::sp
   });
 }
 
-void morph_cell_vertices(const MorphContext& context, std::uint32_t cell, std::span<MorphedVertex> out) {
+void morph_cell_vertices(const MorphContext& context, CellId cell, std::span<MorphedVertex> out) {
   const Cell& c = context.hierarchy->cells[cell];
   assert(out.size() == c.positions.size());
   const Cell& coarser = parent_of(context, c);
@@ -90,7 +90,7 @@ void morph_cell_vertices(const MorphContext& context, std::uint32_t cell, std::s
   });
 }
 
-MorphedVertex morph_vertex(const MorphContext& context, std::uint32_t cell, std::uint32_t vertex) {
+MorphedVertex morph_vertex(const MorphContext& context, CellId cell, VertexId vertex) {
   const Cell& c = context.hierarchy->cells[cell];
   const int level = context.hierarchy->level_of(cell);
   if (level == 0) return {c.positions[vertex], unpack_normal(c.normals[vertex])};

@@ -29,17 +29,17 @@ struct MorphContext {
 [[nodiscard]] Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position);
 
 // Drawn positions of all vertices of a cell, in the cell's order. out.size() == cell.positions.size().
-void morph_cell(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out);
+void morph_cell(const MorphContext& context, CellId cell, std::span<Vec3f> out);
 
 // The same for normals, morphed by the same lambda and normalised; at lambda 0 and 1 exactly the stored ones.
-void morph_cell_normals(const MorphContext& context, std::uint32_t cell, std::span<Vec3f> out);
+void morph_cell_normals(const MorphContext& context, CellId cell, std::span<Vec3f> out);
 
 struct MorphedVertex {
   Vec3f position, normal;
 };
 
 // Both at once, for one lambda each: the same bits as the two functions above.
-void morph_cell_vertices(const MorphContext& context, std::uint32_t cell, std::span<MorphedVertex> out);
-[[nodiscard]] MorphedVertex morph_vertex(const MorphContext& context, std::uint32_t cell, std::uint32_t vertex);
+void morph_cell_vertices(const MorphContext& context, CellId cell, std::span<MorphedVertex> out);
+[[nodiscard]] MorphedVertex morph_vertex(const MorphContext& context, CellId cell, VertexId vertex);
 
 }  // namespace lodestone

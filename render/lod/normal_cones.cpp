@@ -138,8 +138,8 @@ NormalCones::NormalCones(const Hierarchy& hierarchy, Scheduler& scheduler) : con
   for (std::size_t c = cones_.size(); c-- > 0;) {
     const Cell& cell = hierarchy.cells[c];
     cones_[c].subtree = cones_[c].morphing;
-    for (std::uint32_t k = 0; k < cell.child_count; ++k)
-      cones_[c].subtree = cone_of_both(cones_[c].subtree, cones_[cell.first_child + k].subtree);
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k)
+      cones_[c].subtree = cone_of_both(cones_[c].subtree, cones_[k].subtree);
   }
 }
 

@@ -40,11 +40,11 @@ class NormalCones {
   NormalCones(const Hierarchy& hierarchy, Scheduler& scheduler);
 
   // Cone of the cell's own triangles with lambda = 1.
-  [[nodiscard]] const NormalCone& still(std::uint32_t cell) const { return cones_[cell].still; }
+  [[nodiscard]] const NormalCone& still(CellId cell) const { return cones_[cell].still; }
   // Cone of the cell's own triangles with any lambda.
-  [[nodiscard]] const NormalCone& morphing(std::uint32_t cell) const { return cones_[cell].morphing; }
+  [[nodiscard]] const NormalCone& morphing(CellId cell) const { return cones_[cell].morphing; }
   // Cone of all triangles of the cell and of those below it, with any lambda.
-  [[nodiscard]] const NormalCone& subtree(std::uint32_t cell) const { return cones_[cell].subtree; }
+  [[nodiscard]] const NormalCone& subtree(CellId cell) const { return cones_[cell].subtree; }
 
  private:
   struct Cones {

@@ -38,16 +38,16 @@ void ResidentCells::take_in(LoadedFamily&& loaded) {
   came_.push_back(loaded.parent);
 }
 
-void ResidentCells::let_go(std::uint32_t parent) {
+void ResidentCells::let_go(CellId parent) {
   const FamilyCells cells = family_cells(hierarchy_, parent);
-  for (std::uint32_t c = cells.begin; c < cells.end; ++c) drop_arrays(hierarchy_.cells[c]);
+  for (CellId c = cells.begin; c < cells.end; ++c) drop_arrays(hierarchy_.cells[c]);
   --families_.at(hierarchy_.cells[parent].parent).resident_children;
   bytes_ -= families_.at(parent).bytes;
   families_.erase(parent);
   went_.push_back(parent);
 }
 
-float ResidentCells::urgency(std::uint32_t parent) const {
+float ResidentCells::urgency(CellId parent) const {
   if (parent == no_cell) return std::numeric_limits<float>::infinity();
   const Cell& cell = hierarchy_.cells[parent];
   const int level = hierarchy_.level_of(parent);
@@ -57,7 +57,7 @@ float ResidentCells::urgency(std::uint32_t parent) const {
   return radii_.select[static_cast<std::size_t>(level)] / d * (seen ? 1 : unseen);
 }
 
-bool ResidentCells::is_refined(std::uint32_t cell) const {
+bool ResidentCells::is_refined(CellId cell) const {
   if (cell == no_cell) return true;  // the root is always drawn or refined
   return limited_distance(radii_.metric, viewpoint_, hierarchy_.cells[cell].bounds, tracker_.limits()) <
          radii_.select[static_cast<std::size_t>(hierarchy_.level_of(cell))];
@@ -66,7 +66,7 @@ bool ResidentCells::is_refined(std::uint32_t cell) const {
 // Removes families that the last frame did not draw, descendants first, until there is room for those it lacked.
 void ResidentCells::make_room() {
   while (lacking_ > 0) {
-    std::vector<std::pair<float, std::uint32_t>> idle;
+    std::vector<std::pair<float, CellId>> idle;
     for (const auto& [parent, family] : families_)
       if (family.resident_children == 0 && !is_refined(parent)) idle.emplace_back(urgency(parent), parent);
     if (idle.empty()) return;
@@ -81,7 +81,7 @@ void ResidentCells::make_room() {
 
 // Families that are drawn but less urgent than missing ones: their limits rise from the next frame on.
 void ResidentCells::choose_unwanted(float most_urgent) {
-  std::vector<std::pair<float, std::uint32_t>> candidates;
+  std::vector<std::pair<float, CellId>> candidates;
   for (auto& [parent, family] : families_) {
     family.unwanted = false;
     if (family.resident_children > 0) continue;
@@ -111,22 +111,22 @@ void ResidentCells::update(const Radii& radii, Vec3f viewpoint, const Frustum* f
   if (frustum) frustum_ = *frustum;
   tracker_.update(
       hierarchy_, radii_, viewpoint_,
-      [&](std::uint32_t cell) {
+      [&](CellId cell) {
         const auto found = families_.find(cell);
         if (found == families_.end()) return ChildState::missing;
         return found->second.unwanted ? ChildState::unwanted : ChildState::there;
       },
       config_.rate);
 
-  std::vector<std::pair<float, std::uint32_t>> missing;
+  std::vector<std::pair<float, CellId>> missing;
   std::uint64_t wanted = 0;
-  for (const std::uint32_t cell : tracker_.missing()) {
+  for (const CellId cell : tracker_.missing()) {
     missing.emplace_back(urgency(cell), cell);
     wanted += stream_.family_bytes(cell);
   }
   std::sort(missing.begin(), missing.end(),
             [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
-  std::vector<std::uint32_t> parents;
+  std::vector<CellId> parents;
   for (const auto& [urgency, cell] : missing) parents.push_back(cell);
   const std::uint64_t room = config_.budget_bytes - bytes_;
   stream_.request(parents, room);

@@ -37,8 +37,8 @@ class ResidentCells {
   // Limits for selection and morph of the frame.
   [[nodiscard]] DetailLimits limits() const { return tracker_.limits(); }
   // Families that the last update added and removed.
-  [[nodiscard]] std::span<const std::uint32_t> came() const { return came_; }
-  [[nodiscard]] std::span<const std::uint32_t> went() const { return went_; }
+  [[nodiscard]] std::span<const CellId> came() const { return came_; }
+  [[nodiscard]] std::span<const CellId> went() const { return went_; }
   // True if the view has all cells that it needs.
   [[nodiscard]] bool complete() const { return tracker_.limits().empty(); }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  // resident now
@@ -52,18 +52,18 @@ class ResidentCells {
     std::uint32_t resident_children = 0;  // families whose parent is in this one
   };
   void take_in(LoadedFamily&& loaded);
-  void let_go(std::uint32_t parent);
+  void let_go(CellId parent);
   void make_room();
-  [[nodiscard]] float urgency(std::uint32_t parent) const;  // for the view of the last update
-  [[nodiscard]] bool is_refined(std::uint32_t cell) const;  // in the last frame
+  [[nodiscard]] float urgency(CellId parent) const;  // for the view of the last update
+  [[nodiscard]] bool is_refined(CellId cell) const;  // in the last frame
   void choose_unwanted(float most_urgent);
 
   CellStream& stream_;
   ResidencyConfig config_;
   Hierarchy hierarchy_;
-  std::unordered_map<std::uint32_t, Family> families_;  // resident, by parent
+  std::unordered_map<CellId, Family> families_;  // resident, by parent
   LimitTracker tracker_;
-  std::vector<std::uint32_t> came_, went_;
+  std::vector<CellId> came_, went_;
   std::uint64_t bytes_ = 0;
   std::uint64_t lacking_ = 0;  // bytes that the last update could not ask for
 

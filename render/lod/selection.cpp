@@ -2,7 +2,7 @@
 
 namespace lodestone {
 
-Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level) {
+Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level) {
   // A blend of two places may leave the box of both by a rounding.
   const float margin = displacement_bound(hierarchy.sigma0, level) + 1e-6f;
   Box3f box = hierarchy.cells[cell].bounds;
@@ -24,8 +24,8 @@ class Traversal {
             Selection& out)
       : hierarchy_(hierarchy), radii_(radii), viewpoint_(viewpoint), config_(config), out_(out) {}
 
-  void visit(std::uint32_t index, std::size_t level, bool visible) {
-    const Cell& cell = hierarchy_.cells[index];
+  void visit(CellId id, std::size_t level, bool visible) {
+    const Cell& cell = hierarchy_.cells[id];
     ++out_.visited;
     // Morphed vertices leave B by at most the displacement bound. B of an ancestor contains B of all below it and its
     // bound is larger, so that a cell outside here is outside with its whole subtree.
@@ -35,20 +35,22 @@ class Traversal {
     const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
                        limited_distance(radii_.metric, viewpoint_, cell.bounds, config_.limits) >= radii_.select[level];
     const bool morphing = drawn && !is_static(radii_, level, viewpoint_, cell.bounds, config_.limits);
-    if (visible && config_.cones) visible = !turns_away(index, level, drawn, morphing);
+    if (visible && config_.cones) {
+      const NormalCones& cones = *config_.cones;
+      visible = !turns_away(!drawn ? cones.subtree(id) : morphing ? cones.morphing(id) : cones.still(id), id, level);
+    }
     if (!visible && !config_.keep_culled) return;
     if (drawn) {
-      out_.cells.push_back({index, static_cast<std::uint8_t>(level), visible, morphing});
+      out_.cells.push_back(
+          {.cell = id, .level = static_cast<std::uint8_t>(level), .visible = visible, .morphing = morphing});
       return;
     }
-    for (std::uint32_t k = 0; k < cell.child_count; ++k) visit(cell.first_child + k, level + 1, visible);
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) visit(k, level + 1, visible);
   }
 
  private:
-  [[nodiscard]] bool turns_away(std::uint32_t index, std::size_t level, bool drawn, bool morphing) const {
-    const NormalCones& cones = *config_.cones;
-    const NormalCone& cone = !drawn ? cones.subtree(index) : morphing ? cones.morphing(index) : cones.still(index);
-    return cone.sine < 1 && turns_its_back(cone, viewpoint_, drawn_bounds(hierarchy_, index, static_cast<int>(level)));
+  [[nodiscard]] bool turns_away(const NormalCone& cone, CellId id, std::size_t level) const {
+    return cone.sine < 1 && turns_its_back(cone, viewpoint_, drawn_bounds(hierarchy_, id, static_cast<int>(level)));
   }
 
   const Hierarchy& hierarchy_;
@@ -64,7 +66,7 @@ void select_cells(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoin
                   Selection& out) {
   out.cells.clear();
   out.visited = 0;
-  if (!hierarchy.cells.empty()) Traversal(hierarchy, radii, viewpoint, config, out).visit(0, 0, true);
+  if (!hierarchy.cells.empty()) Traversal(hierarchy, radii, viewpoint, config, out).visit(CellId(0), 0, true);
 }
 
 }  // namespace lodestone

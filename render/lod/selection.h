@@ -13,10 +13,10 @@
 namespace lodestone {
 
 // B(C) grown by as much as morphing vertices of its level may leave it.
-[[nodiscard]] Box3f drawn_bounds(const Hierarchy& hierarchy, std::uint32_t cell, int level);
+[[nodiscard]] Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level);
 
 struct SelectedCell {
-  std::uint32_t cell = 0;  // index in Hierarchy::cells
+  CellId cell;
   std::uint8_t level = 0;
   bool visible = true;   // false: selected, but culled
   bool morphing = true;  // false: lambda = 1 on the whole box, the static path may draw it

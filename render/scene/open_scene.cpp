@@ -37,7 +37,7 @@ std::string key_of(const SceneModel& model) {
 std::uint64_t bytes_of_cells(const CellStream& stream) {
   std::uint64_t bytes = stream.family_bytes(no_cell);
   const std::vector<Cell>& cells = stream.tables().cells;
-  for (std::uint32_t c = 0; c < cells.size(); ++c)
+  for (CellId c{0}; c < cells.size(); ++c)
     if (cells[c].child_count > 0) bytes += stream.family_bytes(c);
   return bytes;
 }

@@ -24,7 +24,7 @@ inline constexpr int numbers_per_block_bits = 8;
 
 // A visible cell in a frame.
 struct DrawnCell {
-  std::uint32_t cell = 0;  // index in Hierarchy::cells
+  CellId cell;
   std::uint8_t level = 0;
   bool morphing = false;  // false: lambda = 1 on the whole of it, neither lambdas nor parents are looked at
   TriangleNumber first_triangle = 0;

@@ -19,16 +19,16 @@ namespace lodestone::testing {
 // Identity of a vertex of one level: its shared id, or its cell and index where it has none.
 using Identity = std::array<std::uint32_t, 3>;
 
-inline Identity identity(const Hierarchy& hierarchy, std::uint32_t cell, std::uint32_t vertex) {
+inline Identity identity(const Hierarchy& hierarchy, CellId cell, VertexId vertex) {
   const Cell& c = hierarchy.cells[cell];
   if (vertex >= c.first_shared()) return {1, c.shared_ids[vertex - c.first_shared()], 0};
   return {0, cell, vertex};
 }
 
-inline std::uint32_t first_leaf(const Hierarchy& hierarchy) { return hierarchy.levels.back().first_cell; }
+inline CellId first_leaf(const Hierarchy& hierarchy) { return hierarchy.levels.back().first_cell; }
 
-inline std::set<std::uint32_t> drawn_cells(const Selection& selection) {
-  std::set<std::uint32_t> cells;
+inline std::set<CellId> drawn_cells(const Selection& selection) {
+  std::set<CellId> cells;
   for (const SelectedCell& s : selection.cells) cells.insert(s.cell);
   return cells;
 }
@@ -39,11 +39,11 @@ struct DrawnVertex {
   int level = 0;
 };
 
-inline DrawnVertex draw_vertex(const MorphContext& context, const std::set<std::uint32_t>& drawn, std::uint32_t cell,
-                               std::uint32_t vertex) {
+inline DrawnVertex draw_vertex(const MorphContext& context, const std::set<CellId>& drawn, CellId cell,
+                               VertexId vertex) {
   const Hierarchy& h = *context.hierarchy;
   while (!drawn.contains(cell)) {
-    vertex = h.cells[cell].parents[vertex];
+    vertex = VertexId(h.cells[cell].parents[vertex]);
     cell = h.cells[cell].parent;
   }
   const int level = h.level_of(cell);
@@ -78,7 +78,8 @@ class NaiveChain {
 };
 
 struct NaiveHalfEdge {
-  std::uint32_t cell = 0, from = 0, to = 0;
+  CellId cell;
+  VertexId from, to;
 };
 
 // Half-edges of M_L without a partner, by their own cell and local ids. Paired within a cell first; where cells leave a
@@ -86,11 +87,11 @@ struct NaiveHalfEdge {
 inline std::vector<NaiveHalfEdge> naive_unpaired(const Hierarchy& hierarchy) {
   // By the edge's identity and the cell: half-edges along it and against it.
   using Both = std::array<std::vector<NaiveHalfEdge>, 2>;
-  std::map<std::pair<Identity, Identity>, std::map<std::uint32_t, Both>> edges;
-  for (std::uint32_t c = first_leaf(hierarchy); c < hierarchy.cells.size(); ++c)
+  std::map<std::pair<Identity, Identity>, std::map<CellId, Both>> edges;
+  for (CellId c = first_leaf(hierarchy); c < hierarchy.cells.size(); ++c)
     for (const Triangle& t : hierarchy.cells[c].triangles)
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t from = t.v[k], to = t.v[(k + 1) % 3];
+        const VertexId from(t.v[k]), to(t.v[(k + 1) % 3]);
         const Identity a = identity(hierarchy, c, from), b = identity(hierarchy, c, to);
         edges[{std::min(a, b), std::max(a, b)}][c][a < b ? 0 : 1].push_back({c, from, to});
       }
@@ -111,9 +112,9 @@ inline std::vector<NaiveHalfEdge> naive_unpaired(const Hierarchy& hierarchy) {
 
 inline std::uint64_t naive_residual_edges(const MorphContext& context, const Selection& selection) {
   const Hierarchy& h = *context.hierarchy;
-  const std::set<std::uint32_t> drawn = drawn_cells(selection);
+  const std::set<CellId> drawn = drawn_cells(selection);
   NaiveChain chain;
-  for (const std::uint32_t cell : drawn) {
+  for (const CellId cell : drawn) {
     std::vector<Vec3f> positions(h.cells[cell].positions.size());
     morph_cell(context, cell, positions);
     for (const Triangle& t : h.cells[cell].triangles)
@@ -135,10 +136,10 @@ inline double naive_pixels(const Screen& screen, Vec3f from, Vec3f to) {
 inline GapReport naive_vertex_gaps(const MorphContext& context, const Selection& selection,
                                    const Screen* screen = nullptr) {
   const Hierarchy& h = *context.hierarchy;
-  const std::set<std::uint32_t> drawn = drawn_cells(selection);
+  const std::set<CellId> drawn = drawn_cells(selection);
   std::map<Identity, std::vector<Vec3f>> places;
-  for (std::uint32_t c = first_leaf(h); c < h.cells.size(); ++c)
-    for (std::uint32_t v = 0; v < h.cells[c].positions.size(); ++v)
+  for (CellId c = first_leaf(h); c < h.cells.size(); ++c)
+    for (VertexId v{0}; v < h.cells[c].positions.size(); ++v)
       places[identity(h, c, v)].push_back(draw_vertex(context, drawn, c, v).position);
   GapReport report;
   double sum = 0;
@@ -168,11 +169,11 @@ struct NaivePops {
 inline NaivePops naive_largest_jump(const MorphContext& before, const Selection& selected_before,
                                     const MorphContext& after, const Selection& selected_after) {
   const Hierarchy& h = *before.hierarchy;
-  const std::set<std::uint32_t> drawn_before = drawn_cells(selected_before), drawn_after = drawn_cells(selected_after);
+  const std::set<CellId> drawn_before = drawn_cells(selected_before), drawn_after = drawn_cells(selected_after);
   const std::vector<double> bounds = jump_bounds(before, after);
   NaivePops pops;
-  for (std::uint32_t c = first_leaf(h); c < h.cells.size(); ++c)
-    for (std::uint32_t v = 0; v < h.cells[c].positions.size(); ++v) {
+  for (CellId c = first_leaf(h); c < h.cells.size(); ++c)
+    for (VertexId v{0}; v < h.cells[c].positions.size(); ++v) {
       const DrawnVertex a = draw_vertex(before, drawn_before, c, v), b = draw_vertex(after, drawn_after, c, v);
       double bound = 0;
       for (int l = std::min(a.level, b.level); l <= std::max(a.level, b.level); ++l)
@@ -193,15 +194,15 @@ struct NaiveJumps {
 inline NaiveJumps naive_jumps(const MorphContext& before, const Selection& selected_before, const MorphContext& after,
                               const Selection& selected_after, const Screen& screen) {
   const Hierarchy& h = *before.hierarchy;
-  const std::set<std::uint32_t> drawn_before = drawn_cells(selected_before), drawn_after = drawn_cells(selected_after);
-  std::set<std::uint32_t> finer;
+  const std::set<CellId> drawn_before = drawn_cells(selected_before), drawn_after = drawn_cells(selected_after);
+  std::set<CellId> finer;
   for (const auto& [own, other] : {std::pair(&drawn_before, &drawn_after), std::pair(&drawn_after, &drawn_before)})
-    for (const std::uint32_t cell : *own)
-      for (std::uint32_t c = cell; c != no_cell; c = h.cells[c].parent)
+    for (const CellId cell : *own)
+      for (CellId c = cell; c != no_cell; c = h.cells[c].parent)
         if (other->contains(c)) finer.insert(cell);
   NaiveJumps all;
-  for (const std::uint32_t cell : finer)
-    for (std::uint32_t v = 0; v < h.cells[cell].positions.size(); ++v) {
+  for (const CellId cell : finer)
+    for (VertexId v{0}; v < h.cells[cell].positions.size(); ++v) {
       const Vec3f a = draw_vertex(before, drawn_before, cell, v).position,
                   b = draw_vertex(after, drawn_after, cell, v).position;
       all.jumps.push_back(length(to_double(a) - to_double(b)));

@@ -111,7 +111,7 @@ class Limits : public ::testing::Test {
   void set_all(ChildState state) { state_.assign(hierarchy_.cells.size(), state); }
 
   LimitTracker::ChildStateOf child_state() {
-    return [this](std::uint32_t cell) { return state_[cell]; };
+    return [this](CellId cell) { return state_[cell]; };
   }
 
   Frame frame(const Radii& radii, Vec3f viewpoint, LimitTracker& tracker, float rate) {
@@ -124,7 +124,7 @@ class Limits : public ::testing::Test {
   // Every cell that is drawn is there: all cells above it have their children.
   void expect_present(const Frame& f) {
     for (const SelectedCell& s : f.selection.cells)
-      for (std::uint32_t c = hierarchy_.cells[s.cell].parent; c != no_cell; c = hierarchy_.cells[c].parent)
+      for (CellId c = hierarchy_.cells[s.cell].parent; c != no_cell; c = hierarchy_.cells[c].parent)
         ASSERT_NE(state_[c], ChildState::missing) << "cell " << s.cell;
   }
 
@@ -172,12 +172,12 @@ TEST_F(Limits, AncestorsInThePlaceOfMissingCellsCrack) {
   std::uint64_t open = 0;
   for (const Vec3f viewpoint : random_viewpoints(hierarchy_, 20, 5)) {
     Frame f = make_frame(hierarchy_, radii, Blend::smoothstep, viewpoint);
-    std::set<std::uint32_t> missing;
-    for (std::uint32_t c = 0; c < hierarchy_.cells.size(); ++c)
+    std::set<CellId> missing;
+    for (CellId c{0}; c < hierarchy_.cells.size(); ++c)
       if (random() % 4 == 0) missing.insert(c);
     Selection replaced;
     for (SelectedCell s : f.selection.cells) {
-      for (std::uint32_t c = hierarchy_.cells[s.cell].parent; c != no_cell; c = hierarchy_.cells[c].parent)
+      for (CellId c = hierarchy_.cells[s.cell].parent; c != no_cell; c = hierarchy_.cells[c].parent)
         if (missing.contains(c)) s.cell = c;
       s.level = static_cast<std::uint8_t>(hierarchy_.level_of(s.cell));
       if (replaced.cells.empty() || replaced.cells.back().cell != s.cell) replaced.cells.push_back(s);
@@ -203,7 +203,7 @@ TEST_F(Limits, NoPopWhileCellsComeAndGo) {
     before.context.limits = limits_before;
     std::size_t came = 0, went = 0;
     for (int i = 0; i < 200; ++i) {
-      for (std::uint32_t c = 0; c < state_.size(); ++c) {
+      for (CellId c{0}; c < state_.size(); ++c) {
         const auto level = static_cast<std::size_t>(hierarchy_.level_of(c));
         if (static_cast<int>(level) == hierarchy_.finest()) continue;
         const bool refined = limited_distance(radii.metric, before.context.viewpoint, hierarchy_.cells[c].bounds,
@@ -243,7 +243,7 @@ TEST_F(Limits, EndWhereNothingIsMissing) {
   const Vec3f viewpoint{0.5f, 0.5f, 0.9f};
   LimitTracker tracker;
   EXPECT_EQ(frame(radii, viewpoint, tracker, 0.1f).selection.cells.size(), 1u);  // the root
-  EXPECT_EQ(std::vector(tracker.missing().begin(), tracker.missing().end()), std::vector<std::uint32_t>{0});
+  EXPECT_EQ(std::vector(tracker.missing().begin(), tracker.missing().end()), std::vector{CellId(0)});
   set_all(ChildState::there);
   int frames = 0;
   while (!tracker.limits().empty() && frames < 1000) (void)frame(radii, viewpoint, tracker, 0.1f), ++frames;

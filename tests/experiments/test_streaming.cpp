@@ -70,7 +70,7 @@ class Streaming : public ::testing::TestWithParam<LodeForm> {
     const Hierarchy& h = resident.hierarchy();
     for (const SelectedCell& s : f.selection.cells) {
       ASSERT_TRUE(same_arrays(h.cells[s.cell], whole_.cells[s.cell])) << "cell " << s.cell;
-      const std::uint32_t parent = h.cells[s.cell].parent;
+      const CellId parent = h.cells[s.cell].parent;
       if (parent == no_cell) continue;
       ASSERT_TRUE(same_arrays(h.cells[parent], whole_.cells[parent])) << "parent " << parent;
     }
@@ -78,7 +78,7 @@ class Streaming : public ::testing::TestWithParam<LodeForm> {
 
   std::uint64_t all_bytes(const CellStream& stream) const {
     std::uint64_t bytes = stream.family_bytes(no_cell);
-    for (std::uint32_t c = 0; c < whole_.cells.size(); ++c) bytes += stream.family_bytes(c);
+    for (CellId c{0}; c < whole_.cells.size(); ++c) bytes += stream.family_bytes(c);
     return bytes;
   }
 
@@ -148,12 +148,12 @@ TEST_P(Streaming, EndsWithWhatSelectionAsksFor) {
 
 TEST_P(Streaming, CoarseFamiliesComeFirst) {
   const Radii radii = per_level_radii(whole_, DistanceMetric::euclidean);
-  std::vector<std::uint32_t> order;
-  CellStream stream(file_, {1, [&](std::uint32_t parent) { order.push_back(parent); }});
+  std::vector<CellId> order;
+  CellStream stream(file_, {1, [&](CellId parent) { order.push_back(parent); }});
   ResidentCells resident(stream, {all_bytes(stream), 1});
   for (int i = 0; i < 40; ++i) resident.update(radii, {0.5f, 0.5f, 1.02f}), stream.wait();
-  std::set<std::uint32_t> there;
-  for (const std::uint32_t parent : order) {
+  std::set<CellId> there;
+  for (const CellId parent : order) {
     EXPECT_TRUE(parent == 0 || there.contains(whole_.cells[parent].parent)) << "before the cells above it";
     EXPECT_TRUE(there.insert(parent).second) << "loaded twice";
   }

@@ -52,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const std::span<const std::byte> view(bytes.get(), size);
     LodeReader reader(view, bytes, "fuzz");
-    reader.check(0, reader.cell_count());
+    reader.check(CellId(0), CellId(reader.cell_count()));
     const Hierarchy h = std::move(reader).take();
     for (const Cell& cell : h.cells)
       for (const Triangle& t : cell.triangles)

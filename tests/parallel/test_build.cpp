@@ -23,7 +23,7 @@ std::string bytes(const Hierarchy& h) {
   test::append_bytes(out, h.levels);
   for (const Cell& c : h.cells) {
     test::append_bytes(out, std::span<const std::uint64_t>(&c.code.morton, 1));
-    test::append_bytes(out, std::span<const std::uint32_t>(&c.parent, 3));
+    test::append_bytes(out, std::array<std::uint32_t, 3>{c.parent, c.first_child, c.child_count});
     test::append_bytes(out, std::span<const Box3f>(&c.bounds, 1));
     test::append_bytes(out, std::span<const float>(&c.max_displacement, 2));
     test::append_bytes(out, c.positions);

@@ -151,17 +151,17 @@ TEST_F(SaveTiles, ErrorsCoverThoseOfCoarseTextures) {
   Hierarchy h = built(surface(), *scheduler_);
   const auto errors = [&] {
     std::vector<double> all;
-    for (std::uint32_t c = 0; c < h.cells.size(); ++c) all.push_back(tile_error(h, c));
+    for (CellId c{0}; c < h.cells.size(); ++c) all.push_back(tile_error(h, c));
     return all;
   };
   const std::vector<double> plain = errors();
-  for (std::uint32_t c = 0; c < h.cells.size(); ++c)
+  for (CellId c{0}; c < h.cells.size(); ++c)
     EXPECT_FLOAT_EQ(static_cast<float>(plain[c]), static_cast<float>(h.cells[c].error * h.transform.scale));
   // uv runs over the model's unit, 100 metres: a texel of a copy of 500 pixels is 20 centimetres where it is flat.
   h.texture_copies = {{0, 1, 500, 500, {}}};
   const std::vector<double> textured = errors();
   std::size_t larger = 0;
-  for (std::uint32_t c = 0; c < h.cells.size(); ++c) {
+  for (CellId c{0}; c < h.cells.size(); ++c) {
     if (h.level_of(c) == h.finest()) {
       EXPECT_EQ(textured[c], 0);
     }
@@ -181,7 +181,7 @@ TEST_F(SaveTiles, CoarseLevelsLinkTheirCopies) {
   const auto found = files();
   for (const auto& [name, bytes] : {std::pair{"0.jpg", '1'}, {"0_1.jpg", '2'}, {"0_2.jpg", '3'}})
     EXPECT_EQ(found.at(std::string("textures/") + name).back(), bytes);
-  for (std::uint32_t c = 0; c < h.cells.size(); ++c) {
+  for (CellId c{0}; c < h.cells.size(); ++c) {
     const std::array links{"textures/0_2.jpg", "textures/0_2.jpg", "textures/0_1.jpg", "textures/0.jpg"};
     const std::string& glb = found.at(tile_path(h, c));
     if (glb.find("textures/0") == std::string::npos) continue;  // a cell of the other material

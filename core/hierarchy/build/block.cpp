@@ -321,7 +321,7 @@ class BlockBuilder {
       const Vec3d moved = to_double(result.positions[p]) - to_double(from);
       double bound = dot(moved, moved);
       if (!result.distance.empty()) bound = std::min(bound, square(result.distance[v]));
-      if (bound > squared) squared = s_.surface.farther(squared, from, p);
+      if (bound > squared) squared = s_.surface.farther(squared, from, VertexId(p));
     }
     off_surface2_ = std::max(off_surface2_, squared);
     return root_up(squared);

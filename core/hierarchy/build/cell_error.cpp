@@ -358,7 +358,7 @@ double CellErrorMeter::Measurement::run(const CellErrorQuery& query) {
   SurfaceItem hint;
   walk(query.level.cell_branch(query.cell), false, hint);
   hint = {};
-  for (std::uint32_t c = query.first; c < query.end; ++c) walk(query.finest.cell_branch(c), true, hint);
+  for (CellRank c = query.first; c < query.end; ++c) walk(query.finest.cell_branch(c), true, hint);
   while (!heap_.empty() && heap_.front().upper > limit()) {
     std::pop_heap(heap_.begin(), heap_.end(), by_bound);
     const Candidate top = heap_.back();

@@ -27,13 +27,12 @@ struct CellErrorWork {
   std::uint64_t queries = 0, pieces = 0;
 };
 
-// `cell` of level l, counted from the first one, with its surface, against the finest level, of which the cells
-// [first, end) lie below it.
+// `cell` of level l, with its surface, against the finest level, of which the cells [first, end) lie below it.
 struct CellErrorQuery {
   const LevelSurface& level;
-  std::uint32_t cell;
+  CellRank cell;
   const LevelSurface& finest;
-  std::uint32_t first, end;
+  CellRank first, end;
   double known = 0;       // a lower bound of the result
   double negligible = 0;  // distances below this need not be told apart
 };

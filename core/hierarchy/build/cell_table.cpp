@@ -10,15 +10,15 @@ namespace {
 LevelCells coarsen(LevelCells& fine) {
   LevelCells coarse;
   fine.parent.resize(fine.codes.size());
-  for (CellRank c = 0; c < fine.codes.size(); ++c) {
+  for (CellRank c{0}; c < fine.codes.size(); ++c) {
     const CellCode parent = fine.codes[c].parent();
     if (coarse.codes.empty() || coarse.codes.back() != parent) {
       coarse.codes.push_back(parent);
       coarse.first_child.push_back(c);
     }
-    fine.parent[c] = static_cast<CellRank>(coarse.codes.size() - 1);
+    fine.parent[c] = CellRank(coarse.codes.size() - 1);
   }
-  coarse.first_child.push_back(static_cast<CellRank>(fine.codes.size()));
+  coarse.first_child.push_back(CellRank(fine.codes.size()));
   return coarse;
 }
 
@@ -37,7 +37,7 @@ UsageBox block_range(CellCoord k) {
 // Blocks that consume level l, as groups of the parents on level l - 1.
 void append_blocks(const LevelCells& parents, int level, std::vector<Block>& out) {
   std::vector<std::pair<CellCode, CellRank>> keyed(parents.codes.size());
-  for (CellRank p = 0; p < keyed.size(); ++p) keyed[p] = {CellCode::from(block_of_parent(parents.codes[p].coord())), p};
+  for (CellRank p{0}; p < keyed.size(); ++p) keyed[p] = {CellCode::from(block_of_parent(parents.codes[p].coord())), p};
   std::sort(keyed.begin(), keyed.end());
   for (std::size_t i = 0; i < keyed.size(); ++i) {
     if (i == 0 || keyed[i].first != keyed[i - 1].first) out.push_back({level, block_range(keyed[i].first.coord()), {}});

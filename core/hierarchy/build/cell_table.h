@@ -6,12 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/id.h"
 #include "core/hierarchy/build/cell_build.h"
 
 namespace lodestone {
-
-// Index of a cell among the cells of its level, in Morton order.
-using CellRank = std::uint32_t;
 
 struct LevelCells {
   std::vector<CellCode> codes;        // ascending

@@ -24,10 +24,10 @@ Box3f grown(const Box3f& box, double distance) {
 
 LevelSurface::LevelSurface(const Hierarchy& hierarchy, int level)
     : cells_(hierarchy.cells_of(level)),
-      first_cell_(hierarchy.levels[static_cast<std::size_t>(level)].first_cell),
+      level_(hierarchy.levels[static_cast<std::size_t>(level)]),
       trees_(cells_.size()) {}
 
-void LevelSurface::build_cell(std::uint32_t cell) {
+void LevelSurface::build_cell(CellRank cell) {
   const Cell& from = cells_[cell];
   const auto triangles = static_cast<std::uint32_t>(from.triangles.size());
   std::vector<BoxTree::Item> items;
@@ -44,11 +44,11 @@ void LevelSurface::build_cell(std::uint32_t cell) {
 
 void LevelSurface::build_rest() {
   std::vector<BoxTree::Item> items;
-  for (std::uint32_t cell = 0; cell < trees_.size(); ++cell) items.push_back({trees_[cell].root().box, cell});
+  for (CellRank cell{0}; cell < trees_.size(); ++cell) items.push_back({trees_[cell].root().box, cell});
   top_ = BoxTree(std::move(items), 1);
 }
 
-Box3f LevelSurface::box_of(std::uint32_t cell, std::uint32_t number) const {
+Box3f LevelSurface::box_of(CellRank cell, std::uint32_t number) const {
   const Cell& from = cells_[cell];
   Box3f box;
   if (number < from.triangles.size()) {
@@ -60,7 +60,7 @@ Box3f LevelSurface::box_of(std::uint32_t cell, std::uint32_t number) const {
 }
 
 LevelSurface::Corners LevelSurface::corners(SurfaceItem item) const {
-  const Cell& cell = cells_[item.cell - first_cell_];
+  const Cell& cell = cells_[level_.rank_of(item.cell)];
   if (item.number < cell.triangles.size()) {
     const auto& v = cell.triangles[item.number].v;
     return {to_double(cell.positions[v[0]]), to_double(cell.positions[v[1]]), to_double(cell.positions[v[2]])};
@@ -69,8 +69,8 @@ LevelSurface::Corners LevelSurface::corners(SurfaceItem item) const {
   return {point, point, point};
 }
 
-void LevelSurface::take(std::uint32_t cell, std::uint32_t number, Vec3d p, Nearest& best) const {
-  const SurfaceItem item{first_cell_ + cell, number};
+void LevelSurface::take(CellRank cell, std::uint32_t number, Vec3d p, Nearest& best) const {
+  const SurfaceItem item{level_.id_of(cell), number};
   const auto [a, b, c] = corners(item);
   const double squared = nearest_on_triangle(p, a, b, c).squared_distance;
   if (squared < best.squared_distance) best = {squared, item};
@@ -80,12 +80,12 @@ void LevelSurface::gather(const Box3f& box, double distance, std::size_t limit, 
   const Box3f around = grown(box, distance);
   const auto accepts = [&](const Box3f& other) { return overlap(other, around); };
   top_.walk(accepts, [&](BoxTree::Slots top) {
-    const std::uint32_t cell = top_.items()[top.begin];
+    const CellRank cell(top_.items()[top.begin]);
     const BoxTree& tree = trees_[cell];
     if (!accepts(tree.root().box)) return false;
     tree.walk(accepts, [&](BoxTree::Slots slots) {
       for (std::uint32_t i = slots.begin; i < slots.end; ++i)
-        if (accepts(box_of(cell, tree.items()[i]))) items.push_back({first_cell_ + cell, tree.items()[i]});
+        if (accepts(box_of(cell, tree.items()[i]))) items.push_back({level_.id_of(cell), tree.items()[i]});
       return items.size() > limit;
     });
     return items.size() > limit;
@@ -94,10 +94,10 @@ void LevelSurface::gather(const Box3f& box, double distance, std::size_t limit, 
 
 LevelSurface::Nearest LevelSurface::nearest(Vec3d p, SurfaceItem hint, double enough) const {
   Nearest best{std::numeric_limits<double>::infinity(), {}};
-  if (hint.cell != no_cell) take(hint.cell - first_cell_, hint.number, p, best);
+  if (hint.cell != no_cell) take(level_.rank_of(hint.cell), hint.number, p, best);
   if (best.squared_distance <= enough) return best;
   top_.search(p, best.squared_distance, [&](BoxTree::Slots top) {
-    const std::uint32_t cell = top_.items()[top.begin];
+    const CellRank cell(top_.items()[top.begin]);
     const BoxTree& tree = trees_[cell];
     if (!(squared_distance(p, tree.root().box) < best.squared_distance)) return false;
     tree.search(p, best.squared_distance, [&](BoxTree::Slots slots) {

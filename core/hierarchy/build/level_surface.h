@@ -16,8 +16,8 @@ namespace lodestone {
 // An element of a surface: a triangle of a cell, or, as a point, a vertex that no triangle of its cell uses. Such
 // points are the remains of a part of the surface that has collapsed altogether.
 struct SurfaceItem {
-  std::uint32_t cell = no_cell;  // index in Hierarchy::cells; no_cell: none
-  std::uint32_t number = 0;      // a triangle of the cell; from the number of triangles on, a vertex
+  CellId cell = no_cell;     // no_cell: none
+  std::uint32_t number = 0;  // a triangle of the cell; from the number of triangles on, a vertex
 };
 
 class LevelSurface {
@@ -31,10 +31,9 @@ class LevelSurface {
 
   // Keeps a reference to the hierarchy, whose payloads must remain valid.
   LevelSurface(const Hierarchy& hierarchy, int level);
-  // Cells are counted from the first one of the level. Every cell is built once, in any order and on any thread; after
-  // all of them, the rest.
+  // Every cell of the level is built once, in any order and on any thread; after all of them, the rest.
   [[nodiscard]] std::uint32_t cell_count() const { return static_cast<std::uint32_t>(trees_.size()); }
-  void build_cell(std::uint32_t cell);
+  void build_cell(CellRank cell);
   void build_rest();
 
   // The nearest item. hint: one that may be near, which makes queries on coherent points several times faster. enough:
@@ -46,10 +45,10 @@ class LevelSurface {
 
   // A subtree of the tree of a cell.
   struct Branch {
-    std::uint32_t cell = 0;  // counted from the first one of the level
+    CellRank cell;
     BoxTree::Branch tree;
   };
-  [[nodiscard]] Branch cell_branch(std::uint32_t cell) const { return {cell, trees_[cell].root()}; }
+  [[nodiscard]] Branch cell_branch(CellRank cell) const { return {cell, trees_[cell].root()}; }
   [[nodiscard]] std::array<Branch, 2> halves(const Branch& branch) const {
     const auto [left, right] = trees_[branch.cell].halves(branch.tree);
     return {Branch{branch.cell, left}, Branch{branch.cell, right}};
@@ -60,15 +59,15 @@ class LevelSurface {
     const BoxTree::Slots slots = BoxTree::slots(leaf.tree);
     for (std::uint32_t i = slots.begin; i < slots.end; ++i)
       if (const std::uint32_t number = trees_[leaf.cell].items()[i]; number < cells_[leaf.cell].triangles.size())
-        visit(SurfaceItem{first_cell_ + leaf.cell, number});
+        visit(SurfaceItem{level_.id_of(leaf.cell), number});
   }
 
  private:
-  [[nodiscard]] Box3f box_of(std::uint32_t cell, std::uint32_t number) const;
-  void take(std::uint32_t cell, std::uint32_t number, Vec3d p, Nearest& best) const;
+  [[nodiscard]] Box3f box_of(CellRank cell, std::uint32_t number) const;
+  void take(CellRank cell, std::uint32_t number, Vec3d p, Nearest& best) const;
 
   std::span<const Cell> cells_;
-  std::uint32_t first_cell_;
+  const Level& level_;
   std::vector<BoxTree> trees_;  // by cell
   BoxTree top_;                 // over the cells, one per leaf
 };

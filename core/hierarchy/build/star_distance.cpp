@@ -22,27 +22,27 @@ void StarDistance::reset(std::span<const Triangle> triangles, std::span<const Ve
       for (const std::uint32_t v : triangles[t].v) incident_[--first_[v]] = static_cast<std::uint32_t>(t);
 }
 
-void StarDistance::search_star(double known, const Vec3d& p, std::uint32_t vertex, Nearest& nearest) const {
+void StarDistance::search_star(double known, const Vec3d& p, VertexId vertex, Nearest& nearest) const {
   for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1] && nearest.squared > known; ++i) {
     const auto& v = triangles_[incident_[i]].v;
     const double squared =
         nearest_on_triangle(p, to_double(positions_[v[0]]), to_double(positions_[v[1]]), to_double(positions_[v[2]]))
             .squared_distance;
-    if (squared < nearest.squared) nearest = {squared, incident_[i]};
+    if (squared < nearest.squared) nearest = {squared, TriangleId(incident_[i])};
   }
 }
 
 // Searches the stars of all vertices around a triangle: a step over a notch in the border of the block, where the
 // search along nearer and nearer triangles would end too early.
-void StarDistance::search_around(double known, const Vec3d& p, std::uint32_t triangle, Nearest& nearest) const {
+void StarDistance::search_around(double known, const Vec3d& p, TriangleId triangle, Nearest& nearest) const {
   for (const std::uint32_t v : triangles_[triangle].v)
     for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i)
-      for (const std::uint32_t u : triangles_[incident_[i]].v) search_star(known, p, u, nearest);
+      for (const std::uint32_t u : triangles_[incident_[i]].v) search_star(known, p, VertexId(u), nearest);
 }
 
 // True if the foot of p on a triangle around `vertex` lies inside that triangle and within `known`: in single precision
 // and without a division, since it is true for most vertices.
-bool StarDistance::is_near(float known, Vec3f p, std::uint32_t vertex) const {
+bool StarDistance::is_near(float known, Vec3f p, VertexId vertex) const {
   const Vec3f centre = positions_[vertex], o = p - centre;
   for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {
     const auto& v = triangles_[incident_[i]].v;
@@ -57,11 +57,11 @@ bool StarDistance::is_near(float known, Vec3f p, std::uint32_t vertex) const {
   return false;
 }
 
-double StarDistance::farther(double known, Vec3f p, std::uint32_t vertex) const {
+double StarDistance::farther(double known, Vec3f p, VertexId vertex) const {
   if (is_near(static_cast<float>(known), p, vertex)) return known;
   const Vec3d point = to_double(p);
   Nearest nearest{squared_length(point - to_double(positions_[vertex]))};
-  if (first_[vertex] < first_[vertex + 1]) nearest.triangle = incident_[first_[vertex]];
+  if (first_[vertex] < first_[vertex + 1]) nearest.triangle = TriangleId(incident_[first_[vertex]]);
   search_star(known, point, vertex, nearest);
   // Every step is strictly nearer, so this ends.
   for (bool wide = false; nearest.squared > known && nearest.triangle != none;) {
@@ -69,7 +69,8 @@ double StarDistance::farther(double known, Vec3f p, std::uint32_t vertex) const 
     if (wide) {
       search_around(known, point, nearest.triangle, nearest);
     } else {
-      for (const std::uint32_t v : Triangle(triangles_[nearest.triangle]).v) search_star(known, point, v, nearest);
+      for (const std::uint32_t v : Triangle(triangles_[nearest.triangle]).v)
+        search_star(known, point, VertexId(v), nearest);
     }
     if (nearest.squared < before) {
       wide = false;

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/id.h"
 #include "core/math/vec3.h"
 #include "core/mesh/indexed_mesh.h"
 
@@ -24,17 +25,17 @@ class StarDistance {
   // The larger of `known` and the squared distance of p from the surface near `vertex`; from the vertex itself if it
   // has no triangle. Stops at the first triangle within `known`: with a running maximum most queries end at their first
   // triangle.
-  [[nodiscard]] double farther(double known, Vec3f p, std::uint32_t vertex) const;
+  [[nodiscard]] double farther(double known, Vec3f p, VertexId vertex) const;
 
  private:
-  static constexpr std::uint32_t none = 0xffff'ffffu;
+  static constexpr TriangleId none{0xffff'ffffu};
   struct Nearest {
     double squared = 0;
-    std::uint32_t triangle = none;
+    TriangleId triangle = none;
   };
-  [[nodiscard]] bool is_near(float known, Vec3f p, std::uint32_t vertex) const;
-  void search_star(double known, const Vec3d& p, std::uint32_t vertex, Nearest& nearest) const;
-  void search_around(double known, const Vec3d& p, std::uint32_t triangle, Nearest& nearest) const;
+  [[nodiscard]] bool is_near(float known, Vec3f p, VertexId vertex) const;
+  void search_star(double known, const Vec3d& p, VertexId vertex, Nearest& nearest) const;
+  void search_around(double known, const Vec3d& p, TriangleId triangle, Nearest& nearest) const;
 
   std::span<const Triangle> triangles_;
   std::span<const Vec3f> positions_;

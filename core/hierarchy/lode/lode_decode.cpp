@@ -93,8 +93,8 @@ void take_levels(Hierarchy& hierarchy, std::span<const std::byte> bytes, const L
   for (std::uint32_t l = 0; l < header.level_count; ++l) {
     const auto r = record_at<LodeLevel>(bytes, sizeof(LodeHeader) + l * sizeof(LodeLevel));
     cells += r.cell_count;
-    hierarchy.levels.push_back(
-        {r.first_cell, r.cell_count, r.triangles, r.vertices, r.reach, r.diameter, r.error, r.max_edge, r.long_edges});
+    hierarchy.levels.push_back({CellId(r.first_cell), r.cell_count, r.triangles, r.vertices, r.reach, r.diameter,
+                                r.error, r.max_edge, r.long_edges});
   }
   require(cells == header.cell_count, file, "level table", "the levels do not cover the cells");
 }
@@ -110,8 +110,8 @@ void place_arrays(Cell& cell, const PayloadCounts& counts, const std::byte* at) 
 Cell cell_of_record(const LodeCell& r, const PayloadCounts& counts, const std::byte* at) {
   Cell cell;
   cell.code = {r.code};
-  cell.parent = r.parent;
-  cell.first_child = r.first_child;
+  cell.parent = CellId(r.parent);
+  cell.first_child = CellId(r.first_child);
   cell.child_count = r.child_count;
   cell.bounds = {{r.lo[0], r.lo[1], r.lo[2]}, {r.hi[0], r.hi[1], r.hi[2]}};
   cell.max_displacement = r.max_displacement;
@@ -120,7 +120,7 @@ Cell cell_of_record(const LodeCell& r, const PayloadCounts& counts, const std::b
   return cell;
 }
 
-std::string cell_place(std::uint32_t cell) { return "cell " + std::to_string(cell); }
+std::string cell_place(CellId cell) { return "cell " + std::to_string(cell); }
 
 // Memory for the plain payloads, not initialised.
 std::shared_ptr<std::byte[]> allocate_payloads(std::uint64_t bytes, const std::string& file) {
@@ -145,30 +145,31 @@ LodeReader::LodeReader(std::span<const std::byte> bytes, std::shared_ptr<const v
   if (const std::string fault = table_fault(hierarchy_); !fault.empty()) refuse(file_, "tables", fault);
 }
 
-LodeCell LodeReader::record(std::uint32_t cell) const {
+LodeCell LodeReader::record(CellId cell) const {
   const std::uint64_t table = sizeof(LodeHeader) + hierarchy_.levels.size() * sizeof(LodeLevel);
   return record_at<LodeCell>(bytes_, table + std::uint64_t{cell} * sizeof(LodeCell));
 }
 
 // Payloads are adjacent up to the assets; take_cells has checked it.
-std::span<const std::byte> LodeReader::payload(std::uint32_t cell) const {
+std::span<const std::byte> LodeReader::payload(CellId cell) const {
   const std::uint64_t begin = record(cell).offset;
-  const std::uint64_t end = cell + 1 < cell_count() ? record(cell + 1).offset : payload_end_;
+  const std::uint64_t end = cell + 1 < cell_count() ? record(CellId(cell + 1)).offset : payload_end_;
   return bytes_.subspan(begin, end - begin);
 }
 
 void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void> storage) {
   const auto say = [&](bool holds, const char* what) { require(holds, file_, "cell table", what); };
-  const auto counts = [&](const LodeCell& r, std::uint32_t c) {
+  const auto counts = [&](const LodeCell& r, CellId c) {
     return PayloadCounts{r.vertices, r.shared, r.triangles, c >= hierarchy_.levels.front().cell_count,
                          hierarchy_.attributes};
   };
   payload_end_ = header.payload_offset + header.payload_bytes;
   const auto count = static_cast<std::uint32_t>(header.cell_count);
   std::uint64_t unpacked = 0;
-  for (std::uint32_t c = 0; c < count; ++c) {
+  for (CellId c{0}; c < count; ++c) {
     const LodeCell r = record(c);
-    const std::uint64_t end = c + 1 < count ? record(c + 1).offset : payload_end_, plain = plain_bytes(counts(r, c));
+    const std::uint64_t end = c + 1 < count ? record(CellId(c + 1)).offset : payload_end_;
+    const std::uint64_t plain = plain_bytes(counts(r, c));
     say(r.offset >= header.payload_offset && r.offset <= end && end <= payload_end_ && r.offset % lode_alignment == 0 &&
             (c > 0 || r.offset == header.payload_offset),
         "a payload has a wrong offset");
@@ -185,7 +186,7 @@ void LodeReader::take_cells(const LodeHeader& header, std::shared_ptr<const void
   }
   hierarchy_.cells.reserve(count);
   const std::byte* at = unpacked_;
-  for (std::uint32_t c = 0; c < count; ++c) {
+  for (CellId c{0}; c < count; ++c) {
     const LodeCell r = record(c);
     const PayloadCounts n = counts(r, c);
     hierarchy_.cells.push_back(cell_of_record(r, n, form_ == LodeForm::plain ? bytes_.data() + r.offset : at));
@@ -201,8 +202,8 @@ void LodeReader::take_assets(const LodeHeader& header) {
     refuse(file_, "materials and textures", fault);
 }
 
-void LodeReader::check(std::uint32_t first, std::uint32_t end) {
-  for (std::uint32_t c = first; c < end; ++c) {
+void LodeReader::check(CellId first, CellId end) {
+  for (CellId c = first; c < end; ++c) {
     const Cell& cell = hierarchy_.cells[c];
     std::span<std::byte> memory;
     if (form_ == LodeForm::compressed) {
@@ -214,7 +215,7 @@ void LodeReader::check(std::uint32_t first, std::uint32_t end) {
   }
 }
 
-Cell LodeReader::load(std::uint32_t c, std::span<std::byte> memory) const {
+Cell LodeReader::load(CellId c, std::span<std::byte> memory) const {
   unpack(c, memory);
   if (form_ == LodeForm::plain) std::memcpy(memory.data(), payload(c).data(), memory.size());
   Cell cell = hierarchy_.cells[c];
@@ -225,11 +226,9 @@ Cell LodeReader::load(std::uint32_t c, std::span<std::byte> memory) const {
   return cell;
 }
 
-std::uint64_t LodeReader::plain_size(std::uint32_t cell) const {
-  return plain_bytes(counts_of(hierarchy_.cells[cell]));
-}
+std::uint64_t LodeReader::plain_size(CellId cell) const { return plain_bytes(counts_of(hierarchy_.cells[cell])); }
 
-void LodeReader::unpack(std::uint32_t c, std::span<std::byte> memory) const {
+void LodeReader::unpack(CellId c, std::span<std::byte> memory) const {
   const std::span<const std::byte> packed = payload(c);
   if (checksum(packed) != record(c).checksum)
     refuse(file_, cell_place(c), "the checksum does not match: the file was altered");

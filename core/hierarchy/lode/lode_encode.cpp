@@ -118,7 +118,7 @@ LodeLayout plan_compressed_lode(const Hierarchy& hierarchy, std::span<const std:
 std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes) {
   std::vector<LodeChunk> chunks;
   const auto cells = static_cast<std::uint32_t>(layout.cell_offset.size() - 1);
-  for (std::uint32_t first = 0, end = 0; first < cells; first = end) {
+  for (CellId first, end; first < cells; first = end) {
     while (end < cells && (end == first || layout.cell_offset[end + 1] - layout.cell_offset[first] <= chunk_bytes))
       ++end;
     chunks.push_back({first, end});
@@ -146,7 +146,7 @@ void encode_lode_chunk(const Hierarchy& hierarchy, const LodeLayout& layout, Lod
                        std::vector<std::byte>& bytes, std::span<std::uint64_t> checksums) {
   const std::uint64_t start = layout.cell_offset[chunk.first_cell];
   bytes.resize(layout.cell_offset[chunk.end_cell] - start);
-  for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c)
+  for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c)
     checksums[c] = encode_payload(
         hierarchy.cells[c],
         std::span(bytes).subspan(layout.cell_offset[c] - start, layout.cell_offset[c + 1] - layout.cell_offset[c]));
@@ -158,7 +158,7 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
   if (!lattice)
     throw InputError(describe("", "", "only a hierarchy on a lattice can be compressed", "build it with --lattice"));
   bytes.clear();
-  for (std::uint32_t c = chunk.first_cell; c < chunk.end_cell; ++c) {
+  for (CellId c = chunk.first_cell; c < chunk.end_cell; ++c) {
     const std::size_t begin = bytes.size();
     checksums[c] = append_compressed_payload(hierarchy.cells[c], lattice, bytes);
     payload_sizes[c] = bytes.size() - begin;

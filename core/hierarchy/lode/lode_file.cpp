@@ -31,7 +31,7 @@ std::uint64_t write_plain(const Hierarchy& hierarchy, AtomicFile& file) {
 std::uint64_t write_compressed(const Hierarchy& hierarchy, AtomicFile& file) {
   std::vector<std::uint64_t> sizes(hierarchy.cells.size()), checksums(hierarchy.cells.size());
   std::vector<std::byte> payloads;
-  compress_lode_chunk(hierarchy, {0, static_cast<std::uint32_t>(sizes.size())}, payloads, sizes, checksums);
+  compress_lode_chunk(hierarchy, {CellId(0), CellId(sizes.size())}, payloads, sizes, checksums);
   const LodeLayout layout = plan_compressed_lode(hierarchy, sizes);
   const std::vector<std::byte> assets = encode_assets(hierarchy);
   file.write(encode_lode_tables(hierarchy, layout, checksums, assets));
@@ -53,7 +53,7 @@ std::uint64_t write_lode(const Hierarchy& hierarchy, const std::filesystem::path
 Hierarchy open_lode(const std::filesystem::path& path) {
   const auto map = std::make_shared<const MappedFile>(path);
   LodeReader reader(map->bytes(), map, path.string());
-  reader.check(0, reader.cell_count());
+  reader.check(CellId(0), CellId(reader.cell_count()));
   return std::move(reader).take();
 }
 

@@ -112,7 +112,7 @@ std::uint64_t append_compressed_payload(const Cell& cell, Lattice lattice, std::
 
 // A run of consecutive cells that is encoded and written at once.
 struct LodeChunk {
-  std::uint32_t first_cell = 0, end_cell = 0;
+  CellId first_cell, end_cell;
 };
 // Cuts all cells into runs of about chunk_bytes, each at least one cell; a function of the layout alone.
 [[nodiscard]] std::vector<LodeChunk> lode_chunks(const LodeLayout& layout, std::uint64_t chunk_bytes = 4u << 20);
@@ -162,13 +162,13 @@ class LodeReader {
 
   // Checks the payloads of cells [first, end), having decompressed them: checksum, finite positions, every index in
   // range, no degenerate triangle. Throws InputError. May be called at once for disjoint ranges.
-  void check(std::uint32_t first, std::uint32_t end);
+  void check(CellId first, CellId end);
 
   // One cell alone: what check() does, but the arrays of the cell returned lie in `memory`, of plain_size(cell) bytes
   // and 16-byte aligned. Any number of threads may load at once.
-  [[nodiscard]] Cell load(std::uint32_t cell, std::span<std::byte> memory) const;
-  [[nodiscard]] std::uint64_t plain_size(std::uint32_t cell) const;
-  [[nodiscard]] std::span<const std::byte> payload(std::uint32_t cell) const;  // as stored in the file
+  [[nodiscard]] Cell load(CellId cell, std::span<std::byte> memory) const;
+  [[nodiscard]] std::uint64_t plain_size(CellId cell) const;
+  [[nodiscard]] std::span<const std::byte> payload(CellId cell) const;  // as stored in the file
 
   // The tables: cells as the file has them. Their arrays must not be used before they are checked.
   [[nodiscard]] const Hierarchy& tables() const { return hierarchy_; }
@@ -179,9 +179,9 @@ class LodeReader {
  private:
   void take_cells(const LodeHeader& header, std::shared_ptr<const void> storage);
   void take_assets(const LodeHeader& header);
-  [[nodiscard]] LodeCell record(std::uint32_t cell) const;
+  [[nodiscard]] LodeCell record(CellId cell) const;
   // Checks the checksum and, in the compressed form, decompresses into `memory`.
-  void unpack(std::uint32_t cell, std::span<std::byte> memory) const;
+  void unpack(CellId cell, std::span<std::byte> memory) const;
 
   std::span<const std::byte> bytes_;
   std::string file_;

@@ -72,15 +72,15 @@ void compress_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>&
 [[nodiscard]] constexpr std::uint64_t max_decompressed(std::uint64_t bytes) { return 64 * bytes; }
 
 // A *family*: the children of one cell, which are drawn together or not at all. It is named by its parent's index; the
-// root alone is the family no_cell. The values are indices in Hierarchy::cells.
+// root alone is the family no_cell.
 struct FamilyCells {
-  std::uint32_t begin = 0, end = 0;
+  CellId begin, end;
 };
 
-[[nodiscard]] inline FamilyCells family_cells(const Hierarchy& hierarchy, std::uint32_t parent) {
-  if (parent == no_cell) return {0, 1};
+[[nodiscard]] inline FamilyCells family_cells(const Hierarchy& hierarchy, CellId parent) {
+  if (parent == no_cell) return {CellId(0), CellId(1)};
   const Cell& cell = hierarchy.cells[parent];
-  return {cell.first_child, cell.first_child + cell.child_count};
+  return {cell.first_child, cell.end_child()};
 }
 
 // Empties the arrays of the cell.

@@ -57,9 +57,9 @@ Vec3f unpack_normal(PackedNormal packed) {
   return (1 / length(n)) * n;
 }
 
-int Hierarchy::level_of(std::uint32_t cell) const {
-  const auto after = std::upper_bound(levels.begin(), levels.end(), cell,
-                                      [](std::uint32_t c, const Level& l) { return c < l.first_cell; });
+int Hierarchy::level_of(CellId cell) const {
+  const auto after =
+      std::upper_bound(levels.begin(), levels.end(), cell, [](CellId c, const Level& l) { return c < l.first_cell; });
   return static_cast<int>(after - levels.begin()) - 1;
 }
 

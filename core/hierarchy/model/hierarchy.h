@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/id.h"
 #include "core/hierarchy/model/cell_code.h"
 #include "core/hierarchy/model/distance_metric.h"
 #include "core/math/box3.h"
@@ -29,7 +30,7 @@ void pack_normals(std::span<const Float4> n,
                   std::span<PackedNormal> packed);       // the same bits; packed has at least the length of n
 [[nodiscard]] Vec3f unpack_normal(PackedNormal packed);  // of unit length within rounding
 
-inline constexpr std::uint32_t no_cell = 0xffff'ffffu;
+inline constexpr CellId no_cell{0xffff'ffffu};
 
 // The attributes of vertices besides a normal. `wedges`: several vertices may share a position.
 struct AttributeSet {
@@ -57,11 +58,12 @@ struct CellAttributes {
 // only a single cell uses counts as shared when another cell uses another wedge of its position.
 struct Cell {
   CellCode code;
-  std::uint32_t parent = no_cell;                  // index of the parent in Hierarchy::cells
-  std::uint32_t first_child = 0, child_count = 0;  // children are consecutive, in Morton order
-  Box3f bounds;                                    // B(C): box of positions and of the children's B
-  float max_displacement = 0;                      // max d(v, P(v)) over the vertices of this cell; 0 at the root
-  float error = 0;  // distance from M_L, monotone: estimated (docs/decisions/0004), or measured (0011)
+  CellId parent = no_cell;        // no_cell: the root
+  CellId first_child;             // children are consecutive, in Morton order
+  std::uint32_t child_count = 0;  // 0 on the finest level
+  Box3f bounds;                   // B(C): box of positions and of the children's B
+  float max_displacement = 0;     // max d(v, P(v)) over the vertices of this cell; 0 at the root
+  float error = 0;                // distance from M_L, monotone: estimated (docs/decisions/0004), or measured (0011)
   std::span<const Vec3f> positions;
   std::span<const PackedNormal> normals;  // one per position
   CellAttributes attributes;
@@ -69,13 +71,15 @@ struct Cell {
   std::span<const std::uint32_t> shared_ids;
   std::span<const Triangle> triangles;  // never degenerate
 
+  [[nodiscard]] CellId end_child() const { return CellId(first_child + child_count); }
   [[nodiscard]] std::uint32_t first_shared() const {
     return static_cast<std::uint32_t>(positions.size() - shared_ids.size());
   }
 };
 
 struct Level {
-  std::uint32_t first_cell = 0, cell_count = 0;  // range in Hierarchy::cells, in Morton order
+  CellId first_cell;  // the cells of the level are consecutive, in Morton order
+  std::uint32_t cell_count = 0;
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;  // copies counted once per cell, as stored
   // rho_l: largest distance from a vertex of a cell to the farthest corner of the cell's bounds, over h_l, rounded up.
@@ -84,6 +88,10 @@ struct Level {
   float error = 0;               // e_l: max error of the level's cells over h_l, rounded up
   float max_edge = 0;            // longest edge over h_l, rounded up
   std::uint64_t long_edges = 0;  // half-edges longer than sigma0 h_l
+
+  [[nodiscard]] CellId end_cell() const { return CellId(first_cell + cell_count); }
+  [[nodiscard]] CellId id_of(CellRank rank) const { return CellId(first_cell + rank); }
+  [[nodiscard]] CellRank rank_of(CellId cell) const { return CellRank(cell - first_cell); }
 };
 
 struct Provenance {
@@ -127,8 +135,7 @@ struct Hierarchy {
     const Level& l = levels[static_cast<std::size_t>(level)];
     return std::span(cells).subspan(l.first_cell, l.cell_count);
   }
-  // Level of the cell with this index in `cells`.
-  [[nodiscard]] int level_of(std::uint32_t cell) const;
+  [[nodiscard]] int level_of(CellId cell) const;
 };
 
 // Bound of (1) for vertices of level l: sigma0 h_l / 2.

@@ -34,7 +34,7 @@ const char* level_fault(const Hierarchy& h) {
   return nullptr;
 }
 
-const char* cell_fault(const Hierarchy& h, int l, std::uint32_t c) {
+const char* cell_fault(const Hierarchy& h, int l, CellId c) {
   const Cell& cell = h.cells[c];
   if (cell.code.morton >> (3 * l) != 0) return "lies outside the grid";
   if (c > h.levels[static_cast<std::size_t>(l)].first_cell && !(h.cells[c - 1].code < cell.code))
@@ -45,13 +45,13 @@ const char* cell_fault(const Hierarchy& h, int l, std::uint32_t c) {
 }
 
 // The children of a level's cells, one after the other, are the next level.
-const char* children_fault(const Hierarchy& h, int l, std::uint32_t c, std::uint64_t& next_child) {
+const char* children_fault(const Hierarchy& h, int l, CellId c, std::uint64_t& next_child) {
   const Cell& cell = h.cells[c];
   if (l == h.finest()) return cell.child_count == 0 ? nullptr : "is on the finest level and has children";
   if (cell.child_count == 0 || cell.child_count > 8 || cell.first_child != next_child ||
       next_child + cell.child_count > h.cells.size())
     return "has children out of range";
-  for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k)
+  for (CellId k = cell.first_child; k < cell.end_child(); ++k)
     if (h.cells[k].parent != c || h.cells[k].code.parent() != cell.code) return "has a child of another parent";
   next_child += cell.child_count;
   return nullptr;
@@ -74,9 +74,9 @@ std::string table_fault(const Hierarchy& h) {
   if (const char* fault = level_fault(h)) return fault;
   for (int l = 0; l <= h.finest(); ++l) {
     const Level& level = h.levels[static_cast<std::size_t>(l)];
-    const std::uint32_t end = level.first_cell + level.cell_count;
+    const std::uint32_t end = level.end_cell();
     std::uint64_t next_child = end;
-    for (std::uint32_t c = level.first_cell; c < end; ++c) {
+    for (CellId c = level.first_cell; c < end; ++c) {
       const char* fault = cell_fault(h, l, c);
       if (!fault) fault = children_fault(h, l, c, next_child);
       if (fault) return "cell " + std::to_string(c) + " " + fault;
@@ -91,7 +91,7 @@ std::string table_fault(const Hierarchy& h) {
   return {};
 }
 
-const char* payload_fault(const Hierarchy& h, std::uint32_t c) {
+const char* payload_fault(const Hierarchy& h, CellId c) {
   const Cell& cell = h.cells[c];
   return payload_fault(cell, h.attributes, cell.parent == no_cell ? 0 : h.cells[cell.parent].positions.size());
 }

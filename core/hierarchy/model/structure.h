@@ -16,7 +16,7 @@ namespace lodestone {
 
 // The first fault of one cell's payload, nullptr when there is none: span sizes, finite positions, parents and triangle
 // vertices in range, no degenerate triangle. The tables are valid.
-[[nodiscard]] const char* payload_fault(const Hierarchy& hierarchy, std::uint32_t cell);
+[[nodiscard]] const char* payload_fault(const Hierarchy& hierarchy, CellId cell);
 // The same for a cell that is not in the table (yet), whose parent cell has `parent_vertices`.
 [[nodiscard]] const char* payload_fault(const Cell& cell, AttributeSet attributes, std::size_t parent_vertices);
 

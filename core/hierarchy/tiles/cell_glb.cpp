@@ -14,7 +14,7 @@ constexpr std::uint32_t unseen = 0xffff'ffffu;
 
 class CellEncoder {
  public:
-  CellEncoder(const Hierarchy& hierarchy, std::uint32_t cell, bool morph)
+  CellEncoder(const Hierarchy& hierarchy, CellId cell, bool morph)
       : hierarchy_(hierarchy), cell_(hierarchy.cells[cell]), morph_(morph && cell_.parent != no_cell) {}
 
   std::vector<std::byte> encode(const TextureUri& texture_uri) {
@@ -134,7 +134,7 @@ class CellEncoder {
 
 }  // namespace
 
-std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, std::uint32_t cell, bool morph,
+std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell, bool morph,
                                        const TextureUri& texture_uri) {
   return CellEncoder(hierarchy, cell, morph).encode(texture_uri);
 }

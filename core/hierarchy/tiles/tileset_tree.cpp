@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string cell_name(const Hierarchy& hierarchy, std::uint32_t cell) {
+std::string cell_name(const Hierarchy& hierarchy, CellId cell) {
   const CellCoord c = hierarchy.cells[cell].code.coord();
   std::string name = std::to_string(hierarchy.level_of(cell));
   char separator = '/';
@@ -59,15 +59,15 @@ class TreeEncoder {
       : hierarchy_(hierarchy), config_(config), errors_(errors.begin(), errors.end()) {
     // Children come after their parents.
     for (std::size_t c = errors_.size(); c-- > 1;)
-      if (const std::uint32_t parent = hierarchy.cells[c].parent; parent != no_cell)
+      if (const CellId parent = hierarchy.cells[c].parent; parent != no_cell)
         errors_[parent] = std::max(errors_[parent], errors_[c]);
   }
 
   std::vector<TilesetFile> encode() {
     const Vec3d o = hierarchy_.transform.origin;
-    json root = tile(0, 0);
+    json root = tile(CellId(0), 0);
     root["transform"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, o.x, o.y, o.z, 1};
-    add_file("tileset.json", std::move(root), 0);
+    add_file("tileset.json", std::move(root), CellId(0));
     std::reverse(files_.begin(), files_.end());
     return std::move(files_);
   }
@@ -80,7 +80,7 @@ class TreeEncoder {
   }
 
   // `top`: level of the root of the file that it is written to.
-  json tile(std::uint32_t index, int top) {
+  json tile(CellId index, int top) {
     const int level = hierarchy_.level_of(index);
     const Cell& cell = hierarchy_.cells[index];
     json tile{{"boundingVolume", box(cell, level)}, {"geometricError", errors_[index]}};
@@ -93,8 +93,7 @@ class TreeEncoder {
     if (level == top) tile["refine"] = "REPLACE";
     if (!cell.triangles.empty()) tile["content"] = {{"uri", from(top, tile_path(hierarchy_, index))}};
     if (config_.morph) tile["extras"] = morph_of(cell, level);
-    for (std::uint32_t k = 0; k < cell.child_count; ++k)
-      tile["children"].push_back(this->tile(cell.first_child + k, top));
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) tile["children"].push_back(this->tile(k, top));
     return tile;
   }
 
@@ -129,7 +128,7 @@ class TreeEncoder {
     return {{"sigma0", hierarchy_.sigma0}, {"scale", hierarchy_.transform.scale}, {"reach", reach}, {"error", error}};
   }
 
-  void add_file(const std::string& path, json root, std::uint32_t cell) {
+  void add_file(const std::string& path, json root, CellId cell) {
     json tileset{{"asset", {{"version", "1.1"}}}, {"geometricError", errors_[cell]}, {"root", std::move(root)}};
     // If nothing is drawn, the error is the size of the model.
     if (cell == 0) {
@@ -150,7 +149,7 @@ class TreeEncoder {
 
 }  // namespace
 
-std::string tile_path(const Hierarchy& hierarchy, std::uint32_t cell) { return cell_name(hierarchy, cell) + ".glb"; }
+std::string tile_path(const Hierarchy& hierarchy, CellId cell) { return cell_name(hierarchy, cell) + ".glb"; }
 
 std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int level) {
   std::string path = "textures/" + std::to_string(texture);
@@ -161,7 +160,7 @@ std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int 
   return path + image_extension(hierarchy.textures[texture].media_type);
 }
 
-double tile_error(const Hierarchy& hierarchy, std::uint32_t cell) {
+double tile_error(const Hierarchy& hierarchy, CellId cell) {
   const int level = hierarchy.level_of(cell);
   if (level == hierarchy.finest()) return 0;
   const double texel = texel_size(hierarchy, hierarchy.cells[cell], level);

@@ -27,14 +27,14 @@ struct TilesetFile {
   std::string json;
 };
 
-[[nodiscard]] std::string tile_path(const Hierarchy& hierarchy, std::uint32_t cell);
+[[nodiscard]] std::string tile_path(const Hierarchy& hierarchy, CellId cell);
 
 // The file of a texture as the level shows it.
 [[nodiscard]] std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int level);
 
 // Distance of a cell from the model, in its unit: the measured error of the surface, or, when its textures are copies
 // of lower resolution, the mean size of their texels on it if that is larger. 0 on the finest level.
-[[nodiscard]] double tile_error(const Hierarchy& hierarchy, std::uint32_t cell);
+[[nodiscard]] double tile_error(const Hierarchy& hierarchy, CellId cell);
 
 // The tileset.json, followed by those it refers to. `errors` has one value per cell; the values written do not decrease
 // towards the root. Boxes contain those of their children, grown by rounding errors. The root's transform is the origin
@@ -51,7 +51,7 @@ using TextureUri = std::function<std::string(std::uint32_t texture)>;
 // Materials are those that the cell uses, textures are linked. `morph` adds the values of each vertex's parent as
 // attributes (except for the root): _PARENT and _PARENTNORMAL, in the same coordinates, _PARENTTEXCOORD and
 // _PARENTCOLOR. The cell has triangles.
-[[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, std::uint32_t cell, bool morph,
+[[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell, bool morph,
                                                      const TextureUri& texture_uri);
 
 }  // namespace lodestone

@@ -13,11 +13,11 @@ VerifyCheck Finding::check() const {
   return {name_, false, first_ + " (" + std::to_string(failures_) + " failures)"};
 }
 
-std::string place(int level, std::uint32_t cell) {
+std::string place(int level, CellId cell) {
   return "level " + std::to_string(level) + ", cell " + std::to_string(cell);
 }
 
-std::string place(int level, std::uint32_t cell, std::size_t vertex) {
+std::string place(int level, CellId cell, VertexId vertex) {
   return place(level, cell) + ", vertex " + std::to_string(vertex);
 }
 
@@ -37,7 +37,7 @@ bool check_structure(const Hierarchy& hierarchy, Finding& structure) {
     structure.require(vertices < 0xffff'ffffu, [&] { return "more than 2^32 vertices on level " + std::to_string(l); });
     sound = sound && vertices < 0xffff'ffffu;
   }
-  for (std::uint32_t c = 0; sound && c < hierarchy.cells.size(); ++c) {
+  for (CellId c{0}; sound && c < hierarchy.cells.size(); ++c) {
     const char* wrong = payload_fault(hierarchy, c);
     structure.require(!wrong, [&] { return place(hierarchy.level_of(c), c) + ": " + wrong; });
     sound = sound && !wrong;

@@ -65,12 +65,12 @@ bool is_normal_map(const Hierarchy& hierarchy, std::uint32_t texture) {
 
 void require_attributes(const Hierarchy& hierarchy, int level, Finding& wedges) {
   const Level& cells = hierarchy.levels[static_cast<std::size_t>(level)];
-  for (std::uint32_t c = cells.first_cell; c < cells.first_cell + cells.cell_count; ++c) {
+  for (CellId c = cells.first_cell; c < cells.end_cell(); ++c) {
     const CellAttributes& a = hierarchy.cells[c].attributes;
-    for (std::size_t v = 0; v < a.uv.size(); ++v)
+    for (VertexId v{0}; v < a.uv.size(); ++v)
       wedges.require(std::isfinite(a.uv[v].x) && std::isfinite(a.uv[v].y),
                      [&] { return place(level, c, v) + ": a texture coordinate is not finite"; });
-    for (std::size_t v = 0; v < a.materials.size(); ++v)
+    for (VertexId v{0}; v < a.materials.size(); ++v)
       wedges.require(a.materials[v] == no_material || a.materials[v] < hierarchy.materials.size(),
                      [&] { return place(level, c, v) + ": its material does not exist"; });
   }
@@ -79,7 +79,7 @@ void require_attributes(const Hierarchy& hierarchy, int level, Finding& wedges) 
 // Requires that the corners of a triangle have one material, and that P keeps it.
 void require_materials_kept(const Hierarchy& hierarchy, int level, Finding& wedges) {
   const Level& cells = hierarchy.levels[static_cast<std::size_t>(level)];
-  for (std::uint32_t c = cells.first_cell; c < cells.first_cell + cells.cell_count; ++c) {
+  for (CellId c = cells.first_cell; c < cells.end_cell(); ++c) {
     const Cell& cell = hierarchy.cells[c];
     const auto& materials = cell.attributes.materials;
     if (materials.empty()) return;
@@ -92,7 +92,7 @@ void require_materials_kept(const Hierarchy& hierarchy, int level, Finding& wedg
     for (const Triangle& t : cell.triangles)
       for (const std::uint32_t v : t.v)
         wedges.require(above[cell.parents[v]] == materials[v],
-                       [&] { return place(level, c, v) + ": its parent has another material"; });
+                       [&] { return place(level, c, VertexId(v)) + ": its parent has another material"; });
   }
 }
 

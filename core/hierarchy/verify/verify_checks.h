@@ -34,8 +34,8 @@ class Finding {
 };
 
 // Names of cells and vertices for messages.
-[[nodiscard]] std::string place(int level, std::uint32_t cell);
-[[nodiscard]] std::string place(int level, std::uint32_t cell, std::size_t vertex);
+[[nodiscard]] std::string place(int level, CellId cell);
+[[nodiscard]] std::string place(int level, CellId cell, VertexId vertex);
 
 // True if `stored` is a bound of `exact` and at most bound_slack larger.
 [[nodiscard]] bool is_tight_bound(float stored, double exact);
@@ -43,20 +43,23 @@ class Finding {
 // Identity of the stored vertices of a level: identity[first_vertex[cell - first_cell] + i] is the number of the first
 // stored copy of vertex i of the cell. Vertices without a shared id are their own first copy.
 struct LevelIdentity {
-  std::uint32_t first_cell = 0;
+  CellId first_cell;
   std::vector<std::uint32_t> first_vertex;  // one per cell of the level and one more
   std::vector<std::uint32_t> identity;      // one per stored vertex
   struct Shared {
-    std::uint32_t id = 0, cell = 0, local = 0, number = 0;  // number: of the stored vertex
+    std::uint32_t id = 0;
+    CellId cell;
+    VertexId local;
+    std::uint32_t number = 0;  // of the stored vertex
   };
   // With wedges, the first wedge of the same vertex; otherwise empty: every identity is a vertex of its own.
   std::vector<std::uint32_t> vertex;
   std::vector<Shared> shared;  // all copies of vertices with a shared id, by id, then by cell
 
-  [[nodiscard]] std::uint32_t of(std::uint32_t cell, std::uint32_t local) const {
+  [[nodiscard]] std::uint32_t of(CellId cell, VertexId local) const {
     return identity[first_vertex[cell - first_cell] + local];
   }
-  [[nodiscard]] std::uint32_t vertex_of(std::uint32_t cell, std::uint32_t local) const {
+  [[nodiscard]] std::uint32_t vertex_of(CellId cell, VertexId local) const {
     const std::uint32_t number = first_vertex[cell - first_cell] + local;
     return vertex.empty() ? identity[number] : vertex[number];
   }

@@ -47,11 +47,11 @@ void check_estimated(const Hierarchy& hierarchy, int coarse, Finding& errors) {
   const std::size_t stride = 1 + fine_vertices / vertices_measured;
   std::uint32_t hint = TriangleBvh::no_hint;
   std::size_t number = 0;
-  for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+  for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
     const Cell& cell = hierarchy.cells[c];
-    for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
       const Cell& child = hierarchy.cells[k];
-      for (std::size_t v = 0; v < child.positions.size(); ++v) {
+      for (VertexId v{0}; v < child.positions.size(); ++v) {
         // Vertices that do not move need no check.
         if (number++ % stride != 0 || child.positions[v] == cell.positions[child.parents[v]]) continue;
         const TriangleBvh::Nearest nearest = surface.nearest(to_double(child.positions[v]), hint);
@@ -84,16 +84,16 @@ class MeasuredErrors {
       : hierarchy_(hierarchy), errors_(errors), finest_(surface_of(hierarchy, hierarchy.finest(), false)) {
     ancestor_.resize(hierarchy.levels.back().cell_count);
     const Level& level = hierarchy.levels.back();
-    for (std::uint32_t k = 0; k < ancestor_.size(); ++k) ancestor_[k] = level.first_cell + k;
+    for (std::uint32_t k = 0; k < ancestor_.size(); ++k) ancestor_[k] = CellId(level.first_cell + k);
   }
 
   // Called for one level after the other, beginning below the finest.
   void check(int l) {
-    for (std::uint32_t& cell : ancestor_) cell = hierarchy_.cells[cell].parent;
+    for (CellId& cell : ancestor_) cell = hierarchy_.cells[cell].parent;
     const Level &level = hierarchy_.levels[static_cast<std::size_t>(l)], &fine = hierarchy_.levels.back();
     const std::size_t stride = 1 + level.triangles * 7 / vertices_measured;
     std::size_t number = 0;
-    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c)
+    for (CellId c = level.first_cell; c < level.end_cell(); ++c)
       for (const Triangle& t : hierarchy_.cells[c].triangles)
         if (number++ % stride == 0) compare(l, c, hierarchy_.cells[c], t, finest_);
     const TriangleBvh surface = surface_of(hierarchy_, l, true);
@@ -106,7 +106,7 @@ class MeasuredErrors {
 
  private:
   // Compares a triangle of `from`, a cell of level `level` or of the finest, with the other surface.
-  void compare(int level, std::uint32_t cell, const Cell& from, const Triangle& t, const TriangleBvh& surface) {
+  void compare(int level, CellId cell, const Cell& from, const Triangle& t, const TriangleBvh& surface) {
     const double error = hierarchy_.cells[cell].error;
     for (const Vec3d p : samples_of(from, t)) {
       const TriangleBvh::Nearest nearest = surface.nearest(p, hint_);
@@ -121,7 +121,7 @@ class MeasuredErrors {
   const Hierarchy& hierarchy_;
   Finding& errors_;
   TriangleBvh finest_;
-  std::vector<std::uint32_t> ancestor_;  // of each finest cell, on the level at hand
+  std::vector<CellId> ancestor_;  // of each finest cell, on the level at hand
   std::uint32_t hint_ = TriangleBvh::no_hint;
 };
 
@@ -149,7 +149,7 @@ std::vector<Allowed> allowed_errors(const Hierarchy& hierarchy) {
   for (std::size_t c = hierarchy.cells.size(); c-- > 0;) {
     const Cell& cell = hierarchy.cells[c];
     if (cell.child_count == 0) allowed[c].min = allowed[c].max = moved_by_lattice(hierarchy);
-    for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
       const Cell& child = hierarchy.cells[k];
       moved[c] = std::max(moved[c], moved[k] + child.max_displacement);
       allowed[c].min = std::max(allowed[c].min, double{child.error});
@@ -172,7 +172,7 @@ void check_errors(const Hierarchy& hierarchy, Finding& errors) {
   for (int l = hierarchy.finest(); l >= 0; --l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
     double largest = 0;
-    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+    for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
       const double error = hierarchy.cells[c].error;
       errors.require(error >= allowed[c].min && error <= allowed[c].max * (1 + 1e-6), [&] {
         return place(l, c) + ": error " + std::to_string(error) + " stored, its children allow " +

@@ -49,11 +49,11 @@ void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
   for (int l = 1; l <= hierarchy.finest(); ++l) {
     const double limit = double{hierarchy.sigma0} * cell_size(l) / 2;
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+    for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
       const Cell& cell = hierarchy.cells[c];
       const auto& above = hierarchy.cells[cell.parent].positions;
       double largest = 0;
-      for (std::size_t v = 0; v < cell.positions.size(); ++v) {
+      for (VertexId v{0}; v < cell.positions.size(); ++v) {
         const double moved = distance(cell.positions[v], above[cell.parents[v]]);
         displacement.require(moved <= limit, [&] {
           return place(l, c, v) + ": moves by " + std::to_string(moved / cell_size(l)) +
@@ -71,8 +71,8 @@ void check_displacements(const Hierarchy& hierarchy, Finding& displacement) {
 
 void check_lattice(const Hierarchy& hierarchy, Finding& lattice) {
   if (!hierarchy.transform.lattice) return;
-  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c)
-    for (std::size_t v = 0; v < hierarchy.cells[c].positions.size(); ++v)
+  for (CellId c{0}; c < hierarchy.cells.size(); ++c)
+    for (VertexId v{0}; v < hierarchy.cells[c].positions.size(); ++v)
       lattice.require(hierarchy.transform.lattice.holds(hierarchy.cells[c].positions[v]),
                       [&] { return place(hierarchy.level_of(c), c, v) + ": not on the lattice"; });
 }
@@ -101,12 +101,11 @@ void check_edges(const Hierarchy& hierarchy, Finding& edges) {
 }
 
 void check_boxes(const Hierarchy& hierarchy, Finding& boxes) {
-  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c) {
+  for (CellId c{0}; c < hierarchy.cells.size(); ++c) {
     const Cell& cell = hierarchy.cells[c];
     Box3f box;
     for (const Vec3f p : cell.positions) box.extend(p);
-    for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k)
-      box.extend(hierarchy.cells[k].bounds);
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) box.extend(hierarchy.cells[k].bounds);
     boxes.require(box == cell.bounds, [&] {
       return place(hierarchy.level_of(c), c) + ": not the box of its vertices and of its children's boxes";
     });

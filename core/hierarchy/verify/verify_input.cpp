@@ -178,7 +178,7 @@ void compare(const Given& given, std::uint64_t given_count, const FinestTriangle
 // Every coarse cell has children (check_structure), so that the finest cells are enough.
 void check_cells(const Hierarchy& hierarchy, Finding& cells) {
   const Level& finest = hierarchy.levels.back();
-  for (std::uint32_t c = finest.first_cell; c < finest.first_cell + finest.cell_count; ++c)
+  for (CellId c = finest.first_cell; c < finest.end_cell(); ++c)
     cells.require(!hierarchy.cells[c].triangles.empty(),
                   [&] { return place(hierarchy.finest(), c) + ": exists without a triangle of the finest level"; });
 }
@@ -187,7 +187,7 @@ void check_partition(const Hierarchy& hierarchy, Finding& partition) {
   const int l = hierarchy.finest();
   std::vector<char> used;
   const Level& finest = hierarchy.levels.back();
-  for (std::uint32_t c = finest.first_cell; c < finest.first_cell + finest.cell_count; ++c) {
+  for (CellId c = finest.first_cell; c < finest.end_cell(); ++c) {
     const Cell& cell = hierarchy.cells[c];
     used.assign(cell.positions.size(), 0);
     for (const Triangle& t : cell.triangles) {
@@ -196,7 +196,7 @@ void check_partition(const Hierarchy& hierarchy, Finding& partition) {
       partition.require(CellCode::from(cell_of(centre, l)) == cell.code,
                         [&] { return place(l, c) + ": a triangle has its barycentre in another cell"; });
     }
-    for (std::size_t v = 0; v < cell.positions.size(); ++v) {
+    for (VertexId v{0}; v < cell.positions.size(); ++v) {
       const Vec3f p = cell.positions[v];
       partition.require(used[v] != 0, [&] { return place(l, c, v) + ": no triangle uses it"; });
       partition.require(Box3f{{0, 0, 0}, {1, 1, 1}}.contains(p),

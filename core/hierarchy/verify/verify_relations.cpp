@@ -31,9 +31,10 @@ void for_runs(const std::vector<Shared>& shared, Body&& body) {
 
 template <typename Body>
 void for_vertices(const Hierarchy& hierarchy, int level, Body&& body) {
-  std::uint32_t number = 0, c = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
+  std::uint32_t number = 0;
+  CellId c = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
   for (const Cell& cell : hierarchy.cells_of(level)) {
-    for (std::uint32_t v = 0; v < cell.positions.size(); ++v) body(c, v, number++);
+    for (VertexId v{0}; v < cell.positions.size(); ++v) body(c, v, number++);
     ++c;
   }
 }
@@ -48,7 +49,7 @@ struct Place {
 // The places of a level, by position, then by number.
 std::vector<Place> sorted_places(const Hierarchy& hierarchy, int level, const LevelIdentity& identity) {
   std::vector<Place> places;
-  for_vertices(hierarchy, level, [&](std::uint32_t c, std::uint32_t v, std::uint32_t number) {
+  for_vertices(hierarchy, level, [&](CellId c, VertexId v, std::uint32_t number) {
     const Vec3f p = hierarchy.cells[c].positions[v];
     if (identity.identity[number] == number) places.push_back({p.x, p.y, p.z, number});
   });
@@ -76,11 +77,11 @@ LevelIdentity identify(const Hierarchy& hierarchy, int level) {
   LevelIdentity result;
   result.first_cell = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
   result.first_vertex.push_back(0);
-  std::uint32_t c = result.first_cell;
+  CellId c = result.first_cell;
   for (const Cell& cell : hierarchy.cells_of(level)) {
     const std::uint32_t first = result.first_vertex.back();
     for (std::uint32_t k = 0; k < cell.shared_ids.size(); ++k) {
-      const std::uint32_t local = cell.first_shared() + k;
+      const VertexId local(cell.first_shared() + k);
       result.shared.push_back({cell.shared_ids[k], c, local, first + local});
     }
     result.first_vertex.push_back(first + static_cast<std::uint32_t>(cell.positions.size()));
@@ -135,10 +136,11 @@ void check_ids_kept(const Hierarchy& hierarchy, const LevelIdentity& fine, const
     above = std::find_if(above, coarse.shared.end(), [&](const Shared& s) { return s.id >= first->id; });
     if (above == coarse.shared.end() || above->id != first->id) return;
     const Cell& cell = hierarchy.cells[first->cell];
-    identity.require(coarse.of(cell.parent, cell.parents[first->local]) == coarse.identity[above->number], [&] {
-      return "id " + std::to_string(first->id) + " of cell " + std::to_string(first->cell) + " and of cell " +
-             std::to_string(above->cell) + ": not the same vertex under P";
-    });
+    identity.require(coarse.of(cell.parent, VertexId(cell.parents[first->local])) == coarse.identity[above->number],
+                     [&] {
+                       return "id " + std::to_string(first->id) + " of cell " + std::to_string(first->cell) +
+                              " and of cell " + std::to_string(above->cell) + ": not the same vertex under P";
+                     });
   });
 }
 
@@ -146,7 +148,7 @@ void check_parent_function(const Hierarchy& hierarchy, int level, const LevelIde
                            const LevelIdentity& coarse, Finding& parents) {
   const auto parent_of = [&](const Shared& copy) {
     const Cell& cell = hierarchy.cells[copy.cell];
-    return coarse.of(cell.parent, cell.parents[copy.local]);
+    return coarse.of(cell.parent, VertexId(cell.parents[copy.local]));
   };
   for_runs(fine.shared, [&](auto first, auto last) {
     for (auto copy = first + 1; copy < last; ++copy)
@@ -163,23 +165,22 @@ void check_images(const Hierarchy& hierarchy, int coarse_level, const LevelIdent
   std::vector<char> reached;
   std::vector<Triangle> images, stored;
   const Level& level = hierarchy.levels[static_cast<std::size_t>(coarse_level)];
-  for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+  for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
     const Cell& cell = hierarchy.cells[c];
     reached.assign(cell.positions.size(), 0);
     images.clear();
-    for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
       const Cell& child = hierarchy.cells[k];
       for (const std::uint32_t parent : child.parents) reached[parent] = 1;
       for (const Triangle& t : child.triangles) {
         const Triangle image{{child.parents[t.v[0]], child.parents[t.v[1]], child.parents[t.v[2]]}};
-        const auto vertex = [&](std::size_t i) { return coarse.vertex_of(c, image.v[i]); };
+        const auto vertex = [&](std::size_t i) { return coarse.vertex_of(c, VertexId(image.v[i])); };
         if (!is_degenerate({{vertex(0), vertex(1), vertex(2)}})) images.push_back(rotated(image));
       }
     }
     const auto missed = std::find(reached.begin(), reached.end(), 0);
     vertices.require(missed == reached.end(), [&] {
-      return place(coarse_level, c, static_cast<std::size_t>(missed - reached.begin())) +
-             ": not the parent of any vertex";
+      return place(coarse_level, c, VertexId(missed - reached.begin())) + ": not the parent of any vertex";
     });
 
     stored.resize(cell.triangles.size());
@@ -215,9 +216,9 @@ void group_by_parents(const Hierarchy& hierarchy, int level, const LevelIdentity
     Vec3f position;
   };
   std::vector<Seen> first(fine.vertex.size());  // of each finer vertex
-  for_vertices(hierarchy, level, [&](std::uint32_t c, std::uint32_t v, std::uint32_t number) {
+  for_vertices(hierarchy, level, [&](CellId c, VertexId v, std::uint32_t number) {
     const Cell& cell = hierarchy.cells[c];
-    const std::uint32_t parent = coarse.of(cell.parent, cell.parents[v]);
+    const std::uint32_t parent = coarse.of(cell.parent, VertexId(cell.parents[v]));
     const Vec3f position = hierarchy.cells[cell.parent].positions[cell.parents[v]];
     Seen& seen = first[fine.vertex[number]];
     if (seen.parent == none) seen = {parent, position};

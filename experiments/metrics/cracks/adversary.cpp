@@ -11,8 +11,8 @@ namespace {
 class Users {
  public:
   Users(const Hierarchy& hierarchy, int level) {
-    const std::uint32_t first = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
-    std::uint32_t cell = first;
+    const CellId first = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
+    CellId cell = first;
     for (const Cell& c : hierarchy.cells_of(level)) {
       for (const std::uint32_t id : c.shared_ids) users_.push_back(std::uint64_t{id} << 32 | cell);
       ++cell;
@@ -22,11 +22,11 @@ class Users {
 
   // A cell other than `cell` that uses the vertex: preferably one that satisfies the condition; no_cell without any.
   template <typename Condition>
-  [[nodiscard]] std::uint32_t find(std::uint32_t id, std::uint32_t cell, const Condition& condition) const {
-    std::uint32_t found = no_cell;
+  [[nodiscard]] CellId find(std::uint32_t id, CellId cell, const Condition& condition) const {
+    CellId found = no_cell;
     for (auto user = std::lower_bound(users_.begin(), users_.end(), std::uint64_t{id} << 32);
          user != users_.end() && *user >> 32 == id; ++user) {
-      const auto other = static_cast<std::uint32_t>(*user);
+      const CellId other(*user);
       if (other == cell) continue;
       found = other;
       if (condition(other)) break;
@@ -63,20 +63,20 @@ struct ViewedLevel {
   Users users{hierarchy, level};
 };
 
-AdversarialView view_of_vertex(const ViewedLevel& viewed, std::uint32_t index, std::uint32_t u) {
+AdversarialView view_of_vertex(const ViewedLevel& viewed, CellId id, VertexId u) {
   const auto& [hierarchy, radii, level, slack, users] = viewed;
-  const Cell& cell = hierarchy.cells[index];
+  const Cell& cell = hierarchy.cells[id];
   const float radius = radii.select[static_cast<std::size_t>(level)];
   const auto beyond = [&](double r) { return viewpoint_beyond(radii.metric, cell.positions[u], cell.bounds, r); };
   const Vec3f inside = beyond(radius * (1 - slack)), outside = beyond(radius * (1 + slack));
-  const auto unrefined = [&viewed, inside, radius](std::uint32_t c) {
+  const auto unrefined = [&viewed, inside, radius](CellId c) {
     return distance(viewed.radii.metric, inside, viewed.hierarchy.cells[c].bounds) >= radius;
   };
   AdversarialView view;
   view.level = level;
-  view.cell = index;
+  view.cell = id;
   view.vertex = u;
-  view.other = users.find(cell.shared_ids[u - cell.first_shared()], index, unrefined);
+  view.other = users.find(cell.shared_ids[u - cell.first_shared()], id, unrefined);
   view.refined = view.other != no_cell && unrefined(view.other);
   view.viewpoint = view.refined ? inside : outside;
   view.across = view.refined ? outside : inside;
@@ -85,19 +85,19 @@ AdversarialView view_of_vertex(const ViewedLevel& viewed, std::uint32_t index, s
 }
 
 // The view of the cell's shared vertex of largest reach that has somewhere to go.
-std::optional<AdversarialView> best_view(const ViewedLevel& viewed, std::uint32_t index) {
-  const Cell& cell = viewed.hierarchy.cells[index];
+std::optional<AdversarialView> best_view(const ViewedLevel& viewed, CellId id) {
+  const Cell& cell = viewed.hierarchy.cells[id];
   const std::span<const Vec3f> parents = viewed.hierarchy.cells[cell.parent].positions;
-  std::optional<std::uint32_t> best;
+  std::optional<VertexId> best;
   float best_reach = 0;
-  for (std::uint32_t u = cell.first_shared(); u < cell.positions.size(); ++u) {
+  for (VertexId u(cell.first_shared()); u < cell.positions.size(); ++u) {
     const float reach = farthest_corner_distance(viewed.radii.metric, cell.positions[u], cell.bounds);
     if (reach <= best_reach || parents[cell.parents[u]] == cell.positions[u]) continue;
     best = u;
     best_reach = reach;
   }
   if (!best) return std::nullopt;
-  return view_of_vertex(viewed, index, *best);
+  return view_of_vertex(viewed, id, *best);
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ std::vector<AdversarialView> adversarial_views(const Hierarchy& hierarchy, const
     const ViewedLevel viewed{hierarchy, radii, level, config.slack};
     const Level& l = hierarchy.levels[static_cast<std::size_t>(level)];
     std::vector<AdversarialView> found;
-    for (std::uint32_t cell = l.first_cell; cell < l.first_cell + l.cell_count; ++cell)
+    for (CellId cell = l.first_cell; cell < l.end_cell(); ++cell)
       if (const auto view = best_view(viewed, cell)) found.push_back(*view);
     std::stable_sort(found.begin(), found.end(),
                      [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });

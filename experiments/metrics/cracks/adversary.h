@@ -17,14 +17,14 @@
 namespace lodestone {
 
 struct AdversarialView {
-  Vec3f viewpoint;           // normalised model space
-  Vec3f across;              // a viewpoint on the other side of the exchange of Q
-  int level = 0;             // l
-  std::uint32_t cell = 0;    // Q
-  std::uint32_t other = 0;   // a cell of the level that shares u; refined iff Q is not
-  std::uint32_t vertex = 0;  // u, index in Q
-  bool refined = false;      // true if Q is refined, seen from `viewpoint`
-  float reach = 0;           // d(u, z) / h_l: at most the level's reach
+  Vec3f viewpoint;       // normalised model space
+  Vec3f across;          // a viewpoint on the other side of the exchange of Q
+  int level = 0;         // l
+  CellId cell;           // Q
+  CellId other;          // a cell of the level that shares u; refined iff Q is not
+  VertexId vertex;       // u, in Q
+  bool refined = false;  // true if Q is refined, seen from `viewpoint`
+  float reach = 0;       // d(u, z) / h_l: at most the level's reach
 };
 
 struct AdversaryConfig {

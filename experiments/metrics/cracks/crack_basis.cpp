@@ -50,8 +50,8 @@ class BoundaryFinder {
       const auto higher = static_cast<std::uint32_t>(*run >> 1);
       std::int64_t net = 0;
       for (; run != last && *run >> 1 == higher; ++run) net += (*run & 1) ? -1 : 1;
-      for (; net > 0; --net) out.push_back({lower, higher});
-      for (; net < 0; ++net) out.push_back({higher, lower});
+      for (; net > 0; --net) out.push_back({VertexId(lower), VertexId(higher)});
+      for (; net < 0; ++net) out.push_back({VertexId(higher), VertexId(lower)});
     }
   }
 
@@ -62,14 +62,13 @@ class BoundaryFinder {
 void find_leaves(const Hierarchy& hierarchy, CrackBasis& basis) {
   basis.leaves.resize(hierarchy.cells.size());
   const Level& finest = hierarchy.levels.back();
-  for (std::uint32_t i = 0; i < finest.cell_count; ++i) basis.leaves[finest.first_cell + i] = {i, i + 1};
+  for (CellRank i{0}; i < finest.cell_count; ++i) basis.leaves[finest.id_of(i)] = {i, CellRank(i + 1)};
   for (int l = hierarchy.finest() - 1; l >= 0; --l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    for (std::uint32_t i = level.first_cell; i < level.first_cell + level.cell_count; ++i) {
+    for (CellId i = level.first_cell; i < level.end_cell(); ++i) {
       const Cell& cell = hierarchy.cells[i];
       if (cell.child_count == 0) continue;
-      basis.leaves[i] = {basis.leaves[cell.first_child].begin,
-                         basis.leaves[cell.first_child + cell.child_count - 1].end};
+      basis.leaves[i] = {basis.leaves[cell.first_child].begin, basis.leaves[cell.end_child() - 1].end};
     }
   }
 }
@@ -120,10 +119,10 @@ void find_unpaired(const Hierarchy& hierarchy, CrackBasis& basis) {
   const std::uint64_t first = basis.boundary_begin[finest.first_cell];
   std::vector<std::uint8_t> unpaired(basis.boundary_begin.back() - first, 0);
   std::vector<Candidate> candidates;
-  for (std::uint32_t leaf = 0; leaf < finest.cell_count; ++leaf) {
-    const Cell& cell = hierarchy.cells[finest.first_cell + leaf];
-    std::uint64_t index = basis.boundary_begin[finest.first_cell + leaf] - first;
-    for (const LocalEdge& edge : basis.boundary_of(finest.first_cell + leaf)) {
+  for (CellId leaf = finest.first_cell; leaf < finest.end_cell(); ++leaf) {
+    const Cell& cell = hierarchy.cells[leaf];
+    std::uint64_t index = basis.boundary_begin[leaf] - first;
+    for (const LocalEdge& edge : basis.boundary_of(leaf)) {
       if (std::min(edge.from, edge.to) < cell.first_shared()) {
         unpaired[index] = 1;  // no other leaf uses both ends
       } else {
@@ -143,9 +142,8 @@ void find_unpaired(const Hierarchy& hierarchy, CrackBasis& basis) {
   }
 
   basis.unpaired_begin.assign(1, 0);
-  for (std::uint32_t leaf = 0; leaf < finest.cell_count; ++leaf) {
-    const std::uint32_t cell = finest.first_cell + leaf;
-    for (std::uint64_t e = basis.boundary_begin[cell]; e < basis.boundary_begin[cell + 1]; ++e)
+  for (CellId leaf = finest.first_cell; leaf < finest.end_cell(); ++leaf) {
+    for (std::uint64_t e = basis.boundary_begin[leaf]; e < basis.boundary_begin[leaf + 1]; ++e)
       if (unpaired[e - first]) basis.unpaired.push_back(basis.boundary[e]);
     basis.unpaired_begin.push_back(basis.unpaired.size());
   }

@@ -16,15 +16,15 @@
 
 namespace lodestone {
 
-// A half-edge by the local vertex ids of one cell.
+// A half-edge of one cell.
 struct LocalEdge {
-  std::uint32_t from = 0, to = 0;
+  VertexId from, to;
   friend bool operator==(const LocalEdge&, const LocalEdge&) = default;
 };
 
-// A leaf is a cell of level L by its number among them, in Morton order: those below any one cell are consecutive.
+// A leaf is a cell of level L, by its rank; those below any one cell are consecutive.
 struct LeafRange {
-  std::uint32_t begin = 0, end = 0;
+  CellRank begin, end;
   [[nodiscard]] std::uint32_t size() const { return end - begin; }
 };
 
@@ -47,10 +47,10 @@ struct CrackBasis {
   std::vector<std::uint32_t> vertex_begin;
   std::vector<std::uint32_t> copies;
 
-  [[nodiscard]] std::span<const LocalEdge> boundary_of(std::uint32_t cell) const {
+  [[nodiscard]] std::span<const LocalEdge> boundary_of(CellId cell) const {
     return std::span(boundary).subspan(boundary_begin[cell], boundary_begin[cell + 1] - boundary_begin[cell]);
   }
-  [[nodiscard]] std::span<const LocalEdge> unpaired_of(std::uint32_t leaf) const {
+  [[nodiscard]] std::span<const LocalEdge> unpaired_of(CellRank leaf) const {
     return std::span(unpaired).subspan(unpaired_begin[leaf], unpaired_begin[leaf + 1] - unpaired_begin[leaf]);
   }
 };
@@ -59,12 +59,12 @@ struct CrackBasis {
 // long as its triangles and shared ids stay the same. Throws ResourceError for 2^32 or more copies of shared vertices.
 [[nodiscard]] CrackBasis make_crack_basis(const Hierarchy& hierarchy, Scheduler& scheduler);
 
-// Index in the payload of the ancestor at level `to` of a vertex of the cell, which is of level `from` >= to.
-[[nodiscard]] inline std::uint32_t follow_parents(const Hierarchy& hierarchy, std::uint32_t cell, std::uint32_t vertex,
-                                                  int from, int to) {
+// The ancestor at level `to`, in its cell, of a vertex of the cell, which is of level `from` >= to.
+[[nodiscard]] inline VertexId follow_parents(const Hierarchy& hierarchy, CellId cell, VertexId vertex, int from,
+                                             int to) {
   for (int level = from; level > to; --level) {
     const Cell& c = hierarchy.cells[cell];
-    vertex = c.parents[vertex];
+    vertex = VertexId(c.parents[vertex]);
     cell = c.parent;
   }
   return vertex;

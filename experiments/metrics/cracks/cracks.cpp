@@ -31,7 +31,7 @@ std::uint64_t count_uncovered(const Selection& selection, const CrackBasis& basi
   covered.assign(leaf_count, 0);
   for (const SelectedCell& selected : selection.cells) {
     const LeafRange leaves = basis.leaves[selected.cell];
-    for (std::uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf)
+    for (CellRank leaf = leaves.begin; leaf < leaves.end; ++leaf)
       covered[leaf] = static_cast<std::uint8_t>(std::min(covered[leaf] + 1, 2));
   }
   return leaf_count - static_cast<std::uint64_t>(std::count(covered.begin(), covered.end(), std::uint8_t{1}));
@@ -64,7 +64,7 @@ PositionBits bits_of(Vec3f p) {
 }
 
 // An edge and its reverse are one edge with opposite signs: the lower end first, by bits.
-DrawnEdge oriented(Vec3f from, Vec3f to, std::int32_t sign, std::uint32_t cell) {
+DrawnEdge oriented(Vec3f from, Vec3f to, std::int32_t sign, CellId cell) {
   const PositionBits a = bits_of(from), b = bits_of(to);
   if (a == b) return {from, to, 0, cell};
   return a < b ? DrawnEdge{from, to, sign, cell} : DrawnEdge{to, from, -sign, cell};
@@ -102,7 +102,7 @@ void lay_out_edges(const Selection& selection, const CrackBasis& basis, CrackScr
 void draw_edges(const MorphContext& context, const Selection& selection, const CrackBasis& basis, Scheduler& scheduler,
                 CrackScratch& scratch) {
   const Hierarchy& hierarchy = *context.hierarchy;
-  const std::uint32_t first_leaf = hierarchy.levels.back().first_cell;
+  const Level& finest = hierarchy.levels.back();
   for_drawn_cells(
       context, selection, scheduler, scratch,
       [&](const SelectedCell& selected, std::size_t i, std::span<const Vec3f> drawn) {
@@ -114,9 +114,9 @@ void draw_edges(const MorphContext& context, const Selection& selection, const C
         };
         for (const LocalEdge& edge : basis.boundary_of(selected.cell)) put(drawn[edge.from], drawn[edge.to], 1);
         const LeafRange leaves = basis.leaves[selected.cell];
-        for (std::uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
-          const auto followed = [&](std::uint32_t vertex) {
-            return drawn[follow_parents(hierarchy, first_leaf + leaf, vertex, hierarchy.finest(), selected.level)];
+        for (CellRank leaf = leaves.begin; leaf < leaves.end; ++leaf) {
+          const auto followed = [&](VertexId vertex) {
+            return drawn[follow_parents(hierarchy, finest.id_of(leaf), vertex, hierarchy.finest(), selected.level)];
           };
           for (const LocalEdge& edge : basis.unpaired_of(leaf)) put(followed(edge.from), followed(edge.to), -1);
         }
@@ -165,18 +165,19 @@ CrackReport net_bucket(std::size_t bucket, const CrackScratch& scratch, std::vec
 void draw_copies(const MorphContext& context, const Selection& selection, const CrackBasis& basis, Scheduler& scheduler,
                  CrackScratch& scratch) {
   const Hierarchy& hierarchy = *context.hierarchy;
-  const std::uint32_t first_leaf = hierarchy.levels.back().first_cell;
+  const Level& finest = hierarchy.levels.back();
   scratch.copies.resize(basis.copies.size());
   for_drawn_cells(context, selection, scheduler, scratch,
                   [&](const SelectedCell& selected, std::size_t, std::span<const Vec3f> drawn) {
                     const LeafRange leaves = basis.leaves[selected.cell];
-                    for (std::uint32_t leaf = leaves.begin; leaf < leaves.end; ++leaf) {
+                    for (CellRank leaf = leaves.begin; leaf < leaves.end; ++leaf) {
                       if (scratch.covered[leaf] != 1) continue;
-                      const std::uint32_t first_shared = hierarchy.cells[first_leaf + leaf].first_shared();
+                      const std::uint32_t first_shared = hierarchy.cells[finest.id_of(leaf)].first_shared();
                       const std::uint32_t copies = basis.copy_begin[leaf + 1] - basis.copy_begin[leaf];
                       for (std::uint32_t k = 0; k < copies; ++k)
-                        scratch.copies[basis.copy_begin[leaf] + k] = drawn[follow_parents(
-                            hierarchy, first_leaf + leaf, first_shared + k, hierarchy.finest(), selected.level)];
+                        scratch.copies[basis.copy_begin[leaf] + k] =
+                            drawn[follow_parents(hierarchy, finest.id_of(leaf), VertexId(first_shared + k),
+                                                 hierarchy.finest(), selected.level)];
                     }
                   });
 }

@@ -19,7 +19,7 @@ namespace lodestone {
 struct ResidualEdge {
   Vec3f from, to;  // drawn positions, normalised
   std::int64_t multiplicity = 0;
-  std::uint32_t cell = 0;  // a drawn cell that contributes to it
+  CellId cell;  // a drawn cell that contributes to it
 };
 
 struct CrackReport {
@@ -46,7 +46,7 @@ struct CrackScratch {
   struct DrawnEdge {
     Vec3f from, to;
     std::int32_t sign = 0;  // 0: its ends coincide
-    std::uint32_t cell = 0;
+    CellId cell;
   };
   struct HashedEdge {
     std::uint64_t hash = 0;

@@ -18,26 +18,26 @@ struct DrawnPair {
   [[nodiscard]] const SelectedCell& finer() const { return before.level >= after.level ? before : after; }
 };
 
-// Cells of level L below a cell, by their index in Hierarchy::cells: consecutive, since children are.
+// Cells of level L below a cell: consecutive, since children are.
 struct LeafInterval {
-  std::uint32_t begin = 0, end = 0;
+  CellId begin, end;
 };
 
 LeafInterval leaves_below(const Hierarchy& hierarchy, const SelectedCell& selected) {
-  std::uint32_t first = selected.cell, last = selected.cell;
+  CellId first = selected.cell, last = selected.cell;
   for (int level = selected.level; level < hierarchy.finest(); ++level) {
     const Cell& cell = hierarchy.cells[last];
     first = hierarchy.cells[first].first_child;
-    last = cell.first_child + cell.child_count - 1;
+    last = CellId(cell.end_child() - 1);
   }
-  return {first, last + 1};
+  return {first, CellId(last + 1)};
 }
 
 // Both selections tile the leaves in their order with intervals, which are nested or apart. One pass over both.
 std::vector<DrawnPair> pair_cells(const Hierarchy& hierarchy, const Selection& before, const Selection& after) {
   std::vector<DrawnPair> pairs;
   std::size_t i = 0, j = 0;
-  std::uint32_t begin_before = hierarchy.levels.back().first_cell, begin_after = begin_before;
+  CellId begin_before = hierarchy.levels.back().first_cell, begin_after = begin_before;
   bool tiled = true;
   while (tiled && i < before.cells.size() && j < after.cells.size()) {
     const LeafInterval a = leaves_below(hierarchy, before.cells[i]), b = leaves_below(hierarchy, after.cells[j]);
@@ -58,17 +58,17 @@ double bound_between(std::span<const double> bounds, int level, int other) {
 }
 
 // The vertices of the finer cell of a pair, where the frame draws them in its own cell of the pair: index there.
-std::uint32_t drawn_vertex(const Hierarchy& hierarchy, const SelectedCell& finer, std::uint32_t vertex,
-                           const SelectedCell& drawn) {
-  for (std::uint32_t cell = finer.cell; cell != drawn.cell; cell = hierarchy.cells[cell].parent)
-    vertex = hierarchy.cells[cell].parents[vertex];
+VertexId drawn_vertex(const Hierarchy& hierarchy, const SelectedCell& finer, VertexId vertex,
+                      const SelectedCell& drawn) {
+  for (CellId cell = finer.cell; cell != drawn.cell; cell = hierarchy.cells[cell].parent)
+    vertex = VertexId(hierarchy.cells[cell].parents[vertex]);
   return vertex;
 }
 
 // Drawn positions of one cell, remembered while consecutive pairs share it.
 class MorphedCell {
  public:
-  std::span<const Vec3f> positions(const MorphContext& context, std::uint32_t cell) {
+  std::span<const Vec3f> positions(const MorphContext& context, CellId cell) {
     if (cell != cell_) {
       positions_.resize(context.hierarchy->cells[cell].positions.size());
       morph_cell(context, cell, positions_);
@@ -78,7 +78,7 @@ class MorphedCell {
   }
 
  private:
-  std::uint32_t cell_ = no_cell;
+  CellId cell_ = no_cell;
   std::vector<Vec3f> positions_;
 };
 
@@ -156,7 +156,7 @@ Part jumps_of(const Frames& frames, ChunkRange chunk) {
     jump.level_to = pair.after.level;
     const std::size_t vertices = hierarchy.cells[finer.cell].positions.size();
     part.report.vertices += vertices;
-    for (std::uint32_t v = 0; v < vertices; ++v) {
+    for (VertexId v{0}; v < vertices; ++v) {
       jump.vertex = v;
       jump.from = from[drawn_vertex(hierarchy, finer, v, pair.before)];
       jump.to = to[drawn_vertex(hierarchy, finer, v, pair.after)];

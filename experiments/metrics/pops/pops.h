@@ -28,12 +28,12 @@ namespace lodestone {
 
 // One vertex between two frames.
 struct VertexJump {
-  double jump = 0;         // Euclidean, normalised units
-  double bound = 0;        // of the jump, rounding of the distances included
-  double ratio = 0;        // max(0, jump - jump_rounding) / bound; 0 / 0 = 0
-  Vec3f from, to;          // the drawn positions
-  std::uint32_t cell = 0;  // the finer of the two drawn cells, and the vertex's index in it
-  std::uint32_t vertex = 0;
+  double jump = 0;   // Euclidean, normalised units
+  double bound = 0;  // of the jump, rounding of the distances included
+  double ratio = 0;  // max(0, jump - jump_rounding) / bound; 0 / 0 = 0
+  Vec3f from, to;    // the drawn positions
+  CellId cell;       // the finer of the two drawn cells, and the vertex in it
+  VertexId vertex;
   std::uint8_t level_from = 0, level_to = 0;  // of the cells that draw it in the two frames
 };
 

@@ -30,18 +30,18 @@ namespace lodestone {
 namespace {
 
 // The loaded families, those of a branch one after the other: cells selected together lie together.
-std::vector<std::uint32_t> families_of(const Hierarchy& hierarchy) {
-  std::vector<std::uint32_t> families;
+std::vector<CellId> families_of(const Hierarchy& hierarchy) {
+  std::vector<CellId> families;
   if (hierarchy.cells.empty()) return families;
   families.push_back(no_cell);
-  std::vector<std::uint32_t> open{0};
+  std::vector<CellId> open{CellId(0)};
   while (!open.empty()) {
-    const std::uint32_t parent = open.back();
+    const CellId parent = open.back();
     open.pop_back();
     const Cell& cell = hierarchy.cells[parent];
     if (cell.child_count == 0 || hierarchy.cells[cell.first_child].positions.empty()) continue;
     families.push_back(parent);
-    for (std::uint32_t k = cell.child_count; k-- > 0;) open.push_back(cell.first_child + k);
+    for (std::uint32_t k = cell.child_count; k-- > 0;) open.emplace_back(cell.first_child + k);
   }
   return families;
 }
@@ -113,14 +113,14 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->scene.emplace(models, device_.max_storage_block_bytes, expected);
     resources_->textures.set_models(models);
     for (std::uint32_t m = 0; m < models.size(); ++m)
-      for (const std::uint32_t family : families_of(*models[m])) resources_->scene->add({m, family});
+      for (const CellId family : families_of(*models[m])) resources_->scene->add({m, family});
   }
 
-  void refresh(std::uint32_t model, std::span<const std::uint32_t> went, std::span<const std::uint32_t> came) override {
+  void refresh(std::uint32_t model, std::span<const CellId> went, std::span<const CellId> came) override {
     assert(resources_->scene);
     const CurrentContext current(*context_);
-    for (const std::uint32_t family : went) resources_->scene->remove({model, family});
-    for (const std::uint32_t family : came) resources_->scene->add({model, family});
+    for (const CellId family : went) resources_->scene->remove({model, family});
+    for (const CellId family : came) resources_->scene->add({model, family});
   }
 
   FrameStats draw(const Frame& frame) override {

@@ -54,7 +54,7 @@ std::array<ClipVertex, 3> clip_corners(const ViewProjection& projection, const D
   std::array<ClipVertex, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3f p =
-        cell.morphing ? morph_vertex(cell.model->morph, cell.cell, v[k]).position : cell.own->positions[v[k]];
+        cell.morphing ? morph_vertex(cell.model->morph, cell.cell, VertexId(v[k])).position : cell.own->positions[v[k]];
     corners[k] = to_clip(projection, p);
   }
   return corners;

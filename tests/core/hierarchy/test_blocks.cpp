@@ -118,7 +118,7 @@ SmallBuild start(const IndexedMesh& mesh, int finest) {
 // Every vertex of a level by the ids of its cells, as the builder's transient data says.
 std::map<std::uint32_t, std::set<CellRank>> users(const std::vector<CellBuild>& cells) {
   std::map<std::uint32_t, std::set<CellRank>> result;
-  for (CellRank c = 0; c < cells.size(); ++c)
+  for (CellRank c{0}; c < cells.size(); ++c)
     for (const std::uint32_t id : cells[c].ids) result[id].insert(c);
   return result;
 }

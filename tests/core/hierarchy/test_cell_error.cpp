@@ -19,7 +19,7 @@ using test::naive_hierarchy;
 
 LevelSurface surface_of(const Hierarchy& hierarchy, int level) {
   LevelSurface surface(hierarchy, level);
-  for (std::uint32_t c = 0; c < surface.cell_count(); ++c) surface.build_cell(c);
+  for (CellRank c{0}; c < surface.cell_count(); ++c) surface.build_cell(c);
   surface.build_rest();
   return surface;
 }
@@ -62,7 +62,7 @@ Bracket from_cell(const Hierarchy& hierarchy, const Cell& cell, int to_level) {
   return result;
 }
 
-bool is_below(const Hierarchy& hierarchy, std::uint32_t cell, std::uint32_t ancestor) {
+bool is_below(const Hierarchy& hierarchy, CellId cell, CellId ancestor) {
   while (cell > ancestor) cell = hierarchy.cells[cell].parent;
   return cell == ancestor;
 }
@@ -75,15 +75,15 @@ Measured measure(const Hierarchy& hierarchy, double tolerance) {
   Measured result{std::vector<double>(hierarchy.cells.size())};
   const LevelSurface finest = surface_of(hierarchy, hierarchy.finest());
   CellErrorMeter meter({tolerance});
-  const std::uint32_t first_finest = hierarchy.levels.back().first_cell;
+  const Level& leaves = hierarchy.levels.back();
   for (int l = 0; l < hierarchy.finest(); ++l) {
     const LevelSurface surface = surface_of(hierarchy, l);
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
-      std::uint32_t begin = hierarchy.levels.back().cell_count, end = 0;
-      for (std::uint32_t k = 0; k < hierarchy.levels.back().cell_count; ++k)
-        if (is_below(hierarchy, first_finest + k, c)) begin = std::min(begin, k), end = std::max(end, k + 1);
-      result.error[c] = meter.measure({surface, c - level.first_cell, finest, begin, end, 0, 1e-9});
+    for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
+      CellRank begin(leaves.cell_count), end;
+      for (CellRank k{0}; k < leaves.cell_count; ++k)
+        if (is_below(hierarchy, leaves.id_of(k), c)) begin = std::min(begin, k), end = CellRank(k + 1);
+      result.error[c] = meter.measure({surface, level.rank_of(c), finest, begin, end, 0, 1e-9});
     }
   }
   return result;
@@ -95,12 +95,12 @@ TEST_P(CellErrorOf, EachCellIsAboveAllDistancesByTheToleranceAtMost) {
   const auto [open, tolerance] = GetParam();
   const Hierarchy hierarchy = naive_hierarchy(bumpy_sphere(3, open), 2, 1.2f).hierarchy;
   const Measured measured = measure(hierarchy, tolerance);
-  const std::uint32_t first_finest = hierarchy.levels.back().first_cell;
+  const CellId first_finest = hierarchy.levels.back().first_cell;
   for (int l = 0; l < hierarchy.finest(); ++l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
-    for (std::uint32_t c = level.first_cell; c < level.first_cell + level.cell_count; ++c) {
+    for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
       Bracket expected = from_cell(hierarchy, hierarchy.cells[c], hierarchy.finest());
-      for (std::uint32_t k = first_finest; k < hierarchy.cells.size(); ++k) {
+      for (CellId k = first_finest; k < hierarchy.cells.size(); ++k) {
         if (!is_below(hierarchy, k, c)) continue;
         const Bracket back = from_cell(hierarchy, hierarchy.cells[k], l);
         expected = {std::max(expected.lower, back.lower), std::max(expected.upper, back.upper)};
@@ -124,14 +124,16 @@ struct TwoLevels {
   [[nodiscard]] double error(double tolerance = 1e-3, double known = 0) const {
     Hierarchy hierarchy;
     hierarchy.levels.resize(2);
-    hierarchy.levels[0].cell_count = hierarchy.levels[1].cell_count = hierarchy.levels[1].first_cell = 1;
+    hierarchy.levels[0].cell_count = hierarchy.levels[1].cell_count = 1;
+    hierarchy.levels[1].first_cell = CellId(1);
     hierarchy.cells.resize(2);
     hierarchy.cells[0].positions = coarse;
     hierarchy.cells[0].triangles = coarse_triangles;
     hierarchy.cells[1].positions = fine;
     hierarchy.cells[1].triangles = fine_triangles;
     return CellErrorMeter({tolerance})
-        .measure({surface_of(hierarchy, 0), 0, surface_of(hierarchy, 1), 0, 1, known, 1e-9});
+        .measure(
+            {surface_of(hierarchy, 0), CellRank(0), surface_of(hierarchy, 1), CellRank(0), CellRank(1), known, 1e-9});
   }
 };
 

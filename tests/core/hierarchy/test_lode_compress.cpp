@@ -96,7 +96,7 @@ TEST(LodeCompress, GivesBackOddPayloads) {
     cell.triangles = {};
     cell.parent = no_cell, cell.parents = {};
     expect_round_trip(cell);
-    cell.parent = 0, cell.parents = payload.parents;
+    cell.parent = CellId(0), cell.parents = payload.parents;
     expect_round_trip(cell);
     cell.triangles = payload.triangles;
     expect_round_trip(cell);
@@ -148,7 +148,7 @@ TEST(LodeCompress, SurvivesHostileBytes) {
   const Hierarchy h = test::lattice_sphere(4, lattice).hierarchy;
   std::mt19937 random(11);
   std::size_t refused = 0, taken = 0;
-  for (std::uint32_t c = 0; c < h.cells.size(); ++c) {
+  for (CellId c{0}; c < h.cells.size(); ++c) {
     std::vector<std::byte> packed;
     compress_payload(h.cells[c], lattice, packed);
     const PayloadCounts n = counts_of(h.cells[c]);

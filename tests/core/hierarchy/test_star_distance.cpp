@@ -41,12 +41,12 @@ TEST_P(StarDistanceOf, SimplifiedMeshIsTheDistanceOfItsSurface) {
   std::size_t exact_ones = 0;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const double exact = brute_force(images, result.positions, mesh.positions[v]);
-    const double measured = surface.farther(0, mesh.positions[v], result.parent[v]);
+    const double measured = surface.farther(0, mesh.positions[v], VertexId(result.parent[v]));
     EXPECT_GE(measured, exact * (1 - 1e-9)) << "never less than the distance";
     exact_ones += measured <= exact * (1 + 1e-9) + 1e-20;
     largest = std::max(largest, measured);
     largest_exact = std::max(largest_exact, exact);
-    running = surface.farther(running, mesh.positions[v], result.parent[v]);
+    running = surface.farther(running, mesh.positions[v], VertexId(result.parent[v]));
   }
   EXPECT_GT(static_cast<double>(exact_ones), 0.99 * static_cast<double>(mesh.positions.size()));
   EXPECT_LT(std::sqrt(largest), 1.5 * std::sqrt(largest_exact));
@@ -64,9 +64,9 @@ TEST(StarDistance, OfAVertexWithoutTrianglesIsTheWayToIt) {
   const std::vector<Triangle> triangles{{{0, 1, 2}}, {{3, 3, 0}}};
   StarDistance surface;
   surface.reset(triangles, positions);
-  EXPECT_DOUBLE_EQ(surface.farther(0, {0.5f, 0.5f, 1}, 3), 0.25);
-  EXPECT_DOUBLE_EQ(surface.farther(0, {0.25f, 0.25f, 0.5f}, 1), 0.25);
-  EXPECT_DOUBLE_EQ(surface.farther(1, {0.25f, 0.25f, 0.5f}, 1), 1);
+  EXPECT_DOUBLE_EQ(surface.farther(0, {0.5f, 0.5f, 1}, VertexId(3)), 0.25);
+  EXPECT_DOUBLE_EQ(surface.farther(0, {0.25f, 0.25f, 0.5f}, VertexId(1)), 0.25);
+  EXPECT_DOUBLE_EQ(surface.farther(1, {0.25f, 0.25f, 0.5f}, VertexId(1)), 1);
 }
 
 }  // namespace

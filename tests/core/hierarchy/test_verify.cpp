@@ -44,7 +44,7 @@ TEST(Verify, AnswersWithoutTheInputToo) {
 }
 
 // Places in a NaiveHierarchy that the breakages below aim at.
-std::uint32_t first_of(const NaiveHierarchy& t, int level) {
+CellId first_of(const NaiveHierarchy& t, int level) {
   return t.hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
 }
 NaivePayload& finest_cell(NaiveHierarchy& t) { return (*t.payloads)[first_of(t, finest)]; }
@@ -69,19 +69,19 @@ struct Breakage {
 };
 
 // Another parent than now, within the bound of (1) or not.
-void send_elsewhere(NaiveHierarchy& t, std::uint32_t c, std::size_t v) {
+void send_elsewhere(NaiveHierarchy& t, CellId c, std::size_t v) {
   NaivePayload& cell = (*t.payloads)[c];
   const auto count = static_cast<std::uint32_t>((*t.payloads)[t.hierarchy.cells[c].parent].positions.size());
   cell.parents[v] = (cell.parents[v] + 1) % count;
 }
 
 const Breakage breakages[] = {
-    {"structure", "level ranges", [](auto& t) { t.hierarchy.levels[1].first_cell += 1; }},
+    {"structure", "level ranges", [](auto& t) { ++t.hierarchy.levels[1].first_cell; }},
     {"structure", "cells of no level", [](auto& t) { t.hierarchy.levels[finest].cell_count -= 1; }},
     {"structure", "Morton order",
      [](auto& t) { std::swap(t.hierarchy.cells[first_of(t, 1)].code, t.hierarchy.cells[first_of(t, 1) + 1].code); }},
     {"structure", "children", [](auto& t) { t.hierarchy.cells[0].child_count -= 1; }},
-    {"structure", "parent", [](auto& t) { t.hierarchy.cells.back().parent = 0; }},
+    {"structure", "parent", [](auto& t) { t.hierarchy.cells.back().parent = CellId(0); }},
     {"structure", "stored triangles", [](auto& t) { t.hierarchy.levels[1].triangles += 1; }},
     {"structure", "stored vertices", [](auto& t) { t.hierarchy.levels[1].vertices += 1; }},
     {"structure", "vertex index",
@@ -265,7 +265,7 @@ TEST(Verify, ChecksTheLatticeAndWhatItAddsToTheErrors) {
 
 TEST(Verify, RunsNothingOnABrokenStructure) {
   NaiveHierarchy broken = test::naive_hierarchy(test::bumpy_sphere(3), 2, 0.2f);
-  broken.hierarchy.cells[0].first_child = 0xffff'fff0u;
+  broken.hierarchy.cells[0].first_child = CellId(0xffff'fff0u);
   for (const VerifyCheck& check : verify_hierarchy(broken.attach()).checks) EXPECT_FALSE(check.passed) << check.name;
 }
 

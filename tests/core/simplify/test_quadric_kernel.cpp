@@ -83,7 +83,7 @@ TEST(QuadricKernel, MeasuresHowFarTheVerticesAreFromTheImages) {
       const double exact = std::sqrt(squared_distance(result, images, input.positions[v]));
       EXPECT_GE(measured * (1 + 1e-4) + 1e-6, exact) << v;
       largest = std::max(largest, measured);
-      largest_twin = std::max(largest_twin, twin.farther(0, input.positions[v], result.parent[v]));
+      largest_twin = std::max(largest_twin, twin.farther(0, input.positions[v], VertexId(result.parent[v])));
     }
     EXPECT_LE(largest, 1.01 * std::sqrt(largest_twin) + 1e-6);
   }

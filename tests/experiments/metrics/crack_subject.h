@@ -63,8 +63,8 @@ inline LevelFrame draw_level(const Hierarchy& hierarchy, int level, bool lambda_
   drawn.radii.band_begin[0] = drawn.radii.band_end[0] = std::numeric_limits<float>::infinity();
   drawn.frame.context = {&hierarchy, nullptr, Blend::linear, {9, 9, 9}};
   const Level& l = hierarchy.levels[static_cast<std::size_t>(level)];
-  for (std::uint32_t i = 0; i < l.cell_count; ++i)
-    drawn.frame.selection.cells.push_back({l.first_cell + i, static_cast<std::uint8_t>(level)});
+  for (CellId c = l.first_cell; c < l.end_cell(); ++c)
+    drawn.frame.selection.cells.push_back({c, static_cast<std::uint8_t>(level)});
   return drawn;
 }
 

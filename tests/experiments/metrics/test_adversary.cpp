@@ -16,7 +16,7 @@ using namespace testing;
 constexpr int finest = 4;
 constexpr float sigma0 = 0.6f;
 
-bool draws(const Selection& selection, std::uint32_t cell) {
+bool draws(const Selection& selection, CellId cell) {
   return std::any_of(selection.cells.begin(), selection.cells.end(),
                      [&](const SelectedCell& s) { return s.cell == cell; });
 }

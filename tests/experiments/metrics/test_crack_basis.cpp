@@ -46,8 +46,9 @@ TEST(CrackBasis, EqualsThatOfTheDefinition) {
     const Subject subject(named.mesh);
     const Hierarchy& h = subject.hierarchy();
     std::multiset<std::array<std::uint32_t, 3>> fast, slow;
-    for (std::uint32_t leaf = 0; leaf < h.levels.back().cell_count; ++leaf)
-      for (const LocalEdge& e : subject.basis.unpaired_of(leaf)) fast.insert({first_leaf(h) + leaf, e.from, e.to});
+    for (CellRank leaf{0}; leaf < h.levels.back().cell_count; ++leaf)
+      for (const LocalEdge& e : subject.basis.unpaired_of(leaf))
+        fast.insert({h.levels.back().id_of(leaf), e.from, e.to});
     for (const NaiveHalfEdge& e : naive_unpaired(h)) slow.insert({e.cell, e.from, e.to});
     EXPECT_EQ(fast, slow);
   }

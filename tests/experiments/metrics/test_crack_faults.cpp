@@ -13,16 +13,17 @@ namespace {
 using namespace testing;
 
 struct SharedCopy {
-  std::uint32_t cell = 0, vertex = 0;
+  CellId cell;
+  VertexId vertex;
 };
 
 // A copy of a shared vertex in a cell of the level whose triangles use it.
 SharedCopy find_shared_copy(const Hierarchy& hierarchy, int level) {
-  std::uint32_t cell = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
+  CellId cell = hierarchy.levels[static_cast<std::size_t>(level)].first_cell;
   for (const Cell& c : hierarchy.cells_of(level)) {
     for (const Triangle& t : c.triangles)
       for (const std::uint32_t v : t.v)
-        if (v >= c.first_shared()) return {cell, v};
+        if (v >= c.first_shared()) return {cell, VertexId(v)};
     ++cell;
   }
   ADD_FAILURE() << "no shared vertex";
@@ -58,8 +59,8 @@ TEST(CrackFaults, SeesACopyMovedByAnUlp) {
 TEST(CrackFaults, SeesAnAlteredParent) {
   Subject subject(torus_mesh(28));
   for (int level = 1; level <= finest; ++level) {
-    const std::uint32_t cell = find_shared_copy(subject.hierarchy(), level).cell;
-    const std::uint32_t parent = subject.hierarchy().cells[cell].parent;
+    const CellId cell = find_shared_copy(subject.hierarchy(), level).cell;
+    const CellId parent = subject.hierarchy().cells[cell].parent;
     const auto others = static_cast<std::uint32_t>(subject.hierarchy().cells[parent].positions.size());
     std::vector<std::uint32_t>& pointers = (*subject.built.payloads)[cell].parents;
     std::size_t altered = 0, seen = 0;
@@ -81,7 +82,7 @@ TEST(CrackFaults, SeesAnAlteredParent) {
 TEST(CrackFaults, SeesAMissingTriangle) {
   for (int level = 0; level <= finest; ++level) {
     Subject subject(box_mesh(16));
-    const std::uint32_t cell = subject.hierarchy().levels[static_cast<std::size_t>(level)].first_cell;
+    const CellId cell = subject.hierarchy().levels[static_cast<std::size_t>(level)].first_cell;
     (*subject.built.payloads)[cell].triangles.pop_back();
     subject.built.attach();
     subject.rebuild_basis();
@@ -94,7 +95,7 @@ TEST(CrackFaults, SeesAMissingTriangle) {
 
 TEST(CrackFaults, SeesAReversedTriangle) {
   Subject subject(terrain_mesh(24));
-  const std::uint32_t cell = subject.hierarchy().levels[2].first_cell;
+  const CellId cell = subject.hierarchy().levels[2].first_cell;
   std::swap((*subject.built.payloads)[cell].triangles[0].v[0], (*subject.built.payloads)[cell].triangles[0].v[1]);
   subject.rebuild_basis();
   EXPECT_GT(open_edges_of_level(subject, 2, true), 0u);

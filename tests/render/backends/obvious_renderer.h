@@ -77,7 +77,7 @@ class ObviousRenderer final : public Renderer {
     WindowTriangle w;
     w.level = selected.level;
     for (std::size_t k = 0; k < 3; ++k) {
-      const MorphedVertex m = morph_vertex(frame.only().morph, selected.cell, t.v[k]);
+      const MorphedVertex m = morph_vertex(frame.only().morph, selected.cell, VertexId(t.v[k]));
       const soft::ClipVertex clip = soft::to_clip(frame.only().view_projection, m.position);
       ASSERT_FALSE(viewport.needs_clipping(clip));
       w.v[k] = {viewport.snap(clip), m.normal};

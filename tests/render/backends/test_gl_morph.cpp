@@ -19,7 +19,8 @@ using namespace lodestone::test;
 // One drawn corner: its position and the vertex that it is a copy of.
 struct Corner {
   Vec3f drawn;
-  std::uint32_t cell = 0, vertex = 0;
+  CellId cell;
+  VertexId vertex;
 };
 
 // Captured corners with their cell and vertex, in drawing order. Empty when the count is wrong.
@@ -30,7 +31,7 @@ std::vector<Corner> corners_of(GlRenderer& renderer, const WholeFrame& whole) {
     for (const Triangle& t : whole.frame.only().morph.hierarchy->cells[selected.cell].triangles)
       for (const std::uint32_t v : t.v) {
         if (corners.size() == captured.size()) return {};
-        corners.push_back({captured[corners.size()], selected.cell, v});
+        corners.push_back({captured[corners.size()], selected.cell, VertexId(v)});
       }
   return corners.size() == captured.size() ? corners : std::vector<Corner>{};
 }
@@ -130,14 +131,14 @@ TEST_P(GlMorphTest, DrawsNoCracksWhileFamiliesComeAndGo) {
   std::mt19937 random(3);
   std::size_t limits = 0, finest = 0;
   for (int i = 0; i < 24; ++i) {
-    std::vector<std::uint32_t> came, went;
-    for (std::uint32_t c = 0; c < streamed.cells.size(); ++c) {
+    std::vector<CellId> came, went;
+    for (CellId c{0}; c < streamed.cells.size(); ++c) {
       const Cell& cell = streamed.cells[c];
       const bool stays = random() % 8 > 0 && (cell.parent == no_cell || there[cell.parent]);
       if (cell.child_count == 0 || there[c] == stays) continue;
       there[c] = stays;
       (stays ? came : went).push_back(c);
-      for (std::uint32_t k = cell.first_child; k < cell.first_child + cell.child_count; ++k) {
+      for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
         const Cell& from = whole_hierarchy.cells[k];
         Cell& to = streamed.cells[k];
         to.positions = stays ? from.positions : std::span<const Vec3f>{};
@@ -152,7 +153,7 @@ TEST_P(GlMorphTest, DrawsNoCracksWhileFamiliesComeAndGo) {
     LimitTracker tracker;
     tracker.update(
         streamed, whole.radii, whole.frame.only().morph.viewpoint,
-        [&](std::uint32_t cell) { return there[cell] ? ChildState::there : ChildState::missing; }, 1);
+        [&](CellId cell) { return there[cell] ? ChildState::there : ChildState::missing; }, 1);
     whole.frame.only().morph.limits = tracker.limits();
     select_cells(streamed, whole.radii, whole.frame.only().morph.viewpoint, {.limits = tracker.limits()},
                  whole.selection);
@@ -239,7 +240,7 @@ std::vector<std::array<Vec3f, 3>> triangles_of(const std::vector<Vec3f>& corners
 TEST_F(GlTest, GroupsChangeNothing) {
   const Hierarchy& hierarchy = closed_surface().hierarchy;
   std::uint64_t largest = 0;
-  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c)
+  for (CellId c{0}; c < hierarchy.cells.size(); ++c)
     largest = std::max(largest, GlPlaces::family_size(hierarchy, c).vertices);
   const auto cut = make_gl_renderer({.max_storage_block_bytes = largest * sizeof(Vec3f)});
   cut->upload(hierarchy);

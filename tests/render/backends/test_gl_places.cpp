@@ -21,16 +21,16 @@ const Hierarchy& surface() {
   return made.hierarchy;
 }
 
-std::vector<std::uint32_t> families() {
-  std::vector<std::uint32_t> all{no_cell};
-  for (std::uint32_t c = 0; c < surface().cells.size(); ++c)
+std::vector<CellId> families() {
+  std::vector<CellId> all{no_cell};
+  for (CellId c{0}; c < surface().cells.size(); ++c)
     if (surface().cells[c].child_count > 0) all.push_back(c);
   return all;
 }
 
 std::uint64_t largest_family() {
   std::uint64_t largest = 0;
-  for (const std::uint32_t f : families()) largest = std::max(largest, GlPlaces::family_size(surface(), f).vertices);
+  for (const CellId f : families()) largest = std::max(largest, GlPlaces::family_size(surface(), f).vertices);
   return largest;
 }
 
@@ -74,9 +74,9 @@ TEST(GlPlaces, FamiliesComeAndGoWithoutOverlap) {
   std::mt19937 random(2);
   for (const std::uint64_t limit : {largest_family(), 3 * largest_family(), std::uint64_t{1'000'000}}) {
     GlPlaces places({&surface()}, limit, {});
-    std::map<std::uint32_t, FamilyPlace> there;
+    std::map<CellId, FamilyPlace> there;
     for (int i = 0; i < 600; ++i) {
-      const std::uint32_t family = families()[random() % families().size()];
+      const CellId family = families()[random() % families().size()];
       if (there.contains(family)) {
         places.remove({0, family});
         there.erase(family);
@@ -94,9 +94,9 @@ TEST(GlPlaces, FamiliesComeAndGoWithoutOverlap) {
       for (const auto& [parent, place] : there) {
         if (parent != no_cell)
           take(vertices[place.group], place.first_vertex, surface().cells[parent].positions.size());
-        const std::uint32_t first = parent == no_cell ? 0 : surface().cells[parent].first_child;
+        const CellId first = parent == no_cell ? CellId(0) : surface().cells[parent].first_child;
         const std::uint32_t count = parent == no_cell ? 1 : surface().cells[parent].child_count;
-        for (std::uint32_t c = first; c < first + count; ++c) {
+        for (CellId c = first; c < first + count; ++c) {
           EXPECT_EQ(places.place(0, c).group, place.group);
           EXPECT_EQ(places.place(0, c).parent_first_vertex, place.first_vertex);
           take(vertices[place.group], places.place(0, c).first_vertex, surface().cells[c].positions.size());
@@ -109,12 +109,12 @@ TEST(GlPlaces, FamiliesComeAndGoWithoutOverlap) {
 
 TEST(GlPlaces, OneGroupWhereWhatIsExpectedFits) {
   GroupSize all;
-  for (const std::uint32_t f : families()) {
+  for (const CellId f : families()) {
     const GroupSize size = GlPlaces::family_size(surface(), f);
     all = {all.vertices + size.vertices, all.indices + size.indices};
   }
   GlPlaces places({&surface()}, all.vertices, {all});
-  for (const std::uint32_t f : families()) (void)places.add({0, f});
+  for (const CellId f : families()) (void)places.add({0, f});
   ASSERT_EQ(places.groups().size(), 1u);
   EXPECT_EQ(places.groups()[0].vertices, all.vertices);
   EXPECT_EQ(places.groups()[0].indices, all.indices);
@@ -138,7 +138,7 @@ TEST(GlPlaces, GroupsAreForModelsWithTheSameAttributes) {
 TEST(GlPlaces, AFamilyThatFitsNowhereIsRefused) {
   const auto add_all = [](std::uint64_t limit) {
     GlPlaces places({&surface()}, limit, {});
-    for (const std::uint32_t f : families()) (void)places.add({0, f});
+    for (const CellId f : families()) (void)places.add({0, f});
   };
   EXPECT_NO_THROW(add_all(largest_family()));
   EXPECT_THROW(add_all(largest_family() - 1), ResourceError);

@@ -74,7 +74,7 @@ TEST_F(GlSelect, IsTheCpusSelection) {
     std::vector<DetailLimit> limits;
     if (view % 3 == 1)
       for (int k = 0; k < 12; ++k) {
-        const std::uint32_t c = static_cast<std::uint32_t>(random() % h.cells.size());
+        const CellId c(random() % h.cells.size());
         limits.push_back(
             {h.cells[c].bounds, radii.select[static_cast<std::size_t>(h.level_of(c))] * number(0.5f, 1.1f)});
       }

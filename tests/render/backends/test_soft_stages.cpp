@@ -69,7 +69,7 @@ TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
         const Radii radii = make_radii(h, config);
         const MorphContext morph{&h, &radii, blend, viewpoint(camera, h.transform), limits};
         for (const Cell& cell : h.cells) {
-          const int level = h.level_of(static_cast<std::uint32_t>(&cell - h.cells.data()));
+          const int level = h.level_of(CellId(&cell - h.cells.data()));
           std::vector<WindowVertex> out(cell.positions.size());
           std::vector<float> lambdas(cell.positions.size());
           VertexJob job;

@@ -76,7 +76,7 @@ TEST(NormalCones, WhatTurnsItsBackIsSeenFromBehindInEveryMorphState) {
     const NormalCones cones(*h, *scheduler);
     for (int i = 0; i < 40; ++i) {
       const Vec3f viewpoint = point(random, -2, 3);
-      for (std::uint32_t c = 0; c < h->cells.size(); ++c) {
+      for (CellId c{0}; c < h->cells.size(); ++c) {
         const Cell& cell = h->cells[c];
         const Box3f box = drawn_bounds(*h, c, h->level_of(c));
         const auto expect_behind = [&](bool any_lambda) {
@@ -93,10 +93,8 @@ TEST(NormalCones, WhatTurnsItsBackIsSeenFromBehindInEveryMorphState) {
         if (!turns_its_back(cones.subtree(c), viewpoint, box)) continue;
         ++subtrees;
         EXPECT_TRUE(turns_its_back(cones.morphing(c), viewpoint, box));
-        for (std::uint32_t k = 0; k < cell.child_count; ++k) {
-          const std::uint32_t below = cell.first_child + k;
+        for (CellId below = cell.first_child; below < cell.end_child(); ++below)
           EXPECT_TRUE(turns_its_back(cones.morphing(below), viewpoint, drawn_bounds(*h, below, h->level_of(below))));
-        }
       }
     }
   }
@@ -110,18 +108,18 @@ TEST(NormalCones, AreAsNarrowAsTheSurfaceIsFlat) {
   const auto scheduler = make_serial_scheduler();
   const NaiveHierarchy flat = test::naive_hierarchy(test::terrain_mesh(32, 0), 2, 0.5f);
   const NormalCones cones(flat.hierarchy, *scheduler);
-  for (std::uint32_t c = 0; c < flat.hierarchy.cells.size(); ++c) {
+  for (CellId c{0}; c < flat.hierarchy.cells.size(); ++c) {
     EXPECT_LT(cones.still(c).sine, 0.01f);
     EXPECT_NEAR(std::abs(cones.still(c).axis.z), 1, 1e-5);
   }
-  EXPECT_TRUE(turns_its_back(cones.still(0), {0.5f, 0.5f, -5}, flat.hierarchy.cells[0].bounds));
-  EXPECT_FALSE(turns_its_back(cones.still(0), {0.5f, 0.5f, 5}, flat.hierarchy.cells[0].bounds));
-  EXPECT_FALSE(turns_its_back(cones.still(0), {5, 0.5f, 0}, flat.hierarchy.cells[0].bounds)) << "from the side";
+  EXPECT_TRUE(turns_its_back(cones.still(CellId(0)), {0.5f, 0.5f, -5}, flat.hierarchy.cells[0].bounds));
+  EXPECT_FALSE(turns_its_back(cones.still(CellId(0)), {0.5f, 0.5f, 5}, flat.hierarchy.cells[0].bounds));
+  EXPECT_FALSE(turns_its_back(cones.still(CellId(0)), {5, 0.5f, 0}, flat.hierarchy.cells[0].bounds)) << "from the side";
 }
 
 TEST(NormalCones, SameForAnyNumberOfThreads) {
   const NormalCones serial(torus(), *make_serial_scheduler()), parallel(torus(), *make_tbb_scheduler(3));
-  for (std::uint32_t c = 0; c < torus().cells.size(); ++c) {
+  for (CellId c{0}; c < torus().cells.size(); ++c) {
     EXPECT_EQ(serial.still(c).axis, parallel.still(c).axis);
     EXPECT_EQ(serial.still(c).sine, parallel.still(c).sine);
     EXPECT_EQ(serial.subtree(c).sine, parallel.subtree(c).sine);
@@ -210,7 +208,7 @@ TEST(Selection, CullsByConesWhatTurnsItsBackAlone) {
     select_cells(sphere(), radii, morph.viewpoint, {.cones = &cones}, listed);
     select_cells(sphere(), radii, morph.viewpoint, {.keep_culled = false, .cones = &cones}, left_out);
     ASSERT_EQ(listed.cells.size(), all.cells.size());
-    std::vector<std::uint32_t> visible, kept;
+    std::vector<CellId> visible, kept;
     for (std::size_t k = 0; k < all.cells.size(); ++k) {
       const SelectedCell& s = listed.cells[k];
       ASSERT_EQ(s.cell, all.cells[k].cell);

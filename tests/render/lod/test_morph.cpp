@@ -37,7 +37,7 @@ TEST(Morph, EndsAreTheStoredVerticesBitForBit) {
   for (const Blend b : all_blends()) {
     for (int view = 0; view < 10; ++view) {
       const MorphContext morph{&h, &radii, b, {along(random), along(random), along(random)}};
-      for (std::uint32_t c = 0; c < h.cells.size(); ++c) {
+      for (CellId c{0}; c < h.cells.size(); ++c) {
         const Cell& cell = h.cells[c];
         std::vector<Vec3f> positions(cell.positions.size()), normals(cell.positions.size());
         std::vector<MorphedVertex> both(cell.positions.size());
@@ -45,7 +45,7 @@ TEST(Morph, EndsAreTheStoredVerticesBitForBit) {
         morph_cell_normals(morph, c, normals);
         morph_cell_vertices(morph, c, both);
         const int level = h.level_of(c);
-        for (std::uint32_t i = 0; i < positions.size(); ++i) {
+        for (VertexId i{0}; i < positions.size(); ++i) {
           const MorphedVertex one = morph_vertex(morph, c, i);
           ASSERT_TRUE(both[i].position == positions[i] && both[i].normal == normals[i]);
           ASSERT_TRUE(one.position == positions[i] && one.normal == normals[i]);

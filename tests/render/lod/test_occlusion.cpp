@@ -176,19 +176,20 @@ TEST(HiddenCells, FollowTheLevels) {
   const Cell& root = h.cells[0];
   ASSERT_GT(root.child_count, 1u);
   hidden.next_frame();
-  for (std::uint32_t c = 0; c < h.cells.size(); ++c) EXPECT_FALSE(hidden.were_there(h, c)) << "before the first frame";
+  for (CellId c{0}; c < h.cells.size(); ++c) EXPECT_FALSE(hidden.were_there(h, c)) << "before the first frame";
   hidden.note(root.first_child);
   hidden.next_frame();
   EXPECT_TRUE(hidden.were_there(h, root.first_child));
-  EXPECT_FALSE(hidden.were_there(h, root.first_child + 1));
-  for (std::uint32_t k = 0; k < h.cells[root.first_child].child_count; ++k)
-    EXPECT_TRUE(hidden.were_there(h, h.cells[root.first_child].first_child + k)) << "refined in its place";
-  EXPECT_FALSE(hidden.were_there(h, 0)) << "only one of those below it was hidden";
-  for (std::uint32_t k = 0; k < root.child_count; ++k) hidden.note(root.first_child + k);
+  EXPECT_FALSE(hidden.were_there(h, CellId(root.first_child + 1)));
+  const Cell& below = h.cells[root.first_child];
+  for (CellId k = below.first_child; k < below.end_child(); ++k)
+    EXPECT_TRUE(hidden.were_there(h, k)) << "refined in its place";
+  EXPECT_FALSE(hidden.were_there(h, CellId(0))) << "only one of those below it was hidden";
+  for (CellId k = root.first_child; k < root.end_child(); ++k) hidden.note(k);
   hidden.next_frame();
-  EXPECT_TRUE(hidden.were_there(h, 0));
+  EXPECT_TRUE(hidden.were_there(h, CellId(0)));
   hidden.next_frame();
-  for (std::uint32_t c = 0; c < h.cells.size(); ++c) EXPECT_FALSE(hidden.were_there(h, c)) << "a frame later";
+  for (CellId c{0}; c < h.cells.size(); ++c) EXPECT_FALSE(hidden.were_there(h, c)) << "a frame later";
 }
 
 }  // namespace

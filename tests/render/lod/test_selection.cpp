@@ -40,17 +40,17 @@ Vec3f random_point(std::mt19937& random, float lo, float hi) {
 }
 
 // The definition, upwards from a finest cell: of its ancestors and itself the coarsest one that may be drawn.
-std::uint32_t drawn_ancestor(const Hierarchy& h, const Radii& radii, Vec3f viewpoint, std::uint32_t finest_cell) {
-  std::uint32_t drawn = finest_cell;
-  for (std::uint32_t c = finest_cell; c != no_cell; c = h.cells[c].parent)
+CellId drawn_ancestor(const Hierarchy& h, const Radii& radii, Vec3f viewpoint, CellId finest_cell) {
+  CellId drawn = finest_cell;
+  for (CellId c = finest_cell; c != no_cell; c = h.cells[c].parent)
     if (c == finest_cell ||
         distance(radii.metric, viewpoint, h.cells[c].bounds) >= radii.select[static_cast<std::size_t>(h.level_of(c))])
       drawn = c;
   return drawn;
 }
 
-std::set<std::uint32_t> cells_of(const Selection& selection) {
-  std::set<std::uint32_t> cells;
+std::set<CellId> cells_of(const Selection& selection) {
+  std::set<CellId> cells;
   for (const SelectedCell& s : selection.cells) EXPECT_TRUE(cells.insert(s.cell).second) << "listed twice";
   return cells;
 }
@@ -64,12 +64,12 @@ TEST(Selection, IsItsDefinitionAndAPartition) {
     const Radii radii = radii_of(h, std::uniform_real_distribution<float>(0.1f, 6.0f)(random), metric);
     const Vec3f viewpoint = random_point(random, i % 3 ? -0.5f : 0.2f, i % 3 ? 1.5f : 0.8f);
     select_cells(h, radii, viewpoint, {}, selection);
-    const std::set<std::uint32_t> selected = cells_of(selection);
-    std::set<std::uint32_t> expected;
-    for (std::uint32_t c = h.levels.back().first_cell; c < h.cells.size(); ++c) {
+    const std::set<CellId> selected = cells_of(selection);
+    std::set<CellId> expected;
+    for (CellId c = h.levels.back().first_cell; c < h.cells.size(); ++c) {
       expected.insert(drawn_ancestor(h, radii, viewpoint, c));
       int drawn_above = 0;
-      for (std::uint32_t a = c; a != no_cell; a = h.cells[a].parent) drawn_above += static_cast<int>(selected.count(a));
+      for (CellId a = c; a != no_cell; a = h.cells[a].parent) drawn_above += static_cast<int>(selected.count(a));
       EXPECT_EQ(drawn_above, 1) << "cell " << c;
     }
     EXPECT_EQ(selected, expected);
@@ -193,7 +193,7 @@ TEST(Selection, LeavingCulledCellsOutChangesNothingElse) {
   select_cells(h, radii, from, {&frustum, false}, visible);
   select_cells(h, radii, from, {}, unculled);
   EXPECT_EQ(cells_of(all), cells_of(unculled));
-  std::vector<std::uint32_t> a, b;
+  std::vector<CellId> a, b;
   for (const SelectedCell& s : all.cells)
     if (s.visible) a.push_back(s.cell);
   for (const SelectedCell& s : visible.cells) b.push_back(s.cell);

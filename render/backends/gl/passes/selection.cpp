@@ -163,21 +163,22 @@ GlSelector::GlSelector(std::span<const Hierarchy* const> models) {
     Model model;
     std::vector<Node> nodes;
     struct Open {
-      std::uint32_t cell, parent;
+      CellId cell;
+      std::uint32_t parent;  // node
       std::uint8_t level;
     };
     std::vector<Open> open;
-    if (!hierarchy->cells.empty()) open.push_back({0, 0, 0});
+    if (!hierarchy->cells.empty()) open.push_back({CellId(0), 0, 0});
     while (!open.empty()) {
-      const auto [index, parent, level] = open.back();
+      const auto [id, parent, level] = open.back();
       open.pop_back();
-      const Cell& cell = hierarchy->cells[index];
+      const Cell& cell = hierarchy->cells[id];
       const auto own = static_cast<std::uint32_t>(nodes.size());
-      nodes.push_back({cell.bounds, parent, index | std::uint32_t{level} << level_shift});
-      model.cells.push_back(index);
+      nodes.push_back({cell.bounds, parent, id | std::uint32_t{level} << level_shift});
+      model.cells.push_back(id);
       model.levels.push_back(level);
       for (std::uint32_t k = cell.child_count; k-- > 0;)
-        open.push_back({cell.first_child + k, own, static_cast<std::uint8_t>(level + 1)});
+        open.push_back({CellId(cell.first_child + k), own, static_cast<std::uint8_t>(level + 1)});
     }
     const auto bytes = [](std::size_t size) { return static_cast<GLsizeiptr>(std::max<std::size_t>(size, 4)); };
     glNamedBufferStorage(model.nodes.name(), bytes(nodes.size() * sizeof(Node)), nodes.empty() ? nullptr : nodes.data(),

@@ -37,7 +37,7 @@ class GlSelector {
   };
   static_assert(sizeof(Node) == 32);
   struct Model {
-    std::vector<std::uint32_t> cells;  // by node
+    std::vector<CellId> cells;  // by node
     std::vector<std::uint8_t> levels;
     GlBuffer nodes, decisions;
   };

@@ -19,7 +19,7 @@ constexpr std::uint64_t addressable_vertices = 0x7fff'ffffu / 3;
 // Size of groups that are made before their families are known: 2.5 MB.
 constexpr GroupSize least_group{1 << 16, 6 << 16};
 
-std::uint64_t vertices_of_parent(const Hierarchy& hierarchy, std::uint32_t parent) {
+std::uint64_t vertices_of_parent(const Hierarchy& hierarchy, CellId parent) {
   return parent == no_cell ? 0 : hierarchy.cells[parent].positions.size();
 }
 
@@ -50,10 +50,10 @@ GlPlaces::GlPlaces(std::vector<const Hierarchy*> models, std::uint64_t max_verti
   }
 }
 
-GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, std::uint32_t parent) {
+GroupSize GlPlaces::family_size(const Hierarchy& hierarchy, CellId parent) {
   GroupSize size{vertices_of_parent(hierarchy, parent), 0};
   const FamilyCells range = family_cells(hierarchy, parent);
-  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+  for (CellId c = range.begin; c < range.end; ++c) {
     size.vertices += hierarchy.cells[c].positions.size();
     size.indices += 3 * hierarchy.cells[c].triangles.size();
   }
@@ -65,7 +65,7 @@ const FamilyPlace& GlPlaces::add(FamilyId id) {
   const FamilyPlace family = find_room(family_size(hierarchy, id.parent), kind_of_model_[id.model]);
   std::uint64_t vertex = family.first_vertex + vertices_of_parent(hierarchy, id.parent), index = family.first_index;
   const FamilyCells range = family_cells(hierarchy, id.parent);
-  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+  for (CellId c = range.begin; c < range.end; ++c) {
     places_[id.model][c] = {family.group, static_cast<std::uint32_t>(vertex),
                             static_cast<std::uint32_t>(family.first_vertex), static_cast<std::uint32_t>(index)};
     vertex += hierarchy.cells[c].positions.size();

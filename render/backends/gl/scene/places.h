@@ -40,7 +40,8 @@ struct FamilyPlace {
 
 // The children of one cell of one model; parent no_cell: its root.
 struct FamilyId {
-  std::uint32_t model = 0, parent = no_cell;
+  std::uint32_t model = 0;
+  CellId parent = no_cell;
   friend bool operator==(const FamilyId&, const FamilyId&) = default;
 };
 
@@ -100,12 +101,12 @@ class GlPlaces {
   const FamilyPlace& add(FamilyId family);
   void remove(FamilyId family);
 
-  [[nodiscard]] const CellPlace& place(std::uint32_t model, std::uint32_t cell) const { return places_[model][cell]; }
+  [[nodiscard]] const CellPlace& place(std::uint32_t model, CellId cell) const { return places_[model][cell]; }
   [[nodiscard]] const std::vector<GroupSize>& groups() const { return groups_; }
   [[nodiscard]] AttributeSet attributes(std::uint32_t group) const { return kinds_[rooms_[group].kind].attributes; }
 
   // Slots that a family takes, the copy of its parent included.
-  [[nodiscard]] static GroupSize family_size(const Hierarchy& hierarchy, std::uint32_t parent);
+  [[nodiscard]] static GroupSize family_size(const Hierarchy& hierarchy, CellId parent);
 
  private:
   struct Kind {

@@ -39,7 +39,7 @@ void set_attribute(GLuint array, GLuint attribute, GLint count, GLenum type) {
 
 GroupSize size_of_all(const Hierarchy& hierarchy) {
   GroupSize all = GlPlaces::family_size(hierarchy, no_cell);
-  for (std::uint32_t c = 0; c < hierarchy.cells.size(); ++c) {
+  for (CellId c{0}; c < hierarchy.cells.size(); ++c) {
     if (hierarchy.cells[c].child_count == 0) continue;
     const GroupSize family = GlPlaces::family_size(hierarchy, c);
     all = {all.vertices + family.vertices, all.indices + family.indices};
@@ -65,7 +65,7 @@ void GlScene::add(FamilyId id) {
   };
   if (id.parent != no_cell) copy_vertices(model.cells[id.parent], family.first_vertex);
   const FamilyCells range = family_cells(model, id.parent);
-  for (std::uint32_t c = range.begin; c < range.end; ++c) {
+  for (CellId c = range.begin; c < range.end; ++c) {
     const Cell& cell = model.cells[c];
     const CellPlace& place = places_.place(id.model, c);
     copy_vertices(cell, place.first_vertex);

@@ -30,9 +30,7 @@ class GlScene {
 
   [[nodiscard]] const Hierarchy& hierarchy(std::uint32_t model) const { return *models_[model]; }
   [[nodiscard]] std::size_t model_count() const { return models_.size(); }
-  [[nodiscard]] const CellPlace& place(std::uint32_t model, std::uint32_t cell) const {
-    return places_.place(model, cell);
-  }
+  [[nodiscard]] const CellPlace& place(std::uint32_t model, CellId cell) const { return places_.place(model, cell); }
   [[nodiscard]] std::size_t group_count() const { return groups_.size(); }
 
   // Binds the vertex array and the storage blocks of a group; draw records come from `records`.
