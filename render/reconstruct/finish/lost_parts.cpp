@@ -36,25 +36,25 @@ std::vector<std::uint32_t> find_lost(const IndexedMesh& mesh, double spacing, co
 
 // Removes whole pieces with an edge of one triangle.
 void drop_open_pieces(EditMesh& mesh) {
-  std::vector<std::uint32_t> open;
-  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
+  std::vector<TriangleId> open;
+  for (TriangleId t{0}; t < mesh.triangle_count(); ++t)
     for (std::size_t k = 0; k < 3 && mesh.alive(t); ++k)
-      if (mesh.is_border(mesh.triangle(t).v[k], mesh.triangle(t).v[(k + 1) % 3])) open.push_back(t);
+      if (mesh.is_border(mesh.corners(t)[k], mesh.corners(t)[(k + 1) % 3])) open.push_back(t);
   while (!open.empty()) {
-    const std::uint32_t t = open.back();
+    const TriangleId t = open.back();
     open.pop_back();
     if (!mesh.alive(t)) continue;
-    const Triangle gone = mesh.triangle(t);
+    const auto gone = mesh.corners(t);
     mesh.remove(t);
-    for (const std::uint32_t v : gone.v) open.insert(open.end(), mesh.around(v).begin(), mesh.around(v).end());
+    for (const VertexId v : gone) open.insert(open.end(), mesh.around(v).begin(), mesh.around(v).end());
   }
 }
 
 // Vertices of several fans become several vertices.
 void split_fans(EditMesh& edit, MergedMesh& mesh) {
   const auto count = static_cast<std::uint32_t>(edit.vertex_count());
-  for (std::uint32_t v = 0; v < count; ++v)
-    edit.part_fans(v, [&](const std::vector<std::uint32_t>&) {
+  for (VertexId v{0}; v < count; ++v)
+    edit.part_fans(v, [&](const std::vector<TriangleId>&) {
       mesh.position.push_back(Vec3f(mesh.position[v]));
       mesh.pixel.push_back(std::uint32_t{mesh.pixel[v]});
       return edit.add_vertex();
@@ -78,18 +78,17 @@ MergedMesh take_out(const IndexedMesh& mesh, const std::vector<std::uint32_t>& t
   }
   result.pixel.resize(used.size());
   for (const std::uint32_t t : triangles) {
-    std::uint32_t v[3];
+    VertexId v[3];
     for (std::size_t k = 0; k < 3; ++k)
-      v[k] = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), vertex_of(mesh.triangles[t].v[k])) -
-                                        used.begin());
+      v[k] = VertexId(std::lower_bound(used.begin(), used.end(), vertex_of(mesh.triangles[t].v[k])) - used.begin());
     if (edit.add(v[0], v[1], v[2]) == EditMesh::none) continue;
-    for (const std::uint32_t corner : v) result.pixel[corner] = t;
+    for (const VertexId corner : v) result.pixel[corner] = t;
   }
   if (closed) drop_open_pieces(edit);
   split_fans(edit, result);
   result.normal.resize(result.position.size());
   result.view.resize(result.position.size(), no_view), result.feature.resize(result.position.size(), 0);
-  for (std::uint32_t t = 0; t < edit.triangle_count(); ++t)
+  for (TriangleId t{0}; t < edit.triangle_count(); ++t)
     if (edit.alive(t)) result.triangles.push_back(edit.triangle(t));
   return result;
 }

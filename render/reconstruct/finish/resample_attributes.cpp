@@ -79,7 +79,7 @@ class Resampler {
   void find_places() {
     place_.resize(mesh_.positions.size());
     for (std::size_t v = 0; v < place_.size(); ++v)
-      if (source_[v] != no_source) place_[v] = walk_.find(source_[v], normalised(mesh_.positions[v]));
+      if (source_[v] != no_source) place_[v] = walk_.find(TriangleId(source_[v]), normalised(mesh_.positions[v]));
   }
 
   // Places on the source from which the corners of such a triangle take their values: each its own place, unless a seam
@@ -94,7 +94,7 @@ class Resampler {
     }
     if (whole && !jumps(v)) return places;
     for (std::size_t k = 0; k < 3; ++k) {
-      const SurfaceWalk::Place reached = walk_.find(leading, normalised(mesh_.positions[v[k]]));
+      const SurfaceWalk::Place reached = walk_.find(TriangleId(leading), normalised(mesh_.positions[v[k]]));
       // Equal but for rounding: corners of a vertex share a wedge if they can.
       const bool same = source_[v[k]] != no_source && chart_of(source_[v[k]]) == chart_of(leading) &&
                         distance(uv_at(reached), uv_at(places[k])) < 1e-5f;

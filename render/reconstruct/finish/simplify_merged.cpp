@@ -220,7 +220,7 @@ class MergedSimplifier {
     from.uv = w_.uv, from.normal = w_.normal, from.colour = w_.colour;
     scheduler_.for_chunks(moved.size(), 1, [&](ChunkRange range) {
       for (const Moved& m : moved[range.index]) {
-        const SurfaceWalk::Place place = walk.find(m.triangle, to_double(m_.position[vertex_[m.wedge]]));
+        const SurfaceWalk::Place place = walk.find(TriangleId(m.triangle), to_double(m_.position[vertex_[m.wedge]]));
         put_value(from, place, m.wedge);
       }
     });

@@ -26,21 +26,21 @@ SurfaceWalk::SurfaceWalk(std::span<const Vec3f> positions, std::span<const Trian
     for (const std::uint32_t v : t.v) ++first_[v + 1];
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t)
+  for (TriangleId t{0}; t < triangles.size(); ++t)
     for (const std::uint32_t v : triangles[t].v) around_[next[v]++] = t;
 }
 
-SurfaceWalk::Place SurfaceWalk::find(std::uint32_t start, Vec3d point) const {
-  const auto nearest_on = [&](std::uint32_t t) {
+SurfaceWalk::Place SurfaceWalk::find(TriangleId start, Vec3d point) const {
+  const auto nearest_on = [&](TriangleId t) {
     const std::array<Vec3d, 3> c = corners(t);
     return nearest_on_triangle(point, c[0], c[1], c[2]);
   };
-  std::uint32_t at = start;
+  TriangleId at = start;
   NearestPoint nearest = nearest_on(at);
   for (int steps = 0; steps < 256; ++steps) {
     const std::array<double, 3> share = shares_of(corners(at), nearest.point);
     if (*std::min_element(share.begin(), share.end()) > 1e-6) break;  // no neighbour is nearer than a point inside
-    const std::uint32_t before = at;
+    const TriangleId before = at;
     for (const std::uint32_t v : triangles_[before].v)
       for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) {
         const NearestPoint there = nearest_on(around_[k]);
@@ -51,7 +51,7 @@ SurfaceWalk::Place SurfaceWalk::find(std::uint32_t start, Vec3d point) const {
   return {at, shares_of(corners(at), nearest.point)};
 }
 
-std::array<Vec3d, 3> SurfaceWalk::corners(std::uint32_t triangle) const {
+std::array<Vec3d, 3> SurfaceWalk::corners(TriangleId triangle) const {
   const auto& v = triangles_[triangle].v;
   return {to_double(positions_[v[0]]), to_double(positions_[v[1]]), to_double(positions_[v[2]])};
 }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/id.h"
 #include "core/math/triangle.h"
 #include "core/math/vec3.h"
 
@@ -20,20 +21,21 @@ class SurfaceWalk {
 
   // A place on the surface: shares of a triangle's corners that add up to 1, none below 0.
   struct Place {
-    std::uint32_t triangle = 0;
+    TriangleId triangle;
     std::array<double, 3> share{};
   };
   // The nearest place of the triangle, and of its neighbours as long as they are nearer to the point; at the end of a
   // chart or the surface, on its border. The place is never in another chart than `start`, and never beyond a
   // triangle's edge.
-  [[nodiscard]] Place find(std::uint32_t start, Vec3d point) const;
+  [[nodiscard]] Place find(TriangleId start, Vec3d point) const;
 
  private:
-  [[nodiscard]] std::array<Vec3d, 3> corners(std::uint32_t triangle) const;
+  [[nodiscard]] std::array<Vec3d, 3> corners(TriangleId triangle) const;
 
   std::span<const Vec3f> positions_;
   std::span<const Triangle> triangles_;
-  std::vector<std::uint32_t> first_, around_;  // the triangles around each wedge
+  std::vector<std::uint32_t> first_;
+  std::vector<TriangleId> around_;  // the triangles around each wedge
 };
 
 }  // namespace lodestone

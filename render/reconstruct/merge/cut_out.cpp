@@ -30,8 +30,9 @@ std::size_t cell_of(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint
 }
 
 struct FoundEdge {
-  std::uint32_t from = 0, to = 0, beyond = 0;  // and where the border goes on from `to`
-  std::uint32_t patch = 0, triangle = 0;       // inside of it
+  VertexId from, to, beyond;  // and where the border goes on from `to`
+  std::uint32_t patch = 0;
+  TriangleId triangle;  // inside of it
 };
 
 BorderLoops link_borders(std::span<const std::vector<FoundEdge>> found, std::size_t vertices, std::size_t patches) {
@@ -42,9 +43,12 @@ BorderLoops link_borders(std::span<const std::vector<FoundEdge>> found, std::siz
       borders.add_edge(e.from, e.to);
       patch_of_edge.push_back(e.patch);
     }
-  std::uint32_t k = 0;
+  BorderEdgeId k;
   for (const auto& chunk : found)
-    for (const FoundEdge& e : chunk) borders.link(k++, borders.find(e.to, e.beyond));
+    for (const FoundEdge& e : chunk) {
+      borders.link(k, borders.find(e.to, e.beyond));
+      ++k;
+    }
   borders.label(patch_of_edge, patches);
   return borders;
 }
@@ -77,10 +81,10 @@ SeamMesh cut_out_seams(std::span<const MergeView> views, std::span<const std::ui
       seam.rim[k] = (flag & on_rim) != 0;
       seam.part[k] = parts.empty() ? 0 : parts[view.map->triangle[pixel]];
       if (!(flag & on_border)) continue;
-      const auto v = static_cast<std::uint32_t>(k);
-      for (const std::uint32_t t : seam.mesh.around(v)) {
-        const auto& c = seam.mesh.triangle(t).v;
-        const std::uint32_t to = c[0] == v ? c[1] : c[1] == v ? c[2] : c[0];
+      const VertexId v(k);
+      for (const TriangleId t : seam.mesh.around(v)) {
+        const auto c = seam.mesh.corners(t);
+        const VertexId to = c[0] == v ? c[1] : c[1] == v ? c[2] : c[0];
         if (seam.mesh.at(to, v) != EditMesh::none) continue;
         const std::size_t cell = cell_of(mesh.pixel[first + c[0]], mesh.pixel[first + c[1]], mesh.pixel[first + c[2]],
                                          static_cast<std::uint32_t>(view.map->view.width));
@@ -99,9 +103,9 @@ SeamMesh cut_out_seams(std::span<const MergeView> views, std::span<const std::ui
 void put_back(const SeamMesh& seam, Gathered& gathered) {
   MergedMesh& mesh = gathered.mesh;
   const std::size_t first = gathered.far, old = mesh.position.size() - first;
-  std::vector<std::uint32_t> number(seam.position.size(), EditMesh::none);
+  std::vector<std::uint32_t> number(seam.position.size(), EditMesh::no_vertex);
   std::size_t next = first;
-  for (std::uint32_t k = 0; k < old; ++k) {  // moves towards the front, never over entries still to be moved
+  for (VertexId k{0}; k < old; ++k) {  // moves towards the front, never over entries still to be moved
     if (k >= gathered.frozen && seam.mesh.around(k).empty()) continue;
     const std::size_t was = first + k;
     mesh.position[next] = seam.position[k], mesh.normal[next] = mesh.normal[was];
@@ -113,13 +117,13 @@ void put_back(const SeamMesh& seam, Gathered& gathered) {
     mesh.feature.resize(next);
   };
   resize();
-  for (auto k = static_cast<std::uint32_t>(old); k < number.size(); ++k)
+  for (VertexId k(old); k < number.size(); ++k)
     if (!seam.mesh.around(k).empty()) number[k] = static_cast<std::uint32_t>(next++);
   resize();
-  for (auto k = static_cast<std::uint32_t>(old); k < number.size(); ++k)
-    if (number[k] != EditMesh::none)
+  for (VertexId k(old); k < number.size(); ++k)
+    if (number[k] != EditMesh::no_vertex)
       mesh.position[number[k]] = seam.position[k], mesh.normal[number[k]] = seam.normal[k];
-  for (std::uint32_t t = 0; t < seam.mesh.triangle_count(); ++t) {
+  for (TriangleId t{0}; t < seam.mesh.triangle_count(); ++t) {
     if (!seam.mesh.alive(t)) continue;
     const auto& v = seam.mesh.triangle(t).v;
     mesh.triangles.push_back({{number[v[0]], number[v[1]], number[v[2]]}});

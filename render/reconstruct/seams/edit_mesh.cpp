@@ -16,11 +16,11 @@ EditMesh::EditMesh(std::size_t vertices, std::vector<Triangle> triangles)
     end += list.room;
   }
   pool_.resize(end);
-  for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+  for (TriangleId t{0}; t < triangles_.size(); ++t)
     for (const std::uint32_t v : triangles_[t].v) push(around_[v], t);
 }
 
-void EditMesh::push(List& list, std::uint32_t triangle) {
+void EditMesh::push(List& list, TriangleId triangle) {
   if (list.count == list.room) {
     const auto begin = static_cast<std::uint32_t>(pool_.size());
     list.room = 2 * list.room + 4;
@@ -31,72 +31,72 @@ void EditMesh::push(List& list, std::uint32_t triangle) {
   pool_[list.begin + list.count++] = triangle;
 }
 
-std::uint32_t EditMesh::at(std::uint32_t a, std::uint32_t b) const {
-  for (const std::uint32_t t : around(a)) {
+TriangleId EditMesh::at(VertexId a, VertexId b) const {
+  for (const TriangleId t : around(a)) {
     const auto& v = triangles_[t].v;
     if ((v[0] == a && v[1] == b) || (v[1] == a && v[2] == b) || (v[2] == a && v[0] == b)) return t;
   }
   return none;
 }
 
-std::uint32_t EditMesh::opposite(std::uint32_t t, std::uint32_t a, std::uint32_t b) const {
-  const auto& v = triangles_[t].v;
+VertexId EditMesh::opposite(TriangleId t, VertexId a, VertexId b) const {
+  const auto v = corners(t);
   return v[0] != a && v[0] != b ? v[0] : v[1] != a && v[1] != b ? v[1] : v[2];
 }
 
-std::uint32_t EditMesh::add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+TriangleId EditMesh::add(VertexId a, VertexId b, VertexId c) {
   if (a == b || b == c || c == a) return none;
   if (at(a, b) != none || at(b, c) != none || at(c, a) != none) return none;
-  const auto t = static_cast<std::uint32_t>(triangles_.size());
+  const TriangleId t(triangles_.size());
   triangles_.push_back({{a, b, c}});
-  for (const std::uint32_t v : {a, b, c}) push(around_[v], t);
+  for (const VertexId v : {a, b, c}) push(around_[v], t);
   return t;
 }
 
-void EditMesh::remove(std::uint32_t triangle) {
+void EditMesh::remove(TriangleId triangle) {
   for (const std::uint32_t v : triangles_[triangle].v) drop(around_[v], triangle);
-  triangles_[triangle].v = {none, none, none};
+  triangles_[triangle].v = {no_vertex, no_vertex, no_vertex};
 }
 
-void EditMesh::move_corner(std::uint32_t triangle, std::uint32_t from, std::uint32_t to) {
+void EditMesh::move_corner(TriangleId triangle, VertexId from, VertexId to) {
   drop(around_[from], triangle);
   push(around_[to], triangle);
-  std::replace(triangles_[triangle].v.begin(), triangles_[triangle].v.end(), from, to);
+  for (std::uint32_t& v : triangles_[triangle].v)
+    if (v == from) v = to;
 }
 
-void EditMesh::drop(List& list, std::uint32_t triangle) {
+void EditMesh::drop(List& list, TriangleId triangle) {
   const auto begin = pool_.begin() + list.begin, end = begin + list.count;
   list.count = static_cast<std::uint32_t>(std::remove(begin, end, triangle) - begin);
 }
 
-std::uint32_t EditMesh::next_on_border(std::uint32_t a, std::uint32_t b) const {
+VertexId EditMesh::next_on_border(VertexId a, VertexId b) const {
   // Turn about b from the triangle inside of a -> b: each step crosses an edge that leaves b.
-  std::uint32_t from = a;
+  VertexId from = a;
   for (std::size_t step = 0; step <= around_[b].count; ++step) {
-    const std::uint32_t t = at(from, b);
+    const TriangleId t = at(from, b);
     if (t == none) return from;
     from = opposite(t, from, b);
   }
-  return none;
+  return no_vertex;
 }
 
-std::vector<EditMesh::Gap> EditMesh::gaps(std::uint32_t v) const {
+std::vector<EditMesh::Gap> EditMesh::gaps(VertexId v) const {
   std::vector<Gap> found;
-  for (const std::uint32_t t : around(v)) {
-    const auto& c = triangles_[t].v;
-    const std::uint32_t previous = c[0] == v ? c[2] : c[1] == v ? c[0] : c[1];  // previous -> v
+  for (const TriangleId t : around(v)) {
+    const auto c = corners(t);
+    const VertexId previous = c[0] == v ? c[2] : c[1] == v ? c[0] : c[1];  // previous -> v
     if (at(v, previous) == none) found.push_back({next_on_border(previous, v), previous});
   }
   return found;
 }
 
-std::vector<std::uint32_t> EditMesh::fan(std::uint32_t v, std::uint32_t first) const {
-  std::vector<std::uint32_t> fan{first};
+std::vector<TriangleId> EditMesh::fan(VertexId v, TriangleId first) const {
+  std::vector<TriangleId> fan{first};
   for (std::size_t k = 0; k < fan.size(); ++k)
-    for (const std::uint32_t t : around(v)) {
+    for (const TriangleId t : around(v)) {
       if (std::find(fan.begin(), fan.end(), t) != fan.end()) continue;
-      const auto& c = triangle(fan[k]).v;
-      for (const std::uint32_t w : c)
+      for (const VertexId w : corners(fan[k]))
         if (w != v && (at(v, w) == t || at(w, v) == t)) {
           fan.push_back(t);
           break;

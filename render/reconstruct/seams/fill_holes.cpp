@@ -7,16 +7,16 @@
 namespace lodestone {
 namespace {
 
-using Loop = std::vector<std::uint32_t>;
+using Loop = std::vector<VertexId>;
 
 // Every loop of border edges.
 std::vector<Loop> border_loops(const SeamMesh& seam) {
   std::vector<Loop> loops;
   std::vector<std::uint8_t> done(seam.borders.edge_count(), 0);
-  for (std::uint32_t e = 0; e < done.size(); ++e) {
+  for (BorderEdgeId e{0}; e < done.size(); ++e) {
     if (!seam.borders.alive(e) || done[e]) continue;
     Loop& loop = loops.emplace_back();
-    for (std::uint32_t f = e; !done[f]; f = seam.borders.edge(f).next) {
+    for (BorderEdgeId f = e; !done[f]; f = seam.borders.edge(f).next) {
       done[f] = 1;
       loop.push_back(seam.borders.edge(f).from);
     }
@@ -32,7 +32,7 @@ double perimeter(const SeamMesh& seam, const Loop& loop) {
 }
 
 bool is_outline(const SeamMesh& seam, const Loop& loop) {
-  return std::all_of(loop.begin(), loop.end(), [&](std::uint32_t v) { return seam.rim[v] != 0; });
+  return std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return seam.rim[v] != 0; });
 }
 
 // Ears are cut where the new triangle is roundest and agrees best with the normals. If none fits, a new vertex in the
@@ -63,11 +63,11 @@ class HoleFiller {
   }
 
  private:
-  [[nodiscard]] std::uint32_t before(std::size_t i) const { return loop_[(i + loop_.size() - 1) % loop_.size()]; }
-  [[nodiscard]] std::uint32_t after(std::size_t i) const { return loop_[(i + 1) % loop_.size()]; }
+  [[nodiscard]] VertexId before(std::size_t i) const { return loop_[(i + loop_.size() - 1) % loop_.size()]; }
+  [[nodiscard]] VertexId after(std::size_t i) const { return loop_[(i + 1) % loop_.size()]; }
 
   [[nodiscard]] float cost(std::size_t i) const {
-    const std::uint32_t a = before(i), b = loop_[i], c = after(i);
+    const VertexId a = before(i), b = loop_[i], c = after(i);
     // The chord must not be an edge yet.
     if (s_.mesh.at(a, c) != EditMesh::none || s_.mesh.at(c, a) != EditMesh::none) return impossible;
     const Vec3f area = area_vector(s_, c, b, a), mean = s_.normal[a] + s_.normal[b] + s_.normal[c];
@@ -78,10 +78,10 @@ class HoleFiller {
 
   std::size_t fan() {
     Vec3f middle, normal;
-    for (const std::uint32_t v : loop_) middle = middle + s_.position[v], normal = normal + s_.normal[v];
+    for (const VertexId v : loop_) middle = middle + s_.position[v], normal = normal + s_.normal[v];
     const float norm = length(normal);
-    const std::uint32_t centre = s_.add_vertex((1 / static_cast<float>(loop_.size())) * middle,
-                                               norm > 0 ? (1 / norm) * normal : Vec3f{}, loop_.front());
+    const VertexId centre = s_.add_vertex((1 / static_cast<float>(loop_.size())) * middle,
+                                          norm > 0 ? (1 / norm) * normal : Vec3f{}, loop_.front());
     std::size_t added = 0;
     for (std::size_t i = 0; i < loop_.size(); ++i) added += s_.mesh.add(after(i), loop_[i], centre) != EditMesh::none;
     return added;
@@ -95,7 +95,7 @@ class HoleFiller {
 
 }  // namespace
 
-std::uint32_t SeamMesh::add_vertex(Vec3f p, Vec3f n, std::uint32_t like) {
+VertexId SeamMesh::add_vertex(Vec3f p, Vec3f n, VertexId like) {
   position.push_back(p);
   normal.push_back(n);
   frozen.push_back(0);
@@ -126,36 +126,36 @@ std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_tri
   std::vector<std::size_t> size(patch_triangles.size(), 0);
   for (std::uint32_t patch = 0; patch < size.size(); ++patch)
     size[seam.borders.united(patch)] += patch_triangles[patch];
-  std::vector<std::uint32_t> piece;
+  std::vector<TriangleId> piece;
   std::size_t dropped = 0;
   for (std::uint32_t patch = 0; patch < size.size(); ++patch) {
-    const std::uint32_t seed = seam.patch_seed[patch];
+    const TriangleId seed = seam.patch_seed[patch];
     if (size[seam.borders.united(patch)] >= least_triangles || seed == EditMesh::none || !seam.mesh.alive(seed))
       continue;
     piece.assign(1, seed);
-    std::vector<std::uint32_t> vertices;
+    std::vector<VertexId> vertices;
     while (!piece.empty()) {
-      const std::uint32_t t = piece.back();
+      const TriangleId t = piece.back();
       piece.pop_back();
       if (!seam.mesh.alive(t)) continue;
-      const auto corners = seam.mesh.triangle(t).v;
+      const auto corners = seam.mesh.corners(t);
       seam.mesh.remove(t);
       ++dropped;
-      for (const std::uint32_t v : corners)
+      for (const VertexId v : corners)
         piece.insert(piece.end(), seam.mesh.around(v).begin(), seam.mesh.around(v).end());
       vertices.insert(vertices.end(), corners.begin(), corners.end());
     }
-    for (const std::uint32_t v : vertices) seam.borders.forget(v);
+    for (const VertexId v : vertices) seam.borders.forget(v);
   }
   return dropped;
 }
 
 std::size_t split_vertices(SeamMesh& seam) {
   std::size_t added = 0;
-  for (const std::uint32_t v : seam.borders.pinched())
-    added += seam.mesh.part_fans(v, [&](const std::vector<std::uint32_t>& fan) {
-      const std::uint32_t own = seam.add_vertex(seam.position[v], seam.normal[v], v);
-      for (std::uint32_t e = seam.borders.first(v); e != BorderLoops::none; e = seam.borders.edge(e).sibling)
+  for (const VertexId v : seam.borders.pinched())
+    added += seam.mesh.part_fans(v, [&](const std::vector<TriangleId>& fan) {
+      const VertexId own = seam.add_vertex(seam.position[v], seam.normal[v], v);
+      for (BorderEdgeId e = seam.borders.first(v); e != BorderLoops::none; e = seam.borders.edge(e).sibling)
         if (std::find(fan.begin(), fan.end(), seam.mesh.at(v, seam.borders.edge(e).to)) != fan.end()) {
           seam.borders.move_start(e, own);
           break;

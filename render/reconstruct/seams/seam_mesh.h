@@ -21,15 +21,15 @@ struct SeamMesh {
   std::vector<std::uint8_t> rim;
   std::vector<std::uint32_t> part;  // of the model: nothing is zipped from one to another
   EditMesh mesh;
-  BorderLoops borders;                    // of the mesh, until it is filled
-  std::vector<std::uint32_t> patch_seed;  // of each patch a triangle; EditMesh::none where it has none here
+  BorderLoops borders;                 // of the mesh, until it is filled
+  std::vector<TriangleId> patch_seed;  // of each patch a triangle; EditMesh::none where it has none here
 
   // A copy of a vertex, or a new one with its part.
-  std::uint32_t add_vertex(Vec3f p, Vec3f n, std::uint32_t like);
+  VertexId add_vertex(Vec3f p, Vec3f n, VertexId like);
 };
 
 // Normal of a triangle, with its doubled area as length.
-[[nodiscard]] inline Vec3f area_vector(const SeamMesh& s, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+[[nodiscard]] inline Vec3f area_vector(const SeamMesh& s, VertexId a, VertexId b, VertexId c) {
   return cross(s.position[b] - s.position[a], s.position[c] - s.position[a]);
 }
 

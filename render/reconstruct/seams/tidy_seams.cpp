@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -17,11 +18,11 @@ class Tidier {
     TidyResult result;
     for (int round = 0; round < config_.rounds; ++round) {
       std::size_t changed = 0;
-      for (const std::uint32_t t : find(scheduler, [&](std::uint32_t t) { return short_collapse(t).has_value(); }))
+      for (const TriangleId t : find(scheduler, [&](TriangleId t) { return short_collapse(t).has_value(); }))
         if (const auto found = short_collapse(t)) collapse(*found), ++result.collapsed, ++changed;
-      for (const std::uint32_t t : find(scheduler, [&](std::uint32_t t) { return better_flip(t).has_value(); }))
+      for (const TriangleId t : find(scheduler, [&](TriangleId t) { return better_flip(t).has_value(); }))
         if (const auto found = better_flip(t)) flip(*found), ++result.flipped, ++changed;
-      for (const std::uint32_t t : find(scheduler, [&](std::uint32_t t) { return sliver_collapse(t).has_value(); }))
+      for (const TriangleId t : find(scheduler, [&](TriangleId t) { return sliver_collapse(t).has_value(); }))
         if (const auto found = sliver_collapse(t)) collapse(*found), ++result.collapsed, ++changed;
       if (changed == 0) break;
     }
@@ -29,25 +30,25 @@ class Tidier {
   }
 
  private:
-  [[nodiscard]] float aspect(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+  [[nodiscard]] float aspect(VertexId a, VertexId b, VertexId c) const {
     return aspect_of(s_.position[a], s_.position[b], s_.position[c]);
   }
-  [[nodiscard]] float squared(std::uint32_t a, std::uint32_t b) const {
+  [[nodiscard]] float squared(VertexId a, VertexId b) const {
     const Vec3f d = s_.position[b] - s_.position[a];
     return dot(d, d);
   }
 
   // True if a triangle agrees with the normals at its corners.
-  [[nodiscard]] bool faces_out(std::uint32_t a, std::uint32_t b, std::uint32_t c, float least) const {
+  [[nodiscard]] bool faces_out(VertexId a, VertexId b, VertexId c, float least) const {
     const Vec3f area = area_vector(s_, a, b, c), mean = s_.normal[a] + s_.normal[b] + s_.normal[c];
     return dot(area, mean) > least * length(area) * length(mean);
   }
 
   // Half a square has an aspect of 2: most triangles are round enough never to be examined again.
   static constexpr float round_enough = 2.5f;
-  [[nodiscard]] bool is_candidate(std::uint32_t t) const {
+  [[nodiscard]] bool is_candidate(TriangleId t) const {
     if (!s_.mesh.alive(t)) return false;
-    const auto& v = s_.mesh.triangle(t).v;
+    const auto v = s_.mesh.corners(t);
     const float limit = config_.shortest * config_.spacing;
     return std::min({squared(v[0], v[1]), squared(v[1], v[2]), squared(v[2], v[0])}) < limit * limit ||
            !(aspect(v[0], v[1], v[2]) < round_enough);
@@ -56,65 +57,65 @@ class Tidier {
   void find_candidates(Scheduler& scheduler) {
     const std::size_t first = std::exchange(known_, s_.mesh.triangle_count());
     filter(
-        scheduler, known_ - first, candidates_, [&](std::size_t k) { return static_cast<std::uint32_t>(first + k); },
-        [&](std::uint32_t t) { return is_candidate(t); });
+        scheduler, known_ - first, candidates_, [&](std::size_t k) { return TriangleId(first + k); },
+        [&](TriangleId t) { return is_candidate(t); });
   }
   // Candidates that pass, ascending: many to look at, few to change.
   template <class Test>
-  [[nodiscard]] std::vector<std::uint32_t> find(Scheduler& scheduler, const Test& test) {
+  [[nodiscard]] std::vector<TriangleId> find(Scheduler& scheduler, const Test& test) {
     find_candidates(scheduler);
-    std::vector<std::uint32_t> found;
+    std::vector<TriangleId> found;
     filter(
         scheduler, candidates_.size(), found, [&](std::size_t k) { return candidates_[k]; }, test);
     return found;
   }
   template <class Item, class Test>
-  static void filter(Scheduler& scheduler, std::size_t count, std::vector<std::uint32_t>& to, const Item& item,
+  static void filter(Scheduler& scheduler, std::size_t count, std::vector<TriangleId>& to, const Item& item,
                      const Test& test) {
     constexpr std::size_t grain = 1 << 12;
-    std::vector<std::vector<std::uint32_t>> found(chunk_count(count, grain));
+    std::vector<std::vector<TriangleId>> found(chunk_count(count, grain));
     scheduler.for_chunks(count, grain, [&](ChunkRange range) {
       for (std::size_t k = range.begin; k < range.end; ++k)
-        if (const std::uint32_t t = item(k); test(t)) found[range.index].push_back(t);
+        if (const TriangleId t = item(k); test(t)) found[range.index].push_back(t);
     });
     for (const auto& part : found) to.insert(to.end(), part.begin(), part.end());
   }
 
   struct Collapse {
-    std::uint32_t from = 0, to = 0;
+    VertexId from, to;
   };
   struct Flip {
-    std::uint32_t first = 0, second = 0;       // triangles
-    std::uint32_t a = 0, b = 0, c = 0, d = 0;  // a, b, c and b, a, d become a, d, c and d, b, c
+    TriangleId first, second;
+    VertexId a, b, c, d;  // a, b, c and b, a, d become a, d, c and d, b, c
   };
 
-  [[nodiscard]] std::optional<Collapse> either_way(std::uint32_t a, std::uint32_t b, float least_facing) const {
+  [[nodiscard]] std::optional<Collapse> either_way(VertexId a, VertexId b, float least_facing) const {
     if (may_collapse(a, b, least_facing)) return Collapse{a, b};
     if (may_collapse(b, a, least_facing)) return Collapse{b, a};
     return std::nullopt;
   }
 
-  [[nodiscard]] std::optional<Collapse> short_collapse(std::uint32_t t) const {
+  [[nodiscard]] std::optional<Collapse> short_collapse(TriangleId t) const {
     if (!s_.mesh.alive(t)) return std::nullopt;
     const float limit = config_.shortest * config_.spacing;
-    const Triangle& v = s_.mesh.triangle(t);
+    const auto v = s_.mesh.corners(t);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = v.v[k], b = v.v[(k + 1) % 3];
+      const VertexId a = v[k], b = v[(k + 1) % 3];
       if (squared(a, b) >= limit * limit) continue;
       if (const auto found = either_way(a, b, 0.2f)) return found;
     }
     return std::nullopt;
   }
 
-  [[nodiscard]] std::optional<Collapse> sliver_collapse(std::uint32_t t) const {
+  [[nodiscard]] std::optional<Collapse> sliver_collapse(TriangleId t) const {
     if (!s_.mesh.alive(t)) return std::nullopt;
-    const Triangle& v = s_.mesh.triangle(t);
-    if (aspect(v.v[0], v.v[1], v.v[2]) <= config_.worst_aspect) return std::nullopt;
+    const auto v = s_.mesh.corners(t);
+    if (aspect(v[0], v[1], v[2]) <= config_.worst_aspect) return std::nullopt;
     std::size_t shortest = 0;
     for (std::size_t k = 1; k < 3; ++k)
-      if (squared(v.v[k], v.v[(k + 1) % 3]) < squared(v.v[shortest], v.v[(shortest + 1) % 3])) shortest = k;
+      if (squared(v[k], v[(k + 1) % 3]) < squared(v[shortest], v[(shortest + 1) % 3])) shortest = k;
     for (std::size_t n = 0; n < 3; ++n) {
-      const std::uint32_t a = v.v[(shortest + n) % 3], b = v.v[(shortest + n + 1) % 3];
+      const VertexId a = v[(shortest + n) % 3], b = v[(shortest + n + 1) % 3];
       if (squared(a, b) > 4 * config_.spacing * config_.spacing) continue;
       if (const auto found = either_way(a, b, 0.3f)) return found;
     }
@@ -123,54 +124,54 @@ class Tidier {
 
   // True if a is inside the surface, the link condition holds, and no remaining triangle gets much worse when a moves
   // to b.
-  [[nodiscard]] bool may_collapse(std::uint32_t a, std::uint32_t b, float least_facing) const {
+  [[nodiscard]] bool may_collapse(VertexId a, VertexId b, float least_facing) const {
     if (s_.frozen[a] || s_.frozen[b] || !s_.mesh.gaps(a).empty()) return false;
-    const std::uint32_t left = s_.mesh.at(a, b), right = s_.mesh.at(b, a);
+    const TriangleId left = s_.mesh.at(a, b), right = s_.mesh.at(b, a);
     if (left == EditMesh::none || right == EditMesh::none) return false;
     std::size_t common = 0, moved = 0;
-    for (const std::uint32_t t : s_.mesh.around(a))
-      for (const std::uint32_t w : s_.mesh.triangle(t).v)
+    for (const TriangleId t : s_.mesh.around(a))
+      for (const VertexId w : s_.mesh.corners(t))
         if (w != a && w != b && s_.mesh.at(a, w) == t)
           common += s_.mesh.at(b, w) != EditMesh::none || s_.mesh.at(w, b) != EditMesh::none;
     if (common != 2) return false;
     float old_worst = 0, new_worst = 0;
-    for (const std::uint32_t t : s_.mesh.around(a)) {
-      const Triangle v = s_.mesh.triangle(t);
-      old_worst = std::max(old_worst, aspect(v.v[0], v.v[1], v.v[2]));
+    for (const TriangleId t : s_.mesh.around(a)) {
+      const auto v = s_.mesh.corners(t);
+      old_worst = std::max(old_worst, aspect(v[0], v[1], v[2]));
       if (t == left || t == right) continue;
-      Triangle m = v;
-      std::replace(m.v.begin(), m.v.end(), a, b);
-      if (!faces_out(m.v[0], m.v[1], m.v[2], least_facing)) return false;
-      const Vec3f was = area_vector(s_, v.v[0], v.v[1], v.v[2]), is = area_vector(s_, m.v[0], m.v[1], m.v[2]);
+      auto m = v;
+      std::replace(m.begin(), m.end(), a, b);
+      if (!faces_out(m[0], m[1], m[2], least_facing)) return false;
+      const Vec3f was = area_vector(s_, v[0], v[1], v[2]), is = area_vector(s_, m[0], m[1], m[2]);
       if (dot(was, is) < 0.3f * length(was) * length(is)) return false;
-      new_worst = std::max(new_worst, aspect(m.v[0], m.v[1], m.v[2]));
+      new_worst = std::max(new_worst, aspect(m[0], m[1], m[2]));
       ++moved;
     }
     return moved > 0 && !(new_worst > 8 && new_worst > old_worst);
   }
   void collapse(const Collapse& c) {
-    const std::vector<std::uint32_t> gone(s_.mesh.around(c.from).begin(), s_.mesh.around(c.from).end());
-    std::vector<Triangle> moved;
-    for (const std::uint32_t t : gone) {
-      moved.push_back(s_.mesh.triangle(t));
-      std::replace(moved.back().v.begin(), moved.back().v.end(), c.from, c.to);
+    const std::vector<TriangleId> gone(s_.mesh.around(c.from).begin(), s_.mesh.around(c.from).end());
+    std::vector<std::array<VertexId, 3>> moved;
+    for (const TriangleId t : gone) {
+      moved.push_back(s_.mesh.corners(t));
+      std::replace(moved.back().begin(), moved.back().end(), c.from, c.to);
       s_.mesh.remove(t);
     }
-    for (const Triangle& m : moved) s_.mesh.add(m.v[0], m.v[1], m.v[2]);  // but the two that have shrunk
+    for (const auto& m : moved) s_.mesh.add(m[0], m[1], m[2]);  // but the two that have shrunk
   }
 
   // Flips the longest edge where that makes the worse of the two triangles better and bends the surface little.
-  [[nodiscard]] std::optional<Flip> better_flip(std::uint32_t t) const {
+  [[nodiscard]] std::optional<Flip> better_flip(TriangleId t) const {
     if (!s_.mesh.alive(t)) return std::nullopt;
-    const Triangle& v = s_.mesh.triangle(t);
+    const auto v = s_.mesh.corners(t);
     std::size_t longest = 0;
     for (std::size_t k = 1; k < 3; ++k)
-      if (squared(v.v[k], v.v[(k + 1) % 3]) > squared(v.v[longest], v.v[(longest + 1) % 3])) longest = k;
-    const std::uint32_t a = v.v[longest], b = v.v[(longest + 1) % 3], c = v.v[(longest + 2) % 3];
+      if (squared(v[k], v[(k + 1) % 3]) > squared(v[longest], v[(longest + 1) % 3])) longest = k;
+    const VertexId a = v[longest], b = v[(longest + 1) % 3], c = v[(longest + 2) % 3];
     if (aspect(a, b, c) < round_enough) return std::nullopt;
-    const std::uint32_t other = s_.mesh.at(b, a);
+    const TriangleId other = s_.mesh.at(b, a);
     if (other == EditMesh::none) return std::nullopt;
-    const std::uint32_t d = s_.mesh.opposite(other, a, b);
+    const VertexId d = s_.mesh.opposite(other, a, b);
     if (c == d || (s_.frozen[c] && s_.frozen[d])) return std::nullopt;
     const float before = std::max(aspect(a, b, c), aspect(b, a, d)), after = std::max(aspect(a, d, c), aspect(d, b, c));
     if (!(after < 0.8f * before)) return std::nullopt;
@@ -190,8 +191,8 @@ class Tidier {
 
   SeamMesh& s_;
   const TidyConfig& config_;
-  std::vector<std::uint32_t> candidates_;  // triangles that are short or thin, ascending; some are removed
-  std::size_t known_ = 0;                  // triangles that were judged
+  std::vector<TriangleId> candidates_;  // triangles that are short or thin, ascending; some are removed
+  std::size_t known_ = 0;               // triangles that were judged
 };
 
 }  // namespace

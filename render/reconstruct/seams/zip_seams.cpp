@@ -73,7 +73,8 @@ class Tiling {
 
 struct Tile {
   ZipBox box;
-  std::vector<std::uint32_t> vertices, edges;
+  std::vector<VertexId> vertices;
+  std::vector<BorderEdgeId> edges;
 };
 
 class Zipper {
@@ -82,7 +83,7 @@ class Zipper {
       : s_(seam), config_(config), scheduler_(scheduler), reach_(config.reach * config.spacing) {}
 
   std::size_t run() {
-    for (std::uint32_t e = 0; e < s_.borders.edge_count(); ++e) {
+    for (BorderEdgeId e{0}; e < s_.borders.edge_count(); ++e) {
       if (!s_.borders.alive(e)) continue;
       const auto [from, to] = std::pair(s_.borders.edge(e).from, s_.borders.edge(e).to);
       s_.borders.set_tried(e, !config_.rims && s_.rim[from] && s_.rim[to]);
@@ -106,7 +107,7 @@ class Zipper {
   }
 
   void zip_tiles(const Tiling& tiling) {
-    std::erase_if(pending_, [&](std::uint32_t e) { return !s_.borders.alive(e) || s_.borders.edge(e).tried; });
+    std::erase_if(pending_, [&](BorderEdgeId e) { return !s_.borders.alive(e) || s_.borders.edge(e).tried; });
     std::sort(pending_.begin(), pending_.end());
     pending_.erase(std::unique(pending_.begin(), pending_.end()), pending_.end());
     const std::vector<Tile> tiles = make_tiles(tiling);
@@ -118,17 +119,17 @@ class Zipper {
     commit(results);
     for (const ZipResult& result : results)
       for (const auto& [from, to] : result.tried)
-        if (const std::uint32_t e = s_.borders.find(from, to); e != BorderLoops::none) s_.borders.set_tried(e, true);
+        if (const BorderEdgeId e = s_.borders.find(from, to); e != BorderLoops::none) s_.borders.set_tried(e, true);
   }
 
-  [[nodiscard]] Vec3f middle_of(std::uint32_t e) const {
+  [[nodiscard]] Vec3f middle_of(BorderEdgeId e) const {
     return 0.5f * (s_.position[s_.borders.edge(e).from] + s_.position[s_.borders.edge(e).to]);
   }
 
   // The tiles that have borders to zip, in the order of their keys.
   [[nodiscard]] std::vector<Tile> make_tiles(const Tiling& tiling) {
     if (pending_.empty()) return {};
-    std::erase_if(front_, [&](std::uint32_t v) { return s_.borders.first(v) == BorderLoops::none; });
+    std::erase_if(front_, [&](VertexId v) { return s_.borders.first(v) == BorderLoops::none; });
     std::vector<TileKey> of_edge(pending_.size()), of_vertex(front_.size());
     constexpr std::size_t grain = 4096;
     scheduler_.for_chunks(pending_.size(), grain, [&](ChunkRange range) {
@@ -180,13 +181,13 @@ class Zipper {
 
   // False: it would make a handle too many.
   bool add(const ZipTriangle& t) {
-    const std::uint32_t e = s_.borders.find(t.a, t.b);
+    const BorderEdgeId e = s_.borders.find(t.a, t.b);
     if (e == BorderLoops::none || s_.borders.first(t.c) == BorderLoops::none) return true;  // rests on one left out
     if (config_.most_handles != any_number && s_.borders.makes_handle(e, t.c)) return false;
     force(t, e);
     return true;
   }
-  void force(const ZipTriangle& t, std::uint32_t e) {
+  void force(const ZipTriangle& t, BorderEdgeId e) {
     if (s_.mesh.add(t.b, t.a, t.c) == EditMesh::none) return;
     ++added_;
     const BorderLoops::Sides sides = s_.borders.add_triangle(e, t.c);
@@ -199,7 +200,7 @@ class Zipper {
   bool make_handle() {
     using Pair = std::pair<std::uint32_t, std::uint32_t>;
     const auto pair_of = [&](const ZipTriangle& t) {
-      const std::uint32_t e = s_.borders.find(t.a, t.b), f = s_.borders.first(t.c);
+      const BorderEdgeId e = s_.borders.find(t.a, t.b), f = s_.borders.first(t.c);
       if (e == BorderLoops::none || f == BorderLoops::none || !s_.borders.makes_handle(e, t.c)) return Pair{0, 0};
       return Pair{std::minmax(s_.borders.edge(e).loop, s_.borders.edge(f).loop)};
     };
@@ -226,10 +227,10 @@ class Zipper {
   const ZipConfig& config_;
   Scheduler& scheduler_;
   float reach_;
-  std::vector<std::uint32_t> pending_;            // border edges for which no triangle was looked for yet
-  std::vector<std::uint32_t> front_;              // vertices of border edges, ascending
-  std::vector<ZipTriangle> deferred_;             // triangles that would make a handle too many
-  std::set<std::array<std::uint32_t, 3>> known_;  // all that ever were deferred
+  std::vector<BorderEdgeId> pending_;        // border edges for which no triangle was looked for yet
+  std::vector<VertexId> front_;              // vertices of border edges, ascending
+  std::vector<ZipTriangle> deferred_;        // triangles that would make a handle too many
+  std::set<std::array<VertexId, 3>> known_;  // all that ever were deferred
   std::size_t added_ = 0;
 };
 
@@ -241,7 +242,7 @@ void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam, Sc
   scheduler.for_chunks(seam.position.size(), 4096, [&](ChunkRange range) {
     for (std::size_t k = range.begin; k < range.end; ++k) {
       seam.rim[k] = 0;
-      if (seam.borders.first(static_cast<std::uint32_t>(k)) == BorderLoops::none) continue;
+      if (seam.borders.first(VertexId(k)) == BorderLoops::none) continue;
       grid.for_near(seam.position[k], distance, [&](std::uint32_t point) {
         const Vec3f d = border[point] - seam.position[k];
         if (dot(d, d) <= distance * distance) seam.rim[k] = 1;

@@ -43,7 +43,7 @@ float turn(Point2 a, Point2 b) {
 
 struct Proposal {
   float radius = 0;  // of the circumscribed circle
-  std::uint32_t a = 0, b = 0, c = 0;
+  VertexId a, b, c;
   friend bool operator<(const Proposal& s, const Proposal& t) {  // the queue gives the largest first
     return s.radius != t.radius ? s.radius > t.radius : s.a != t.a ? s.a > t.a : s.b > t.b;
   }
@@ -61,7 +61,7 @@ class TileGrid {
     for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
     listed_.resize(positions.size());
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::uint32_t v = 0; v < positions.size(); ++v) listed_[next[index(positions[v])]++] = v;
+    for (VertexId v{0}; v < positions.size(); ++v) listed_[next[index(positions[v])]++] = v;
   }
   template <class Visit>
   void for_near(Vec3f p, float radius, const Visit& visit) const {
@@ -85,7 +85,8 @@ class TileGrid {
   Vec3f corner_;
   float cell_;
   int count_;
-  std::vector<std::uint32_t> first_, listed_;
+  std::vector<std::uint32_t> first_;
+  std::vector<VertexId> listed_;
 };
 
 // Works on a copy of the borders in the box, vertices numbered anew: members first, then ghosts beyond the box, which
@@ -98,21 +99,21 @@ class TileZipper {
         box_(task.box),
         reach_(config.reach * config.spacing),
         members_(task.vertices.size()) {
-    for (const std::uint32_t v : task.vertices) add_vertex(v);
+    for (const VertexId v : task.vertices) add_vertex(v);
     grid_.emplace(box_, reach_, std::span(position_).first(members_));
-    for (std::uint32_t k = 0; k < members_; ++k)
-      for (std::uint32_t e = borders.first(global_[k]); e != BorderLoops::none; e = borders.edge(e).sibling)
+    for (VertexId k{0}; k < members_; ++k)
+      for (BorderEdgeId e = borders.first(global_[k]); e != BorderLoops::none; e = borders.edge(e).sibling)
         front_.add_edge(k, local(borders.edge(e).to));
     const auto leaving = static_cast<std::uint32_t>(front_.edge_count());
-    for (std::uint32_t f = 0; f < leaving; ++f) {
+    for (BorderEdgeId f{0}; f < leaving; ++f) {
       const auto [from, to] = std::pair(front_.edge(f).from, front_.edge(f).to);
       const BorderLoops::Edge& whole = borders.edge(borders.find(global_[from], global_[to]));
-      const std::uint32_t before = local(borders.edge(whole.previous).from);
-      std::uint32_t arriving = front_.find(before, from);
+      const VertexId before = local(borders.edge(whole.previous).from);
+      BorderEdgeId arriving = front_.find(before, from);
       if (arriving == BorderLoops::none) arriving = front_.add_edge(before, from);
       front_.link(arriving, f);
     }
-    for (const std::uint32_t e : task.edges) push(local(borders.edge(e).from), local(borders.edge(e).to));
+    for (const BorderEdgeId e : task.edges) push(local(borders.edge(e).from), local(borders.edge(e).to));
   }
 
   ZipResult run() {
@@ -121,7 +122,7 @@ class TileZipper {
     while (!queue_.empty()) {
       const Proposal best = queue_.top();
       queue_.pop();
-      const std::uint32_t e = front_.find(best.a, best.b);
+      const BorderEdgeId e = front_.find(best.a, best.b);
       if (e == BorderLoops::none) continue;
       find_near(best.a, best.b);
       if (!fits(e, best.c)) {  // something came in between
@@ -136,14 +137,14 @@ class TileZipper {
       if (sides.right == BorderLoops::none) note_inner(best.c, best.b);
       push(best.a, best.c), push(best.c, best.b);
     }
-    for (std::uint32_t e = 0; e < front_.edge_count(); ++e)
+    for (BorderEdgeId e{0}; e < front_.edge_count(); ++e)
       if (front_.alive(e) && front_.edge(e).tried)
         result.tried.emplace_back(global_[front_.edge(e).from], global_[front_.edge(e).to]);
     return result;
   }
 
  private:
-  std::uint32_t add_vertex(std::uint32_t v) {
+  VertexId add_vertex(VertexId v) {
     global_.push_back(v);
     position_.push_back(seam_.position[v]);
     normal_.push_back(seam_.normal[v]);
@@ -151,16 +152,16 @@ class TileZipper {
     return front_.add_vertex();
   }
   // Members are in ascending order; ghosts are few.
-  std::uint32_t local(std::uint32_t v) {
+  VertexId local(VertexId v) {
     const auto members = std::span(global_).first(members_);
     const auto at = std::lower_bound(members.begin(), members.end(), v);
-    if (at != members.end() && *at == v) return static_cast<std::uint32_t>(at - members.begin());
+    if (at != members.end() && *at == v) return VertexId(at - members.begin());
     const auto ghost = std::find(global_.begin() + static_cast<std::ptrdiff_t>(members_), global_.end(), v);
-    return ghost != global_.end() ? static_cast<std::uint32_t>(ghost - global_.begin()) : add_vertex(v);
+    return ghost != global_.end() ? VertexId(ghost - global_.begin()) : add_vertex(v);
   }
 
-  void push(std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t e = front_.find(a, b);
+  void push(VertexId a, VertexId b) {
+    const BorderEdgeId e = front_.find(a, b);
     const Vec3f middle = 0.5f * (position_[a] + position_[b]);
     if (e == BorderLoops::none || !box_.holds_ball(middle, reach_)) return;
     front_.set_tried(e, true);
@@ -171,35 +172,36 @@ class TileZipper {
 
   // Edges between two triangles that were added here: taken both ways.
   struct Inner {
-    std::uint32_t vertex = 0, next = 0;
+    VertexId vertex;
+    std::uint32_t next = 0;
   };
-  void note_inner(std::uint32_t a, std::uint32_t b) {
+  void note_inner(VertexId a, VertexId b) {
     inner_edges_.push_back({b, inner_[a]});
     inner_[a] = static_cast<std::uint32_t>(inner_edges_.size() - 1);
     inner_edges_.push_back({a, inner_[b]});
     inner_[b] = static_cast<std::uint32_t>(inner_edges_.size() - 1);
   }
-  [[nodiscard]] bool is_taken(std::uint32_t a, std::uint32_t b) const {
+  [[nodiscard]] bool is_taken(VertexId a, VertexId b) const {
     for (std::uint32_t k = inner_[a]; k != none; k = inner_edges_[k].next)
       if (inner_edges_[k].vertex == b) return true;
     return front_.find(a, b) != BorderLoops::none || seam_.mesh.at(global_[a], global_[b]) != EditMesh::none;
   }
 
-  void find_near(std::uint32_t a, std::uint32_t b) {
+  void find_near(VertexId a, VertexId b) {
     const Vec3f middle = 0.5f * (position_[a] + position_[b]);
     near_.clear();
-    grid_->for_near(middle, reach_, [&](std::uint32_t v) {
+    grid_->for_near(middle, reach_, [&](VertexId v) {
       const Vec3f d = position_[v] - middle;
       if (front_.first(v) != BorderLoops::none && dot(d, d) <= reach_ * reach_) near_.push_back(v);
     });
   }
 
   // The best triangle at a border edge; near_ is that of the edge.
-  bool propose(std::uint32_t e, Proposal& result) {
-    const std::uint32_t a = front_.edge(e).from, b = front_.edge(e).to;
+  bool propose(BorderEdgeId e, Proposal& result) {
+    const VertexId a = front_.edge(e).from, b = front_.edge(e).to;
     const Vec3f pa = position_[a], pb = position_[b];
     choices_.clear();
-    for (const std::uint32_t v : near_) {
+    for (const VertexId v : near_) {
       if (v == a || v == b) continue;
       const Vec3f ca = pa - position_[v], cb = pb - position_[v];
       const float scale = std::sqrt(dot(ca, ca) * dot(cb, cb));
@@ -216,46 +218,46 @@ class TileZipper {
     return false;
   }
 
-  [[nodiscard]] bool fits(std::uint32_t e, std::uint32_t c) const {
-    const std::uint32_t a = front_.edge(e).from, b = front_.edge(e).to;
+  [[nodiscard]] bool fits(BorderEdgeId e, VertexId c) const {
+    const VertexId a = front_.edge(e).from, b = front_.edge(e).to;
     if (front_.first(c) == BorderLoops::none || seam_.part[global_[a]] != seam_.part[global_[c]]) return false;
     const Vec3f area = cross(position_[a] - position_[b], position_[c] - position_[b]);
     const float size = length(area);
     if (!(size > 0)) return false;
     const Vec3f normal = (1 / size) * area;
-    for (const std::uint32_t v : {a, b, c})
+    for (const VertexId v : {a, b, c})
       if (!(dot(normal, normal_[v]) > config_.least_cosine)) return false;
     return has_room(normal, e, c) && is_free(Plane(position_[c], normal), a, b, c) && !is_taken(a, c) &&
            !is_taken(c, b);
   }
 
   // Seen along the mean of both normals, the fan at a vertex and the new triangle are both well visible.
-  [[nodiscard]] Plane plane_at(std::uint32_t v, Vec3f normal) const {
+  [[nodiscard]] Plane plane_at(VertexId v, Vec3f normal) const {
     const Vec3f up = normal_[v] + normal;
     return {position_[v], (1 / length(up)) * up};
   }
 
   // True if the triangle fits into the corners' gaps. A gap of v lies between an edge that arrives, from `previous`,
   // and the one that leaves, to `next`; from `previous` counter-clockwise to `next` it is empty.
-  [[nodiscard]] bool has_room(Vec3f normal, std::uint32_t e, std::uint32_t c) const {
-    const std::uint32_t a = front_.edge(e).from, b = front_.edge(e).to;
-    const auto angle = [&](const Plane& plane, std::uint32_t from, std::uint32_t to) {
+  [[nodiscard]] bool has_room(Vec3f normal, BorderEdgeId e, VertexId c) const {
+    const VertexId a = front_.edge(e).from, b = front_.edge(e).to;
+    const auto angle = [&](const Plane& plane, VertexId from, VertexId to) {
       return turn(plane.at(position_[from]), plane.at(position_[to]));
     };
-    const auto width = [&](const Plane& plane, std::uint32_t previous, std::uint32_t next) {
+    const auto width = [&](const Plane& plane, VertexId previous, VertexId next) {
       return next == previous ? full_turn : angle(plane, previous, next);
     };
-    if (const std::uint32_t previous = front_.edge(front_.edge(e).previous).from; c != previous) {
+    if (const VertexId previous = front_.edge(front_.edge(e).previous).from; c != previous) {
       const Plane at_a = plane_at(a, normal);
       if (!(angle(at_a, previous, c) < width(at_a, previous, b))) return false;
     }
-    if (const std::uint32_t next = front_.edge(front_.edge(e).next).to; c != next) {
+    if (const VertexId next = front_.edge(front_.edge(e).next).to; c != next) {
       const Plane at_b = plane_at(b, normal);
       if (!(angle(at_b, a, c) < width(at_b, a, next))) return false;
     }
     const Plane at_c = plane_at(c, normal);
-    for (std::uint32_t f = front_.first(c); f != BorderLoops::none; f = front_.edge(f).sibling) {
-      const std::uint32_t next = front_.edge(f).to, previous = front_.edge(front_.edge(f).previous).from;
+    for (BorderEdgeId f = front_.first(c); f != BorderLoops::none; f = front_.edge(f).sibling) {
+      const VertexId next = front_.edge(f).to, previous = front_.edge(front_.edge(f).previous).from;
       const float all = width(at_c, previous, next), to_b = b == previous ? 0 : angle(at_c, previous, b),
                   to_a = a == next       ? all
                          : a == previous ? 0
@@ -266,24 +268,24 @@ class TileZipper {
   }
 
   // True if no other vertex lies in the triangle and no border crosses its new edges.
-  [[nodiscard]] bool is_free(const Plane& plane, std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+  [[nodiscard]] bool is_free(const Plane& plane, VertexId a, VertexId b, VertexId c) const {
     const Point2 qa = plane.at(position_[a]), qb = plane.at(position_[b]), qc = plane.at(position_[c]);
     const float depth = 0.8f * config_.spacing;
-    const auto beside = [&](std::uint32_t v) {
+    const auto beside = [&](VertexId v) {
       return std::abs(plane.height(position_[v])) < depth && dot(normal_[v], plane.normal()) > 0;
     };
     const auto crosses = [&](Point2 p, Point2 q, Point2 r, Point2 t) {
       return (cross2(q - p, r - p) > 0) != (cross2(q - p, t - p) > 0) &&
              (cross2(t - r, p - r) > 0) != (cross2(t - r, q - r) > 0);
     };
-    for (const std::uint32_t v : near_) {
+    for (const VertexId v : near_) {
       const bool corner = v == a || v == b || v == c;
       if (!corner && !beside(v)) continue;
       const Point2 q = plane.at(position_[v]);
       if (!corner && cross2(qa - qb, q - qb) > 0 && cross2(qc - qa, q - qa) > 0 && cross2(qb - qc, q - qc) > 0)
         return false;
-      for (std::uint32_t f = front_.first(v); f != BorderLoops::none; f = front_.edge(f).sibling) {
-        const std::uint32_t w = front_.edge(f).to;
+      for (BorderEdgeId f = front_.first(v); f != BorderLoops::none; f = front_.edge(f).sibling) {
+        const VertexId w = front_.edge(f).to;
         if (w == c || v == c || !beside(w)) continue;
         const Point2 r = plane.at(position_[w]);
         if (v != a && w != a && crosses(qa, qc, q, r)) return false;
@@ -299,15 +301,15 @@ class TileZipper {
   ZipBox box_;
   float reach_;
   std::size_t members_;
-  std::vector<std::uint32_t> global_;
+  std::vector<VertexId> global_;
   std::vector<Vec3f> position_, normal_;
   BorderLoops front_;
   std::optional<TileGrid> grid_;
   std::priority_queue<Proposal> queue_;
   std::vector<std::uint32_t> inner_;  // of each vertex the first of its inner edges
   std::vector<Inner> inner_edges_;
-  std::vector<std::uint32_t> near_;
-  std::vector<std::pair<float, std::uint32_t>> choices_;
+  std::vector<VertexId> near_;
+  std::vector<std::pair<float, VertexId>> choices_;
 };
 
 }  // namespace

@@ -30,18 +30,18 @@ struct ZipBox {
 // circle so far.
 struct ZipTriangle {
   float order = 0;
-  std::uint32_t a = 0, b = 0, c = 0;
+  VertexId a, b, c;
 };
 
 struct ZipTask {
   ZipBox box;
-  std::span<const std::uint32_t> vertices;  // of the border, within the box
-  std::span<const std::uint32_t> edges;     // to begin with, all the box's business
+  std::span<const VertexId> vertices;   // of the border, within the box
+  std::span<const BorderEdgeId> edges;  // to begin with, all the box's business
 };
 
 struct ZipResult {
-  std::vector<ZipTriangle> triangles;                          // in the order in which they can be added
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> tried;  // edges that are left, without a triangle that fits
+  std::vector<ZipTriangle> triangles;                // in the order in which they can be added
+  std::vector<std::pair<VertexId, VertexId>> tried;  // edges that are left, without a triangle that fits
 };
 
 // Changes nothing of the seam and its borders. Deterministic, whatever else is zipped elsewhere at the same time.

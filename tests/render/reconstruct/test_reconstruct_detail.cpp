@@ -176,7 +176,7 @@ TEST(SurfaceWalk, FindsWhatIsNearest) {
     std::uint32_t start = t;  // some triangles away
     for (std::uint32_t other = 0; other < mesh.triangles.size(); ++other)
       if (length(point_on(other) - point_on(t)) < 0.1) start = other;
-    const SurfaceWalk::Place place = walk.find(start, p);
+    const SurfaceWalk::Place place = walk.find(TriangleId(start), p);
     double least = 1e9;
     for (const Triangle& u : mesh.triangles)
       least = std::min(least, nearest_on_triangle(p, to_double(mesh.positions[u.v[0]]),

@@ -14,7 +14,7 @@
 namespace lodestone::test {
 namespace {
 
-constexpr std::uint32_t none = EditMesh::none;
+constexpr TriangleId none = EditMesh::none;
 
 IndexedMesh mesh_of(std::vector<Triangle> triangles, std::size_t vertices) {
   IndexedMesh mesh;
@@ -25,9 +25,13 @@ IndexedMesh mesh_of(std::vector<Triangle> triangles, std::size_t vertices) {
 
 std::vector<Triangle> triangles_of(const EditMesh& mesh) {
   std::vector<Triangle> triangles;
-  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
+  for (TriangleId t{0}; t < mesh.triangle_count(); ++t)
     if (mesh.alive(t)) triangles.push_back(mesh.triangle(t));
   return triangles;
+}
+
+Vec3f area_vector(const SeamMesh& seam, const Triangle& t) {
+  return lodestone::area_vector(seam, VertexId(t.v[0]), VertexId(t.v[1]), VertexId(t.v[2]));
 }
 
 TEST(CountHandles, OfKnownSurfaces) {
@@ -53,40 +57,41 @@ TEST(CountHandles, OfKnownSurfaces) {
 TEST(EditMesh, FindsWhatASetOfTrianglesHolds) {
   std::mt19937 random(3);
   EditMesh mesh(9, {{{0, 1, 2}}, {{2, 1, 3}}});
-  std::map<std::uint32_t, Triangle> twin{{0, {{0, 1, 2}}}, {1, {{2, 1, 3}}}};
-  const auto at = [&](std::uint32_t a, std::uint32_t b) {
+  std::map<TriangleId, Triangle> twin{{TriangleId(0), {{0, 1, 2}}}, {TriangleId(1), {{2, 1, 3}}}};
+  const auto at = [&](VertexId a, VertexId b) {
     for (const auto& [t, triangle] : twin)
       for (std::size_t k = 0; k < 3; ++k)
         if (triangle.v[k] == a && triangle.v[(k + 1) % 3] == b) return t;
     return none;
   };
-  const auto any = [&] { return static_cast<std::uint32_t>(random() % mesh.vertex_count()); };
+  const auto any = [&] { return VertexId(random() % mesh.vertex_count()); };
   for (int step = 0; step < 4000; ++step) {
-    const std::uint32_t a = any(), b = any(), c = any();
+    const VertexId a = any(), b = any(), c = any();
     if (step % 3 == 0) {
-      const std::uint32_t t = mesh.at(a, b);
+      const TriangleId t = mesh.at(a, b);
       ASSERT_EQ(t, at(a, b));
       if (t == none) continue;
       mesh.remove(t);
       twin.erase(t);
     } else if (step % 50 == 1 && mesh.vertex_count() < 30) {
-      const std::uint32_t own = mesh.add_vertex();
+      const VertexId own = mesh.add_vertex();
       if (mesh.around(a).empty()) continue;
-      const std::uint32_t t = mesh.around(a).front();
+      const TriangleId t = mesh.around(a).front();
       mesh.move_corner(t, a, own);
-      std::replace(twin[t].v.begin(), twin[t].v.end(), a, own);
+      for (std::uint32_t& v : twin[t].v)
+        if (v == a) v = own;
     } else {
       const bool fits = a != b && b != c && c != a && at(a, b) == none && at(b, c) == none && at(c, a) == none;
-      const std::uint32_t t = mesh.add(a, b, c);
+      const TriangleId t = mesh.add(a, b, c);
       ASSERT_EQ(t != none, fits);
       if (fits) twin[t] = {{a, b, c}};
     }
-    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-      std::set<std::uint32_t> expected;
+    for (VertexId v{0}; v < mesh.vertex_count(); ++v) {
+      std::set<TriangleId> expected;
       for (const auto& [t, triangle] : twin)
         if (std::find(triangle.v.begin(), triangle.v.end(), v) != triangle.v.end()) expected.insert(t);
       const auto around = mesh.around(v);
-      ASSERT_EQ(std::set<std::uint32_t>(around.begin(), around.end()), expected);
+      ASSERT_EQ(std::set<TriangleId>(around.begin(), around.end()), expected);
     }
   }
 }
@@ -95,24 +100,24 @@ TEST(EditMesh, FindsWhatASetOfTrianglesHolds) {
 BorderLoops borders_of(const EditMesh& mesh, std::span<const std::uint32_t> piece_of_triangle, std::size_t pieces) {
   BorderLoops borders(mesh.vertex_count());
   std::vector<std::uint32_t> piece;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t)
+  std::vector<std::pair<VertexId, VertexId>> edges;
+  for (TriangleId t{0}; t < mesh.triangle_count(); ++t)
     for (std::size_t k = 0; mesh.alive(t) && k < 3; ++k) {
-      const std::uint32_t a = mesh.triangle(t).v[k], b = mesh.triangle(t).v[(k + 1) % 3];
+      const VertexId a = mesh.corners(t)[k], b = mesh.corners(t)[(k + 1) % 3];
       if (!mesh.is_border(a, b)) continue;
       borders.add_edge(a, b);
       piece.push_back(piece_of_triangle.empty() ? 0 : piece_of_triangle[t]);
       edges.emplace_back(a, b);
     }
-  for (std::uint32_t e = 0; e < edges.size(); ++e)
+  for (BorderEdgeId e{0}; e < edges.size(); ++e)
     borders.link(e, borders.find(edges[e].second, mesh.next_on_border(edges[e].first, edges[e].second)));
   borders.label(piece, pieces);
   return borders;
 }
 
 void expect_borders_of(const BorderLoops& borders, const EditMesh& mesh) {
-  std::map<std::uint32_t, std::uint32_t> seed_of_loop;
-  for (std::uint32_t e = 0; e < borders.edge_count(); ++e) {
+  std::map<std::uint32_t, BorderEdgeId> seed_of_loop;
+  for (BorderEdgeId e{0}; e < borders.edge_count(); ++e) {
     if (!borders.alive(e)) continue;
     const BorderLoops::Edge& edge = borders.edge(e);
     ASSERT_TRUE(mesh.is_border(edge.from, edge.to));
@@ -124,33 +129,33 @@ void expect_borders_of(const BorderLoops& borders, const EditMesh& mesh) {
   }
   // Two loops are two cycles: all edges of a label are met from one of them.
   std::map<std::uint32_t, std::size_t> size, met;
-  for (std::uint32_t e = 0; e < borders.edge_count(); ++e)
+  for (BorderEdgeId e{0}; e < borders.edge_count(); ++e)
     if (borders.alive(e)) ++size[borders.edge(e).loop];
   for (const auto& [loop, seed] : seed_of_loop) {
-    std::uint32_t e = seed;
+    BorderEdgeId e = seed;
     do ++met[loop], e = borders.edge(e).next;
     while (e != seed);
   }
   ASSERT_EQ(size, met);
   // The vertices in which several fans meet are known, closed or not.
-  const std::vector<std::uint32_t> pinched = borders.pinched();
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+  const std::vector<VertexId> pinched = borders.pinched();
+  for (VertexId v{0}; v < mesh.vertex_count(); ++v) {
     if (mesh.around(v).empty()) continue;
-    std::set<std::uint32_t> fan{mesh.around(v).front()};
+    std::set<TriangleId> fan{mesh.around(v).front()};
     for (std::size_t before = 0; before < fan.size();) {
       before = fan.size();
-      for (const std::uint32_t t : std::set<std::uint32_t>(fan))
-        for (const std::uint32_t w : mesh.triangle(t).v) {
+      for (const TriangleId t : std::set<TriangleId>(fan))
+        for (const VertexId w : mesh.corners(t)) {
           if (w == v) continue;
-          if (const std::uint32_t u = mesh.at(v, w); u != none) fan.insert(u);
-          if (const std::uint32_t u = mesh.at(w, v); u != none) fan.insert(u);
+          if (const TriangleId u = mesh.at(v, w); u != none) fan.insert(u);
+          if (const TriangleId u = mesh.at(w, v); u != none) fan.insert(u);
         }
     }
     ASSERT_TRUE(fan.size() == mesh.around(v).size() || std::binary_search(pinched.begin(), pinched.end(), v));
   }
   std::size_t border = 0;
   for (const Triangle& t : triangles_of(mesh))
-    for (std::size_t k = 0; k < 3; ++k) border += mesh.is_border(t.v[k], t.v[(k + 1) % 3]);
+    for (std::size_t k = 0; k < 3; ++k) border += mesh.is_border(VertexId(t.v[k]), VertexId(t.v[(k + 1) % 3]));
   std::size_t held = 0;
   for (const auto& [loop, edges] : size) held += edges;
   ASSERT_EQ(border, held);
@@ -167,9 +172,9 @@ TEST(BorderLoops, CountTheHandlesThatEulersFormulaGives) {
     BorderLoops borders = borders_of(mesh, piece, pieces);
     std::size_t predicted = 0;
     for (int step = 0; step < 400; ++step) {
-      const auto e = static_cast<std::uint32_t>(random() % borders.edge_count());
-      const auto c = static_cast<std::uint32_t>(random() % mesh.vertex_count());
-      if (!borders.alive(e) || borders.first(c) == none) continue;
+      const BorderEdgeId e(random() % borders.edge_count());
+      const VertexId c(random() % mesh.vertex_count());
+      if (!borders.alive(e) || borders.first(c) == BorderLoops::none) continue;
       const auto [a, b] = std::pair(borders.edge(e).from, borders.edge(e).to);
       if (c == a || c == b || mesh.at(a, c) != none || mesh.at(c, b) != none) continue;
       const bool handle = borders.makes_handle(e, c);
@@ -196,7 +201,7 @@ SeamMesh seam_of(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& 
   seam.mesh = EditMesh(positions.size(), triangles);
   seam.borders = borders_of(seam.mesh, piece, pieces);
   seam.patch_seed.assign(pieces, none);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) seam.patch_seed[piece.empty() ? 0 : piece[t]] = t;
+  for (TriangleId t{0}; t < triangles.size(); ++t) seam.patch_seed[piece.empty() ? 0 : piece[t]] = t;
   return seam;
 }
 
@@ -235,7 +240,7 @@ TEST(ZipSeams, ClosesAGapWhateverTheTilesAndThreads) {
       if (threads == 1) first = triangles;
       EXPECT_EQ(triangles, first);
       expect_borders_of(seam.borders, seam.mesh);
-      for (const Triangle& t : triangles) EXPECT_GT(area_vector(seam, t.v[0], t.v[1], t.v[2]).z, 0);
+      for (const Triangle& t : triangles) EXPECT_GT(area_vector(seam, t).z, 0);
     }
   }
 }
@@ -298,7 +303,7 @@ TEST(ZipSeams, MakesNoMoreHandlesThanItMay) {
     EXPECT_EQ(filled.open, 0u);
     const std::vector<Triangle> triangles = triangles_of(seam.mesh);
     EXPECT_EQ(count_handles(mesh_of(triangles, seam.position.size())), most == 0 ? 0u : 1u);
-    for (const Triangle& t : triangles) EXPECT_FALSE(seam.mesh.is_border(t.v[0], t.v[1]));
+    for (const Triangle& t : triangles) EXPECT_FALSE(seam.mesh.is_border(VertexId(t.v[0]), VertexId(t.v[1])));
   }
 }
 
@@ -329,7 +334,7 @@ TEST(FillHoles, CutsEarsOffAConvexHole) {
     EXPECT_NEAR(result.longest, 2 * n * std::sin(std::numbers::pi / n), 1e-4);
     EXPECT_NEAR(result.open_length, 1.1 * 2 * n * std::sin(std::numbers::pi / n), 1e-4);
     double area = 0;
-    for (const Triangle& t : triangles_of(seam.mesh)) area += 0.5 * length(area_vector(seam, t.v[0], t.v[1], t.v[2]));
+    for (const Triangle& t : triangles_of(seam.mesh)) area += 0.5 * length(area_vector(seam, t));
     EXPECT_NEAR(area, 0.5 * n * 1.21 * std::sin(2 * std::numbers::pi / n), 1e-3);
   }
   SeamMesh seam = ring(17);
@@ -347,7 +352,7 @@ TEST(SplitVertices, PartsFansAndTheirBorders) {
   EXPECT_EQ(seam.position.size(), 6u);
   EXPECT_EQ(seam.position[5], seam.position[0]);
   expect_borders_of(seam.borders, seam.mesh);
-  EXPECT_EQ(seam.mesh.around(0).size(), 1u);
+  EXPECT_EQ(seam.mesh.around(VertexId(0)).size(), 1u);
   EXPECT_EQ(split_vertices(seam), 0u);
   EXPECT_EQ(drop_crumbs(seam, std::vector<std::uint32_t>{1, 1}, 1), 0u);
   EXPECT_EQ(drop_crumbs(seam, std::vector<std::uint32_t>{1, 20}, 3), 1u);
