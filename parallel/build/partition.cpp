@@ -65,7 +65,8 @@ void spread_numbers(FinestVertices& vertices, Scheduler& scheduler) {
 
 AttributeSet attributes_of(const IndexedMesh& mesh) {
   const WedgeAttributes& w = mesh.wedges;
-  return {!w.vertex.empty(), !w.uv.empty(), !w.colour.empty(), !w.material.empty()};
+  return {
+      .wedges = !w.vertex.empty(), .uv = !w.uv.empty(), .colours = !w.colour.empty(), .materials = !w.material.empty()};
 }
 
 Partition partition_mesh(IndexedMesh&& mesh, int level, Scheduler& scheduler) {

@@ -82,7 +82,8 @@ class Saver {
   void save_cell(CellId cell) {
     const int level = hierarchy_.level_of(cell);
     const auto uri = [&](std::uint32_t texture) { return "../" + texture_path(hierarchy_, texture, level); };
-    const std::vector<std::byte> glb = encode_cell_glb(hierarchy_, cell, config_.tileset.morph, uri);
+    const std::vector<std::byte> glb =
+        encode_cell_glb(hierarchy_, cell, {.morph = config_.tileset.morph, .texture_uri = uri});
     bytes_ += write_file(folder_.path() / tile_path(hierarchy_, cell), glb);
   }
 

@@ -23,9 +23,14 @@ NAME = re.compile(r"(~?[\w:]+|operator\s*\S+?)\s*\(")
 INNER = re.compile(r"<[^<>]*>|\([^()]*\)|\{[^{}]*\}|\[[^\[\]]*\]")
 
 
+def without_literals(code):
+    """The code without literals and comments; the lines keep their numbers."""
+    return NO_CODE.sub(lambda match: "\n" * match.group().count("\n"), code)
+
+
 def functions(code):
     """(line, name, number of lines, number of parameters) of each C++ function; a declaration has no lines."""
-    code = NO_CODE.sub(lambda match: "\n" * match.group().count("\n"), code)
+    code = without_literals(code)
     newlines = [match.start() for match in re.finditer("\n", code)]
     depth, nested, start, body, found = 0, 0, 0, None, None
     for mark in re.finditer(r"[{};]", code):
@@ -86,10 +91,30 @@ BOOLS = re.compile(r"\bbool(?: \w+)?(?: = \w+)?,\s*(?:const )?bool\b|(?<!: \{)\b
 def adjacent_bools(root):
     for path in sources.files(root):
         if path.suffix in {".h", ".cpp"}:
-            code = NO_CODE.sub(lambda match: "\n" * match.group().count("\n"), sources.text(root, path))
+            code = without_literals(sources.text(root, path))
             for match in BOOLS.finditer(code):
                 line = code.count("\n", 0, match.start()) + 1
                 yield f"{path}:{line}: {match.group()}: two bools side by side; name them in a struct or an enum"
+
+
+# Plain integers in headers that bear the name of an id (core/base/id.h), and those that cannot be confused with another
+# one. Other folders hold kernels of one mesh with numbers of their own.
+BARE_ID = re.compile(r"\bstd::(?:uint32_t|size_t) (cell|vertex|triangle)\s*[,)]")
+ID_FOLDERS = ("core/hierarchy/", "parallel/", "render/", "experiments/")
+KNOWN_BARE_IDS = {
+    "parallel/clean/cleaning.h vertex",
+    "parallel/mesh/vertex_sharing.h cell",
+}
+
+
+def bare_ids(root):
+    for path in sources.files(root):
+        if path.suffix == ".h" and str(path).startswith(ID_FOLDERS):
+            code = without_literals(sources.text(root, path))
+            for match in BARE_ID.finditer(code):
+                if f"{path} {match.group(1)}" not in KNOWN_BARE_IDS:
+                    line = code.count("\n", 0, match.start()) + 1
+                    yield f"{path}:{line}: {match.group()}: take a CellId, VertexId or TriangleId"
 
 
 # A comment that begins without a subject, on its first line; "Where it is flat, nothing moves" is a sentence.

@@ -19,6 +19,9 @@ class SourceTree(unittest.TestCase):
     def test_no_bools_side_by_side(self):
         self.assertEqual(list(style.adjacent_bools(SOURCE_DIR)), [])
 
+    def test_ids_have_types(self):
+        self.assertEqual(list(style.bare_ids(SOURCE_DIR)), [])
+
     def test_english_is_plain(self):
         found = list(style.plain_english(SOURCE_DIR))
         print(f"not plain English: {len(found)} places; at most {style.MAX_NOT_PLAIN}")
@@ -61,6 +64,16 @@ class Checks(unittest.TestCase):
                 (pathlib.Path(folder) / "a.cpp").write_text(text + "\n")
                 with self.subTest(text=text):
                     self.assertEqual(len(list(style.adjacent_bools(folder))), text in unclear)
+
+    def test_bare_ids(self):
+        clear = ["void f(CellId cell);", "std::uint32_t f(std::uint32_t group);", "std::uint32_t cell = 0;"]
+        bare = ["void f(std::uint32_t cell);", "void f(std::size_t vertex,\n       int level);"]
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "render").mkdir()
+            for text in clear + bare:
+                (pathlib.Path(folder) / "render" / "a.h").write_text(text + "\n")
+                with self.subTest(text=text):
+                    self.assertEqual(len(list(style.bare_ids(folder))), text in bare)
 
     def test_plain_english(self):
         plain = ["// Whatever it is.", "// The largest one.\n// Of two equal ones the first.", "x;  // offset",

@@ -73,7 +73,8 @@ void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   hierarchy.transform = {{h.origin[0], h.origin[1], h.origin[2]}, h.scale, {h.lattice_bits}};
   hierarchy.sigma0 = h.sigma0;
   const auto has = [&](LodeFeatures feature) { return (h.features & feature) != 0; };
-  hierarchy.attributes = {has(lode_wedges), has(lode_uv), has(lode_colours), has(lode_materials)};
+  hierarchy.attributes = {
+      .wedges = has(lode_wedges), .uv = has(lode_uv), .colours = has(lode_colours), .materials = has(lode_materials)};
   Provenance& p = hierarchy.provenance;
   p.input_vertices = h.input_vertices;
   p.input_triangles = h.input_triangles;

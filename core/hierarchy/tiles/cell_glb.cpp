@@ -14,15 +14,18 @@ constexpr std::uint32_t unseen = 0xffff'ffffu;
 
 class CellEncoder {
  public:
-  CellEncoder(const Hierarchy& hierarchy, CellId cell, bool morph)
-      : hierarchy_(hierarchy), cell_(hierarchy.cells[cell]), morph_(morph && cell_.parent != no_cell) {}
+  CellEncoder(const Hierarchy& hierarchy, CellId cell, const CellGlbConfig& config)
+      : hierarchy_(hierarchy),
+        cell_(hierarchy.cells[cell]),
+        config_(config),
+        morph_(config.morph && cell_.parent != no_cell) {}
 
-  std::vector<std::byte> encode(const TextureUri& texture_uri) {
+  std::vector<std::byte> encode() {
     place_node();
     number_vertices();
     add_vertices();
     add_primitives();
-    add_materials(texture_uri);
+    add_materials();
     return glb_.finish();
   }
 
@@ -107,12 +110,12 @@ class CellEncoder {
     }
   }
 
-  void add_materials(const TextureUri& texture_uri) {
+  void add_materials() {
     std::map<std::uint32_t, std::uint32_t> textures;  // of the hierarchy -> of the file
     const auto local = [&](std::uint32_t texture) {
       if (texture >= hierarchy_.textures.size()) return no_texture;
       const auto [at, fresh] = textures.emplace(texture, static_cast<std::uint32_t>(textures.size()));
-      if (fresh) glb_.add_linked_texture(hierarchy_.textures[texture], texture_uri(texture));
+      if (fresh) glb_.add_linked_texture(hierarchy_.textures[texture], config_.texture_uri(texture));
       return at->second;
     };
     for (const std::uint32_t m : materials_) {
@@ -125,6 +128,7 @@ class CellEncoder {
 
   const Hierarchy& hierarchy_;
   const Cell& cell_;
+  const CellGlbConfig& config_;
   bool morph_;
   GlbBuilder glb_;
   json attributes_;
@@ -134,9 +138,8 @@ class CellEncoder {
 
 }  // namespace
 
-std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell, bool morph,
-                                       const TextureUri& texture_uri) {
-  return CellEncoder(hierarchy, cell, morph).encode(texture_uri);
+std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell, const CellGlbConfig& config) {
+  return CellEncoder(hierarchy, cell, config).encode();
 }
 
 }  // namespace lodestone

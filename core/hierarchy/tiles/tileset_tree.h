@@ -42,8 +42,11 @@ struct TilesetFile {
 [[nodiscard]] std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,
                                                        const TilesetConfig& config = {});
 
-// The URI, relative to the file, of a texture as the level shows it; `texture` is an index in Hierarchy::textures.
-using TextureUri = std::function<std::string(std::uint32_t texture)>;
+struct CellGlbConfig {
+  bool morph = false;  // as in TilesetConfig
+  // The URI, relative to the file, of a texture as the level shows it; `texture` is an index in Hierarchy::textures.
+  std::function<std::string(std::uint32_t texture)> texture_uri;
+};
 
 // One cell as binary glTF, the content of a tile. Positions are those of the cell, bit for bit: inside the unit cube, z
 // up. The matrix of the one node scales them to the model's size around its origin and turns them y up, as glTF has it;
@@ -51,7 +54,7 @@ using TextureUri = std::function<std::string(std::uint32_t texture)>;
 // Materials are those that the cell uses, textures are linked. `morph` adds the values of each vertex's parent as
 // attributes (except for the root): _PARENT and _PARENTNORMAL, in the same coordinates, _PARENTTEXCOORD and
 // _PARENTCOLOR. The cell has triangles.
-[[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell, bool morph,
-                                                     const TextureUri& texture_uri);
+[[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell,
+                                                     const CellGlbConfig& config);
 
 }  // namespace lodestone
