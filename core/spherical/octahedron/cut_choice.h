@@ -1,7 +1,7 @@
 // Chooses how the sphere is turned before it is cut open, so that the cut is short and lies where few see it.
 //
 // The cut is an end of charts for every level of detail: vertices on it are doubled and collapse only along it. Images
-// over the square have no seam there, so that existing chart borders are not better than other places. The cost of a
+// over the square have no seam there, so that existing chart borders are as good as any other place. The cost of a
 // cut is its length on the surface, each part times its exposure: the share of the sky that is seen from there, and a
 // constant, so that hidden length is not for free. Both are measured on samples of the surface over the square.
 #pragma once

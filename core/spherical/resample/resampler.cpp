@@ -21,6 +21,16 @@ constexpr float reach = 4;
 Vec2f difference(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
 float extent(Vec2f a) { return std::max(std::abs(a.x), std::abs(a.y)); }
 
+// The side of a sample in the middle of the tile, from the diagonal of its neighbours; of a single one, anything.
+float side_in(const SampleTile& tile) {
+  const std::uint32_t x = tile.width / 2, y = tile.height / 2;
+  const std::size_t at = std::size_t{y} * SampleTile::side + x;
+  const std::size_t before = at - (x > 0 ? 1 : 0) - (y > 0 ? SampleTile::side : 0);
+  double square = 0;
+  for (const std::vector<double>& d : tile.direction) square += (d[at] - d[before]) * (d[at] - d[before]);
+  return static_cast<float>(std::sqrt(0.5 * square));
+}
+
 ResampleConfig checked(const ResampleConfig& config) {
   const bool sides = config.sides == 2 || config.sides == 4 || config.sides == 8;
   if (sides && config.size >= 1 && config.size <= 32768 / config.sides) return config;
@@ -36,7 +46,7 @@ struct Resampler::Pixel {
   std::array<SurfacePoint, most_samples> point;  // those that have a source
   std::array<Vec2f, most_samples> uv;
   std::size_t count = 0;
-  float side = 0;       // of a sample on the sphere
+  float side = 0;       // of a sample on the sphere, in the middle of the tile
   bool single = false;  // all samples are in one triangle, at `middle` in the mean; then `point` and `uv` are unused
   bool whole = false;   // all samples are in one part of one chart
   SurfacePoint middle;
@@ -95,11 +105,6 @@ bool Resampler::gather(const SampleTile& tile, std::size_t first, Pixel& pixel) 
       pixel.uv[pixel.count++] = source_.uv(point);
     }
   if (pixel.count == 0) return false;
-  const std::size_t last = first + (sides - 1) * SampleTile::side + sides - 1;
-  const Vec3d across{tile.direction[0][last] - tile.direction[0][first],
-                     tile.direction[1][last] - tile.direction[1][first],
-                     tile.direction[2][last] - tile.direction[2][first]};
-  pixel.side = static_cast<float>(length(across) / (1.4142135623730951 * static_cast<double>(sides - 1)));
   pixel.whole = pixel.count == sides * sides;
   const float allowed = reach * source_.uv_scale(pixel.point[0].triangle) * pixel.side * static_cast<float>(sides);
   const std::uint32_t triangle = pixel.point[0].triangle;
@@ -139,7 +144,7 @@ void Resampler::draw_pixel(const SampleTile& tile, std::uint32_t x, std::uint32_
   for (int c = 0; c < 4; ++c) images_.colour.values[4 * number + static_cast<std::size_t>(c)] = colour[c];
   if (!config_.normals) return;
   Vec3f normal{};
-  if (pixel.single) {
+  if (pixel.single || (pixel.whole && source_.has_object_space_normals(point.triangle))) {
     normal = source_.normal(point, pixel.footprint);
   } else {
     for (std::size_t k = 0; k < pixel.count; ++k) normal = normal + source_.normal(pixel.point[k], footprint(k));
@@ -154,8 +159,13 @@ void Resampler::draw_pixel(const SampleTile& tile, std::uint32_t x, std::uint32_
 void Resampler::draw(std::size_t tile, SampleTile& room) {
   raster_.cover(tile, room);
   Pixel pixel;  // reused: larger than what is done with it
+  pixel.side = side_in(room);
   for (std::uint32_t y = 0; y < room.height / config_.sides; ++y)
-    for (std::uint32_t x = 0; x < room.width / config_.sides; ++x) draw_pixel(room, x, y, pixel);
+    for (std::uint32_t x = 0; x < room.width / config_.sides; ++x) {
+      const std::size_t later = (std::size_t{y} * SampleTile::side + x) * config_.sides + prefetch_distance;
+      if (later < room.triangle.size() && room.triangle[later] != no_triangle) source_.prefetch(room.triangle[later]);
+      draw_pixel(room, x, y, pixel);
+    }
 }
 
 void Resampler::fill(LinearImage& image, std::vector<std::uint8_t> covered) const {

@@ -18,6 +18,12 @@ constexpr float longest_footprint = 8;  // samples along a footprint
 
 std::uint16_t wide(float unit) { return static_cast<std::uint16_t>(unit * 65535 + 0.5f); }
 
+// Without a call, where the processor has no instruction for it.
+std::int64_t floor_of(float v) {
+  const auto towards_zero = static_cast<std::int64_t>(v);
+  return towards_zero - (v < static_cast<float>(towards_zero) ? 1 : 0);
+}
+
 // log2, linear between powers of two (blinn1997); for v >= 1.
 float rough_log2(float v) { return static_cast<float>(std::bit_cast<std::uint32_t>(v)) * 0x1p-23f - 127; }
 
@@ -96,23 +102,21 @@ Float4 SourceTexture::interpolated(const Level& level, Vec2f uv) const {
   using Short4 = std::uint16_t __attribute__((vector_size(8)));
   const auto [width, height] = level.size;
   const float x = uv.x * static_cast<float>(width) - 0.5f, y = uv.y * static_cast<float>(height) - 0.5f;
-  const float left = std::floor(x), top = std::floor(y);
-  const auto i = static_cast<std::int64_t>(left), j = static_cast<std::int64_t>(top);
-  std::array<std::size_t, 2> columns{static_cast<std::size_t>(i), static_cast<std::size_t>(i + 1)};
-  std::array<std::size_t, 2> rows{static_cast<std::size_t>(j), static_cast<std::size_t>(j + 1)};
-  if (i < 0 || j < 0 || i + 1 >= width || j + 1 >= height)
-    for (std::size_t k = 0; k < 2; ++k) {
-      columns[k] = wrapped(i + static_cast<std::int64_t>(k), width, wrap_u_);
-      rows[k] = wrapped(j + static_cast<std::int64_t>(k), height, wrap_v_);
-    }
-  const auto texel = [&](std::size_t column, std::size_t row) {
+  const std::int64_t i = floor_of(x), j = floor_of(y);
+  auto left = static_cast<std::size_t>(i), right = left + 1, top = static_cast<std::size_t>(j), bottom = top + 1;
+  if (i < 0 || j < 0 || i + 1 >= width || j + 1 >= height) {
+    left = wrapped(i, width, wrap_u_), right = wrapped(i + 1, width, wrap_u_);
+    top = wrapped(j, height, wrap_v_), bottom = wrapped(j + 1, height, wrap_v_);
+  }
+  const Texel *const upper_row = &level.texels[top * width], *const lower_row = &level.texels[bottom * width];
+  const auto texel = [](const Texel& from) {
     Short4 values;
-    std::memcpy(&values, &level.texels[row * width + column], sizeof values);
+    std::memcpy(&values, &from, sizeof values);
     return __builtin_convertvector(__builtin_convertvector(values, Int4), Float4);
   };
-  const Float4 across = all4(x - left), down = all4(y - top);
-  const Float4 a = texel(columns[0], rows[0]), b = texel(columns[1], rows[0]);
-  const Float4 c = texel(columns[0], rows[1]), d = texel(columns[1], rows[1]);
+  const Float4 across = all4(x - static_cast<float>(i)), down = all4(y - static_cast<float>(j));
+  const Float4 a = texel(upper_row[left]), b = texel(upper_row[right]);
+  const Float4 c = texel(lower_row[left]), d = texel(lower_row[right]);
   const Float4 upper = a + across * (b - a), lower = c + across * (d - c);
   return upper + down * (lower - upper);
 }
@@ -130,7 +134,8 @@ Float4 SourceTexture::filtered(const Footprint& footprint) const {
   if (!(wide_extent > 1)) {
     sum = interpolated(levels_.front(), footprint.centre);
   } else {
-    const float samples = std::clamp(std::ceil(wide_extent / narrow - 0.25f), 1.0f, longest_footprint);
+    const float samples =
+        std::clamp(-static_cast<float>(floor_of(0.25f - wide_extent / narrow)), 1.0f, longest_footprint);
     const float log =
         std::min(rough_log2(std::max(wide_extent / samples, 1.0f)), static_cast<float>(levels_.size() - 1));
     const auto level = static_cast<std::size_t>(log);

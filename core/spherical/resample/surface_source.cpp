@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/disjoint_sets.h"
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
 #include "core/spherical/resample/chart_cover.h"
@@ -37,22 +38,28 @@ SurfaceSource::SurfaceSource(const IndexedMesh& mesh, const Surface& surface, st
   add_shades();
   find_charts();
   add_normals();
-  uv_scales_.resize(corners_.size());
-  if (mesh.wedges.uv.empty()) return;
+  add_coordinates(surface, directions);
+}
+
+void SurfaceSource::add_coordinates(const Surface& surface, std::span<const Vec3d> directions) {
+  if (mesh_.wedges.uv.empty()) return;
   for (std::size_t t = 0; t < corners_.size(); ++t) {
     if (corners_[t] == no_corners) continue;
     const auto [a, b, c] = surface.triangles[t].v;
     const double area = length(cross(directions[b] - directions[a], directions[c] - directions[a]));
     const auto& [i, j, k] = corners_[t].v;
-    const Vec2f p = mesh.wedges.uv[i], q = mesh.wedges.uv[j], r = mesh.wedges.uv[k];
-    const double mapped = double{q.x - p.x} * (r.y - p.y) - double{r.x - p.x} * (q.y - p.y);
-    if (area > 0) uv_scales_[t] = static_cast<float>(std::sqrt(std::abs(mapped) / area));
+    const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
+    Patch& patch = patches_[t];
+    patch.uv = p, patch.to_b = {q.x - p.x, q.y - p.y}, patch.to_c = {r.x - p.x, r.y - p.y};
+    const double mapped = double{patch.to_b.x} * patch.to_c.y - double{patch.to_c.x} * patch.to_b.y;
+    if (area > 0) patch.uv_scale = static_cast<float>(std::sqrt(std::abs(mapped) / area));
   }
 }
 
 // Corners of a triangle of the surface are those of its source, beginning with any of them.
 void SurfaceSource::match_corners(const Surface& surface) {
   corners_.assign(surface.triangles.size(), no_corners);
+  patches_.resize(corners_.size());
   for (std::size_t t = 0; t < corners_.size(); ++t) {
     const std::uint32_t source = surface.source_triangle[t];
     if (source == no_source) continue;
@@ -91,11 +98,10 @@ void SurfaceSource::add_shades() {
                        loaded(material.texture, PixelMeaning::colours),
                        loaded(material.normal_map, PixelMeaning::normals)});
   }
-  shade_numbers_.resize(corners_.size());
   for (std::size_t t = 0; t < corners_.size(); ++t) {
     if (corners_[t] == no_corners || mesh_.wedges.materials.empty()) continue;
     const std::uint32_t number = mesh_.wedges.material.empty() ? 0 : mesh_.wedges.material[corners_[t].v[0]];
-    shade_numbers_[t] = number == no_material ? 0 : number + 1;
+    patches_[t].shade = number == no_material ? 0 : number + 1;
   }
 }
 
@@ -106,9 +112,8 @@ void SurfaceSource::find_charts() {
     charts.unite(corners.v[0], corners.v[1]);
     charts.unite(corners.v[1], corners.v[2]);
   }
-  charts_.assign(corners_.size(), no_source);
   for (std::size_t t = 0; t < corners_.size(); ++t)
-    if (corners_[t] != no_corners) charts_[t] = charts.find(corners_[t].v[0]);
+    if (corners_[t] != no_corners) patches_[t].chart = charts.find(corners_[t].v[0]);
 }
 
 void SurfaceSource::add_normals() {
@@ -147,25 +152,11 @@ void SurfaceSource::load(std::size_t texture) {
     const Shade& shade = shade_of(t);
     if (!has(t) || (shade.texture != texture && shade.normal_map != texture)) continue;
     const auto& [i, j, k] = corners_[t].v;
-    triangles.push_back({{mesh_.wedges.uv[i], mesh_.wedges.uv[j], mesh_.wedges.uv[k]}, charts_[t]});
+    triangles.push_back({{mesh_.wedges.uv[i], mesh_.wedges.uv[j], mesh_.wedges.uv[k]}, patches_[t].chart});
   }
   to.object_space = to.meaning == PixelMeaning::normals && is_object_space(image);
   to.image = SourceTexture(image, to.meaning, from.wrap_u, from.wrap_v,
                            chart_cover(triangles, image.size, from.wrap_u, from.wrap_v));
-}
-
-Vec2f SurfaceSource::uv(const SurfacePoint& point) const { return footprint(point, {}, {}).centre; }
-
-Footprint SurfaceSource::footprint(const SurfacePoint& point, const std::array<float, 3>& by_x,
-                                   const std::array<float, 3>& by_y) const {
-  if (mesh_.wedges.uv.empty()) return {};
-  const auto& v = corners_[point.triangle].v;
-  const Vec2f a = mesh_.wedges.uv[v[0]], b = mesh_.wedges.uv[v[1]], c = mesh_.wedges.uv[v[2]];
-  const auto along = [&](const std::array<float, 3>& w) {
-    return Vec2f{w[1] * (b.x - a.x) + w[2] * (c.x - a.x), w[1] * (b.y - a.y) + w[2] * (c.y - a.y)};
-  };
-  const Vec2f within = along(point.weight);
-  return {{a.x + within.x, a.y + within.y}, along(by_x), along(by_y)};
 }
 
 Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footprint) const {
@@ -189,8 +180,8 @@ Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footpri
 Vec3f SurfaceSource::bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const {
   const auto& [i, j, k] = corners_[point.triangle].v;
   const Vec3f to_b = mesh_.positions[j] - mesh_.positions[i], to_c = mesh_.positions[k] - mesh_.positions[i];
-  const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
-  const float bu = q.x - p.x, bv = q.y - p.y, cu = r.x - p.x, cv = r.y - p.y;
+  const auto [bu, bv] = patches_[point.triangle].to_b;
+  const auto [cu, cv] = patches_[point.triangle].to_c;
   const float turn = bu * cv - cu * bv < 0 ? -1.0f : 1.0f;
   const Vec3f to_u = turn * (cv * to_b - bv * to_c), to_v = turn * (bu * to_c - cu * to_b);
   const Vec3f t = unit_or_zero(to_u - dot(normal, to_u) * normal);

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/base/disjoint_sets.h"
+#include "core/base/prefetch.h"
 #include "core/math/lanes/float4.h"
 #include "core/mesh/indexed_mesh.h"
 #include "core/spherical/resample/source_texture.h"
@@ -38,22 +38,32 @@ class SurfaceSource {
   void load(std::size_t texture);
 
   // False for triangles that fill holes or cap cuts: nothing below may be asked of them.
-  [[nodiscard]] bool has(std::uint32_t triangle) const { return corners_[triangle].v[0] != no_source; }
+  [[nodiscard]] bool has(std::uint32_t triangle) const { return patches_[triangle].chart != no_source; }
+  // Asks for a triangle that samples will be taken from.
+  void prefetch(std::uint32_t triangle) const { lodestone::prefetch(&patches_[triangle]); }
   // Equal for triangles that are connected in texture coordinates.
-  [[nodiscard]] std::uint32_t chart(std::uint32_t triangle) const { return charts_[triangle]; }
+  [[nodiscard]] std::uint32_t chart(std::uint32_t triangle) const { return patches_[triangle].chart; }
   // Texture coordinates per unit of length on the sphere, the mean over all directions; 0 without a texture.
-  [[nodiscard]] float uv_scale(std::uint32_t triangle) const { return uv_scales_[triangle]; }
-  [[nodiscard]] Vec2f uv(const SurfacePoint& point) const;
+  [[nodiscard]] float uv_scale(std::uint32_t triangle) const { return patches_[triangle].uv_scale; }
+  [[nodiscard]] Vec2f uv(const SurfacePoint& point) const {
+    const Patch& patch = patches_[point.triangle];
+    const Vec2f within = along(patch, point.weight);
+    return {patch.uv.x + within.x, patch.uv.y + within.y};
+  }
   // Around a point, along changes of its weights, of sum 0.
   [[nodiscard]] Footprint footprint(const SurfacePoint& point, const std::array<float, 3>& by_x,
-                                    const std::array<float, 3>& by_y) const;
+                                    const std::array<float, 3>& by_y) const {
+    const Patch& patch = patches_[point.triangle];
+    return {uv(point), along(patch, by_x), along(patch, by_y)};
+  }
   // Light times alpha, and alpha. The footprint is in texture coordinates.
   [[nodiscard]] Float4 colour(const SurfacePoint& point, const Footprint& footprint) const;
   // A unit vector, or zero where nothing tells the normal.
   [[nodiscard]] Vec3f normal(const SurfacePoint& point, const Footprint& footprint) const;
-  // True if the normal there is read from an image.
-  [[nodiscard]] bool has_normal_map(std::uint32_t triangle) const {
-    return shade_of(triangle).normal_map != no_texture;
+  // True if normals are read from an image as they are: anywhere in a chart it depends on the footprint alone.
+  [[nodiscard]] bool has_object_space_normals(std::uint32_t triangle) const {
+    const std::uint32_t map = shade_of(triangle).normal_map;
+    return map != no_texture && textures_[map].object_space;
   }
   [[nodiscard]] bool has_vertex_colours() const { return !mesh_.wedges.colour.empty(); }
 
@@ -62,25 +72,35 @@ class SurfaceSource {
     Float4 base_colour{1, 1, 1, 1};
     std::uint32_t texture = no_texture, normal_map = no_texture;  // of textures_
   };
+  // A triangle as samples need it, in one place: they come from all over the mesh.
+  struct Patch {
+    Vec2f uv, to_b, to_c;  // the first corner's, and from there to the others'
+    float uv_scale = 0;
+    std::uint32_t chart = no_source;  // no_source: without a source
+    std::uint32_t shade = 0;          // of shades_
+  };
   struct LoadedTexture {
     std::uint32_t texture = 0;  // of the mesh
     PixelMeaning meaning = PixelMeaning::colours;
     bool object_space = false;
     SourceTexture image;
   };
-  [[nodiscard]] const Shade& shade_of(std::uint32_t triangle) const { return shades_[shade_numbers_[triangle]]; }
+  [[nodiscard]] const Shade& shade_of(std::uint32_t triangle) const { return shades_[patches_[triangle].shade]; }
+  [[nodiscard]] static Vec2f along(const Patch& patch, const std::array<float, 3>& weight) {
+    return {weight[1] * patch.to_b.x + weight[2] * patch.to_c.x, weight[1] * patch.to_b.y + weight[2] * patch.to_c.y};
+  }
   void match_corners(const Surface& surface);
   void add_shades();
   void find_charts();
+  void add_coordinates(const Surface& surface, std::span<const Vec3d> directions);
   void add_normals();
   [[nodiscard]] std::uint32_t loaded(std::uint32_t texture, PixelMeaning meaning);
   [[nodiscard]] Vec3f bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const;
 
   const IndexedMesh& mesh_;
   std::vector<Triangle> corners_;  // by triangle of the surface: wedges of the mesh; no_source: none
-  std::vector<std::uint32_t> charts_, shade_numbers_;
-  std::vector<float> uv_scales_;
-  std::vector<Shade> shades_;  // the first: no material
+  std::vector<Patch> patches_;     // likewise
+  std::vector<Shade> shades_;      // the first: no material
   std::vector<LoadedTexture> textures_;
   std::vector<Vec3f> normals_;  // by wedge
 };
