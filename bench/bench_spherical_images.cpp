@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -119,8 +120,9 @@ struct Textured {
 // Items are pixels, 2 x 2 samples each, all steps included; the argument is the size, and 1 for normals besides.
 void resampling(benchmark::State& state) {
   static const Textured textured;
-  SurfaceSource source(textured.mesh, textured.surface, subject().directions);
-  source.load(0);
+  const auto mesh = std::make_shared<MeshSource>(textured.mesh);
+  mesh->load(0);
+  const SurfaceSource source(mesh, textured.surface, subject().directions);
   const ResampleConfig config{
       .size = static_cast<std::uint32_t>(state.range(0)), .sides = 2, .normals = state.range(1) != 0};
   for (auto _ : state) benchmark::DoNotOptimize(resample(textured.surface, subject().directions, source, config));

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "core/spherical/assemble.h"
 #include "core/spherical/octahedron/cut_choice.h"
 #include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/resample/image_error.h"
+#include "core/spherical/resample/mesh_source.h"
 #include "core/spherical/resample/resampler.h"
 #include "parallel/clean/prepare.h"
 
@@ -122,13 +124,17 @@ class Maker {
 
   void resample_all() {
     config_.on_phase("resampling");
+    const CpuClock clock;
+    source_ = std::make_shared<MeshSource>(mesh_);
+    in_chunks(source_->texture_count(), 1, [&](ChunkRange range) { source_->load(range.begin); });
+    add(report_.resampling, clock.elapsed());
     for (std::size_t k = 0; k < surfaces_.size(); ++k) add_component(k);
+    source_.reset();
   }
 
   void add_component(std::size_t k) {
     CpuClock clock;
-    SurfaceSource source(mesh_, surfaces_[k], directions_[k]);
-    in_chunks(source.texture_count(), 1, [&](ChunkRange range) { source.load(range.begin); });
+    const SurfaceSource source(source_, surfaces_[k], directions_[k]);
     const ResampledImages images = draw(k, source);
     add(report_.resampling, clock.elapsed());
     clock = {};
@@ -237,6 +243,7 @@ class Maker {
   double whole_area_ = 0;
   std::vector<std::vector<Vec3d>> directions_;
   std::vector<Unfolding> unfoldings_;
+  std::shared_ptr<MeshSource> source_;  // while images are made
   std::vector<Material> materials_;
   std::vector<Texture> textures_;
   std::vector<std::uint32_t> object_normals_;

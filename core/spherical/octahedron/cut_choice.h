@@ -24,7 +24,7 @@ struct CutCost {
 
 class CutMeasure {
  public:
-  // A closed mesh and its directions, as in unfold.h. 50 ms for meshes of up to 100,000 triangles. Throws InputError if
+  // A closed mesh and its directions, as in unfold.h. 20 ms for meshes of up to 100,000 triangles. Throws InputError if
   // the triangles leave a part of the sphere uncovered.
   CutMeasure(std::span<const Vec3d> positions, std::span<const Triangle> triangles, std::span<const Vec3d> directions);
 

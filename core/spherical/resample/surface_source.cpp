@@ -5,20 +5,13 @@
 #include <string>
 #include <utility>
 
-#include "core/base/disjoint_sets.h"
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
-#include "core/spherical/resample/chart_cover.h"
-#include "core/texture/normal_space.h"
 
 namespace lodestone::spherical {
 namespace {
 
 constexpr Triangle no_corners{{no_source, no_source, no_source}};
-
-std::uint32_t vertex_of(const IndexedMesh& mesh, std::uint32_t wedge) {
-  return mesh.wedges.vertex.empty() ? wedge : mesh.wedges.vertex[wedge];
-}
 
 Vec3f unit_or_zero(Vec3f v) {
   const float size = length(v);
@@ -32,12 +25,10 @@ Value mixed(const std::vector<Value>& values, const Triangle& corners, const std
 
 }  // namespace
 
-SurfaceSource::SurfaceSource(const IndexedMesh& mesh, const Surface& surface, std::span<const Vec3d> directions)
-    : mesh_(mesh) {
+SurfaceSource::SurfaceSource(std::shared_ptr<const MeshSource> source, const Surface& surface,
+                             std::span<const Vec3d> directions)
+    : source_(std::move(source)), mesh_(source_->mesh()) {
   match_corners(surface);
-  add_shades();
-  find_charts();
-  add_normals();
   add_coordinates(surface, directions);
 }
 
@@ -67,7 +58,7 @@ void SurfaceSource::match_corners(const Surface& surface) {
     const auto& v = surface.triangles[t].v;
     const auto fits = [&](std::size_t turn) {
       for (std::size_t k = 0; k < 3; ++k)
-        if (vertex_of(mesh_, wedges[(k + turn) % 3]) != vertex_of(mesh_, surface.source_vertex[v[k]])) return false;
+        if (source_->vertex(wedges[(k + turn) % 3]) != source_->vertex(surface.source_vertex[v[k]])) return false;
       return true;
     };
     std::size_t turn = 0;
@@ -79,90 +70,15 @@ void SurfaceSource::match_corners(const Surface& surface) {
       throw InputError(describe("", "surface", "triangle " + std::to_string(t) + " has other corners than its source",
                                 "give the mesh that it was made from"));
     corners_[t] = {{wedges[turn], wedges[(turn + 1) % 3], wedges[(turn + 2) % 3]}};
+    patches_[t].chart = source_->chart(wedges[turn]);
+    patches_[t].shade = source_->shade_number(wedges[turn]);
   }
-}
-
-std::uint32_t SurfaceSource::loaded(std::uint32_t texture, PixelMeaning meaning) {
-  if (texture == no_texture || mesh_.wedges.uv.empty()) return no_texture;
-  for (std::uint32_t k = 0; k < textures_.size(); ++k)
-    if (textures_[k].texture == texture && textures_[k].meaning == meaning) return k;
-  textures_.push_back({texture, meaning, false, {}});
-  return static_cast<std::uint32_t>(textures_.size() - 1);
-}
-
-void SurfaceSource::add_shades() {
-  shades_.emplace_back();
-  for (const Material& material : mesh_.wedges.materials) {
-    const auto& c = material.base_colour;
-    shades_.push_back({Float4{c[0] * c[3], c[1] * c[3], c[2] * c[3], c[3]},
-                       loaded(material.texture, PixelMeaning::colours),
-                       loaded(material.normal_map, PixelMeaning::normals)});
-  }
-  for (std::size_t t = 0; t < corners_.size(); ++t) {
-    if (corners_[t] == no_corners || mesh_.wedges.materials.empty()) continue;
-    const std::uint32_t number = mesh_.wedges.material.empty() ? 0 : mesh_.wedges.material[corners_[t].v[0]];
-    patches_[t].shade = number == no_material ? 0 : number + 1;
-  }
-}
-
-// Wedges are shared within a chart.
-void SurfaceSource::find_charts() {
-  DisjointSets charts(mesh_.positions.size());
-  for (const Triangle& corners : mesh_.triangles) {
-    charts.unite(corners.v[0], corners.v[1]);
-    charts.unite(corners.v[1], corners.v[2]);
-  }
-  for (std::size_t t = 0; t < corners_.size(); ++t)
-    if (corners_[t] != no_corners) patches_[t].chart = charts.find(corners_[t].v[0]);
-}
-
-void SurfaceSource::add_normals() {
-  std::vector<Vec3d> sums(mesh_.positions.size());
-  for (const Triangle& corners : mesh_.triangles) {
-    const auto& [i, j, k] = corners.v;
-    const Vec3d a = to_double(mesh_.positions[i]), b = to_double(mesh_.positions[j]), c = to_double(mesh_.positions[k]);
-    for (const std::uint32_t wedge : corners.v) {
-      Vec3d& sum = sums[vertex_of(mesh_, wedge)];
-      sum = sum + cross(b - a, c - a);
-    }
-  }
-  normals_.resize(sums.size());
-  for (std::uint32_t w = 0; w < normals_.size(); ++w) {
-    if (!mesh_.wedges.normal.empty()) normals_[w] = unit_or_zero(mesh_.wedges.normal[w]);
-    const Vec3d sum = sums[vertex_of(mesh_, w)];
-    const double size = length(sum);
-    if (normals_[w] == Vec3f{} && size > 0) normals_[w] = to_float((1 / size) * sum);
-  }
-}
-
-void SurfaceSource::load(std::size_t texture) {
-  LoadedTexture& to = textures_[texture];
-  const Texture& from = mesh_.wedges.textures[to.texture];
-  const PixelImage image = [&] {
-    try {
-      return decode_image(from.bytes, from.media_type);
-    } catch (const UnsupportedError& error) {
-      throw UnsupportedError("texture '" + from.name + "' " + error.what());
-    } catch (const InputError& error) {
-      throw InputError("texture '" + from.name + "' " + error.what());
-    }
-  }();
-  std::vector<ChartTriangle> triangles;
-  for (std::uint32_t t = 0; t < corners_.size(); ++t) {
-    const Shade& shade = shade_of(t);
-    if (!has(t) || (shade.texture != texture && shade.normal_map != texture)) continue;
-    const auto& [i, j, k] = corners_[t].v;
-    triangles.push_back({{mesh_.wedges.uv[i], mesh_.wedges.uv[j], mesh_.wedges.uv[k]}, patches_[t].chart});
-  }
-  to.object_space = to.meaning == PixelMeaning::normals && is_object_space(image);
-  to.image = SourceTexture(image, to.meaning, from.wrap_u, from.wrap_v,
-                           chart_cover(triangles, image.size, from.wrap_u, from.wrap_v));
 }
 
 Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footprint) const {
-  const Shade& shade = shade_of(point.triangle);
+  const MeshSource::Shade& shade = shade_of(point.triangle);
   Float4 colour = shade.base_colour;
-  if (shade.texture != no_texture) colour *= textures_[shade.texture].image.filtered(footprint);
+  if (shade.texture != no_texture) colour *= source_->texture(shade.texture).image.filtered(footprint);
   if (mesh_.wedges.colour.empty()) return colour;
   Float4 vertices{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -192,9 +108,9 @@ Vec3f SurfaceSource::bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped)
 
 Vec3f SurfaceSource::normal(const SurfacePoint& point, const Footprint& footprint) const {
   const std::uint32_t map = shade_of(point.triangle).normal_map;
-  const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(textures_[map].image.filtered(footprint));
-  if (mapped != Vec3f{} && textures_[map].object_space) return unit_or_zero(mapped);
-  const Vec3f smooth = unit_or_zero(mixed(normals_, corners_[point.triangle], point.weight));
+  const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(source_->texture(map).image.filtered(footprint));
+  if (mapped != Vec3f{} && source_->texture(map).object_space) return unit_or_zero(mapped);
+  const Vec3f smooth = unit_or_zero(mixed(source_->normals(), corners_[point.triangle], point.weight));
   return mapped == Vec3f{} ? smooth : unit_or_zero(bent(point, smooth, mapped));
 }
 

@@ -8,12 +8,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/base/prefetch.h"
 #include "core/math/lanes/float4.h"
 #include "core/mesh/indexed_mesh.h"
+#include "core/spherical/resample/mesh_source.h"
 #include "core/spherical/resample/source_texture.h"
 #include "core/spherical/surface.h"
 
@@ -27,15 +29,10 @@ struct SurfacePoint {
 
 class SurfaceSource {
  public:
-  // The mesh, which must outlive the source, is the one that the surface's source_vertex and source_triangle name.
-  // directions: one per vertex of the surface; they tell the size of footprints. Throws InputError if a triangle and
-  // its source have different corners.
-  SurfaceSource(const IndexedMesh& mesh, const Surface& surface, std::span<const Vec3d> directions);
-
-  // Textures have to be loaded before they are sampled. May run side by side. Throws what decode_image throws, with the
-  // texture's name.
-  [[nodiscard]] std::size_t texture_count() const { return textures_.size(); }
-  void load(std::size_t texture);
+  // The source's mesh, which must outlive it, is the one that the surface's source_vertex and source_triangle name; its
+  // textures are loaded before they are sampled. directions: one per vertex of the surface; they tell the size of
+  // footprints. Throws InputError if a triangle and its source have different corners.
+  SurfaceSource(std::shared_ptr<const MeshSource> source, const Surface& surface, std::span<const Vec3d> directions);
 
   // False for triangles that fill holes or cap cuts: nothing below may be asked of them.
   [[nodiscard]] bool has(std::uint32_t triangle) const { return patches_[triangle].chart != no_source; }
@@ -63,46 +60,32 @@ class SurfaceSource {
   // True if normals are read from an image as they are: anywhere in a chart it depends on the footprint alone.
   [[nodiscard]] bool has_object_space_normals(std::uint32_t triangle) const {
     const std::uint32_t map = shade_of(triangle).normal_map;
-    return map != no_texture && textures_[map].object_space;
+    return map != no_texture && source_->texture(map).object_space;
   }
   [[nodiscard]] bool has_vertex_colours() const { return !mesh_.wedges.colour.empty(); }
 
  private:
-  struct Shade {
-    Float4 base_colour{1, 1, 1, 1};
-    std::uint32_t texture = no_texture, normal_map = no_texture;  // of textures_
-  };
   // A triangle as samples need it, in one place: they come from all over the mesh.
   struct Patch {
     Vec2f uv, to_b, to_c;  // the first corner's, and from there to the others'
     float uv_scale = 0;
     std::uint32_t chart = no_source;  // no_source: without a source
-    std::uint32_t shade = 0;          // of shades_
+    std::uint32_t shade = 0;          // of the source
   };
-  struct LoadedTexture {
-    std::uint32_t texture = 0;  // of the mesh
-    PixelMeaning meaning = PixelMeaning::colours;
-    bool object_space = false;
-    SourceTexture image;
-  };
-  [[nodiscard]] const Shade& shade_of(std::uint32_t triangle) const { return shades_[patches_[triangle].shade]; }
+  [[nodiscard]] const MeshSource::Shade& shade_of(std::uint32_t triangle) const {
+    return source_->shade(patches_[triangle].shade);
+  }
   [[nodiscard]] static Vec2f along(const Patch& patch, const std::array<float, 3>& weight) {
     return {weight[1] * patch.to_b.x + weight[2] * patch.to_c.x, weight[1] * patch.to_b.y + weight[2] * patch.to_c.y};
   }
   void match_corners(const Surface& surface);
-  void add_shades();
-  void find_charts();
   void add_coordinates(const Surface& surface, std::span<const Vec3d> directions);
-  void add_normals();
-  [[nodiscard]] std::uint32_t loaded(std::uint32_t texture, PixelMeaning meaning);
   [[nodiscard]] Vec3f bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const;
 
+  std::shared_ptr<const MeshSource> source_;
   const IndexedMesh& mesh_;
   std::vector<Triangle> corners_;  // by triangle of the surface: wedges of the mesh; no_source: none
   std::vector<Patch> patches_;     // likewise
-  std::vector<Shade> shades_;      // the first: no material
-  std::vector<LoadedTexture> textures_;
-  std::vector<Vec3f> normals_;  // by wedge
 };
 
 }  // namespace lodestone::spherical

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -21,9 +22,9 @@ namespace lodestone::spherical {
 namespace {
 
 SurfaceSource loaded(const test::PaintedSphere& sphere) {
-  SurfaceSource source(sphere.mesh, sphere.surface, sphere.directions);
-  for (std::size_t t = 0; t < source.texture_count(); ++t) source.load(t);
-  return source;
+  const auto source = std::make_shared<MeshSource>(sphere.mesh);
+  for (std::size_t t = 0; t < source->texture_count(); ++t) source->load(t);
+  return {source, sphere.surface, sphere.directions};
 }
 
 Vec3d value_at(const LinearImage& image, std::uint32_t x, std::uint32_t y) {
