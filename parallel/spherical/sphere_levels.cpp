@@ -1,18 +1,29 @@
 #include "parallel/spherical/sphere_levels.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "core/base/prefetch.h"
 #include "core/spherical/parameterize/tetrahedron.h"
+#include "parallel/scheduler/phases.h"
 
 namespace lodestone {
 namespace {
 
 using spherical::VertexSplit;
 
-constexpr std::size_t split_grain = 64, list_grain = 32768, block_vertices = 512;
-constexpr int first_sweeps = 2;  // of vertices that have just come in
+constexpr std::size_t split_grain = 64, list_grain = 32768;
+constexpr std::size_t border_vertices = 256;  // of a block
+constexpr std::size_t few_vertices = 8192;    // one worker is done with them before others have come
+constexpr int first_sweeps = 2;               // of vertices that have just come in
+constexpr int sweeps_in_tile = 2;
+
+// Tiles fit into the cache with their blocks, and are several for each worker. A small level is one, and has no
+// borders, which slow down the way of what the sweeps even out.
+std::size_t tile_size(std::size_t vertices) {
+  return vertices < few_vertices ? vertices : std::clamp<std::size_t>(vertices / 16, 1024, 4096);
+}
 
 }  // namespace
 
@@ -31,10 +42,9 @@ SphereLevels::SphereLevels(progressive::RingMesh& rings, std::span<const Aligned
 template <class Body>
 void SphereLevels::for_chunks(std::size_t count, std::size_t grain, const Body& body) {
   if (count <= grain)
-    body(ChunkRange{0, count, 0}, arenas_[0]);
+    body(ChunkRange{0, count, 0});
   else
-    scheduler_.for_chunks(count, grain,
-                          [&](ChunkRange c) { body(c, arenas_[static_cast<std::size_t>(scheduler_.worker_index())]); });
+    scheduler_.for_chunks(count, grain, body);
 }
 
 bool SphereLevels::run(const spherical::SplitSchedule& schedule, std::span<const Id> base) {
@@ -44,13 +54,12 @@ bool SphereLevels::run(const spherical::SplitSchedule& schedule, std::span<const
   for (std::size_t level = 0; level + 1 < schedule.levels.size(); ++level) {
     const std::size_t vertices = 4 + schedule.waves[schedule.levels[level + 1]];
     state_.least_area = config_.least_area * sphere_area / static_cast<double>(2 * vertices - 4);
-    for (std::size_t wave = schedule.levels[level]; wave < schedule.levels[level + 1]; ++wave)
-      if (!split(std::span(schedule.splits)
-                     .subspan(schedule.waves[wave], schedule.waves[wave + 1] - schedule.waves[wave])))
-        return false;
-    list_colours();
-    build_blocks();
-    for (int k = sweeps_at(vertices); k > 0; --k) sweep();
+    alone_ = scheduler_.workers() == 1 || vertices < few_vertices;
+    split(schedule, level);
+    if (failed_) return false;
+    list_vertices(vertices);
+    build_tiles();
+    sweep(sweeps_at(vertices));
   }
   return true;
 }
@@ -63,12 +72,32 @@ int SphereLevels::sweeps_at(std::size_t vertices) const {
   return std::max(config_.sweeps, static_cast<int>(std::min(wanted, most)));
 }
 
-bool SphereLevels::split(std::span<const VertexSplit> wave) {
-  for_chunks(wave.size(), split_grain, [&](ChunkRange c, progressive::RingArena& arena) {
-    split_chunk(wave.subspan(c.begin, c.end - c.begin), arena);
-  });
-  if (config_.ring_sweeps > 0 && !failed_) relax_rings(wave);
-  return !failed_;
+void SphereLevels::for_phases(std::span<const std::size_t> ends, const std::function<void(std::size_t)>& body) {
+  if (!alone_) return run_phases(scheduler_, ends, body);
+  for (std::size_t item = 0; item < ends.back(); ++item) body(item);
+}
+
+// Wave by wave.
+void SphereLevels::split(const spherical::SplitSchedule& schedule, std::size_t level) {
+  const std::span splits(schedule.splits);
+  std::vector<std::span<const VertexSplit>> chunks;
+  std::vector<std::size_t> ends;
+  for (std::size_t wave = schedule.levels[level]; wave < schedule.levels[level + 1]; ++wave) {
+    const std::size_t end = schedule.waves[wave + 1];
+    for (std::size_t begin = schedule.waves[wave]; begin < end; begin += split_grain)
+      chunks.push_back(splits.subspan(begin, std::min(split_grain, end - begin)));
+    ends.push_back(chunks.size());
+  }
+  if (config_.ring_sweeps == 0) {
+    for_phases(ends, [&](std::size_t k) {
+      if (!failed_) split_chunk(chunks[k], arenas_[static_cast<std::size_t>(scheduler_.worker_index())]);
+    });
+    return;
+  }
+  for (const auto& chunk : chunks) {
+    if (!failed_) split_chunk(chunk, arenas_[0]);
+    if (!failed_) relax_rings(chunk);
+  }
 }
 
 void SphereLevels::relax_rings(std::span<const VertexSplit> wave) {
@@ -114,54 +143,98 @@ void SphereLevels::split_chunk(std::span<const VertexSplit> chunk, progressive::
   for (int k = 0; k < first_sweeps; ++k) kernel_.sweep(state_, block);
 }
 
-// The vertices of each colour, by number.
-void SphereLevels::list_colours() {
-  using Counts = std::array<std::uint32_t, 256>;
-  std::vector<Counts> first(chunk_count(colours_.size(), list_grain));
-  for_chunks(colours_.size(), list_grain, [&](ChunkRange c, progressive::RingArena&) {
-    Counts& counts = first[c.index] = {};
-    for (std::size_t v = c.begin; v < c.end; ++v) ++counts[colours_[v]];
-  });
-  Counts total{};
-  for (Counts& counts : first)
-    for (std::size_t colour = 0; colour < spherical::absent_colour; ++colour)
-      counts[colour] = std::exchange(total[colour], total[colour] + counts[colour]);
-  std::size_t used = 0;
-  while (used < spherical::absent_colour && total[used] > 0) ++used;
-  lists_.resize(used);
-  for (std::size_t colour = 0; colour < used; ++colour) lists_[colour].resize(total[colour]);
-  for_chunks(colours_.size(), list_grain, [&](ChunkRange c, progressive::RingArena&) {
+// The vertices that are there, in order, and where each is among them.
+void SphereLevels::list_vertices(std::size_t count) {
+  std::vector<std::size_t> first(chunk_count(colours_.size(), list_grain));
+  std::vector<std::uint8_t> last(first.size());
+  for_chunks(colours_.size(), list_grain, [&](ChunkRange c) {
     for (std::size_t v = c.begin; v < c.end; ++v)
-      if (const std::uint8_t colour = colours_[v]; colour != spherical::absent_colour)
-        lists_[colour][first[c.index][colour]++] = static_cast<Id>(v);
+      if (colours_[v] != spherical::absent_colour)
+        ++first[c.index], last[c.index] = std::max(last[c.index], colours_[v]);
   });
-}
-
-void SphereLevels::build_blocks() {
-  first_block_.assign(1, 0);
-  for (const std::vector<Id>& list : lists_)
-    first_block_.push_back(first_block_.back() + chunk_count(list.size(), block_vertices));
-  if (blocks_.size() < first_block_.back()) blocks_.resize(first_block_.back());
-  for_chunks(first_block_.back(), 1, [&](ChunkRange c, progressive::RingArena&) {
-    for (std::size_t k = c.begin; k < c.end; ++k) {
-      const std::size_t colour =
-          static_cast<std::size_t>(std::upper_bound(first_block_.begin(), first_block_.end(), k) -
-                                   first_block_.begin()) -
-          1;
-      const std::span<const Id> list = lists_[colour];
-      const std::size_t begin = (k - first_block_[colour]) * block_vertices;
-      kernel_.build(state_, list.subspan(begin, std::min(block_vertices, list.size() - begin)), blocks_[k]);
+  colour_count_ = std::size_t{*std::max_element(last.begin(), last.end())} + 1;
+  std::exclusive_scan(first.begin(), first.end(), first.begin(), std::size_t{0});
+  vertices_.resize(count), rank_.resize(colours_.size());
+  for_chunks(colours_.size(), list_grain, [&](ChunkRange c) {
+    for (std::size_t v = c.begin, rank = first[c.index]; v < c.end; ++v) {
+      if (colours_[v] == spherical::absent_colour) continue;
+      rank_[v] = static_cast<std::uint32_t>(rank);
+      vertices_[rank++] = static_cast<Id>(v);
     }
   });
 }
 
-void SphereLevels::sweep() {
-  for (std::size_t colour = 0; colour + 1 < first_block_.size(); ++colour) {
-    const std::size_t begin = first_block_[colour];
-    for_chunks(first_block_[colour + 1] - begin, 1, [&](ChunkRange c, progressive::RingArena&) {
-      for (std::size_t k = c.begin; k < c.end; ++k) kernel_.sweep(state_, blocks_[begin + k]);
-    });
+// Tiles are ranges of the vertices; those with all neighbours in their tile are inside. They stay in the cache.
+void SphereLevels::build_tiles() {
+  const std::size_t size = tile_size(vertices_.size());
+  tiles_ = chunk_count(vertices_.size(), size);
+  if (blocks_.size() < tiles_ * colour_count_) blocks_.resize(tiles_ * colour_count_);
+  using Lists = std::vector<std::vector<Id>>;
+  std::vector<Lists> borders(tiles_);
+  for_chunks(tiles_, 1, [&](ChunkRange c) {
+    for (std::size_t tile = c.begin; tile < c.end; ++tile) {
+      Lists inside(colour_count_);
+      borders[tile].resize(colour_count_);
+      for (std::size_t k = tile * size; k < std::min(vertices_.size(), (tile + 1) * size); ++k) {
+        const Id v = vertices_[k];
+        const auto ring = rings_.ring(v).neighbours();
+        const bool is_inside = std::all_of(ring.begin(), ring.end(), [&](Id x) { return rank_[x] / size == tile; });
+        (is_inside ? inside : borders[tile])[colours_[v]].push_back(v);
+      }
+      for (std::size_t colour = 0; colour < colour_count_; ++colour)
+        kernel_.build(state_, inside[colour], blocks_[tile * colour_count_ + colour]);
+    }
+  });
+  build_borders(borders);
+}
+
+// All borders together, by colour.
+void SphereLevels::build_borders(std::span<const std::vector<std::vector<Id>>> borders) {
+  std::vector<std::vector<Id>> lists(colour_count_);
+  first_border_.assign(1, 0);
+  for (std::size_t colour = 0; colour < colour_count_; ++colour) {
+    for (const auto& border : borders)
+      lists[colour].insert(lists[colour].end(), border[colour].begin(), border[colour].end());
+    first_border_.push_back(first_border_.back() + chunk_count(lists[colour].size(), border_vertices));
   }
+  if (border_blocks_.size() < first_border_.back()) border_blocks_.resize(first_border_.back());
+  for_chunks(first_border_.back(), 1, [&](ChunkRange c) {
+    for (std::size_t k = c.begin; k < c.end; ++k) {
+      const auto colour = static_cast<std::size_t>(std::upper_bound(first_border_.begin(), first_border_.end(), k) -
+                                                   first_border_.begin() - 1);
+      const std::span<const Id> list = lists[colour];
+      const std::size_t begin = (k - first_border_[colour]) * border_vertices;
+      kernel_.build(state_, list.subspan(begin, std::min(border_vertices, list.size() - begin)), border_blocks_[k]);
+    }
+  });
+}
+
+// The insides of the tiles, some times over, without a look at each other; then the borders as often.
+void SphereLevels::sweep(int times) {
+  struct Item {
+    const spherical::SweepBlock* blocks;
+    std::size_t count;
+    int times;
+  };
+  std::vector<Item> items;
+  std::vector<std::size_t> ends;
+  for (int done = 0; done < times; done += sweeps_in_tile) {
+    const int now = std::min(sweeps_in_tile, times - done);
+    for (std::size_t tile = 0; tile < tiles_; ++tile)
+      items.push_back({&blocks_[tile * colour_count_], colour_count_, now});
+    ends.push_back(items.size());
+    for (int k = 0; k < now; ++k)
+      for (std::size_t colour = 0; colour < colour_count_; ++colour) {
+        for (std::size_t b = first_border_[colour]; b < first_border_[colour + 1]; ++b)
+          items.push_back({&border_blocks_[b], 1, 1});
+        ends.push_back(items.size());
+      }
+  }
+  for_phases(ends, [&](std::size_t k) {
+    for (int again = 0; again < items[k].times; ++again)
+      for (const spherical::SweepBlock& block : std::span(items[k].blocks, items[k].count))
+        kernel_.sweep(state_, block);
+  });
 }
 
 }  // namespace lodestone

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -33,20 +34,22 @@ class SphereLevels {
   // False if a vertex found no place: the map ends there.
   [[nodiscard]] bool run(const spherical::SplitSchedule& schedule, std::span<const progressive::Id> base);
   [[nodiscard]] std::span<const AlignedPoint4d> directions() const { return directions_; }
-  [[nodiscard]] std::size_t colours() const { return lists_.size(); }
+  [[nodiscard]] std::size_t colours() const { return colour_count_; }
 
  private:
   using Id = progressive::Id;
 
   template <class Body>
   void for_chunks(std::size_t count, std::size_t grain, const Body& body);
-  [[nodiscard]] bool split(std::span<const spherical::VertexSplit> wave);
+  void for_phases(std::span<const std::size_t> ends, const std::function<void(std::size_t)>& body);
+  void split(const spherical::SplitSchedule& schedule, std::size_t level);
   void split_chunk(std::span<const spherical::VertexSplit> chunk, progressive::RingArena& arena);
   void relax_rings(std::span<const spherical::VertexSplit> wave);
   [[nodiscard]] int sweeps_at(std::size_t vertices) const;
-  void list_colours();
-  void build_blocks();
-  void sweep();
+  void list_vertices(std::size_t count);
+  void build_tiles();
+  void build_borders(std::span<const std::vector<std::vector<Id>>> borders);
+  void sweep(int times);
 
   progressive::RingMesh& rings_;
   const SphereLevelsConfig config_;
@@ -55,11 +58,15 @@ class SphereLevels {
   std::vector<AlignedPoint4d> directions_;
   spherical::SphereState state_;
   std::vector<std::uint8_t> colours_;
-  std::vector<std::vector<Id>> lists_;  // by colour
-  std::vector<spherical::SweepBlock> blocks_;
-  std::vector<std::size_t> first_block_;        // by colour; and the end
+  std::size_t colour_count_ = 0, tiles_ = 0;
+  std::vector<Id> vertices_;                   // that are there, in order
+  std::vector<std::uint32_t> rank_;            // by vertex: its place among them
+  std::vector<spherical::SweepBlock> blocks_;  // by tile and colour
+  std::vector<spherical::SweepBlock> border_blocks_;
+  std::vector<std::size_t> first_border_;       // by colour; and the end
   std::vector<progressive::RingArena> arenas_;  // by worker
-  std::atomic<bool> failed_{false};
+  std::atomic<bool> failed_{false};             // a vertex found no place
+  bool alone_ = true;                           // one worker does the level
 };
 
 }  // namespace lodestone
