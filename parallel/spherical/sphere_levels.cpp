@@ -15,7 +15,7 @@ using spherical::VertexSplit;
 
 constexpr std::size_t split_grain = 64, list_grain = 32768;
 constexpr std::size_t border_vertices = 256;  // of a block
-constexpr std::size_t few_vertices = 8192;    // one worker is done with them before others have come
+constexpr std::size_t few_vertices = 4096;    // one worker is done with them before others have come
 constexpr int first_sweeps = 2;               // of vertices that have just come in
 constexpr int sweeps_in_tile = 2;
 
