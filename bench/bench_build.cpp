@@ -7,8 +7,8 @@
 
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 
 namespace lodestone {
 namespace {

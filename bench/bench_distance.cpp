@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/hierarchy/build/level_surface.h"
+#include "core/hierarchy/construct/level_surface.h"
 #include "core/mesh/generate.h"
 #include "core/spatial/mesh_distance.h"
 #ifdef LODESTONE_HAS_EMBREE

@@ -12,9 +12,9 @@
 
 #include "core/hierarchy/lode/lode_payload.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
-#include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/save.h"
 
 namespace {
 

@@ -9,8 +9,8 @@
 #include "core/mesh/generate.h"
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pops/pops.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 
 namespace {
 

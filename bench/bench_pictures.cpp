@@ -14,8 +14,8 @@
 #include "experiments/metrics/pictures/ssim.h"
 #include "experiments/metrics/pops/image_pops.h"
 #include "experiments/systems/system_pictures.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
 

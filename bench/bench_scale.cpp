@@ -9,8 +9,8 @@
 #include <memory>
 
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"

@@ -8,8 +8,8 @@
 #include "core/hierarchy/model/level_mesh.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
-#include "parallel/build/save.h"
-#include "parallel/build/save_tiles.h"
+#include "parallel/hierarchy/save.h"
+#include "parallel/hierarchy/save_tiles.h"
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {

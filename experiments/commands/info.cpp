@@ -12,8 +12,8 @@
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/subjects/build.h"
-#include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/save.h"
 #include "parallel/mesh/load.h"
 #include "render/lod/radii.h"
 

@@ -12,9 +12,9 @@
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "parallel/build/save.h"
-#include "parallel/build/save_tiles.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/save.h"
+#include "parallel/hierarchy/save_tiles.h"
 #include "parallel/mesh/load.h"
 #include "parallel/progressive/make_progressive.h"
 

@@ -10,8 +10,8 @@
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
-#include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/save.h"
 #include "parallel/mesh/load.h"
 
 namespace lodestone {

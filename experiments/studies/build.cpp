@@ -13,8 +13,8 @@
 #include "experiments/studies/verdict.h"
 #include "experiments/subjects/compare.h"
 #include "experiments/subjects/result_hash.h"
-#include "parallel/build/measure_errors.h"
-#include "parallel/build/save.h"
+#include "parallel/hierarchy/measure_errors.h"
+#include "parallel/hierarchy/save.h"
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {

@@ -4,8 +4,8 @@
 
 #include "core/base/error.h"
 #include "experiments/subjects/compare.h"
-#include "parallel/build/measure_errors.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/measure_errors.h"
 #include "parallel/mesh/load.h"
 #include "parallel/scheduler/clock.h"
 

@@ -11,7 +11,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/verdict.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/camera/camera.h"

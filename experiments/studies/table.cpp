@@ -9,7 +9,7 @@
 #include "experiments/studies/study_input.h"
 #include "experiments/studies/verdict.h"
 #include "experiments/subjects/build.h"
-#include "parallel/build/save.h"
+#include "parallel/hierarchy/save.h"
 
 namespace lodestone {
 namespace {

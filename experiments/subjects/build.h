@@ -14,7 +14,7 @@
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "experiments/subjects/row.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/out_of_core/build_model.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"

@@ -8,7 +8,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "experiments/metrics/drawn/position_resolution.h"
-#include "parallel/build/save.h"
+#include "parallel/hierarchy/save.h"
 #include "parallel/mesh/compare.h"
 #include "parallel/mesh/load.h"
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/hierarchy/build/finest_cell.h"
+#include "core/hierarchy/construct/finest_cell.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

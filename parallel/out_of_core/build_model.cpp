@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "parallel/build/measure_errors.h"
-#include "parallel/build/save.h"
-#include "parallel/build/texture_levels.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/measure_errors.h"
+#include "parallel/hierarchy/save.h"
+#include "parallel/hierarchy/texture_levels.h"
 #include "parallel/mesh/load.h"
 #include "parallel/out_of_core/out_of_core.h"
 #include "parallel/scheduler/clock.h"

@@ -13,7 +13,7 @@
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/mesh/indexed_mesh.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/scheduler.h"
 
@@ -42,8 +42,8 @@ struct ModelConfig {
   std::filesystem::path output{};  // the .lode file
   Lattice lattice{};               // none, one, or Lattice::automatic
   LodeForm form = LodeForm::plain;
-  bool measure_errors = false;  // instead of estimates (parallel/build/measure_errors.h); in memory only
-  bool texture_copies = false;  // for coarser levels (parallel/build/texture_levels.h)
+  bool measure_errors = false;  // instead of estimates (parallel/hierarchy/measure_errors.h); in memory only
+  bool texture_copies = false;  // for coarser levels (parallel/hierarchy/texture_levels.h)
   // Bytes that the process may have resident; 0: no limit, in memory only.
   std::uint64_t memory_limit = 0;
   // On disk: folder for temporary files; empty: that of the output.

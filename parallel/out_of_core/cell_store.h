@@ -5,7 +5,7 @@
 #include <span>
 
 #include "core/files/scratch_file.h"
-#include "core/hierarchy/build/cell_build.h"
+#include "core/hierarchy/construct/cell_build.h"
 #include "core/hierarchy/lode/lode_payload.h"
 
 namespace lodestone {

@@ -7,9 +7,9 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
-#include "parallel/build/build_blocks.h"
-#include "parallel/build/level_table.h"
-#include "parallel/build/partition.h"
+#include "parallel/hierarchy/build_blocks.h"
+#include "parallel/hierarchy/level_table.h"
+#include "parallel/hierarchy/partition.h"
 #include "parallel/mesh/vertex_sharing.h"
 #include "parallel/out_of_core/out_of_core_state.h"
 #include "parallel/out_of_core/spilled_finest.h"

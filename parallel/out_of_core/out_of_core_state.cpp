@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/files/checksum.h"
-#include "parallel/build/build_blocks.h"
+#include "parallel/hierarchy/build_blocks.h"
 #include "parallel/mesh/vertex_sharing.h"
 #include "parallel/scheduler/first_touch.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/hierarchy/build/finest_cell.h"
+#include "core/hierarchy/construct/finest_cell.h"
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/out_of_core/build_model.h"
 #include "parallel/out_of_core/journal.h"

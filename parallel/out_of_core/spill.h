@@ -1,8 +1,8 @@
 // Triangles of a stream sorted by cell of the finest level, in a scratch file: an external counting sort.
 //
 // As many triangles as there is memory for are sorted to the runs of their cells at a time
-// (parallel/build/cell_runs.h) and written in Morton order of the cells. A cell's triangles are then a run from each
-// such part, in input order.
+// (parallel/hierarchy/cell_runs.h) and written in Morton order of the cells. A cell's triangles are then a run from
+// each such part, in input order.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 #include <span>
 
 #include "core/files/scratch_file.h"
-#include "parallel/build/cell_runs.h"
 #include "parallel/clean/stream_clean.h"
+#include "parallel/hierarchy/cell_runs.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

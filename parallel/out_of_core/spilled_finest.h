@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "core/hierarchy/build/cell_build.h"
-#include "core/hierarchy/build/finest_cell.h"
-#include "parallel/build/cell_runs.h"
-#include "parallel/build/shared_vertices.h"
+#include "core/hierarchy/construct/cell_build.h"
+#include "core/hierarchy/construct/finest_cell.h"
+#include "parallel/hierarchy/cell_runs.h"
+#include "parallel/hierarchy/shared_vertices.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {

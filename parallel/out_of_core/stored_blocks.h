@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "parallel/build/build_blocks.h"
+#include "parallel/hierarchy/build_blocks.h"
 #include "parallel/out_of_core/cell_store.h"
 #include "parallel/out_of_core/spilled_finest.h"
 

@@ -1,12 +1,12 @@
-// The cells of a hierarchy in a scratch file, to be written to a .lode file (parallel/build/save.h).
+// The cells of a hierarchy in a scratch file, to be written to a .lode file (parallel/hierarchy/save.h).
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "core/hierarchy/build/cell_order.h"
+#include "core/hierarchy/construct/cell_order.h"
 #include "core/hierarchy/model/hierarchy.h"
-#include "parallel/build/save.h"
+#include "parallel/hierarchy/save.h"
 #include "parallel/out_of_core/cell_store.h"
 #include "parallel/scheduler/scheduler.h"
 

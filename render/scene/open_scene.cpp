@@ -8,8 +8,8 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/save.h"
 #include "parallel/mesh/load.h"
 #include "render/scene/scene_file.h"
 

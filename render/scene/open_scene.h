@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/formats/common/read_config.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/scheduler/scheduler.h"
 #include "parallel/streaming/cell_stream.h"
 #include "render/lod/resident_cells.h"

@@ -7,7 +7,7 @@
 
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pops/pops.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "render/lod/limits.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_metrics.h"

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "core/hierarchy/verify/verify.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "tests/experiments/naive_hierarchy.h"
 #include "tests/experiments/small_meshes.h"
 

@@ -18,7 +18,7 @@
 #include "experiments/subjects/frame_proof.h"
 #include "experiments/subjects/frame_times.h"
 #include "experiments/subjects/result_hash.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {

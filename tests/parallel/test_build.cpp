@@ -9,8 +9,8 @@
 #include "core/base/error.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/clean.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 #include "tests/test_bytes.h"
 #include "tests/test_meshes.h"
 

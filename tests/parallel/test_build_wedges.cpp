@@ -9,9 +9,9 @@
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
-#include "parallel/build/save.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/save.h"
 #include "parallel/mesh/load.h"
 #include "tests/test_folder.h"
 

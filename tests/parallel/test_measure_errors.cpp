@@ -8,9 +8,9 @@
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
-#include "parallel/build/measure_errors.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/measure_errors.h"
 #include "parallel/mesh/compare.h"
 #include "tests/test_meshes.h"
 

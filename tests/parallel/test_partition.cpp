@@ -8,8 +8,8 @@
 #include <set>
 
 #include "core/hierarchy/model/fingerprint.h"
-#include "parallel/build/finest_level.h"
-#include "parallel/build/partition.h"
+#include "parallel/hierarchy/finest_level.h"
+#include "parallel/hierarchy/partition.h"
 #include "tests/test_bytes.h"
 #include "tests/test_meshes.h"
 

@@ -6,9 +6,9 @@
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
-#include "parallel/build/measure_errors.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/measure_errors.h"
 #include "parallel/mesh/refine_mesh.h"
 
 namespace lodestone {

@@ -8,9 +8,9 @@
 #include "core/base/error.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
-#include "parallel/build/save_tiles.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/save_tiles.h"
 #include "parallel/mesh/load.h"
 #include "tests/core/formats/io_test_util.h"
 

@@ -9,10 +9,10 @@
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/generate.h"
 #include "core/texture/downsample.h"
-#include "parallel/build/build.h"
-#include "parallel/build/save.h"
-#include "parallel/build/texture_levels.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/save.h"
+#include "parallel/hierarchy/texture_levels.h"
 #include "tests/core/formats/io_test_util.h"
 
 namespace lodestone {

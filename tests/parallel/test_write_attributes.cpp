@@ -8,8 +8,8 @@
 
 #include "core/formats/mesh_file.h"
 #include "core/hierarchy/model/level_mesh.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/mesh/load.h"
 #include "tests/core/formats/io_test_util.h"
 #include "tests/test_data.h"

@@ -13,8 +13,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/texture/image_codec.h"
-#include "parallel/build/build.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/camera/camera.h"
 #include "render/effects/plan.h"

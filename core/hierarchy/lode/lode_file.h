@@ -1,6 +1,6 @@
 // The .lode model file: one hierarchy, little-endian, versioned, checksummed, plain or compressed. A plain one is used
 // in place from a memory map. The bytes are described in core/hierarchy/lode/lode_format.h; the parallel twins are in
-// parallel/build/save.h.
+// parallel/hierarchy/save.h.
 #pragma once
 
 #include <cstdint>

@@ -57,7 +57,7 @@ inline constexpr std::size_t payload_arrays = 8;
 // Positions are written as integers on the lattice of the whole model, so that a vertex gets the same bits in every
 // cell; other per-vertex arrays are coded word by word; triangles by the index codec, which keeps their order and
 // orientation but may begin each with another corner. Nothing else is lost. The size of the streams depends on the
-// order of vertices and triangles (core/hierarchy/build/cell_order.h).
+// order of vertices and triangles (core/hierarchy/construct/cell_order.h).
 
 // Appends the compressed payload, without padding. Throws InputError when a position is not on the lattice.
 void compress_payload(const Cell& cell, Lattice lattice, std::vector<std::byte>& out);

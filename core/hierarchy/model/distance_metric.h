@@ -28,9 +28,9 @@ inline constexpr int distance_metric_count = 2;
 }
 
 [[nodiscard]] inline float distance(DistanceMetric metric, Vec3f viewpoint, const Box3f& box) {
-  const auto outside = [](float lo, float hi, float v) { return std::max(std::max(lo - v, v - hi), 0.0f); };
-  return norm(metric, outside(box.lo.x, box.hi.x, viewpoint.x), outside(box.lo.y, box.hi.y, viewpoint.y),
-              outside(box.lo.z, box.hi.z, viewpoint.z));
+  const auto beyond = [](float lo, float hi, float v) { return std::max(std::max(lo - v, v - hi), 0.0f); };
+  return norm(metric, beyond(box.lo.x, box.hi.x, viewpoint.x), beyond(box.lo.y, box.hi.y, viewpoint.y),
+              beyond(box.lo.z, box.hi.z, viewpoint.z));
 }
 
 // From p to the corner of the box that is farthest from it.

@@ -5,7 +5,7 @@
 #include <memory>
 #include <numeric>
 
-#include "core/hierarchy/build/block_wedges.h"
+#include "core/hierarchy/construct/block_wedges.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/simplify/make_simplifier.h"
 #include "render/reconstruct/finish/surface_walk.h"

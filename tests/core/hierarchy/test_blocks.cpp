@@ -8,8 +8,8 @@
 #include <set>
 
 #include "core/base/key_numbers.h"
-#include "core/hierarchy/build/block.h"
-#include "core/hierarchy/build/finest_cell.h"
+#include "core/hierarchy/construct/block.h"
+#include "core/hierarchy/construct/finest_cell.h"
 #include "core/simplify/make_simplifier.h"
 #include "tests/test_meshes.h"
 

@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "core/hierarchy/build/cell_error.h"
-#include "core/hierarchy/build/neighbourhood.h"
+#include "core/hierarchy/construct/cell_error.h"
+#include "core/hierarchy/construct/neighbourhood.h"
 #include "core/spatial/point_triangle.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/hierarchy/build/cell_order.h"
+#include "core/hierarchy/construct/cell_order.h"
 #include "core/mesh/clean.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 

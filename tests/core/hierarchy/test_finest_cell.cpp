@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "core/hierarchy/build/cell_build.h"
+#include "core/hierarchy/construct/cell_build.h"
 #include "core/hierarchy/model/hierarchy.h"
 
 namespace lodestone {

@@ -13,7 +13,7 @@
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/mesh/clean.h"
-#include "parallel/build/save.h"
+#include "parallel/hierarchy/save.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 #include "tests/expect_error.h"
 #include "tests/test_folder.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/hierarchy/build/star_distance.h"
+#include "core/hierarchy/construct/star_distance.h"
 #include "core/simplify/make_simplifier.h"
 #include "core/spatial/point_triangle.h"
 #include "tests/test_meshes.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/hierarchy/build/star_distance.h"
+#include "core/hierarchy/construct/star_distance.h"
 #include "core/simplify/quadric/quadric_reference.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
 #include "core/spatial/point_triangle.h"

@@ -7,7 +7,7 @@
 
 #include "core/spatial/point_triangle.h"
 #include "experiments/metrics/drawn/screen_error.h"
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/small_meshes.h"
 #include "tests/test_meshes.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "parallel/build/build.h"
+#include "parallel/hierarchy/build.h"
 #include "render/lod/morph.h"
 #include "render/lod/selection.h"
 

@@ -215,8 +215,8 @@ void main() {
 // The last effect that changes albedo, normal or light.
 constexpr Effect last_before_light = Effect::shadow;
 
-// The output of the colour. Layers are added to the pixel's list (render/backends/gl/passes/layers.h); tests of depth
-// come first there.
+// The output of the colour. Layers are added to the pixel's list (render/backends/gl/passes/layers_pass.h); tests of
+// depth come first there.
 constexpr const char* picture_output = "layout(location = 0) out vec4 colour;\n";
 constexpr const char* store_picture = "colour = vec4(s.colour, 1.0);";
 constexpr const char* layers_output = R"(

@@ -1,0 +1,378 @@
+#include "core/hierarchy/construct/cell_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/hierarchy/construct/neighbourhood.h"
+#include "core/spatial/point_triangle.h"
+
+namespace lodestone {
+namespace {
+
+// A convex polygon in space, a piece of a triangle, and its cuts by planes.
+struct ConvexPiece {
+  static constexpr std::uint32_t max_corners = 12;
+  std::array<Vec3d, max_corners> corner;
+  std::uint32_t count = 0;
+
+  void add(Vec3d p) { corner[count++] = p; }
+  [[nodiscard]] Vec3d centre() const {
+    Vec3d sum;
+    for (std::uint32_t i = 0; i < count; ++i) sum = sum + corner[i];
+    return (1.0 / count) * sum;
+  }
+  // 0 without corners.
+  [[nodiscard]] double area() const {
+    Vec3d sum;
+    for (std::uint32_t i = 2; i < count; ++i) sum = sum + cross(corner[i - 1] - corner[0], corner[i] - corner[0]);
+    return 0.5 * length(sum);
+  }
+};
+
+// The points x with dot(normal, x - origin) >= offset.
+struct HalfSpace {
+  Vec3d normal, origin;
+  double offset = 0;
+};
+
+struct CutPiece {
+  ConvexPiece inside, outside;  // without corners if empty
+};
+
+// Except for rounding, the union of the parts is the piece: they share the points on the plane. Each part has at most
+// one corner more, so that the piece may have at most max_corners - 1.
+CutPiece cut(const ConvexPiece& piece, const HalfSpace& half) {
+  std::array<double, ConvexPiece::max_corners> height;
+  double lowest = 0, highest = 0;
+  for (std::uint32_t i = 0; i < piece.count; ++i) {
+    height[i] = dot(half.normal, piece.corner[i] - half.origin) - half.offset;
+    lowest = std::min(lowest, height[i]);
+    highest = std::max(highest, height[i]);
+  }
+  if (!(lowest < 0)) return {piece, {}};
+  if (!(highest > 0)) return {{}, piece};
+  CutPiece parts;
+  for (std::uint32_t i = 0; i < piece.count; ++i) {
+    const std::uint32_t next = i + 1 < piece.count ? i + 1 : 0;
+    const Vec3d a = piece.corner[i], b = piece.corner[next];
+    if (height[i] >= 0) parts.inside.add(a);
+    if (height[i] <= 0) parts.outside.add(a);
+    if ((height[i] < 0 && height[next] > 0) || (height[i] > 0 && height[next] < 0)) {
+      const Vec3d between = a + (height[i] / (height[i] - height[next])) * (b - a);
+      parts.inside.add(between);
+      parts.outside.add(between);
+    }
+  }
+  return parts;
+}
+
+// Cuts the piece in the middle between its two farthest corners.
+CutPiece halved(const ConvexPiece& piece) {
+  double longest = -1;
+  Vec3d from, to;
+  for (std::uint32_t i = 0; i < piece.count; ++i)
+    for (std::uint32_t k = i + 1; k < piece.count; ++k)
+      if (const double d = squared_length(piece.corner[k] - piece.corner[i]); d > longest) {
+        longest = d;
+        from = piece.corner[i];
+        to = piece.corner[k];
+      }
+  return cut(piece, {to - from, 0.5 * (from + to), 0});
+}
+
+constexpr std::uint32_t max_piece_corners = 8;  // of a piece; larger ones are cut into triangles
+constexpr std::uint32_t max_cuts = 64;          // nesting of cuts; then the bound of the piece is accepted
+// Items gathered around one piece or several; with more of them pieces are refined one by one, or halved.
+constexpr std::size_t max_near_one = 48, max_near_several = 24;
+// If a cut would take less than this share of the piece, the piece is halved instead, so that pieces shrink.
+constexpr double min_cut = 1.0 / 16;
+// Beyond a corner of the triangle a margin is exceeded, the more the sharper the corner; a margin of 0 never is.
+constexpr double margins[] = {0.9, 0.5, 0};
+// Height of a piece above a triangle, over the limit, up to which it may be cut along its sides.
+constexpr double cut_height = 0.95;
+
+// Largest distance of a point of the piece from the triangle: at a corner, since the distance is convex.
+double farthest(const ConvexPiece& piece, const LevelSurface::Corners& t) {
+  double squared = 0;
+  for (std::uint32_t i = 0; i < piece.count; ++i)
+    squared = std::max(squared, nearest_on_triangle(piece.corner[i], t[0], t[1], t[2]).squared_distance);
+  return std::sqrt(squared);
+}
+
+double radius_of(const ConvexPiece& piece, Vec3d centre) {
+  double squared = 0;
+  for (std::uint32_t i = 0; i < piece.count; ++i) squared = std::max(squared, squared_length(piece.corner[i] - centre));
+  return std::sqrt(squared);
+}
+
+ConvexPiece piece_of(const LevelSurface::Corners& t) {
+  ConvexPiece piece;
+  for (const Vec3d p : t) piece.add(p);
+  return piece;
+}
+
+constexpr auto by_bound = [](const auto& a, const auto& b) { return a.upper < b.upper; };
+
+Box3f box_of(const ConvexPiece& piece) {
+  Box3f box;
+  for (std::uint32_t i = 0; i < piece.count; ++i) box.extend(to_float(piece.corner[i]));
+  return box;
+}
+
+}  // namespace
+
+class CellErrorMeter::Measurement {
+ public:
+  explicit Measurement(const CellErrorConfig& config) : tolerance_(config.tolerance) {}
+  [[nodiscard]] double run(const CellErrorQuery& query);
+  [[nodiscard]] const CellErrorWork& work() const { return work_; }
+
+ private:
+  // A leaf of one of the surfaces that may be farther from the other one than the limit.
+  struct Candidate {
+    double upper = 0;  // bound of the distance
+    LevelSurface::Branch leaf;
+    SurfaceItem near;  // item of the other surface
+    bool backward = false;
+  };
+  struct Shape {
+    ConvexPiece piece;
+    std::uint32_t hint = 0;  // in the neighbourhood
+    std::uint32_t cuts = 0;  // nesting of its cuts
+  };
+  [[nodiscard]] const LevelSurface& source(bool backward) const { return backward ? query_->finest : query_->level; }
+  [[nodiscard]] const LevelSurface& target(bool backward) const { return backward ? query_->level : query_->finest; }
+  [[nodiscard]] double limit() const;
+  void settle(double upper);
+  [[nodiscard]] double distance(Vec3d p, bool backward, SurfaceItem& near);
+  void walk(const LevelSurface::Branch& branch, bool backward, SurfaceItem& hint);
+  void add_leaf(const LevelSurface::Branch& leaf, bool backward, SurfaceItem& hint);
+  [[nodiscard]] double farthest_of(const LevelSurface::Branch& leaf, bool backward, SurfaceItem from) const;
+  void refine(const Candidate& candidate);
+  void refine(std::vector<Shape>&& shapes, const Box3f& box, bool backward);
+  [[nodiscard]] bool is_small(const Shape& shape, bool backward);
+  void halve(const Shape& shape, bool backward);
+  [[nodiscard]] bool work_through(std::vector<Shape>& shapes, bool backward);
+  void divide(const Shape& shape, std::vector<Shape>& shapes);
+  [[nodiscard]] bool cut_off(const Shape& shape, const LevelSurface::Corners& near, double reach, double margin);
+
+  double tolerance_;
+  const CellErrorQuery* query_ = nullptr;
+  double lower_ = 0, settled_ = 0;  // largest distance found; largest bound of the pieces done
+  std::vector<Candidate> heap_;     // the largest bound first
+  Neighbourhood near_;
+  SurfaceItem hint_;  // found last, on the surface that pieces are measured from
+  std::vector<Shape> rest_;
+  CellErrorWork work_;
+};
+
+double CellErrorMeter::Measurement::limit() const {
+  return std::max({query_->known, query_->negligible, (1 + tolerance_) * lower_});
+}
+
+void CellErrorMeter::Measurement::settle(double upper) { settled_ = std::max(settled_, upper); }
+
+// Distance of a point of one surface from the other: a lower bound of the error.
+double CellErrorMeter::Measurement::distance(Vec3d p, bool backward, SurfaceItem& near) {
+  ++work_.queries;
+  const LevelSurface::Nearest nearest = target(backward).nearest(p, near);
+  near = nearest.item;
+  const double distance = std::sqrt(nearest.squared_distance);
+  lower_ = std::max(lower_, distance);
+  return distance;
+}
+
+// A branch within a ball is done as a whole; most are smaller than the error on coarse levels.
+void CellErrorMeter::Measurement::walk(const LevelSurface::Branch& branch, bool backward, SurfaceItem& hint) {
+  const Vec3d lo = to_double(branch.tree.box.lo), hi = to_double(branch.tree.box.hi);
+  const double radius = 0.5 * length(hi - lo);
+  if (radius <= limit()) {
+    ++work_.queries;
+    const double enough = limit() - radius;
+    const LevelSurface::Nearest nearest = target(backward).nearest(0.5 * (lo + hi), hint, enough * enough);
+    hint = nearest.item;
+    const double upper = std::sqrt(nearest.squared_distance) + radius;
+    if (upper <= limit()) return settle(upper);
+  }
+  if (branch.tree.is_leaf()) return add_leaf(branch, backward, hint);
+  for (const LevelSurface::Branch& half : source(backward).halves(branch)) walk(half, backward, hint);
+}
+
+// At most one query per leaf: the item nearest to one triangle is usually near the others.
+void CellErrorMeter::Measurement::add_leaf(const LevelSurface::Branch& leaf, bool backward, SurfaceItem& hint) {
+  double upper = hint.cell == no_cell ? HUGE_VAL : farthest_of(leaf, backward, hint);
+  if (upper > limit()) {
+    bool asked = false;
+    source(backward).for_each_triangle(leaf, [&](SurfaceItem item) {
+      if (!asked) (void)distance(piece_of(source(backward).corners(item)).centre(), backward, hint);
+      asked = true;
+    });
+    if (!asked) return;  // only points
+    upper = farthest_of(leaf, backward, hint);
+  }
+  if (upper <= limit()) return settle(upper);
+  heap_.push_back({upper, leaf, hint, backward});
+  std::push_heap(heap_.begin(), heap_.end(), by_bound);
+}
+
+// Largest distance of the leaf's triangles from one item of the other surface.
+double CellErrorMeter::Measurement::farthest_of(const LevelSurface::Branch& leaf, bool backward,
+                                                SurfaceItem from) const {
+  const LevelSurface::Corners near = target(backward).corners(from);
+  double upper = 0;
+  source(backward).for_each_triangle(leaf, [&](SurfaceItem item) {
+    upper = std::max(upper, farthest(piece_of(source(backward).corners(item)), near));
+  });
+  return upper;
+}
+
+// Refines the triangles of the leaf that are not done yet.
+void CellErrorMeter::Measurement::refine(const Candidate& candidate) {
+  const bool backward = candidate.backward;
+  const LevelSurface::Corners near = target(backward).corners(candidate.near);
+  std::vector<Shape> shapes;
+  hint_ = candidate.near;
+  source(backward).for_each_triangle(candidate.leaf, [&](SurfaceItem item) {
+    const ConvexPiece piece = piece_of(source(backward).corners(item));
+    const double upper = farthest(piece, near);
+    if (upper <= limit()) return settle(upper);
+    shapes.push_back({piece, 0, 0});
+  });
+  if (!shapes.empty()) refine(std::move(shapes), candidate.leaf.tree.box, backward);
+}
+
+// Refines pieces together if possible: they share most of their neighbourhood.
+void CellErrorMeter::Measurement::refine(std::vector<Shape>&& shapes, const Box3f& box, bool backward) {
+  const bool single = shapes.size() == 1;
+  if (single && is_small(shapes.front(), backward)) return;
+  const bool gathered = near_.gather(target(backward), box, limit(), single ? max_near_one : max_near_several);
+  if (gathered && work_through(shapes, backward)) return;
+  if (!gathered && single) return halve(shapes.front(), backward);
+  for (const Shape& shape : shapes) refine({{shape.piece, 0, shape.cuts}}, box_of(shape.piece), backward);
+}
+
+// True if the piece is done by its middle alone: usual on coarse levels, where many items are around a piece.
+bool CellErrorMeter::Measurement::is_small(const Shape& shape, bool backward) {
+  const Vec3d centre = shape.piece.centre();
+  const double radius = radius_of(shape.piece, centre), enough = limit() - radius;
+  if (!(enough > 0)) return false;
+  ++work_.queries;
+  const LevelSurface::Nearest nearest = target(backward).nearest(centre, hint_, enough * enough);
+  hint_ = nearest.item;
+  const double upper = std::sqrt(nearest.squared_distance) + radius;
+  if (upper > limit()) return false;
+  settle(upper);
+  return true;
+}
+
+void CellErrorMeter::Measurement::halve(const Shape& shape, bool backward) {
+  ++work_.pieces;
+  if (shape.cuts >= max_cuts) {
+    const Vec3d centre = shape.piece.centre();
+    SurfaceItem near;
+    return settle(distance(centre, backward, near) + radius_of(shape.piece, centre));
+  }
+  const CutPiece halves = halved(shape.piece);
+  for (const ConvexPiece& half : {halves.inside, halves.outside})
+    if (half.count > 0) refine({{half, 0, shape.cuts + 1}}, box_of(half), backward);
+}
+
+// False when a distance exceeds the reach of the neighbourhood: the remaining shapes need a larger one.
+bool CellErrorMeter::Measurement::work_through(std::vector<Shape>& shapes, bool backward) {
+  while (!shapes.empty()) {
+    const Shape shape = shapes.back();
+    if (shape.piece.count > max_piece_corners) {
+      shapes.pop_back();
+      for (std::uint32_t i = 2; i < shape.piece.count; ++i)
+        shapes.push_back({piece_of({shape.piece.corner[0], shape.piece.corner[i - 1], shape.piece.corner[i]}),
+                          shape.hint, shape.cuts});
+      continue;
+    }
+    ++work_.pieces;
+    const Vec3d centre = shape.piece.centre();
+    const Neighbourhood::Nearest nearest = near_.nearest(centre, shape.hint);
+    if (nearest.distance > near_.reach()) {
+      SurfaceItem item = near_.item(nearest.number);
+      (void)distance(centre, backward, item);
+      return false;
+    }
+    shapes.pop_back();
+    lower_ = std::max(lower_, nearest.distance);
+    double upper = nearest.distance + radius_of(shape.piece, centre);
+    if (upper > limit()) upper = std::min(upper, farthest(shape.piece, near_.corners(nearest.number)));
+    if (upper <= limit() || shape.cuts >= max_cuts) {
+      settle(upper);
+    } else {
+      divide({shape.piece, nearest.number, shape.cuts + 1}, shapes);
+    }
+  }
+  return true;
+}
+
+void CellErrorMeter::Measurement::divide(const Shape& shape, std::vector<Shape>& shapes) {
+  const double reach = limit();
+  const LevelSurface::Corners& t = near_.corners(shape.hint);
+  const Vec3d normal = cross(t[1] - t[0], t[2] - t[0]);
+  const double scale = length(normal);
+  double height = 0;
+  for (std::uint32_t i = 0; i < shape.piece.count; ++i)
+    height = std::max(height, std::abs(dot(normal, shape.piece.corner[i] - t[0])));
+  const bool low = scale > 0 && height <= cut_height * reach * scale;
+  const double beside = low ? std::sqrt(reach * reach - (height / scale) * (height / scale)) : 0;
+  for (const double share : margins)
+    if (low && cut_off(shape, t, reach, share * beside)) {
+      shapes.insert(shapes.end(), rest_.begin(), rest_.end());
+      return;
+    }
+  const CutPiece halves = halved(shape.piece);
+  for (const ConvexPiece& half : {halves.inside, halves.outside})
+    if (half.count > 0) shapes.push_back({half, shape.hint, shape.cuts});
+}
+
+// Cuts off the part of the piece above the triangle and up to `margin` beyond its sides. The rest goes to rest_. False
+// when that part is less than a share of the piece, or goes beyond `reach`.
+bool CellErrorMeter::Measurement::cut_off(const Shape& shape, const LevelSurface::Corners& near, double reach,
+                                          double margin) {
+  const Vec3d normal = cross(near[1] - near[0], near[2] - near[0]);
+  rest_.clear();
+  ConvexPiece inside = shape.piece;
+  for (std::size_t k = 0; k < 3 && inside.count > 0; ++k) {
+    const Vec3d inwards = cross(normal, near[(k + 1) % 3] - near[k]);
+    const CutPiece parts = cut(inside, {inwards, near[k], -margin * length(inwards)});
+    if (parts.outside.count > 0) rest_.push_back({parts.outside, shape.hint, shape.cuts});
+    inside = parts.inside;
+  }
+  if (inside.count == 0 || inside.area() < min_cut * shape.piece.area()) return false;
+  const double upper = farthest(inside, near);
+  if (upper > reach) return false;
+  settle(upper);
+  return true;
+}
+
+double CellErrorMeter::Measurement::run(const CellErrorQuery& query) {
+  query_ = &query;
+  lower_ = settled_ = 0;
+  heap_.clear();
+  SurfaceItem hint;
+  walk(query.level.cell_branch(query.cell), false, hint);
+  hint = {};
+  for (CellRank c = query.first; c < query.end; ++c) walk(query.finest.cell_branch(c), true, hint);
+  while (!heap_.empty() && heap_.front().upper > limit()) {
+    std::pop_heap(heap_.begin(), heap_.end(), by_bound);
+    const Candidate top = heap_.back();
+    heap_.pop_back();
+    refine(top);
+  }
+  if (!heap_.empty()) settle(heap_.front().upper);
+  return std::max(query.known, settled_);
+}
+
+CellErrorMeter::CellErrorMeter(const CellErrorConfig& config) : measurement_(std::make_unique<Measurement>(config)) {}
+CellErrorMeter::~CellErrorMeter() = default;
+CellErrorMeter::CellErrorMeter(CellErrorMeter&&) noexcept = default;
+double CellErrorMeter::measure(const CellErrorQuery& query) { return measurement_->run(query); }
+const CellErrorWork& CellErrorMeter::work() const { return measurement_->work(); }
+
+}  // namespace lodestone

@@ -1,0 +1,57 @@
+// Distance of a cell from the finest mesh, both ways: a proven bound, at most a given share too large.
+//
+// The error of cell C of level l is the larger of
+//   forward   the largest distance of a point of M_l(C) from M_L
+//   backward  the largest distance of a point of M_L below C from M_l
+// over *all* points of the triangles, where M_l includes the vertices that none of its triangles uses any more: the
+// remains of a part of the surface that has collapsed altogether. Both are bounded as follows (after the branch and
+// bound of guthe2005, with another bound): the distance from one triangle of the other surface is a convex function, so
+// on a piece with straight sides it is largest at a corner. A piece that lies within the limit of one triangle is done;
+// of any other piece the part above the triangle nearest to its middle is cut off, and the rest is examined again. The
+// largest distance of a middle so far is a lower bound, and the limit is that plus the tolerance.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/hierarchy/construct/level_surface.h"
+
+namespace lodestone {
+
+struct CellErrorConfig {
+  // The bound may be larger than the largest distance by this share. Above 0; smaller takes longer.
+  double tolerance = 0.05;
+};
+
+struct CellErrorWork {
+  std::uint64_t queries = 0, pieces = 0;
+};
+
+// `cell` of level l, with its surface, against the finest level, of which the cells [first, end) lie below it.
+struct CellErrorQuery {
+  const LevelSurface& level;
+  CellRank cell;
+  const LevelSurface& finest;
+  CellRank first, end;
+  double known = 0;       // a lower bound of the result
+  double negligible = 0;  // distances below this need not be told apart
+};
+
+// Belongs to one worker: keeps its memory from cell to cell.
+class CellErrorMeter {
+ public:
+  explicit CellErrorMeter(const CellErrorConfig& config = {});
+  ~CellErrorMeter();
+  CellErrorMeter(CellErrorMeter&&) noexcept;
+
+  // Returns the larger of `known` and a bound of the error, which is at most the larger of 1 + tolerance times the
+  // error and `negligible`.
+  [[nodiscard]] double measure(const CellErrorQuery& query);
+  [[nodiscard]] const CellErrorWork& work() const;
+
+ private:
+  class Measurement;
+  std::unique_ptr<Measurement> measurement_;
+};
+
+}  // namespace lodestone

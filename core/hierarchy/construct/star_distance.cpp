@@ -1,0 +1,86 @@
+#include "core/hierarchy/construct/star_distance.h"
+
+#include <algorithm>
+
+#include "core/spatial/point_triangle.h"
+
+namespace lodestone {
+
+void StarDistance::reset(std::span<const Triangle> triangles, std::span<const Vec3f> positions) {
+  triangles_ = triangles;
+  positions_ = positions;
+  // A counting sort; first_ has the ends while the triangles are placed, last one first.
+  first_.assign(positions.size() + 1, 0);
+  for (const Triangle& t : triangles)
+    if (!is_degenerate(t))
+      for (const std::uint32_t v : t.v) ++first_[v];
+  std::uint32_t sum = 0;
+  for (std::uint32_t& first : first_) first = sum += first;
+  incident_.resize(sum);
+  for (std::size_t t = triangles.size(); t-- > 0;)
+    if (!is_degenerate(triangles[t]))
+      for (const std::uint32_t v : triangles[t].v) incident_[--first_[v]] = static_cast<std::uint32_t>(t);
+}
+
+void StarDistance::search_star(double known, const Vec3d& p, VertexId vertex, Nearest& nearest) const {
+  for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1] && nearest.squared > known; ++i) {
+    const auto& v = triangles_[incident_[i]].v;
+    const double squared =
+        nearest_on_triangle(p, to_double(positions_[v[0]]), to_double(positions_[v[1]]), to_double(positions_[v[2]]))
+            .squared_distance;
+    if (squared < nearest.squared) nearest = {squared, TriangleId(incident_[i])};
+  }
+}
+
+// Searches the stars of all vertices around a triangle: a step over a notch in the border of the block, where the
+// search along nearer and nearer triangles would end too early.
+void StarDistance::search_around(double known, const Vec3d& p, TriangleId triangle, Nearest& nearest) const {
+  for (const std::uint32_t v : triangles_[triangle].v)
+    for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i)
+      for (const std::uint32_t u : triangles_[incident_[i]].v) search_star(known, p, VertexId(u), nearest);
+}
+
+// True if the foot of p on a triangle around `vertex` lies inside that triangle and within `known`: in single precision
+// and without a division, since it is true for most vertices.
+bool StarDistance::is_near(float known, Vec3f p, VertexId vertex) const {
+  const Vec3f centre = positions_[vertex], o = p - centre;
+  for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {
+    const auto& v = triangles_[incident_[i]].v;
+    const std::size_t k = v[0] == vertex ? 0 : v[1] == vertex ? 1 : 2;
+    const Vec3f a = positions_[v[k == 2 ? 0 : k + 1]] - centre, b = positions_[v[k == 0 ? 2 : k - 1]] - centre;
+    const Vec3f n = cross(a, b);
+    const float nn = dot(n, n), h = dot(n, o);
+    if (!(nn > 0 && h * h <= known * nn)) continue;
+    const float wa = dot(cross(o, b), n), wb = dot(cross(a, o), n);
+    if (wa >= 0 && wb >= 0 && wa + wb <= nn) return true;
+  }
+  return false;
+}
+
+double StarDistance::farther(double known, Vec3f p, VertexId vertex) const {
+  if (is_near(static_cast<float>(known), p, vertex)) return known;
+  const Vec3d point = to_double(p);
+  Nearest nearest{squared_length(point - to_double(positions_[vertex]))};
+  if (first_[vertex] < first_[vertex + 1]) nearest.triangle = TriangleId(incident_[first_[vertex]]);
+  search_star(known, point, vertex, nearest);
+  // Every step is strictly nearer, so this ends.
+  for (bool wide = false; nearest.squared > known && nearest.triangle != none;) {
+    const double before = nearest.squared;
+    if (wide) {
+      search_around(known, point, nearest.triangle, nearest);
+    } else {
+      for (const std::uint32_t v : Triangle(triangles_[nearest.triangle]).v)
+        search_star(known, point, VertexId(v), nearest);
+    }
+    if (nearest.squared < before) {
+      wide = false;
+    } else if (wide) {
+      break;
+    } else {
+      wide = true;
+    }
+  }
+  return std::max(known, nearest.squared);
+}
+
+}  // namespace lodestone

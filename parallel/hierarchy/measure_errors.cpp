@@ -1,0 +1,140 @@
+#include "parallel/hierarchy/measure_errors.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+namespace lodestone {
+namespace {
+
+constexpr double negligible_ratio = 1e-5;  // of the cell size: no error below it makes a difference
+constexpr std::size_t tree_grain = 4;      // cells
+
+constexpr double rounding = 1e-15;  // of distances in the unit cube, in double precision
+
+// Rounded up.
+float up(double v) { return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity()); }
+
+// Cells of the finest level.
+struct CellRange {
+  CellRank first, end;
+};
+
+class ErrorMeasurement {
+ public:
+  ErrorMeasurement(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler)
+      : hierarchy_(hierarchy),
+        config_(config),
+        scheduler_(scheduler),
+        below_(hierarchy.cells.size()),
+        errors_(hierarchy.cells.size()) {
+    for (int w = 0; w < scheduler.workers(); ++w) meters_.emplace_back(config.cells);
+  }
+
+  void run() {
+    find_descendants();
+    scheduler_.name_work("index the finest level");
+    const LevelSurface finest = surface_of(hierarchy_.finest());
+    for (int level = hierarchy_.finest() - 1; level >= 0; --level) {
+      scheduler_.name_work("measure level " + std::to_string(level));
+      measure_level(level, finest);
+    }
+    store();
+  }
+
+  [[nodiscard]] CellErrorWork work() const {
+    CellErrorWork sum;
+    for (const CellErrorMeter& meter : meters_) {
+      sum.queries += meter.work().queries;
+      sum.pieces += meter.work().pieces;
+    }
+    return sum;
+  }
+
+ private:
+  void check_cancelled() const {
+    if (config_.cancel && *config_.cancel) throw Cancelled{};
+  }
+
+  // The cells of the finest level below each cell: children are consecutive, level by level.
+  void find_descendants() {
+    const Level& finest = hierarchy_.levels.back();
+    for (auto c = static_cast<std::uint32_t>(hierarchy_.cells.size()); c-- > 0;) {
+      const Cell& cell = hierarchy_.cells[c];
+      const CellRank rank = finest.rank_of(CellId(c));  // if it is one of the finest
+      below_[c] = c >= finest.first_cell ? CellRange{rank, CellRank(rank + 1)}
+                                         : CellRange{below_[cell.first_child].first, below_[cell.end_child() - 1].end};
+    }
+  }
+
+  [[nodiscard]] LevelSurface surface_of(int level) {
+    LevelSurface surface(hierarchy_, level);
+    scheduler_.for_chunks(surface.cell_count(), tree_grain, [&](ChunkRange range) {
+      check_cancelled();
+      for (CellRank c(range.begin); c < range.end; ++c) surface.build_cell(c);
+    });
+    surface.build_rest();
+    return surface;
+  }
+
+  void measure_level(int level, const LevelSurface& finest) {
+    const LevelSurface surface = surface_of(level);
+    scheduler_.for_chunks(surface.cell_count(), 1, [&](ChunkRange range) {
+      check_cancelled();
+      const CellRank rank(range.begin);
+      const CellId id = hierarchy_.levels[static_cast<std::size_t>(level)].id_of(rank);
+      const Cell& cell = hierarchy_.cells[id];
+      double known = 0;
+      for (CellId k = cell.first_child; k < cell.end_child(); ++k) known = std::max(known, errors_[k]);
+      const CellRange below = below_[id];
+      errors_[id] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(
+          {surface, rank, finest, below.first, below.end, known, negligible_ratio * cell_size(level)});
+      report_progress();
+    });
+  }
+
+  void store() {
+    const float moved = hierarchy_.cells.back().error;
+    for (std::size_t l = 0; l + 1 < hierarchy_.levels.size(); ++l) {
+      Level& level = hierarchy_.levels[l];
+      float largest = 0;
+      for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
+        hierarchy_.cells[c].error = up(moved + errors_[c] * (1 + 1e-9) + rounding);
+        largest = std::max(largest, hierarchy_.cells[c].error);
+      }
+      level.error = up(double{largest} / cell_size(static_cast<int>(l)));
+    }
+    hierarchy_.provenance.measured_errors = true;
+  }
+
+  // Most of the work is done on the finest of the coarse levels, which has most of the cells.
+  void report_progress() {
+    if (!config_.progress) return;
+    const std::uint64_t done = ++done_;
+    const std::unique_lock lock(progress_, std::try_to_lock);
+    const std::uint64_t all = hierarchy_.cells.size() - hierarchy_.levels.back().cell_count;
+    if (lock) config_.progress(static_cast<double>(done) / static_cast<double>(all));
+  }
+
+  Hierarchy& hierarchy_;
+  const MeasureConfig& config_;
+  Scheduler& scheduler_;
+  std::vector<CellErrorMeter> meters_;  // by worker
+  std::vector<CellRange> below_;        // by cell, as in Hierarchy::cells
+  std::vector<double> errors_;          // likewise, without what the finest level has
+  std::atomic<std::uint64_t> done_{0};
+  std::mutex progress_;
+};
+
+}  // namespace
+
+CellErrorWork measure_errors(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler) {
+  ErrorMeasurement measurement(hierarchy, config, scheduler);
+  measurement.run();
+  return measurement.work();
+}
+
+}  // namespace lodestone

@@ -1,0 +1,29 @@
+// The errors of a finished hierarchy, measured instead of estimated: bounds with a proof, both ways.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "core/hierarchy/construct/cell_error.h"
+#include "core/hierarchy/model/hierarchy.h"
+#include "parallel/scheduler/scheduler.h"
+
+namespace lodestone {
+
+struct MeasureConfig {
+  CellErrorConfig cells;
+  const CancelFlag* cancel = nullptr;
+  // Called now and then, from any thread but one at a time, with the share done in [0, 1].
+  std::function<void(double)> progress;
+};
+
+// Replaces the errors of all cells and levels except for the finest one's: that is the distance by which the input was
+// moved, and is added to all others. A cell's error becomes the largest of its children's and of its own bound, which
+// is at most 1 + tolerance times its distance (see core/hierarchy/construct/cell_error.h) or 1e-5 h, whichever is
+// larger. The same for any number of workers.
+//
+// Memory, with the hierarchy: search structures of the finest and of one more level, about 30 bytes per triangle of
+// the finest level, and little for each worker. Throws Cancelled.
+CellErrorWork measure_errors(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler);
+
+}  // namespace lodestone

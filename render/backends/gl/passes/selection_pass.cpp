@@ -1,0 +1,224 @@
+#include "render/backends/gl/passes/selection_pass.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "render/backends/gl/device/device.h"
+#include "render/backends/gl/device/program.h"
+#include "render/lod/thresholds.h"
+
+namespace lodestone {
+namespace {
+
+constexpr GLuint nodes_block = 0, decisions_block = 1, limits_block = 2, view_block = 0;
+constexpr unsigned group_size = 64;
+constexpr std::uint32_t level_shift = 28;
+constexpr std::uint32_t drawn_bit = 1, morphs_bit = 2;
+
+// std140. By level: threshold of r_l, threshold of a_l, margin of culling; finest: 1 where every cell is drawn.
+struct ViewUniforms {
+  std::array<std::array<float, 4>, 6> frustum{};
+  std::array<std::array<float, 4>, max_level + 1> levels{};
+  std::array<float, 3> viewpoint{};
+  std::uint32_t finest = 0;
+  std::uint32_t node_count = 0, limit_count = 0, unused[2] = {};
+};
+
+// std430: a box, and by level the thresholds of the remainder of its radius, for r_l and for a_l.
+struct LimitUniforms {
+  std::array<float, 4> lo{}, hi{};
+  std::array<std::array<float, 2>, max_level + 1> thresholds{};
+};
+
+// selection.cpp, limits.cpp and distance_metric.h, operation by operation. `squared` is the radicand.
+constexpr const char* source = R"(
+layout(local_size_x = 64) in;
+struct Node { float lo_x, lo_y, lo_z, hi_x, hi_y, hi_z; uint parent, cell_and_level; };
+struct Limit { vec4 lo, hi; vec2 thresholds[LEVELS]; };
+layout(std430, binding = 0) readonly restrict buffer Nodes { Node nodes[]; };
+layout(std430, binding = 1) writeonly restrict buffer Decisions { uint decisions[]; };
+layout(std430, binding = 2) readonly restrict buffer Limits { Limit limits[]; };
+layout(std140, binding = 0) uniform View {
+  vec4 frustum[6];
+  vec4 levels[LEVELS];
+  vec3 viewpoint;
+  uint finest;
+  uint node_count, limit_count;
+} view;
+
+struct Box { vec3 lo, hi; };
+Box box_of(uint i) {
+  Node n = nodes[i];
+  return Box(vec3(n.lo_x, n.lo_y, n.lo_z), vec3(n.hi_x, n.hi_y, n.hi_z));
+}
+
+float squared(vec3 a) {
+#ifdef CHEBYSHEV
+  return max(max(a.x, a.y), a.z);
+#else
+  precise float sum = (a.x * a.x + a.y * a.y) + a.z * a.z;
+  return sum;
+#endif
+}
+
+// Distances along each axis: of the box from the viewpoint, and of two boxes.
+float nearest(Box box) {
+  precise vec3 outside = max(max(box.lo - view.viewpoint, view.viewpoint - box.hi), vec3(0.0));
+  return squared(outside);
+}
+float farthest(Box box) {
+  precise vec3 far = max(abs(view.viewpoint - box.lo), abs(box.hi - view.viewpoint));
+  return squared(far);
+}
+float farthest_from(Box box, Limit limit) {
+  precise vec3 far = max(max(limit.lo.xyz - box.lo, box.hi - limit.hi.xyz), vec3(0.0));
+  return squared(far);
+}
+float nearest_to(Box box, Limit limit) {
+  precise vec3 apart = max(max(limit.lo.xyz - box.hi, box.lo - limit.hi.xyz), vec3(0.0));
+  return squared(apart);
+}
+
+bool coarse_enough(Box box, uint level) {
+  if (nearest(box) >= view.levels[level].x) return true;
+  for (uint i = 0u; i < view.limit_count; ++i)
+    if (!(farthest_from(box, limits[i]) >= limits[i].thresholds[level].x)) return true;
+  return false;
+}
+
+bool moves(Box box, uint level) {
+  if (farthest(box) >= view.levels[level].y) return true;
+  for (uint i = 0u; i < view.limit_count; ++i)
+    if (!(nearest_to(box, limits[i]) >= limits[i].thresholds[level].y)) return true;
+  return false;
+}
+
+bool outside(Box box, float margin) {
+  precise vec3 lo = box.lo - margin;
+  precise vec3 hi = box.hi + margin;
+  for (int k = 0; k < 6; ++k) {
+    vec4 plane = view.frustum[k];
+    vec3 corner = mix(lo, hi, greaterThanEqual(plane.xyz, vec3(0.0)));
+    precise float side = ((plane.x * corner.x + plane.y * corner.y) + plane.z * corner.z) + plane.w;
+    if (side < 0.0) return true;
+  }
+  return false;
+}
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= view.node_count) return;
+  Box box = box_of(i);
+  uint level = nodes[i].cell_and_level >> 28;
+  bool drawn = level == view.finest || coarse_enough(box, level);
+  bool seen = !outside(box, view.levels[level].z);
+  uint above = i, level_above = level;
+  while (drawn && seen && level_above > 0u) {
+    above = nodes[above].parent;
+    level_above -= 1u;
+    Box around = box_of(above);
+    drawn = !coarse_enough(around, level_above);
+    seen = !outside(around, view.levels[level_above].z);
+  }
+  decisions[i] = drawn && seen ? (moves(box, level) ? 3u : 1u) : 0u;
+}
+)";
+
+ViewUniforms view_uniforms(const ModelFrame& model, std::size_t nodes) {
+  const Hierarchy& hierarchy = *model.morph.hierarchy;
+  const Radii& radii = *model.morph.radii;
+  ViewUniforms u;
+  const Frustum frustum = frustum_of(model.view_projection);
+  for (std::size_t k = 0; k < 6; ++k) u.frustum[k] = {frustum[k].n.x, frustum[k].n.y, frustum[k].n.z, frustum[k].d};
+  for (std::size_t l = 0; l < radii.select.size(); ++l)
+    u.levels[l] = {reaching(radii.metric, radii.select[l]), reaching(radii.metric, radii.band_begin[l]),
+                   displacement_bound(hierarchy.sigma0, static_cast<int>(l)), 0};
+  u.viewpoint = {model.morph.viewpoint.x, model.morph.viewpoint.y, model.morph.viewpoint.z};
+  u.finest = static_cast<std::uint32_t>(hierarchy.finest());
+  u.node_count = static_cast<std::uint32_t>(nodes);
+  u.limit_count = static_cast<std::uint32_t>(model.morph.limits.size());
+  return u;
+}
+
+std::vector<LimitUniforms> limit_uniforms(const MorphContext& morph) {
+  const Radii& radii = *morph.radii;
+  std::vector<LimitUniforms> all;
+  for (const DetailLimit& limit : morph.limits) {
+    LimitUniforms u;
+    u.lo = {limit.box.lo.x, limit.box.lo.y, limit.box.lo.z, 0};
+    u.hi = {limit.box.hi.x, limit.box.hi.y, limit.box.hi.z, 0};
+    for (std::size_t l = 0; l < radii.select.size(); ++l)
+      u.thresholds[l] = {falling_below(radii.metric, limit.radius, radii.select[l]),
+                         falling_below(radii.metric, limit.radius, radii.band_begin[l])};
+    all.push_back(u);
+  }
+  return all;
+}
+
+}  // namespace
+
+GlSelector::GlSelector(std::span<const Hierarchy* const> models) {
+  for (const Hierarchy* hierarchy : models) {
+    Model model;
+    std::vector<Node> nodes;
+    struct Open {
+      CellId cell;
+      std::uint32_t parent;  // node
+      std::uint8_t level;
+    };
+    std::vector<Open> open;
+    if (!hierarchy->cells.empty()) open.push_back({CellId(0), 0, 0});
+    while (!open.empty()) {
+      const auto [id, parent, level] = open.back();
+      open.pop_back();
+      const Cell& cell = hierarchy->cells[id];
+      const auto own = static_cast<std::uint32_t>(nodes.size());
+      nodes.push_back({cell.bounds, parent, id | std::uint32_t{level} << level_shift});
+      model.cells.push_back(id);
+      model.levels.push_back(level);
+      for (std::uint32_t k = cell.child_count; k-- > 0;)
+        open.push_back({CellId(cell.first_child + k), own, static_cast<std::uint8_t>(level + 1)});
+    }
+    const auto bytes = [](std::size_t size) { return static_cast<GLsizeiptr>(std::max<std::size_t>(size, 4)); };
+    glNamedBufferStorage(model.nodes.name(), bytes(nodes.size() * sizeof(Node)), nodes.empty() ? nullptr : nodes.data(),
+                         0);
+    glNamedBufferStorage(model.decisions.name(), bytes(nodes.size() * 4), nullptr, 0);
+    check_memory("uploading the table of cells");
+    models_.push_back(std::move(model));
+  }
+}
+
+const GlProgram& GlSelector::program(DistanceMetric metric) {
+  std::optional<GlProgram>& program = programs_[static_cast<std::size_t>(metric)];
+  if (!program) {
+    std::string text = "#define LEVELS " + std::to_string(max_level + 1) + "\n";
+    if (metric == DistanceMetric::chebyshev) text += "#define CHEBYSHEV\n";
+    const GlStage stage{GL_COMPUTE_SHADER, text + source};
+    program = link_program(std::span(&stage, 1));
+  }
+  return *program;
+}
+
+void GlSelector::select(const ModelFrame& model, GlStream& stream, Selection& out) {
+  const Model& own = models_[model.model];
+  out.cells.clear();
+  out.visited = 0;
+  if (own.cells.empty()) return;
+  const ViewUniforms view = view_uniforms(model, own.cells.size());
+  const std::vector<LimitUniforms> limits = limit_uniforms(model.morph);
+  glUseProgram(program(model.morph.radii->metric).name());
+  stream.write(std::span(&view, 1)).bind(GL_UNIFORM_BUFFER, view_block);
+  stream.write(std::span<const LimitUniforms>(limits)).bind(GL_SHADER_STORAGE_BUFFER, limits_block);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, nodes_block, own.nodes.name());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, decisions_block, own.decisions.name());
+  glDispatchCompute(static_cast<GLuint>((own.cells.size() + group_size - 1) / group_size), 1, 1);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  decisions_.resize(own.cells.size());
+  glGetNamedBufferSubData(own.decisions.name(), 0, static_cast<GLsizeiptr>(decisions_.size() * 4), decisions_.data());
+  for (std::size_t n = 0; n < decisions_.size(); ++n)
+    if (decisions_[n] & drawn_bit)
+      out.cells.push_back({own.cells[n], own.levels[n], true, (decisions_[n] & morphs_bit) != 0});
+}
+
+}  // namespace lodestone
