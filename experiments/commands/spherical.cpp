@@ -77,7 +77,8 @@ void print(const SphericalResult& result, const Row& row, const SphericalOptions
 
 void run(const SphericalOptions& options, const CommonOptions& common) {
   SphericalJob job = job_of(options);
-  check_files(common, {{"IN", options.input}}, {{"--output", options.output, ".glb"}});
+  const bool lpm = options.output.ends_with(".lpm");
+  check_files(common, {{"IN", options.input}}, {{"--output", options.output, lpm ? ".lpm" : ".glb"}});
   Progress progress("reading", common.quiet);
   job.config.on_phase = [&](const std::string& phase) { progress.phase(phase); };
   const SphericalResult result = run(job, *make_scheduler(common));
@@ -90,7 +91,7 @@ void run(const SphericalOptions& options, const CommonOptions& common) {
 OptionTable declare(SphericalOptions& o) {
   return with_input_options(
       {OptionSpec{"IN", &o.input, std::string("Mesh: ") + mesh_formats}.must(),
-       OptionSpec{"-o,--output", &o.output, ".glb, which every viewer shows and `lodestone page` draws at any level"}
+       OptionSpec{"-o,--output", &o.output, ".glb (every viewer shows it) or .lpm (small); `lodestone page` draws both"}
            .must(),
        OptionSpec{"--effort", &o.effort, "How long the map to the sphere is improved"}.one_of(
            {"fast", "normal", "best"}),
@@ -101,7 +102,7 @@ OptionTable declare(SphericalOptions& o) {
        OptionSpec{"--images", &o.images, "Format of the images"}.one_of({"webp", "jpeg", "png"}),
        OptionSpec{"--quality", &o.quality, "Of webp and jpeg; webp of 100 is without loss"}.between(1, 100),
        {"--no-normals", &o.no_normals, "Leave out the images of normals"},
-       {"--compress", &o.compress, "Geometry by EXT_meshopt_compression, without loss"}},
+       {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"}},
       o.reading);
 }
 
@@ -111,7 +112,7 @@ void add_spherical(CLI::App& app) {
   define_command(app,
                  {"spherical", "Map a scan to the sphere: seamless textures, levels that change freely",
                   "  lodestone spherical statue.obj -o statue.glb\n"
-                  "  lodestone spherical scan.ply -o scan.glb --effort best --texture 2048 --quality 80\n"},
+                  "  lodestone spherical scan.ply -o scan.lpm --effort best --texture 2048 --quality 80\n"},
                  declare, run);
 }
 

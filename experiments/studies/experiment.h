@@ -51,6 +51,7 @@ struct Experiment {
 [[nodiscard]] Experiment flight_experiment();
 [[nodiscard]] Experiment probe_experiment();
 [[nodiscard]] Experiment progressive_experiment();
+[[nodiscard]] Experiment spherical_experiment();
 [[nodiscard]] Experiment raster_experiment();
 [[nodiscard]] Experiment reconstruct_experiment();
 [[nodiscard]] Experiment scaling_experiment();

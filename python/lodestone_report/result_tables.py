@@ -104,6 +104,25 @@ PAGES = [
               "`attribute-quadric` and `parametric` keep texture coordinates in place, which RMS does not see."),
     ], "`bytes / vertex` are those of the `.lpm` of the whole ladder; `base` is what is left when nothing can collapse. Edges of "
        "more than two triangles are cut apart, and every flap keeps triangles of its own, which a base of the dragon shows."),
+    Page("spherical", [
+        Table("Models", ("models",),
+              [DATA, ("input", "input_triangles"), ("components", "components"), ("handles", "handles"), ("holes", "holes"),
+               ("efficiency", "efficiency"), ("flips", "flips"), ("slivers", "slivers"), ("colours, dB", "colour_psnr"),
+               ("normals, dB", "normal_psnr"), ("cut's exposure", "cut_exposure"), ("residual edges", "residual_edges")]),
+        Table("Where the seconds and bytes go", ("models",),
+              [DATA, ("close, CPU s", "closing_cpu_seconds"), ("map", "map_cpu_seconds"),
+               ("ktri per core-second", "map_ktri_per_core_second"), ("images", "resample_cpu_seconds"),
+               ("encode", "encode_cpu_seconds"), ("collapse", "collapse_cpu_seconds"), CPU,
+               ("colours, kB", "colour_bytes", 1e3), ("normals, kB", "normal_bytes", 1e3),
+               ("geometry, kB", "geometry_bytes", 1e3)]),
+        Table("Effort of the map", ("effort",),
+              [DATA, ("effort", "effort"), ("efficiency", "efficiency"), ("slivers", "slivers"), ("map, CPU s", "map_cpu_seconds"),
+               ("ktri per core-second", "map_ktri_per_core_second")]),
+        Table("Size and quality of the images", ("images",),
+              [DATA, ("pixels a side", "texture"), ("quality", "quality"), ("colours, kB", "colour_bytes", 1e3),
+               ("colours, dB", "colour_psnr"), ("normals, kB", "normal_bytes", 1e3), ("normals, dB", "normal_psnr"), CPU]),
+    ], "Efficiency is 1 for a map without stretch, by the split measure, with a guard of the weight that `lodestone spherical --json` "
+       "prints. 100 dB: no difference. Geometry is that of the `.lpm`."),
     Page("reconstruction", [
         Table("Models", ("models",),
               [DATA, ("pixels", "resolution"), ("views", "view_count"), ("inside", "inside_views"), TRIANGLES,

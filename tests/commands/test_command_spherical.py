@@ -16,6 +16,12 @@ class Spherical(CommandCase):
         self.assertEqual((fewer["pixels"], fewer["normal_bytes"]), (128 * 128, 0))
         self.assertNotIn("normal_psnr", fewer)
 
+    def test_small_files(self):
+        glb = self.results("spherical", sphere(), "-o", "out.glb", "--texture", 64, "--compress")
+        lpm = self.results("spherical", sphere(), "-o", "out.lpm", "--texture", 64)
+        self.assertLess(lpm["geometry_bytes"], glb["geometry_bytes"] / 2)
+        self.assertEqual(lpm["file_bytes"], (self.folder / "out.lpm").stat().st_size)
+
     def test_quality_costs_bytes(self):
         bytes_of = [self.results("spherical", sphere(), "-o", "out.glb", "--texture", 128, "--quality", q)["normal_bytes"]
                     for q in (10, 90, 100)]
@@ -41,7 +47,7 @@ class Spherical(CommandCase):
         self.assertEqual(files[0], files[2])
 
     def test_refusals(self):
-        self.refused("spherical", sphere(), "-o", "out.lpm", names=["out.lpm", ".glb"])
+        self.refused("spherical", sphere(), "-o", "out.ply", names=["out.ply", ".glb"])
         self.refused("spherical", sphere(), "-o", "out.glb", "--texture", 100, names=["100 pixels", "power of two"])
         self.refused("spherical", sphere(), "-o", "out.glb", "--effort", "wild", names=["--effort", "best"])
 

@@ -103,22 +103,24 @@ TEST(ProgressiveGlb, ComesBackBitForBit) {
     }
 }
 
-TEST(ProgressiveGlb, KeepsNormalsInObjectSpace) {
+TEST(ProgressiveFiles, KeepNormalsInObjectSpace) {
   ProgressiveMesh mesh = some_meshes().front();
   mesh.wedges.uv.assign(mesh.positions.size(), {});
-  mesh.wedges.material.clear();
   const PixelImage pixel{.size = {1, 1}, .channels = 3, .pixels = {1, 2, 3}};
   const std::vector<char> bytes = encode_image(pixel, "image/png");
   mesh.wedges.materials = {{.name = "skin", .texture = 0}};
   mesh.wedges.textures = {{.name = "colour", .media_type = "image/png", .bytes = bytes},
                           {.name = "normals", .media_type = "image/png", .bytes = bytes}};
   mesh.object_normals = {1};
-  const std::vector<std::byte> file = encode_progressive_glb(mesh, false);
-  ByteReader input = reader_of(file);
-  const ProgressiveMesh back = read_progressive_glb(input);
-  EXPECT_EQ(back.object_normals, mesh.object_normals);
-  EXPECT_EQ(back.wedges.materials, mesh.wedges.materials);
-  EXPECT_EQ(back.wedges.textures, mesh.wedges.textures);
+  const auto check = [&](ByteReader input) {
+    const ProgressiveMesh back = read_progressive(input);
+    EXPECT_EQ(back.object_normals, mesh.object_normals);
+    EXPECT_EQ(back.wedges.materials, mesh.wedges.materials);
+    EXPECT_EQ(back.wedges.textures, mesh.wedges.textures);
+  };
+  const std::vector<std::byte> glb = encode_progressive_glb(mesh, false), lpm = encode_lpm(mesh, {}).bytes;
+  check(reader_of(glb));
+  check(reader_of(lpm));
 }
 
 TEST(ProgressiveGlb, RefusesGltfWithoutParents) {

@@ -143,6 +143,7 @@ class LpmDecoder {
     out.wedges.colour = std::move(values_.colours);
     out.wedges.material = std::move(values_.materials);
     out.wedges.materials = std::move(header_.materials);
+    out.object_normals = std::move(header_.object_normals);
     out.wedges.textures = std::move(header_.textures);
     out.triangles = mesh_.triangles();
     for (const std::uint32_t m : out.wedges.material)

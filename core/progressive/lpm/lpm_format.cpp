@@ -44,6 +44,8 @@ json to_json(const LpmHeader& h) {
                          {"colour", m.base_colour},
                          {"texture", texture_index(m.texture)},
                          {"normalMap", texture_index(m.normal_map)}});
+  for (std::size_t m = 0; m < h.object_normals.size(); ++m)
+    materials[m]["objectNormals"] = texture_index(h.object_normals[m]);
   for (const Texture& t : h.textures)
     textures.push_back(
         {{"name", t.name},
@@ -98,8 +100,13 @@ LpmHeader read_header(const JsonView& json) {
     for (std::size_t i = 0; i < 4; ++i) material.base_colour[i] = static_cast<float>(colour[i]);
     material.texture = read_index(m, "texture", h.textures.size());
     material.normal_map = read_index(m, "normalMap", h.textures.size());
+    if (m.find("objectNormals")) {
+      h.object_normals.resize(k + 1, no_texture);
+      h.object_normals[k] = read_index(m, "objectNormals", h.textures.size());
+    }
     h.materials.push_back(std::move(material));
   }
+  if (!h.object_normals.empty()) h.object_normals.resize(h.materials.size(), no_texture);
   return h;
 }
 

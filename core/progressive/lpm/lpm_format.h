@@ -23,6 +23,7 @@ struct LpmHeader {
   std::array<double, 2> uv_low{}, uv_step{};
   Transform transform;
   std::vector<Material> materials;
+  std::vector<std::uint32_t> object_normals;  // as in ProgressiveMesh
   std::vector<Texture> textures;  // without their bytes
 };
 

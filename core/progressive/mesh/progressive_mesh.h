@@ -27,7 +27,7 @@ struct ProgressiveMesh {
   Transform transform;
   WedgeAttributes wedges{};  // by vertex; `vertex` is empty
   // By material: the texture of its normals in object space, which are right at every level, each coordinate from -1 to
-  // 1 as a byte; or no_texture. Empty if none has one. Only .glb files keep them.
+  // 1 as a byte; or no_texture. Empty if none has one.
   std::vector<std::uint32_t> object_normals{};
 
   [[nodiscard]] std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
