@@ -19,8 +19,8 @@ class HashPartition {
  public:
   static constexpr std::size_t grain = std::size_t{1} << 16;  // of the ranges that are visited
 
-  // visit(range, found) calls found(i, hash) for the items of the range that take part, in ascending order. It is
-  // called twice for each range.
+  // visit(range, take) calls take(i, hash) for the items of the range that take part, in ascending order. It is called
+  // twice for each range.
   template <class Visit>
   HashPartition(std::size_t count, const Visit& visit, Scheduler& scheduler);
 
@@ -84,10 +84,10 @@ std::uint64_t find_repeats(std::size_t count, std::size_t working_bytes, const V
   std::vector<RepeatFinder> finders(static_cast<std::size_t>(scheduler.workers()));
   std::uint64_t total = 0;
   for (std::uint64_t round = 0; round < rounds; ++round) {
-    const auto visit_round = [&](ChunkRange range, const auto& found) {
+    const auto visit_round = [&](ChunkRange range, const auto& take) {
       visit(range, [&](std::size_t i, std::uint64_t hash) {
         // By bits that HashPartition does not look at.
-        if (((hash >> 36 & 0xffff) * rounds) >> 16 == round) found(i, hash);
+        if (((hash >> 36 & 0xffff) * rounds) >> 16 == round) take(i, hash);
       });
     };
     const HashPartition partition(count, visit_round, scheduler);

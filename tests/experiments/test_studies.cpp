@@ -82,6 +82,9 @@ const std::vector<Case> cases = {
       {"speedup", 7},
       {"efficiency", 1},
       {"seconds", Row()}}},
+    {"spherical",
+     {{"texture", 32}},
+     {{"flips", 1}, {"residual_edges", 1}, {"same", false}, {"hash", ""}, {"efficiency", 1.5}}},
     {"systems",
      with(with(shallow, picture), {{"frames", 3}}),
      {{"open_edges", 1}, {"gap_pixels", 1}, {"jump_over_bound", 1.01}, {"frame_ms", Row()}, {"image_error", 101}}},
@@ -174,7 +177,7 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
     }
     ++files;
   }
-  EXPECT_EQ(files, 11u);
+  EXPECT_EQ(files, 12u);
 }
 
 // A run is one system: times of two are comparable by repetitions alone, which take turns.

@@ -128,6 +128,27 @@ TEST(MakeSpherical, GivesEachComponentImagesByItsSize) {
   EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 2u);
 }
 
+// Triangles that face the other way are turned; two spheres that touch along an edge are cut apart there, and further
+// edges with the same ends are halved: colours come from the right places nevertheless.
+TEST(MakeSpherical, FollowsWhatWasTurnedAndCutApart) {
+  PaintedSphere painted = painted_sphere(5);
+  for (std::size_t t = 0; t < painted.mesh.triangles.size(); t += 7) {
+    auto& v = painted.mesh.triangles[t].v;
+    std::swap(v[1], v[2]);
+  }
+  const Made made = make(painted.mesh, small_images());
+  EXPECT_GT(made.report.topology.manifold.turned_triangles, 0u);
+  EXPECT_GT(made.report.colour_psnr, 38);
+  std::vector<Vec3d> p{{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 0.3, 1}, {0.5, -1, 0}, {0.5, -0.3, -1}};
+  std::vector<Triangle> t;
+  for (const auto& [a, b] : {std::pair(2u, 3u), std::pair(4u, 5u)})
+    for (const Triangle& side : {Triangle{{0, 1, a}}, Triangle{{1, 0, b}}, Triangle{{0, a, b}}, Triangle{{1, b, a}}})
+      t.push_back(side);
+  const Made pair = make(normalised(std::move(p), std::move(t)), small_images());
+  EXPECT_EQ(pair.report.topology.manifold.nonmanifold_edges, 1u);
+  EXPECT_EQ(pair.report.map.sums.flips, 0u);
+}
+
 TEST(MakeSpherical, GivesTheSameBytesForAnyNumberOfThreads) {
   const PaintedSphere painted = painted_sphere(5);
   const std::vector<std::byte> one = encode_progressive_glb(make(painted.mesh, small_images()).mesh, false);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "core/base/error.h"
@@ -23,6 +24,12 @@ Value mixed(const std::vector<Value>& values, const Triangle& corners, const std
   return weight[0] * values[corners.v[0]] + weight[1] * values[corners.v[1]] + weight[2] * values[corners.v[2]];
 }
 
+[[noreturn]] void refuse_corners(std::size_t triangle) {
+  throw InputError(describe("", "surface",
+                            "triangle " + std::to_string(triangle) + " has other corners than its source",
+                            "give the mesh that it was made from"));
+}
+
 }  // namespace
 
 SurfaceSource::SurfaceSource(std::shared_ptr<const MeshSource> source, const Surface& surface,
@@ -39,7 +46,13 @@ void SurfaceSource::add_coordinates(const Surface& surface, std::span<const Vec3
     const auto [a, b, c] = surface.triangles[t].v;
     const double area = length(cross(directions[b] - directions[a], directions[c] - directions[a]));
     const auto& [i, j, k] = corners_[t].v;
-    const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
+    Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
+    if (const auto part = parts_.find(static_cast<std::uint32_t>(t)); part != parts_.end()) {
+      const auto at = [&](const std::array<float, 3>& w) {
+        return Vec2f{w[0] * p.x + w[1] * q.x + w[2] * r.x, w[0] * p.y + w[1] * q.y + w[2] * r.y};
+      };
+      std::tie(p, q, r) = std::tuple(at(part->second[0]), at(part->second[1]), at(part->second[2]));
+    }
     Patch& patch = patches_[t];
     patch.uv = p, patch.to_b = {q.x - p.x, q.y - p.y}, patch.to_c = {r.x - p.x, r.y - p.y};
     const double mapped = double{patch.to_b.x} * patch.to_c.y - double{patch.to_c.x} * patch.to_b.y;
@@ -66,13 +79,41 @@ void SurfaceSource::match_corners(const Surface& surface) {
       while (turn < 3 && !fits(turn)) ++turn;
     else
       turn = 3;
-    if (turn == 3)
-      throw InputError(describe("", "surface", "triangle " + std::to_string(t) + " has other corners than its source",
-                                "give the mesh that it was made from"));
+    if (turn == 3) match_part(surface, static_cast<std::uint32_t>(t));
+    turn %= 3;
     corners_[t] = {{wedges[turn], wedges[(turn + 1) % 3], wedges[(turn + 2) % 3]}};
     patches_[t].chart = source_->chart(wedges[turn]);
     patches_[t].shade = source_->shade_number(wedges[turn]);
   }
+}
+
+// A triangle that was turned over has its corners in the other order; where an edge was halved (topology/manifold.h) it
+// is a part of its source, with the middles of sides and its own for corners.
+void SurfaceSource::match_part(const Surface& surface, std::uint32_t triangle) {
+  const auto& wedges = mesh_.triangles[surface.source_triangle[triangle]].v;
+  CornerWeights& corners = parts_[triangle];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t v = surface.triangles[triangle].v[k], vertex = surface.source_vertex[v];
+    const auto known = [&] { return corners[k] != std::array<float, 3>{}; };
+    for (std::size_t i = 0; i < 3 && !known(); ++i) {
+      const std::size_t j = (i + 1) % 3;
+      const Vec3d middle = 0.5 * (to_double(mesh_.positions[wedges[i]]) + to_double(mesh_.positions[wedges[j]]));
+      if (vertex != no_source && source_->vertex(wedges[i]) == source_->vertex(vertex)) corners[k][i] = 1;
+      if (vertex == no_source && middle == surface.positions[v]) corners[k][i] = corners[k][j] = 0.5f;
+    }
+    if (vertex == no_source && !known()) corners[k] = {1.0f / 3, 1.0f / 3, 1.0f / 3};
+    if (!known()) refuse_corners(triangle);
+  }
+}
+
+std::array<float, 3> SurfaceSource::weights(const SurfacePoint& point) const {
+  if (parts_.empty()) return point.weight;
+  const auto part = parts_.find(point.triangle);
+  if (part == parts_.end()) return point.weight;
+  std::array<float, 3> sum{};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += point.weight[k] * part->second[k][i];
+  return sum;
 }
 
 Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footprint) const {
@@ -81,12 +122,13 @@ Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footpri
   if (shade.texture != no_texture) colour *= source_->texture(shade.texture).image.filtered(footprint);
   if (mesh_.wedges.colour.empty()) return colour;
   Float4 vertices{};
+  const std::array<float, 3> weight = weights(point);
   for (std::size_t k = 0; k < 3; ++k) {
     const Rgba8 c = mesh_.wedges.colour[corners_[point.triangle].v[k]];
     const std::array<float, 256>& linear = linear_of_srgb();
     const float alpha = static_cast<float>(c.a) / 255;
     const Float4 value{linear[c.r] * alpha, linear[c.g] * alpha, linear[c.b] * alpha, alpha};
-    vertices += all4(point.weight[k]) * value;
+    vertices += all4(weight[k]) * value;
   }
   return colour * vertices;
 }
@@ -96,8 +138,8 @@ Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footpri
 Vec3f SurfaceSource::bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const {
   const auto& [i, j, k] = corners_[point.triangle].v;
   const Vec3f to_b = mesh_.positions[j] - mesh_.positions[i], to_c = mesh_.positions[k] - mesh_.positions[i];
-  const auto [bu, bv] = patches_[point.triangle].to_b;
-  const auto [cu, cv] = patches_[point.triangle].to_c;
+  const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
+  const float bu = q.x - p.x, bv = q.y - p.y, cu = r.x - p.x, cv = r.y - p.y;
   const float turn = bu * cv - cu * bv < 0 ? -1.0f : 1.0f;
   const Vec3f to_u = turn * (cv * to_b - bv * to_c), to_v = turn * (bu * to_c - cu * to_b);
   const Vec3f t = unit_or_zero(to_u - dot(normal, to_u) * normal);
@@ -110,7 +152,7 @@ Vec3f SurfaceSource::normal(const SurfacePoint& point, const Footprint& footprin
   const std::uint32_t map = shade_of(point.triangle).normal_map;
   const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(source_->texture(map).image.filtered(footprint));
   if (mapped != Vec3f{} && source_->texture(map).object_space) return unit_or_zero(mapped);
-  const Vec3f smooth = unit_or_zero(mixed(source_->normals(), corners_[point.triangle], point.weight));
+  const Vec3f smooth = unit_or_zero(mixed(source_->normals(), corners_[point.triangle], weights(point)));
   return mapped == Vec3f{} ? smooth : unit_or_zero(bent(point, smooth, mapped));
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "core/base/prefetch.h"
@@ -80,12 +81,19 @@ class SurfaceSource {
   }
   void match_corners(const Surface& surface);
   void add_coordinates(const Surface& surface, std::span<const Vec3d> directions);
+  void match_part(const Surface& surface, std::uint32_t triangle);
+  // The weights of the source's corners.
+  [[nodiscard]] std::array<float, 3> weights(const SurfacePoint& point) const;
   [[nodiscard]] Vec3f bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const;
+
+  // The weights of the source's corners at each corner of a triangle.
+  using CornerWeights = std::array<std::array<float, 3>, 3>;
 
   std::shared_ptr<const MeshSource> source_;
   const IndexedMesh& mesh_;
   std::vector<Triangle> corners_;  // by triangle of the surface: wedges of the mesh; no_source: none
   std::vector<Patch> patches_;     // likewise
+  std::unordered_map<std::uint32_t, CornerWeights> parts_;  // of triangles turned over, and of parts of their source
 };
 
 }  // namespace lodestone::spherical
