@@ -4,6 +4,7 @@ usage: test_results.py PROGRAM
 """
 
 import os
+import pathlib
 import re
 import signal
 import subprocess
