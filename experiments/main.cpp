@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
   add_page(app);
   add_report(app);
   add_sweep(app);
+  add_merge(app);
   add_experiments(app);
   install_interrupt_handler();
   return run(app, argc, argv);

@@ -64,6 +64,7 @@ void add_lod(CLI::App& app);
 void add_page(CLI::App& app);
 void add_report(CLI::App& app);
 void add_sweep(CLI::App& app);  // and the subcommand of its children, which no help mentions
+void add_merge(CLI::App& app);
 void add_experiments(CLI::App& app);
 
 }  // namespace lodestone

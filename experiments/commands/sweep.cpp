@@ -7,7 +7,6 @@
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/sweep/directory.h"
-#include "experiments/sweep/merge.h"
 #include "experiments/sweep/run_child.h"
 #include "experiments/sweep/runner.h"
 
@@ -16,7 +15,6 @@ namespace {
 
 struct SweepOptions {
   std::string file, directory, shard;
-  std::vector<std::string> merge;
   int jobs = 1;
   bool resume = false, prepare = false, dry_run = false, small = false, full = false;
 };
@@ -136,31 +134,7 @@ nlohmann::json summary(const SweepFile& file, const std::vector<SweepRun>& runs,
           {"failures", failures}};
 }
 
-void merge(const SweepOptions& options, const CommonOptions& common) {
-  const MergeResult result = merge_sweeps({options.merge, options.directory, options.dry_run});
-  write_result(common, {{"name", result.name},
-                        {"repetitions", result.all},
-                        {"done", result.done},
-                        {"taken", result.taken},
-                        {"failed", result.failed},
-                        {"missing", result.missing}});
-  if (common.prints())
-    fmt::print("{}: {} of {} repetitions {}taken over, {} have rows, {} failed, {} missing\n", options.directory,
-               result.taken, result.all, options.dry_run ? "would be " : "", result.done, result.failed,
-               result.missing);
-  if (result.failed + result.missing > 0 && !options.dry_run)
-    throw InputError(fmt::format("{}: of {} repetitions, {} failed and {} are missing", options.directory, result.all,
-                                 result.failed, result.missing));
-}
-
 void run(const SweepOptions& options, const CommonOptions& common) {
-  if (options.file.empty() == options.merge.empty())
-    throw InputError(options.file.empty() ? "sweep: FILE is required; see lodestone sweep --help"
-                                          : "sweep: --merge takes no FILE; the folders say what the sweep is");
-  if (!options.merge.empty()) {
-    check_files(common, {});
-    return merge(options, common);
-  }
   check_files(common, {{"FILE", options.file}});
   const Shard shard = options.shard.empty() ? Shard{} : parse_shard(options.shard);
   const SweepFile file = load_sweep_file(options.file, form_of(options));
@@ -194,24 +168,18 @@ struct ChildOptions {
 
 OptionTable declare(SweepOptions& o) {
   return {
-      {"FILE", &o.file, "The sweep file (.toml)"},
+      OptionSpec{"FILE", &o.file, "The sweep file (.toml)"}.must(),
       OptionSpec{"-o,--output", &o.directory, "Folder of the sweep; made if it is not there"}.must(),
-      {"--merge", &o.merge,
-       "Instead of FILE: bring together the results that shards left in these folders; status 1 when repetitions "
-       "failed or are missing"},
       OptionSpec{"--jobs", &o.jobs,
                  "Number of runs at a time, as far as there are processors for them; times are comparable with 1 only"}
-          .between(1, 1024)
-          .not_with({"--merge"}),
-      OptionSpec{"--shard", &o.shard, "Part i of n of the runs, as 2/8"}.not_with({"--merge"}),
-      OptionSpec{"--resume", &o.resume, "Run what is missing, has changed, or ended without rows"}.not_with(
-          {"--merge"}),
+          .between(1, 1024),
+      {"--shard", &o.shard, "Part i of n of the runs, as 2/8"},
+      {"--resume", &o.resume, "Run what is missing, has changed, or ended without rows"},
       {"--dry-run", &o.dry_run, "Print the runs and how many of their repetitions are done; change nothing"},
       OptionSpec{"--prepare", &o.prepare, "Make the data and list the runs in sweep.json, and run none"}.not_with(
-          {"--merge", "--dry-run"}),
-      OptionSpec{"--small", &o.small, "Apply the overrides that the file has under 'small'"}.not_with({"--merge"}),
-      OptionSpec{"--full", &o.full, "Apply the overrides that the file has under 'full'"}.not_with(
-          {"--merge", "--small"})};
+          {"--dry-run"}),
+      {"--small", &o.small, "Apply the overrides that the file has under 'small'"},
+      OptionSpec{"--full", &o.full, "Apply the overrides that the file has under 'full'"}.not_with({"--small"})};
 }
 
 }  // namespace
@@ -221,8 +189,7 @@ void add_sweep(CLI::App& app) {
                  {"sweep", "Run an experiment over parameters and data; status 1 when a run failed",
                   "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --dry-run\n"
                   "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --small\n"
-                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --resume --shard 2/8\n"
-                  "  lodestone sweep --merge part1 part2 -o ablation\n",
+                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --resume --shard 2/8\n",
                   "Threads that make data; those of a run are a parameter of its experiment"},
                  declare, run);
   const auto child = std::make_shared<ChildOptions>();

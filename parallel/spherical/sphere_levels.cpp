@@ -40,7 +40,7 @@ SphereLevels::SphereLevels(progressive::RingMesh& rings, std::span<const Aligned
 
 // A single chunk needs no scheduler.
 template <class Body>
-void SphereLevels::for_chunks(std::size_t count, std::size_t grain, const Body& body) {
+void SphereLevels::in_chunks(std::size_t count, std::size_t grain, const Body& body) {
   if (count <= grain)
     body(ChunkRange{0, count, 0});
   else
@@ -147,7 +147,7 @@ void SphereLevels::split_chunk(std::span<const VertexSplit> chunk, progressive::
 void SphereLevels::list_vertices(std::size_t count) {
   std::vector<std::size_t> first(chunk_count(colours_.size(), list_grain));
   std::vector<std::uint8_t> last(first.size());
-  for_chunks(colours_.size(), list_grain, [&](ChunkRange c) {
+  in_chunks(colours_.size(), list_grain, [&](ChunkRange c) {
     for (std::size_t v = c.begin; v < c.end; ++v)
       if (colours_[v] != spherical::absent_colour)
         ++first[c.index], last[c.index] = std::max(last[c.index], colours_[v]);
@@ -155,7 +155,7 @@ void SphereLevels::list_vertices(std::size_t count) {
   colour_count_ = std::size_t{*std::max_element(last.begin(), last.end())} + 1;
   std::exclusive_scan(first.begin(), first.end(), first.begin(), std::size_t{0});
   vertices_.resize(count), rank_.resize(colours_.size());
-  for_chunks(colours_.size(), list_grain, [&](ChunkRange c) {
+  in_chunks(colours_.size(), list_grain, [&](ChunkRange c) {
     for (std::size_t v = c.begin, rank = first[c.index]; v < c.end; ++v) {
       if (colours_[v] == spherical::absent_colour) continue;
       rank_[v] = static_cast<std::uint32_t>(rank);
@@ -171,7 +171,7 @@ void SphereLevels::build_tiles() {
   if (blocks_.size() < tiles_ * colour_count_) blocks_.resize(tiles_ * colour_count_);
   using Lists = std::vector<std::vector<Id>>;
   std::vector<Lists> borders(tiles_);
-  for_chunks(tiles_, 1, [&](ChunkRange c) {
+  in_chunks(tiles_, 1, [&](ChunkRange c) {
     for (std::size_t tile = c.begin; tile < c.end; ++tile) {
       Lists inside(colour_count_);
       borders[tile].resize(colour_count_);
@@ -198,7 +198,7 @@ void SphereLevels::build_borders(std::span<const std::vector<std::vector<Id>>> b
     first_border_.push_back(first_border_.back() + chunk_count(lists[colour].size(), border_vertices));
   }
   if (border_blocks_.size() < first_border_.back()) border_blocks_.resize(first_border_.back());
-  for_chunks(first_border_.back(), 1, [&](ChunkRange c) {
+  in_chunks(first_border_.back(), 1, [&](ChunkRange c) {
     for (std::size_t k = c.begin; k < c.end; ++k) {
       const auto colour = static_cast<std::size_t>(std::upper_bound(first_border_.begin(), first_border_.end(), k) -
                                                    first_border_.begin() - 1);

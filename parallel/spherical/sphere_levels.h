@@ -40,7 +40,7 @@ class SphereLevels {
   using Id = progressive::Id;
 
   template <class Body>
-  void for_chunks(std::size_t count, std::size_t grain, const Body& body);
+  void in_chunks(std::size_t count, std::size_t grain, const Body& body);
   void for_phases(std::span<const std::size_t> ends, const std::function<void(std::size_t)>& body);
   void split(const spherical::SplitSchedule& schedule, std::size_t level);
   void split_chunk(std::span<const spherical::VertexSplit> chunk, progressive::RingArena& arena);

@@ -67,7 +67,7 @@ class RecordedPaths(SweepCase):
         done = command_case.call("sweep", "../sweep.toml", "-o", "../out", "--resume", "--quiet", "--json", "-",
                                  cwd=other)
         self.assertEqual(json.loads(done.stdout)["before"], 1, done.stderr)
-        merged = self.results("sweep", "--merge", "out", "-o", "all", "--quiet")
+        merged = self.results("merge", "out", "-o", "all", "--quiet")
         self.assertEqual(merged["done"], 1)
         copy = self.plan("all")["files"]["stroll.json"]["path"]
         self.assertEqual((self.folder / "all" / copy).read_bytes(), (self.folder / "stroll.json").read_bytes())

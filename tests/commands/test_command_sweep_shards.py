@@ -17,20 +17,19 @@ class Shards(SweepCase):
     def test_merged_from_several(self):
         for i in (1, 2, 3):
             self.sweep(self.TEXT, "--shard", f"{i}/3", output=f"part{i}")
-        merged = self.results("sweep", "--merge", "part1", "part2", "part3", "-o", "all", "--quiet")
+        merged = self.results("merge", "part1", "part2", "part3", "-o", "all", "--quiet")
         self.assertEqual(merged, {"name": "test", "repetitions": 10, "done": 10, "taken": 10, "failed": 0, "missing": 0})
         self.check_complete("all")
-        again = self.results("sweep", "--merge", "part1", "-o", "all", "--quiet")
+        again = self.results("merge", "part1", "-o", "all", "--quiet")
         self.assertEqual(again["taken"], 0)
         self.sweep(self.TEXT.replace("x = [", "x = [7, "), output="other")
-        self.refused("sweep", "--merge", "part1", "other", "-o", "both", names=["other", "not the same sweep"])
-        self.refused("sweep", "--merge", "part1", "nowhere", "-o", "both", names=["nowhere", "holds no sweep"])
-        self.refused("sweep", "sweep.toml", "--merge", "part1", "-o", "both", names=["--merge takes no FILE"])
+        self.refused("merge", "part1", "other", "-o", "both", names=["other", "not the same sweep"])
+        self.refused("merge", "part1", "nowhere", "-o", "both", names=["nowhere", "holds no sweep"])
 
     def test_merging_keeps_failures_and_ends_with_them(self):
         self.write("sweep.toml", HEAD + section('failure = ["none", "error", "verify"]'))
         self.failing_sweep("sweep.toml", "-o", "part", names=["2 of 3"])
-        self.failing_sweep("--merge", "part", "-o", "all", "--quiet", "--json", "merged.json",
+        self.failing("merge", "part", "-o", "all", "--quiet", "--json", "merged.json",
                      names=["all: of 3 repetitions, 2 failed and 0 are missing"])
         merged = json.loads((self.folder / "merged.json").read_text())
         self.assertEqual((merged["done"], merged["failed"], merged["taken"]), (2, 2, 3))
@@ -38,7 +37,7 @@ class Shards(SweepCase):
 
     def test_merging_too_few_ends_with_what_is_missing(self):
         self.sweep(self.TEXT, "--shard", "1/3", output="part1")
-        self.failing_sweep("--merge", "part1", "-o", "all", names=["of 10 repetitions, 0 failed and 6 are missing"])
+        self.failing("merge", "part1", "-o", "all", names=["of 10 repetitions, 0 failed and 6 are missing"])
         self.sweep(self.TEXT, "--resume", output="all")
         self.check_complete("all")
 
@@ -46,24 +45,24 @@ class Shards(SweepCase):
         for i in (1, 2):
             self.sweep(self.TEXT, "--shard", f"{i}/3", output=f"part{i}")
         before = self.listing()
-        told = self.lodestone("sweep", "--merge", "part1", "part2", "part1", "-o", "all", "--dry-run")
+        told = self.lodestone("merge", "part1", "part2", "part1", "-o", "all", "--dry-run")
         self.assertEqual(told, "all: 8 of 10 repetitions would be taken over, 8 have rows, 0 failed, 2 missing\n")
         self.assertEqual(self.listing(), before)
 
     def test_merging_refuses_what_does_not_go_with_it(self):
         self.sweep(self.TEXT, output="part")
         for option in (["--resume"], ["--shard", "1/2"], ["--small"], ["--jobs", 2], ["--prepare"]):
-            self.refused("sweep", "--merge", "part", "-o", "all", *option, names=["--merge", option[0], "--help"])
+            self.refused("merge", "part", "-o", "all", *option, names=[option[0], "--help"])
         self.refused("sweep", "sweep.toml", "-o", "out", "--prepare", "--dry-run", names=["--prepare", "--dry-run"])
 
     def test_merging_into_something_else(self):
         self.sweep(self.TEXT, output="part")
         (self.folder / "home").mkdir()
         self.write("home/letter.txt", "dear")
-        self.refused("sweep", "--merge", "part", "-o", "home", names=["home", "holds other files"])
-        self.refused("sweep", "--merge", "part", "-o", "sweep.toml", names=["is a file"])
+        self.refused("merge", "part", "-o", "home", names=["home", "holds other files"])
+        self.refused("merge", "part", "-o", "sweep.toml", names=["is a file"])
         self.sweep(self.TEXT.replace('"test"', '"other"'), output="other")
-        self.refused("sweep", "--merge", "part", "-o", "other", names=["other", "holds the sweep 'other'"])
+        self.refused("merge", "part", "-o", "other", names=["other", "holds the sweep 'other'"])
 
     def test_sweep_json_that_was_changed_is_named(self):
         self.sweep(self.TEXT, output="part")
@@ -78,11 +77,11 @@ class Shards(SweepCase):
             change(sheet)
             self.write("part/sweep.json", json.dumps(sheet))
             names = ["part/sweep.json", says, "--resume"]
-            self.refused("sweep", "--merge", "part", "-o", "all", names=names)
+            self.refused("merge", "part", "-o", "all", names=names)
             self.refused("sweep", "sweep.toml", "-o", "part", "--resume", names=names)
             self.refused("sweep", "sweep.toml", "-o", "part", "--dry-run", names=names)
         self.write("part/sweep.json", "[")
-        self.refused("sweep", "--merge", "part", "-o", "all", names=["part/sweep.json", "is not a JSON object"])
+        self.refused("merge", "part", "-o", "all", names=["part/sweep.json", "is not a JSON object"])
         (self.folder / "part/sweep.json").unlink()
         self.assertEqual(self.sweep(self.TEXT, "--resume", output="part")["ran"], 0)
 
