@@ -126,7 +126,9 @@ class Interrupts(CommandCase):
                     continue
                 self.assertEqual((process.returncode, errors),
                                  (128 + number, "lodestone: interrupted; no unfinished file was left\n"))
-                self.assertEqual(self.listing(), {})
+                if left := self.listing():  # the signal came between the last step, which names the file, and the end
+                    self.assertTrue(left == {"m.lode": expected(*BUILD)}, f"left unfinished: {[*left]}")
+                    (self.folder / "m.lode").unlink()
 
     def test_killed_and_continued(self):
         seconds, moments, stopped = self.seconds(), random.Random(1), 0

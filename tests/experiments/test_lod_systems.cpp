@@ -272,7 +272,7 @@ TEST(SystemFlight, MeasuresASurfaceAsAFlightDoes) {
                       }
                       EXPECT_EQ(sample.gap, surface.gap);
                       EXPECT_NEAR(sample.gap_mean, surface.gap_mean, 1e-9);
-                      junctions += surface.t_junctions.value();
+                      junctions += static_cast<double>(surface.t_junctions.value());
                     });
   EXPECT_GT(junctions, 0);
 }

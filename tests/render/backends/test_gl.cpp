@@ -92,7 +92,7 @@ TEST_F(GlTest, TintFollowsTheLevel) {
   renderer_->upload(plate_above.hierarchy);
   for (const auto& [kappa0, level] : {std::pair{100.0f, 2}, std::pair{0.01f, 0}}) {
     WholeFrame whole(plate_above.hierarchy, with_kappa0(kappa0), from_above);
-    if (level == 0) whole.selection.cells = {{.visible = true, .morphing = false}};
+    if (level == 0) whole.selection.cells = {{.cell = CellId(0), .visible = true, .morphing = false}};
     ASSERT_EQ(whole.selection.cells.front().level, level);
     whole.frame.settings.level_tint = 1;
     whole.frame.only().effects.set(Effect::level_tint, true);
