@@ -114,8 +114,8 @@ class Maker {
   CutCost place_cut(std::size_t k) {
     const Surface& surface = surfaces_[k];
     const CutMeasure measure(surface.positions, surface.triangles, directions_[k]);
-    const CutChoice choice = choose_cut(measure);
-    if (!config_.choose_cut) return choice.before;
+    if (!config_.choose_cut) return measure.measure({});
+    const CutChoice choice = measure.choose();
     std::vector<Vec3d> turned = rotated(directions_[k], choice.rotation);
     if (measure_sphere_map(surface.positions, surface.triangles, turned).flips > 0) return choice.before;
     directions_[k] = std::move(turned);
