@@ -157,6 +157,56 @@ TEST(Lpm, ComesBackWithinTheQuantization) {
     }
 }
 
+// Triangles between few points: edges of many triangles, pinched vertices, triangles back to back.
+IndexedMesh soup(unsigned seed, bool textured) {
+  std::mt19937 random(seed);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+  RawMesh raw;
+  const std::uint32_t points = 4 + below(16), triangles = points + below(6 * points);
+  for (std::uint32_t k = 0; k < points; ++k)
+    raw.positions.push_back({0.25 * below(5), 0.25 * below(5), 0.25 * below(5)});
+  raw.triangles.push_back({{0, 1, 2}});
+  for (std::uint32_t k = 1; k < 4; ++k) raw.positions[k - 1] = {0.1 * k, k == 1 ? 0.9 : 0.3, 0.7};
+  for (std::uint32_t k = 1; k < triangles; ++k) raw.triangles.push_back({{below(points), below(points), below(points)}});
+  for (std::uint32_t k = 0; textured && k < points; ++k)
+    raw.wedges.uv.push_back({0.125f * static_cast<float>(below(9)), 0.125f * static_cast<float>(below(9))});
+  Repairs repairs;
+  return prepare_mesh(std::move(raw), repairs, *make_serial_scheduler());
+}
+
+TEST(Lpm, HoldsWhatWasCutApart) {
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    const ProgressiveMesh mesh = make(soup(seed, seed % 2 == 1));
+    const std::vector<std::byte> bytes = encode_lpm(mesh, {.position_bits = 20, .uv_bits = 20}).bytes;
+    ByteReader input = reader_of(bytes);
+    const ProgressiveMesh back = read_lpm(input);
+    ASSERT_EQ(back.parents, mesh.parents) << seed;
+    const LevelFinder a(mesh), b(back);
+    for (std::uint32_t v = mesh.base_vertices; v <= mesh.vertex_count(); ++v) {
+      const std::uint32_t level = a.vertices_for(v);
+      ASSERT_EQ(as_set(a.compute_level(level)), as_set(b.compute_level(level))) << seed << ' ' << level;
+    }
+  }
+}
+
+TEST(Lpm, RefusesWhatItCannotUndo) {
+  const auto refused = [](std::vector<Triangle> triangles, std::uint32_t base, const char* why) {
+    ProgressiveMesh mesh;
+    for (const Triangle& t : triangles)
+      for (const std::uint32_t v : t.v) mesh.positions.resize(std::max<std::size_t>(mesh.positions.size(), v + 1));
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.positions[v] = {0.1f * static_cast<float>(v), 0, 0};
+    mesh.parents.assign(mesh.positions.size(), 0);
+    mesh.errors.assign(mesh.positions.size(), 0);
+    mesh.triangles = std::move(triangles);
+    mesh.base_vertices = base;
+    expect_error_of<InputError>([&] { return encode_lpm(mesh); }, {why, ".glb"}, why);
+  };
+  refused({{0, 1, 2}, {0, 3, 4}}, 5, "not a manifold");
+  refused({{0, 1, 3}}, 4, "has no triangle");
+  refused({{0, 1, 2}, {1, 3, 2}}, 3, "share no edge");
+  refused({{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}, 3, "changes the shape");
+}
+
 TEST(Lpm, APrefixIsACoarserMesh) {
   const auto scheduler = make_serial_scheduler();
   const ProgressiveMesh mesh = make(test::textured_torus(60, 50, true, *scheduler));

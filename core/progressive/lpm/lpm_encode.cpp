@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "core/base/error.h"
 #include "core/progressive/collapse/ring_mesh.h"
@@ -14,9 +15,9 @@ namespace {
 
 using namespace progressive;
 
-[[noreturn]] void fail_order() {
-  throw InputError(describe("", "", "the collapses of the model cannot be undone one by one",
-                            "make it again with `lodestone progressive`, or write a .glb file"));
+[[noreturn]] void fail_order(const std::string& why) {
+  throw InputError(describe("", "", "the collapses of the model cannot be undone one by one: " + why,
+                            "write a .glb file, which does not need it"));
 }
 
 // The groups of a mesh, numbered.
@@ -45,7 +46,7 @@ class SplitRecorder {
     rings_->list_corners();
     rings_->make_rings(0, mesh.positions.size(), arena_);
     rings_->cut_open();
-    if (rings_->cut_vertices() > 0) fail_order();
+    if (rings_->cut_vertices() > 0) fail_order("the surface is not a manifold");
   }
 
   // The splits in the order in which vertices come in; leaves the base.
@@ -59,7 +60,7 @@ class SplitRecorder {
     SplitMesh base;
     for (std::uint32_t g = 0; g < groups_.base; ++g) {
       const Ring& ring = rings_->ring(groups_.start[g]);
-      if (ring.size == 0) fail_order();
+      if (ring.size == 0) fail_order("a vertex of the base has no triangle");
       SplitMesh::Star star{{}, ring.open != 0, groups_.start[g], groups_.size(g, mesh_.base_vertices)};
       for (std::uint32_t k = 0; k < ring.size; ++k)  // the last of an open star has no sector
         star.spokes.push_back(
@@ -77,9 +78,9 @@ class SplitRecorder {
 
   SplitMesh::Split take_back(Id v) {
     const Id u = groups_.start[groups_.number[mesh_.parents[v]]];
-    if (rings_->ring(v).find(u) == rings_->ring(v).size) fail_order();
+    if (rings_->ring(v).find(u) == rings_->ring(v).size) fail_order("a vertex and its parent share no edge");
     Collapse c{.vertex = v, .target = u};
-    if (!rings_->allows(c)) fail_order();
+    if (!rings_->allows(c)) fail_order("one of them changes the shape of the surface");
     const Ring& ring = rings_->ring(v);
     SplitMesh::Split split;
     split.parent = groups_.number[u];
