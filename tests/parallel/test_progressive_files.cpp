@@ -103,18 +103,21 @@ TEST(ProgressiveGlb, ComesBackBitForBit) {
     }
 }
 
-TEST(ProgressiveFiles, KeepNormalsInObjectSpace) {
+TEST(ProgressiveFiles, KeepMapsOverTheSphere) {
   ProgressiveMesh mesh = some_meshes().front();
   mesh.wedges.uv.assign(mesh.positions.size(), {});
   const PixelImage pixel{.size = {1, 1}, .channels = 3, .pixels = {1, 2, 3}};
   const std::vector<char> bytes = encode_image(pixel, "image/png");
   mesh.wedges.materials = {{.name = "skin", .texture = 0}};
   mesh.wedges.textures = {{.name = "colour", .media_type = "image/png", .bytes = bytes},
-                          {.name = "normals", .media_type = "image/png", .bytes = bytes}};
+                          {.name = "normals", .media_type = "image/png", .bytes = bytes},
+                          {.name = "geometry", .media_type = "image/png", .bytes = bytes}};
   mesh.object_normals = {1};
+  mesh.geometry_images = {{2, {0.1, -2, 3e7}, 1.0 / 3}};
   const auto check = [&](ByteReader input) {
     const ProgressiveMesh back = read_progressive(input);
     EXPECT_EQ(back.object_normals, mesh.object_normals);
+    EXPECT_EQ(back.geometry_images, mesh.geometry_images);
     EXPECT_EQ(back.wedges.materials, mesh.wedges.materials);
     EXPECT_EQ(back.wedges.textures, mesh.wedges.textures);
   };

@@ -47,6 +47,7 @@ json add_vertices(GlbBuilder& glb, const ProgressiveMesh& mesh) {
     std::replace(normals.begin(), normals.end(), Vec3f{}, Vec3f{0, 0, 1});
     attributes["NORMAL"] = add(normals, GltfComponent::floats, "VEC3");
   }
+  if (!mesh.tangents.empty()) attributes["TANGENT"] = add(mesh.tangents, GltfComponent::floats, "VEC4");
   if (!wedges.uv.empty()) attributes["TEXCOORD_0"] = add(wedges.uv, GltfComponent::floats, "VEC2");
   if (!wedges.colour.empty()) {
     std::vector<LinearColour> colours;
@@ -73,6 +74,17 @@ void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const json& at
   glb.root["meshes"][0]["extras"] = {{"progressive", {{"version", 1}, {"baseVertices", mesh.base_vertices}}}};
 }
 
+void add_extras(GlbBuilder& glb, const ProgressiveMesh& mesh) {
+  json& materials = glb.root["materials"];
+  for (std::size_t m = 0; m < mesh.object_normals.size(); ++m)
+    if (mesh.object_normals[m] != no_texture)
+      materials[m]["extras"]["objectNormalTexture"]["index"] = mesh.object_normals[m];
+  for (std::size_t m = 0; m < mesh.geometry_images.size(); ++m)
+    if (const GeometryTexture& image = mesh.geometry_images[m]; image.texture != no_texture)
+      materials[m]["extras"]["geometryImageTexture"] = {
+          {"index", image.texture}, {"origin", {image.origin.x, image.origin.y, image.origin.z}}, {"step", image.step}};
+}
+
 }  // namespace
 
 std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed) {
@@ -80,9 +92,7 @@ std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool 
   add_node(glb, mesh.transform);
   add_primitives(glb, mesh, add_vertices(glb, mesh));
   for (const Material& m : mesh.wedges.materials) glb.add_material(m, mesh.wedges.textures.size());
-  for (std::size_t m = 0; m < mesh.object_normals.size(); ++m)
-    if (mesh.object_normals[m] != no_texture)
-      glb.root["materials"][m]["extras"]["objectNormalTexture"]["index"] = mesh.object_normals[m];
+  add_extras(glb, mesh);
   for (const Texture& t : mesh.wedges.textures) glb.add_embedded_texture(t);
   return compressed ? glb.finish_compressed() : glb.finish();
 }

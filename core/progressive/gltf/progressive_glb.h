@@ -3,8 +3,9 @@
 // One vertex buffer in the order in which vertices come in, with _PARENTINDEX and _ERROR (in units of the model) as
 // attributes of its own, and a primitive per material, triangles in the order in which they come in. `extras` of the
 // mesh hold the number of vertices of the base. A node takes normalised positions to the model. `extras` of a material
-// may name a texture of normals in object space, objectNormalTexture, a textureInfo as the specification has it: what
-// draws levels takes it in place of the normals of vertices, which other viewers use.
+// may name textures, as a textureInfo of the specification does: of normals in object space, objectNormalTexture, which
+// what draws levels takes in place of the normals of vertices and of the normal map, which other viewers use; and of
+// positions, geometryImageTexture, with `origin` and `step` (GeometryTexture).
 #pragma once
 
 #include <cstddef>

@@ -144,6 +144,7 @@ class LpmDecoder {
     out.wedges.material = std::move(values_.materials);
     out.wedges.materials = std::move(header_.materials);
     out.object_normals = std::move(header_.object_normals);
+    out.geometry_images = std::move(header_.geometry_images);
     out.wedges.textures = std::move(header_.textures);
     out.triangles = mesh_.triangles();
     for (const std::uint32_t m : out.wedges.material)

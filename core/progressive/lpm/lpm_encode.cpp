@@ -128,6 +128,7 @@ LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const L
   h.transform.lattice = {};
   h.materials = wedges.materials;
   h.object_normals = mesh.object_normals;
+  h.geometry_images = mesh.geometry_images;
   for (const Texture& t : wedges.textures) h.textures.push_back({t.name, t.media_type, t.wrap_u, t.wrap_v, {}});
   if (wedges.uv.empty()) return h;
   Vec2f lo = wedges.uv.front(), hi = lo;

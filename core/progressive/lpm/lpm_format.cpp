@@ -46,6 +46,11 @@ json to_json(const LpmHeader& h) {
                          {"normalMap", texture_index(m.normal_map)}});
   for (std::size_t m = 0; m < h.object_normals.size(); ++m)
     materials[m]["objectNormals"] = texture_index(h.object_normals[m]);
+  for (std::size_t m = 0; m < h.geometry_images.size(); ++m)
+    if (const GeometryTexture& image = h.geometry_images[m]; image.texture != no_texture)
+      materials[m]["geometryImage"] = {{"texture", image.texture},
+                                       {"origin", {image.origin.x, image.origin.y, image.origin.z}},
+                                       {"step", image.step}};
   for (const Texture& t : h.textures)
     textures.push_back(
         {{"name", t.name},
@@ -104,9 +109,17 @@ LpmHeader read_header(const JsonView& json) {
       h.object_normals.resize(k + 1, no_texture);
       h.object_normals[k] = read_index(m, "objectNormals", h.textures.size());
     }
+    if (const auto image = m.find("geometryImage")) {
+      h.geometry_images.resize(k + 1);
+      const auto corner = image->at("origin").numbers<3>();
+      h.geometry_images[k] = {read_index(*image, "texture", h.textures.size()),
+                              {corner[0], corner[1], corner[2]},
+                              image->at("step").number()};
+    }
     h.materials.push_back(std::move(material));
   }
   if (!h.object_normals.empty()) h.object_normals.resize(h.materials.size(), no_texture);
+  if (!h.geometry_images.empty()) h.geometry_images.resize(h.materials.size());
   return h;
 }
 

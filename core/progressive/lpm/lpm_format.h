@@ -23,8 +23,9 @@ struct LpmHeader {
   std::array<double, 2> uv_low{}, uv_step{};
   Transform transform;
   std::vector<Material> materials;
-  std::vector<std::uint32_t> object_normals;  // as in ProgressiveMesh
-  std::vector<Texture> textures;  // without their bytes
+  std::vector<std::uint32_t> object_normals;     // as in ProgressiveMesh
+  std::vector<GeometryTexture> geometry_images;  // likewise
+  std::vector<Texture> textures;                 // without their bytes
 };
 
 [[nodiscard]] nlohmann::json to_json(const LpmHeader& header);
