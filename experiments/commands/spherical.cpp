@@ -11,11 +11,11 @@ namespace lodestone {
 namespace {
 
 struct SphericalOptions {
-  std::string input, output, effort = "normal", cut = "auto", images = "webp";
+  std::string input, output, effort = "normal", cut = "auto", maps = to_string(SphericalMaps{}), images = "webp";
   InputOptions reading;
   std::uint32_t texture = SphericalConfig{}.texture;
   int quality = SphericalConfig{}.quality;
-  bool no_normals = false, compress = false;
+  bool compress = false;
 };
 
 SphericalJob job_of(const SphericalOptions& options) {
@@ -28,7 +28,7 @@ SphericalJob job_of(const SphericalOptions& options) {
   job.config.texture = options.texture;
   job.config.media_type = "image/" + options.images;
   job.config.quality = options.quality;
-  job.config.normals = !options.no_normals;
+  job.config.maps = spherical_maps(options.maps);
   job.compress = options.compress;
   return job;
 }
@@ -68,9 +68,12 @@ void print(const SphericalResult& result, const Row& row, const SphericalOptions
              number("components"));
   fmt::print("map: efficiency {:.3f}, {} of its triangles turned over, {} slivers (the input has {})\n",
              number("efficiency"), number("flips"), number("slivers"), number("surface_slivers"));
-  fmt::print("images: colours {:.1f} dB", number("colour_psnr"));
-  if (!row.at("normal_psnr").is_null()) fmt::print(", normals {:.1f} dB", number("normal_psnr"));
-  fmt::print("\n");
+  if (!row.at("colour_psnr").is_null()) fmt::print("colours: {:.1f} dB\n", number("colour_psnr"));
+  if (!row.at("geometry_image_rms").is_null())
+    fmt::print("geometry image: {} samples, {:.0f} kB, RMS {:.4f} % of the diagonal, at most {:.3f} %\n",
+               number("geometry_image_samples"), number("geometry_image_bytes") / 1000, number("geometry_image_rms"),
+               number("geometry_image_max"));
+  if (!row.at("normal_psnr").is_null()) fmt::print("normals: {:.1f} dB\n", number("normal_psnr"));
   print_repairs(result.repairs);
   print_warnings(result.warnings);
 }
@@ -99,9 +102,9 @@ OptionTable declare(SphericalOptions& o) {
            {"auto", "none"}),
        OptionSpec{"--texture", &o.texture, "Pixels along a side of the images, a power of two; small parts get fewer"}
            .between(16, 16384),
+       OptionSpec{"--maps", &o.maps, "The images, of colour, normal, geometry"}.of_type("NAMES"),
        OptionSpec{"--images", &o.images, "Format of the images"}.one_of({"webp", "jpeg", "png"}),
        OptionSpec{"--quality", &o.quality, "Of webp and jpeg; webp of 100 is without loss"}.between(1, 100),
-       {"--no-normals", &o.no_normals, "Leave out the images of normals"},
        {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"}},
       o.reading);
 }

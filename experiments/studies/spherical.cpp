@@ -14,12 +14,17 @@ namespace {
 
 constexpr std::uint32_t checked_levels = 5;
 
+constexpr const char* map_texts = "names of colour, normal, geometry, separated by commas";
+
+std::optional<std::string> usual_maps(const std::string& names) { return to_string(spherical_maps(names)); }
+
 std::vector<ParameterInfo> parameters() {
   return {
       threads_parameter(),
       rounds_parameter(1),
       {"effort", "normal", "", "how long the map to the sphere is improved", 0, 0, {"fast", "normal", "best"}},
       {"texture", 1024, "pixels", "side of the largest component's images, a power of two", 16, 16384, {}},
+      {"maps", to_string(SphericalMaps{}), "", "the images", 0, 0, {}, OtherTexts{map_texts, usual_maps}},
       {"images", "webp", "", "format of the images", 0, 0, {"webp", "jpeg", "png"}},
       {"quality", 90, "", "of webp and jpeg; webp of 100 is without loss", 1, 100, {}},
   };
@@ -40,6 +45,7 @@ SphericalConfig config_of(const Parameters& parameters) {
   SphericalConfig config;
   config.map.effort = sphere_effort(parameters.text("effort"));
   config.texture = static_cast<std::uint32_t>(parameters.integer("texture"));
+  config.maps = spherical_maps(parameters.text("maps"));
   config.media_type = "image/" + parameters.text("images");
   config.quality = parameters.integer("quality");
   return config;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/progressive/mesh/progressive_mesh.h"
@@ -15,12 +16,22 @@
 
 namespace lodestone {
 
+// The images that a component gets.
+struct SphericalMaps {
+  bool colour = true;
+  bool normal = true;     // in object space
+  bool geometry = false;  // positions, by a fourth as many samples along a side as the others have pixels, and one
+};
+// From names separated by commas; throws InputError listing the known ones.
+[[nodiscard]] SphericalMaps spherical_maps(std::string_view names);
+[[nodiscard]] std::string to_string(const SphericalMaps& maps);
+
 struct SphericalConfig {
   SphereMapConfig map;
   spherical::HandleConfig handles;
   bool choose_cut = true;        // false: the sphere is cut open as the map left it
   std::uint32_t texture = 1024;  // pixels along the side of the largest component's images; a power of two, at least 16
-  bool normals = true;           // images of normals in object space beside those of colours
+  SphericalMaps maps;
   std::string media_type = "image/webp";
   int quality = 90;                      // of the images (core/texture/image_codec.h)
   std::uint64_t error_points = 200'000;  // on the surface, where images are compared with what they were made from
@@ -34,10 +45,14 @@ struct SphericalReport {
   SphereMapReport map;    // of all components: times and counts are sums
   double efficiency = 0;  // of the map: the mean of the components' by area
   StageTime closing, unfolding, resampling, encoding, collapsing;
-  // After the images were encoded and decoded; dB, the mean over components by area.
+  // After the images were encoded and decoded; dB, the mean over components by area. 0 without such images.
   double colour_psnr = 0, normal_psnr = 0;
-  std::uint64_t pixels = 0;  // of all images
-  std::uint64_t colour_bytes = 0, normal_bytes = 0;
+  std::uint64_t pixels = 0;            // of images of colours and normals
+  std::uint64_t geometry_samples = 0;  // of geometry images
+  std::uint64_t colour_bytes = 0, normal_bytes = 0, geometry_bytes = 0;
+  // Distances between the closed surface and the meshes that decoded geometry images are, the larger of both ways, as
+  // shares of the diagonal of the input.
+  double geometry_rms = 0, geometry_max = 0;
   std::uint64_t added_vertices = 0;  // where the cut crosses edges
   double cut_length = 0;             // of all components on the surface, in model units
   double cut_exposure = 0;           // the share of the sky that is seen from the cut, its mean by length, 0 to 1

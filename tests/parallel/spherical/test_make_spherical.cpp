@@ -7,10 +7,13 @@
 #include "core/base/error.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/level.h"
+#include "core/spatial/mesh_distance.h"
 #include "core/spherical/octahedron/octahedral_map.h"
+#include "core/spherical/resample/geometry_image.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/spherical/make_spherical.h"
 #include "tests/core/spherical/painted_sphere.h"
+#include "tests/expect_error.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
@@ -102,6 +105,52 @@ TEST(MakeSpherical, LeavesOutWhatClosedTheSurface) {
     EXPECT_NEAR(area_of(made->mesh.positions, made->mesh.triangles, made->mesh.transform),
                 area_of(input->positions, input->triangles, input->transform), 1e-4);
   }
+}
+
+// The images of positions that a file has, back from its bytes, are meshes near the input.
+TEST(MakeSpherical, GivesGeometryImages) {
+  const PaintedSphere painted = painted_sphere(5);
+  SphericalConfig config = small_images();
+  config.maps = spherical_maps("geometry");
+  const Made made = make(painted.mesh, config);
+  ASSERT_EQ(made.mesh.geometry_images.size(), 1u);
+  EXPECT_TRUE(made.mesh.object_normals.empty());
+  EXPECT_EQ(made.mesh.wedges.materials[0].texture, no_texture);
+  const std::vector<std::byte> bytes = encode_progressive_glb(made.mesh, false);
+  ByteReader input({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "test");
+  const ProgressiveMesh back = read_progressive_glb(input);
+  ASSERT_EQ(back.geometry_images, made.mesh.geometry_images);
+  const auto& [texture, origin, step] = back.geometry_images[0];
+  const WideImage image = decode_wide_png(back.wedges.textures[texture].bytes);
+  EXPECT_EQ(image.size, (PixelSize{33, 33}));
+  EXPECT_EQ(made.report.geometry_samples, 33u * 33u);
+  EXPECT_EQ(made.report.geometry_bytes, back.wedges.textures[texture].bytes.size());
+  RawMesh source;
+  for (const Vec3f p : painted.mesh.positions) source.positions.push_back(painted.mesh.transform.to_model(p));
+  source.triangles = painted.mesh.triangles;
+  const MeshDistance distance =
+      compare_meshes(source, spherical::remesh(spherical::geometry_of({image, origin, step})));
+  EXPECT_LT(distance.forward.rms, 0.01 * distance.diagonal);
+  EXPECT_NEAR(distance.forward.max / distance.diagonal, made.report.geometry_max, 1e-3);
+  EXPECT_NEAR(distance.forward.rms / distance.diagonal, made.report.geometry_rms, 1e-3);
+}
+
+TEST(MakeSpherical, KnowsItsMapsByName) {
+  const SphericalMaps some = spherical_maps("geometry,colour");
+  EXPECT_TRUE(some.colour && some.geometry && !some.normal);
+  EXPECT_EQ(to_string(some), "colour,geometry");
+  for (const char* names : {"", "colour,", "Colour", "normal colour"})
+    expect_error_of<InputError>([&] { (void)spherical_maps(names); }, {"unknown map", "colour,normal,geometry"});
+}
+
+// PNG holds normals with 16 bits, lossy formats with 8.
+TEST(MakeSpherical, KeepsNormalsFinerInPng) {
+  const IndexedMesh sphere = sphere_mesh(6);
+  SphericalConfig config = small_images();
+  config.texture = 512;
+  const double fine = make(sphere, config).report.normal_psnr;
+  config.media_type = "image/webp", config.quality = 100;
+  EXPECT_GT(fine, make(sphere, config).report.normal_psnr + 3);
 }
 
 // A large and a small sphere.
