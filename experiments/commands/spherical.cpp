@@ -74,6 +74,9 @@ void print(const SphericalResult& result, const Row& row, const SphericalOptions
                number("geometry_image_samples"), number("geometry_image_bytes") / 1000, number("geometry_image_rms"),
                number("geometry_image_max"));
   if (!row.at("normal_psnr").is_null()) fmt::print("normals: {:.1f} dB\n", number("normal_psnr"));
+  if (!row.at("tangent_angle").is_null())
+    fmt::print("normals in other viewers: {:.1f} degrees off, by a map of {:.0f} kB\n", number("tangent_angle"),
+               number("tangent_bytes") / 1000);
   print_repairs(result.repairs);
   print_warnings(result.warnings);
 }

@@ -53,7 +53,8 @@ std::vector<Column<SphericalResult>> surface_columns() {
             "distance of the geometry images' meshes and the closed surface from each other, root of the mean square",
             accuracy},
            [](R r) { return r.report.geometry_bytes > 0 ? Row(100 * r.report.geometry_rms) : Row(); }},
-          {{"geometry_image_max", percent, "the same, the largest", accuracy},
+          {{"geometry_image_max", percent,
+            "the largest distance of the geometry images' meshes and the closed surface from each other", accuracy},
            [](R r) { return r.report.geometry_bytes > 0 ? Row(100 * r.report.geometry_max) : Row(); }}};
 }
 

@@ -83,7 +83,7 @@ const std::vector<Case> cases = {
       {"efficiency", 1},
       {"seconds", Row()}}},
     {"spherical",
-     {{"texture", 32}},
+     {{"texture", 32}, {"maps", "geometry,normal,colour"}},
      {{"flips", 1}, {"residual_edges", 1}, {"same", false}, {"hash", ""}, {"efficiency", 1.5}}},
     {"systems",
      with(with(shallow, picture), {{"frames", 3}}),
