@@ -14,6 +14,7 @@ struct SphericalOptions {
   std::string input, output, effort = "normal", cut = "auto", maps = to_string(SphericalMaps{}), images = "webp";
   InputOptions reading;
   std::uint32_t texture = SphericalConfig{}.texture;
+  std::uint64_t triangles = 0;
   int quality = SphericalConfig{}.quality;
   bool compress = false;
 };
@@ -29,6 +30,7 @@ SphericalJob job_of(const SphericalOptions& options) {
   job.config.media_type = "image/" + options.images;
   job.config.quality = options.quality;
   job.config.maps = spherical_maps(options.maps);
+  job.config.progressive.finest_triangles = options.triangles;
   job.compress = options.compress;
   return job;
 }
@@ -103,6 +105,7 @@ OptionTable declare(SphericalOptions& o) {
            {"fast", "normal", "best"}),
        OptionSpec{"--cut", &o.cut, "Cut the sphere open where it shows least, or as the map left it"}.one_of(
            {"auto", "none"}),
+       {"--triangles", &o.triangles, "Triangles of the finest level, at most; 0: all; images are made from all"},
        OptionSpec{"--texture", &o.texture, "Pixels along a side of the images, a power of two; small parts get fewer"}
            .between(16, 16384),
        OptionSpec{"--maps", &o.maps, "The images, of colour, normal, geometry"}.of_type("NAMES"),

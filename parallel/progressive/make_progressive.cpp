@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/progressive/mesh/assembly.h"
+#include "core/progressive/mesh/level.h"
 #include "parallel/progressive/region_collapse.h"
 #include "parallel/scheduler/first_touch.h"
 
@@ -18,6 +19,7 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
   progressive::RingMesh& rings = collapse.rings();
   report = {.cut_vertices = rings.cut_vertices(),
             .cut_edges = rings.cut_edges(),
+            .input_triangles = mesh.triangles.size(),
             .base_triangles = collapse.triangles_left(),
             .rounds = collapse.rounds()};
   ProgressiveMesh room;
@@ -36,7 +38,12 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
   assembly.find_groups();
   scheduler.for_chunks(mesh.triangles.size(), vertex_grain,
                        [&](ChunkRange c) { assembly.map_triangles(c.begin, c.end); });
-  return assembly.finish();
+  ProgressiveMesh whole = assembly.finish();
+  if (config.finest_triangles == 0) return whole;
+  const LevelFinder levels(whole);
+  const std::uint32_t vertices = levels.vertices_for_triangles(config.finest_triangles);
+  report.finest_error = levels.error_of(vertices) * mesh.transform.scale;
+  return without_finer(std::move(whole), vertices);
 }
 
 }  // namespace

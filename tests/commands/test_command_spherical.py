@@ -36,6 +36,16 @@ class Spherical(CommandCase):
                     for q in (10, 90, 100)]
         self.assertEqual(bytes_of, sorted(set(bytes_of)))
 
+    def test_fewer_triangles_carry_the_same_images(self):
+        every = self.results("spherical", sphere(), "-o", "all.lpm", "--texture", 64)
+        fewer = self.results("spherical", sphere(), "-o", "fewer.lpm", "--texture", 64, "--triangles", 300)
+        self.assertEqual(every["finest_error"], 0)
+        self.assertGreater(fewer["finest_error"], 0)
+        self.assertLessEqual(fewer["finest_triangles"], 300)
+        self.assertGreater(fewer["finest_triangles"], 290)
+        self.assertEqual(fewer["normal_bytes"], every["normal_bytes"])
+        self.assertLess(fewer["geometry_bytes"], every["geometry_bytes"])
+
     def test_levels_and_page(self):
         self.lodestone("spherical", sphere(), "-o", "out.glb", "--texture", 64)
         for triangles in (100, 1000):

@@ -199,6 +199,28 @@ TEST(ProgressiveMesh, LevelsByTrianglesAndByError) {
             out.vertex_count() - static_cast<std::uint32_t>(std::count(out.errors.begin(), out.errors.end(), 0.0f)));
 }
 
+TEST(ProgressiveMesh, AFinestLevelOfFewerTriangles) {
+  const auto scheduler = make_serial_scheduler();
+  for (const IndexedMesh& input : {test::textured_torus(40, 30, true, *scheduler), test::touching_cubes(6, *scheduler)}) {
+    ProgressiveReport report;
+    const ProgressiveMesh all = make_progressive(input, {}, *scheduler, report);
+    EXPECT_EQ(report.finest_error, 0);
+    const LevelFinder levels(all);
+    for (const std::size_t most : {std::size_t{1}, all.triangles.size() / 3, all.triangles.size()}) {
+      const ProgressiveMesh fewer = make_progressive(input, {.finest_triangles = most}, *scheduler, report);
+      const std::uint32_t vertices = levels.vertices_for_triangles(most);
+      check_progressive(fewer, "fewer");
+      EXPECT_EQ(report.input_triangles, input.triangles.size());
+      EXPECT_DOUBLE_EQ(report.finest_error, levels.error_of(vertices) * all.transform.scale);
+      EXPECT_LE(fewer.triangles.size(), std::max(most, levels.triangles_of(all.base_vertices)));
+      EXPECT_EQ(fewer.vertex_count(), vertices);
+      const LevelFinder finder(fewer);
+      for (const std::uint32_t level : test::some_levels(fewer, 5))
+        EXPECT_EQ(finder.compute_level(level), levels.compute_level(level));
+    }
+  }
+}
+
 TEST(ProgressiveMesh, SameBytesForAnyNumberOfThreads) {
   const auto scheduler = make_tbb_scheduler(1);
   for (const IndexedMesh& mesh : {test::sphere_mesh(7), test::textured_torus(160, 120, true, *scheduler)})
