@@ -203,21 +203,17 @@ TEST(ProgressiveMesh, AFinestLevelOfFewerTriangles) {
   const auto scheduler = make_serial_scheduler();
   for (const IndexedMesh& input : {test::textured_torus(40, 30, true, *scheduler), test::touching_cubes(6, *scheduler)}) {
     ProgressiveReport report;
-    const ProgressiveMesh all = make_progressive(input, {}, *scheduler, report);
+    const std::size_t all = input.triangles.size();
+    EXPECT_EQ(make_progressive(input, {.finest_triangles = all}, *scheduler, report).triangles.size(), all);
     EXPECT_EQ(report.finest_error, 0);
-    const LevelFinder levels(all);
-    for (const std::size_t most : {std::size_t{1}, all.triangles.size() / 3, all.triangles.size()}) {
-      const ProgressiveMesh fewer = make_progressive(input, {.finest_triangles = most}, *scheduler, report);
-      const std::uint32_t vertices = levels.vertices_for_triangles(most);
-      check_progressive(fewer, "fewer");
-      EXPECT_EQ(report.input_triangles, input.triangles.size());
-      EXPECT_DOUBLE_EQ(report.finest_error, levels.error_of(vertices) * all.transform.scale);
-      EXPECT_LE(fewer.triangles.size(), std::max(most, levels.triangles_of(all.base_vertices)));
-      EXPECT_EQ(fewer.vertex_count(), vertices);
-      const LevelFinder finder(fewer);
-      for (const std::uint32_t level : test::some_levels(fewer, 5))
-        EXPECT_EQ(finder.compute_level(level), levels.compute_level(level));
-    }
+    const ProgressiveMesh fewer = make_progressive(input, {.finest_triangles = all / 3}, *scheduler, report);
+    check_progressive(fewer, "fewer");
+    expect_sound_levels(fewer, 0);
+    EXPECT_EQ(report.input_triangles, all);
+    EXPECT_GE(fewer.triangles.size(), all / 3 - 1);
+    EXPECT_LE(fewer.triangles.size(), all / 3);
+    EXPECT_EQ(report.finest_error > 0, !input.wedges.uv.empty());  // cubes are flat
+    EXPECT_GE(fewer.errors.back() * fewer.transform.scale, 0.999 * report.finest_error);
   }
 }
 

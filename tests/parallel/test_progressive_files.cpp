@@ -20,10 +20,10 @@
 namespace lodestone {
 namespace {
 
-ProgressiveMesh make(const IndexedMesh& mesh, std::size_t base = 0) {
+ProgressiveMesh make(const IndexedMesh& mesh, std::size_t base = 0, std::size_t finest = 0) {
   const auto scheduler = make_serial_scheduler();
   ProgressiveReport report;
-  return make_progressive(mesh, {.base_triangles = base}, *scheduler, report);
+  return make_progressive(mesh, {.base_triangles = base, .finest_triangles = finest}, *scheduler, report);
 }
 
 std::vector<ProgressiveMesh> some_meshes() {
@@ -179,7 +179,7 @@ IndexedMesh soup(unsigned seed, bool textured) {
 
 TEST(Lpm, HoldsWhatWasCutApart) {
   for (unsigned seed = 0; seed < 400; ++seed) {
-    const ProgressiveMesh mesh = make(soup(seed, seed % 2 == 1));
+    const ProgressiveMesh mesh = make(soup(seed, seed % 2 == 1), 0, seed % 3 == 0 ? 20 : 0);
     const std::vector<std::byte> bytes = encode_lpm(mesh, {.position_bits = 20, .uv_bits = 20}).bytes;
     ByteReader input = reader_of(bytes);
     const ProgressiveMesh back = read_lpm(input);

@@ -1,7 +1,6 @@
 #include "core/progressive/mesh/level.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/progressive/mesh/activation.h"
 
@@ -65,15 +64,6 @@ RawMesh LevelFinder::level_mesh(std::uint32_t vertices) const {
     for (const Triangle& t : raw.triangles)
       raw.wedges.material.push_back(mesh_->wedges.material.empty() ? 0 : mesh_->wedges.material[t.v[0]]);
   return raw;
-}
-
-ProgressiveMesh without_finer(ProgressiveMesh&& mesh, std::uint32_t vertices) {
-  ProgressiveMesh out = std::move(mesh);
-  out.triangles = LevelFinder(out).compute_level(vertices);
-  const auto cut = [&](auto& values) { values.resize(std::min<std::size_t>(values.size(), vertices)); };
-  cut(out.positions), cut(out.parents), cut(out.errors);
-  cut(out.wedges.uv), cut(out.wedges.normal), cut(out.wedges.colour), cut(out.wedges.material);
-  return out;
 }
 
 std::vector<std::uint32_t> LevelFinder::compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const {

@@ -10,9 +10,6 @@
 
 namespace lodestone {
 
-// The mesh with a level of vertices_for() vertices as its finest.
-[[nodiscard]] ProgressiveMesh without_finer(ProgressiveMesh&& mesh, std::uint32_t vertices);
-
 // Finds levels of one progressive mesh, which must outlive it unchanged.
 class LevelFinder {
  public:
