@@ -61,7 +61,7 @@ struct Resampler::Row {
   std::vector<Job> jobs;
   std::vector<SurfacePoint> points;
   TapList taps;
-  TangentFrame frame;
+  TextureFrame frame;
   void clear() { jobs.clear(), points.clear(), taps.count = 0; }
 };
 

@@ -21,7 +21,7 @@ Vec3f unit_or_zero(Vec3f v) {
 
 // A normal of tangent space: x is the direction in which u grows, made perpendicular to the normal, y is on the side
 // where v falls.
-Vec3f bent(const TangentFrame& frame, Vec3f normal, Vec3f mapped) {
+Vec3f bent(const TextureFrame& frame, Vec3f normal, Vec3f mapped) {
   const Vec3f t = unit_or_zero(frame.to_u - dot(normal, frame.to_u) * normal);
   if (t == Vec3f{}) return normal;
   const Vec3f b = cross(normal, t);
@@ -174,7 +174,7 @@ Float4 SurfaceSource::colour(std::span<const SurfacePoint> points, std::span<con
   return colour * vertices;
 }
 
-TangentFrame SurfaceSource::frame_of(std::uint32_t triangle) const {
+TextureFrame SurfaceSource::frame_of(std::uint32_t triangle) const {
   const auto& [i, j, k] = corners_[triangle].v;
   const Vec3f to_b = mesh_.positions[j] - mesh_.positions[i], to_c = mesh_.positions[k] - mesh_.positions[i];
   const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
@@ -197,7 +197,7 @@ Vec3f SurfaceSource::normal(const SurfacePoint& point, const Footprint& footprin
 
 // The mean of the surface's normals, each bent in the same way.
 Vec3f SurfaceSource::normal(std::span<const SurfacePoint> points, std::span<const TextureTap> taps,
-                            TangentFrame& frame) const {
+                            TextureFrame& frame) const {
   const std::uint32_t map = shade_of(points[0].triangle).normal_map;
   const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(source_->texture(map).image.value(taps));
   if (mapped != Vec3f{} && source_->texture(map).object_space) return unit_or_zero(mapped);

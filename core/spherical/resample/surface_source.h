@@ -29,7 +29,7 @@ struct SurfacePoint {
 };
 
 // The directions on a triangle in which its texture coordinates grow.
-struct TangentFrame {
+struct TextureFrame {
   std::uint32_t triangle = no_source;
   Vec3f to_u, to_v;
 };
@@ -78,7 +78,7 @@ class SurfaceSource {
   [[nodiscard]] Float4 colour(std::span<const SurfacePoint> points, std::span<const TextureTap> taps) const;
   // frame: that of the last call, as neighbours are often in one triangle.
   [[nodiscard]] Vec3f normal(std::span<const SurfacePoint> points, std::span<const TextureTap> taps,
-                             TangentFrame& frame) const;
+                             TextureFrame& frame) const;
 
  private:
   // A triangle as samples need it, in one place: they come from all over the mesh.
@@ -101,7 +101,7 @@ class SurfaceSource {
   [[nodiscard]] std::array<float, 3> weights(const SurfacePoint& point) const;
   [[nodiscard]] Float4 vertex_colour(const SurfacePoint& point) const;
   [[nodiscard]] Vec3f smooth_normal(const SurfacePoint& point) const;
-  [[nodiscard]] TangentFrame frame_of(std::uint32_t triangle) const;
+  [[nodiscard]] TextureFrame frame_of(std::uint32_t triangle) const;
 
   // The weights of the source's corners at each corner of a triangle.
   using CornerWeights = std::array<std::array<float, 3>, 3>;
