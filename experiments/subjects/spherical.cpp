@@ -89,6 +89,8 @@ std::vector<Column<SphericalResult>> cost_columns() {
        [](R r) { return r.report.resampling.cpu_seconds; }},
       {{"encode_cpu_seconds", "s", "processor time of encoding images, and decoding them again", cost},
        [](R r) { return r.report.encoding.cpu_seconds; }},
+      {{"tangent_cpu_seconds", "s", "processor time of normal maps for other viewers", cost},
+       [](R r) { return r.tangent.plain_angle > 0 ? Row(r.tangent.time.cpu_seconds) : Row(); }},
       {{"collapse_cpu_seconds", "s", "processor time of making the result progressive", cost},
        [](R r) { return r.report.collapsing.cpu_seconds; }},
       {{"peak_bytes", "bytes", "largest resident set", cost}, [](R r) { return r.peak_bytes; }}};
