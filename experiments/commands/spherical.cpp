@@ -14,7 +14,7 @@ struct SphericalOptions {
   std::string input, output, effort = "normal", cut = "auto", maps = to_string(SphericalMaps{}), images = "webp";
   InputOptions reading;
   std::uint32_t texture = SphericalConfig{}.texture;
-  std::uint64_t triangles = 0;
+  std::uint64_t components = 0, triangles = 0;
   int quality = SphericalConfig{}.quality;
   bool compress = false;
 };
@@ -30,6 +30,7 @@ SphericalJob job_of(const SphericalOptions& options) {
   job.config.media_type = "image/" + options.images;
   job.config.quality = options.quality;
   job.config.maps = spherical_maps(options.maps);
+  job.config.components = options.components;
   job.config.progressive.finest_triangles = options.triangles;
   job.compress = options.compress;
   return job;
@@ -68,6 +69,7 @@ void print(const SphericalResult& result, const Row& row, const SphericalOptions
              number("colour_bytes") / 1000, number("normal_bytes") / 1000, number("geometry_bytes") / 1000);
   fmt::print("closed for the mapping: {} holes and {} handles of {} components\n", number("holes"), number("handles"),
              number("components"));
+  if (result.report.left_out > 0) fmt::print("left out: {} smaller components\n", result.report.left_out);
   fmt::print("map: efficiency {:.3f}, {} of its triangles turned over, {} slivers (the input has {})\n",
              number("efficiency"), number("flips"), number("slivers"), number("surface_slivers"));
   if (!row.at("colour_psnr").is_null()) fmt::print("colours: {:.1f} dB\n", number("colour_psnr"));
@@ -105,6 +107,7 @@ OptionTable declare(SphericalOptions& o) {
            {"fast", "normal", "best"}),
        OptionSpec{"--cut", &o.cut, "Cut the sphere open where it shows least, or as the map left it"}.one_of(
            {"auto", "none"}),
+       {"--components", &o.components, "Components to keep, the largest; 0: all"},
        {"--triangles", &o.triangles, "Triangles of the finest level, at most; 0: all; images are made from all"},
        OptionSpec{"--texture", &o.texture, "Pixels along a side of the images, a power of two; small parts get fewer"}
            .between(16, 16384),

@@ -23,6 +23,8 @@ std::vector<Column<SphericalResult>> surface_columns() {
   return {{{"input_triangles", "", "triangles of the input", count}, [](R r) { return r.input_triangles; }},
           {{"components", "", "parts that are mapped to a sphere each", count},
            [](R r) { return r.report.topology.components; }},
+          {{"left_out_components", "", "smaller components that were left out", count},
+           [](R r) { return r.report.left_out; }},
           {{"holes", "", "borders that were filled for the time of the mapping", count},
            [](R r) { return r.report.topology.boundary_loops; }},
           {{"handles", "", "handles that were closed for the time of the mapping", count},

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "core/math/box3.h"
 #include "core/spherical/assemble.h"
@@ -83,7 +84,26 @@ class Maker {
     report_.topology = spheres.report;
     report_.closing = clock.elapsed();
     for (const Surface& surface : surfaces_) areas_.push_back(area_of(surface));
+    keep_largest();
     for (const double area : areas_) whole_area_ += area;
+  }
+
+  // In their order; of equal ones the first.
+  void keep_largest() {
+    const std::size_t count = surfaces_.size();
+    if (config_.components == 0 || count <= config_.components) return;
+    std::vector<std::size_t> kept(count);
+    std::iota(kept.begin(), kept.end(), std::size_t{0});
+    std::stable_sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return areas_[a] > areas_[b]; });
+    kept.resize(config_.components);
+    std::sort(kept.begin(), kept.end());
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      if (kept[k] == k) continue;  // no move to itself
+      surfaces_[k] = std::move(surfaces_[kept[k]]);
+      areas_[k] = areas_[kept[k]];
+    }
+    surfaces_.resize(kept.size()), areas_.resize(kept.size());
+    report_.left_out = count - kept.size();
   }
 
   void map() {

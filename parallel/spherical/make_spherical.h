@@ -29,6 +29,7 @@ struct SphericalMaps {
 struct SphericalConfig {
   SphereMapConfig map;
   spherical::HandleConfig handles;
+  std::uint64_t components = 0;  // the largest by area are kept; 0: all
   bool choose_cut = true;        // false: the sphere is cut open as the map left it
   std::uint32_t texture = 1024;  // pixels along the side of the largest component's images; a power of two, at least 16
   SphericalMaps maps;
@@ -42,6 +43,7 @@ struct SphericalConfig {
 
 struct SphericalReport {
   spherical::TopologyReport topology;
+  std::uint64_t left_out = 0;  // components of those
   SphereMapReport map;    // of all components: times and counts are sums
   double efficiency = 0;  // of the map: the mean of the components' by area
   StageTime closing, unfolding, resampling, encoding, collapsing;

@@ -177,6 +177,21 @@ TEST(MakeSpherical, GivesEachComponentImagesByItsSize) {
   EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 2u);
 }
 
+TEST(MakeSpherical, LeavesOutTheSmallestComponents) {
+  SphericalConfig config = small_images();
+  config.components = 1;
+  const Made one = make(two_spheres(), config);
+  EXPECT_EQ(one.report.topology.components, 2u);
+  EXPECT_EQ(one.report.left_out, 1u);
+  EXPECT_EQ(one.mesh.wedges.materials.size(), 1u);
+  EXPECT_EQ(kind_by_position(one.mesh, one.mesh.triangles).components, 1u);
+  config.components = 2;
+  const Made two = make(two_spheres(), config);
+  EXPECT_EQ(two.report.left_out, 0u);
+  EXPECT_NEAR(area_of(one.mesh.positions, one.mesh.triangles, one.mesh.transform) * 1.04,
+              area_of(two.mesh.positions, two.mesh.triangles, two.mesh.transform), 1e-3);
+}
+
 // Triangles that face the other way are turned; two spheres that touch along an edge are cut apart there, and further
 // edges with the same ends are halved: colours come from the right places nevertheless.
 TEST(MakeSpherical, FollowsWhatWasTurnedAndCutApart) {
