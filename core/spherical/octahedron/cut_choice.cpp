@@ -18,7 +18,7 @@ constexpr std::uint32_t triangles_per_sample = 4;
 constexpr double hidden = 0.25;  // cost of a length that is not seen at all; 1.25 where all of the sky is
 constexpr double first_step = 0.2, last_step = 0.004;  // radians
 
-// What is tried for a square of so many samples: together, this grows faster than their number.
+// Numbers of trials for a square of so many samples: together, they grow faster than the samples.
 struct Trials {
   explicit Trials(std::uint32_t side)
       : steps(3 * side / 4),
