@@ -267,6 +267,7 @@ class Maker {
     ProgressiveMesh out = make_progressive(std::move(whole), config_.progressive, scheduler_, report_.progressive);
     if (config_.maps.normal) out.object_normals = std::move(object_normals_);
     out.geometry_images = std::move(geometry_images_);
+    out.octahedral = true;
     report_.collapsing = clock.elapsed();
     return out;
   }

@@ -28,7 +28,9 @@ class ProgressiveReader {
                       "make it so with `lodestone progressive`");
     read_place(node);
     read_vertices(attributes);
-    const std::uint64_t base = mesh.at("extras").at("progressive").at("baseVertices").integer();
+    const JsonView extras = mesh.at("extras").at("progressive");
+    if (const auto octahedral = extras.find("octahedral")) out_.octahedral = octahedral->boolean();
+    const std::uint64_t base = extras.at("baseVertices").integer();
     if (base > out_.positions.size()) mesh.at("extras").fail("the base has more vertices than the model");
     out_.base_vertices = static_cast<std::uint32_t>(base);
     for (std::size_t k = 0; k < primitives.size(); ++k) read_primitive(primitives.at(k), attributes);

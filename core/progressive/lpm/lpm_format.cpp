@@ -56,27 +56,32 @@ json to_json(const LpmHeader& h) {
         {{"name", t.name},
          {"type", t.media_type},
          {"wrap", {wraps[static_cast<std::size_t>(t.wrap_u)], wraps[static_cast<std::size_t>(t.wrap_v)]}}});
-  return {{"version", 1},
-          {"vertices", h.vertices},
-          {"groups", h.groups},
-          {"baseGroups", h.base_groups},
-          {"positionBits", h.settings.position_bits},
-          {"uvBits", h.settings.uv_bits},
-          {"wedges", h.settings.wedges},
-          {"uv", h.settings.uv},
-          {"colours", h.settings.colours},
-          {"materialIds", h.settings.materials},
-          {"uvLow", h.uv_low},
-          {"uvStep", h.uv_step},
-          {"origin", {h.transform.origin.x, h.transform.origin.y, h.transform.origin.z}},
-          {"scale", h.transform.scale},
-          {"materials", materials},
-          {"textures", textures}};
+  for (std::size_t k = 0; k < h.thumbnails.size(); ++k)
+    if (!h.thumbnails[k].empty()) textures[k]["thumbnail"] = h.thumbnails[k];
+  json header{{"version", h.thumbnails.empty() ? 1 : 2},
+              {"vertices", h.vertices},
+              {"groups", h.groups},
+              {"baseGroups", h.base_groups},
+              {"positionBits", h.settings.position_bits},
+              {"uvBits", h.settings.uv_bits},
+              {"wedges", h.settings.wedges},
+              {"uv", h.settings.uv},
+              {"colours", h.settings.colours},
+              {"materialIds", h.settings.materials},
+              {"uvLow", h.uv_low},
+              {"uvStep", h.uv_step},
+              {"origin", {h.transform.origin.x, h.transform.origin.y, h.transform.origin.z}},
+              {"scale", h.transform.scale},
+              {"materials", materials},
+              {"textures", textures}};
+  if (h.octahedral) header["octahedral"] = true;
+  return header;
 }
 
 LpmHeader read_header(const JsonView& json) {
-  if (json.at("version").integer() != 1)
-    throw UnsupportedError("version " + std::to_string(json.at("version").integer()) + " of .lpm is not supported");
+  const std::uint64_t version = json.at("version").integer();
+  if (version < 1 || version > 2)
+    throw UnsupportedError("version " + std::to_string(version) + " of .lpm is not supported");
   LpmHeader h;
   h.vertices = count_of(json.at("vertices"));
   h.groups = count_of(json.at("groups"));
@@ -89,6 +94,7 @@ LpmHeader read_header(const JsonView& json) {
   const auto origin = json.at("origin").numbers<3>();
   h.transform = {{origin[0], origin[1], origin[2]}, json.at("scale").number()};
   if (!(h.transform.scale > 0)) json.at("scale").fail("is not positive");
+  if (const auto octahedral = json.find("octahedral")) h.octahedral = octahedral->boolean();
   const JsonView textures = json.at("textures"), materials = json.at("materials");
   for (std::size_t k = 0; k < textures.size(); ++k) {
     const JsonView t = textures.at(k), wrap = t.at("wrap");
@@ -97,6 +103,7 @@ LpmHeader read_header(const JsonView& json) {
                           read_wrap(wrap.at(std::size_t{0})),
                           read_wrap(wrap.at(std::size_t{1})),
                           {}});
+    h.thumbnails.push_back(t.string_or("thumbnail", ""));
   }
   for (std::size_t k = 0; k < materials.size(); ++k) {
     const JsonView m = materials.at(k);

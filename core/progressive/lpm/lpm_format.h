@@ -25,7 +25,9 @@ struct LpmHeader {
   std::vector<Material> materials;
   std::vector<std::uint32_t> object_normals;     // as in ProgressiveMesh
   std::vector<GeometryTexture> geometry_images;  // likewise
+  bool octahedral = false;                       // likewise
   std::vector<Texture> textures;                 // without their bytes
+  std::vector<std::string> thumbnails;           // by texture: the type of its thumbnail; empty if it has none
 };
 
 [[nodiscard]] nlohmann::json to_json(const LpmHeader& header);

@@ -43,6 +43,9 @@ struct ProgressiveMesh {
   std::vector<GeometryTexture> geometry_images{};
   // By vertex, for normal maps in tangent space at the finest level. Empty: readers make their own.
   std::vector<Tangent> tangents{};
+  // True if images lie over the octahedral square (core/spherical/octahedron/octahedral_image.h): who draws them makes
+  // their sides symmetric after decoding, and at each mip level.
+  bool octahedral = false;
 
   [[nodiscard]] std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
 };
