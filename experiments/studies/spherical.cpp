@@ -3,6 +3,7 @@
 
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/metrics/cracks/progressive_cracks.h"
+#include "experiments/metrics/geometry/texture_sliding.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/study_input.h"
@@ -34,10 +35,15 @@ std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
   std::vector<ColumnInfo> list = spherical_columns();
   append(list, spread_ends(list, {"seconds", "cpu_seconds"}));
-  append(list,
-         {{"hash", "", "hash of the result", label},
-          {"same", "", "all rounds and a single worker make the same", label},
-          {"residual_edges", "", "cracks: edges of a level's border that are not the image of the input's", count}});
+  append(
+      list,
+      {{"hash", "", "hash of the result", label},
+       {"same", "", "all rounds and a single worker make the same", label},
+       {"residual_edges", "", "cracks: edges of a level's border that are not the image of the input's", count},
+       {"texture_sliding", "texels", "mean way of the texture at a level, drawn where its error is a pixel", accuracy},
+       {"texture_sliding_max", "texels", "the largest such way", accuracy},
+       {"morph_sliding", "texels", "texture_sliding from a level of a fourth more vertices", accuracy},
+       {"morph_sliding_max", "texels", "the largest such way", accuracy}});
   return list;
 }
 
@@ -90,6 +96,9 @@ std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context
   add_times(row, times);
   row["hash"] = to_hex(hash), row["same"] = same;
   row["residual_edges"] = residual_edges_of_levels(result.mesh, checked_levels);
+  const SlidingOfLevels sliding = texture_sliding_of_levels(result.mesh, checked_levels);
+  row["texture_sliding"] = sliding.whole.mean, row["texture_sliding_max"] = sliding.whole.max;
+  row["morph_sliding"] = sliding.step.mean, row["morph_sliding_max"] = sliding.step.max;
   return {row};
 }
 
@@ -102,6 +111,7 @@ std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows)
   verdict.at_most("flips", 0);
   verdict.at_most("residual_edges", 0);
   verdict.at_most("efficiency", 1);
+  verdict.at_most("texture_sliding", 1);
   return std::move(verdict).messages();
 }
 

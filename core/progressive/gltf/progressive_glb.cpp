@@ -92,6 +92,7 @@ void add_textures(GlbBuilder& glb, const std::vector<Texture>& textures, std::sp
 }
 
 void add_extras(GlbBuilder& glb, const ProgressiveMesh& mesh) {
+  if (mesh.wedges.materials.empty()) return;  // glTF has no empty list of materials
   json& materials = glb.root["materials"];
   for (std::size_t m = 0; m < mesh.object_normals.size(); ++m)
     if (mesh.object_normals[m] != no_texture)
