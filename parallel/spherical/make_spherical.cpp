@@ -10,6 +10,7 @@
 #include "core/spherical/assemble.h"
 #include "core/spherical/octahedron/cut_choice.h"
 #include "core/spherical/octahedron/octahedral_image.h"
+#include "core/spherical/octahedron/square_atlas.h"
 #include "core/spherical/resample/geometry_image.h"
 #include "core/spherical/resample/image_error.h"
 #include "core/spherical/resample/mesh_source.h"
@@ -24,6 +25,8 @@ namespace {
 using namespace spherical;
 
 constexpr std::uint32_t least_texture = 16;
+constexpr double least_share = 1.0 / 256;      // of the area, for images of its own
+constexpr std::size_t small_component = 8192;  // triangles; the map to the sphere uses one worker for so few
 
 struct MapName {
   std::string_view name;
@@ -108,19 +111,31 @@ class Maker {
 
   void map() {
     config_.on_phase("mapping to the sphere");
-    for (std::size_t k = 0; k < surfaces_.size(); ++k) {
-      SphereMapReport part;
-      directions_.push_back(
-          map_to_sphere(surfaces_[k].positions, surfaces_[k].triangles, config_.map, scheduler_, part));
-      report_.efficiency += share(k) * part.sums.efficiency();
-      add(report_.map.collapse, part.collapse), add(report_.map.map, part.map), add(report_.map.measure, part.measure);
-      report_.map.sums.add(part.sums);
-      report_.map.levels = std::max(report_.map.levels, part.levels);
-      report_.map.waves += part.waves;
-      report_.map.colours = std::max(report_.map.colours, part.colours);
-      report_.map.by_connectivity += part.by_connectivity;
-      report_.map.attempts += part.attempts;
-    }
+    directions_.resize(surfaces_.size());
+    std::vector<SphereMapReport> parts(surfaces_.size());
+    const auto map_one = [&](std::size_t k, Scheduler& scheduler) {
+      directions_[k] = map_to_sphere(surfaces_[k].positions, surfaces_[k].triangles, config_.map, scheduler, parts[k]);
+    };
+    std::vector<std::size_t> small;
+    for (std::size_t k = 0; k < surfaces_.size(); ++k)
+      surfaces_[k].triangles.size() < small_component ? small.push_back(k) : map_one(k, scheduler_);
+    const CpuClock clock;
+    in_chunks(small.size(), 1, [&](ChunkRange range) { map_one(small[range.begin], *make_serial_scheduler()); });
+    add(report_.map.map, clock.elapsed());
+    // Their own clocks have counted each other.
+    for (const std::size_t k : small) parts[k].collapse = parts[k].map = parts[k].measure = {};
+    for (std::size_t k = 0; k < surfaces_.size(); ++k) add_map_report(k, parts[k]);
+  }
+
+  void add_map_report(std::size_t k, const SphereMapReport& part) {
+    report_.efficiency += share(k) * part.sums.efficiency();
+    add(report_.map.collapse, part.collapse), add(report_.map.map, part.map), add(report_.map.measure, part.measure);
+    report_.map.sums.add(part.sums);
+    report_.map.levels = std::max(report_.map.levels, part.levels);
+    report_.map.waves += part.waves;
+    report_.map.colours = std::max(report_.map.colours, part.colours);
+    report_.map.by_connectivity += part.by_connectivity;
+    report_.map.attempts += part.attempts;
   }
 
   void unfold_all() {
@@ -160,16 +175,74 @@ class Maker {
     source_ = std::make_shared<MeshSource>(mesh_);
     in_chunks(source_->texture_count(), 1, [&](ChunkRange range) { source_->load(range.begin); });
     add(report_.resampling, clock.elapsed());
-    for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+    const std::vector<std::size_t> small = small_components();
+    for (std::size_t k = 0, next = 0; k < surfaces_.size(); ++k) {
+      if (next < small.size() && small[next] == k && ++next > 0) continue;
       // Images of several components are told apart by their numbers.
       std::string name;
       if (surfaces_.size() > 1) name.append(" ").append(std::to_string(k + 1));
+      places_[k].material = static_cast<std::uint32_t>(materials_.size());
       materials_.push_back({.name = "octahedral" + name});
       if (config_.maps.colour || config_.maps.normal) add_component(k, name);
       if (config_.maps.geometry) add_geometry(k, name);
     }
+    if (!small.empty()) add_atlas(small);
     source_.reset();
     report_.geometry_rms = std::sqrt(report_.geometry_rms);
+  }
+
+  // Those that share their images. A geometry image is that of one component.
+  std::vector<std::size_t> small_components() {
+    places_.resize(surfaces_.size());
+    std::vector<std::size_t> small;
+    for (std::size_t k = 0; k < surfaces_.size() && !config_.maps.geometry; ++k)
+      if (share(k) < least_share) small.push_back(k);
+    if (small.size() < 2) small.clear();
+    return small;
+  }
+
+  void add_atlas(const std::vector<std::size_t>& small) {
+    CpuClock clock;
+    std::vector<std::uint32_t> sides;
+    for (const std::size_t k : small) sides.push_back(texture_of(k));
+    const SquareAtlas atlas = pack_squares(std::move(sides), config_.texture);
+    LinearImage colour = blank_image(atlas, 4), normal = blank_image(atlas, config_.maps.normal ? 3 : 0);
+    in_chunks(small.size(), 1, [&](ChunkRange range) {
+      const std::size_t k = small[range.begin];
+      const AtlasSquare& square = atlas.squares[range.begin];
+      const SurfaceSource source(source_, surfaces_[k], directions_[k]);
+      const ResampledImages images =
+          resample(surfaces_[k], directions_[k], source, {.size = square.image(), .normals = config_.maps.normal});
+      paste(images.colour, square, colour);
+      if (config_.maps.normal) paste(images.normal, square, normal);
+      places_[k] = place_in(atlas, range.begin, static_cast<std::uint32_t>(materials_.size()));
+    });
+    fill_rest(atlas, colour), fill_rest(atlas, normal);
+    add(report_.resampling, clock.elapsed());
+    clock = {};
+    materials_.push_back({.name = "octahedral atlas"});
+    std::uint32_t number = no_texture;
+    if (config_.maps.colour)
+      colour = add_image(colour, PixelMeaning::colours, "colour atlas", materials_.back().texture);
+    if (config_.maps.normal) normal = add_image(normal, PixelMeaning::normals, "normals atlas", number);
+    object_normals_.push_back(number);
+    add(report_.encoding, clock.elapsed());
+    measure_atlas(small, atlas, colour, normal);
+  }
+
+  void measure_atlas(const std::vector<std::size_t>& small, const SquareAtlas& atlas, const LinearImage& colour,
+                     const LinearImage& normal) {
+    std::vector<ImageError> errors(small.size());
+    in_chunks(small.size(), 1, [&](ChunkRange range) {
+      const std::size_t k = small[range.begin];
+      const SurfaceSource source(source_, surfaces_[k], directions_[k]);
+      const ImageErrorMeter meter(surfaces_[k], directions_[k], source, error_points(k));
+      const auto own = [&](const LinearImage& image) {
+        return image.values.empty() ? LinearImage{} : cut_out(image, atlas.squares[range.begin]);
+      };
+      errors[range.begin] = measure_images(meter, own(colour), own(normal));
+    });
+    for (std::size_t i = 0; i < small.size(); ++i) add_error(small[i], errors[i]);
   }
 
   // The result of a Resampler or a GeometrySampler.
@@ -196,7 +269,7 @@ class Maker {
     std::uint32_t number = no_texture;
     LinearImage colour, normal;
     if (config_.maps.colour)
-      colour = add_image(images.colour, PixelMeaning::colours, "colour" + name, materials_[k].texture);
+      colour = add_image(images.colour, PixelMeaning::colours, "colour" + name, materials_.back().texture);
     if (config_.maps.normal) normal = add_image(images.normal, PixelMeaning::normals, "normals" + name, number);
     object_normals_.push_back(number);
     add(report_.encoding, clock.elapsed());
@@ -251,7 +324,10 @@ class Maker {
               [&](ChunkRange range) { parts[range.index] = meter.measure(colour, normal, range.begin, range.end); });
     ImageErrorSums sums;
     for (const ImageErrorSums& part : parts) sums.add(part);
-    const ImageError error = image_error(sums);
+    add_error(k, image_error(sums));
+  }
+
+  void add_error(std::size_t k, const ImageError& error) {
     if (config_.maps.colour) report_.colour_psnr += share(k) * error.colour_psnr;
     report_.normal_psnr += share(k) * error.normal_psnr;
   }
@@ -259,7 +335,7 @@ class Maker {
   ProgressiveMesh collapse() {
     config_.on_phase("collapsing");
     const CpuClock clock;
-    RawMesh raw = assemble(mesh_, surfaces_, unfoldings_);
+    RawMesh raw = assemble(mesh_, surfaces_, unfoldings_, places_);
     raw.materials = std::move(materials_);
     raw.textures = std::move(textures_);
     Repairs repairs;
@@ -302,6 +378,7 @@ class Maker {
   std::vector<std::vector<Vec3d>> directions_;
   std::vector<Unfolding> unfoldings_;
   std::shared_ptr<MeshSource> source_;  // while images are made
+  std::vector<ImagePlace> places_;      // by surface
   std::vector<Material> materials_;
   std::vector<Texture> textures_;
   std::vector<std::uint32_t> object_normals_;

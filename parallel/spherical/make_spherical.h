@@ -44,7 +44,7 @@ struct SphericalConfig {
 struct SphericalReport {
   spherical::TopologyReport topology;
   std::uint64_t left_out = 0;  // components of those
-  SphereMapReport map;    // of all components: times and counts are sums
+  SphereMapReport map;    // of all components: times and counts are sums; map.map has all stages of small components
   double efficiency = 0;  // of the map: the mean of the components' by area
   StageTime closing, unfolding, resampling, encoding, collapsing;
   // After the images were encoded and decoded; dB, the mean over components by area. 0 without such images.
@@ -63,8 +63,11 @@ struct SphericalReport {
 
 // The recipe: close holes and handles (core/spherical/topology), map each component to the sphere (map_to_sphere.h),
 // unfold it, resample its colours and normals (core/spherical/resample), and make the surface, without what closed it,
-// progressive. A component has a material and images of its own; smaller ones have smaller images. The result depends
-// on the mesh and the configuration alone. Throws what these parts throw.
+// progressive. A component has a material and images of its own; smaller ones have smaller images. Components of less
+// than 1/256 of the area share one material and its images, an atlas no larger than the largest component's images as
+// far as 16 texels for each allow (core/spherical/octahedron/square_atlas.h), unless there are geometry images, each of
+// which is that of one component. The result depends on the mesh and the configuration alone. Throws what these parts
+// throw.
 [[nodiscard]] ProgressiveMesh make_spherical(const IndexedMesh& mesh, const SphericalConfig& config,
                                              Scheduler& scheduler, SphericalReport& report);
 

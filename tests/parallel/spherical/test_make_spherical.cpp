@@ -192,6 +192,40 @@ TEST(MakeSpherical, LeavesOutTheSmallestComponents) {
               area_of(two.mesh.positions, two.mesh.triangles, two.mesh.transform), 1e-3);
 }
 
+// A large sphere with many small ones around it, of several sizes.
+IndexedMesh sphere_with_crumbs() {
+  RawMesh raw;
+  const auto add = [&](const IndexedMesh& sphere, double scale, Vec3d shift) {
+    const auto first = static_cast<std::uint32_t>(raw.positions.size());
+    for (const Vec3f p : sphere.positions) raw.positions.push_back(scale * to_double(p) + shift);
+    for (const Triangle& t : sphere.triangles)
+      raw.triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
+  };
+  add(sphere_mesh(4), 1, {});
+  for (int k = 0; k < 20; ++k) add(sphere_mesh(k % 3), k % 2 == 0 ? 0.01 : 0.04, {2, 0.1 * k, 0});
+  Repairs repairs;
+  return prepare_mesh(std::move(raw), repairs, *make_serial_scheduler());
+}
+
+TEST(MakeSpherical, SmallComponentsShareTheirImages) {
+  const IndexedMesh mesh = sphere_with_crumbs();
+  const Made made = make(mesh, small_images());
+  EXPECT_EQ(made.report.topology.components, 21u);
+  ASSERT_EQ(made.mesh.wedges.materials.size(), 2u);
+  EXPECT_EQ(made.mesh.object_normals.size(), 2u);
+  EXPECT_EQ(made.report.map.sums.flips, 0u);
+  EXPECT_GT(made.report.normal_psnr, 35);
+  expect_square(made.mesh);
+  EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 21u);
+  EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).open_edges, 0u);
+  const std::vector<std::byte> bytes = encode_progressive_glb(made.mesh, false);
+  for (const int threads : {2, 3})
+    EXPECT_EQ(encode_progressive_glb(make(mesh, small_images(), threads).mesh, false), bytes);
+  SphericalConfig config = small_images();  // a geometry image is that of one component
+  config.maps.geometry = true;
+  EXPECT_EQ(make(mesh, config).mesh.wedges.materials.size(), 21u);
+}
+
 // Triangles that face the other way are turned; two spheres that touch along an edge are cut apart there, and further
 // edges with the same ends are halved: colours come from the right places nevertheless.
 TEST(MakeSpherical, FollowsWhatWasTurnedAndCutApart) {
