@@ -11,7 +11,6 @@
 #include "experiments/subjects/row.h"
 #include "parallel/scheduler/scheduler.h"
 #include "parallel/spherical/make_spherical.h"
-#include "parallel/spherical/tangent_maps.h"
 
 namespace lodestone {
 
@@ -25,8 +24,7 @@ struct SphericalJob {
 struct SphericalResult {
   ProgressiveMesh mesh;
   SphericalReport report;
-  TangentMapReport tangent;  // of a .glb
-  StageTime time;            // of making it, without files
+  StageTime time;  // of making it, without files
   ProgressiveFileSize size;
   std::uint64_t input_triangles = 0;
   Repairs repairs;

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/progressive/collapse/uv_star.h"
 #include "core/progressive/mesh/level.h"
 #include "parallel/mesh/load.h"
 #include "parallel/progressive/make_progressive.h"
@@ -26,6 +27,12 @@ ProgressiveMesh make(const IndexedMesh& mesh, ProgressiveConfig config = {}, Pro
   const auto scheduler = make_tbb_scheduler(threads);
   ProgressiveReport own;
   return make_progressive(mesh, config, *scheduler, report != nullptr ? *report : own);
+}
+
+std::vector<MetricKind> metrics_of(const IndexedMesh& mesh) {
+  std::vector<MetricKind> metrics{MetricKind::quadric, MetricKind::attribute_quadric};
+  if (!mesh.wedges.uv.empty()) metrics.push_back(MetricKind::parametric);
+  return metrics;
 }
 
 // Everything at twenty levels: what is computed is what is defined, closed, and sound.
@@ -102,7 +109,7 @@ TEST(ProgressiveMesh, SameBytesOnEveryInstructionSet) {
   const auto scheduler = make_tbb_scheduler(1);
   for (const IndexedMesh& mesh : {test::sphere_mesh(6), test::terrain_mesh(60), test::touching_cubes(8, *scheduler),
                                   test::textured_torus(48, 32, true, *scheduler)})
-    for (const MetricKind metric : {MetricKind::quadric, MetricKind::attribute_quadric}) {
+    for (const MetricKind metric : metrics_of(mesh)) {
       const ProgressiveMesh plain = make(mesh, {.metric = metric, .instructions = InstructionSet::plain});
       const ProgressiveMesh avx2 = make(mesh, {.metric = metric, .instructions = InstructionSet::avx2});
       EXPECT_EQ(plain.positions, avx2.positions);
@@ -166,6 +173,20 @@ TEST(ProgressiveMesh, SeamsNeverOpenAndChartsStay) {
     }
 }
 
+// Metrics that know the texture turn over no triangle on it, at any level.
+TEST(ProgressiveMesh, NoTriangleIsFoldedOnTheTexture) {
+  const auto scheduler = make_tbb_scheduler(2);
+  const IndexedMesh mesh = test::textured_torus(60, 40, true, *scheduler);
+  for (const MetricKind metric : {MetricKind::attribute_quadric, MetricKind::parametric}) {
+    const ProgressiveMesh out = make(mesh, {.metric = metric});
+    for (const std::uint32_t level : some_levels(out, 30))
+      for (const Triangle& t : LevelFinder(out).compute_level(level)) {
+        const auto uv = [&](std::size_t k) { return out.wedges.uv[t.v[k]]; };
+        ASSERT_GT(progressive::uv_area(uv(0), uv(1), uv(2)), 0) << level;
+      }
+  }
+}
+
 TEST(ProgressiveMesh, GeomorphsFollowAncestors) {
   const ProgressiveMesh out = make(test::sphere_mesh(4));
   const LevelFinder finder(out);
@@ -199,28 +220,10 @@ TEST(ProgressiveMesh, LevelsByTrianglesAndByError) {
             out.vertex_count() - static_cast<std::uint32_t>(std::count(out.errors.begin(), out.errors.end(), 0.0f)));
 }
 
-TEST(ProgressiveMesh, AFinestLevelOfFewerTriangles) {
-  const auto scheduler = make_serial_scheduler();
-  for (const IndexedMesh& input : {test::textured_torus(40, 30, true, *scheduler), test::touching_cubes(6, *scheduler)}) {
-    ProgressiveReport report;
-    const std::size_t all = input.triangles.size();
-    EXPECT_EQ(make_progressive(input, {.finest_triangles = all}, *scheduler, report).triangles.size(), all);
-    EXPECT_EQ(report.finest_error, 0);
-    const ProgressiveMesh fewer = make_progressive(input, {.finest_triangles = all / 3}, *scheduler, report);
-    check_progressive(fewer, "fewer");
-    expect_sound_levels(fewer, 0);
-    EXPECT_EQ(report.input_triangles, all);
-    EXPECT_GE(fewer.triangles.size(), all / 3 - 1);
-    EXPECT_LE(fewer.triangles.size(), all / 3);
-    EXPECT_EQ(report.finest_error > 0, !input.wedges.uv.empty());  // cubes are flat
-    EXPECT_GE(fewer.errors.back() * fewer.transform.scale, 0.999 * report.finest_error);
-  }
-}
-
 TEST(ProgressiveMesh, SameBytesForAnyNumberOfThreads) {
   const auto scheduler = make_tbb_scheduler(1);
   for (const IndexedMesh& mesh : {test::sphere_mesh(7), test::textured_torus(160, 120, true, *scheduler)})
-    for (const MetricKind metric : {MetricKind::quadric, MetricKind::attribute_quadric}) {
+    for (const MetricKind metric : metrics_of(mesh)) {
       const auto serial = make_serial_scheduler();
       ProgressiveReport report;
       const ProgressiveMesh first = make_progressive(mesh, {.metric = metric}, *serial, report);

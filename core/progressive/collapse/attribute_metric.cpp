@@ -66,7 +66,7 @@ class AttributeMetric final : public CollapseMetric {
 
   [[nodiscard]] bool allows(const Collapse& c) const override { return uv_.empty() || !turns_texture(*rings_, uv_, c); }
 
-  float collapse(const Collapse& c) override {
+  float collapse(const Collapse& c, float) override {
     const Vec3f shift = rings_->position(c.target) - rings_->position(c.vertex);
     const float error = std::sqrt(cost(c, shift) / std::max(geometry_[c.vertex].weight, 1e-30f));
     geometry_[c.target].add(geometry_[c.vertex], Vec3f{} - shift);

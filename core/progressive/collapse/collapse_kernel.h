@@ -51,9 +51,6 @@ struct CollapseState {
   std::vector<Id> parent;  // by wedge (by vertex, without wedges): what it collapsed into; no_id: still there
 };
 
-struct TextureFan;
-struct TextureStep;
-
 struct CollapseKernel {
   ChainFan chain;  // of at most eight triangles; eight ids can be read
   // The quadrics of vertices [begin, end) in the input (star_quadrics.h).
@@ -61,9 +58,6 @@ struct CollapseKernel {
   // Their first ranks: what they would cost if the surface allowed everything.
   void (*start)(CollapseState& state, std::size_t begin, std::size_t end);
   std::vector<CollapseRecord> (*run)(CollapseState& state, const Region& region, RingArena& arena);
-  // On the texture (texture_fan.h).
-  std::uint64_t (*sectors_near)(const TextureFan& fan, const TextureStep& step);
-  void (*find_crossings)(const TextureFan& fan, const TextureStep& step, std::uint64_t* crossed);
 };
 // The build for AVX2 is null where the compiler does not know it.
 extern const CollapseKernel *const plain_collapse_kernel, *const avx2_collapse_kernel;

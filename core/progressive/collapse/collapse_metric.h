@@ -26,6 +26,7 @@ struct AttributeWeights {
 };
 
 struct CollapseKernel;
+struct TexturePoint;
 
 // Calls for different vertices may run side by side where the rings allow collapses side by side (ring_mesh.h).
 class CollapseMetric {
@@ -42,15 +43,17 @@ class CollapseMetric {
   };
   // Bit k of `places` stands for the k-th neighbour; of equal ranks the first counts. `allowed` says whether the
   // surface and the attributes bear a collapse; it is called for as few of them as needed.
-  [[nodiscard]] virtual Cheapest cheapest(Id v, std::uint64_t places,
-                                          const std::function<bool(std::uint32_t at)>& allowed) const;
+  [[nodiscard]] Cheapest cheapest(Id v, std::uint64_t places,
+                                  const std::function<bool(std::uint32_t at)>& allowed) const;
   // By vertex, if ranks are made of nothing else (ring_tests.h); otherwise null.
   [[nodiscard]] virtual const CentredQuadric* plane_quadrics() const { return nullptr; }
+  // By wedge, if ranks are deviations on the texture (texture_ranks.h); otherwise null.
+  [[nodiscard]] virtual const TexturePoint* texture_points() const { return nullptr; }
   // True if attributes bear a collapse that the surface allows.
   [[nodiscard]] virtual bool allows(const Collapse&) const { return true; }
-  // Before a collapse is carried out. Returns its error as a length: an estimate of the distance between the surface
-  // around u, or its attributes, and what the input has there.
-  virtual float collapse(const Collapse&) = 0;
+  // Before a collapse of this rank is carried out. Returns its error as a length: an estimate of the distance between
+  // the surface around u, or its attributes, and what the input has there.
+  virtual float collapse(const Collapse&, float rank) = 0;
 
  protected:
   // The rank of the collapse of v into each of its neighbours, in the order of its ring, as far as that goes; infinite
@@ -74,7 +77,6 @@ class CollapseMetric {
 [[nodiscard]] std::unique_ptr<CollapseMetric> make_attribute_metric(const RingMesh& rings, const IndexedMesh& mesh,
                                                                     const AttributeWeights& weights,
                                                                     const CollapseKernel& kernel);
-[[nodiscard]] std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh,
-                                                                     const CollapseKernel& kernel);
+[[nodiscard]] std::unique_ptr<CollapseMetric> make_parametric_metric(const RingMesh& rings, const IndexedMesh& mesh);
 
 }  // namespace lodestone::progressive

@@ -16,7 +16,7 @@
 #include "core/progressive/collapse/collapse_kernel.h"
 #include "core/progressive/collapse/rank_heap.h"
 #include "core/progressive/collapse/star_quadrics.h"
-#include "core/progressive/collapse/texture_fan.h"
+#include "core/progressive/collapse/texture_ranks.h"
 
 namespace lodestone::progressive {
 inline namespace LODESTONE_LANES {
@@ -27,7 +27,12 @@ inline constexpr float patience = 1.125f;
 class CollapseRun {
  public:
   explicit CollapseRun(CollapseState& state)
-      : s_(state), rings_(state.rings), metric_(state.metric), quadrics_(state.metric.plane_quadrics()) {}
+      : s_(state),
+        rings_(state.rings),
+        metric_(state.metric),
+        quadrics_(state.metric.plane_quadrics()),
+        texture_(state.metric.texture_points()),
+        texture_ranks_(state.rings, texture_) {}
 
   void start(std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
@@ -69,8 +74,9 @@ class CollapseRun {
   static constexpr float never = std::numeric_limits<float>::infinity();
 
   // The lanes of the ring that v may collapse into: borders collapse along borders.
-  static unsigned lanes_of(const Ring& ring) {
-    return ring.open != 0 ? 1u | 1u << (ring.size - 1) : (1u << ring.size) - 1;
+  static unsigned lanes_of(const Ring& ring) { return static_cast<unsigned>(places_of(ring)); }
+  static std::uint64_t places_of(const Ring& ring) {
+    return ring.open != 0 ? std::uint64_t{1} | std::uint64_t{1} << (ring.size - 1) : all_of(ring);
   }
   static std::uint64_t all_of(const Ring& ring) { return ~std::uint64_t{0} >> (64 - ring.size); }
 
@@ -83,6 +89,8 @@ class CollapseRun {
       Float8 ranks[1];
       star_ranks<1>(quadrics_[v], load_star<1>(rings_.points(), ring, v), ranks);
       at.rank = lowest(select(lanes_of(ring), ranks[0], all8(never)));
+    } else if (texture_ != nullptr && ring.size > 0) {
+      at.rank = texture_ranks_.cheapest(v, places_of(ring), [](std::uint32_t) { return true; }).rank;
     } else if (ring.size > 0) {
       at.rank =
           metric_.cheapest(v, ring.size > 8 ? all_of(ring) : lanes_of(ring), [](std::uint32_t) { return true; }).rank;
@@ -98,6 +106,7 @@ class CollapseRun {
       if (!maybe && (at.rank == never || at.rank > region.max_rank)) continue;
       queue_.add(maybe ? 0 : at.rank, v);
       prefetch(&rings_.points()[v]);
+      if (texture_ != nullptr) prefetch(&texture_[v]);
       if (quadrics_ != nullptr) prefetch(&quadrics_[v]), prefetch(&quadrics_[v].bz);
       at.bits |= VertexState::queued;
     }
@@ -110,7 +119,8 @@ class CollapseRun {
     at.clear(VertexState::dirty);
     const Ring& ring = rings_.ring(v);
     collapse.vertex = v;
-    const bool found = ring.size <= 8    ? evaluate<1>(v, ring, collapse)
+    const bool found = ring.size == 0    ? false
+                       : ring.size <= 8  ? evaluate<1>(v, ring, collapse)
                        : ring.size <= 16 ? evaluate<2>(v, ring, collapse)
                                          : evaluate_crowded(v, ring, collapse);
     if (!found) at.rank = never;
@@ -146,9 +156,13 @@ class CollapseRun {
   // `allowed` fills in the collapse. The metric may have asked about others after the cheapest.
   template <class Allowed>
   bool take_cheapest(Id v, std::uint64_t places, Collapse& c, const Allowed& allowed) {
-    const CollapseMetric::Cheapest best = metric_.cheapest(v, places, std::ref(allowed));
+    const CollapseMetric::Cheapest best = texture_ != nullptr ? texture_ranks_.cheapest(v, places, allowed)
+                                                              : metric_.cheapest(v, places, std::ref(allowed));
     if (!(best.rank < never)) return false;
-    if (c.at != best.at) (void)allowed(best.at);
+    if (c.at != best.at) {
+      c.at = best.at, c.target = rings_.ring(v).ids[best.at];
+      (void)complete(v, c);
+    }
     s_.vertices[v].rank = best.rank;
     return true;
   }
@@ -157,26 +171,22 @@ class CollapseRun {
   bool complete(Id v, Collapse& c) const {
     c.back = rings_.ring(c.target).find(v);
     c.wedge[0] = c.wedge[1] = v, c.wedge_target[0] = c.wedge_target[1] = c.target;
-    return (!rings_.has_wedges() || rings_.allows_wedges(c)) && keeps_apart(c);
+    return !rings_.has_wedges() || is_off_seams(c) || rings_.allows_wedges(c);
   }
-
-  // False if a copy of the vertex has gone to the same target: one record after the other, they would look like wedges
-  // of one vertex (activation.h). Copies have the same place and therefore the same region.
-  [[nodiscard]] bool keeps_apart(const Collapse& c) const {
-    if (rings_.cut_vertices() == 0) return true;
-    const Id original = rings_.original_of(c.vertex);
-    const auto went = [&](Id x) { return s_.parent[x] != no_id && rings_.vertex_of(s_.parent[x]) == c.target; };
-    if (went(original)) return false;
-    for (auto [copy, last] = rings_.copies_of(original); copy != last; ++copy)
-      if (went(copy)) return false;
-    return true;
+  // True if the vertex and those of the triangles that vanish are known to have one wedge each.
+  [[nodiscard]] bool is_off_seams(const Collapse& c) const {
+    const Ring& ring = rings_.ring(c.vertex);
+    if (texture_ == nullptr || ring.open != 0) return false;
+    const auto several = [&](Id x) { return texture_[x].several != 0; };
+    return !several(c.vertex) && !several(c.target) && !several(ring.ids[ring.next(c.at)]) &&
+           !several(ring.ids[ring.previous(c.at)]);
   }
 
   bool evaluate_crowded(Id v, const Ring& ring, Collapse& c) {
     if (ring.size > CollapseMetric::max_neighbours) return false;
-    return take_cheapest(v, all_of(ring), c, [&](std::uint32_t at) {
+    return take_cheapest(v, places_of(ring), c, [&](std::uint32_t at) {
       c.target = ring.ids[at];
-      return rings_.allows(c) && !turns(c) && keeps_apart(c) && metric_.allows(c);
+      return rings_.allows(c) && !turns(c) && metric_.allows(c);
     });
   }
 
@@ -199,7 +209,7 @@ class CollapseRun {
   [[nodiscard]] bool is_still_allowed(Id v, Collapse& c) const {
     const Ring& ring = rings_.ring(v);
     c = {.vertex = v, .target = ring.ids[s_.vertices[v].target], .at = s_.vertices[v].target};
-    if (ring.size > 8) return rings_.allows(c) && keeps_apart(c);
+    if (ring.size > 8) return rings_.allows(c);
     return joins<1>(rings_, ring, c.at) && complete(v, c);
   }
 
@@ -207,7 +217,7 @@ class CollapseRun {
     const Ring& ring = rings_.ring(c.vertex);
     const std::uint32_t size = ring.size;
     record.vertex = c.vertex;
-    record.error = metric_.collapse(c);
+    record.error = metric_.collapse(c, s_.vertices[c.vertex].rank);
     record.triangles = static_cast<std::uint16_t>(rings_.apply(c, arena));
     record.ring = static_cast<std::uint16_t>(size);
     s_.parent[c.vertex] = c.target;
@@ -230,6 +240,8 @@ class CollapseRun {
   RingMesh& rings_;
   CollapseMetric& metric_;
   const CentredQuadric* quadrics_;  // null: the metric has other ranks
+  const TexturePoint* texture_;     // likewise
+  TextureRanks texture_ranks_;
   RankHeap queue_;
 };
 
@@ -238,9 +250,7 @@ inline constexpr CollapseKernel collapse_functions{
     .star_quadrics = star_quadrics,
     .start = [](CollapseState& state, std::size_t begin, std::size_t end) { CollapseRun(state).start(begin, end); },
     .run = [](CollapseState& state, const Region& region,
-              RingArena& arena) { return CollapseRun(state).run(region, arena); },
-    .sectors_near = sectors_near,
-    .find_crossings = find_crossings};
+              RingArena& arena) { return CollapseRun(state).run(region, arena); }};
 
 }  // namespace LODESTONE_LANES
 }  // namespace lodestone::progressive

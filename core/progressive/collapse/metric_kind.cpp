@@ -43,7 +43,7 @@ std::unique_ptr<CollapseMetric> make_metric(MetricKind kind, const RingMesh& rin
     case MetricKind::attribute_quadric:
       return make_attribute_metric(rings, mesh, weights, kernel);
     case MetricKind::parametric:
-      return make_parametric_metric(rings, mesh, kernel);
+      return make_parametric_metric(rings, mesh);
     case MetricKind::quadric:
       break;
   }

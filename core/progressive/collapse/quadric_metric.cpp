@@ -33,7 +33,7 @@ class QuadricMetric final : public CollapseMetric {
     }
   }
 
-  float collapse(const Collapse& c) override {
+  float collapse(const Collapse& c, float) override {
     CentredQuadric& target = quadrics_[c.target];
     const CentredQuadric& gone = quadrics_[c.vertex];
     const Vec3f shift = rings_->position(c.target) - rings_->position(c.vertex);

@@ -20,6 +20,13 @@ bool RingMesh::follows_wedges(Collapse& c) const {
   return true;
 }
 
+bool RingMesh::has_one_wedge(Id v) const {
+  const Ring& ring = rings_[v];
+  for (std::uint32_t k = 0; has_wedges_ && k < ring.sectors(); ++k)
+    if (ring.wedge(k) != v) return false;
+  return ring.size > 0;
+}
+
 bool RingMesh::allows(Collapse& c) const {
   const Ring& v = rings_[c.vertex];
   c.at = v.find(c.target);
