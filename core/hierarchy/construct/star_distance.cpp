@@ -40,26 +40,28 @@ void StarDistance::search_around(double known, const Vec3d& p, TriangleId triang
       for (const std::uint32_t u : triangles_[incident_[i]].v) search_star(known, p, VertexId(u), nearest);
 }
 
-// True if the foot of p on a triangle around `vertex` lies inside that triangle and within `known`: in single precision
-// and without a division, since it is true for most vertices.
-bool StarDistance::is_near(float known, Vec3f p, VertexId vertex) const {
-  const Vec3f centre = positions_[vertex], o = p - centre;
+// True if the foot of p on a triangle around `vertex` lies inside that triangle and within `known`: without a division,
+// since it is true for most vertices. Not of slivers, whose normals are inaccurate (core/spatial/point_triangle.h).
+bool StarDistance::is_near(double known, const Vec3d& p, VertexId vertex) const {
+  constexpr double sliver_sine2 = 1e-8;
+  const Vec3d centre = to_double(positions_[vertex]), o = p - centre;
   for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i) {
     const auto& v = triangles_[incident_[i]].v;
     const std::size_t k = v[0] == vertex ? 0 : v[1] == vertex ? 1 : 2;
-    const Vec3f a = positions_[v[k == 2 ? 0 : k + 1]] - centre, b = positions_[v[k == 0 ? 2 : k - 1]] - centre;
-    const Vec3f n = cross(a, b);
-    const float nn = dot(n, n), h = dot(n, o);
-    if (!(nn > 0 && h * h <= known * nn)) continue;
-    const float wa = dot(cross(o, b), n), wb = dot(cross(a, o), n);
+    const Vec3d a = to_double(positions_[v[k == 2 ? 0 : k + 1]]) - centre,
+                b = to_double(positions_[v[k == 0 ? 2 : k - 1]]) - centre;
+    const Vec3d n = cross(a, b);
+    const double nn = dot(n, n), h = dot(n, o);
+    if (!(nn > sliver_sine2 * dot(a, a) * dot(b, b) && h * h <= known * nn)) continue;
+    const double wa = dot(cross(o, b), n), wb = dot(cross(a, o), n);
     if (wa >= 0 && wb >= 0 && wa + wb <= nn) return true;
   }
   return false;
 }
 
 double StarDistance::farther(double known, Vec3f p, VertexId vertex) const {
-  if (is_near(static_cast<float>(known), p, vertex)) return known;
   const Vec3d point = to_double(p);
+  if (is_near(known, point, vertex)) return known;
   Nearest nearest{squared_length(point - to_double(positions_[vertex]))};
   if (first_[vertex] < first_[vertex + 1]) nearest.triangle = TriangleId(incident_[first_[vertex]]);
   search_star(known, point, vertex, nearest);

@@ -33,7 +33,7 @@ class StarDistance {
     double squared = 0;
     TriangleId triangle = none;
   };
-  [[nodiscard]] bool is_near(float known, Vec3f p, VertexId vertex) const;
+  [[nodiscard]] bool is_near(double known, const Vec3d& p, VertexId vertex) const;
   void search_star(double known, const Vec3d& p, VertexId vertex, Nearest& nearest) const;
   void search_around(double known, const Vec3d& p, TriangleId triangle, Nearest& nearest) const;
 

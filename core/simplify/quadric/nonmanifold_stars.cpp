@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/spatial/point_triangle.h"
+#include "core/simplify/quadric/distance_bound.h"
 
 namespace lodestone::quadric {
 namespace {
@@ -52,12 +52,11 @@ bool NonmanifoldStars::has_triangle(Id v, Id a, Id b) const {
   return std::ranges::any_of(triangles(v), [a, b](Edge e) { return joins(e, a, b); });
 }
 
-float NonmanifoldStars::squared_distance(Id v, Vec3d point, const AlignedPoint* points) const {
-  const auto at = [points](Id w) { return Vec3d{points[w].x, points[w].y, points[w].z}; };
-  double nearest = std::numeric_limits<double>::infinity();
+float NonmanifoldStars::squared_distance(Id v, Vec3f point, const AlignedPoint* points) const {
+  float nearest = std::numeric_limits<float>::infinity();
   for (const auto& [a, b] : triangles(v))
-    nearest = std::min(nearest, nearest_on_triangle(point, at(v), at(a), at(b)).squared_distance);
-  return static_cast<float>(nearest);
+    nearest = std::min(nearest, squared_distance_bound(point, points[v], points[a], points[b]));
+  return nearest;
 }
 
 void NonmanifoldStars::begin(Id v) {

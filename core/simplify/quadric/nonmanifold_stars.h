@@ -33,8 +33,8 @@ class NonmanifoldStars {
   // True if one of its triangles has both other corners, in any order.
   [[nodiscard]] bool has_triangle(Id v, Id a, Id b) const;
 
-  // The squared distance of a point from the triangles of v; infinite if v has lost them all.
-  [[nodiscard]] float squared_distance(Id v, Vec3d point, const AlignedPoint* points) const;
+  // A bound of the squared distance of a point from the triangles of v, rounded up; infinite if v has lost them all.
+  [[nodiscard]] float squared_distance(Id v, Vec3f point, const AlignedPoint* points) const;
 
   // Lists a vertex, without triangles; drops one that has become a fan.
   void begin(Id v);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "core/base/error.h"
 #include "core/hierarchy/construct/star_distance.h"
@@ -81,11 +82,35 @@ TEST(QuadricKernel, MeasuresHowFarTheVerticesAreFromTheImages) {
     for (std::uint32_t v = 0; v < input.positions.size(); ++v) {
       const double measured = result.distance[v];
       const double exact = std::sqrt(squared_distance(result, images, input.positions[v]));
-      EXPECT_GE(measured * (1 + 1e-4) + 1e-6, exact) << v;
+      EXPECT_GE(measured * (1 + 1e-6) + 1e-15, exact) << v;
       largest = std::max(largest, measured);
       largest_twin = std::max(largest_twin, twin.farther(0, input.positions[v], VertexId(result.parent[v])));
     }
     EXPECT_LE(largest, 1.01 * std::sqrt(largest_twin) + 1e-6);
+  }
+}
+
+// Rough sheets of needles in any direction. Distances in single precision fell short here by up to a part in a thousand.
+TEST(QuadricKernel, UnderstatesNoDistanceFromNeedles) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> share(0, 1);
+  std::normal_distribution<float> rough;
+  for (int k = 0; k < 10; ++k) {
+    const float width = std::pow(10.0f, -1 - 3 * share(random)), height = std::pow(10.0f, -4 + 3 * share(random));
+    const Vec3f along = Vec3f{0.5f + share(random), share(random), share(random)}, across = {-0.5f, share(random), 0.7f};
+    TestMesh mesh = grid(40, 40, false, [&](float u, float v) {
+      const Vec3f up = cross(along, across);
+      const float z = height * (std::sin(9 * u) * std::cos(3 * v) + 0.01f * rough(random));
+      return (u + 0.02f * rough(random)) * along + width * (v + 0.02f * rough(random)) * across + z * up;
+    });
+    const SimplifyInput input = mesh.input(0.3f, mesh.triangles.size() / 4);
+    const auto simplifier = make_quadric_simplifier();
+    const SimplifyResult& result = simplifier->simplify(input);
+    const std::vector<Triangle> images = image(input, result);
+    for (std::uint32_t v = 0; v < input.positions.size(); ++v) {
+      const double exact = std::sqrt(squared_distance(result, images, input.positions[v]));
+      EXPECT_GE(result.distance[v] * (1 + 1e-6) + 1e-15, exact) << k << " " << v;
+    }
   }
 }
 
