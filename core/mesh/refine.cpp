@@ -16,9 +16,10 @@ constexpr double float_rounding = 6e-8;               // of a point of the unit 
 // Minimum limit over the rounding of a point: the middle of a shorter edge might coincide with its ends.
 constexpr double min_limit = 16;
 
-constexpr std::array<std::size_t, 3> next_corner{1, 2, 0};
+double rounding_on(Lattice lattice) { return lattice ? lattice.error() : float_rounding; }
+double exact_limit(double longest, double rounding) { return longest * (1 - 1e-5) - 2 * rounding; }
 
-double squared_length(Vec3d v) { return dot(v, v); }
+constexpr std::array<std::size_t, 3> next_corner{1, 2, 0};
 
 std::uint64_t key_of(std::uint32_t a, std::uint32_t b) {
   const auto [low, high] = std::minmax(a, b);
@@ -36,6 +37,59 @@ Rgba8 mean(Rgba8 a, Rgba8 b) {
   return {half(a.r, b.r), half(a.g, b.g), half(a.b, b.b), half(a.a, b.a)};
 }
 
+double squared_length(Vec3d v) { return dot(v, v); }
+
+// The three corners of a triangle: numbers of vertices, or their places.
+template <class Corner>
+using Corners = std::array<Corner, 3>;
+
+// Splits a triangle by two edges. t[0] is the corner between them.
+template <class Corner, class Mesh>
+void split_two(const Corners<Corner>& t, Mesh& mesh, std::vector<Corners<Corner>>& parts) {
+  const auto [a, b, c] = t;
+  const Corner m = mesh.middle(a, b), n = mesh.middle(a, c);
+  parts.push_back({a, m, n});
+  if (mesh.distance2(b, n) <= mesh.distance2(c, m)) {
+    parts.push_back({m, b, n});
+    parts.push_back({b, c, n});
+  } else {
+    parts.push_back({m, b, c});
+    parts.push_back({m, c, n});
+  }
+}
+
+// The parts of a triangle by one round; false when no edge is too long. The mesh has is_long(a, b), middle(a, b) and
+// distance2(a, b), squared, of two corners.
+template <class Corner, class Mesh>
+bool split_once(const Corners<Corner>& v, Mesh& mesh, std::vector<Corners<Corner>>& parts) {
+  std::array<bool, 3> too_long;  // the edge from corner i to the next
+  for (std::size_t i = 0; i < 3; ++i) too_long[i] = mesh.is_long(v[i], v[next_corner[i]]);
+  const int count = too_long[0] + too_long[1] + too_long[2];
+  if (count == 0) return false;
+  if (count == 3) {
+    const Corner ab = mesh.middle(v[0], v[1]), bc = mesh.middle(v[1], v[2]), ca = mesh.middle(v[2], v[0]);
+    parts.insert(parts.end(), {{v[0], ab, ca}, {ab, v[1], bc}, {ca, bc, v[2]}, {ab, bc, ca}});
+    return true;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = next_corner[i], k = next_corner[j];
+    if (count == 2 && !too_long[j]) split_two({v[i], v[j], v[k]}, mesh, parts);
+    if (count == 1 && too_long[i]) {
+      const Corner m = mesh.middle(v[i], v[j]);
+      parts.insert(parts.end(), {{v[i], m, v[k]}, {m, v[j], v[k]}});
+    }
+  }
+  return true;
+}
+
+// Corners that are places, as exact as those of EdgeSplitter.
+struct Places {
+  double limit2;
+  [[nodiscard]] static double distance2(Vec3d a, Vec3d b) { return squared_length(a - b); }
+  [[nodiscard]] bool is_long(Vec3d a, Vec3d b) const { return distance2(a, b) > limit2; }
+  [[nodiscard]] static Vec3d middle(Vec3d a, Vec3d b) { return 0.5 * (a + b); }
+};
+
 struct CanonicalHash {
   std::size_t operator()(const Triangle& t) const { return hash_of(t); }
 };
@@ -52,12 +106,32 @@ void keep_only(std::vector<T>& items, const std::vector<char>& kept_items) {
 
 }  // namespace
 
+bool can_refine(double longest, Lattice lattice) {
+  const double rounding = rounding_on(lattice);
+  return exact_limit(longest, rounding) > min_limit * rounding;
+}
+
 double refine_limit(double longest, Lattice lattice) {
-  const double rounding = lattice ? lattice.error() : float_rounding;
-  const double limit = longest * (1 - 1e-5) - 2 * rounding;
-  if (!(limit > min_limit * rounding))
+  if (!can_refine(longest, lattice))
     throw InputError("the lattice is too coarse to split edges so short; use a finer lattice or fewer levels");
-  return limit;
+  return exact_limit(longest, rounding_on(lattice));
+}
+
+std::uint64_t count_refined(const IndexedMesh& mesh, double longest, std::uint64_t most) {
+  const double limit = refine_limit(longest, mesh.transform.lattice);
+  Places places{limit * limit};
+  std::uint64_t count = 0;
+  std::vector<Corners<Vec3d>> waiting;
+  for (std::size_t t = 0; t < mesh.triangles.size() && count <= most; ++t) {
+    const auto at = [&](std::size_t k) { return to_double(mesh.positions[mesh.triangles[t].v[k]]); };
+    waiting.assign(1, {at(0), at(1), at(2)});
+    while (!waiting.empty() && count <= most) {
+      const Corners<Vec3d> corners = waiting.back();
+      waiting.pop_back();
+      if (!split_once(corners, places, waiting)) ++count;
+    }
+  }
+  return count;
 }
 
 EdgeSplitter::EdgeSplitter(IndexedMesh& mesh, double longest)
@@ -101,51 +175,23 @@ void EdgeSplitter::add_attributes(std::uint32_t a, std::uint32_t b) {
   if (!w.material.empty()) w.material.push_back(w.material[a]);
 }
 
-// t[0] is the corner between the two edges.
-void EdgeSplitter::split_two(const Triangle& t, std::vector<Triangle>& parts) {
-  const auto [a, b, c] = t.v;
-  const std::uint32_t m = middle(a, b), n = middle(a, c);
-  parts.push_back({{a, m, n}});
-  if (squared_length(place(b) - place(n)) <= squared_length(place(c) - place(m))) {
-    parts.push_back({{m, b, n}});
-    parts.push_back({{b, c, n}});
-  } else {
-    parts.push_back({{m, b, c}});
-    parts.push_back({{m, c, n}});
-  }
-}
-
-bool EdgeSplitter::split_once(const Triangle& t, std::vector<Triangle>& parts) {
-  const auto& v = t.v;
-  std::array<bool, 3> too_long;  // the edge from corner i to the next
-  for (std::size_t i = 0; i < 3; ++i) too_long[i] = is_long(v[i], v[next_corner[i]]);
-  const int count = too_long[0] + too_long[1] + too_long[2];
-  if (count == 0) return false;
-  if (count == 3) {
-    const std::uint32_t ab = middle(v[0], v[1]), bc = middle(v[1], v[2]), ca = middle(v[2], v[0]);
-    parts.insert(parts.end(), {{{v[0], ab, ca}}, {{ab, v[1], bc}}, {{ca, bc, v[2]}}, {{ab, bc, ca}}});
-    return true;
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = next_corner[i], k = next_corner[j];
-    if (count == 2 && !too_long[j]) split_two({{v[i], v[j], v[k]}}, parts);
-    if (count == 1 && too_long[i]) {
-      const std::uint32_t m = middle(v[i], v[j]);
-      parts.insert(parts.end(), {{{v[i], m, v[k]}}, {{m, v[j], v[k]}}});
-    }
-  }
-  return true;
-}
-
 void EdgeSplitter::split(std::span<const std::uint32_t> triangles) {
+  struct Numbers {
+    EdgeSplitter& of;
+    [[nodiscard]] double distance2(std::uint32_t a, std::uint32_t b) const {
+      return squared_length(of.place(a) - of.place(b));
+    }
+    [[nodiscard]] bool is_long(std::uint32_t a, std::uint32_t b) const { return of.is_long(a, b); }
+    [[nodiscard]] std::uint32_t middle(std::uint32_t a, std::uint32_t b) const { return of.middle(a, b); }
+  } numbers{*this};
   report_.split = triangles.size();
-  std::vector<Triangle> waiting;
+  std::vector<Corners<std::uint32_t>> waiting;
   for (const std::uint32_t whole : triangles) {
-    waiting.assign(1, mesh_.triangles[whole]);
+    waiting.assign(1, mesh_.triangles[whole].v);
     while (!waiting.empty()) {
-      const Triangle t = waiting.back();
+      const Corners<std::uint32_t> corners = waiting.back();
       waiting.pop_back();
-      if (!split_once(t, waiting)) parts_.push_back({t, whole});
+      if (!split_once(corners, numbers, waiting)) parts_.push_back({{corners}, whole});
     }
   }
   for (const Vec3d p : exact_) {

@@ -34,9 +34,15 @@ struct RefineReport {
   std::uint64_t split = 0;  // triangles of the mesh that had an edge beyond the limit
 };
 
-// The limit for exact middles that keeps rounded ones within `longest`. Throws InputError when the lattice (or float32)
-// is too coarse for that: an edge of that length must be some of its steps long.
+// False when the lattice (or float32) is too coarse to split edges until they are so short: an edge of that length must
+// be some of its steps long.
+[[nodiscard]] bool can_refine(double longest, Lattice lattice);
+// The limit for exact middles that keeps rounded ones within `longest`. Throws InputError unless can_refine().
 [[nodiscard]] double refine_limit(double longest, Lattice lattice);
+
+// Number of parts that refine_mesh() makes of the triangles, before parts that rounding makes equal are dropped; at most
+// `most` + 1, where the count ends. Time is proportional to the result.
+[[nodiscard]] std::uint64_t count_refined(const IndexedMesh& mesh, double longest, std::uint64_t most);
 
 // Afterwards no edge is longer than `longest`. A triangle keeps its place in the order or is replaced by its first
 // part; the other parts follow at the end. Throws InputError when no triangle is left: all had been without area.
@@ -72,9 +78,6 @@ class EdgeSplitter {
   [[nodiscard]] bool is_long(std::uint32_t a, std::uint32_t b) const;
   [[nodiscard]] std::uint32_t middle(std::uint32_t a, std::uint32_t b);
   void add_attributes(std::uint32_t a, std::uint32_t b);
-  // The parts of a triangle by one round; false when no edge is too long.
-  bool split_once(const Triangle& t, std::vector<Triangle>& parts);
-  void split_two(const Triangle& t, std::vector<Triangle>& parts);
   [[nodiscard]] std::uint32_t vertex_of(std::uint32_t v) const;
   void join(std::span<const Meeting> meetings);
   void drop_degenerate();

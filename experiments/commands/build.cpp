@@ -21,6 +21,7 @@ struct BuildOptions {
   InputOptions reading;
   Bytes memory_limit;
   float sigma0 = BuildConfig{}.sigma0;
+  double refine_limit = BuildConfig{}.refine_limit;
   std::uint32_t cell_triangles = BuildConfig{}.cell_triangles;
   std::optional<int> levels, lattice_bits;
   std::string simplifier = "quadric", strategy = "graph";
@@ -37,6 +38,7 @@ BuildConfig build_config(const BuildOptions& options) {
   if (options.placement) config.placement = placement(*options.placement);
   config.strategy = strategy(options.strategy);
   config.refine = options.refine;
+  config.refine_limit = options.refine_limit;
   config.order_cells = options.compress;
   return config;
 }
@@ -199,6 +201,11 @@ OptionTable declare(BuildOptions& o) {
        {"--refine", &o.refine,
         "Split edges of the input longer than sigma0 h_L, both sides alike, so that the reach keeps its bound: for CAD "
         "models and filled holes; without it they are counted, and cost triangles when drawing"},
+       OptionSpec{"--refine-limit", &o.refine_limit,
+                  "Triangles that --refine may make, as a multiple of the input's; always 100,000. Levels are chosen so "
+                  "that this is enough"}
+           .between(1, 1e6)
+           .only_with({"--refine"}),
        {"--measure-error", &o.measure,
         "Measure how far cells are from the finest mesh, every point both ways, instead of estimating it while "
         "building: bounds that hold, at most 5 % too large; takes longer than the build"},

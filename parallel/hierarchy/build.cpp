@@ -1,5 +1,6 @@
 #include "parallel/hierarchy/build.h"
 
+#include <algorithm>
 #include <string>
 
 #include "core/base/error.h"
@@ -74,6 +75,27 @@ void assemble_level(const Build& build, std::size_t l, Hierarchy& out) {
     view_payload(built[rank], l > 0, out.cells[out.levels[l].id_of(rank)]);
 }
 
+// L, asked for or chosen; with splitting, such that it stays within its limit.
+int finest_level_of(const IndexedMesh& mesh, const BuildConfig& config) {
+  const bool choose = config.finest_level < 0;
+  int finest = choose ? choose_finest_level(mesh, config.cell_triangles) : config.finest_level;
+  if (!config.refine) return finest;
+  const auto triangles = static_cast<double>(mesh.triangles.size());
+  const std::uint64_t most =
+      std::max(min_refine_limit, static_cast<std::uint64_t>(std::min(config.refine_limit * triangles, 0x1p62)));
+  const auto longest = [&] { return double{config.sigma0} * cell_size(finest); };
+  while (choose && finest > 0 && !can_refine(longest(), mesh.transform.lattice)) --finest;
+  while (count_refined(mesh, longest(), most) > most) {
+    if (!choose || finest == 0)
+      throw InputError(describe("", "",
+                                "splitting all edges longer than sigma0 h_L makes more than " + std::to_string(most) +
+                                    " triangles of " + std::to_string(mesh.triangles.size()),
+                                "ask for fewer levels (--levels), or allow more (--refine-limit)"));
+    --finest;
+  }
+  return finest;
+}
+
 // The finest level, and empty cells on the others. Releases what only the partition needs.
 void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& out, Scheduler& scheduler) {
   Partition partition = partition_mesh(std::move(mesh), finest, scheduler);
@@ -104,6 +126,7 @@ std::string_view name_of(Strategy strategy) {
 void check_config(const BuildConfig& config) {
   if (!(config.sigma0 > 0 && config.sigma0 <= 2)) throw InputError("sigma0 must lie in (0, 2]");
   if (config.cell_triangles < 1) throw InputError("a cell must hold at least one triangle");
+  if (!(config.refine_limit > 0)) throw InputError("the limit of splitting must be above 0");
   if (config.finest_level > max_level)
     throw InputError("at most " + std::to_string(max_level) + " levels below the root are supported");
 }
@@ -125,7 +148,7 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   scheduler.name_work("partition");
   const CpuClock refine_clock;
   const bool choose = config.finest_level < 0;
-  const int finest = choose ? choose_finest_level(mesh, config.cell_triangles) : config.finest_level;
+  const int finest = finest_level_of(mesh, config);
   out.provenance.cell_triangles = choose ? config.cell_triangles : 0;
   RefineReport refinement;
   if (config.refine) {

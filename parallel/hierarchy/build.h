@@ -24,6 +24,8 @@ enum class Strategy : std::uint8_t { serial, levels, graph };
 [[nodiscard]] Strategy strategy(std::string_view name);  // throws InputError listing the known names
 [[nodiscard]] std::string_view name_of(Strategy strategy);
 
+inline constexpr std::uint64_t min_refine_limit = 100'000;  // triangles
+
 struct BuildConfig {
   // Displacement bound: d(v, P(v)) <= sigma0 h_l / 2. Dimensionless, in (0, 2]. The default leaves the simplifier about
   // four mean edges at the default cell size.
@@ -33,8 +35,10 @@ struct BuildConfig {
   SimplifierKind simplifier = SimplifierKind::quadric;
   std::optional<Placement> placement;  // of the survivors; empty: default_placement(simplifier)
   Strategy strategy = Strategy::graph;
-  // Splits edges of the input longer than sigma0 h_L (core/mesh/refine.h). L is chosen before.
+  // Splits edges of the input longer than sigma0 h_L (core/mesh/refine.h). L is chosen before, so that the limit holds.
   bool refine = false;
+  // Splitting may make this many times the input's triangles; always min_refine_limit. Above 0.
+  double refine_limit = 10;
   // Puts the vertices and triangles of every cell in an order that compresses well and that caches like.
   bool order_cells = false;
   const CancelFlag* cancel = nullptr;
@@ -52,7 +56,8 @@ struct BuildReport {
 };
 
 // Consumes the mesh (its memory is released as soon as the partition has read it). Throws InputError for a config out
-// of range or a mesh without triangles, Cancelled when config.cancel is set.
+// of range, a mesh without triangles or one that splitting multiplies beyond the limit, Cancelled when config.cancel is
+// set.
 [[nodiscard]] Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Scheduler& scheduler,
                                         BuildReport* report = nullptr);
 

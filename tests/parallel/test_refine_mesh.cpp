@@ -10,6 +10,7 @@
 #include "parallel/hierarchy/build.h"
 #include "parallel/hierarchy/measure_errors.h"
 #include "parallel/mesh/refine_mesh.h"
+#include "tests/expect_error.h"
 
 namespace lodestone {
 namespace {
@@ -57,6 +58,25 @@ TEST_P(RefineMesh, IsTheSameForAnyNumberOfThreads) {
     EXPECT_TRUE(other.wedges.vertex == expected.wedges.vertex);
     EXPECT_TRUE(other.wedges.colour == expected.wedges.colour);
   }
+}
+
+TEST_P(RefineMesh, ChoosesLevelsThatKeepItsLimit) {
+  const auto scheduler = make_serial_scheduler();
+  BuildConfig config;
+  config.cell_triangles = 20;
+  const Hierarchy plain = build_hierarchy(mesh(), config, *scheduler);
+  config.refine = true;
+  config.refine_limit = 1;
+  BuildReport report;
+  const Hierarchy refined = build_hierarchy(mesh(), config, *scheduler, &report);
+  EXPECT_LE(report.refinement.triangles_after, min_refine_limit);
+  EXPECT_LT(refined.finest(), plain.finest());
+  config.finest_level = refined.finest();
+  EXPECT_EQ(build_hierarchy(mesh(), config, *scheduler).finest(), refined.finest());
+  config.finest_level = refined.finest() + 1;
+  expect_error_of<InputError>([&] { (void)build_hierarchy(mesh(), config, *scheduler); }, {"--refine-limit"});
+  config.refine_limit = 0;
+  expect_error_of<InputError>([&] { (void)build_hierarchy(mesh(), config, *scheduler); }, {"limit"});
 }
 
 TEST_P(RefineMesh, MakesValidHierarchiesOfTheBoundedReach) {

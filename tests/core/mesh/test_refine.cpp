@@ -93,6 +93,8 @@ TEST(Refine, TilesATriangle) {
     EXPECT_TRUE(is_clean(mesh));
     EXPECT_EQ(report.triangles_before, 1u);
     EXPECT_EQ(report.triangles_after, mesh.triangles.size());
+    EXPECT_EQ(count_refined(before, longest, 1'000'000), mesh.triangles.size());
+    EXPECT_EQ(count_refined(before, longest, 3), std::min<std::size_t>(mesh.triangles.size(), 4));
     double area = 0;
     for (const Triangle& t : mesh.triangles) {
       const Vec3d part = area_vector(to_double(mesh.positions[t.v[0]]), to_double(mesh.positions[t.v[1]]),
