@@ -143,26 +143,26 @@ void throw_out_of_memory(const std::string& name) {
   throw ResourceError(describe(name, "", "there is not enough memory to read it", "give a smaller mesh"));
 }
 
-void write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
-  using Write = void (*)(AtomicFile&, const MeshView&, MeshCompanions&);
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
   const std::string extension = extension_of(path);
-  const bool stl = extension == ".stl";
-  const Write write = extension == ".ply"   ? Write{write_ply}
-                      : extension == ".obj" ? Write{write_obj}
-                      : stl ? [](AtomicFile& file, const MeshView& m, MeshCompanions&) { write_stl(file, m); }
-                      : extension == ".glb"
-                          ? [](AtomicFile& file, const MeshView& m, MeshCompanions&) { file.write(encode_glb(m)); }
-                          : Write{nullptr};
-  if (!write)
+  if (extension != ".ply" && extension != ".obj" && extension != ".stl" && extension != ".glb")
     throw UnsupportedError(
         describe(path.string(), "", "cannot write a mesh of this format", "name a .ply, .obj, .stl or .glb file"));
-  if (stl && mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
-    throw ResourceError(describe(path.string(), "", "more triangles than an STL file can count", "write a .ply file"));
   AtomicFile file(path);
   MeshCompanions companions(path);
-  write(file, mesh, companions);
+  std::vector<std::string> notes;
+  if (extension == ".ply") {
+    write_ply(file, mesh, companions);
+  } else if (extension == ".obj") {
+    write_obj(file, mesh, companions);
+  } else if (extension == ".glb") {
+    file.write(encode_glb(mesh));
+  } else if (std::string note = write_stl(file, mesh, path.string()); !note.empty()) {
+    notes.push_back(std::move(note));
+  }
   companions.commit();
   file.commit();
+  return notes;
 }
 
 }  // namespace lodestone

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/files/byte_reader.h"
 #include "core/formats/common/mesh_output.h"
@@ -44,9 +45,10 @@ void require_triangles(const RawMesh& mesh, const std::string& name);
 // case. .glb carries all attributes; core/formats/ply/ply.h and core/formats/obj/obj.h say what .ply and .obj carry,
 // and which files (images, a material library) they write beside them. PLY positions are float unless that would lose
 // more than 2^-22 of the model's extent (a model far from the origin), then double; OBJ positions are the shortest
-// decimals that read back as the same double; STL knows float only. Throws UnsupportedError for other extensions,
-// FileError when a file cannot be written; then no new file is left and older ones are as they were, unless the last
-// step, renaming the finished files, failed between two of them.
-void write_mesh(const std::filesystem::path& path, const MeshView& mesh);
+// decimals that read back as the same double; STL knows float only. Returns what the format loses beyond that, a line
+// each that names the file. Throws UnsupportedError for other extensions, InputError where float would destroy the
+// model, FileError when a file cannot be written; then no new file is left and older ones are as they were, unless the
+// last step, renaming the finished files, failed between two of them.
+std::vector<std::string> write_mesh(const std::filesystem::path& path, const MeshView& mesh);
 
 }  // namespace lodestone

@@ -8,6 +8,7 @@
 #include "core/hierarchy/model/level_mesh.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
 #include "parallel/hierarchy/save.h"
 #include "parallel/hierarchy/save_tiles.h"
 #include "parallel/scheduler/clock.h"
@@ -31,14 +32,16 @@ void export_level(const ExportOptions& options, const CommonOptions& common) {
     throw InputError(describe(options.file, "", fmt::format("there is no level {}", level),
                               fmt::format("the finest one is {}", hierarchy.finest())));
   const RawMesh mesh = level_mesh(hierarchy, level);
-  write_mesh(*options.output, view_of(mesh));
+  const std::vector<std::string> warnings = write_mesh(*options.output, view_of(mesh));
   write_result(common, {{"file", *options.output},
                         {"level", level},
                         {"triangles", mesh.triangles.size()},
-                        {"vertices", mesh.positions.size()}});
-  if (common.prints())
-    fmt::print("{}: level {} with {} triangles, {} vertices\n", *options.output, level, mesh.triangles.size(),
-               mesh.positions.size());
+                        {"vertices", mesh.positions.size()},
+                        {"warnings", warnings}});
+  if (!common.prints()) return;
+  fmt::print("{}: level {} with {} triangles, {} vertices\n", *options.output, level, mesh.triangles.size(),
+             mesh.positions.size());
+  print_warnings(warnings);
 }
 
 void export_tiles(const ExportOptions& options, const CommonOptions& common) {

@@ -40,7 +40,7 @@ void run(const LodOptions& options, const CommonOptions& common) {
   const StageTime time = clock.elapsed();
   if (raw.triangles.empty())
     throw InputError(describe(options.input, "", "the level has no triangles", "ask for a finer one"));
-  write_mesh(options.output, view_of(raw));
+  const std::vector<std::string> warnings = write_mesh(options.output, view_of(raw));
   const double error = levels.error_of(vertices) * mesh.transform.scale;
   write_result(common, {{"input", options.input},
                         {"output", options.output},
@@ -50,10 +50,12 @@ void run(const LodOptions& options, const CommonOptions& common) {
                         {"level", to_json(time)},
                         {"finest_vertices", mesh.vertex_count()},
                         {"finest_triangles", mesh.triangles.size()},
-                        {"base_vertices", mesh.base_vertices}});
-  if (common.prints())
-    fmt::print("{}: {} triangles, {} vertices of {}, error {:g}\n", options.output, raw.triangles.size(), vertices,
-               mesh.vertex_count(), error);
+                        {"base_vertices", mesh.base_vertices},
+                        {"warnings", warnings}});
+  if (!common.prints()) return;
+  fmt::print("{}: {} triangles, {} vertices of {}, error {:g}\n", options.output, raw.triangles.size(), vertices,
+             mesh.vertex_count(), error);
+  print_warnings(warnings);
 }
 
 OptionTable declare(LodOptions& o) {

@@ -105,6 +105,7 @@ nlohmann::json to_json(const ReconstructResult& result) {
          {"inconsistent_edges", q.inconsistent_edges},
          {"components", q.components}}},
        {"stitch", stitch_json(r.stitch, result.scale)},
+       {"warnings", result.warnings},
        {"taken_over", {{"parts", r.lost.parts}, {"triangles", r.lost.triangles}}},
        {"sharpened", {{"edges", r.sharpen.edges}, {"corners", r.sharpen.corners}}},
        {"stages", stages_of(r)}});
@@ -133,6 +134,7 @@ void print(const ReconstructResult& result) {
              result.triangles, result.resolution, quality.manifold() ? "manifold" : "not manifold",
              quality.closed() ? ", closed" : fmt::format(", {} border edges", quality.border_edges),
              100 * quality.sliver_share(), result.report.stitch.holes_filled, accuracy_text(result));
+  print_warnings(result.warnings);
 }
 
 void run(const ReconstructOptions& options, const CommonOptions& common) {

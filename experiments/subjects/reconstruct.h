@@ -24,6 +24,7 @@ namespace lodestone {
 // One reconstructed mesh.
 struct ReconstructResult {
   std::string file;
+  std::vector<std::string> warnings;  // what the format of the file loses
   double resolution = 0;  // pixels along the longest side
   double scale = 1;       // of normalised units, in units of the model
   std::uint64_t input_triangles = 0;

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cstring>
 #include <limits>
+#include <sstream>
 #include <string>
 
 #include "core/base/error.h"
@@ -59,6 +60,23 @@ Vec3d unit_normal(Vec3d a, Vec3d b, Vec3d c) {
   const Vec3d normal = cross(b - a, c - a);
   const double size = length(normal);
   return size > 0 ? (1 / size) * normal : Vec3d{};  // readers compute a normal that is (0, 0, 0)
+}
+
+// A note on the rounding of coordinates far from the origin, if it exceeds the one that every vertex has in memory.
+std::string rounding_note(const MeshView& mesh, const std::string& name) {
+  constexpr double kept = 0x1p-22, tolerable = 1e-4;  // of the longest extent
+  const auto [lo, hi] = box_of(mesh);
+  const double extent = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z});
+  const double largest = std::max({-lo.x, -lo.y, -lo.z, hi.x, hi.y, hi.z});
+  const double moved = largest > std::numeric_limits<float>::max() ? largest : 0x1p-24 * largest;
+  if (mesh.vertex_count == 0 || !(moved > kept * extent)) return {};
+  std::ostringstream text;
+  text.precision(2);
+  text << "the model is so far from the origin that STL, which has float32 alone, moves its vertices by up to " << moved
+       << " (" << 100 * moved / extent << " % of its extent)";
+  const std::string remedy = "write a .ply, .obj or .glb file";
+  if (moved > tolerable * extent) throw InputError(describe(name, "", text.str(), remedy));
+  return describe(name, "", text.str(), remedy);
 }
 
 class AsciiStl {
@@ -138,7 +156,10 @@ RawMesh read_stl(ByteReader& input) {
   return is_binary_stl(input.window(stl_header_bytes), input.size()) ? read_binary(input) : AsciiStl(input).read();
 }
 
-void write_stl(AtomicFile& file, const MeshView& mesh) {
+std::string write_stl(AtomicFile& file, const MeshView& mesh, const std::string& name) {
+  if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max())
+    throw ResourceError(describe(name, "", "more triangles than an STL file can count", "write a .ply file"));
+  std::string note = rounding_note(mesh, name);
   std::array<char, 80> header{};
   std::strcpy(header.data(), "binary STL by Lodestone");
   file.write(std::as_bytes(std::span(header)));
@@ -151,6 +172,7 @@ void write_stl(AtomicFile& file, const MeshView& mesh) {
     std::memcpy(record.data(), vectors.data(), sizeof vectors);
     file.write(record);
   }
+  return note;
 }
 
 void decode_stl_corners(std::span<const char> bytes, std::span<Vec3d> out) {

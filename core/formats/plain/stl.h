@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "core/files/byte_reader.h"
@@ -15,8 +16,10 @@ namespace lodestone {
 // Binary or ASCII, told apart by size: many binary files begin with "solid". Three vertices per triangle, not welded.
 [[nodiscard]] RawMesh read_stl(ByteReader& input);
 
-// Writes binary STL, with normals. Throws ResourceError for more triangles than the format can count.
-void write_stl(AtomicFile& file, const MeshView& mesh);
+// Writes binary STL, with normals; `name` stands for the file in messages. Returns a note if float32 moves vertices by
+// more than 2^-22 of the model's longest extent, otherwise an empty text. Throws InputError if it moves them by more than
+// 1e-4 of that, ResourceError for more triangles than the format can count.
+[[nodiscard]] std::string write_stl(AtomicFile& file, const MeshView& mesh, const std::string& name);
 
 // The parts of a binary file, for parallel readers: 84 bytes of header, then records of a normal, three corners and
 // two more bytes.

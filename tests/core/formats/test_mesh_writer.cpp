@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
+#include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -47,6 +48,19 @@ TEST_F(MeshWriterTest, ObjKeepsEveryBitOfADouble) {
   mesh.triangles = {{{0, 1, 2}}};
   write_mesh(folder_ / "a.obj", view_of(mesh));
   EXPECT_EQ(read_mesh(folder_ / "a.obj").positions, mesh.positions);
+}
+
+// The strip is 156 long: at 4e6 STL moves it by 0.0015 of that, at 6e3 by 2e-6.
+TEST_F(MeshWriterTest, StlSaysWhatItLosesFarFromTheOrigin) {
+  EXPECT_TRUE(write_mesh(folder_ / "near.stl", view_of(strip(-20))).empty());
+  const std::vector<std::string> notes = write_mesh(folder_ / "far.stl", view_of(strip(6e3)));
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes.front().find("far.stl"), std::string::npos) << notes.front();
+  EXPECT_NE(notes.front().find("moves its vertices"), std::string::npos) << notes.front();
+  for (const double offset : {4e6, 1e12, 1e300})
+    expect_error_of<InputError>([&] { return write_mesh(folder_ / "lost.stl", view_of(strip(offset))); },
+                                {"lost.stl", "STL", ".ply"});
+  EXPECT_FALSE(fs::exists(folder_ / "lost.stl"));
 }
 
 TEST_F(MeshWriterTest, StlHoldsTheCornersAndUnitNormals) {
