@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
 #include "core/progressive/gltf/progressive_glb.h"
+#include "core/progressive/mesh/thumbnails.h"
 
 namespace lodestone {
 namespace {
@@ -17,10 +18,16 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-std::size_t image_bytes(const ProgressiveMesh& mesh) {
-  std::size_t bytes = 0;
-  for (const Texture& t : mesh.wedges.textures) bytes += t.bytes.size();
-  return bytes;
+// Images of which there is a thumbnail come last.
+ProgressiveFileSize glb_size(const ProgressiveMesh& mesh, std::span<const Texture> thumbnails, std::size_t bytes) {
+  ProgressiveFileSize size{bytes, bytes, bytes};
+  for (std::size_t k = 0; k < thumbnails.size(); ++k) {
+    const std::size_t image = mesh.wedges.textures[k].bytes.size(), thumbnail = thumbnails[k].bytes.size();
+    const bool has_copy = thumbnail > 0 && thumbnails[k].bytes != mesh.wedges.textures[k].bytes;
+    size.geometry -= image + (has_copy ? thumbnail : 0);
+    if (has_copy) size.base -= (image + 3) / 4 * 4;
+  }
+  return size;
 }
 
 }  // namespace
@@ -28,15 +35,16 @@ std::size_t image_bytes(const ProgressiveMesh& mesh) {
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
                                      const ProgressiveFileConfig& config) {
   const std::string extension = lower_extension(path);
+  const std::vector<Texture> thumbnails = make_thumbnails(mesh);
   std::vector<std::byte> bytes;
   ProgressiveFileSize size;
   if (extension == ".lpm") {
-    LpmBytes lpm = encode_lpm(mesh, config.lpm);
+    LpmBytes lpm = encode_lpm(mesh, config.lpm, thumbnails);
     size = {lpm.bytes.size(), lpm.geometry, lpm.base};
     bytes = std::move(lpm.bytes);
   } else if (extension == ".glb") {
-    bytes = encode_progressive_glb(mesh, config.compress_glb);
-    size = {bytes.size(), bytes.size() - image_bytes(mesh), bytes.size()};
+    bytes = encode_progressive_glb(mesh, config.compress_glb, thumbnails);
+    size = glb_size(mesh, thumbnails, bytes.size());
   } else {
     throw UnsupportedError(describe(path.string(), "", "progressive meshes are not written to '" + extension + "'",
                                     "give a name that ends in .lpm or .glb"));

@@ -17,8 +17,8 @@ struct ProgressiveFileConfig {
 
 struct ProgressiveFileSize {
   std::size_t bytes = 0;
-  std::size_t geometry = 0;  // the part without images
-  std::size_t base = 0;      // the part needed before anything can be drawn; all of a .glb
+  std::size_t geometry = 0;  // the part without images and thumbnails
+  std::size_t base = 0;      // the part needed before anything can be drawn
 };
 
 // The extension, in upper or lower case, decides on the format. The file is written completely or not at all. Throws

@@ -1,11 +1,22 @@
-// The point of a triangle nearest to a given point, in double, for every triangle: slivers, segments and points too.
+// A point and a triangle, in double: its barycentric weights, and the point of the triangle nearest to it, for every
+// triangle: slivers, segments and points too.
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "core/math/vec3.h"
 
 namespace lodestone {
+
+// Barycentric weights of a point in the plane of a triangle; thirds if it has no area.
+[[nodiscard]] inline std::array<double, 3> barycentric(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
+  const Vec3d normal = cross(b - a, c - a);
+  const double whole = dot(normal, normal);
+  if (!(whole > 0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
+  const double second = dot(cross(p - a, c - a), normal) / whole, third = dot(cross(b - a, p - a), normal) / whole;
+  return {1 - second - third, second, third};
+}
 
 struct NearestPoint {
   Vec3d point;

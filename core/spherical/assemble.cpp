@@ -83,19 +83,21 @@ class Assembly {
   explicit Assembly(const IndexedMesh& input)
       : input_(input), normals_(normals_of(input)), is_split_(input.positions.size(), 0) {}
 
-  void add(const Surface& surface, const Unfolding& unfolding, std::uint32_t material) {
+  void add(const Surface& surface, const Unfolding& unfolding, const ImagePlace& place) {
     const auto first_vertex = static_cast<std::uint32_t>(places_.size());
     const auto first_uv = static_cast<std::uint32_t>(attributes_.uv.size());
     add_vertices(surface);
     add_split_vertices(unfolding, first_vertex);
-    for (const SquarePoint& p : unfolding.place)
-      attributes_.uv.push_back({static_cast<float>(p.s), static_cast<float>(p.t)});
+    for (const SquarePoint& p : unfolding.place) {
+      const SquarePoint at = place.of(p);
+      attributes_.uv.push_back({static_cast<float>(at.s), static_cast<float>(at.t)});
+    }
     for (std::size_t t = 0; t < unfolding.triangles.size(); ++t) {
       const std::uint32_t source = surface.source_triangle[unfolding.source[t]];
       if (source == no_source) continue;
       Triangle triangle = unfolding.triangles[t], uv = unfolding.corners[t];
       for (std::size_t k = 0; k < 3; ++k) triangle.v[k] += first_vertex, uv.v[k] += first_uv;
-      add_triangle(triangle, uv, source, material);
+      add_triangle(triangle, uv, source, place.material);
     }
   }
 
@@ -221,10 +223,10 @@ class Assembly {
 
 }  // namespace
 
-RawMesh assemble(const IndexedMesh& input, std::span<const Surface> surfaces, std::span<const Unfolding> unfoldings) {
+RawMesh assemble(const IndexedMesh& input, std::span<const Surface> surfaces, std::span<const Unfolding> unfoldings,
+                 std::span<const ImagePlace> places) {
   Assembly assembly(input);
-  for (std::size_t k = 0; k < surfaces.size(); ++k)
-    assembly.add(surfaces[k], unfoldings[k], static_cast<std::uint32_t>(k));
+  for (std::size_t k = 0; k < surfaces.size(); ++k) assembly.add(surfaces[k], unfoldings[k], places[k]);
   return assembly.finish();
 }
 

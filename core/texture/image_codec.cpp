@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <string_view>
 
 #include "core/base/error.h"
 
@@ -46,6 +47,11 @@ png_uint_32 png_format(std::uint32_t channels) {
   return channels == 1 ? PNG_FORMAT_GRAY : channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
 }
 
+void read_png(PngImage& png, void* pixels) {
+  if (png_image_finish_read(&png.header, nullptr, pixels, 0, nullptr) == 0)
+    throw InputError(std::string("is not a valid PNG image: ") + png.header.message);
+}
+
 PixelImage decode_png(std::span<const char> bytes) {
   PngImage png;
   open_png(png, bytes);
@@ -53,9 +59,17 @@ PixelImage decode_png(std::span<const char> bytes) {
   image.channels = png.header.format & PNG_FORMAT_FLAG_ALPHA ? 4 : png.header.format & PNG_FORMAT_FLAG_COLOR ? 3 : 1;
   png.header.format = png_format(image.channels);
   image.pixels.resize(PNG_IMAGE_SIZE(png.header));
-  if (png_image_finish_read(&png.header, nullptr, image.pixels.data(), 0, nullptr) == 0)
-    throw InputError(std::string("is not a valid PNG image: ") + png.header.message);
+  read_png(png, image.pixels.data());
   return image;
+}
+
+std::vector<char> write_png(PngImage& png, const void* pixels) {
+  std::vector<char> bytes(PNG_IMAGE_PNG_SIZE_MAX(png.header));
+  png_alloc_size_t size = bytes.size();
+  if (png_image_write_to_memory(&png.header, bytes.data(), &size, 0, pixels, 0, nullptr) == 0)
+    throw ResourceError(std::string("cannot be encoded: ") + png.header.message);
+  bytes.resize(size);
+  return bytes;
 }
 
 std::vector<char> encode_png(const PixelImage& image) {
@@ -63,12 +77,16 @@ std::vector<char> encode_png(const PixelImage& image) {
   png.header.width = image.size.width;
   png.header.height = image.size.height;
   png.header.format = png_format(image.channels);
-  std::vector<char> bytes(PNG_IMAGE_PNG_SIZE_MAX(png.header));
-  png_alloc_size_t size = bytes.size();
-  if (png_image_write_to_memory(&png.header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr) == 0)
-    throw ResourceError(std::string("cannot be encoded: ") + png.header.message);
-  bytes.resize(size);
-  return bytes;
+  return write_png(png, image.pixels.data());
+}
+
+// The interface takes 16 bits for light, which needs no conversion, and says so in a chunk after that of the header.
+// Readers would convert the values to sRGB: the chunk is cut out.
+void remove_gamma(std::vector<char>& png) {
+  constexpr std::ptrdiff_t after_header = 33, length = 16;
+  constexpr std::string_view name = "gAMA";
+  const auto chunk = png.begin() + after_header;
+  if (std::equal(name.begin(), name.end(), chunk + 4)) png.erase(chunk, chunk + length);
 }
 
 // JPEG, by the slow exact transform: its bytes are the same with and without SIMD.
@@ -212,6 +230,28 @@ PixelSize image_size(std::span<const char> bytes, const std::string& media_type)
   if (media_type != "image/jpeg") refuse_type(media_type);
   const TurboHandle turbo(tjInitDecompress(), tjDestroy);
   return read_jpeg_header(turbo.get(), bytes).size;
+}
+
+std::vector<char> encode_wide_png(const WideImage& image) {
+  PngImage png;
+  png.header.width = image.size.width;
+  png.header.height = image.size.height;
+  png.header.format = PNG_FORMAT_LINEAR_RGB;
+  png.header.flags = PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB;
+  std::vector<char> bytes = write_png(png, image.values.data());
+  remove_gamma(bytes);
+  return bytes;
+}
+
+WideImage decode_wide_png(std::span<const char> bytes) {
+  PngImage png;
+  open_png(png, bytes);
+  if (png.header.format != PNG_FORMAT_LINEAR_RGB) throw InputError("is not a PNG image of three channels of 16 bits");
+  png.header.flags &= ~png_uint_32{PNG_IMAGE_FLAG_16BIT_sRGB};
+  WideImage image{{png.header.width, png.header.height}, {}};
+  image.values.resize(3 * std::size_t{image.size.width} * image.size.height);
+  read_png(png, image.values.data());
+  return image;
 }
 
 std::vector<char> encode_image(const PixelImage& image, const std::string& media_type, int quality) {

@@ -23,6 +23,13 @@ struct PixelImage {
   friend bool operator==(const PixelImage&, const PixelImage&) = default;
 };
 
+// The same of three channels, as 16-bit numbers that mean no colours: normals, positions.
+struct WideImage {
+  PixelSize size;
+  std::vector<std::uint16_t> values;  // three per pixel
+  friend bool operator==(const WideImage&, const WideImage&) = default;
+};
+
 // Pixels as they are encoded: in sRGB for colours. 16 bits become 8, palettes become colours. Throws UnsupportedError
 // for formats other than image/png, image/jpeg and image/webp, for CMYK JPEG, animated WebP, for more than 2^28 pixels;
 // InputError for damaged images. The message does not name the file.
@@ -35,5 +42,10 @@ struct PixelImage {
 // pixels give equal bytes with one version of the libraries. Throws UnsupportedError for other formats and for WebP of
 // more than 16383 pixels a side, ResourceError when the library fails.
 [[nodiscard]] std::vector<char> encode_image(const PixelImage& image, const std::string& media_type, int quality = 90);
+
+// PNG of 16 bits per component, without loss and without a colour space. decode_image() rounds the values of such
+// a file to 8 bits. decode_wide_png() throws InputError also for a PNG of fewer bits, of grey or with alpha.
+[[nodiscard]] std::vector<char> encode_wide_png(const WideImage& image);
+[[nodiscard]] WideImage decode_wide_png(std::span<const char> bytes);
 
 }  // namespace lodestone

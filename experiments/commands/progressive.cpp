@@ -13,7 +13,7 @@ namespace {
 struct ProgressiveOptions {
   std::string input, output, metric = "quadric";
   InputOptions reading;
-  std::uint64_t base_triangles = 0;
+  std::uint64_t triangles = 0, base_triangles = 0;
   std::uint32_t position_bits = LpmConfig{}.position_bits, uv_bits = LpmConfig{}.uv_bits;
   bool no_attributes = false, no_normals = false, compress = false;
   std::uint32_t check_levels = 0;
@@ -27,6 +27,7 @@ ProgressiveJob job_of(const ProgressiveOptions& options) {
   job.reading.attributes = !options.no_attributes;
   job.normals = !options.no_normals;
   job.config.metric = progressive::metric_kind(options.metric);
+  job.config.finest_triangles = options.triangles;
   job.config.base_triangles = options.base_triangles;
   job.file.lpm.position_bits = options.position_bits;
   job.file.lpm.uv_bits = options.uv_bits;
@@ -90,6 +91,7 @@ OptionTable declare(ProgressiveOptions& o) {
        {"--metric", &o.metric,
         "quadric: geometry alone; attribute-quadric: with normals, colours and texture coordinates; parametric: the "
         "largest distance between points of equal texture coordinates"},
+       {"--triangles", &o.triangles, "Triangles of the finest level, at most; 0: all of the mesh"},
        {"--base", &o.base_triangles, "Triangles to stop at; 0: when nothing can collapse"},
        OptionSpec{"--position-bits", &o.position_bits, ".lpm: 2 to this power steps over the model"}.between(4, 20),
        OptionSpec{"--uv-bits", &o.uv_bits, ".lpm: the same over the texture coordinates"}.between(4, 20),

@@ -11,11 +11,12 @@ namespace lodestone {
 namespace {
 
 struct SphericalOptions {
-  std::string input, output, effort = "normal", cut = "auto", images = "webp";
+  std::string input, output, effort = "normal", cut = "auto", maps = to_string(SphericalMaps{}), images = "webp";
   InputOptions reading;
   std::uint32_t texture = SphericalConfig{}.texture;
+  std::uint64_t components = 0, triangles = 0;
   int quality = SphericalConfig{}.quality;
-  bool no_normals = false, compress = false;
+  bool compress = false;
 };
 
 SphericalJob job_of(const SphericalOptions& options) {
@@ -28,7 +29,9 @@ SphericalJob job_of(const SphericalOptions& options) {
   job.config.texture = options.texture;
   job.config.media_type = "image/" + options.images;
   job.config.quality = options.quality;
-  job.config.normals = !options.no_normals;
+  job.config.maps = spherical_maps(options.maps);
+  job.config.components = options.components;
+  job.config.progressive.finest_triangles = options.triangles;
   job.compress = options.compress;
   return job;
 }
@@ -66,11 +69,18 @@ void print(const SphericalResult& result, const Row& row, const SphericalOptions
              number("colour_bytes") / 1000, number("normal_bytes") / 1000, number("geometry_bytes") / 1000);
   fmt::print("closed for the mapping: {} holes and {} handles of {} components\n", number("holes"), number("handles"),
              number("components"));
+  if (result.report.left_out > 0) fmt::print("left out: {} smaller components\n", result.report.left_out);
   fmt::print("map: efficiency {:.3f}, {} of its triangles turned over, {} slivers (the input has {})\n",
              number("efficiency"), number("flips"), number("slivers"), number("surface_slivers"));
-  fmt::print("images: colours {:.1f} dB", number("colour_psnr"));
-  if (!row.at("normal_psnr").is_null()) fmt::print(", normals {:.1f} dB", number("normal_psnr"));
-  fmt::print("\n");
+  if (!row.at("colour_psnr").is_null()) fmt::print("colours: {:.1f} dB\n", number("colour_psnr"));
+  if (!row.at("geometry_image_rms").is_null())
+    fmt::print("geometry image: {} samples, {:.0f} kB, RMS {:.4f} % of the diagonal, at most {:.3f} %\n",
+               number("geometry_image_samples"), number("geometry_image_bytes") / 1000, number("geometry_image_rms"),
+               number("geometry_image_max"));
+  if (!row.at("normal_psnr").is_null()) fmt::print("normals: {:.1f} dB\n", number("normal_psnr"));
+  if (!row.at("tangent_angle").is_null())
+    fmt::print("normals in other viewers: {:.1f} degrees off, by a map of {:.0f} kB\n", number("tangent_angle"),
+               number("tangent_bytes") / 1000);
   print_repairs(result.repairs);
   print_warnings(result.warnings);
 }
@@ -97,11 +107,13 @@ OptionTable declare(SphericalOptions& o) {
            {"fast", "normal", "best"}),
        OptionSpec{"--cut", &o.cut, "Cut the sphere open where it shows least, or as the map left it"}.one_of(
            {"auto", "none"}),
+       {"--components", &o.components, "Components to keep, the largest; 0: all"},
+       {"--triangles", &o.triangles, "Triangles of the finest level, at most; 0: all; images are made from all"},
        OptionSpec{"--texture", &o.texture, "Pixels along a side of the images, a power of two; small parts get fewer"}
            .between(16, 16384),
+       OptionSpec{"--maps", &o.maps, "The images, of colour, normal, geometry"}.of_type("NAMES"),
        OptionSpec{"--images", &o.images, "Format of the images"}.one_of({"webp", "jpeg", "png"}),
        OptionSpec{"--quality", &o.quality, "Of webp and jpeg; webp of 100 is without loss"}.between(1, 100),
-       {"--no-normals", &o.no_normals, "Leave out the images of normals"},
        {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"}},
       o.reading);
 }

@@ -3,6 +3,7 @@
 
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/metrics/cracks/progressive_cracks.h"
+#include "experiments/metrics/geometry/texture_sliding.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/studies/rounds.h"
 #include "experiments/studies/study_input.h"
@@ -14,12 +15,17 @@ namespace {
 
 constexpr std::uint32_t checked_levels = 5;
 
+constexpr const char* map_texts = "names of colour, normal, geometry, separated by commas";
+
+std::optional<std::string> usual_maps(const std::string& names) { return to_string(spherical_maps(names)); }
+
 std::vector<ParameterInfo> parameters() {
   return {
       threads_parameter(),
       rounds_parameter(1),
       {"effort", "normal", "", "how long the map to the sphere is improved", 0, 0, {"fast", "normal", "best"}},
       {"texture", 1024, "pixels", "side of the largest component's images, a power of two", 16, 16384, {}},
+      {"maps", to_string(SphericalMaps{}), "", "the images", 0, 0, {}, OtherTexts{map_texts, usual_maps}},
       {"images", "webp", "", "format of the images", 0, 0, {"webp", "jpeg", "png"}},
       {"quality", 90, "", "of webp and jpeg; webp of 100 is without loss", 1, 100, {}},
   };
@@ -29,10 +35,15 @@ std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
   std::vector<ColumnInfo> list = spherical_columns();
   append(list, spread_ends(list, {"seconds", "cpu_seconds"}));
-  append(list,
-         {{"hash", "", "hash of the result", label},
-          {"same", "", "all rounds and a single worker make the same", label},
-          {"residual_edges", "", "cracks: edges of a level's border that are not the image of the input's", count}});
+  append(
+      list,
+      {{"hash", "", "hash of the result", label},
+       {"same", "", "all rounds and a single worker make the same", label},
+       {"residual_edges", "", "cracks: edges of a level's border that are not the image of the input's", count},
+       {"texture_sliding", "texels", "mean way of the texture at a level, drawn where its error is a pixel", accuracy},
+       {"texture_sliding_max", "texels", "the largest such way", accuracy},
+       {"morph_sliding", "texels", "texture_sliding from a level of a fourth more vertices", accuracy},
+       {"morph_sliding_max", "texels", "the largest such way", accuracy}});
   return list;
 }
 
@@ -40,6 +51,7 @@ SphericalConfig config_of(const Parameters& parameters) {
   SphericalConfig config;
   config.map.effort = sphere_effort(parameters.text("effort"));
   config.texture = static_cast<std::uint32_t>(parameters.integer("texture"));
+  config.maps = spherical_maps(parameters.text("maps"));
   config.media_type = "image/" + parameters.text("images");
   config.quality = parameters.integer("quality");
   return config;
@@ -84,6 +96,9 @@ std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context
   add_times(row, times);
   row["hash"] = to_hex(hash), row["same"] = same;
   row["residual_edges"] = residual_edges_of_levels(result.mesh, checked_levels);
+  const SlidingOfLevels sliding = texture_sliding_of_levels(result.mesh, checked_levels);
+  row["texture_sliding"] = sliding.whole.mean, row["texture_sliding_max"] = sliding.whole.max;
+  row["morph_sliding"] = sliding.step.mean, row["morph_sliding_max"] = sliding.step.max;
   return {row};
 }
 
@@ -96,6 +111,7 @@ std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows)
   verdict.at_most("flips", 0);
   verdict.at_most("residual_edges", 0);
   verdict.at_most("efficiency", 1);
+  verdict.at_most("texture_sliding", 1);
   return std::move(verdict).messages();
 }
 

@@ -21,8 +21,11 @@ Row size_of(const ProgressiveResult& result, std::size_t ProgressiveFileSize::*p
 const std::vector<Column<ProgressiveResult>>& columns() {
   using R = const ProgressiveResult&;
   static const std::vector<Column<ProgressiveResult>> list{
-      {{"input_triangles", "", "triangles of the input", count}, [](R r) { return r.mesh.triangles.size(); }},
+      {{"input_triangles", "", "triangles of the input", count}, [](R r) { return r.report.input_triangles; }},
+      {{"finest_triangles", "", "triangles of the finest level", count}, [](R r) { return r.mesh.triangles.size(); }},
       {{"finest_vertices", "", "vertices of the finest level", count}, [](R r) { return r.mesh.vertex_count(); }},
+      {{"finest_error", "model units", "estimated distance of the finest level from the input", accuracy},
+       [](R r) { return r.report.finest_error; }},
       {{"base_triangles", "", "triangles of the base mesh", count},
        [](R r) { return LevelFinder(r.mesh).triangles_of(r.mesh.base_vertices); }},
       {{"base_vertices", "", "vertices of the base mesh", count}, [](R r) { return r.mesh.base_vertices; }},
@@ -33,7 +36,7 @@ const std::vector<Column<ProgressiveResult>>& columns() {
       {{"seconds", "s", "making the progressive mesh", cost}, [](R r) { return r.time.seconds; }},
       {{"cpu_seconds", "s", "processor time of making it, all threads", cost}, [](R r) { return r.time.cpu_seconds; }},
       {{"ktri_per_core_second", "thousand/s", "input triangles over processor seconds", cost},
-       [](R r) { return static_cast<double>(r.mesh.triangles.size()) * 1e-3 / std::max(r.time.cpu_seconds, 1e-9); }},
+       [](R r) { return static_cast<double>(r.report.input_triangles) * 1e-3 / std::max(r.time.cpu_seconds, 1e-9); }},
       {{"file_bytes", "bytes", "size of the file", cost}, [](R r) { return size_of(r, &ProgressiveFileSize::bytes); }},
       {{"geometry_bytes", "bytes", "part of the file that is not images", cost},
        [](R r) { return size_of(r, &ProgressiveFileSize::geometry); }},

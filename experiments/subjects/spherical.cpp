@@ -17,10 +17,14 @@ double thousand_per_second(std::uint64_t faces, const StageTime& time) {
 
 using R = const SphericalResult&;
 
+constexpr const char* percent = "% of the diagonal";
+
 std::vector<Column<SphericalResult>> surface_columns() {
   return {{{"input_triangles", "", "triangles of the input", count}, [](R r) { return r.input_triangles; }},
           {{"components", "", "parts that are mapped to a sphere each", count},
            [](R r) { return r.report.topology.components; }},
+          {{"left_out_components", "", "smaller components that were left out", count},
+           [](R r) { return r.report.left_out; }},
           {{"holes", "", "borders that were filled for the time of the mapping", count},
            [](R r) { return r.report.topology.boundary_loops; }},
           {{"handles", "", "handles that were closed for the time of the mapping", count},
@@ -40,14 +44,30 @@ std::vector<Column<SphericalResult>> surface_columns() {
           {{"cut_exposure", "", "share of the sky that is seen from the cut, 0 to 1", accuracy},
            [](R r) { return r.report.cut_exposure; }},
           {{"colour_psnr", "dB", "colours of the decoded images against the input's, over the surface", quality},
-           [](R r) { return r.report.colour_psnr; }},
+           [](R r) { return r.report.colour_bytes > 0 ? Row(r.report.colour_psnr) : Row(); }},
           {{"normal_psnr", "dB", "normals of the decoded images against the input's, over the surface", quality},
-           [](R r) { return r.report.normal_bytes > 0 ? Row(r.report.normal_psnr) : Row(); }}};
+           [](R r) { return r.report.normal_bytes > 0 ? Row(r.report.normal_psnr) : Row(); }},
+          {{"tangent_angle", "degrees", "mean angle between these normals and those that other viewers show", accuracy},
+           [](R r) { return r.tangent.plain_angle > 0 ? Row(r.tangent.angle) : Row(); }},
+          {{"plain_angle", "degrees", "the same, if they had the normals of vertices alone", accuracy},
+           [](R r) { return r.tangent.plain_angle > 0 ? Row(r.tangent.plain_angle) : Row(); }},
+          {{"geometry_image_rms", percent,
+            "distance of the geometry images' meshes and the closed surface from each other, root of the mean square",
+            accuracy},
+           [](R r) { return r.report.geometry_bytes > 0 ? Row(100 * r.report.geometry_rms) : Row(); }},
+          {{"geometry_image_max", percent,
+            "the largest distance of the geometry images' meshes and the closed surface from each other", accuracy},
+           [](R r) { return r.report.geometry_bytes > 0 ? Row(100 * r.report.geometry_max) : Row(); }}};
 }
 
 std::vector<Column<SphericalResult>> cost_columns() {
   return {
-      {{"pixels", "", "pixels of all images", count}, [](R r) { return r.report.pixels; }},
+      {{"pixels", "", "pixels of the images of colours and normals", count}, [](R r) { return r.report.pixels; }},
+      {{"geometry_image_samples", "", "samples of geometry images", count},
+       [](R r) { return r.report.geometry_samples; }},
+      {{"finest_triangles", "", "triangles of the finest level", count}, [](R r) { return r.mesh.triangles.size(); }},
+      {{"finest_error", "model units", "estimated distance of the finest level from the input", accuracy},
+       [](R r) { return r.report.progressive.finest_error; }},
       {{"finest_vertices", "", "vertices of the finest level, copies at seams included", count},
        [](R r) { return r.mesh.vertex_count(); }},
       {{"base_vertices", "", "vertices of the base mesh", count}, [](R r) { return r.mesh.base_vertices; }},
@@ -55,6 +75,8 @@ std::vector<Column<SphericalResult>> cost_columns() {
       {{"geometry_bytes", "bytes", "part of the file that is not images", cost}, [](R r) { return r.size.geometry; }},
       {{"colour_bytes", "bytes", "images of colours", cost}, [](R r) { return r.report.colour_bytes; }},
       {{"normal_bytes", "bytes", "images of normals", cost}, [](R r) { return r.report.normal_bytes; }},
+      {{"tangent_bytes", "bytes", "normal maps for other viewers", cost}, [](R r) { return r.tangent.bytes; }},
+      {{"geometry_image_bytes", "bytes", "geometry images", cost}, [](R r) { return r.report.geometry_bytes; }},
       {{"seconds", "s", "all stages, without reading and writing", cost}, [](R r) { return r.time.seconds; }},
       {{"cpu_seconds", "s", "processor time of all stages, all threads", cost}, [](R r) { return r.time.cpu_seconds; }},
       {{"closing_cpu_seconds", "s", "processor time of closing holes and handles", cost},
@@ -69,6 +91,8 @@ std::vector<Column<SphericalResult>> cost_columns() {
        [](R r) { return r.report.resampling.cpu_seconds; }},
       {{"encode_cpu_seconds", "s", "processor time of encoding images, and decoding them again", cost},
        [](R r) { return r.report.encoding.cpu_seconds; }},
+      {{"tangent_cpu_seconds", "s", "processor time of normal maps for other viewers", cost},
+       [](R r) { return r.tangent.plain_angle > 0 ? Row(r.tangent.time.cpu_seconds) : Row(); }},
       {{"collapse_cpu_seconds", "s", "processor time of making the result progressive", cost},
        [](R r) { return r.report.collapsing.cpu_seconds; }},
       {{"peak_bytes", "bytes", "largest resident set", cost}, [](R r) { return r.peak_bytes; }}};
@@ -83,6 +107,9 @@ const std::vector<Column<SphericalResult>>& columns() {
   return list;
 }
 
+// Only the .glb is for other viewers.
+bool wants_tangent_maps(const SphericalJob& job) { return job.config.maps.normal && !job.output.ends_with(".lpm"); }
+
 }  // namespace
 
 SphericalResult run(const SphericalJob& job, Scheduler& scheduler) {
@@ -94,6 +121,11 @@ SphericalResult run(const SphericalJob& job, Scheduler& scheduler) {
   result.input_triangles = mesh.triangles.size();
   const CpuClock clock;
   result.mesh = make_spherical(mesh, job.config, scheduler, result.report);
+  if (wants_tangent_maps(job)) {
+    job.config.on_phase("making normal maps for other viewers");
+    add_tangent_maps(result.mesh, {job.config.media_type, job.config.quality, job.config.error_points}, scheduler,
+                     result.tangent);
+  }
   result.time = clock.elapsed();
   job.config.on_phase("writing");
   ProgressiveFileConfig file;

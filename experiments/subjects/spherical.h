@@ -11,6 +11,7 @@
 #include "experiments/subjects/row.h"
 #include "parallel/scheduler/scheduler.h"
 #include "parallel/spherical/make_spherical.h"
+#include "parallel/spherical/tangent_maps.h"
 
 namespace lodestone {
 
@@ -24,7 +25,8 @@ struct SphericalJob {
 struct SphericalResult {
   ProgressiveMesh mesh;
   SphericalReport report;
-  StageTime time;  // of making it, without files
+  TangentMapReport tangent;  // of a .glb
+  StageTime time;            // of making it, without files
   ProgressiveFileSize size;
   std::uint64_t input_triangles = 0;
   Repairs repairs;

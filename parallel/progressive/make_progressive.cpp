@@ -1,8 +1,11 @@
 #include "parallel/progressive/make_progressive.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/progressive/mesh/assembly.h"
+#include "core/progressive/mesh/level.h"
+#include "parallel/clean/prepare.h"
 #include "parallel/progressive/region_collapse.h"
 #include "parallel/scheduler/first_touch.h"
 
@@ -18,6 +21,7 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
   progressive::RingMesh& rings = collapse.rings();
   report = {.cut_vertices = rings.cut_vertices(),
             .cut_edges = rings.cut_edges(),
+            .input_triangles = mesh.triangles.size(),
             .base_triangles = collapse.triangles_left(),
             .rounds = collapse.rounds()};
   ProgressiveMesh room;
@@ -39,11 +43,37 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
   return assembly.finish();
 }
 
+// The surface collapsed to so many triangles, made progressive anew: it is cut apart where it has become nonmanifold by
+// then, which a prefix of the collapses is not.
+ProgressiveMesh build_fewer(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
+                            ProgressiveReport& report) {
+  ProgressiveConfig first = config;
+  first.base_triangles = std::max<std::size_t>(config.finest_triangles - 1, 1);
+  ProgressiveMesh fine = build(mesh, first, scheduler, report);
+  fine.wedges.materials = mesh.wedges.materials;
+  const LevelFinder levels(fine);
+  report.finest_error = levels.error_of(fine.base_vertices) * mesh.transform.scale;
+  Repairs repairs;
+  const IndexedMesh fewer = prepare_mesh(levels.level_mesh(fine.base_vertices), repairs, scheduler);
+  ProgressiveReport rest;
+  ProgressiveMesh out = build(fewer, config, scheduler, rest);
+  report.base_triangles = rest.base_triangles;
+  const auto error = static_cast<float>(report.finest_error / fewer.transform.scale);
+  for (float& e : out.errors) e += error;
+  return out;
+}
+
+ProgressiveMesh build_levels(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
+                             ProgressiveReport& report) {
+  const bool all = config.finest_triangles == 0 || config.finest_triangles >= mesh.triangles.size();
+  return all ? build(mesh, config, scheduler, report) : build_fewer(mesh, config, scheduler, report);
+}
+
 }  // namespace
 
 ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
                                  ProgressiveReport& report) {
-  ProgressiveMesh out = build(mesh, config, scheduler, report);
+  ProgressiveMesh out = build_levels(mesh, config, scheduler, report);
   out.wedges.materials = mesh.wedges.materials;
   out.wedges.textures = mesh.wedges.textures;
   return out;
@@ -52,7 +82,7 @@ ProgressiveMesh make_progressive(const IndexedMesh& mesh, const ProgressiveConfi
 ProgressiveMesh make_progressive(IndexedMesh&& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
                                  ProgressiveReport& report) {
   IndexedMesh mine = std::move(mesh);
-  ProgressiveMesh out = build(mine, config, scheduler, report);
+  ProgressiveMesh out = build_levels(mine, config, scheduler, report);
   out.wedges.materials = std::move(mine.wedges.materials);
   out.wedges.textures = std::move(mine.wedges.textures);
   return out;

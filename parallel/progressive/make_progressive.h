@@ -14,14 +14,16 @@ namespace lodestone {
 struct ProgressiveConfig {
   progressive::MetricKind metric = progressive::MetricKind::quadric;
   progressive::AttributeWeights weights{};
-  std::size_t base_triangles = 0;  // to stop at; 0: what remains when nothing can collapse
+  std::size_t base_triangles = 0;    // to stop at; 0: what remains when nothing can collapse
+  std::size_t finest_triangles = 0;  // at most, as far as the base allows; 0: all
   InstructionSet instructions = InstructionSet::best;
 };
 
 struct ProgressiveReport {
   std::uint64_t cut_vertices = 0;  // copies made where the surface was cut apart
   std::uint64_t cut_edges = 0;     // of three or more triangles, or of triangles turned against each other
-  std::uint64_t base_triangles = 0;
+  std::uint64_t input_triangles = 0, base_triangles = 0;
+  double finest_error = 0;   // estimated distance of the finest level from the input, in units of the model
   std::uint64_t rounds = 0;  // of regions side by side, before the rest was collapsed as one
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/progressive/mesh/progressive_mesh.h"
@@ -15,12 +16,23 @@
 
 namespace lodestone {
 
+// The images that a component gets.
+struct SphericalMaps {
+  bool colour = true;
+  bool normal = true;     // in object space
+  bool geometry = false;  // positions, by a fourth as many samples along a side as the others have pixels, and one
+};
+// From names separated by commas; throws InputError listing the known ones.
+[[nodiscard]] SphericalMaps spherical_maps(std::string_view names);
+[[nodiscard]] std::string to_string(const SphericalMaps& maps);
+
 struct SphericalConfig {
   SphereMapConfig map;
   spherical::HandleConfig handles;
+  std::uint64_t components = 0;  // the largest by area are kept; 0: all
   bool choose_cut = true;        // false: the sphere is cut open as the map left it
   std::uint32_t texture = 1024;  // pixels along the side of the largest component's images; a power of two, at least 16
-  bool normals = true;           // images of normals in object space beside those of colours
+  SphericalMaps maps;
   std::string media_type = "image/webp";
   int quality = 90;                      // of the images (core/texture/image_codec.h)
   std::uint64_t error_points = 200'000;  // on the surface, where images are compared with what they were made from
@@ -31,13 +43,18 @@ struct SphericalConfig {
 
 struct SphericalReport {
   spherical::TopologyReport topology;
-  SphereMapReport map;    // of all components: times and counts are sums
+  std::uint64_t left_out = 0;  // components of those
+  SphereMapReport map;    // of all components: times and counts are sums; map.map has all stages of small components
   double efficiency = 0;  // of the map: the mean of the components' by area
   StageTime closing, unfolding, resampling, encoding, collapsing;
-  // After the images were encoded and decoded; dB, the mean over components by area.
+  // After the images were encoded and decoded; dB, the mean over components by area. 0 without such images.
   double colour_psnr = 0, normal_psnr = 0;
-  std::uint64_t pixels = 0;  // of all images
-  std::uint64_t colour_bytes = 0, normal_bytes = 0;
+  std::uint64_t pixels = 0;            // of images of colours and normals
+  std::uint64_t geometry_samples = 0;  // of geometry images
+  std::uint64_t colour_bytes = 0, normal_bytes = 0, geometry_bytes = 0;
+  // Distances between the closed surface and the meshes that decoded geometry images are, the larger of both ways, as
+  // shares of the diagonal of the input.
+  double geometry_rms = 0, geometry_max = 0;
   std::uint64_t added_vertices = 0;  // where the cut crosses edges
   double cut_length = 0;             // of all components on the surface, in model units
   double cut_exposure = 0;           // the share of the sky that is seen from the cut, its mean by length, 0 to 1
@@ -46,8 +63,11 @@ struct SphericalReport {
 
 // The recipe: close holes and handles (core/spherical/topology), map each component to the sphere (map_to_sphere.h),
 // unfold it, resample its colours and normals (core/spherical/resample), and make the surface, without what closed it,
-// progressive. A component has a material and images of its own; smaller ones have smaller images. The result depends
-// on the mesh and the configuration alone. Throws what these parts throw.
+// progressive. A component has a material and images of its own; smaller ones have smaller images. Components of less
+// than 1/256 of the area share one material and its images, an atlas no larger than the largest component's images as
+// far as 16 texels for each allow (core/spherical/octahedron/square_atlas.h), unless there are geometry images, each of
+// which is that of one component. The result depends on the mesh and the configuration alone. Throws what these parts
+// throw.
 [[nodiscard]] ProgressiveMesh make_spherical(const IndexedMesh& mesh, const SphericalConfig& config,
                                              Scheduler& scheduler, SphericalReport& report);
 

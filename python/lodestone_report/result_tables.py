@@ -121,6 +121,9 @@ PAGES = [
         Table("Size and quality of the images", ("images",),
               [DATA, ("pixels a side", "texture"), ("quality", "quality"), ("colours, kB", "colour_bytes", 1e3),
                ("colours, dB", "colour_psnr"), ("normals, kB", "normal_bytes", 1e3), ("normals, dB", "normal_psnr"), CPU]),
+        Table("Geometry images", ("geometry",),
+              [DATA, ("samples", "geometry_image_samples"), ("kB", "geometry_image_bytes", 1e3), ("RMS, %", "geometry_image_rms"),
+               ("max, %", "geometry_image_max")]),
     ], "Efficiency is 1 for a map without stretch, by the split measure, with a guard of the weight that `lodestone spherical --json` "
        "prints. 100 dB: no difference. Geometry is that of the `.lpm`."),
     Page("reconstruction", [

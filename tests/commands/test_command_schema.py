@@ -74,7 +74,8 @@ class Schema(CommandCase):
 
     def test_spherical(self):
         self.write("m.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
-        self.compare("spherical", self.results("spherical", sphere(), "-o", "m.glb", "--texture", 64),
+        self.compare("spherical", self.results("spherical", sphere(), "-o", "m.glb", "--texture", 64, "--maps",
+                                  "colour,normal,geometry"),
                      self.results("spherical", "m.obj", "-o", "n.glb", "--texture", 64))
 
     def test_reconstruct(self):

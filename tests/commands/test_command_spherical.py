@@ -12,9 +12,18 @@ class Spherical(CommandCase):
         self.assertEqual(result["pixels"], 2 * 128 * 128)
         self.assertGreater(result["efficiency"], 0.9)
         self.assertGreater(result["normal_psnr"], 30)
-        fewer = self.results("spherical", sphere(), "-o", "out.glb", "--texture", 128, "--no-normals")
-        self.assertEqual((fewer["pixels"], fewer["normal_bytes"]), (128 * 128, 0))
-        self.assertNotIn("normal_psnr", fewer)
+
+    def test_maps(self):
+        for maps, other in (("colour", "normal"), ("normal", "colour")):
+            result = self.results("spherical", sphere(), "-o", f"{maps}.glb", "--texture", 64, "--maps", maps)
+            self.assertEqual((result["pixels"], result[f"{other}_bytes"]), (64 * 64, 0))
+            self.assertGreater(result[f"{maps}_psnr"], 20)
+            self.assertNotIn(f"{other}_psnr", result)
+        result = self.results("spherical", sphere(), "-o", "all.glb", "--texture", 128,
+                              "--maps", "colour,normal,geometry")
+        self.assertEqual(result["geometry_image_samples"], 33 * 33)
+        self.assertTrue(0 < result["geometry_image_rms"] < result["geometry_image_max"] < 2)
+        self.validate(self.folder)
 
     def test_small_files(self):
         glb = self.results("spherical", sphere(), "-o", "out.glb", "--texture", 64, "--compress")
@@ -26,6 +35,16 @@ class Spherical(CommandCase):
         bytes_of = [self.results("spherical", sphere(), "-o", "out.glb", "--texture", 128, "--quality", q)["normal_bytes"]
                     for q in (10, 90, 100)]
         self.assertEqual(bytes_of, sorted(set(bytes_of)))
+
+    def test_fewer_triangles_carry_the_same_images(self):
+        every = self.results("spherical", sphere(), "-o", "all.lpm", "--texture", 64)
+        fewer = self.results("spherical", sphere(), "-o", "fewer.lpm", "--texture", 64, "--triangles", 300)
+        self.assertEqual(every["finest_error"], 0)
+        self.assertGreater(fewer["finest_error"], 0)
+        self.assertLessEqual(fewer["finest_triangles"], 300)
+        self.assertGreater(fewer["finest_triangles"], 290)
+        self.assertEqual(fewer["normal_bytes"], every["normal_bytes"])
+        self.assertLess(fewer["geometry_bytes"], every["geometry_bytes"])
 
     def test_levels_and_page(self):
         self.lodestone("spherical", sphere(), "-o", "out.glb", "--texture", 64)
@@ -50,6 +69,8 @@ class Spherical(CommandCase):
         self.refused("spherical", sphere(), "-o", "out.ply", names=["out.ply", ".glb"])
         self.refused("spherical", sphere(), "-o", "out.glb", "--texture", 100, names=["100 pixels", "power of two"])
         self.refused("spherical", sphere(), "-o", "out.glb", "--effort", "wild", names=["--effort", "best"])
+        for maps in ("colour,taste", "colour,", ""):
+            self.refused("spherical", sphere(), "-o", "out.glb", "--maps", maps, names=["unknown map", "colour,normal,geometry"])
 
     def test_a_scan_with_handles_and_many_charts(self):
         if not HERMES.exists():

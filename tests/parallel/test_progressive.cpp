@@ -220,6 +220,24 @@ TEST(ProgressiveMesh, LevelsByTrianglesAndByError) {
             out.vertex_count() - static_cast<std::uint32_t>(std::count(out.errors.begin(), out.errors.end(), 0.0f)));
 }
 
+TEST(ProgressiveMesh, AFinestLevelOfFewerTriangles) {
+  const auto scheduler = make_serial_scheduler();
+  for (const IndexedMesh& input : {test::textured_torus(40, 30, true, *scheduler), test::touching_cubes(6, *scheduler)}) {
+    ProgressiveReport report;
+    const std::size_t all = input.triangles.size();
+    EXPECT_EQ(make_progressive(input, {.finest_triangles = all}, *scheduler, report).triangles.size(), all);
+    EXPECT_EQ(report.finest_error, 0);
+    const ProgressiveMesh fewer = make_progressive(input, {.finest_triangles = all / 3}, *scheduler, report);
+    check_progressive(fewer, "fewer");
+    expect_sound_levels(fewer, 0);
+    EXPECT_EQ(report.input_triangles, all);
+    EXPECT_GE(fewer.triangles.size(), all / 3 - 1);
+    EXPECT_LE(fewer.triangles.size(), all / 3);
+    EXPECT_EQ(report.finest_error > 0, !input.wedges.uv.empty());  // cubes are flat
+    EXPECT_GE(fewer.errors.back() * fewer.transform.scale, 0.999 * report.finest_error);
+  }
+}
+
 TEST(ProgressiveMesh, SameBytesForAnyNumberOfThreads) {
   const auto scheduler = make_tbb_scheduler(1);
   for (const IndexedMesh& mesh : {test::sphere_mesh(7), test::textured_torus(160, 120, true, *scheduler)})

@@ -9,7 +9,9 @@
 #include "core/progressive/lpm/range_coder.h"
 #include "core/progressive/mesh/activation.h"
 #include "core/progressive/mesh/level.h"
+#include "core/progressive/mesh/thumbnails.h"
 #include "core/progressive/progressive_file.h"
+#include "core/texture/downsample.h"
 #include "core/texture/image_codec.h"
 #include "parallel/progressive/make_progressive.h"
 #include "tests/core/progressive/progressive_checks.h"
@@ -20,10 +22,10 @@
 namespace lodestone {
 namespace {
 
-ProgressiveMesh make(const IndexedMesh& mesh, std::size_t base = 0) {
+ProgressiveMesh make(const IndexedMesh& mesh, std::size_t base = 0, std::size_t finest = 0) {
   const auto scheduler = make_serial_scheduler();
   ProgressiveReport report;
-  return make_progressive(mesh, {.base_triangles = base}, *scheduler, report);
+  return make_progressive(mesh, {.base_triangles = base, .finest_triangles = finest}, *scheduler, report);
 }
 
 std::vector<ProgressiveMesh> some_meshes() {
@@ -103,24 +105,115 @@ TEST(ProgressiveGlb, ComesBackBitForBit) {
     }
 }
 
-TEST(ProgressiveFiles, KeepNormalsInObjectSpace) {
+TEST(ProgressiveFiles, KeepMapsOverTheSphere) {
   ProgressiveMesh mesh = some_meshes().front();
   mesh.wedges.uv.assign(mesh.positions.size(), {});
   const PixelImage pixel{.size = {1, 1}, .channels = 3, .pixels = {1, 2, 3}};
   const std::vector<char> bytes = encode_image(pixel, "image/png");
   mesh.wedges.materials = {{.name = "skin", .texture = 0}};
   mesh.wedges.textures = {{.name = "colour", .media_type = "image/png", .bytes = bytes},
-                          {.name = "normals", .media_type = "image/png", .bytes = bytes}};
+                          {.name = "normals", .media_type = "image/png", .bytes = bytes},
+                          {.name = "geometry", .media_type = "image/png", .bytes = bytes}};
   mesh.object_normals = {1};
+  mesh.geometry_images = {{2, {0.1, -2, 3e7}, 1.0 / 3}};
+  mesh.octahedral = true;
   const auto check = [&](ByteReader input) {
     const ProgressiveMesh back = read_progressive(input);
     EXPECT_EQ(back.object_normals, mesh.object_normals);
+    EXPECT_EQ(back.geometry_images, mesh.geometry_images);
+    EXPECT_TRUE(back.octahedral);
     EXPECT_EQ(back.wedges.materials, mesh.wedges.materials);
     EXPECT_EQ(back.wedges.textures, mesh.wedges.textures);
   };
   const std::vector<std::byte> glb = encode_progressive_glb(mesh, false), lpm = encode_lpm(mesh, {}).bytes;
   check(reader_of(glb));
   check(reader_of(lpm));
+}
+
+// A colour picture and normals, both larger than their thumbnails, a picture that is one, and a foreign image.
+ProgressiveMesh pictured_mesh() {
+  ProgressiveMesh mesh = some_meshes().front();
+  mesh.wedges.uv.assign(mesh.positions.size(), {});
+  PixelImage image{.size = {200, 100}, .channels = 3, .pixels = {}};
+  for (std::uint32_t k = 0; k < 200 * 100 * 3; ++k) image.pixels.push_back(static_cast<std::uint8_t>(k * k >> 7));
+  PixelImage dot{.size = {2, 2}, .channels = 3, .pixels = std::vector<std::uint8_t>(12, 90)};
+  const auto texture = [](const char* name, const char* type, std::vector<char> bytes) {
+    return Texture{.name = name, .media_type = type, .bytes = std::move(bytes)};
+  };
+  mesh.wedges.textures = {texture("colour", "image/png", encode_image(image, "image/png")),
+                          texture("normals", "image/jpeg", encode_image(image, "image/jpeg")),
+                          texture("dot", "image/png", encode_image(dot, "image/png")),
+                          texture("foreign", "image/ktx2", {'k', 't', 'x'}),
+                          texture("unused", "image/png", encode_image(image, "image/png"))};
+  mesh.wedges.materials = {{.name = "a", .texture = 0}, {.name = "b", .texture = 2}, {.name = "c", .texture = 3}};
+  mesh.wedges.material.assign(mesh.positions.size(), 0);
+  mesh.object_normals = {1, no_texture, no_texture};
+  return mesh;
+}
+
+TEST(Thumbnails, AreSmallPicturesOfWhatIsDrawn) {
+  const ProgressiveMesh mesh = pictured_mesh();
+  const std::vector<Texture>&textures = mesh.wedges.textures, thumbnails = make_thumbnails(mesh);
+  ASSERT_EQ(thumbnails.size(), textures.size());
+  for (const std::size_t k : {0u, 1u}) {
+    EXPECT_EQ(thumbnails[k].media_type, "image/webp");
+    EXPECT_EQ(image_size(thumbnails[k].bytes, "image/webp"), (PixelSize{50, 25}));
+    EXPECT_LT(thumbnails[k].bytes.size(), 3000u);
+  }
+  EXPECT_EQ(thumbnails[2], textures[2]);
+  EXPECT_TRUE(thumbnails[3].bytes.empty() && thumbnails[4].bytes.empty());
+  // The mean of the picture remains.
+  const auto mean = [](const Texture& t) {
+    const LinearImage image = to_linear(decode_image(t.bytes, t.media_type), PixelMeaning::colours);
+    double sum = 0;
+    for (const float x : image.values) sum += x;
+    return sum / static_cast<double>(image.values.size());
+  };
+  EXPECT_NEAR(mean(thumbnails[0]), mean(textures[0]), 0.02);
+}
+
+TEST(Lpm, ThumbnailsStandInForImagesThatHaveNotCome) {
+  const ProgressiveMesh mesh = pictured_mesh();
+  const std::vector<Texture>&textures = mesh.wedges.textures, thumbnails = make_thumbnails(mesh);
+  const LpmBytes lpm = encode_lpm(mesh, {}, thumbnails), plain = encode_lpm(mesh);
+  const auto texture_of = [](std::span<const std::byte> bytes, bool prefix, std::size_t k) {
+    ByteReader input = reader_of(bytes);
+    return read_lpm(input, prefix).wedges.textures[k];
+  };
+  EXPECT_NEAR(static_cast<double>(lpm.geometry), static_cast<double>(plain.geometry), 200);  // the header is longer
+  for (std::size_t k = 0; k < textures.size(); ++k) {
+    EXPECT_EQ(texture_of(lpm.bytes, false, k), textures[k]);
+    EXPECT_EQ(texture_of(plain.bytes, false, k), textures[k]);  // files of earlier versions
+    const Texture early = texture_of(std::span(lpm.bytes).first(lpm.base), true, k);
+    EXPECT_EQ(early.bytes, thumbnails[k].bytes);
+    EXPECT_EQ(early.media_type, thumbnails[k].bytes.empty() ? textures[k].media_type : thumbnails[k].media_type);
+    EXPECT_EQ(early.name, textures[k].name);
+  }
+  ByteReader cut = reader_of(std::span(lpm.bytes).first(lpm.base - 2000));
+  expect_error_of<InputError>([&] { return read_lpm(cut, true); }, {"ends early"});
+}
+
+TEST(ProgressiveGlb, ImagesComeAfterTheirThumbnails) {
+  const ProgressiveMesh mesh = pictured_mesh();
+  const std::vector<Texture> thumbnails = make_thumbnails(mesh);
+  for (const bool compressed : {false, true}) {
+    const std::vector<std::byte> bytes = encode_progressive_glb(mesh, compressed, thumbnails);
+    ByteReader input = reader_of(bytes);
+    const std::vector<Texture> back = read_progressive(input).wedges.textures;  // of the material that is used
+    ASSERT_EQ(back.size(), 2u);
+    EXPECT_TRUE(std::equal(back.begin(), back.end(), mesh.wedges.textures.begin()));
+    const TestFolder folder;
+    const ProgressiveFileSize size = save_progressive(mesh, folder / "a.glb", {.lpm = {}, .compress_glb = compressed});
+    EXPECT_EQ(size.bytes, bytes.size());
+    const auto at = [&](const Texture& t, std::size_t from) {
+      const std::span<const std::byte> image = std::as_bytes(std::span(t.bytes));
+      return std::search(bytes.begin() + static_cast<std::ptrdiff_t>(from), bytes.end(), image.begin(), image.end());
+    };
+    for (const std::size_t k : {0u, 1u}) {
+      EXPECT_NE(at(mesh.wedges.textures[k], size.base), bytes.end());
+      EXPECT_LT(at(thumbnails[k], 0), bytes.begin() + static_cast<std::ptrdiff_t>(size.base));
+    }
+  }
 }
 
 TEST(ProgressiveGlb, RefusesGltfWithoutParents) {
@@ -155,6 +248,56 @@ TEST(Lpm, ComesBackWithinTheQuantization) {
       for (const std::uint32_t level : test::some_levels(mesh, 6))
         EXPECT_EQ(as_set(a.compute_level(level)), as_set(b.compute_level(level)));
     }
+}
+
+// Triangles between few points: edges of many triangles, pinched vertices, triangles back to back.
+IndexedMesh soup(unsigned seed, bool textured) {
+  std::mt19937 random(seed);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+  RawMesh raw;
+  const std::uint32_t points = 4 + below(16), triangles = points + below(6 * points);
+  for (std::uint32_t k = 0; k < points; ++k)
+    raw.positions.push_back({0.25 * below(5), 0.25 * below(5), 0.25 * below(5)});
+  raw.triangles.push_back({{0, 1, 2}});
+  for (std::uint32_t k = 1; k < 4; ++k) raw.positions[k - 1] = {0.1 * k, k == 1 ? 0.9 : 0.3, 0.7};
+  for (std::uint32_t k = 1; k < triangles; ++k) raw.triangles.push_back({{below(points), below(points), below(points)}});
+  for (std::uint32_t k = 0; textured && k < points; ++k)
+    raw.wedges.uv.push_back({0.125f * static_cast<float>(below(9)), 0.125f * static_cast<float>(below(9))});
+  Repairs repairs;
+  return prepare_mesh(std::move(raw), repairs, *make_serial_scheduler());
+}
+
+TEST(Lpm, HoldsWhatWasCutApart) {
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    const ProgressiveMesh mesh = make(soup(seed, seed % 2 == 1), 0, seed % 3 == 0 ? 20 : 0);
+    const std::vector<std::byte> bytes = encode_lpm(mesh, {.position_bits = 20, .uv_bits = 20}).bytes;
+    ByteReader input = reader_of(bytes);
+    const ProgressiveMesh back = read_lpm(input);
+    ASSERT_EQ(back.parents, mesh.parents) << seed;
+    const LevelFinder a(mesh), b(back);
+    for (std::uint32_t v = mesh.base_vertices; v <= mesh.vertex_count(); ++v) {
+      const std::uint32_t level = a.vertices_for(v);
+      ASSERT_EQ(as_set(a.compute_level(level)), as_set(b.compute_level(level))) << seed << ' ' << level;
+    }
+  }
+}
+
+TEST(Lpm, RefusesWhatItCannotUndo) {
+  const auto refused = [](std::vector<Triangle> triangles, std::uint32_t base, const char* why) {
+    ProgressiveMesh mesh;
+    for (const Triangle& t : triangles)
+      for (const std::uint32_t v : t.v) mesh.positions.resize(std::max<std::size_t>(mesh.positions.size(), v + 1));
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.positions[v] = {0.1f * static_cast<float>(v), 0, 0};
+    mesh.parents.assign(mesh.positions.size(), 0);
+    mesh.errors.assign(mesh.positions.size(), 0);
+    mesh.triangles = std::move(triangles);
+    mesh.base_vertices = base;
+    expect_error_of<InputError>([&] { return encode_lpm(mesh); }, {why, ".glb"}, why);
+  };
+  refused({{0, 1, 2}, {0, 3, 4}}, 5, "not a manifold");
+  refused({{0, 1, 3}}, 4, "has no triangle");
+  refused({{0, 1, 2}, {1, 3, 2}}, 3, "share no edge");
+  refused({{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}}, 3, "changes the shape");
 }
 
 TEST(Lpm, APrefixIsACoarserMesh) {

@@ -51,8 +51,8 @@ export async function main(makeFiles, tests, {bundle = true} = {}) {
 }
 
 // A page of the browser that fails the test on any error in its console, but for those that `expected` matches.
-export async function open(browser, name, {gate, slow, query = '', expected = null, prepare = null, viewport = {width: 480, height: 360}, ...more} = {}) {
-  const server = await serve(path.join(folder, name), {gate, slow});
+export async function open(browser, name, {gate, part, slow, query = '', expected = null, prepare = null, viewport = {width: 480, height: 360}, ...more} = {}) {
+  const server = await serve(path.join(folder, name), {gate, part, slow});
   const context = await browser.newContext({viewport, ...more}), page = await context.newPage(), errors = [];
   page.setDefaultTimeout(120000);
   const note = (text) => { if (!/GPU stall/.test(text) && !expected?.test(text)) errors.push(text); };
@@ -103,7 +103,7 @@ export function writeTorus(n, m) {
   writeFileSync(path.join(folder, 'squares.png'), squares(128));
 }
 
-function crc32(bytes) {
+export function crc32(bytes) {
   let crc = ~0;
   for (const b of bytes) {
     crc ^= b;
@@ -113,7 +113,7 @@ function crc32(bytes) {
 }
 
 // A PNG of coloured squares.
-function squares(size) {
+export function squares(size) {
   const rows = Buffer.alloc(size * (1 + 3 * size));
   for (let y = 0; y < size; ++y)
     for (let x = 0; x < size; ++x) rows.set((x >> 4) + (y >> 4) & 1 ? [220, 60, 40] : [240, 220 - y, 90 + x], y * (1 + 3 * size) + 1 + 3 * x);

@@ -1,12 +1,12 @@
-// A static file server for the tests of the page. `gate` may give a promise for a file: a third of it is sent, and the rest
-// when the promise is kept. `slow` gives the milliseconds that a file takes.
+// A static file server for the tests of the page. `gate` may give a promise for a file: its first `part` bytes are sent
+// (by default a third), and the rest when the promise is kept. `slow` gives the milliseconds that a file takes.
 import {existsSync, readFileSync, statSync} from 'node:fs';
 import {createServer} from 'node:http';
 import path from 'node:path';
 
 const types = {'.html': 'text/html', '.js': 'text/javascript', '.mjs': 'text/javascript', '.css': 'text/css', '.json': 'application/json'};
 
-export function serve(folder, {gate = () => null, slow = () => 0} = {}) {
+export function serve(folder, {gate = () => null, part = (bytes) => Math.ceil(bytes.length / 3), slow = () => 0} = {}) {
   const server = createServer(async (request, response) => {
     const file = path.join(folder, decodeURIComponent(new URL(request.url, 'http://x').pathname).replace(/\/$/, '/index.html'));
     if (!existsSync(file) || !statSync(file).isFile()) {
@@ -16,15 +16,15 @@ export function serve(folder, {gate = () => null, slow = () => 0} = {}) {
     const wait = slow(file);
     if (wait > 0) await new Promise((next) => setTimeout(next, wait));
     const bytes = readFileSync(file), opened = gate(file);
-    response.writeHead(200, {'content-type': types[path.extname(file)] ?? 'application/octet-stream'});
+    response.writeHead(200, {'content-type': types[path.extname(file)] ?? 'application/octet-stream', 'content-length': bytes.length});
     if (opened === null) {
       response.end(bytes);
       return;
     }
-    const third = Math.ceil(bytes.length / 3);
-    response.write(bytes.subarray(0, third));
+    const sent = part(bytes);
+    response.write(bytes.subarray(0, sent));
     await opened;
-    response.end(bytes.subarray(third));
+    response.end(bytes.subarray(sent));
   });
   return new Promise((ready) => server.listen(0, '127.0.0.1', () => ready({port: server.address().port, close: () => server.close()})));
 }

@@ -185,8 +185,9 @@ async function testStreaming(browser) {
   const rest = new Promise((next) => { release = next; });
   const {page, quiet, close, triangles} = await open(browser, 'one', {gate: (file) => (file.endsWith('.lpm') ? rest : null)});
   await page.waitForFunction(() => window.lodestone?.models.length === 1 && !window.lodestone.awake);
-  const [part, share] = await page.evaluate(() => [window.lodestone.models[0].triangleCount, window.lodestone.models[0].arrived]);
-  check(part > 0 && share < 1 && await page.isVisible('#labels progress'), `${part} triangles are on the screen when ${share.toFixed(2)} of the file is there`);
+  const [part, {bytes, all}] = await page.evaluate(() => [window.lodestone.models[0].triangleCount, window.lodestone.models[0].arrived]);
+  const bar = await page.locator('#labels progress').evaluate((b) => b.value / b.max), share = bytes / all;
+  check(part > 0 && share < 0.4 && Math.abs(bar - share) < 1e-6, `${part} triangles are on the screen when ${share.toFixed(2)} of the bytes are there, as the bar says`);
   check((await page.evaluate(() => window.lodestone.cracks())).cracks === 0, 'they are a closed surface');
   await page.evaluate(() => {
     window.places = [];

@@ -92,7 +92,10 @@ void GlbBuilder::add_material(const Material& m, std::size_t texture_count) {
 }
 
 void GlbBuilder::add_embedded_texture(const Texture& t) {
-  const std::size_t view = add_view(std::as_bytes(std::span(t.bytes)), GltfTarget::none);
+  add_embedded_texture(t, add_view(std::as_bytes(std::span(t.bytes)), GltfTarget::none));
+}
+
+void GlbBuilder::add_embedded_texture(const Texture& t, std::size_t view) {
   add_texture(t, {{"bufferView", view}, {"mimeType", t.media_type}});
 }
 

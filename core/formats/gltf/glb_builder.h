@@ -43,8 +43,9 @@ class GlbBuilder {
 
   // material.texture and normal_map are numbers of textures in the order in which they are added; others are left out.
   void add_material(const Material& material, std::size_t texture_count);
-  // Adds an image inside the file, or beside it under a relative URI.
+  // Adds an image inside the file, in a view of its own or in the one given, or beside it under a relative URI.
   void add_embedded_texture(const Texture& texture);
+  void add_embedded_texture(const Texture& texture, std::size_t view);
   void add_linked_texture(const Texture& texture, const std::string& uri);
 
   // Returns the file: header, JSON padded with spaces, binary chunk padded with zeros (12.3.3 and 4.4 of the

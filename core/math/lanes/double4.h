@@ -9,6 +9,7 @@
 #endif
 
 #include "core/base/instruction_set.h"
+#include "core/math/lanes/float4.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {
@@ -41,6 +42,8 @@ inline Double4 copysign(Double4 v, Double4 sign) {
   return _mm256_or_pd(_mm256_andnot_pd(all4d(-0.0), v), _mm256_and_pd(all4d(-0.0), sign));
 }
 inline unsigned bits(Mask4 mask) { return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask))); }
+inline Float4 narrow(Double4 a) { return __builtin_convertvector(a, Float4); }
+inline Int4 narrow(Mask4 a) { return __builtin_convertvector(a, Int4); }
 
 #else
 
@@ -76,6 +79,14 @@ inline Double4 copysign(Double4 v, Double4 sign) {
   return {half(v.lower, sign.lower), half(v.upper, sign.upper)};
 }
 inline Double4 abs(Double4 a) { return copysign(a, all4d(0)); }
+inline Float4 narrow(Double4 a) {
+  return Float4{static_cast<float>(a.lower[0]), static_cast<float>(a.lower[1]), static_cast<float>(a.upper[0]),
+                static_cast<float>(a.upper[1])};
+}
+inline Int4 narrow(Mask4 a) {
+  return Int4{static_cast<std::int32_t>(a.lower[0]), static_cast<std::int32_t>(a.lower[1]),
+              static_cast<std::int32_t>(a.upper[0]), static_cast<std::int32_t>(a.upper[1])};
+}
 #if defined(__SSE2__)
 inline Double4 sqrt(Double4 a) { return {_mm_sqrt_pd(a.lower), _mm_sqrt_pd(a.upper)}; }
 inline unsigned bits(Mask4 mask) {

@@ -171,8 +171,21 @@ class CollapseRun {
   bool complete(Id v, Collapse& c) const {
     c.back = rings_.ring(c.target).find(v);
     c.wedge[0] = c.wedge[1] = v, c.wedge_target[0] = c.wedge_target[1] = c.target;
-    return !rings_.has_wedges() || is_off_seams(c) || rings_.allows_wedges(c);
+    return (!rings_.has_wedges() || is_off_seams(c) || rings_.allows_wedges(c)) && keeps_apart(c);
   }
+
+  // False if a copy of the vertex has gone to the same target: one record after the other, they would look like wedges
+  // of one vertex (activation.h). Copies have the same place and therefore the same region.
+  [[nodiscard]] bool keeps_apart(const Collapse& c) const {
+    if (rings_.cut_vertices() == 0) return true;
+    const Id original = rings_.original_of(c.vertex);
+    const auto went = [&](Id x) { return s_.parent[x] != no_id && rings_.vertex_of(s_.parent[x]) == c.target; };
+    if (went(original)) return false;
+    for (auto [copy, last] = rings_.copies_of(original); copy != last; ++copy)
+      if (went(copy)) return false;
+    return true;
+  }
+
   // True if the vertex and those of the triangles that vanish are known to have one wedge each.
   [[nodiscard]] bool is_off_seams(const Collapse& c) const {
     const Ring& ring = rings_.ring(c.vertex);
@@ -186,7 +199,7 @@ class CollapseRun {
     if (ring.size > CollapseMetric::max_neighbours) return false;
     return take_cheapest(v, places_of(ring), c, [&](std::uint32_t at) {
       c.target = ring.ids[at];
-      return rings_.allows(c) && !turns(c) && metric_.allows(c);
+      return rings_.allows(c) && !turns(c) && keeps_apart(c) && metric_.allows(c);
     });
   }
 
@@ -209,7 +222,7 @@ class CollapseRun {
   [[nodiscard]] bool is_still_allowed(Id v, Collapse& c) const {
     const Ring& ring = rings_.ring(v);
     c = {.vertex = v, .target = ring.ids[s_.vertices[v].target], .at = s_.vertices[v].target};
-    if (ring.size > 8) return rings_.allows(c);
+    if (ring.size > 8) return rings_.allows(c) && keeps_apart(c);
     return joins<1>(rings_, ring, c.at) && complete(v, c);
   }
 

@@ -69,7 +69,7 @@ void RingMesh::cut_open() {
     if (cuts[k].vertex == cuts[k - 1].vertex) copy_fan(cuts[k]);
   if (vertex_count() > room_) make_room();
   for (Id v = static_cast<Id>(input_vertices()); v < vertex_count(); ++v) {
-    points_[v] = points_[vertex_of(source_of(v))];
+    points_[v] = points_[original_of(v)];
     rings_[v].clear();
   }
   for (const Cut& cut : cuts) {
@@ -78,6 +78,17 @@ void RingMesh::cut_open() {
   }
   for (const Cut& cut : cuts) name_copy(cut);
   first_ = {}, by_vertex_.reset(), several_ = {};
+}
+
+// Copies are numbered in the order of the vertices that they are made of.
+std::pair<Id, Id> RingMesh::copies_of(Id original) const {
+  const auto before = [&](Id source, Id vertex) { return vertex_of(source) < vertex; };
+  const auto first = std::lower_bound(copy_source_.begin(), copy_source_.end(), original, before);
+  const auto last = std::lower_bound(first, copy_source_.end(), original + 1, before);
+  const auto number = [&](auto at) {
+    return static_cast<Id>(input_vertices() + static_cast<std::size_t>(at - copy_source_.begin()));
+  };
+  return {number(first), number(last)};
 }
 
 void RingMesh::make_room() {

@@ -82,6 +82,10 @@ class RingMesh {
     if (wedge >= input_vertices()) return copy_vertex_[wedge - input_vertices()];
     return has_wedges_ ? input_->wedges.vertex[wedge] : wedge;
   }
+  // The vertex of the mesh that a vertex is, or is a copy of.
+  [[nodiscard]] Id original_of(Id v) const { return vertex_of(source_of(v)); }
+  // The numbers of the copies of a vertex of the mesh, and of their wedges: from the first to before the second.
+  [[nodiscard]] std::pair<Id, Id> copies_of(Id original) const;
   // True for a vertex all of whose triangles have its own number as their wedge.
   [[nodiscard]] bool has_one_wedge(Id v) const;
   [[nodiscard]] std::size_t cut_vertices() const { return cut_vertices_; }

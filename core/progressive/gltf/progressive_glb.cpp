@@ -47,6 +47,7 @@ json add_vertices(GlbBuilder& glb, const ProgressiveMesh& mesh) {
     std::replace(normals.begin(), normals.end(), Vec3f{}, Vec3f{0, 0, 1});
     attributes["NORMAL"] = add(normals, GltfComponent::floats, "VEC3");
   }
+  if (!mesh.tangents.empty()) attributes["TANGENT"] = add(mesh.tangents, GltfComponent::floats, "VEC4");
   if (!wedges.uv.empty()) attributes["TEXCOORD_0"] = add(wedges.uv, GltfComponent::floats, "VEC2");
   if (!wedges.colour.empty()) {
     std::vector<LinearColour> colours;
@@ -71,19 +72,47 @@ void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const json& at
     glb.root["meshes"][0]["primitives"].push_back(std::move(primitive));
   }
   glb.root["meshes"][0]["extras"] = {{"progressive", {{"version", 1}, {"baseVertices", mesh.base_vertices}}}};
+  if (mesh.octahedral) glb.root["meshes"][0]["extras"]["progressive"]["octahedral"] = true;
+}
+
+// Thumbnails and images without one come first.
+void add_textures(GlbBuilder& glb, const std::vector<Texture>& textures, std::span<const Texture> thumbnails) {
+  const auto add = [&](const Texture& t) { return glb.add_view(std::as_bytes(std::span(t.bytes)), GltfTarget::none); };
+  const auto has_copy = [&](std::size_t k) {
+    return k < thumbnails.size() && !thumbnails[k].bytes.empty() && thumbnails[k].bytes != textures[k].bytes;
+  };
+  std::vector<std::size_t> small;
+  for (std::size_t k = 0; k < textures.size(); ++k) small.push_back(add(has_copy(k) ? thumbnails[k] : textures[k]));
+  for (std::size_t k = 0; k < textures.size(); ++k) {
+    glb.add_embedded_texture(textures[k], has_copy(k) ? add(textures[k]) : small[k]);
+    if (has_copy(k))
+      glb.root["textures"].back()["extras"]["thumbnail"] = {{"bufferView", small[k]},
+                                                            {"mimeType", thumbnails[k].media_type}};
+  }
+}
+
+void add_extras(GlbBuilder& glb, const ProgressiveMesh& mesh) {
+  if (mesh.wedges.materials.empty()) return;  // glTF has no empty list of materials
+  json& materials = glb.root["materials"];
+  for (std::size_t m = 0; m < mesh.object_normals.size(); ++m)
+    if (mesh.object_normals[m] != no_texture)
+      materials[m]["extras"]["objectNormalTexture"]["index"] = mesh.object_normals[m];
+  for (std::size_t m = 0; m < mesh.geometry_images.size(); ++m)
+    if (const GeometryTexture& image = mesh.geometry_images[m]; image.texture != no_texture)
+      materials[m]["extras"]["geometryImageTexture"] = {
+          {"index", image.texture}, {"origin", {image.origin.x, image.origin.y, image.origin.z}}, {"step", image.step}};
 }
 
 }  // namespace
 
-std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed) {
+std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed,
+                                              std::span<const Texture> thumbnails) {
   GlbBuilder glb;
   add_node(glb, mesh.transform);
   add_primitives(glb, mesh, add_vertices(glb, mesh));
   for (const Material& m : mesh.wedges.materials) glb.add_material(m, mesh.wedges.textures.size());
-  for (std::size_t m = 0; m < mesh.object_normals.size(); ++m)
-    if (mesh.object_normals[m] != no_texture)
-      glb.root["materials"][m]["extras"]["objectNormalTexture"]["index"] = mesh.object_normals[m];
-  for (const Texture& t : mesh.wedges.textures) glb.add_embedded_texture(t);
+  add_extras(glb, mesh);
+  add_textures(glb, mesh.wedges.textures, thumbnails);
   return compressed ? glb.finish_compressed() : glb.finish();
 }
 

@@ -2,12 +2,16 @@
 //
 // One vertex buffer in the order in which vertices come in, with _PARENTINDEX and _ERROR (in units of the model) as
 // attributes of its own, and a primitive per material, triangles in the order in which they come in. `extras` of the
-// mesh hold the number of vertices of the base. A node takes normalised positions to the model. `extras` of a material
-// may name a texture of normals in object space, objectNormalTexture, a textureInfo as the specification has it: what
-// draws levels takes it in place of the normals of vertices, which other viewers use.
+// mesh hold the number of vertices of the base, and if images are octahedral. A node takes normalised positions to the
+// model. `extras` of a material may name textures, as a textureInfo of the specification does: of normals in object
+// space, objectNormalTexture, which what draws levels takes in place of the normals of vertices and of the normal map,
+// which other viewers use; and of positions, geometryImageTexture, with `origin` and `step` (GeometryTexture). `extras`
+// of a texture may have a thumbnail, its bufferView and mimeType; images that have one come last, so that a model is
+// drawn before they arrive.
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,12 +20,13 @@
 
 namespace lodestone {
 
-// `compressed`: by EXT_meshopt_compression, without loss. Throws ResourceError for more than 2^24 vertices, beyond
-// which glTF has no number for a parent, and for more than 4 GiB.
-[[nodiscard]] std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed);
+// `compressed`: by EXT_meshopt_compression, without loss. `thumbnails`: those of make_thumbnails(), or empty. Throws
+// ResourceError for more than 2^24 vertices, beyond which glTF has no number for a parent, and for more than 4 GiB.
+[[nodiscard]] std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed,
+                                                            std::span<const Texture> thumbnails = {});
 
-// Reads what encode_progressive_glb() wrote, bit for bit. Throws InputError with the place for anything else, also for
-// glTF without parents.
+// Reads what encode_progressive_glb() wrote, bit for bit, without the thumbnails. Throws InputError with the place for
+// anything else, also for glTF without parents.
 [[nodiscard]] ProgressiveMesh read_progressive_glb(ByteReader& input);
 
 }  // namespace lodestone

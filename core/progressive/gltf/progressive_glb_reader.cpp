@@ -28,7 +28,9 @@ class ProgressiveReader {
                       "make it so with `lodestone progressive`");
     read_place(node);
     read_vertices(attributes);
-    const std::uint64_t base = mesh.at("extras").at("progressive").at("baseVertices").integer();
+    const JsonView extras = mesh.at("extras").at("progressive");
+    if (const auto octahedral = extras.find("octahedral")) out_.octahedral = octahedral->boolean();
+    const std::uint64_t base = extras.at("baseVertices").integer();
     if (base > out_.positions.size()) mesh.at("extras").fail("the base has more vertices than the model");
     out_.base_vertices = static_cast<std::uint32_t>(base);
     for (std::size_t k = 0; k < primitives.size(); ++k) read_primitive(primitives.at(k), attributes);
@@ -36,6 +38,7 @@ class ProgressiveReader {
     out_.wedges.textures = std::move(assets_.textures);
     if (out_.wedges.materials.size() < 2) out_.wedges.material.clear();
     if (!out_.object_normals.empty()) out_.object_normals.resize(out_.wedges.materials.size(), no_texture);
+    if (!out_.geometry_images.empty()) out_.geometry_images.resize(out_.wedges.materials.size());
     check_progressive(out_, document_.file());
     progressive::sort_by_activation(out_);
     return std::move(out_);
@@ -78,8 +81,10 @@ class ProgressiveReader {
       out_.errors.push_back(static_cast<float>(e / out_.transform.scale));
     WedgeAttributes& wedges = out_.wedges;
     const std::vector<double> n = values(attributes, "NORMAL", 3), uv = values(attributes, "TEXCOORD_0", 2),
-                              c = values(attributes, "COLOR_0", 4);
+                              c = values(attributes, "COLOR_0", 4), t = values(attributes, "TANGENT", 4);
     for (std::size_t k = 0; k < n.size(); k += 3) wedges.normal.push_back(to_float({n[k], n[k + 1], n[k + 2]}));
+    for (std::size_t k = 0; k < t.size(); k += 4)
+      out_.tangents.push_back({to_float({t[k], t[k + 1], t[k + 2]}), static_cast<float>(t[k + 3])});
     for (std::size_t k = 0; k < uv.size(); k += 2)
       wedges.uv.push_back({static_cast<float>(uv[k]), static_cast<float>(uv[k + 1])});
     for (std::size_t k = 0; k < c.size(); k += 4)
@@ -94,7 +99,7 @@ class ProgressiveReader {
     std::uint32_t material = no_material;
     if (const auto reference = primitive.find("material")) {
       material = materials_.use(*reference).index;
-      read_object_normals(document_.item("materials", *reference), material);
+      read_extras(document_.item("materials", *reference), material);
     }
     const JsonView reference = primitive.at("indices");
     const std::vector<std::uint32_t> ids =
@@ -106,12 +111,19 @@ class ProgressiveReader {
     }
   }
 
-  void read_object_normals(const JsonView& source, std::uint32_t material) {
+  void read_extras(const JsonView& source, std::uint32_t material) {
     const auto extras = source.find("extras");
-    const auto info = extras ? extras->find("objectNormalTexture") : std::nullopt;
-    if (!info) return;
-    out_.object_normals.resize(std::max<std::size_t>(out_.object_normals.size(), material + 1), no_texture);
-    out_.object_normals[material] = materials_.read_texture(*info);
+    if (!extras) return;
+    if (const auto info = extras->find("objectNormalTexture")) {
+      out_.object_normals.resize(std::max<std::size_t>(out_.object_normals.size(), material + 1), no_texture);
+      out_.object_normals[material] = materials_.read_texture(*info);
+    }
+    if (const auto info = extras->find("geometryImageTexture")) {
+      out_.geometry_images.resize(std::max<std::size_t>(out_.geometry_images.size(), material + 1));
+      const auto origin = info->at("origin").numbers<3>();
+      out_.geometry_images[material] = {
+          materials_.read_texture(*info), {origin[0], origin[1], origin[2]}, info->at("step").number()};
+    }
   }
 
   GltfDocument document_;

@@ -3,13 +3,15 @@
 //   "LODELPM1", bytes of the header (32 bits), its CRC-32, the header as JSON,
 //   then frames: bytes, CRC-32, vertices of the mesh when it is decoded (32 bits each), and the bytes.
 //
-// The first frame is the base, the next ones are vertex splits (split_codec.h), each frame range coded for itself with
-// models that go on; the frames after them are the images, one each. Little-endian. Everything is quantized: positions
-// to 2^position_bits steps over the extent of the model, texture coordinates to 2^uv_bits over their box, errors to the
-// upper half of a float, rounded up. Normals are not in the file.
+// The first frames are the thumbnails of the textures for which the header gives their type. The next one is the base,
+// those after it are vertex splits (split_codec.h), each frame range coded for itself with models that go on; the last
+// ones are the images, one each, empty where the thumbnail is the image. Little-endian. Everything is quantized:
+// positions to 2^position_bits steps over the extent of the model, texture coordinates to 2^uv_bits over their box,
+// errors to the upper half of a float, rounded up. Normals are not in the file.
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "core/files/byte_reader.h"
@@ -24,16 +26,18 @@ struct LpmConfig {
 
 struct LpmBytes {
   std::vector<std::byte> bytes;
-  std::size_t geometry = 0;  // the part without images
-  std::size_t base = 0;      // header and base, which are needed before anything can be drawn
+  std::size_t geometry = 0;  // the part without images and thumbnails
+  std::size_t base = 0;      // header, thumbnails and base, which are needed before anything can be drawn
 };
 
 // Throws InputError for a mesh whose collapses cannot be undone one by one, which `lodestone progressive` never
-// makes.
-[[nodiscard]] LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config = {});
+// makes. `thumbnails`: those of make_thumbnails(), or empty.
+[[nodiscard]] LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config = {},
+                                  std::span<const Texture> thumbnails = {});
 
-// With `prefix`, a file that ends early gives the levels it holds, at least the base. Otherwise, and if it is damaged,
-// throws InputError with the place; UnsupportedError for a newer version.
+// With `prefix`, a file that ends early gives the levels it holds, at least the base, with thumbnails in place of the
+// images that have not come. Otherwise, and if it is damaged, throws InputError with the place; UnsupportedError for a
+// newer version.
 [[nodiscard]] ProgressiveMesh read_lpm(ByteReader& input, bool prefix = false);
 
 }  // namespace lodestone

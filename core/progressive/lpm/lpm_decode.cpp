@@ -75,6 +75,7 @@ class LpmDecoder {
     const auto text = frames_.header();
     const nlohmann::json json = parse_json(text, name_);
     header_ = read_header(JsonView(json, name_));
+    read_thumbnails();
     SplitCodec<RangeDecoder> codec(header_.settings, mesh_, values_);
     try {
       read_base(codec);
@@ -112,10 +113,24 @@ class LpmDecoder {
     if (frame.vertices != mesh_.wedge_count) frames_.fail("inconsistent vertex splits");
   }
 
+  // They take the places of the images until these come.
+  void read_thumbnails() {
+    for (std::size_t k = 0; k < header_.textures.size(); ++k) {
+      if (header_.thumbnails[k].empty()) continue;
+      Texture& t = header_.textures[k];
+      std::swap(t.media_type, header_.thumbnails[k]);
+      const Frames::Frame frame = frames_.next();
+      t.bytes.assign(frame.bytes.begin(), frame.bytes.end());
+    }
+  }
+
   void read_textures() {
-    for (Texture& t : header_.textures) {
+    for (std::size_t k = 0; k < header_.textures.size(); ++k) {
       if (prefix_ && !frames_.has_next()) return;
       const Frames::Frame frame = frames_.next();
+      if (frame.bytes.empty()) continue;  // the thumbnail is the image
+      Texture& t = header_.textures[k];
+      if (!header_.thumbnails[k].empty()) t.media_type = header_.thumbnails[k];
       t.bytes.assign(frame.bytes.begin(), frame.bytes.end());
     }
     if (!frames_.at_end() && !prefix_) frames_.fail("more data than the header declares");
@@ -144,6 +159,8 @@ class LpmDecoder {
     out.wedges.material = std::move(values_.materials);
     out.wedges.materials = std::move(header_.materials);
     out.object_normals = std::move(header_.object_normals);
+    out.geometry_images = std::move(header_.geometry_images);
+    out.octahedral = header_.octahedral;
     out.wedges.textures = std::move(header_.textures);
     out.triangles = mesh_.triangles();
     for (const std::uint32_t m : out.wedges.material)

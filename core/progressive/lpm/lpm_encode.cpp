@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <string>
 
 #include "core/base/error.h"
 #include "core/progressive/collapse/ring_mesh.h"
@@ -14,9 +15,9 @@ namespace {
 
 using namespace progressive;
 
-[[noreturn]] void fail_order() {
-  throw InputError(describe("", "", "the collapses of the model cannot be undone one by one",
-                            "make it again with `lodestone progressive`, or write a .glb file"));
+[[noreturn]] void fail_order(const std::string& why) {
+  throw InputError(describe("", "", "the collapses of the model cannot be undone one by one: " + why,
+                            "write a .glb file, which does not need it"));
 }
 
 // The groups of a mesh, numbered.
@@ -45,7 +46,7 @@ class SplitRecorder {
     rings_->list_corners();
     rings_->make_rings(0, mesh.positions.size(), arena_);
     rings_->cut_open();
-    if (rings_->cut_vertices() > 0) fail_order();
+    if (rings_->cut_vertices() > 0) fail_order("the surface is not a manifold");
   }
 
   // The splits in the order in which vertices come in; leaves the base.
@@ -59,7 +60,7 @@ class SplitRecorder {
     SplitMesh base;
     for (std::uint32_t g = 0; g < groups_.base; ++g) {
       const Ring& ring = rings_->ring(groups_.start[g]);
-      if (ring.size == 0) fail_order();
+      if (ring.size == 0) fail_order("a vertex of the base has no triangle");
       SplitMesh::Star star{{}, ring.open != 0, groups_.start[g], groups_.size(g, mesh_.base_vertices)};
       for (std::uint32_t k = 0; k < ring.size; ++k)  // the last of an open star has no sector
         star.spokes.push_back(
@@ -77,9 +78,9 @@ class SplitRecorder {
 
   SplitMesh::Split take_back(Id v) {
     const Id u = groups_.start[groups_.number[mesh_.parents[v]]];
-    if (rings_->ring(v).find(u) == rings_->ring(v).size) fail_order();
+    if (rings_->ring(v).find(u) == rings_->ring(v).size) fail_order("a vertex and its parent share no edge");
     Collapse c{.vertex = v, .target = u};
-    if (!rings_->allows(c)) fail_order();
+    if (!rings_->allows(c)) fail_order("one of them changes the shape of the surface");
     const Ring& ring = rings_->ring(v);
     SplitMesh::Split split;
     split.parent = groups_.number[u];
@@ -115,7 +116,8 @@ std::pair<SplitMesh, std::vector<SplitMesh::Split>> record(const ProgressiveMesh
   return {recorder.base(), std::move(splits)};
 }
 
-LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config) {
+LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config,
+                      std::span<const Texture> thumbnails) {
   LpmHeader h;
   const WedgeAttributes& wedges = mesh.wedges;
   h.settings = {config.position_bits, config.uv_bits,         groups.start.size() < mesh.positions.size(),
@@ -127,7 +129,10 @@ LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const L
   h.transform.lattice = {};
   h.materials = wedges.materials;
   h.object_normals = mesh.object_normals;
+  h.geometry_images = mesh.geometry_images;
+  h.octahedral = mesh.octahedral;
   for (const Texture& t : wedges.textures) h.textures.push_back({t.name, t.media_type, t.wrap_u, t.wrap_v, {}});
+  for (const Texture& t : thumbnails) h.thumbnails.push_back(t.bytes.empty() ? "" : t.media_type);
   if (wedges.uv.empty()) return h;
   Vec2f lo = wedges.uv.front(), hi = lo;
   for (const Vec2f uv : wedges.uv) {
@@ -171,10 +176,10 @@ void append_frame(std::vector<std::byte>& out, std::span<const std::byte> bytes,
 
 }  // namespace
 
-LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
+LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config, std::span<const Texture> thumbnails) {
   const Groups groups(mesh);
   auto [base, splits] = record(mesh, groups);
-  const LpmHeader header = make_header(mesh, groups, config);
+  const LpmHeader header = make_header(mesh, groups, config, thumbnails);
   const LatticeValues source = quantize(mesh, groups, header);
   LpmBytes out;
   const std::string text = to_json(header).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -183,6 +188,10 @@ LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
   append(out.bytes, crc32(std::as_bytes(std::span(text))));
   const auto text_bytes = std::as_bytes(std::span(text));
   out.bytes.insert(out.bytes.end(), text_bytes.begin(), text_bytes.end());
+  const std::size_t header_end = out.bytes.size();
+  for (const Texture& t : thumbnails)
+    if (!t.bytes.empty()) append_frame(out.bytes, std::as_bytes(std::span(t.bytes)), 0);
+  const std::size_t thumbnail_bytes = out.bytes.size() - header_end;
 
   SplitMesh growing;
   growing.stars.reserve(groups.start.size());
@@ -198,9 +207,12 @@ LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config) {
     for (; k < end; ++k) codec.code(coder, std::move(splits[k]), source);
     append_frame(out.bytes, coder.finish(), growing.wedge_count);
   }
-  out.geometry = out.bytes.size();
-  for (const Texture& t : mesh.wedges.textures)
-    append_frame(out.bytes, std::as_bytes(std::span(t.bytes)), growing.wedge_count);
+  out.geometry = out.bytes.size() - thumbnail_bytes;
+  for (std::size_t k = 0; k < mesh.wedges.textures.size(); ++k) {
+    const std::vector<char>& bytes = mesh.wedges.textures[k].bytes;
+    const bool known = k < thumbnails.size() && thumbnails[k].bytes == bytes;
+    append_frame(out.bytes, std::as_bytes(known ? std::span<const char>() : std::span(bytes)), growing.wedge_count);
+  }
   return out;
 }
 

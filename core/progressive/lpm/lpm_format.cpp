@@ -46,32 +46,42 @@ json to_json(const LpmHeader& h) {
                          {"normalMap", texture_index(m.normal_map)}});
   for (std::size_t m = 0; m < h.object_normals.size(); ++m)
     materials[m]["objectNormals"] = texture_index(h.object_normals[m]);
+  for (std::size_t m = 0; m < h.geometry_images.size(); ++m)
+    if (const GeometryTexture& image = h.geometry_images[m]; image.texture != no_texture)
+      materials[m]["geometryImage"] = {{"texture", image.texture},
+                                       {"origin", {image.origin.x, image.origin.y, image.origin.z}},
+                                       {"step", image.step}};
   for (const Texture& t : h.textures)
     textures.push_back(
         {{"name", t.name},
          {"type", t.media_type},
          {"wrap", {wraps[static_cast<std::size_t>(t.wrap_u)], wraps[static_cast<std::size_t>(t.wrap_v)]}}});
-  return {{"version", 1},
-          {"vertices", h.vertices},
-          {"groups", h.groups},
-          {"baseGroups", h.base_groups},
-          {"positionBits", h.settings.position_bits},
-          {"uvBits", h.settings.uv_bits},
-          {"wedges", h.settings.wedges},
-          {"uv", h.settings.uv},
-          {"colours", h.settings.colours},
-          {"materialIds", h.settings.materials},
-          {"uvLow", h.uv_low},
-          {"uvStep", h.uv_step},
-          {"origin", {h.transform.origin.x, h.transform.origin.y, h.transform.origin.z}},
-          {"scale", h.transform.scale},
-          {"materials", materials},
-          {"textures", textures}};
+  for (std::size_t k = 0; k < h.thumbnails.size(); ++k)
+    if (!h.thumbnails[k].empty()) textures[k]["thumbnail"] = h.thumbnails[k];
+  json header{{"version", h.thumbnails.empty() ? 1 : 2},
+              {"vertices", h.vertices},
+              {"groups", h.groups},
+              {"baseGroups", h.base_groups},
+              {"positionBits", h.settings.position_bits},
+              {"uvBits", h.settings.uv_bits},
+              {"wedges", h.settings.wedges},
+              {"uv", h.settings.uv},
+              {"colours", h.settings.colours},
+              {"materialIds", h.settings.materials},
+              {"uvLow", h.uv_low},
+              {"uvStep", h.uv_step},
+              {"origin", {h.transform.origin.x, h.transform.origin.y, h.transform.origin.z}},
+              {"scale", h.transform.scale},
+              {"materials", materials},
+              {"textures", textures}};
+  if (h.octahedral) header["octahedral"] = true;
+  return header;
 }
 
 LpmHeader read_header(const JsonView& json) {
-  if (json.at("version").integer() != 1)
-    throw UnsupportedError("version " + std::to_string(json.at("version").integer()) + " of .lpm is not supported");
+  const std::uint64_t version = json.at("version").integer();
+  if (version < 1 || version > 2)
+    throw UnsupportedError("version " + std::to_string(version) + " of .lpm is not supported");
   LpmHeader h;
   h.vertices = count_of(json.at("vertices"));
   h.groups = count_of(json.at("groups"));
@@ -84,6 +94,7 @@ LpmHeader read_header(const JsonView& json) {
   const auto origin = json.at("origin").numbers<3>();
   h.transform = {{origin[0], origin[1], origin[2]}, json.at("scale").number()};
   if (!(h.transform.scale > 0)) json.at("scale").fail("is not positive");
+  if (const auto octahedral = json.find("octahedral")) h.octahedral = octahedral->boolean();
   const JsonView textures = json.at("textures"), materials = json.at("materials");
   for (std::size_t k = 0; k < textures.size(); ++k) {
     const JsonView t = textures.at(k), wrap = t.at("wrap");
@@ -92,6 +103,7 @@ LpmHeader read_header(const JsonView& json) {
                           read_wrap(wrap.at(std::size_t{0})),
                           read_wrap(wrap.at(std::size_t{1})),
                           {}});
+    h.thumbnails.push_back(t.string_or("thumbnail", ""));
   }
   for (std::size_t k = 0; k < materials.size(); ++k) {
     const JsonView m = materials.at(k);
@@ -104,9 +116,17 @@ LpmHeader read_header(const JsonView& json) {
       h.object_normals.resize(k + 1, no_texture);
       h.object_normals[k] = read_index(m, "objectNormals", h.textures.size());
     }
+    if (const auto image = m.find("geometryImage")) {
+      h.geometry_images.resize(k + 1);
+      const auto corner = image->at("origin").numbers<3>();
+      h.geometry_images[k] = {read_index(*image, "texture", h.textures.size()),
+                              {corner[0], corner[1], corner[2]},
+                              image->at("step").number()};
+    }
     h.materials.push_back(std::move(material));
   }
   if (!h.object_normals.empty()) h.object_normals.resize(h.materials.size(), no_texture);
+  if (!h.geometry_images.empty()) h.geometry_images.resize(h.materials.size());
   return h;
 }
 

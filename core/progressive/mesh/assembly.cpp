@@ -46,7 +46,31 @@ void Assembly::cut_sequence() {
   sequence_.records.resize(kept);
 }
 
-// The base by number, then the collapsed vertices, last first.
+// The vertices that are left, by number, but none beside a copy of itself, where it would look like its wedge: it takes
+// the first place it can. There is one, unless more than half of the vertices are copies of one.
+std::vector<Id> Assembly::base_order(const std::vector<bool>& gone) const {
+  const auto alike = [&](Id v, Id w) { return rings_.original_of(v) == rings_.original_of(w); };
+  std::vector<Id> base, waiting;
+  for (Id v = 0; v < rings_.vertex_count(); ++v) {
+    if (rings_.vertex_of(v) != v || gone[v] || (!rings_.is_used(v) && sequence_.parents[v] == no_id)) continue;
+    if (!base.empty() && alike(base.back(), v)) {
+      waiting.push_back(v);
+      continue;
+    }
+    base.push_back(v);
+    if (waiting.empty() || alike(waiting.back(), v)) continue;
+    base.push_back(waiting.back());
+    waiting.pop_back();
+  }
+  for (const Id v : waiting) {
+    std::size_t at = 0;
+    while (at < base.size() && (alike(base[at], v) || (at > 0 && alike(base[at - 1], v)))) ++at;
+    base.insert(base.begin() + static_cast<std::ptrdiff_t>(at), v);
+  }
+  return base;
+}
+
+// The base, then the collapsed vertices, last first.
 void Assembly::order() {
   cut_sequence();
   std::vector<bool> gone(rings_.vertex_count());
@@ -69,24 +93,7 @@ void Assembly::order() {
     if (!lists) return add(v, e);
     for (const Id w : lists->of(v)) add(w, e);
   };
-  // Copies of one vertex are not stored side by side, where they would look like its wedges.
-  std::vector<Id> waiting;
-  const auto is_like_last = [&](Id v) {
-    return !wedges_.empty() && rings_.position(rings_.vertex_of(wedges_.back())) == rings_.position(v);
-  };
-  for (Id v = 0; v < rings_.vertex_count(); ++v) {
-    if (gone[v] || (!rings_.is_used(v) && sequence_.parents[v] == no_id)) continue;
-    if (is_like_last(v)) {
-      waiting.push_back(v);
-      continue;
-    }
-    add_vertex(v, error);
-    if (!waiting.empty() && !is_like_last(waiting.back())) {
-      add_vertex(waiting.back(), error);
-      waiting.pop_back();
-    }
-  }
-  for (const Id v : waiting) add_vertex(v, error);
+  for (const Id v : base_order(gone)) add_vertex(v, error);
   out_.base_vertices = static_cast<std::uint32_t>(wedges_.size());
   if (lists)
     for (std::size_t k = sequence_.records.size(); k-- > 0;)

@@ -38,6 +38,7 @@ class Assembly {
  private:
   struct WedgeLists;
   void cut_sequence();
+  [[nodiscard]] std::vector<Id> base_order(const std::vector<bool>& gone) const;
   void make_room();
 
   const IndexedMesh& mesh_;

@@ -22,6 +22,9 @@ void check_progressive(const ProgressiveMesh& mesh, const std::string& name) {
     if (!(mesh.errors[v] >= 0) || !std::isfinite(mesh.errors[v])) fail(place, "the error is not a distance");
     if (v > 0 && mesh.errors[v] > mesh.errors[v - 1]) fail(place, "the error is larger than that of the vertex before");
   }
+  if (!mesh.tangents.empty() && mesh.tangents.size() != count) fail("", "tangents are not one per vertex");
+  for (const GeometryTexture& image : mesh.geometry_images)
+    if (!is_finite(image.origin) || !(image.step > 0)) fail("geometry image", "the step is not positive");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t id : mesh.triangles[t].v)
       if (id >= count) fail("triangle " + std::to_string(t), "there is no vertex " + std::to_string(id));

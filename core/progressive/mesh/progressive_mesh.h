@@ -7,8 +7,17 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
+#include "core/mesh/tangents.h"
 
 namespace lodestone {
+
+// An image of positions: PNG of 16 bits per component. Model position = origin + step * value.
+struct GeometryTexture {
+  std::uint32_t texture = no_texture;
+  Vec3d origin;
+  double step = 1;  // greater than 0
+  friend bool operator==(const GeometryTexture&, const GeometryTexture&) = default;
+};
 
 // Vertices are stored in the order in which they come in: a level is the first so many of them, and the triangles with
 // every corner followed through its parents until it is among them, degenerate ones dropped. A vertex of the surface is
@@ -29,6 +38,14 @@ struct ProgressiveMesh {
   // By material: the texture of its normals in object space, which are right at every level, each coordinate from -1 to
   // 1 as a byte; or no_texture. Empty if none has one.
   std::vector<std::uint32_t> object_normals{};
+  // By material: its surface as a geometry image (core/spherical/resample/geometry_image.h), or one without a texture.
+  // Empty if none has one.
+  std::vector<GeometryTexture> geometry_images{};
+  // By vertex, for normal maps in tangent space at the finest level. Empty: readers make their own.
+  std::vector<Tangent> tangents{};
+  // True if images lie over the octahedral square (core/spherical/octahedron/octahedral_image.h): who draws them makes
+  // their sides symmetric after decoding, and at each mip level.
+  bool octahedral = false;
 
   [[nodiscard]] std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
 };

@@ -13,13 +13,70 @@
 namespace lodestone::spherical {
 namespace {
 
-constexpr std::uint32_t side = 64;     // samples along the square
-constexpr int steps = 48;              // along an arc
-constexpr double hidden = 0.25;        // cost of a length that is not seen at all; 1.25 where all of the sky is
-constexpr int poles = 96, twists = 8;  // rotations
-constexpr std::size_t starts = 6;      // of them, for the search in steps
+constexpr std::uint32_t least_side = 8, greatest_side = 64;  // samples along the square
+constexpr std::uint32_t triangles_per_sample = 4;
+constexpr double hidden = 0.25;  // cost of a length that is not seen at all; 1.25 where all of the sky is
 constexpr double first_step = 0.2, last_step = 0.004;  // radians
-constexpr std::size_t rays = 48;
+
+// Numbers of trials for a square of so many samples: together, they grow faster than the samples.
+struct Trials {
+  explicit Trials(std::uint32_t side)
+      : steps(3 * side / 4),
+        poles(static_cast<int>(3 * side / 2)),
+        twists(static_cast<int>(side / 8)),
+        starts(std::max(3 * side / 32, 1u)),
+        rays(std::max(3 * side / 4, 16u)) {}
+  std::size_t steps;   // along an arc; even
+  int poles, twists;   // rotations
+  std::size_t starts;  // of them, for the search in steps
+  std::size_t rays;
+};
+
+std::uint32_t side_for(std::size_t triangles) {
+  std::uint32_t side = least_side;
+  while (side < greatest_side && std::size_t{side} * side * triangles_per_sample < triangles) side *= 2;
+  return side;
+}
+
+// square_point() to within 0.002, in a tenth of the time: the inverse of the map in an octant, between points of a
+// grid over the shares of a direction's components.
+class RoughSquare {
+ public:
+  RoughSquare() {
+    for (std::size_t j = 0; j <= cells; ++j)
+      for (std::size_t i = 0; i <= cells; ++i) {
+        // Beyond the octant, a continuation by its mirror image, as a cell on the border has one corner there.
+        const double x = static_cast<double>(i) / cells, y = static_cast<double>(j) / cells;
+        const bool beyond = x + y > 1;
+        const Vec3d d = beyond ? Vec3d{1 - y, 1 - x, x + y - 1} : Vec3d{x, y, 1 - (x + y)};
+        const SquarePoint p = square_point(d, {1, 1, 1});
+        const double u = 2 * p.s - 1, v = 1 - 2 * p.t;
+        grid_[j * row + i] = beyond ? SquarePoint{1 - v, 1 - u} : SquarePoint{u, v};
+      }
+  }
+  [[nodiscard]] SquarePoint operator()(Vec3d d) const {
+    const double scale = cells / ((std::abs(d.x) + std::abs(d.y)) + std::abs(d.z));
+    const double x = scale * std::abs(d.x), y = scale * std::abs(d.y);
+    const auto i = std::min(static_cast<std::size_t>(x), cells - 1),
+               j = std::min(static_cast<std::size_t>(y), cells - 1);
+    const SquarePoint *const upper = &grid_[j * row + i], *const lower = upper + row;
+    const double across = x - static_cast<double>(i), down = y - static_cast<double>(j);
+    const auto between = [&](double SquarePoint::*c) {
+      const double a = upper[0].*c + across * (upper[1].*c - upper[0].*c);
+      return a + down * (lower[0].*c + across * (lower[1].*c - lower[0].*c) - a);
+    };
+    double u = between(&SquarePoint::s), v = between(&SquarePoint::t);
+    if (d.z < 0) {
+      const double reflected = 1 - v;
+      v = 1 - u, u = reflected;
+    }
+    return {0.5 + std::copysign(0.5 * u, d.x), 0.5 - std::copysign(0.5 * v, d.y)};
+  }
+
+ private:
+  static constexpr std::size_t cells = 32, row = cells + 1;
+  std::array<SquarePoint, row * row> grid_;
+};
 
 // Point k of n, spread evenly over the sphere along a spiral.
 Vec3d spiral(int k, int n) {
@@ -51,29 +108,36 @@ Affine3d orthonormal(const Affine3d& a) {
   return {{x, cross(unit_z, x), unit_z}, {}};
 }
 
-std::size_t number_of(std::int64_t x, std::int64_t y) {
-  const Texel at = continued({x, y}, side);
-  return static_cast<std::size_t>(at.y * side + at.x);
-}
-
 }  // namespace
 
 CutMeasure::CutMeasure(std::span<const Vec3d> positions, std::span<const Triangle> triangles,
                        std::span<const Vec3d> directions)
-    : samples_(std::size_t{side} * side) {
-  static_assert(side == SampleTile::side, "one tile");
-  SphereRaster raster(triangles, directions, {side, SampleGrid::Placing::in_cells});
+    : side_(side_for(triangles.size())), samples_(std::size_t{side_} * side_) {
+  static_assert(greatest_side <= SampleTile::side, "one tile");
+  SphereRaster raster(triangles, directions, {side_, SampleGrid::Placing::in_cells});
   raster.prepare();
   SampleTile tile;
   raster.cover(0, tile);
-  if (std::ranges::count(tile.triangle, no_triangle) > 0)
-    throw InputError(describe("", "sphere map", "triangles leave a part of the sphere uncovered",
-                              "give a closed mesh whose map covers the sphere"));
-  for (std::size_t i = 0; i < samples_.size(); ++i)
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const std::size_t at = i / side_ * SampleTile::side + i % side_;
+    if (tile.triangle[at] == no_triangle)
+      throw InputError(describe("", "sphere map", "triangles leave a part of the sphere uncovered",
+                                "give a closed mesh whose map covers the sphere"));
     for (std::size_t k = 0; k < 3; ++k)
       samples_[i].position =
-          samples_[i].position + double{tile.weight[k][i]} * positions[triangles[tile.triangle[i]].v[k]];
+          samples_[i].position + double{tile.weight[k][at]} * positions[triangles[tile.triangle[at]].v[k]];
+  }
+  const std::size_t steps = Trials(side_).steps;
+  for (std::size_t k = 1; k <= steps; ++k) {
+    const double angle = std::numbers::pi / 2 * static_cast<double>(k) / static_cast<double>(steps);
+    arc_.push_back({std::sin(angle), std::cos(angle)});
+  }
   find_exposure();
+}
+
+std::size_t CutMeasure::number_of(std::int64_t x, std::int64_t y) const {
+  const Texel at = continued({x, y}, side_);
+  return static_cast<std::size_t>(at.y * side_ + at.x);
 }
 
 // Rays from the samples against the mesh between the samples, which is all that tells coarse visibility.
@@ -87,18 +151,18 @@ void CutMeasure::find_exposure() {
   std::vector<Vec3d> positions;
   for (const Sample& s : samples_) positions.push_back(scale * (s.position - low));
   std::vector<Triangle> triangles;
-  for (std::uint32_t y = 0; y + 1 < side; ++y)
-    for (std::uint32_t x = 0; x + 1 < side; ++x) {
-      const std::uint32_t a = y * side + x, b = a + 1, c = a + side, d = c + 1;
+  for (std::uint32_t y = 0; y + 1 < side_; ++y)
+    for (std::uint32_t x = 0; x + 1 < side_; ++x) {
+      const std::uint32_t a = y * side_ + x, b = a + 1, c = a + side_, d = c + 1;
       triangles.push_back({{a, c, d}});
       triangles.push_back({{a, d, b}});
     }
   const TriangleBvh mesh(positions, triangles);
-  std::array<Vec3d, rays> sky;
-  for (std::size_t k = 0; k < rays; ++k) sky[k] = spiral(static_cast<int>(k), static_cast<int>(rays));
+  std::vector<Vec3d> sky(Trials(side_).rays);
+  for (std::size_t k = 0; k < sky.size(); ++k) sky[k] = spiral(static_cast<int>(k), static_cast<int>(sky.size()));
   // Exposure changes slowly: one sample stands for four.
-  for (std::int64_t y = 0; y < side; y += 2)
-    for (std::int64_t x = 0; x < side; x += 2) {
+  for (std::int64_t y = 0; y < side_; y += 2)
+    for (std::int64_t x = 0; x < side_; x += 2) {
       const auto beside = [&](std::int64_t i, std::int64_t j) { return positions[number_of(x + i, y + j)]; };
       const Vec3d normal = cross(beside(0, 1) - beside(0, -1), beside(1, 0) - beside(-1, 0));
       const double flat = length(normal);
@@ -118,26 +182,32 @@ void CutMeasure::find_exposure() {
 }
 
 CutMeasure::Sample CutMeasure::at(Vec3d direction) const {
-  const SquarePoint p = square_point(direction);
-  const double x = p.s * side - 0.5, y = p.t * side - 0.5, left = std::floor(x), top = std::floor(y);
+  static const RoughSquare rough_square;
+  const SquarePoint p = rough_square(direction);
+  const double x = p.s * side_ + 0.5, y = p.t * side_ + 0.5;  // one more than in samples, which makes both positive
+  const auto left = static_cast<std::int64_t>(x), top = static_cast<std::int64_t>(y);
+  const double across = x - static_cast<double>(left), down = y - static_cast<double>(top);
   Sample sum;
-  for (const int j : {0, 1})
-    for (const int i : {0, 1}) {
-      const double weight = (i == 0 ? 1 - (x - left) : x - left) * (j == 0 ? 1 - (y - top) : y - top);
-      const Sample& s = samples_[number_of(static_cast<std::int64_t>(left) + i, static_cast<std::int64_t>(top) + j)];
-      sum.position = sum.position + weight * s.position;
-      sum.exposure += weight * s.exposure;
-    }
+  const auto add = [&](std::size_t number, double weight) {
+    sum.position = sum.position + weight * samples_[number].position;
+    sum.exposure += weight * samples_[number].exposure;
+  };
+  const bool within = left > 0 && top > 0 && left < side_ && top < side_;
+  for (const std::int64_t j : {0, 1})
+    for (const std::int64_t i : {0, 1})
+      add(within ? static_cast<std::size_t>((top + j - 1) * side_ + left + i - 1)
+                 : number_of(left + i - 1, top + j - 1),
+          (i == 0 ? 1 - across : across) * (j == 0 ? 1 - down : down));
   return sum;
 }
 
-CutCost CutMeasure::measure(const Affine3d& rotation) const {
+CutCost CutMeasure::measure(const Affine3d& rotation, std::size_t stride) const {
   CutCost sum;
   for (const Vec3d end : {Vec3d{1, 0, 0}, Vec3d{-1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, -1, 0}}) {
-    Sample last = at(back(rotation, {0, 0, -1}));
-    for (int k = 1; k <= steps; ++k) {
-      const double angle = std::numbers::pi / 2 * k / steps;
-      const Sample next = at(back(rotation, std::sin(angle) * end + std::cos(angle) * Vec3d{0, 0, -1}));
+    const Vec3d from = back(rotation, {0, 0, -1}), to = back(rotation, end);
+    Sample last = at(from);
+    for (std::size_t k = stride - 1; k < arc_.size(); k += stride) {
+      const Sample next = at(arc_[k].sine * to + arc_[k].cosine * from);
       const double part = length(next.position - last.position), exposure = 0.5 * (last.exposure + next.exposure);
       sum.length += part;
       sum.exposure += part * exposure;
@@ -149,31 +219,38 @@ CutCost CutMeasure::measure(const Affine3d& rotation) const {
   return sum;
 }
 
-CutChoice choose_cut(const CutMeasure& measure) {
-  std::vector<CutChoice> choices;
+// In smaller and smaller steps about the axes, while the cost falls.
+void CutMeasure::improve(CutChoice& choice) const {
+  for (double step = first_step; step > last_step; step /= 2) {
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (const Vec3d axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+        for (const double angle : {step, -step}) {
+          const Affine3d rotation = orthonormal(turned(axis, angle) * choice.rotation);
+          const CutCost cost = measure(rotation, 1);
+          if (!(cost.cost < choice.cost.cost)) continue;
+          choice.rotation = rotation, choice.cost = cost, moved = true;
+        }
+    }
+  }
+}
+
+CutChoice CutMeasure::choose() const {
+  const Trials trials(side_);
   CutChoice best;
-  best.cost = best.before = measure.measure(best.rotation);
-  for (int pole = 0; pole < poles; ++pole)
-    for (int twist = 0; twist < twists; ++twist) {
+  best.cost = best.before = measure(best.rotation, 1);
+  std::vector<CutChoice> choices;
+  for (int pole = 0; pole < trials.poles; ++pole)
+    for (int twist = 0; twist < trials.twists; ++twist) {
       CutChoice& choice = choices.emplace_back();
-      choice.rotation = orthonormal(to_south(spiral(pole, poles), std::numbers::pi / 2 * twist / twists));
-      choice.cost = measure.measure(choice.rotation);
+      choice.rotation = orthonormal(to_south(spiral(pole, trials.poles), std::numbers::pi / 2 * twist / trials.twists));
+      choice.cost = measure(choice.rotation, 2);
     }
   std::ranges::stable_sort(choices, {}, [](const CutChoice& choice) { return choice.cost.cost; });
-  choices.resize(starts);
+  choices.resize(trials.starts);
   for (CutChoice& choice : choices) {
-    for (double step = first_step; step > last_step; step /= 2) {
-      for (bool moved = true; moved;) {
-        moved = false;
-        for (const Vec3d axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
-          for (const double angle : {step, -step}) {
-            const Affine3d rotation = orthonormal(turned(axis, angle) * choice.rotation);
-            const CutCost cost = measure.measure(rotation);
-            if (!(cost.cost < choice.cost.cost)) continue;
-            choice.rotation = rotation, choice.cost = cost, moved = true;
-          }
-      }
-    }
+    choice.cost = measure(choice.rotation, 1);
+    improve(choice);
     if (choice.cost.cost < best.cost.cost) best.rotation = choice.rotation, best.cost = choice.cost;
   }
   return best;

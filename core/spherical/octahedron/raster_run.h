@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <bit>
+#include <cstdint>
 
 #include "core/math/lanes/double4.h"
 #include "core/spherical/octahedron/raster_kernel.h"
@@ -53,6 +53,8 @@ inline void cover(std::uint32_t triangle, const std::array<Vec3d, 3>& normals, c
   const auto spread = [](Vec3d n) { return Vec4x3{all4d(n.x), all4d(n.y), all4d(n.z)}; };
   const Vec4x3 p = spread(normals[0]), q = spread(normals[1]), r = spread(normals[2]);
   const Double4 zero = all4d(0);
+  const auto number = static_cast<std::int32_t>(triangle);
+  const Int4 all{number, number, number, number};
   for (std::uint32_t y = window.top; y < window.bottom; ++y)
     for (std::uint32_t x = window.left & ~3u; x < window.right; x += 4) {
       const std::size_t sample = std::size_t{y} * SampleTile::side + x;
@@ -60,27 +62,17 @@ inline void cover(std::uint32_t triangle, const std::array<Vec3d, 3>& normals, c
                      load4(&tile.direction[2][sample])};
       const Double4 first = dot(p, d), second = dot(q, d), third = dot(r, d), sum = (first + second) + third;
       // Without area the sum is zero.
-      unsigned within = ~bits((first < zero) | (second < zero) | (third < zero)) & bits(zero < sum);
-      if (within == 0) continue;
+      const Mask4 beyond = (first < zero) | (second < zero) | (third < zero), whole = zero < sum;
+      if ((~bits(beyond) & bits(whole)) == 0) continue;
+      const Int4 before = load<Int4>(&tile.triangle[sample]);
+      const Int4 taken = narrow(whole) & ~narrow(beyond) & (before == static_cast<std::int32_t>(no_triangle));
+      store(&tile.triangle[sample], select(taken, all, before));
       const Double4 scale = all4d(1) / sum;
-      std::array<std::array<double, 4>, 3> weight;
-      store(weight[0].data(), first * scale);
-      store(weight[1].data(), second * scale);
-      store(weight[2].data(), third * scale);
-      const auto free = [&](std::size_t lane) { return tile.triangle[sample + lane] == no_triangle; };
-      if (within == 15 && free(0) && free(1) && free(2) && free(3)) {
-        for (std::size_t lane = 0; lane < 4; ++lane) tile.triangle[sample + lane] = triangle;
-        for (std::size_t c = 0; c < 3; ++c)
-          for (std::size_t lane = 0; lane < 4; ++lane)
-            tile.weight[c][sample + lane] = static_cast<float>(weight[c][lane]);
-        continue;
-      }
-      for (; within != 0; within &= within - 1) {
-        const auto lane = static_cast<std::size_t>(std::countr_zero(within));
-        if (!free(lane)) continue;
-        tile.triangle[sample + lane] = triangle;
-        for (std::size_t c = 0; c < 3; ++c) tile.weight[c][sample + lane] = static_cast<float>(weight[c][lane]);
-      }
+      const auto set = [&](std::size_t corner, Double4 share) {
+        float* const to = &tile.weight[corner][sample];
+        store(to, select(taken, narrow(share * scale), load<Float4>(to)));
+      };
+      set(0, first), set(1, second), set(2, third);
     }
 }
 

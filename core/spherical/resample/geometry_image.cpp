@@ -63,7 +63,7 @@ WideGeometry wide_geometry(const GeometryImage& image) {
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
   const double longest = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  WideGeometry wide{{{image.n, image.n}, 3, {}}, low, longest > 0 ? longest / 65535 : 1};
+  WideGeometry wide{{{image.n, image.n}, {}}, low, longest > 0 ? longest / 65535 : 1};
   const auto code = [&](double v, double from) {
     return static_cast<std::uint16_t>(std::min(std::floor((v - from) / wide.step + 0.5), 65535.0));
   };

@@ -7,7 +7,7 @@
 
 #include "core/mesh/indexed_mesh.h"
 #include "core/spherical/octahedron/sphere_raster.h"
-#include "core/spherical/resample/texture_images.h"
+#include "core/spherical/resample/octahedral_codec.h"
 #include "core/spherical/surface.h"
 
 namespace lodestone::spherical {

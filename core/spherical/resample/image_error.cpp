@@ -6,19 +6,11 @@
 #include <vector>
 
 #include "core/formats/common/colour.h"
+#include "core/spatial/point_triangle.h"
 #include "core/spherical/octahedron/octahedral_image.h"
 
 namespace lodestone::spherical {
 namespace {
-
-// Barycentric weights of a point of the triangle; thirds if it has no area.
-std::array<double, 3> weights_of(Vec3d p, Vec3d a, Vec3d b, Vec3d c) {
-  const Vec3d normal = cross(b - a, c - a);
-  const double whole = dot(normal, normal);
-  if (!(whole > 0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
-  const double second = dot(cross(p - a, c - a), normal) / whole, third = dot(cross(b - a, p - a), normal) / whole;
-  return {1 - second - third, second, third};
-}
 
 std::array<double, 3> encoded(double r, double g, double b, double alpha) {
   const double scale = alpha > 0 ? 1 / alpha : 0;
@@ -53,16 +45,18 @@ ImageErrorSums ImageErrorMeter::measure(const LinearImage& colour, const LinearI
     if (!source_.has(t)) continue;
     const auto [a, b, c] = surface_.triangles[t].v;
     const std::array<double, 3> w =
-        weights_of(points[i], surface_.positions[a], surface_.positions[b], surface_.positions[c]);
+        barycentric(points[i], surface_.positions[a], surface_.positions[b], surface_.positions[c]);
     const SquarePoint place = square_point(w[0] * directions_[a] + (w[1] * directions_[b] + w[2] * directions_[c]));
     const SurfacePoint point{t, {static_cast<float>(w[0]), static_cast<float>(w[1]), static_cast<float>(w[2])}};
     const Footprint footprint{source_.uv(point), {}, {}};
-    const Float4 light = source_.colour(point, footprint);
-    const std::array<float, 4> shown = sample(colour, place);
-    const std::array<double, 3> is = encoded(light[0], light[1], light[2], light[3]),
-                                was = encoded(shown[0], shown[1], shown[2], colour.channels == 4 ? shown[3] : 1);
-    for (std::size_t k = 0; k < 3; ++k) sums.colour += (is[k] - was[k]) * (is[k] - was[k]);
     ++sums.samples;
+    if (!colour.values.empty()) {
+      const Float4 light = source_.colour(point, footprint);
+      const std::array<float, 4> shown = sample(colour, place);
+      const std::array<double, 3> is = encoded(light[0], light[1], light[2], light[3]),
+                                  was = encoded(shown[0], shown[1], shown[2], colour.channels == 4 ? shown[3] : 1);
+      for (std::size_t k = 0; k < 3; ++k) sums.colour += (is[k] - was[k]) * (is[k] - was[k]);
+    }
     if (normal.values.empty()) continue;
     const std::array<float, 4> vector = sample(normal, place);
     const Vec3d n = to_double(source_.normal(point, footprint)), m{vector[0], vector[1], vector[2]};

@@ -30,8 +30,8 @@ struct ImageError {
 
 class ImageErrorMeter {
  public:
-  // Images as a viewer has them, after decoding: `colour` with 4 or 3 channels of light (to_linear), `normal` with 3,
-  // or no pixels. `points`: their number on the surface. All arguments must outlive the meter.
+  // Images as a viewer has them, after decoding: `colour` with 4 or 3 channels of light (to_linear), `normal` with 3;
+  // either may have no pixels. `points`: their number on the surface. All arguments must outlive the meter.
   ImageErrorMeter(const Surface& surface, std::span<const Vec3d> directions, const SurfaceSource& source,
                   std::uint64_t points);
 

@@ -47,10 +47,22 @@ struct Resampler::Pixel {
   std::array<Vec2f, most_samples> uv;
   std::size_t count = 0;
   float side = 0;       // of a sample on the sphere, in the middle of the tile
-  bool single = false;  // all samples are in one triangle, at `middle` in the mean; then `point` and `uv` are unused
-  bool whole = false;   // all samples are in one part of one chart
-  SurfacePoint middle;
+  bool whole = false;   // all samples are in one part of one chart; if in one triangle, `point` is their mean alone
   Footprint footprint;  // if whole
+};
+
+struct Resampler::Row {
+  struct Job {
+    std::size_t number = 0;  // of the pixel
+    float samples = 0;
+    std::size_t points_begin = 0, points_end = 0;  // of points
+    SurfaceTaps taps;
+  };
+  std::vector<Job> jobs;
+  std::vector<SurfacePoint> points;
+  TapList taps;
+  TextureFrame frame;
+  void clear() { jobs.clear(), points.clear(), taps.count = 0; }
 };
 
 Resampler::Resampler(const Surface& surface, std::span<const Vec3d> directions, const SurfaceSource& source,
@@ -72,8 +84,9 @@ bool Resampler::gather_single(const SampleTile& tile, std::size_t first, Pixel& 
     for (std::size_t i = 0; i < sides; ++i)
       if (tile.triangle[first + j * SampleTile::side + i] != triangle) return false;
   if (triangle == no_triangle || !source_.has(triangle)) return false;
-  pixel.single = pixel.whole = true;
-  pixel.middle.triangle = triangle;
+  pixel.whole = true, pixel.count = 1;
+  SurfacePoint& middle = pixel.point[0];
+  middle.triangle = triangle;
   const float scale = 0.5f * static_cast<float>(sides) / static_cast<float>(sides - 1);
   std::array<float, 3> by_x, by_y;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -81,12 +94,20 @@ bool Resampler::gather_single(const SampleTile& tile, std::size_t first, Pixel& 
     float sum = 0;
     for (std::size_t j = 0; j < sides; ++j)
       for (std::size_t i = 0; i < sides; ++i) sum += w[j * SampleTile::side + i];
-    pixel.middle.weight[c] = sum / static_cast<float>(sides * sides);
+    middle.weight[c] = sum / static_cast<float>(sides * sides);
     by_x[c] = scale * ((w[right] - w[0]) + (w[below + right] - w[below]));
     by_y[c] = scale * ((w[below] - w[0]) + (w[below + right] - w[right]));
   }
-  pixel.footprint = source_.footprint(pixel.middle, by_x, by_y);
+  pixel.footprint = source_.footprint(middle, by_x, by_y);
   return true;
+}
+
+// True if two samples are on one side of all borders of charts.
+bool Resampler::are_together(const Pixel& pixel, std::size_t k, std::size_t l) const {
+  const std::uint32_t triangle = pixel.point[k].triangle, other = pixel.point[l].triangle;
+  const float allowed = reach * source_.uv_scale(triangle) * pixel.side * static_cast<float>(config_.sides);
+  return triangle == other ||
+         (source_.chart(triangle) == source_.chart(other) && extent(difference(pixel.uv[k], pixel.uv[l])) <= allowed);
 }
 
 // False if no sample has a source.
@@ -94,7 +115,6 @@ bool Resampler::gather(const SampleTile& tile, std::size_t first, Pixel& pixel) 
   if (gather_single(tile, first, pixel)) return true;
   const std::size_t sides = config_.sides;
   pixel.count = 0;
-  pixel.single = false;
   for (std::size_t j = 0; j < sides; ++j)
     for (std::size_t i = 0; i < sides; ++i) {
       const std::size_t sample = first + j * SampleTile::side + i;
@@ -106,13 +126,7 @@ bool Resampler::gather(const SampleTile& tile, std::size_t first, Pixel& pixel) 
     }
   if (pixel.count == 0) return false;
   pixel.whole = pixel.count == sides * sides;
-  const float allowed = reach * source_.uv_scale(pixel.point[0].triangle) * pixel.side * static_cast<float>(sides);
-  const std::uint32_t triangle = pixel.point[0].triangle;
-  for (std::size_t k = 1; k < pixel.count && pixel.whole; ++k) {
-    if (pixel.point[k].triangle == triangle) continue;
-    pixel.whole = source_.chart(pixel.point[k].triangle) == source_.chart(triangle) &&
-                  extent(difference(pixel.uv[k], pixel.uv[0])) <= allowed;
-  }
+  for (std::size_t k = 1; k < pixel.count && pixel.whole; ++k) pixel.whole = are_together(pixel, 0, k);
   if (!pixel.whole) return true;
   // From corner to corner, means over both sides, extended by one sample.
   const Vec2f a = pixel.uv[0], b = pixel.uv[sides - 1], c = pixel.uv[pixel.count - sides],
@@ -124,48 +138,101 @@ bool Resampler::gather(const SampleTile& tile, std::size_t first, Pixel& pixel) 
   return true;
 }
 
-void Resampler::draw_pixel(const SampleTile& tile, std::uint32_t x, std::uint32_t y, Pixel& pixel) {
-  if (!gather(tile, (std::size_t{y} * SampleTile::side + x) * config_.sides, pixel)) return;
-  const std::size_t number = std::size_t{tile.y / config_.sides + y} * config_.size + (tile.x / config_.sides + x);
-  covered_[number] = 1;
-  // Where a part of a chart is filtered at once, any point will do: the colour depends on the footprint alone.
-  const SurfacePoint& point = pixel.single ? pixel.middle : pixel.point[0];
-  const auto footprint = [&](std::size_t k) {
-    const float side = source_.uv_scale(pixel.point[k].triangle) * pixel.side;
-    return Footprint{pixel.uv[k], {side, 0}, {0, side}};
-  };
-  Float4 colour{};
-  if (pixel.single || (pixel.whole && !source_.has_vertex_colours())) {
-    colour = source_.colour(point, pixel.footprint);
-  } else {
-    for (std::size_t k = 0; k < pixel.count; ++k) colour += source_.colour(pixel.point[k], footprint(k));
-    colour *= all4(1 / static_cast<float>(pixel.count));
-  }
+void Resampler::set(std::size_t number, Float4 colour) {
   for (int c = 0; c < 4; ++c) images_.colour.values[4 * number + static_cast<std::size_t>(c)] = colour[c];
-  if (!config_.normals) return;
-  Vec3f normal{};
-  if (pixel.single || (pixel.whole && source_.has_object_space_normals(point.triangle))) {
-    normal = source_.normal(point, pixel.footprint);
-  } else {
-    for (std::size_t k = 0; k < pixel.count; ++k) normal = normal + source_.normal(pixel.point[k], footprint(k));
-  }
-  const float size = length(normal);
-  if (size > 0) normal = (1 / size) * normal;
+}
+
+void Resampler::set(std::size_t number, Vec3f normal) {
   images_.normal.values[3 * number] = normal.x;
   images_.normal.values[3 * number + 1] = normal.y;
   images_.normal.values[3 * number + 2] = normal.z;
 }
 
+// Jobs of one pixel follow each other: light and vectors are added up with the samples as weight.
+void Resampler::draw_jobs(Row& row) {
+  for (std::size_t k = 0; k < row.jobs.size();) {
+    const std::size_t number = row.jobs[k].number;
+    Float4 colour{};
+    Vec3f normal{};
+    float weight = 0;
+    for (; k < row.jobs.size() && row.jobs[k].number == number; ++k) {
+      const Row::Job& job = row.jobs[k];
+      const std::span<const SurfacePoint> points(&row.points[job.points_begin], job.points_end - job.points_begin);
+      colour +=
+          all4(job.samples) * source_.colour(points, row.taps.between(job.taps.colour_begin, job.taps.colour_end));
+      weight += job.samples;
+      if (config_.normals)
+        normal =
+            normal + job.samples * source_.normal(points, row.taps.between(job.taps.normal_begin, job.taps.normal_end),
+                                                  row.frame);
+    }
+    set(number, all4(1 / weight) * colour);
+    if (!config_.normals) continue;
+    const float size = length(normal);
+    set(number, size > 0 ? (1 / size) * normal : normal);
+  }
+}
+
+// The samples of one part of a chart, with a footprint of their area; those in one triangle become one point.
+void Resampler::add_job(std::size_t number, std::span<const SurfacePoint> points, const Footprint& footprint,
+                        Row& row) const {
+  using Looks = SurfaceSource::Looks;
+  const std::size_t first = row.points.size();
+  const auto samples = static_cast<float>(points.size());
+  for (const SurfacePoint& point : points) {
+    const auto same = std::find_if(row.points.begin() + static_cast<std::ptrdiff_t>(first), row.points.end(),
+                                   [&](const SurfacePoint& p) { return p.triangle == point.triangle; });
+    SurfacePoint& sum = same == row.points.end() ? row.points.emplace_back(SurfacePoint{point.triangle, {}}) : *same;
+    for (std::size_t c = 0; c < 3; ++c) sum.weight[c] += point.weight[c] / samples;
+  }
+  Row::Job& job = row.jobs.emplace_back(Row::Job{number, samples, first, row.points.size(), {}});
+  job.taps = source_.add_taps(points[0].triangle, footprint, config_.normals ? Looks::colour_and_normal : Looks::colour,
+                              row.taps);
+}
+
+// Samples on both sides of a border between charts: those that belong together.
+void Resampler::add_parts(std::size_t number, Pixel& pixel, Row& row) const {
+  for (std::size_t begin = 0, end = 0; begin < pixel.count; begin = end) {
+    Vec2f centre = pixel.uv[begin];
+    end = begin + 1;
+    for (std::size_t k = end; k < pixel.count; ++k) {
+      if (!are_together(pixel, begin, k)) continue;
+      std::swap(pixel.point[k], pixel.point[end]);
+      std::swap(pixel.uv[k], pixel.uv[end]);
+      centre = {centre.x + pixel.uv[end].x, centre.y + pixel.uv[end].y};
+      ++end;
+    }
+    const auto samples = static_cast<float>(end - begin);
+    const float side = source_.uv_scale(pixel.point[begin].triangle) * pixel.side * std::sqrt(samples);
+    const Footprint footprint{{centre.x / samples, centre.y / samples}, {side, 0}, {0, side}};
+    add_job(number, std::span(pixel.point).subspan(begin, end - begin), footprint, row);
+  }
+}
+
+void Resampler::draw_row(const SampleTile& tile, std::uint32_t y, Pixel& pixel, Row& row) {
+  row.clear();
+  for (std::uint32_t x = 0; x < tile.width / config_.sides; ++x) {
+    const std::size_t first = (std::size_t{y} * SampleTile::side + x) * config_.sides,
+                      later = first + prefetch_distance;
+    if (later < tile.triangle.size() && tile.triangle[later] != no_triangle) source_.prefetch(tile.triangle[later]);
+    if (!gather(tile, first, pixel)) continue;
+    const std::size_t number = std::size_t{tile.y / config_.sides + y} * config_.size + (tile.x / config_.sides + x);
+    covered_[number] = 1;
+    if (pixel.whole) {
+      add_job(number, std::span(pixel.point).first(pixel.count), pixel.footprint, row);
+    } else {
+      add_parts(number, pixel, row);
+    }
+  }
+  draw_jobs(row);
+}
+
 void Resampler::draw(std::size_t tile, SampleTile& room) {
   raster_.cover(tile, room);
   Pixel pixel;  // reused: larger than what is done with it
+  Row row;
   pixel.side = side_in(room);
-  for (std::uint32_t y = 0; y < room.height / config_.sides; ++y)
-    for (std::uint32_t x = 0; x < room.width / config_.sides; ++x) {
-      const std::size_t later = (std::size_t{y} * SampleTile::side + x) * config_.sides + prefetch_distance;
-      if (later < room.triangle.size() && room.triangle[later] != no_triangle) source_.prefetch(room.triangle[later]);
-      draw_pixel(room, x, y, pixel);
-    }
+  for (std::uint32_t y = 0; y < room.height / config_.sides; ++y) draw_row(room, y, pixel, row);
 }
 
 void Resampler::fill(LinearImage& image, std::vector<std::uint8_t> covered) const {

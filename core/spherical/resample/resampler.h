@@ -1,7 +1,8 @@
 // Colours and normals of a surface as octahedral images, by supersampling.
 //
 // Each pixel has sides x sides samples, placed by core/spherical/octahedron/sphere_raster.h. Samples of one chart share
-// a footprint over the whole pixel, and are filtered from their texture once; samples on both sides of a border between
+// a footprint over the whole pixel, and are filtered from their textures once, row by row, so that the texels of many
+// pixels are fetched at a time; samples on both sides of a border between
 // charts are filtered apart, each over its own part of the pixel. Light is averaged with its alpha as weight, normals
 // as vectors. Pixels of which no sample has a source, at filled holes, get the mean of their neighbours, ring by ring.
 #pragma once
@@ -42,9 +43,15 @@ class Resampler {
   [[nodiscard]] ResampledImages finish();
 
  private:
-  // Samples of a pixel.
-  struct Pixel;
-  void draw_pixel(const SampleTile& tile, std::uint32_t x, std::uint32_t y, Pixel& pixel);
+  struct Pixel;  // with its samples
+  struct Row;    // parts of pixels with a footprint each, until their texels have come
+  void draw_row(const SampleTile& tile, std::uint32_t y, Pixel& pixel, Row& row);
+  void add_job(std::size_t number, std::span<const SurfacePoint> points, const Footprint& footprint, Row& row) const;
+  void add_parts(std::size_t number, Pixel& pixel, Row& row) const;
+  void draw_jobs(Row& row);
+  void set(std::size_t number, Float4 colour);
+  void set(std::size_t number, Vec3f normal);
+  [[nodiscard]] bool are_together(const Pixel& pixel, std::size_t k, std::size_t l) const;
   [[nodiscard]] bool gather_single(const SampleTile& tile, std::size_t first, Pixel& pixel) const;
   [[nodiscard]] bool gather(const SampleTile& tile, std::size_t first, Pixel& pixel) const;
   void fill(LinearImage& image, std::vector<std::uint8_t> covered) const;

@@ -19,6 +19,15 @@ Vec3f unit_or_zero(Vec3f v) {
   return size > 0 ? (1 / size) * v : Vec3f{};
 }
 
+// A normal of tangent space: x is the direction in which u grows, made perpendicular to the normal, y is on the side
+// where v falls.
+Vec3f bent(const TextureFrame& frame, Vec3f normal, Vec3f mapped) {
+  const Vec3f t = unit_or_zero(frame.to_u - dot(normal, frame.to_u) * normal);
+  if (t == Vec3f{}) return normal;
+  const Vec3f b = cross(normal, t);
+  return (mapped.x * t + (dot(b, frame.to_v) > 0 ? -mapped.y : mapped.y) * b) + mapped.z * normal;
+}
+
 template <class Value>
 Value mixed(const std::vector<Value>& values, const Triangle& corners, const std::array<float, 3>& weight) {
   return weight[0] * values[corners.v[0]] + weight[1] * values[corners.v[1]] + weight[2] * values[corners.v[2]];
@@ -116,44 +125,90 @@ std::array<float, 3> SurfaceSource::weights(const SurfacePoint& point) const {
   return sum;
 }
 
-Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footprint) const {
-  const MeshSource::Shade& shade = shade_of(point.triangle);
-  Float4 colour = shade.base_colour;
-  if (shade.texture != no_texture) colour *= source_->texture(shade.texture).image.filtered(footprint);
-  if (mesh_.wedges.colour.empty()) return colour;
-  Float4 vertices{};
+SurfaceTaps SurfaceSource::add_taps(std::uint32_t triangle, const Footprint& footprint, Looks looks,
+                                    TapList& taps) const {
+  const MeshSource::Shade& shade = shade_of(triangle);
+  const auto image = [&](std::uint32_t map) -> const SourceTexture& { return source_->texture(map).image; };
+  SurfaceTaps ranges{taps.count, taps.count, 0, 0};
+  if (shade.texture != no_texture) image(shade.texture).add_taps(footprint, taps);
+  ranges.colour_end = ranges.normal_begin = ranges.normal_end = taps.count;
+  if (looks == Looks::colour || shade.normal_map == no_texture) return ranges;
+  const SourceTexture& normals = image(shade.normal_map);
+  if (shade.texture != no_texture && normals.has_taps_of(image(shade.texture))) {
+    ranges.normal_begin = ranges.colour_begin;
+    normals.prefetch(taps.between(ranges.colour_begin, ranges.colour_end));
+  } else {
+    normals.add_taps(footprint, taps);
+    ranges.normal_end = taps.count;
+  }
+  return ranges;
+}
+
+Float4 SurfaceSource::vertex_colour(const SurfacePoint& point) const {
+  Float4 sum{};
   const std::array<float, 3> weight = weights(point);
   for (std::size_t k = 0; k < 3; ++k) {
     const Rgba8 c = mesh_.wedges.colour[corners_[point.triangle].v[k]];
     const std::array<float, 256>& linear = linear_of_srgb();
     const float alpha = static_cast<float>(c.a) / 255;
     const Float4 value{linear[c.r] * alpha, linear[c.g] * alpha, linear[c.b] * alpha, alpha};
-    vertices += all4(weight[k]) * value;
+    sum += all4(weight[k]) * value;
   }
+  return sum;
+}
+
+Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footprint) const {
+  const MeshSource::Shade& shade = shade_of(point.triangle);
+  Float4 colour = shade.base_colour;
+  if (shade.texture != no_texture) colour *= source_->texture(shade.texture).image.filtered(footprint);
+  return mesh_.wedges.colour.empty() ? colour : colour * vertex_colour(point);
+}
+
+Float4 SurfaceSource::colour(std::span<const SurfacePoint> points, std::span<const TextureTap> taps) const {
+  const MeshSource::Shade& shade = shade_of(points[0].triangle);
+  Float4 colour = shade.base_colour;
+  if (shade.texture != no_texture) colour *= source_->texture(shade.texture).image.value(taps);
+  if (mesh_.wedges.colour.empty()) return colour;
+  Float4 vertices{};
+  for (const SurfacePoint& point : points) vertices += vertex_colour(point);
   return colour * vertices;
 }
 
-// A normal of tangent space: x is the direction in which u grows, made perpendicular to the normal, y is on the side
-// where v falls.
-Vec3f SurfaceSource::bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const {
-  const auto& [i, j, k] = corners_[point.triangle].v;
+TextureFrame SurfaceSource::frame_of(std::uint32_t triangle) const {
+  const auto& [i, j, k] = corners_[triangle].v;
   const Vec3f to_b = mesh_.positions[j] - mesh_.positions[i], to_c = mesh_.positions[k] - mesh_.positions[i];
   const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
   const float bu = q.x - p.x, bv = q.y - p.y, cu = r.x - p.x, cv = r.y - p.y;
   const float turn = bu * cv - cu * bv < 0 ? -1.0f : 1.0f;
-  const Vec3f to_u = turn * (cv * to_b - bv * to_c), to_v = turn * (bu * to_c - cu * to_b);
-  const Vec3f t = unit_or_zero(to_u - dot(normal, to_u) * normal);
-  if (t == Vec3f{}) return normal;
-  const Vec3f b = cross(normal, t);
-  return (mapped.x * t + (dot(b, to_v) > 0 ? -mapped.y : mapped.y) * b) + mapped.z * normal;
+  return {triangle, turn * (cv * to_b - bv * to_c), turn * (bu * to_c - cu * to_b)};
+}
+
+Vec3f SurfaceSource::smooth_normal(const SurfacePoint& point) const {
+  return unit_or_zero(mixed(source_->normals(), corners_[point.triangle], weights(point)));
 }
 
 Vec3f SurfaceSource::normal(const SurfacePoint& point, const Footprint& footprint) const {
   const std::uint32_t map = shade_of(point.triangle).normal_map;
   const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(source_->texture(map).image.filtered(footprint));
   if (mapped != Vec3f{} && source_->texture(map).object_space) return unit_or_zero(mapped);
-  const Vec3f smooth = unit_or_zero(mixed(source_->normals(), corners_[point.triangle], weights(point)));
-  return mapped == Vec3f{} ? smooth : unit_or_zero(bent(point, smooth, mapped));
+  const Vec3f smooth = smooth_normal(point);
+  return mapped == Vec3f{} ? smooth : unit_or_zero(bent(frame_of(point.triangle), smooth, mapped));
+}
+
+// The mean of the surface's normals, each bent in the same way.
+Vec3f SurfaceSource::normal(std::span<const SurfacePoint> points, std::span<const TextureTap> taps,
+                            TextureFrame& frame) const {
+  const std::uint32_t map = shade_of(points[0].triangle).normal_map;
+  const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(source_->texture(map).image.value(taps));
+  if (mapped != Vec3f{} && source_->texture(map).object_space) return unit_or_zero(mapped);
+  Vec3f sum{};
+  for (const SurfacePoint& point : points) {
+    const Vec3f smooth = smooth_normal(point);
+    const float share = point.weight[0] + point.weight[1] + point.weight[2];
+    if (mapped != Vec3f{} && frame.triangle != point.triangle) frame = frame_of(point.triangle);
+    sum = sum + share * (mapped == Vec3f{} ? smooth : bent(frame, smooth, mapped));
+  }
+  return unit_or_zero(sum);
 }
 
 }  // namespace lodestone::spherical

@@ -28,6 +28,17 @@ struct SurfacePoint {
   std::array<float, 3> weight{};
 };
 
+// The directions on a triangle in which its texture coordinates grow.
+struct TextureFrame {
+  std::uint32_t triangle = no_source;
+  Vec3f to_u, to_v;
+};
+
+// Ranges of taps: where they begin and end.
+struct SurfaceTaps {
+  std::size_t colour_begin = 0, colour_end = 0, normal_begin = 0, normal_end = 0;
+};
+
 class SurfaceSource {
  public:
   // The source's mesh, which must outlive it, is the one that the surface's source_vertex and source_triangle name; its
@@ -58,12 +69,16 @@ class SurfaceSource {
   [[nodiscard]] Float4 colour(const SurfacePoint& point, const Footprint& footprint) const;
   // A unit vector, or zero where nothing tells the normal.
   [[nodiscard]] Vec3f normal(const SurfacePoint& point, const Footprint& footprint) const;
-  // True if normals are read from an image as they are: anywhere in a chart it depends on the footprint alone.
-  [[nodiscard]] bool has_object_space_normals(std::uint32_t triangle) const {
-    const std::uint32_t map = shade_of(triangle).normal_map;
-    return map != no_texture && source_->texture(map).object_space;
-  }
-  [[nodiscard]] bool has_vertex_colours() const { return !mesh_.wedges.colour.empty(); }
+
+  // Both of the points of one footprint, in two steps as SourceTexture has them; the sum of all their weights is 1.
+  // With normals, the taps of the colour may serve for both.
+  enum class Looks : std::uint8_t { colour, colour_and_normal };
+  [[nodiscard]] SurfaceTaps add_taps(std::uint32_t triangle, const Footprint& footprint, Looks looks,
+                                     TapList& taps) const;
+  [[nodiscard]] Float4 colour(std::span<const SurfacePoint> points, std::span<const TextureTap> taps) const;
+  // frame: that of the last call, as neighbours are often in one triangle.
+  [[nodiscard]] Vec3f normal(std::span<const SurfacePoint> points, std::span<const TextureTap> taps,
+                             TextureFrame& frame) const;
 
  private:
   // A triangle as samples need it, in one place: they come from all over the mesh.
@@ -84,7 +99,9 @@ class SurfaceSource {
   void match_part(const Surface& surface, std::uint32_t triangle);
   // The weights of the source's corners.
   [[nodiscard]] std::array<float, 3> weights(const SurfacePoint& point) const;
-  [[nodiscard]] Vec3f bent(const SurfacePoint& point, Vec3f normal, Vec3f mapped) const;
+  [[nodiscard]] Float4 vertex_colour(const SurfacePoint& point) const;
+  [[nodiscard]] Vec3f smooth_normal(const SurfacePoint& point) const;
+  [[nodiscard]] TextureFrame frame_of(std::uint32_t triangle) const;
 
   // The weights of the source's corners at each corner of a triangle.
   using CornerWeights = std::array<std::array<float, 3>, 3>;

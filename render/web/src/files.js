@@ -1,5 +1,5 @@
 // Files that the page accepts, and one clear line about files that it cannot read.
-import {readProgressiveGlb} from './glb.js';
+import {GlbDecoder} from './glb.js';
 import {LpmDecoder} from './lpm.js';
 import {Problem} from './problem.js';
 
@@ -21,37 +21,39 @@ export async function reading(name, work) {
     return await work();
   } catch (error) {
     if (error instanceof Problem || error.name === 'AbortError') throw error;
-    throw new Problem(error.message.startsWith(name) ? error.message : `${name}: the file is damaged (${error.message})`);
+    if (error.message.startsWith(name)) throw new Problem(error.message);
+    // What the language itself says names parts of this program.
+    throw new Problem(error.constructor === Error ? `${name}: the file is damaged (${error.message})` : `${name}: the file is damaged`);
   }
 }
 
-// Feeds the decoder and lets the page live meanwhile; returns whether there is more of the mesh than before.
+// Feeds the decoder and lets the page live meanwhile.
 async function feed(decoder, bytes) {
-  const before = decoder.groups + decoder.textures.length;
   let begin = performance.now();
   for (const _ of decoder.steps(bytes)) {
     if (performance.now() - begin < 12) continue;
     await new Promise((go) => setTimeout(go));
     begin = performance.now();
   }
-  return decoder.groups + decoder.textures.length > before;
 }
 
 const isGlb = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'glTF';
+const decoderFor = (bytes, name) => (isGlb(bytes) ? new GlbDecoder(name) : new LpmDecoder(name));
 
 export const readMesh = (bytes, name) => reading(name, async () => {
-  if (isGlb(bytes)) return readProgressiveGlb(bytes, name);
-  const decoder = new LpmDecoder(name);
+  const decoder = decoderFor(bytes, name);
   await feed(decoder, bytes);
   if (!decoder.complete) throw new Problem(`${name}: the file ends early`);
   return decoder.mesh();
 });
 
-// A progressive mesh as it arrives: `show(mesh, share)` is called and awaited with what there is, each time half as many
-// vertices again have come; at last with all of it and a share of 1.
-export async function streamMesh(url, name, show) {
-  const reader = (await ask(url)).body.getReader(), decoder = new LpmDecoder(name);
-  let head = null, shown = 0;
+// A progressive mesh as it arrives: `show(mesh)` is called and awaited with what there is, each time half as many vertices
+// again or another image have come, at last with all of it. `count(bytes, all)` is called with what has come, `all` is 0
+// where the server does not tell.
+export async function streamMesh(url, name, {show, count}) {
+  const answer = await ask(url), reader = answer.body.getReader();
+  const all = answer.headers.has('content-encoding') ? 0 : Number(answer.headers.get('content-length'));  // of what is sent
+  let decoder = null, shown = {groups: 0, textures: 0}, come = 0;
   const next = async () => {
     try {
       return await reader.read();
@@ -60,18 +62,20 @@ export async function streamMesh(url, name, show) {
     }
   };
   for (let part = await next(); !part.done; part = await next()) {
-    if (head === null && isGlb(part.value)) head = [];  // no prefix of which can be drawn
-    if (head !== null) {
-      head.push(part.value);
-      continue;
-    }
-    head = null;
-    const more = await reading(name, () => feed(decoder, part.value));
-    if (!more || (!decoder.complete && decoder.groups < 1.5 * shown)) continue;
-    shown = decoder.groups;
-    await show(decoder.mesh(), decoder.complete ? 1 : 0.99 * decoder.groups / decoder.header.groups);
+    decoder ??= decoderFor(part.value, name);
+    come += part.value.length;
+    count(come, all);
+    const mesh = await reading(name, async () => {
+      await feed(decoder, part.value);
+      const {groups, complete, textures: {length: textures}} = decoder;
+      if (!complete && groups < Math.max(1.5 * shown.groups, 1) && textures === shown.textures) return null;
+      if (groups === shown.groups && textures === shown.textures) return null;
+      shown = {groups, textures};
+      return decoder.mesh();
+    });
+    if (mesh === null) continue;
+    await show(mesh);
     await new Promise((go) => setTimeout(go));
   }
-  if (head !== null) await show(await readMesh(new Uint8Array(await new Blob(head).arrayBuffer()), name), 1);
-  else if (!decoder.complete) throw new Problem(`${name}: the file ends early`);
+  if (!decoder?.complete) throw new Problem(`${name}: the file ends early`);
 }

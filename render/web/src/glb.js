@@ -5,21 +5,30 @@ const arrays = {5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint1
 const components = {SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4};
 
 export class Glb {
-  // `bytes` is a Uint8Array. Await `ready` before reading accessors of a compressed file.
-  constructor(bytes, name) {
+  // `bytes` is a Uint8Array, of the whole file unless `partial`. Await `ready` before reading accessors of a compressed
+  // file.
+  constructor(bytes, name, {partial = false} = {}) {
     this.name = name;
     const words = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
     if (bytes.length < 20 || words.getUint32(0, true) !== 0x46546c67) throw new Error(`${name}: is not a binary glTF`);
-    if (words.getUint32(8, true) > bytes.length) throw new Error(`${name}: the file ends early`);
+    if (!partial && words.getUint32(8, true) > bytes.length) throw new Error(`${name}: the file ends early`);
     const length = words.getUint32(12, true);
     this.json = JSON.parse(new TextDecoder().decode(bytes.subarray(20, 20 + length)));
     this.binary = bytes.subarray(28 + length);
     this.ready = MeshoptDecoder.ready;
   }
 
+  // Where a view ends in the binary chunk.
+  endOf(index) {
+    const view = this.json.bufferViews[index], {byteOffset = 0, byteLength} = view.extensions?.EXT_meshopt_compression ?? view;
+    return byteOffset + byteLength;
+  }
+
   view(index) {
     const view = this.json.bufferViews[index], packed = view.extensions?.EXT_meshopt_compression;
     const part = packed ?? view, from = part.byteOffset ?? 0;
+    if (!(from >= 0 && part.byteLength >= 0 && this.endOf(index) <= this.binary.length))
+      throw new Error(`${this.name}: a part of the file lies beyond its end; the file is damaged`);
     const bytes = this.binary.subarray(from, from + part.byteLength);
     if (!packed) return {bytes, stride: view.byteStride};
     const out = new Uint8Array(packed.count * packed.byteStride);
@@ -31,7 +40,10 @@ export class Glb {
   accessor(index) {
     const {bufferView, byteOffset = 0, componentType, count, type} = this.json.accessors[index];
     const {bytes, stride} = this.view(bufferView), Type = arrays[componentType], n = components[type];
-    const size = Type.BYTES_PER_ELEMENT, step = stride ?? n * size, out = new Type(n * count);
+    const size = Type.BYTES_PER_ELEMENT, step = stride ?? n * size;
+    if (!(count >= 1 && byteOffset >= 0 && byteOffset + (count - 1) * step + n * size <= bytes.length))
+      throw new Error(`${this.name}: ${count} values do not fit into their part of the file; the file is damaged`);
+    const out = new Type(n * count);
     const to = new Uint8Array(out.buffer);
     if (step === n * size) {
       to.set(bytes.subarray(byteOffset, byteOffset + to.length));
@@ -54,19 +66,66 @@ export class Glb {
             objectNormals: source(m.extras?.objectNormalTexture)};
   }
 
+  textureOf(image) { return this.json.textures.find((t) => (t.source ?? t.extensions?.EXT_texture_webp?.source) === image); }
+
+  // The image, or its thumbnail if that is all that has come; `bytes` is null if nothing has.
   image(index) {
     const image = this.json.images[index], wraps = {10497: 'repeat', 33071: 'clamp', 33648: 'mirror'};
-    const texture = this.json.textures.find((t) => (t.source ?? t.extensions?.EXT_texture_webp?.source) === index);
+    const texture = this.textureOf(index), thumbnail = texture?.extras?.thumbnail;
     const sampler = this.json.samplers?.[texture?.sampler] ?? {};
     const wrap = [wraps[sampler.wrapS] ?? 'repeat', wraps[sampler.wrapT] ?? 'repeat'];
     if (image.uri !== undefined) return {uri: image.uri, wrap};
-    return {type: image.mimeType, wrap, bytes: this.view(image.bufferView).bytes.slice()};
+    const [part] = [image, thumbnail].filter((p) => p && this.endOf(p.bufferView) <= this.binary.length);
+    return {type: part?.mimeType, wrap, bytes: part ? this.view(part.bufferView).bytes.slice() : null};
+  }
+
+  // Bytes of the binary chunk that the first picture takes: all but the images of which there is a thumbnail.
+  get firstPicture() {
+    const {accessors = [], images = [], materials = []} = this.json;
+    const drawn = new Set(materials.flatMap((_, k) => {
+      const {texture, normalMap, objectNormals} = this.material(k);
+      return [texture, objectNormals ?? normalMap];
+    }));
+    const parts = images.map((image, k) => this.textureOf(k)?.extras?.thumbnail ?? (drawn.has(k) ? image : {}));
+    return [...accessors, ...parts].reduce((end, {bufferView}) => (bufferView === undefined ? end : Math.max(end, this.endOf(bufferView))), 0);
   }
 }
 
-// A progressive mesh as levels.js takes it.
-export async function readProgressiveGlb(bytes, name) {
-  const glb = new Glb(bytes, name);
+// A progressive mesh as it arrives, as LpmDecoder has it: all of the geometry with thumbnails, then image by image.
+export class GlbDecoder {
+  constructor(name) {
+    Object.assign(this, {name, bytes: new Uint8Array(1 << 16), size: 0, glb: null, groups: 0, textures: []});
+  }
+
+  get complete() { return this.glb !== null && this.size >= this.word(8); }
+  word(at) { return new DataView(this.bytes.buffer).getUint32(at, true); }
+
+  *steps(bytes) {
+    while (this.size + bytes.length > this.bytes.length) {
+      const wider = new Uint8Array(2 * this.bytes.length);
+      wider.set(this.bytes);
+      this.bytes = wider;
+    }
+    this.bytes.set(bytes, this.size);
+    this.size += bytes.length;
+    if (this.size < 20 || this.size < 28 + this.word(12)) return;
+    this.glb ??= new Glb(this.bytes.subarray(0, this.size), this.name, {partial: true});
+    this.glb.binary = this.bytes.subarray(28 + this.word(12), this.size);
+    const come = this.glb.binary.length;
+    if (!this.complete && come < this.glb.firstPicture) return;
+    yield;
+    this.groups = 1;  // there are no levels to wait for
+    this.textures = (this.glb.json.images ?? []).filter(({bufferView}) => this.complete || this.glb.endOf(bufferView) <= come);
+  }
+
+  mesh() { return progressiveMesh(this.glb); }
+}
+
+export const readProgressiveGlb = (bytes, name) => progressiveMesh(new Glb(bytes, name));
+
+// As levels.js takes it.
+async function progressiveMesh(glb) {
+  const {name} = glb;
   await glb.ready;
   const node = glb.json.nodes?.[0] ?? {}, mesh = glb.json.meshes?.[node.mesh], attributes = mesh?.primitives[0].attributes;
   if (attributes?._PARENTINDEX === undefined)
@@ -88,15 +147,18 @@ export async function readProgressiveGlb(bytes, name) {
           materialIds: mesh.primitives.length > 1 ? materialIds : null,
           materials: (glb.json.materials ?? []).map((_, k) => glb.material(k)),
           textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles,
-          origin: node.translation ?? [0, 0, 0], scale}, name);
+          octahedral: mesh.extras.progressive.octahedral === true, origin: node.translation ?? [0, 0, 0], scale}, name);
 }
 
 // Checks the properties that levels.js relies on.
 function checked(mesh, name) {
-  const {vertexCount, baseVertices, parents, errors, triangles} = mesh;
+  const {vertexCount, baseVertices, parents, errors, triangles, positions, origin, scale} = mesh;
   const fail = (what) => { throw new Error(`${name}: ${what}; the file is damaged`); };
   if (!(baseVertices >= 1 && baseVertices <= vertexCount)) fail('the base has more vertices than the model');
   if (parents.length !== vertexCount || errors.length !== vertexCount) fail('numbers of vertices differ');
+  for (const [values, size] of [[mesh.uv, 2], [mesh.normals, 3], [mesh.colours, 4]])
+    if (values && values.length !== size * vertexCount) fail('numbers of vertices differ');
+  if (![positions, errors, mesh.uv ?? [], origin, [scale]].every((values) => values.every(Number.isFinite))) fail('a number is not finite');
   if (triangles.some((v) => v >= vertexCount)) fail('a triangle has a vertex that is not there');
   for (let v = baseVertices; v < vertexCount; ++v) if (parents[v] >= v) fail('a vertex comes before its parent');
   return mesh;

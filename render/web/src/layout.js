@@ -41,6 +41,8 @@ export function seeAll(camera, models) {
   return middle;
 }
 
+const kilobytes = (bytes, all) => [bytes, all].filter((n) => n > 0).map((n) => Math.ceil(n / 1000).toLocaleString('en')).join(' of ');
+
 // A label below each model: its name, triangles and how much of it is there. A click turns the model upright.
 export class Labels {
   constructor(root, turn) { Object.assign(this, {root, turn, entries: new Map()}); }
@@ -73,9 +75,10 @@ export class Labels {
       box.getCenter(point).project(camera).setY(low);
       const seen = Math.abs(point.z) < 1 && Math.abs(point.x) < 1.2 && low > -1.2 && low < 1;
       button.hidden = !seen;
-      small.textContent = `${model.triangleCount.toLocaleString('en')} triangles`;
-      progress.hidden = !(model.arrived < 1);
-      if (model.arrived < 1) progress.value = model.arrived;
+      const {bytes, all} = model.arrived ?? {};
+      small.textContent = `${model.triangleCount.toLocaleString('en')} triangles${model.arrived ? `, ${kilobytes(bytes, all)} kB` : ''}`;
+      progress.hidden = !model.arrived;
+      if (all > 0) Object.assign(progress, {max: all, value: bytes});
       const x = (point.x + 1) / 2 * width, y = Math.min((1 - point.y) / 2 * height, height - 44) + 2;
       button.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translateX(-50%)`;
     }

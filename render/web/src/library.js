@@ -1,5 +1,5 @@
 // The computations of the page without the page, for tests and other programs.
-export {Glb, readProgressiveGlb} from './glb.js';
+export {Glb, GlbDecoder, readProgressiveGlb} from './glb.js';
 export {Ladder} from './ladder.js';
 export {Levels} from './levels.js';
 export {LimitTracker, limitedBoxDistance, limitedPointDistance, limitsNear} from './limits.js';

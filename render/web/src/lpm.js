@@ -16,13 +16,26 @@ export function crc32(bytes) {
   return ~crc >>> 0;
 }
 
+// Checks what is read without a further look.
+function checkHeader(header, name) {
+  const {version, vertices, groups, baseGroups, positionBits, uvBits, textures, materials} = header;
+  if (!(version >= 1 && version <= 2)) throw new Error(`${name}: version ${version} is not known`);
+  const holds = [vertices, groups, baseGroups, positionBits, uvBits].every(Number.isInteger) && baseGroups >= 0 &&
+    baseGroups <= groups && groups <= vertices && vertices < 2 ** 31 && [positionBits, uvBits].every((b) => b >= 4 && b <= 20) &&
+    header.scale > 0 && header.origin.every(Number.isFinite) && textures.every((t) => typeof t.type === 'string') &&
+    materials.every((m) => [m.texture, m.normalMap, m.objectNormals].every((t) => t == null || textures[t] !== undefined));
+  if (!holds) throw new Error(`${name}: the header contradicts itself; the file is damaged`);
+}
+
 export class LpmDecoder {
   constructor(name = 'the file') {
     this.name = name;
     this.bytes = new Uint8Array(0);
     this.at = 0;
     this.header = null;
+    this.thumbnails = [];
     this.textures = [];
+    this.made = null;
     this.splits = new SplitMesh();
     this.values = {positions: [], errors: [], uv: [], colours: [], materials: []};
   }
@@ -71,9 +84,24 @@ export class LpmDecoder {
     const length = this.word(8), crc = this.word(12);
     this.at = 16;
     this.header = JSON.parse(new TextDecoder().decode(this.take(length, crc)));
-    if (this.header.version !== 1) throw new Error(`${this.name}: version ${this.header.version} is not known`);
+    checkHeader(this.header, this.name);
     this.codec = new SplitCodec(this.header, this.splits, this.values);
+    this.skipThumbnails();
     return true;
+  }
+
+  // Textures without a thumbnail have no frame for it.
+  skipThumbnails() {
+    const {textures} = this.header;
+    while (this.thumbnails.length < textures.length && !textures[this.thumbnails.length].thumbnail) this.thumbnails.push(null);
+  }
+
+  // The images, or the thumbnails of those that have not come.
+  textureList() {
+    return this.header.textures.map(({thumbnail, ...t}, k) => {
+      const image = this.textures[k], small = this.thumbnails[k];
+      return small && !(image?.length > 0) ? {...t, type: thumbnail, bytes: small} : {...t, bytes: image ?? null};
+    });
   }
 
   nextFrame() {
@@ -86,6 +114,11 @@ export class LpmDecoder {
 
   *readFrame({bytes, vertices}) {
     const {header, splits, codec} = this, now = this.groups;
+    if (this.thumbnails.length < header.textures.length) {
+      this.thumbnails.push(bytes.slice());
+      this.skipThumbnails();
+      return;
+    }
     if (now === header.groups) {
       this.textures.push(bytes.slice());
       return;
@@ -107,6 +140,7 @@ export class LpmDecoder {
   // The mesh so far, as levels.js takes it.
   mesh() {
     const {header, splits, values} = this, count = splits.wedgeCount;
+    if (this.made?.vertexCount === count) return {...this.made, textures: this.textureList()};
     const positions = new Float32Array(3 * count), errors = new Float32Array(count), parents = new Uint32Array(count);
     const step = 2 ** -header.positionBits, bits = new Uint32Array(1), asFloat = new Float32Array(bits.buffer);
     let v = 0;
@@ -121,10 +155,10 @@ export class LpmDecoder {
     const uv = header.uv ? new Float32Array(2 * count) : null;
     for (let w = 0; uv && w < count; ++w)
       for (let i = 0; i < 2; ++i) uv[2 * w + i] = header.uvLow[i] + values.uv[w][i] * header.uvStep[i];
-    return {vertexCount: count, baseVertices: this.baseVertices, positions, parents, errors, uv,
+    this.made = {vertexCount: count, baseVertices: this.baseVertices, positions, parents, errors, uv,
             colours: header.colours ? Uint8Array.from(values.colours.flat()) : null, normals: null,
             materialIds: header.materialIds ? Int32Array.from(values.materials) : null, materials: header.materials,
-            textures: header.textures.map((t, k) => ({...t, bytes: this.textures[k] ?? null})),
-            triangles: splits.triangles(), origin: header.origin, scale: header.scale};
+            textures: this.textureList(), triangles: splits.triangles(), octahedral: header.octahedral === true, origin: header.origin, scale: header.scale};
+    return this.made;
   }
 }

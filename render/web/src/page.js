@@ -130,12 +130,18 @@ class Page {
   // Draws the file as it arrives: the part received so far, refined by later parts.
   async openUrl(url, name, order) {
     const view = this.makeProgressive(name);
-    await streamMesh(url, name, async (mesh, share) => {
+    const count = (bytes, all) => {
+      view.arrived = {bytes, all};
+      this.report();
+    };
+    const show = async (mesh) => {
       await view.setMesh(mesh);
-      view.arrived = share;
       if (this.models.includes(view)) this.wake();
       else this.add(view, order);
-    });
+    };
+    await streamMesh(url, name, {show, count});
+    view.arrived = null;
+    this.report();
   }
 
   async openTiles(url, name, order) {

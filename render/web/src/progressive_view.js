@@ -2,13 +2,15 @@
 import * as THREE from 'three';
 import {Ladder} from './ladder.js';
 import {countingMaterial, morphMaterial} from './morph_material.js';
+import {symmetricLevels} from './octahedral_image.js';
+import {Problem} from './problem.js';
 import {turnedBox} from './turn.js';
 
 const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
 
 export class ProgressiveView {
   constructor(name, anisotropy) {
-    Object.assign(this, {name, anisotropy, place: 0, wanted: null, drawn: null, mesh: null, images: []});
+    Object.assign(this, {name, anisotropy, place: 0, wanted: null, drawn: null, mesh: null, images: [], outdated: []});
     this.share = {value: 1};
     this.node = new THREE.Group();
     this.frame = new THREE.Group();  // turned to z up or not
@@ -28,6 +30,11 @@ export class ProgressiveView {
   // A mesh, or more of the mesh than before, which then is drawn as before: the top of the ladder that was is a rung of
   // the one that is.
   async setMesh(mesh) {
+    if (this.mesh?.vertexCount === mesh.vertexCount) {  // images alone have come
+      this.mesh.textures = mesh.textures;
+      await this.makeMaterials();
+      return;
+    }
     const before = this.mesh && this.ladder_.rungs;
     this.ladder_ = new Ladder(mesh, before ?? []);
     this.mesh = mesh;
@@ -82,21 +89,29 @@ export class ProgressiveView {
       }
       materials.push(morphMaterial(parameters, this.share));
     }
-    this.object.material.forEach((m) => m.dispose());
+    for (const old of [...this.object.material, ...this.outdated.splice(0)]) old.dispose();
     this.object.material = materials;
   }
 
+  // Made once for the thumbnail, and once for the image.
   async texture(index, colorSpace) {
-    const source = this.mesh.textures[index];
+    const source = this.mesh.textures[index], before = this.images[index];
     if (!source?.bytes) return null;
-    if (!this.images[index]) {
-      const bitmap = await createImageBitmap(new Blob([source.bytes], {type: source.type}), {imageOrientation: 'none', colorSpaceConversion: 'none'});
-      const texture = new THREE.Texture(bitmap);
-      Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, wrapS: wraps[source.wrap[0]],
-                              wrapT: wraps[source.wrap[1]], needsUpdate: true});
-      this.images[index] = texture;
+    if (before?.bytes === source.bytes.length) return before.texture;
+    const bitmap = await this.decode(source, index), texture = this.mesh.octahedral && isOctahedral(bitmap) ? octahedralTexture(bitmap, colorSpace) : new THREE.Texture(bitmap);
+    Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, wrapS: wraps[source.wrap[0]],
+                            wrapT: wraps[source.wrap[1]], needsUpdate: true});
+    if (before) this.outdated.push(before.texture);
+    this.images[index] = {texture, bytes: source.bytes.length};
+    return texture;
+  }
+
+  async decode({bytes, type}, index) {
+    try {
+      return await createImageBitmap(new Blob([bytes], {type}), {imageOrientation: 'none', colorSpaceConversion: 'none'});
+    } catch {
+      throw new Problem(`${this.name}: image ${index + 1} cannot be decoded (${type}, ${bytes.length} bytes)`);
     }
-    return this.images[index];
   }
 
   turn() { this.frame.rotation.x = this.frame.rotation.x === 0 ? -Math.PI / 2 : 0; }
@@ -169,6 +184,18 @@ export class ProgressiveView {
     this.show(this.place + Math.sign(way) * Math.min(step, Math.abs(way)));
     return true;
   }
+}
+
+const isOctahedral = ({width, height}) => width === height && (width & (width - 1)) === 0;
+
+// Its levels are symmetric, so that both sides of the cut show the same at every distance.
+function octahedralTexture(bitmap, colorSpace) {
+  const canvas = new OffscreenCanvas(bitmap.width, bitmap.height), pen = canvas.getContext('2d');
+  pen.drawImage(bitmap, 0, 0);
+  const {data} = pen.getImageData(0, 0, bitmap.width, bitmap.height);
+  const mipmaps = symmetricLevels(data, bitmap.width, colorSpace === THREE.SRGBColorSpace);
+  const texture = new THREE.DataTexture(mipmaps[0].data, bitmap.width, bitmap.height);
+  return Object.assign(texture, {mipmaps, generateMipmaps: false, magFilter: THREE.LinearFilter, minFilter: THREE.LinearMipmapLinearFilter});
 }
 
 // Normals of the finest level, weighted by area, the same for all wedges of a vertex.

@@ -158,6 +158,35 @@ TEST(ImageCodec, PngKeepsEveryByte) {
   }
 }
 
+TEST(ImageCodec, WidePngKeepsEveryBit) {
+  std::mt19937 random(4);
+  for (const PixelSize size : {PixelSize{1, 1}, PixelSize{37, 19}}) {
+    WideImage image{size, {}};
+    for (std::uint32_t i = 0; i < 3 * size.width * size.height; ++i)
+      image.values.push_back(static_cast<std::uint16_t>(random()));
+    const std::vector<char> bytes = encode_wide_png(image);
+    EXPECT_EQ(decode_wide_png(bytes), image);
+    EXPECT_EQ(std::string_view(bytes.data(), bytes.size()).find("gAMA"), std::string_view::npos);
+    const PixelImage narrow = decode_image(bytes, "image/png");
+    ASSERT_EQ(narrow.size, size);
+    for (std::size_t i = 0; i < image.values.size(); ++i) EXPECT_NEAR(narrow.pixels[i], image.values[i] / 257.0, 0.501);
+  }
+}
+
+TEST(ImageCodec, WidePngRefusesDamageAndFewerBits) {
+  const WideImage image{{8, 8}, std::vector<std::uint16_t>(192, 1000)};
+  std::vector<char> bytes = encode_wide_png(image);
+  const auto refused = [](std::span<const char> png, const char* what) {
+    expect_error_of<InputError>([&] { return decode_wide_png(png); }, {what}, what);
+  };
+  for (const std::size_t size : {std::size_t{0}, std::size_t{20}, std::size_t{40}, bytes.size() - 30})
+    refused(std::span(bytes).first(size), "not a valid PNG");
+  for (const std::uint32_t channels : {1u, 3u, 4u})
+    refused(encode_image(noise(8, 8, channels), "image/png"), "16 bits");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
+  refused(bytes, "not a valid PNG");
+}
+
 TEST(ImageCodec, JpegKeepsWhatIsSeen) {
   for (const std::uint32_t channels : {1u, 3u}) {
     const PixelImage image = gradient(50, 41, channels);

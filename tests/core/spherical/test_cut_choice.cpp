@@ -36,9 +36,9 @@ double cut_length(const std::vector<Vec3d>& positions, const std::vector<Triangl
 }
 
 TEST(CutChoice, ASphereIsCutAlongFourQuarterCircles) {
-  const test::SphereMesh sphere = test::octahedron_on_sphere(4);
+  const test::SphereMesh sphere = test::octahedron_on_sphere(5);
   const CutMeasure measure(sphere.directions, sphere.triangles, sphere.directions);
-  const CutChoice choice = choose_cut(measure);
+  const CutChoice choice = measure.choose();
   for (const CutCost& cost : {choice.before, choice.cost}) {
     EXPECT_NEAR(cost.length, 2 * 3.14159, 0.03);
     EXPECT_GT(cost.exposure, 0.98);
@@ -69,13 +69,28 @@ TEST(CutChoice, LongPartsAreNotCutAlong) {
     positions.push_back((1 + 100 * near * near) * d);
   }
   const CutMeasure measure(positions, sphere.triangles, sphere.directions);
-  const CutChoice choice = choose_cut(measure);
+  const CutChoice choice = measure.choose();
   EXPECT_GT(choice.before.length, 15);
   EXPECT_LT(choice.cost.length, 7);
   EXPECT_NEAR(choice.rotation.determinant(), 1, 1e-12);
   test::Numbers number(3);
   for (int k = 0; k < 300; ++k) EXPECT_LT(choice.cost.cost, measure.measure(number.rotation()).cost * 1.0001);
-  EXPECT_EQ(choose_cut(measure).rotation, choice.rotation);
+  EXPECT_EQ(measure.choose().rotation, choice.rotation);
+}
+
+// Few triangles have few samples, and few trials; the cut is a good one nevertheless.
+TEST(CutChoice, SmallMeshesAreCutWhereItIsShort) {
+  for (const int level : {0, 1, 2, 3}) {
+    const test::SphereMesh sphere = test::octahedron_on_sphere(level);
+    std::vector<Vec3d> positions;
+    for (const Vec3d d : sphere.directions) positions.push_back({d.x, d.y, 4 * d.z});
+    const CutMeasure measure(positions, sphere.triangles, sphere.directions);
+    const CutChoice choice = measure.choose();
+    EXPECT_LE(choice.cost.cost, choice.before.cost);
+    const double length = cut_length(positions, sphere.triangles, rotated(sphere.directions, choice.rotation));
+    EXPECT_NEAR(choice.cost.length, length, 0.2 * length) << level;
+    EXPECT_LT(length, 1.02 * cut_length(positions, sphere.triangles, sphere.directions)) << level;
+  }
 }
 
 // A dent as wide as a third of the sphere, so deep that its ground sees little of the sky.
@@ -107,7 +122,7 @@ TEST(CutChoice, RealModelsAreCutShorterThanByChance) {
   SphereMapReport report;
   const std::vector<Vec3d> directions = map_to_sphere(surface.positions, surface.triangles, {}, *scheduler, report);
   const CutMeasure measure(surface.positions, surface.triangles, directions);
-  const CutChoice choice = choose_cut(measure);
+  const CutChoice choice = measure.choose();
   const double length = cut_length(surface.positions, surface.triangles, rotated(directions, choice.rotation));
   double mean = 0;
   test::Numbers number(5);

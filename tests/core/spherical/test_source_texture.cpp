@@ -148,5 +148,26 @@ TEST(SourceTexture, FootprintsAreAveraged) {
     }
 }
 
+TEST(SourceTexture, TapsOfManyFootprintsGiveTheSameValues) {
+  const SourceTexture texture = half_covered(24), other = half_covered(32);
+  EXPECT_TRUE(texture.has_taps_of(half_covered(24)));
+  EXPECT_FALSE(texture.has_taps_of(other));
+  test::Numbers number(8);
+  TapList taps;
+  std::vector<Footprint> footprints;
+  std::vector<std::size_t> ends{0};
+  for (int k = 0; k < 500; ++k) {
+    const auto coordinate = [&](double scale) { return static_cast<float>(scale * (number() - 0.5)); };
+    const double side = k % 3 == 0 ? 0.01 : 2;
+    footprints.push_back({{coordinate(4), coordinate(4)}, {coordinate(side), coordinate(side)}, {coordinate(side), 0}});
+    texture.add_taps(footprints.back(), taps);
+    ends.push_back(taps.count);
+  }
+  for (std::size_t k = 0; k < footprints.size(); ++k) {
+    const Float4 value = texture.value(taps.between(ends[k], ends[k + 1])), expected = texture.filtered(footprints[k]);
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(value[c], expected[c]);
+  }
+}
+
 }  // namespace
 }  // namespace lodestone::spherical

@@ -7,10 +7,13 @@
 #include "core/base/error.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/level.h"
+#include "core/spatial/mesh_distance.h"
 #include "core/spherical/octahedron/octahedral_map.h"
+#include "core/spherical/resample/geometry_image.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/spherical/make_spherical.h"
 #include "tests/core/spherical/painted_sphere.h"
+#include "tests/expect_error.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::test {
@@ -104,6 +107,52 @@ TEST(MakeSpherical, LeavesOutWhatClosedTheSurface) {
   }
 }
 
+// The images of positions that a file has, back from its bytes, are meshes near the input.
+TEST(MakeSpherical, GivesGeometryImages) {
+  const PaintedSphere painted = painted_sphere(5);
+  SphericalConfig config = small_images();
+  config.maps = spherical_maps("geometry");
+  const Made made = make(painted.mesh, config);
+  ASSERT_EQ(made.mesh.geometry_images.size(), 1u);
+  EXPECT_TRUE(made.mesh.object_normals.empty());
+  EXPECT_EQ(made.mesh.wedges.materials[0].texture, no_texture);
+  const std::vector<std::byte> bytes = encode_progressive_glb(made.mesh, false);
+  ByteReader input({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "test");
+  const ProgressiveMesh back = read_progressive_glb(input);
+  ASSERT_EQ(back.geometry_images, made.mesh.geometry_images);
+  const auto& [texture, origin, step] = back.geometry_images[0];
+  const WideImage image = decode_wide_png(back.wedges.textures[texture].bytes);
+  EXPECT_EQ(image.size, (PixelSize{33, 33}));
+  EXPECT_EQ(made.report.geometry_samples, 33u * 33u);
+  EXPECT_EQ(made.report.geometry_bytes, back.wedges.textures[texture].bytes.size());
+  RawMesh source;
+  for (const Vec3f p : painted.mesh.positions) source.positions.push_back(painted.mesh.transform.to_model(p));
+  source.triangles = painted.mesh.triangles;
+  const MeshDistance distance =
+      compare_meshes(source, spherical::remesh(spherical::geometry_of({image, origin, step})));
+  EXPECT_LT(distance.forward.rms, 0.01 * distance.diagonal);
+  EXPECT_NEAR(distance.forward.max / distance.diagonal, made.report.geometry_max, 1e-3);
+  EXPECT_NEAR(distance.forward.rms / distance.diagonal, made.report.geometry_rms, 1e-3);
+}
+
+TEST(MakeSpherical, KnowsItsMapsByName) {
+  const SphericalMaps some = spherical_maps("geometry,colour");
+  EXPECT_TRUE(some.colour && some.geometry && !some.normal);
+  EXPECT_EQ(to_string(some), "colour,geometry");
+  for (const char* names : {"", "colour,", "Colour", "normal colour"})
+    expect_error_of<InputError>([&] { (void)spherical_maps(names); }, {"unknown map", "colour,normal,geometry"});
+}
+
+// PNG holds normals with 16 bits, lossy formats with 8.
+TEST(MakeSpherical, KeepsNormalsFinerInPng) {
+  const IndexedMesh sphere = sphere_mesh(6);
+  SphericalConfig config = small_images();
+  config.texture = 512;
+  const double fine = make(sphere, config).report.normal_psnr;
+  config.media_type = "image/webp", config.quality = 100;
+  EXPECT_GT(fine, make(sphere, config).report.normal_psnr + 3);
+}
+
 // A large and a small sphere.
 IndexedMesh two_spheres() {
   const IndexedMesh one = sphere_mesh(4);
@@ -126,6 +175,55 @@ TEST(MakeSpherical, GivesEachComponentImagesByItsSize) {
     sides.push_back(image_size(made.mesh.wedges.textures[m.texture].bytes, "image/png").width);
   EXPECT_EQ(sides, (std::vector<std::uint32_t>{128, 32}));
   EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 2u);
+}
+
+TEST(MakeSpherical, LeavesOutTheSmallestComponents) {
+  SphericalConfig config = small_images();
+  config.components = 1;
+  const Made one = make(two_spheres(), config);
+  EXPECT_EQ(one.report.topology.components, 2u);
+  EXPECT_EQ(one.report.left_out, 1u);
+  EXPECT_EQ(one.mesh.wedges.materials.size(), 1u);
+  EXPECT_EQ(kind_by_position(one.mesh, one.mesh.triangles).components, 1u);
+  config.components = 2;
+  const Made two = make(two_spheres(), config);
+  EXPECT_EQ(two.report.left_out, 0u);
+  EXPECT_NEAR(area_of(one.mesh.positions, one.mesh.triangles, one.mesh.transform) * 1.04,
+              area_of(two.mesh.positions, two.mesh.triangles, two.mesh.transform), 1e-3);
+}
+
+// A large sphere with many small ones around it, of several sizes.
+IndexedMesh sphere_with_crumbs() {
+  RawMesh raw;
+  const auto add = [&](const IndexedMesh& sphere, double scale, Vec3d shift) {
+    const auto first = static_cast<std::uint32_t>(raw.positions.size());
+    for (const Vec3f p : sphere.positions) raw.positions.push_back(scale * to_double(p) + shift);
+    for (const Triangle& t : sphere.triangles)
+      raw.triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
+  };
+  add(sphere_mesh(4), 1, {});
+  for (int k = 0; k < 20; ++k) add(sphere_mesh(k % 3), k % 2 == 0 ? 0.01 : 0.04, {2, 0.1 * k, 0});
+  Repairs repairs;
+  return prepare_mesh(std::move(raw), repairs, *make_serial_scheduler());
+}
+
+TEST(MakeSpherical, SmallComponentsShareTheirImages) {
+  const IndexedMesh mesh = sphere_with_crumbs();
+  const Made made = make(mesh, small_images());
+  EXPECT_EQ(made.report.topology.components, 21u);
+  ASSERT_EQ(made.mesh.wedges.materials.size(), 2u);
+  EXPECT_EQ(made.mesh.object_normals.size(), 2u);
+  EXPECT_EQ(made.report.map.sums.flips, 0u);
+  EXPECT_GT(made.report.normal_psnr, 35);
+  expect_square(made.mesh);
+  EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 21u);
+  EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).open_edges, 0u);
+  const std::vector<std::byte> bytes = encode_progressive_glb(made.mesh, false);
+  for (const int threads : {2, 3})
+    EXPECT_EQ(encode_progressive_glb(make(mesh, small_images(), threads).mesh, false), bytes);
+  SphericalConfig config = small_images();  // a geometry image is that of one component
+  config.maps.geometry = true;
+  EXPECT_EQ(make(mesh, config).mesh.wedges.materials.size(), 21u);
 }
 
 // Triangles that face the other way are turned; two spheres that touch along an edge are cut apart there, and further

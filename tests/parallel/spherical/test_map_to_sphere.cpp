@@ -11,7 +11,7 @@
 #include "core/spherical/parameterize/orientation.h"
 #include "parallel/mesh/load.h"
 #include "parallel/spherical/map_to_sphere.h"
-#include "tests/parallel/sphere_meshes.h"
+#include "tests/parallel/spherical/sphere_meshes.h"
 #include "tests/test_data.h"
 
 namespace lodestone {

@@ -1,0 +1,25 @@
+// Octahedral images as files hold them: PNG, JPEG or WebP; normals in PNG with 16 bits per component.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/texture/downsample.h"
+
+namespace lodestone::spherical {
+
+// As encode_image() and decode_image(). Colours that are opaque everywhere lose their alpha; what comes back is
+// symmetric again (octahedral_image.h).
+[[nodiscard]] std::vector<char> encode_octahedral(const LinearImage& image, PixelMeaning meaning,
+                                                  const std::string& media_type, int quality);
+[[nodiscard]] LinearImage decode_octahedral(std::span<const char> bytes, PixelMeaning meaning,
+                                            const std::string& media_type);
+
+// Normals of 3 channels, components from -1 to 1. 0 is at 32767.5: neither code for it exists, as in every format of
+// unsigned normals.
+[[nodiscard]] WideImage wide_normals(const LinearImage& normals);
+// The inverse, of unit length.
+[[nodiscard]] LinearImage normals_of(const WideImage& image);
+
+}  // namespace lodestone::spherical
