@@ -193,6 +193,8 @@ std::vector<char> encode_webp(const PixelImage& image, int quality) {
   config.lossless = quality == 100 ? 1 : 0;
   config.exact = 1;  // also colours where alpha is zero: filters read them
   config.use_sharp_yuv = 1;
+  // A grey image holds measures: the least error, rather than an error that eyes forgive.
+  if (!grey.empty()) config.sns_strength = 0, config.filter_strength = 20;
   picture.use_argb = 1;
   picture.width = static_cast<int>(image.size.width);
   picture.height = static_cast<int>(image.size.height);

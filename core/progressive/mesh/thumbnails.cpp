@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/texture/downsample.h"
+#include "core/texture/stacked_normals.h"
 
 namespace lodestone {
 namespace {
@@ -28,7 +29,8 @@ std::vector<std::optional<PixelMeaning>> meanings_of(const ProgressiveMesh& mesh
 bool is_small(PixelSize size) { return std::max(size.width, size.height) <= thumbnail_side; }
 
 Texture thumbnail_of(const Texture& texture, PixelMeaning meaning) {
-  const PixelImage image = decode_image(texture.bytes, texture.media_type);
+  PixelImage image = decode_image(texture.bytes, texture.media_type);
+  if (meaning == PixelMeaning::normals && is_stacked(image)) image = unstacked(image);
   if (is_small(image.size)) return texture;
   LinearImage half = halve(image, meaning);
   while (!is_small(half.size)) half = halve(half);

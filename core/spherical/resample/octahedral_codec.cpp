@@ -4,6 +4,7 @@
 
 #include "core/math/vec3.h"
 #include "core/spherical/octahedron/octahedral_image.h"
+#include "core/texture/stacked_normals.h"
 
 namespace lodestone::spherical {
 namespace {
@@ -34,6 +35,8 @@ void drop_alpha(PixelImage& image) {
   image.channels = 3;
 }
 
+constexpr std::uint32_t webp_side = 16383;  // at most
+
 }  // namespace
 
 WideImage wide_normals(const LinearImage& normals) {
@@ -61,12 +64,15 @@ std::vector<char> encode_octahedral(const LinearImage& image, PixelMeaning meani
   if (has_wide_codes(meaning, media_type)) return encode_wide_png(wide_normals(image));
   PixelImage pixels = to_pixels(image, meaning);
   if (meaning == PixelMeaning::colours && is_opaque(pixels)) drop_alpha(pixels);
-  return encode_image(pixels, media_type, quality);
+  const bool stack = meaning == PixelMeaning::normals && media_type == "image/webp" && quality < 100 &&
+                     3 * pixels.size.height <= webp_side;
+  return encode_image(stack ? stacked(pixels) : pixels, media_type, quality);
 }
 
 LinearImage decode_octahedral(std::span<const char> bytes, PixelMeaning meaning, const std::string& media_type) {
   if (has_wide_codes(meaning, media_type)) return normals_of(decode_wide_png(bytes));
   PixelImage pixels = decode_image(bytes, media_type);
+  if (meaning == PixelMeaning::normals && is_stacked(pixels)) pixels = unstacked(pixels);
   copy_border(std::span(pixels.pixels), pixels.size.width, pixels.channels);
   return to_linear(pixels, meaning);
 }

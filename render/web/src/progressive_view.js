@@ -4,6 +4,7 @@ import {Ladder} from './ladder.js';
 import {countingMaterial, morphMaterial} from './morph_material.js';
 import {symmetricLevels} from './octahedral_image.js';
 import {Problem} from './problem.js';
+import {unstacked} from './stacked_normals.js';
 import {turnedBox} from './turn.js';
 
 const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
@@ -82,7 +83,7 @@ export class ProgressiveView {
       parameters.color = new THREE.Color(...m.colour.slice(0, 3));
       if (mesh.uv && m.texture != null) parameters.map = await this.texture(m.texture, THREE.SRGBColorSpace);
       if (mesh.uv && m.objectNormals != null) {  // right at every level, as the normals of vertices are not
-        parameters.normalMap = await this.texture(m.objectNormals, THREE.NoColorSpace);
+        parameters.normalMap = await this.texture(m.objectNormals, THREE.NoColorSpace, unstacked);
         parameters.normalMapType = THREE.ObjectSpaceNormalMap;
       } else if (mesh.uv && m.normalMap != null) {
         parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace);
@@ -94,11 +95,11 @@ export class ProgressiveView {
   }
 
   // Made once for the thumbnail, and once for the image.
-  async texture(index, colorSpace) {
+  async texture(index, colorSpace, prepare = (image) => image) {
     const source = this.mesh.textures[index], before = this.images[index];
     if (!source?.bytes) return null;
     if (before?.bytes === source.bytes.length) return before.texture;
-    const bitmap = await this.decode(source, index), texture = this.mesh.octahedral && isOctahedral(bitmap) ? octahedralTexture(bitmap, colorSpace) : new THREE.Texture(bitmap);
+    const bitmap = prepare(await this.decode(source, index)), texture = this.mesh.octahedral && isOctahedral(bitmap) ? octahedralTexture(bitmap, colorSpace) : new THREE.Texture(bitmap);
     Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, wrapS: wraps[source.wrap[0]],
                             wrapT: wraps[source.wrap[1]], needsUpdate: true});
     if (before) this.outdated.push(before.texture);

@@ -177,6 +177,21 @@ TEST(MakeSpherical, GivesEachComponentImagesByItsSize) {
   EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 2u);
 }
 
+// Colour is stored at half the resolution, which would blur normals.
+TEST(MakeSpherical, StacksNormalsInWebp) {
+  const PaintedSphere painted = painted_sphere(6);
+  SphericalConfig config = small_images();
+  config.media_type = "image/webp";
+  const auto size_at = [&](int quality) {
+    config.quality = quality;
+    const Made made = make(painted.mesh, config);
+    EXPECT_GT(made.report.normal_psnr, 37) << quality;
+    return image_size(made.mesh.wedges.textures[made.mesh.object_normals[0]].bytes, config.media_type);
+  };
+  EXPECT_EQ(size_at(90), (PixelSize{128, 384}));
+  EXPECT_EQ(size_at(100), (PixelSize{128, 128}));  // nothing is halved without loss
+}
+
 TEST(MakeSpherical, LeavesOutTheSmallestComponents) {
   SphericalConfig config = small_images();
   config.components = 1;

@@ -1,0 +1,16 @@
+// Normals as three square grey images below one another: x, y and z. WebP halves the resolution of colour, and a normal
+// is no colour.
+#pragma once
+
+#include "core/texture/image_codec.h"
+
+namespace lodestone {
+
+// Of a square image of 3 channels.
+[[nodiscard]] PixelImage stacked(const PixelImage& image);
+// True for three times the width as height, and no colour.
+[[nodiscard]] bool is_stacked(const PixelImage& image);
+// The inverse of stacked(); the image may have got equal channels on the way.
+[[nodiscard]] PixelImage unstacked(const PixelImage& planes);
+
+}  // namespace lodestone
