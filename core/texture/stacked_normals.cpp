@@ -1,5 +1,7 @@
 #include "core/texture/stacked_normals.h"
 
+#include <cstdlib>
+
 namespace lodestone {
 
 PixelImage stacked(const PixelImage& image) {
@@ -11,9 +13,11 @@ PixelImage stacked(const PixelImage& image) {
 }
 
 bool is_stacked(const PixelImage& image) {
+  constexpr int rounding = 8;  // of the way through WebP's colours
   if (image.size.height != 3 * image.size.width) return false;
   for (std::size_t i = 0; image.channels >= 3 && i < image.pixels.size(); i += image.channels)
-    if (image.pixels[i] != image.pixels[i + 1] || image.pixels[i] != image.pixels[i + 2]) return false;
+    for (const std::size_t k : {std::size_t{1}, std::size_t{2}})
+      if (std::abs(int{image.pixels[i]} - int{image.pixels[i + k]}) > rounding) return false;
   return true;
 }
 

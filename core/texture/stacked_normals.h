@@ -8,7 +8,7 @@ namespace lodestone {
 
 // Of a square image of 3 channels.
 [[nodiscard]] PixelImage stacked(const PixelImage& image);
-// True for three times the width as height, and no colour.
+// True if the image is three times as high as wide, and without colour.
 [[nodiscard]] bool is_stacked(const PixelImage& image);
 // The inverse of stacked(); the image may have got equal channels on the way.
 [[nodiscard]] PixelImage unstacked(const PixelImage& planes);
