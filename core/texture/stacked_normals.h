@@ -1,12 +1,12 @@
-// Normals as three square grey images below one another: x, y and z. WebP halves the resolution of colour, and a normal
-// is no colour.
+// Normals as three square grey images below one another: x, y and z. WebP halves the resolution of colours, which would
+// blur them.
 #pragma once
 
 #include "core/texture/image_codec.h"
 
 namespace lodestone {
 
-// Of a square image of 3 channels.
+// The image is square and has 3 channels.
 [[nodiscard]] PixelImage stacked(const PixelImage& image);
 // True if the image is three times as high as wide, and without colour.
 [[nodiscard]] bool is_stacked(const PixelImage& image);
