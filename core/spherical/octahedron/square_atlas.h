@@ -42,7 +42,7 @@ void fill_rest(const SquareAtlas& squares, LinearImage& atlas);
 // The image of a square, without its margin.
 [[nodiscard]] LinearImage cut_out(const LinearImage& atlas, const AtlasSquare& square);
 
-// Where a component's points of the octahedral square are in its texture.
+// The place of a component's octahedral square in its texture.
 struct ImagePlace {
   std::uint32_t material = 0;
   SquarePoint origin;
