@@ -66,7 +66,8 @@ std::vector<char> encode_octahedral(const LinearImage& image, PixelMeaning meani
   if (meaning == PixelMeaning::colours && is_opaque(pixels)) drop_alpha(pixels);
   const bool stack = meaning == PixelMeaning::normals && media_type == "image/webp" && quality < 100 &&
                      3 * pixels.size.height <= webp_side;
-  return encode_image(stack ? stacked(pixels) : pixels, media_type, quality);
+  if (stack) return encode_image(stacked(pixels), media_type, std::max(2 * quality / 3, 1));
+  return encode_image(pixels, media_type, quality);
 }
 
 LinearImage decode_octahedral(std::span<const char> bytes, PixelMeaning meaning, const std::string& media_type) {

@@ -10,8 +10,8 @@
 namespace lodestone::spherical {
 
 // As encode_image() and decode_image(). Colours that are opaque everywhere lose their alpha; normals in WebP with loss
-// of up to 5461 pixels a side are three grey images below one another: x, y and z. What comes back is symmetric again
-// (octahedral_image.h).
+// of up to 5461 pixels a side are three grey images below one another, x, y and z, coded with two thirds of the quality:
+// 90 gives them some 40 dB, as colours have. What comes back is symmetric again (octahedral_image.h).
 [[nodiscard]] std::vector<char> encode_octahedral(const LinearImage& image, PixelMeaning meaning,
                                                   const std::string& media_type, int quality);
 [[nodiscard]] LinearImage decode_octahedral(std::span<const char> bytes, PixelMeaning meaning,
