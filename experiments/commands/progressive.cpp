@@ -15,6 +15,7 @@ struct ProgressiveOptions {
   InputOptions reading;
   std::uint64_t triangles = 0, base_triangles = 0;
   std::uint32_t position_bits = LpmConfig{}.position_bits, uv_bits = LpmConfig{}.uv_bits;
+  int texture_quality = 0;
   bool no_attributes = false, no_normals = false, compress = false;
   std::uint32_t check_levels = 0;
 };
@@ -32,6 +33,7 @@ ProgressiveJob job_of(const ProgressiveOptions& options) {
   job.file.lpm.position_bits = options.position_bits;
   job.file.lpm.uv_bits = options.uv_bits;
   job.file.compress_glb = options.compress;
+  job.texture_quality = options.texture_quality;
   job.check_levels = options.check_levels;
   return job;
 }
@@ -96,6 +98,9 @@ OptionTable declare(ProgressiveOptions& o) {
        OptionSpec{"--position-bits", &o.position_bits, ".lpm: 2 to this power steps over the model"}.between(4, 20),
        OptionSpec{"--uv-bits", &o.uv_bits, ".lpm: the same over the texture coordinates"}.between(4, 20),
        {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"},
+       OptionSpec{"--texture-quality", &o.texture_quality,
+                  "Encode textures as WebP of this quality where that is smaller; not given: they stay as they are"}
+           .between(1, 100),
        {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
        {"--no-normals", &o.no_normals,
         "Leave out its normals, which make every edge a seam where faces are shaded flat"},

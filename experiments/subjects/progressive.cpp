@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/progressive/mesh/level.h"
+#include "core/texture/recompress.h"
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/metrics/cracks/progressive_cracks.h"
 #include "parallel/clean/prepare.h"
@@ -68,6 +69,13 @@ ProgressiveResult run(const ProgressiveJob& job, Scheduler& scheduler) {
   const CpuClock clock;
   result.mesh = make_progressive(std::move(mesh), job.config, scheduler, result.report);
   result.time = clock.elapsed();
+  if (job.texture_quality > 0) {
+    job.on_phase("encoding textures");
+    std::vector<Texture>& textures = result.mesh.wedges.textures;
+    scheduler.for_chunks(textures.size(), 1, [&](ChunkRange range) {
+      textures[range.begin] = recompressed(textures[range.begin], job.texture_quality);
+    });
+  }
   job.on_phase("writing");
   result.size = save_progressive(result.mesh, job.output, job.file);
   if (job.check_levels > 0) result.residual_edges = residual_edges_of_levels(result.mesh, job.check_levels);

@@ -22,6 +22,7 @@ struct ProgressiveJob {
   bool normals = true;  // of the input; they make every edge a seam where faces are shaded flat
   ProgressiveConfig config;
   ProgressiveFileConfig file;
+  int texture_quality = 0;  // from 1 to 100: textures become WebP where that is smaller; 0: they stay as they are
   std::uint32_t check_levels = 0;  // number of levels whose cracks are counted
   // Called with what begins; may throw.
   std::function<void(const std::string& phase)> on_phase = [](const std::string&) {};

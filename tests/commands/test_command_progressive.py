@@ -89,6 +89,16 @@ class Progressive(CommandCase):
         self.lodestone("lod", "packed.glb", "--triangles", 3000, "-o", "level.glb")
         self.assertEqual(self.validate(self.folder, known="MESH_PRIMITIVE_GENERATED_TANGENT_SPACE"), 3)
 
+    def test_textures_of_a_quality(self):
+        if not HERMES.exists():
+            self.skipTest("no models: run scripts/data")
+        plain = self.results("progressive", HERMES, "-o", "plain.glb")
+        small = self.results("progressive", HERMES, "-o", "small.glb", "--texture-quality", 80)
+        images = [result["file_bytes"] - result["geometry_bytes"] for result in (plain, small)]
+        self.assertLess(3 * images[1], images[0])
+        self.assertEqual(small["finest_vertices"], plain["finest_vertices"])
+        self.assertEqual(self.validate(self.folder, known="MESH_PRIMITIVE_GENERATED_TANGENT_SPACE"), 2)
+
     def test_the_bunny_is_as_near_as_was_asked(self):
         if not BUNNY.exists():
             self.skipTest("no models: run scripts/data")
@@ -139,6 +149,7 @@ class Refusals(CommandCase):
         self.refused("progressive", sphere(), "-o", "out.lpm", "--metric", "parametric", names=["texture coordinates"])
         self.refused("progressive", sphere(), "-o", "out.lpm", "--position-bits", 30, names=["--position-bits"])
         self.refused("progressive", sphere(), "-o", "out.lpm", "--base", -1, names=["--base"])
+        self.refused("progressive", sphere(), "-o", "out.lpm", "--texture-quality", 101, names=["--texture-quality"])
         self.refused("progressive", "none.ply", "-o", "out.lpm", names=["none.ply"])
         self.refused("progressive", sphere(), names=["--output"])
         self.refused("progressive", sphere(), "-o", "nowhere/out.lpm", names=["nowhere"])

@@ -41,7 +41,7 @@ export function seeAll(camera, models) {
   return middle;
 }
 
-const kilobytes = (bytes, all) => [bytes, all].filter((n) => n > 0).map((n) => Math.ceil(n / 1000).toLocaleString('en')).join(' of ');
+const kilobytes = (bytes, all) => [bytes, all].filter((n) => n > 0).map((n) => Math.ceil(n / 1000).toLocaleString('en')).join('/');
 
 // A label below each model: its name, triangles and how much of it is there. A click turns the model upright.
 export class Labels {

@@ -10,6 +10,7 @@
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/texture/downsample.h"
+#include "core/texture/recompress.h"
 #include "tests/expect_error.h"
 
 namespace lodestone {
@@ -356,6 +357,34 @@ TEST(LodeAssets, CopiesComeBackInOrderOrNotAtAll) {
   EXPECT_EQ(broken([](Copies& c) { c[0].halvings = 0; }), wrong);
   EXPECT_EQ(broken([](Copies& c) { c[2].width = 0; }), wrong);
   EXPECT_EQ(broken([](Copies& c) { std::swap(c[0], c[2]); }), wrong);
+}
+
+TEST(Recompressed, IsASmallerWebpOfTheSameSizeOrTheTextureItself) {
+  PixelImage picture = gradient(90, 70, 4);
+  const PixelImage grain = noise(90, 70, 4);
+  for (std::size_t k = 0; k < grain.pixels.size(); ++k)
+    picture.pixels[k] = static_cast<std::uint8_t>(picture.pixels[k] / 2 + grain.pixels[k] % 8);
+  const Texture png{.name = "a",
+                    .media_type = "image/png",
+                    .wrap_u = TextureWrap::mirror,
+                    .bytes = encode_image(picture, "image/png")};
+  const Texture webp = recompressed(png, 80);
+  EXPECT_EQ(webp.media_type, "image/webp");
+  EXPECT_EQ(webp.name, png.name);
+  EXPECT_EQ(webp.wrap_u, png.wrap_u);
+  EXPECT_LT(webp.bytes.size(), png.bytes.size());
+  const PixelImage image = decode_image(webp.bytes, "image/webp"), before = decode_image(png.bytes, "image/png");
+  EXPECT_EQ(image.size, before.size);
+  double sum = 0;
+  for (std::size_t k = 0; k < image.pixels.size() / image.channels; ++k)
+    for (std::size_t c = 0; c < 3; ++c)
+      sum += std::abs(double{image.pixels[k * image.channels + c]} - before.pixels[k * before.channels + c]);
+  EXPECT_LT(sum, 4.0 * 3 * 90 * 70);
+  EXPECT_EQ(recompressed(webp, 100), webp);  // without loss is not smaller
+  const Texture foreign{.name = "b", .media_type = "image/ktx2", .bytes = {'k', 't', 'x'}};
+  EXPECT_EQ(recompressed(foreign, 50), foreign);
+  const Texture damaged{.name = "c", .media_type = "image/png", .bytes = {'p', 'n', 'g'}};
+  EXPECT_EQ(recompressed(damaged, 50), damaged);
 }
 
 }  // namespace
