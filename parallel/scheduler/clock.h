@@ -10,6 +10,11 @@ namespace lodestone {
 struct StageTime {
   double seconds = 0;      // wall
   double cpu_seconds = 0;  // user + system, all threads of the process
+
+  StageTime& operator+=(const StageTime& more) {
+    seconds += more.seconds, cpu_seconds += more.cpu_seconds;
+    return *this;
+  }
 };
 
 // Wall time since construction or the last lap.

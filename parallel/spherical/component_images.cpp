@@ -1,0 +1,241 @@
+#include "parallel/spherical/component_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "core/math/box3.h"
+#include "core/spherical/octahedron/octahedral_image.h"
+#include "core/spherical/resample/geometry_image.h"
+#include "core/spherical/resample/image_error.h"
+#include "core/spherical/resample/mesh_source.h"
+#include "core/spherical/resample/octahedral_codec.h"
+#include "core/spherical/resample/resampler.h"
+#include "parallel/mesh/compare.h"
+
+namespace lodestone {
+namespace {
+
+using namespace spherical;
+
+constexpr double least_share = 1.0 / 256;  // of the area, for images of its own
+
+class ImageMaker {
+ public:
+  ImageMaker(const MappedComponents& components, const SphericalConfig& config, Scheduler& scheduler,
+             SphericalReport& report)
+      : mesh_(components.mesh),
+        surfaces_(components.surfaces),
+        directions_(components.directions),
+        shares_(components.shares),
+        config_(config),
+        scheduler_(scheduler),
+        report_(report) {}
+
+  ComponentImages make() {
+    const CpuClock clock;
+    source_ = std::make_shared<MeshSource>(mesh_);
+    in_chunks(source_->texture_count(), 1, [&](ChunkRange range) { source_->load(range.begin); });
+    report_.resampling += clock.elapsed();
+    const std::vector<std::size_t> small = small_components();
+    for (std::size_t k = 0, next = 0; k < surfaces_.size(); ++k) {
+      if (next < small.size() && small[next] == k && ++next > 0) continue;
+      // Images of several components are told apart by their numbers.
+      std::string name;
+      if (surfaces_.size() > 1) name.append(" ").append(std::to_string(k + 1));
+      out_.places[k].material = static_cast<std::uint32_t>(out_.materials.size());
+      out_.materials.push_back({.name = "octahedral" + name});
+      if (config_.maps.colour || config_.maps.normal) add_component(k, name);
+      if (config_.maps.geometry) add_geometry(k, name);
+    }
+    if (!small.empty()) add_atlas(small);
+    source_.reset();
+    report_.geometry_rms = std::sqrt(report_.geometry_rms);
+    return std::move(out_);
+  }
+
+ private:
+  template <class Body>
+  void in_chunks(std::size_t count, std::size_t grain, const Body& body) {
+    scheduler_.for_chunks(count, grain, [&](ChunkRange range) { body(range); });
+  }
+
+  // Those that share their images. A geometry image is that of one component.
+  std::vector<std::size_t> small_components() {
+    out_.places.resize(surfaces_.size());
+    std::vector<std::size_t> small;
+    for (std::size_t k = 0; k < surfaces_.size() && !config_.maps.geometry; ++k)
+      if (share(k) < least_share) small.push_back(k);
+    if (small.size() < 2) small.clear();
+    return small;
+  }
+
+  void add_atlas(const std::vector<std::size_t>& small) {
+    CpuClock clock;
+    std::vector<std::uint32_t> sides;
+    for (const std::size_t k : small) sides.push_back(texture_of(k));
+    const SquareAtlas atlas = pack_squares(std::move(sides), config_.texture);
+    LinearImage colour = blank_image(atlas, 4), normal = blank_image(atlas, config_.maps.normal ? 3 : 0);
+    in_chunks(small.size(), 1, [&](ChunkRange range) {
+      const std::size_t k = small[range.begin];
+      const AtlasSquare& square = atlas.squares[range.begin];
+      const SurfaceSource source(source_, surfaces_[k], directions_[k]);
+      const ResampledImages images =
+          resample(surfaces_[k], directions_[k], source, {.size = square.image(), .normals = config_.maps.normal});
+      paste(images.colour, square, colour);
+      if (config_.maps.normal) paste(images.normal, square, normal);
+      out_.places[k] = place_in(atlas, range.begin, static_cast<std::uint32_t>(out_.materials.size()));
+    });
+    fill_rest(atlas, colour), fill_rest(atlas, normal);
+    report_.resampling += clock.elapsed();
+    clock = {};
+    out_.materials.push_back({.name = "octahedral atlas"});
+    std::uint32_t number = no_texture;
+    if (config_.maps.colour)
+      colour = add_image(colour, PixelMeaning::colours, "colour atlas", out_.materials.back().texture);
+    if (config_.maps.normal) normal = add_image(normal, PixelMeaning::normals, "normals atlas", number);
+    out_.object_normals.push_back(number);
+    report_.encoding += clock.elapsed();
+    measure_atlas(small, atlas, colour, normal);
+  }
+
+  void measure_atlas(const std::vector<std::size_t>& small, const SquareAtlas& atlas, const LinearImage& colour,
+                     const LinearImage& normal) {
+    std::vector<ImageError> errors(small.size());
+    in_chunks(small.size(), 1, [&](ChunkRange range) {
+      const std::size_t k = small[range.begin];
+      const SurfaceSource source(source_, surfaces_[k], directions_[k]);
+      const ImageErrorMeter meter(surfaces_[k], directions_[k], source, error_points(k));
+      const auto own = [&](const LinearImage& image) {
+        return image.values.empty() ? LinearImage{} : cut_out(image, atlas.squares[range.begin]);
+      };
+      errors[range.begin] = measure_images(meter, own(colour), own(normal));
+    });
+    for (std::size_t i = 0; i < small.size(); ++i) add_error(small[i], errors[i]);
+  }
+
+  // The result of a Resampler or a GeometrySampler.
+  template <class Sampler>
+  auto draw(std::size_t k, Sampler sampler) {
+    SphereRaster& raster = sampler.raster();
+    in_chunks(directions_[k].size(), 4096, [&](ChunkRange range) { raster.place(range.begin, range.end); });
+    in_chunks(surfaces_[k].triangles.size(), 4096, [&](ChunkRange range) { raster.bound(range.begin, range.end); });
+    raster.sort();
+    std::vector<SampleTile> rooms(static_cast<std::size_t>(scheduler_.workers()));
+    in_chunks(raster.tile_count(), 1, [&](ChunkRange range) {
+      sampler.draw(range.begin, rooms[static_cast<std::size_t>(scheduler_.worker_index())]);
+    });
+    return sampler.finish();
+  }
+
+  void add_component(std::size_t k, const std::string& name) {
+    CpuClock clock;
+    const SurfaceSource source(source_, surfaces_[k], directions_[k]);
+    const ResampleConfig config{.size = texture_of(k), .normals = config_.maps.normal};
+    const ResampledImages images = draw(k, Resampler(surfaces_[k], directions_[k], source, config));
+    report_.resampling += clock.elapsed();
+    clock = {};
+    std::uint32_t number = no_texture;
+    LinearImage colour, normal;
+    if (config_.maps.colour)
+      colour = add_image(images.colour, PixelMeaning::colours, "colour" + name, out_.materials.back().texture);
+    if (config_.maps.normal) normal = add_image(images.normal, PixelMeaning::normals, "normals" + name, number);
+    out_.object_normals.push_back(number);
+    report_.encoding += clock.elapsed();
+    measure(k, source, colour, normal);
+  }
+
+  void add_geometry(std::size_t k, const std::string& name) {
+    CpuClock clock;
+    const WideGeometry geometry =
+        wide_geometry(draw(k, GeometrySampler(surfaces_[k], directions_[k], texture_of(k) / 4 + 1)));
+    report_.resampling += clock.elapsed();
+    clock = {};
+    std::vector<char> bytes = encode_wide_png(geometry.image);
+    report_.geometry_bytes += bytes.size();
+    report_.geometry_samples += geometry.image.values.size() / 3;
+    const Transform& model = mesh_.transform;
+    out_.geometry_images.push_back({add_texture("geometry" + name, "image/png", std::move(bytes)),
+                                model.origin + model.scale * geometry.origin, model.scale * geometry.step});
+    report_.encoding += clock.elapsed();
+    RawMesh surface;
+    surface.positions = surfaces_[k].positions, surface.triangles = surfaces_[k].triangles;
+    const MeshDistance d = compare_meshes(surface, remesh(geometry_of(geometry)), {error_points(k)}, scheduler_);
+    const double rms = std::max(d.forward.rms, d.backward.rms) / diagonal();
+    report_.geometry_rms += share(k) * rms * rms;
+    report_.geometry_max = std::max({report_.geometry_max, d.forward.max / diagonal(), d.backward.max / diagonal()});
+  }
+
+  // Encodes an image, and returns it as a viewer has it after decoding.
+  LinearImage add_image(const LinearImage& image, PixelMeaning meaning, const std::string& name,
+                        std::uint32_t& number) {
+    std::vector<char> bytes = encode_octahedral(image, meaning, config_.media_type, config_.quality);
+    (meaning == PixelMeaning::colours ? report_.colour_bytes : report_.normal_bytes) += bytes.size();
+    report_.pixels += std::uint64_t{image.size.width} * image.size.height;
+    LinearImage decoded = decode_octahedral(bytes, meaning, config_.media_type);
+    number = add_texture(name, config_.media_type, std::move(bytes));
+    return decoded;
+  }
+
+  std::uint32_t add_texture(const std::string& name, const std::string& media_type, std::vector<char> bytes) {
+    out_.textures.push_back({.name = name,
+                         .media_type = media_type,
+                         .wrap_u = TextureWrap::clamp,
+                         .wrap_v = TextureWrap::clamp,
+                         .bytes = std::move(bytes)});
+    return static_cast<std::uint32_t>(out_.textures.size() - 1);
+  }
+
+  void measure(std::size_t k, const SurfaceSource& source, const LinearImage& colour, const LinearImage& normal) {
+    const ImageErrorMeter meter(surfaces_[k], directions_[k], source, error_points(k));
+    std::vector<ImageErrorSums> parts(chunk_count(meter.size(), error_grain));
+    in_chunks(meter.size(), error_grain,
+              [&](ChunkRange range) { parts[range.index] = meter.measure(colour, normal, range.begin, range.end); });
+    ImageErrorSums sums;
+    for (const ImageErrorSums& part : parts) sums.add(part);
+    add_error(k, image_error(sums));
+  }
+
+  void add_error(std::size_t k, const ImageError& error) {
+    if (config_.maps.colour) report_.colour_psnr += share(k) * error.colour_psnr;
+    report_.normal_psnr += share(k) * error.normal_psnr;
+  }
+
+  [[nodiscard]] double share(std::size_t k) const { return shares_[k]; }
+  [[nodiscard]] double diagonal() const {  // of the input, normalised
+    Box3f box;
+    for (const Vec3f p : mesh_.positions) box.extend(p);
+    return length(to_double(box.hi) - to_double(box.lo));
+  }
+  [[nodiscard]] std::uint64_t error_points(std::size_t k) const {
+    return std::max<std::uint64_t>(static_cast<std::uint64_t>(share(k) * static_cast<double>(config_.error_points)),
+                                   100);
+  }
+  // As many pixels per area as the largest component has, within a factor of two.
+  [[nodiscard]] std::uint32_t texture_of(std::size_t k) const {
+    const double largest = *std::ranges::max_element(shares_);
+    std::uint32_t side = config_.texture;
+    for (double area = share(k); side > least_octahedral_side && !(area * 2 > largest); area *= 4) side /= 2;
+    return side;
+  }
+
+  const IndexedMesh& mesh_;
+  std::span<const Surface> surfaces_;
+  std::span<const std::vector<Vec3d>> directions_;
+  std::span<const double> shares_;
+  const SphericalConfig& config_;
+  Scheduler& scheduler_;
+  SphericalReport& report_;
+  std::shared_ptr<MeshSource> source_;
+  ComponentImages out_;
+};
+
+}  // namespace
+
+ComponentImages make_component_images(const MappedComponents& components, const SphericalConfig& config,
+                                      Scheduler& scheduler, SphericalReport& report) {
+  return ImageMaker(components, config, scheduler, report).make();
+}
+
+}  // namespace lodestone
