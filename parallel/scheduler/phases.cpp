@@ -9,7 +9,7 @@ namespace {
 
 // Looks at the counter until it has reached `least`; false if the work has failed meanwhile.
 bool wait_for(const std::atomic<std::size_t>& counter, std::size_t least, const std::atomic<bool>& failed) {
-  constexpr int looks = 10'000'000;  // some tens of milliseconds: then others may have the processor
+  constexpr int looks = 20'000;  // some tens of microseconds: then others may have the processor
   for (int k = 0; counter.load(std::memory_order_acquire) < least; ++k) {
     if (failed.load(std::memory_order_relaxed)) return false;
     if (k >= looks) std::this_thread::yield();
