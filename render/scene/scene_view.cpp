@@ -106,8 +106,7 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
     for (std::size_t l = 0; l < radii.select.size(); ++l)
       largest.select[l] = std::max(largest.select[l], radii.select[l]);
   }
-  const Frustum frustum = frustum_of(model.view_projection);
-  resident.update(largest, model.morph.viewpoint, &frustum);
+  resident.update(largest, model.morph.viewpoint);
   const DetailLimits limits = resident.limits();
   const bool same = resident.came().empty() && resident.went().empty() && same_limits(placed.limits, limits);
   placed.limits.assign(limits.begin(), limits.end());
