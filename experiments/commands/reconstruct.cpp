@@ -21,7 +21,7 @@ struct ReconstructOptions {
   std::optional<double> distance;
   std::optional<std::uint64_t> triangles;
   int levels = 1;
-  bool measure = false;
+  bool outside_only = false, measure = false;
 };
 
 ViewChoice view_choice(const std::string& text) {
@@ -46,7 +46,7 @@ ReconstructJob job_of(const ReconstructOptions& options) {
   job.reading = read_config(options.reading, {options.input});
   job.config = options.config;
   job.config.views = view_choice(options.views);
-  job.config.merge = merge_kind(options.merge);
+  job.config.merge = options.outside_only ? MergeKind::shell : merge_kind(options.merge);
   job.config.projection = projection_kind(options.projection);
   if (options.map_format != "exr" && options.map_format != "pfm")
     throw InputError("--map-format: '" + options.map_format + "' is neither exr nor pfm");
@@ -106,6 +106,11 @@ nlohmann::json to_json(const ReconstructResult& result) {
          {"components", q.components}}},
        {"stitch", stitch_json(r.stitch, result.scale)},
        {"warnings", result.warnings},
+       {"shell",
+        {{"grid_points", r.shell.grid_points},
+         {"sheet_points", r.shell.sheet_points},
+         {"cavities", r.shell.cavities},
+         {"crumbs", r.shell.crumbs}}},
        {"taken_over", {{"parts", r.lost.parts}, {"triangles", r.lost.triangles}}},
        {"sharpened", {{"edges", r.sharpen.edges}, {"corners", r.sharpen.corners}}},
        {"stages", stages_of(r)}});
@@ -186,6 +191,9 @@ OptionTable declare_meshes(ReconstructOptions& o) {
       {"--merge", &o.merge, "stitch: one surface; concatenate: the views' meshes side by side"},
       {"--backend", &o.config.backend, "soft or gl"},
       {"--projection", &o.projection, "orthographic or perspective (from four radii away)"},
+      OptionSpec{"--outside-only", &o.outside_only,
+                 "Only what can be seen from outside, as one closed shell; parts may overlap in any way"}
+          .not_with({"--merge", "--projection"}),
       OptionSpec{"--levels", &o.levels,
                  "Number of meshes, each at half the resolution of the one before; OUT.1.ply and so on"}
           .between(1, 12)};

@@ -175,6 +175,7 @@ std::vector<Key> reconstruct_details() {
                         {"levels[].mesh.*", "", "quality of the mesh: counts, border length, worst aspect"},
                         {"levels[].stitch.*", "", "work of stitching: counts, and lengths in model units"},
                         {"levels[].taken_over.*", "", "parts of the input too small for the maps"},
+                        {"levels[].shell.*", "", "points of the shell's grid, those for sheets, and surfaces left out"},
                         {"levels[].sharpened.*", "", "sharp edges and corners recovered"},
                         {"levels[].stages.*.seconds", "s", "time of a stage"},
                         {"levels[].stages.*.cpu_seconds", "s", "its processor time, all threads"},

@@ -194,8 +194,10 @@ ReconstructResult result_of(const Reconstruction& made, const Transform& transfo
 
 void measure(ReconstructResult& result, const Reconstruction& made, const IndexedMesh& input, Scheduler& scheduler) {
   result.error = geometry_error(in_model_space(input), made.mesh, {}, scheduler);
-  result.coverage =
-      measure_coverage(made.report.views.visible_points, made.mesh, input.transform, made.report.spacing, scheduler);
+  // Views that were prescribed do not tell what can be seen.
+  std::vector<Vec3d> visible = made.report.views.visible_points;
+  if (visible.empty()) visible = choose_views(input, {}, scheduler).visible_points;
+  result.coverage = measure_coverage(visible, made.mesh, input.transform, made.report.spacing, scheduler);
 }
 
 std::vector<ColumnInfo> reconstruct_columns() {

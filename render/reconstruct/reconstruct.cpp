@@ -41,7 +41,7 @@ Box3f box_of(const IndexedMesh& mesh) {
 
 // Spacing of the samples in the maps. Meshes side by side are not simplified: the finer ones would cover each other.
 double map_spacing(const ReconstructConfig& config) {
-  return 1 / (config.resolution * (config.merge == MergeKind::stitch ? config.detail : 1));
+  return 1 / (config.resolution * (config.merge == MergeKind::concatenate ? 1 : config.detail));
 }
 
 MapView view_towards(const Box3f& box, Vec3d direction, const ReconstructConfig& config) {
@@ -135,6 +135,25 @@ std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& c
   return views;
 }
 
+// Maps for a shell: the space that they see to be free is the same for any parts, borders and orientation.
+DrawnMaps draw_even_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
+                         Scheduler& scheduler) {
+  DrawnMaps drawn;
+  report.spacing = 1 / config.resolution;
+  drawn.spacing = map_spacing(config);
+  report.views.directions = even_directions(config.views.most);
+  const CpuClock draw_clock;
+  const Box3f box = box_of(mesh);
+  const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
+  const MapChannels channels{.uv = config.attributes, .colour = config.attributes};
+  for (const Vec3d& direction : report.views.directions) {
+    drawn.maps.push_back(renderer->draw(orthographic_view(box, direction, drawn.spacing), channels));
+    report.pixels += drawn.maps.back().view.pixels();
+  }
+  report.draw = draw_clock.elapsed();
+  return drawn;
+}
+
 // The triangle that each vertex saw.
 std::vector<std::uint32_t> sources_of(const MergedMesh& merged, std::span<const PositionMap> maps) {
   std::vector<std::uint32_t> source(merged.position.size(), no_source);
@@ -143,49 +162,15 @@ std::vector<std::uint32_t> sources_of(const MergedMesh& merged, std::span<const 
   return source;
 }
 
-void put_mesh(const MergedMesh& merged, const Transform& transform, RawMesh& raw) {
-  raw.positions.clear();
-  raw.positions.reserve(merged.position.size());
-  for (const Vec3f& p : merged.position) raw.positions.push_back(transform.to_model(p));
-  raw.triangles = merged.triangles;
-}
-
-}  // namespace
-
-DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
-                    Scheduler& scheduler) {
-  check_config(config);
-  const CpuClock choose_clock;
-  const EdgeCensus census = census_of(mesh);
-  DrawnMaps drawn;
-  drawn.closed = census.border == 0;
-  drawn.oriented = census.inconsistent == 0;
-  if (config.separate_parts) drawn.parts = label_parts(mesh);
-  if (census.non_manifold == 0 && drawn.oriented) drawn.most_handles = count_handles(mesh).value_or(any_number);
-  report.closed = drawn.closed, report.oriented = drawn.oriented;
-  report.spacing = 1 / config.resolution;
-  drawn.spacing = map_spacing(config);
-  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 * drawn.spacing);
-  report.views = choose_views(mesh, config.views, scheduler);
-  report.choose = choose_clock.elapsed();
-
-  const CpuClock draw_clock;
-  const Box3f box = box_of(mesh);
-  const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
-  for (const Vec3d& direction : report.views.directions)
-    draw_map(*renderer, view_towards(box, direction, config), config, drawn, scheduler);
-  const auto along = [&](Vec3d direction) { return orthographic_view(box, direction, drawn.spacing); };
-  report.views.inside = choose_inside_views(mesh, report.views.samples, drawn.maps, config.views, along, scheduler);
-  for (const MapView& view : report.views.inside) draw_map(*renderer, view, config, drawn, scheduler);
-  report.draw = draw_clock.elapsed();
-  return drawn;
-}
-
-RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
-                       ReconstructReport& report, Scheduler& scheduler) {
-  check_config(config);
-  if (drawn.maps.empty()) return {};
-  const double spacing = drawn.spacing > 0 ? drawn.spacing : report.spacing, finer = report.spacing / spacing;
+// The mesh of all views; `spacing`: of the maps.
+MergedMesh merge_maps(DrawnMaps& drawn, double spacing, const ReconstructConfig& config, ReconstructReport& report,
+                      Scheduler& scheduler) {
+  if (config.merge == MergeKind::shell) {
+    const CpuClock clock;
+    MergedMesh merged = make_shell(drawn.maps, report.spacing, report.shell, scheduler);
+    report.merge = clock.elapsed();
+    return merged;
+  }
   const CpuClock connect_clock;
   std::vector<MergeView> views = connect_maps(drawn, config, report, scheduler);
   report.connect = connect_clock.elapsed();
@@ -205,10 +190,87 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     merged = stitch(views, merge, report.stitch, scheduler);
   }
   report.merge = merge_clock.elapsed();
+  return merged;
+}
 
+// Triangles that are made over those that the resolution stands for. Cubes of tetrahedra give about eight triangles for
+// one of pixels.
+double excess_of(const ReconstructConfig& config, double finer) {
+  return config.merge == MergeKind::shell ? 8 : finer * finer;
+}
+
+// To as many triangles as the resolution stands for, or as are requested. Sets the spacing that they stand for.
+SimplifyMergedConfig simplify_config(const MergedMesh& merged, double spacing, const ReconstructConfig& config,
+                                     ReconstructReport& report) {
+  const auto made = static_cast<double>(merged.triangles.size());
+  const double excess = excess_of(config, report.spacing / spacing);
+  SimplifyMergedConfig simplify;
+  simplify.triangles = static_cast<std::size_t>(made / excess);
+  if (config.triangles > 0 && config.triangles < merged.triangles.size()) {
+    // The spacing of samples that would make so many.
+    report.spacing = report.spacing * std::sqrt(made / excess / static_cast<double>(config.triangles));
+    simplify.triangles = config.triangles;
+  }
+  // Farther than this flat parts would be cut into slivers (docs/decisions/0020).
+  simplify.farthest = static_cast<float>(1.5 * report.spacing);
+  return simplify;
+}
+
+void put_mesh(const MergedMesh& merged, const Transform& transform, RawMesh& raw) {
+  raw.positions.clear();
+  raw.positions.reserve(merged.position.size());
+  for (const Vec3f& p : merged.position) raw.positions.push_back(transform.to_model(p));
+  raw.triangles = merged.triangles;
+}
+
+}  // namespace
+
+DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
+                    Scheduler& scheduler) {
+  check_config(config);
+  if (config.merge == MergeKind::shell) return draw_even_maps(mesh, config, report, scheduler);
+  const CpuClock choose_clock;
+  const EdgeCensus census = census_of(mesh);
+  DrawnMaps drawn;
+  drawn.closed = census.border == 0;
+  drawn.oriented = census.inconsistent == 0;
+  if (config.separate_parts) drawn.parts = label_parts(mesh);
+  if (census.non_manifold == 0 && drawn.oriented) drawn.most_handles = count_handles(mesh).value_or(any_number);
+  report.closed = drawn.closed, report.oriented = drawn.oriented;
+  report.spacing = 1 / config.resolution;
+  drawn.spacing = map_spacing(config);
+  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 * drawn.spacing);
+  if (config.views.prescribes_faces())
+    report.views.directions = face_directions();
+  else
+    report.views = choose_views(mesh, config.views, scheduler);
+  report.choose = choose_clock.elapsed();
+
+  const CpuClock draw_clock;
+  const Box3f box = box_of(mesh);
+  const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
+  for (const Vec3d& direction : report.views.directions)
+    draw_map(*renderer, view_towards(box, direction, config), config, drawn, scheduler);
+  const auto along = [&](Vec3d direction) { return orthographic_view(box, direction, drawn.spacing); };
+  report.views.inside = choose_inside_views(mesh, report.views.samples, drawn.maps, config.views, along, scheduler);
+  for (const MapView& view : report.views.inside) draw_map(*renderer, view, config, drawn, scheduler);
+  report.draw = draw_clock.elapsed();
+  return drawn;
+}
+
+RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
+                       ReconstructReport& report, Scheduler& scheduler) {
+  check_config(config);
+  if (drawn.maps.empty()) return {};
+  const double spacing = drawn.spacing > 0 ? drawn.spacing : report.spacing;
+  MergedMesh merged = merge_maps(drawn, spacing, config, report, scheduler);
+
+  const bool one_surface = config.merge != MergeKind::concatenate;
   const CpuClock sharpen_clock;
-  if (config.merge == MergeKind::stitch && config.sharp_degrees > 0)
-    report.sharpen = sharpen(merged, {static_cast<float>(spacing), config.sharp_degrees}, scheduler);
+  if (one_surface && config.sharp_degrees > 0) {
+    const double of_samples = config.merge == MergeKind::shell ? report.spacing : spacing;
+    report.sharpen = sharpen(merged, {static_cast<float>(of_samples), config.sharp_degrees}, scheduler);
+  }
   report.sharpen_time = sharpen_clock.elapsed();
 
   std::vector<std::uint32_t> source = sources_of(merged, drawn.maps);
@@ -222,19 +284,9 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     report.attributes = attributes_clock.elapsed();
   }
   report.sampled_triangles = merged.triangles.size();
-  if (config.merge == MergeKind::stitch) {
+  if (one_surface) {
     const CpuClock simplify_clock;
-    SimplifyMergedConfig simplify;
-    simplify.triangles = static_cast<std::size_t>(static_cast<double>(merged.triangles.size()) / (finer * finer));
-    if (config.triangles > 0 && config.triangles < merged.triangles.size()) {
-      // The spacing of samples that would make so many.
-      const double of_target = static_cast<double>(merged.triangles.size()) / static_cast<double>(config.triangles);
-      report.spacing = spacing * std::sqrt(of_target);
-      simplify.triangles = config.triangles;
-    }
-    // Farther than this flat parts would be cut into slivers (docs/decisions/0020).
-    simplify.farthest = static_cast<float>(1.5 * report.spacing);
-    simplify_merged(merged, raw.wedges, simplify, scheduler);
+    simplify_merged(merged, raw.wedges, simplify_config(merged, spacing, config, report), scheduler);
     put_mesh(merged, drawn.maps.front().transform, raw);
     report.simplify = simplify_clock.elapsed();
   }
@@ -279,7 +331,7 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
     area += 0.5 * length(cross(b - a, c - a));
   }
   const auto wanted = static_cast<double>(triangles);
-  const bool simplifies = config.merge == MergeKind::stitch && config.detail > 1;
+  const bool simplifies = config.merge == MergeKind::shell || (config.merge == MergeKind::stitch && config.detail > 1);
   if (simplifies) config.triangles = triangles;
   // Two triangles a pixel, on surfaces that are tilted by a third on the average.
   config.resolution = std::clamp(std::sqrt(wanted * 1.25 / (2 * std::max(area, 1e-9))), 4.0, 8192.0);
@@ -291,7 +343,7 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
     const auto sampled = static_cast<double>(std::max<std::size_t>(tried.report.sampled_triangles, 1));
     if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
     // A mesh to be simplified need not be finer than necessary.
-    const double finer = simplifies ? sampled / (wanted * config.detail * config.detail) : made / wanted;
+    const double finer = simplifies ? sampled / (wanted * excess_of(config, config.detail)) : made / wanted;
     if (least < 0.02 && (!simplifies || (finer > 0.6 && finer < 2.5))) break;
     if (simplifies) least = std::numeric_limits<double>::infinity();
     config.resolution = std::clamp(config.resolution / std::sqrt(finer), 2.0, double{largest_map_side} / 2);

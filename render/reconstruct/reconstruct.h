@@ -13,11 +13,13 @@
 #include "render/reconstruct/finish/lost_parts.h"
 #include "render/reconstruct/finish/sharpen.h"
 #include "render/reconstruct/merge/merge.h"
+#include "render/reconstruct/outside/shell.h"
 #include "render/reconstruct/views/choose_views.h"
 
 namespace lodestone {
 
-enum class MergeKind : std::uint8_t { concatenate, stitch };
+// shell: what is visible from outside, as one closed surface (outside/shell.h); it needs neither view choice nor parts.
+enum class MergeKind : std::uint8_t { concatenate, stitch, shell };
 
 struct ReconstructConfig {
   double resolution =
@@ -50,6 +52,7 @@ struct ReconstructReport {
   StitchReport stitch;
   SharpenReport sharpen;
   LostParts lost;
+  ShellReport shell;
   std::size_t sampled_triangles = 0;  // before they were simplified
   bool closed = false;                // the input has no border
   bool oriented = false;              // and its triangles agree on the outside

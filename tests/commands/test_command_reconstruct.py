@@ -23,6 +23,18 @@ class Reconstruct(CommandCase):
         info = self.results("info", "lod.ply")
         self.assertEqual(info["triangles"], level["triangles"])
 
+    def test_the_outside_of_a_mesh_and_of_maps_is_one_closed_shell(self):
+        report = self.results("reconstruct", sphere(), "-o", "lod.ply", "--resolution", 32, "--outside-only", "--measure",
+                              "--maps", "maps")
+        again = self.results("reconstruct", "maps", "-o", "again.ply", "--outside-only")
+        for level in (report["levels"][0], again["levels"][0]):
+            self.assertTrue(level["manifold"] and level["closed"])
+            self.assertEqual((level["euler"], level["mesh"]["components"]), (2, 1))
+        self.assertGreater(report["levels"][0]["coverage"], 99.5)
+        self.assertEqual(report["levels"][0]["stages"]["views"]["seconds"], 0)
+        for other in (("--merge", "concatenate"), ("--projection", "perspective")):
+            self.refused("reconstruct", sphere(), "-o", "lod.ply", "--outside-only", *other)
+
     def test_finer_maps_are_nearer_with_as_many_triangles(self):
         level = {}
         for detail in (1, 2):

@@ -173,6 +173,14 @@ std::vector<Vec3d> sphere_directions(int count) {
   return directions;
 }
 
+std::vector<Vec3d> even_directions(int count) {
+  if (count < 6) return sphere_directions(count);
+  std::vector<Vec3d> directions = face_directions();
+  const std::vector<Vec3d> others = sphere_directions(count - 6);
+  directions.insert(directions.end(), others.begin(), others.end());
+  return directions;
+}
+
 ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler) {
   const std::vector<SurfacePoint> samples = sample_surface(mesh, choice.samples);
   const std::vector<Cosines> faces = draw_faces(mesh, samples, choice.resolution, scheduler);

@@ -26,6 +26,9 @@ struct ViewChoice {
   std::uint64_t samples = 30'000;  // of the surface
   int resolution = 256;            // pixels along the box's longest side, of the faces' maps
   int inside = 12;                 // further views, with obstacles cut off (inside_views.h); 0: none
+
+  // The six faces and no others: nothing needs to be measured.
+  [[nodiscard]] bool prescribes_faces() const { return most == 6 && least == 6 && inside == 0; }
 };
 
 struct SurfacePoint {
@@ -46,6 +49,10 @@ struct ChosenViews {
 [[nodiscard]] std::vector<Vec3d> face_directions();
 // Evenly spread over the sphere (a Fibonacci lattice).
 [[nodiscard]] std::vector<Vec3d> sphere_directions(int count);
+
+// The faces and others evenly spread, `count` in all, whatever the model: nothing is measured. Fewer than six are
+// spread over the sphere.
+[[nodiscard]] std::vector<Vec3d> even_directions(int count);
 
 [[nodiscard]] ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler);
 

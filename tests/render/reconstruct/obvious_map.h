@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "core/mesh/clean.h"
 #include "render/position_map/rasterize_map.h"
 #include "render/position_map/resolve_pixel.h"
 #include "tests/test_meshes.h"
@@ -62,6 +63,13 @@ inline void add_box(Vec3d lo, Vec3d hi, std::uint32_t n, std::vector<Vec3d>& pos
     return Vec3d{lo.x + p.x * (hi.x - lo.x), lo.y + p.y * (hi.y - lo.y), lo.z + p.z * (hi.z - lo.z)};
   };
   add_cube(n, place, positions, triangles);
+}
+
+inline IndexedMesh clean(const std::vector<Vec3d>& positions, const std::vector<Triangle>& triangles) {
+  RawMesh raw;
+  raw.positions = positions, raw.triangles = triangles;
+  Repairs repairs;
+  return clean_mesh(raw, repairs);
 }
 
 }  // namespace lodestone::test

@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/mesh/clean.h"
 #include "core/spatial/mesh_distance.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/metrics/geometry/surface_coverage.h"
@@ -23,13 +22,6 @@ ReconstructConfig small_config(double resolution) {
   config.views.samples = 4000;
   config.views.resolution = 64;
   return config;
-}
-
-IndexedMesh clean(const std::vector<Vec3d>& positions, const std::vector<Triangle>& triangles) {
-  RawMesh raw;
-  raw.positions = positions, raw.triangles = triangles;
-  Repairs repairs;
-  return clean_mesh(raw, repairs);
 }
 
 RawMesh original(const IndexedMesh& mesh) {

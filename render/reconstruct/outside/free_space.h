@@ -1,0 +1,68 @@
+// The space that views see to be free: all that lies between an eye and the first surface (space carving, after
+// kutulakos2000, with exact depths in place of photographs).
+//
+// A point is free if any view sees past it. Depth is known at pixel centres and continued in the tangent plane of each;
+// a view vouches for a point only if all four pixels around it do, so that a silhouette is never cut into, and a slit
+// narrower than a pixel is closed. Each map shows the whole model: what lies beside it is free.
+//
+// A view that sees the back of a surface looks through a hole. Where few pixels do, the surface is a solid's with holes
+// (a scan that was not closed) and such pixels vouch for nothing, so that the holes are closed; where many do, it is a
+// sheet with two sides, or is not oriented.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/math/box3.h"
+#include "parallel/scheduler/scheduler.h"
+#include "render/position_map/position_map.h"
+#include "render/reconstruct/merge/ownership.h"
+
+namespace lodestone {
+
+// The sample of the surface that tells best where it is near some point.
+struct SurfaceHit {
+  ViewNumber view = no_view;  // no_view: no sample is near
+  std::uint32_t pixel = 0;
+  Vec3f normal;         // towards the eye
+  double distance = 0;  // of the point from the sample's tangent plane; positive on the side of the eye
+};
+
+class FreeSpace {
+ public:
+  // Maps with a near plane are not used. `reach`: distances beyond it are not told apart; normalised units.
+  FreeSpace(std::span<const PositionMap> maps, double reach, Scheduler& scheduler);
+
+  enum class State : std::uint8_t { free, solid, mixed };
+  // State of a whole box. If it is mixed, `views` lists those that decide it.
+  [[nodiscard]] State classify(const Box3f& box, std::vector<ViewNumber>& views) const;
+  // Distance of a point from the border of the free space, in [-reach, reach], by these views; positive: it is free.
+  [[nodiscard]] double distance(Vec3d p, std::span<const ViewNumber> views) const;
+  [[nodiscard]] SurfaceHit nearest(Vec3d p, std::span<const ViewNumber> views) const;
+  // True if a pixel sees the back of the surface through a hole.
+  [[nodiscard]] bool is_back(const PositionMap& map, std::size_t pixel) const;
+  [[nodiscard]] std::span<const PositionMap> maps() const { return maps_; }
+
+ private:
+  // Least and largest depth of squares of pixels: level k holds squares of side 4 * 2^k. Background is infinitely far.
+  struct Level {
+    int width = 0, height = 0;
+    std::vector<float> least, largest;
+  };
+  struct Range {
+    float least, largest;
+  };
+  struct Footprint;
+  void find_backs(Scheduler& scheduler);
+  void make_levels(std::size_t view);
+  [[nodiscard]] Footprint footprint(const MapView& view, const Box3f& box) const;
+  [[nodiscard]] Range depths_in(std::size_t view, const Footprint& print) const;
+  [[nodiscard]] double distance_in(const PositionMap& map, Vec3d p) const;
+
+  std::span<const PositionMap> maps_;
+  double reach_;
+  bool holes_ = false;                      // backs are seen through holes
+  std::vector<std::vector<Level>> levels_;  // of each map; empty: not used
+};
+
+}  // namespace lodestone
