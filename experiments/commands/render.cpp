@@ -125,6 +125,7 @@ nlohmann::json frame_json(const FrameResult& frame, bool streamed) {
   json.update({{"milliseconds", frame.milliseconds}, {"work", frame.work}, {"drawn", frame.drawn}});
   if (frame.draw_calls > 0) json["draw_calls"] = frame.draw_calls;
   if (streamed) json.update({{"resident_bytes", frame.resident_bytes}, {"complete", frame.complete}});
+  if (streamed && frame.surface && frame.surface->jump) json["jump_by_limits"] = frame.surface->jump->by_limits;
   return json;
 }
 

@@ -198,6 +198,9 @@ std::vector<Key> render_details() {
           {"frames[].draw_calls", "", "calls of a backend that makes any"},
           {"frames[].resident_bytes", "bytes", "payloads in memory, with --memory-budget"},
           {"frames[].complete", "", "all the detail was there, with --memory-budget"},
+          {"frames[].jump_by_limits", "% of the extent",
+           "largest way of a vertex since the frame before by detail limits alone, as cells came or went, with "
+           "--memory-budget"},
           {"file", "", "hierarchy, mesh or scene"},
           {"backend", "", "backend that drew"},
           {"fallback", "", "reason why it is not the one asked for"},

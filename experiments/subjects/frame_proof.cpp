@@ -11,7 +11,7 @@ namespace lodestone {
 namespace {
 
 JumpSample sample_of(const PopReport& jumps, bool thorough) {
-  JumpSample sample{.largest = 100 * jumps.max_jump};
+  JumpSample sample{.largest = 100 * jumps.max_jump, .by_limits = 100 * jumps.max_limit_jump};
   if (thorough)
     sample.p99 = 100 * jumps.p99_jump, sample.pixels = jumps.max_jump_pixels, sample.p99_pixels = jumps.p99_jump_pixels;
   if (jumps.step > 0) sample.per_step = jumps.max_jump / jumps.step;
@@ -50,7 +50,7 @@ void add_jumps(std::optional<JumpSample>& all, const std::optional<JumpSample>& 
     all = model;
     return;
   }
-  raise(all->largest, model->largest), raise(all->p99, model->p99);
+  raise(all->largest, model->largest), raise(all->p99, model->p99), raise(all->by_limits, model->by_limits);
   raise(all->pixels, model->pixels), raise(all->p99_pixels, model->p99_pixels);
   raise(all->per_step, model->per_step);
   if (!model->over_bound) all->over_bound.reset();  // no bound for one model is none for all

@@ -21,6 +21,7 @@ struct JumpSample {
   std::optional<double> p99{}, pixels{}, p99_pixels{};  // of a thorough proof
   std::optional<double> per_step{};                     // over the way of the viewpoint, where it moves
   std::optional<double> over_bound{};                   // of the analytic bound, where there is one
+  double by_limits = 0;                                 // by detail limits alone
 };
 
 // One frame. Lengths in percent of the model's extent.

@@ -29,6 +29,7 @@ namespace lodestone {
 struct DetailLimit {
   Box3f box;
   float radius = 0;
+  friend bool operator==(const DetailLimit&, const DetailLimit&) = default;
 };
 using DetailLimits = std::span<const DetailLimit>;
 

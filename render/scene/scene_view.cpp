@@ -13,12 +13,6 @@ namespace {
 // Wider cameras have near planes that reach far to the sides, where backs might be seen.
 constexpr double widest_culled = 2.6;  // radians
 
-bool same_limits(const std::vector<DetailLimit>& a, DetailLimits b) {
-  return std::ranges::equal(a, b, [](const DetailLimit& p, const DetailLimit& q) {
-    return p.box.lo == q.box.lo && p.box.hi == q.box.hi && p.radius == q.radius;
-  });
-}
-
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
@@ -108,7 +102,7 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
   }
   resident.update(largest, model.morph.viewpoint);
   const DetailLimits limits = resident.limits();
-  const bool same = resident.came().empty() && resident.went().empty() && same_limits(placed.limits, limits);
+  const bool same = resident.came().empty() && resident.went().empty() && std::ranges::equal(placed.limits, limits);
   placed.limits.assign(limits.begin(), limits.end());
   return !same;
 }

@@ -197,6 +197,17 @@ class Render(CommandCase):
         self.refused("render", hierarchy(), "--memory-budget", "plenty", "--backend", "null",
                      names=["--memory-budget"])
 
+    def test_limits_alone_move_a_streamed_picture_until_it_rests(self):
+        self.write("rest.json", json.dumps({"frames": [
+            {"position": [0.5, -1.2, 0.5], "target": [0.5, 0.5, 0.5], "up": [0, 0, 1], "fov_degrees": 45}]}))
+        found = self.results("render", hierarchy(), "--memory-budget", "300KiB", "--pixel-error", 0.2, "--camera",
+                             "rest.json", "--size", "320x180", "--frames", 400)
+        frames = found["frames"][1:]
+        self.assertEqual([f["jump_by_limits"] for f in frames], [f["jump_max"] for f in frames])
+        self.assertGreater(max(f["jump_by_limits"] for f in frames), 0)
+        self.assertEqual(max(f["jump_by_limits"] for f in frames[-40:]), 0)
+        self.assertFalse(any(f["drawn"] for f in frames[-40:]))
+
     def test_null_writes_no_pictures(self):
         self.assert_seamless(self.fly("-o", "frames", frames=2))
         self.assertFalse((self.folder / "frames").exists())

@@ -163,7 +163,7 @@ TEST_P(Streaming, CameraAtRestComesToRestUnderAnyBudget) {
         continue;
       }
       ASSERT_TRUE(resident.came().empty() && resident.went().empty()) << "frame " << i;
-      ASSERT_TRUE(std::ranges::equal(limits_, resident.limits(), {}, &DetailLimit::radius, &DetailLimit::radius));
+      ASSERT_TRUE(std::ranges::equal(limits_, resident.limits()));
     }
     EXPECT_TRUE(resident.complete() || resident.bytes() > budget * 9 / 10) << resident.bytes() << " of " << budget;
   }

@@ -44,6 +44,9 @@ struct PopReport {
   VertexJump worst;               // the vertex of jump_over_bound
   std::uint64_t above_bound = 0;  // vertices with a ratio above 1, those of several cells counted in each
   double step = 0;                // Euclidean length of the step of the viewpoint
+  // By JumpTracker: the largest jump that detail limits make alone, from those of the earlier frame to those of the
+  // later one, camera and radii of which both have. Within the bound a picture may still move, even for ever.
+  double max_limit_jump = 0;
   std::uint64_t vertices = 0;     // looked at, those of several cells counted in each
   // With JumpConfig::percentiles: the smallest jump that 99 % of the vertices do not exceed, those at rest included.
   double p99_jump = 0;

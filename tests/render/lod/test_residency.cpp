@@ -189,11 +189,7 @@ class Loader {
     });
     residency_.update(tables_.radii, viewpoint);
     request();
-    const DetailLimits after = residency_.limits();
-    return changed || !loading_.empty() ||
-           !std::equal(before.begin(), before.end(), after.begin(), after.end(), [](auto& a, auto& b) {
-             return a.box.lo == b.box.lo && a.box.hi == b.box.hi && a.radius == b.radius;
-           });
+    return changed || !loading_.empty() || !std::ranges::equal(before, residency_.limits());
   }
 
   // Frames until none differs for a long time; at most so many.
