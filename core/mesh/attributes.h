@@ -1,14 +1,13 @@
-// The attributes of a surface: normals, colours, texture coordinates, materials, textures.
+// The attributes of a surface: normals, colours, texture coordinates, and the material of each triangle.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/math/triangle.h"
 #include "core/math/vec2.h"
 #include "core/math/vec3.h"
+#include "core/mesh/material.h"
 
 namespace lodestone {
 
@@ -16,27 +15,6 @@ namespace lodestone {
 struct Rgba8 {
   std::uint8_t r = 255, g = 255, b = 255, a = 255;
   friend constexpr bool operator==(const Rgba8&, const Rgba8&) = default;
-};
-
-enum class TextureWrap : std::uint8_t { repeat, clamp, mirror };
-
-// An image as stored in its file, not decoded.
-struct Texture {
-  std::string name;        // as the mesh names it
-  std::string media_type;  // told from the bytes: image/png, image/jpeg, image/webp or image/ktx2
-  TextureWrap wrap_u = TextureWrap::repeat, wrap_v = TextureWrap::repeat;
-  std::vector<char> bytes;
-  friend bool operator==(const Texture&, const Texture&) = default;
-};
-
-inline constexpr std::uint32_t no_texture = 0xFFFF'FFFFu, no_material = 0xFFFF'FFFFu;
-
-struct Material {
-  std::string name;
-  std::array<float, 4> base_colour{1, 1, 1, 1};  // linear, in [0, 1]; times texture and vertex colour
-  std::uint32_t texture = no_texture;            // of the base colour; an index into the mesh's textures
-  std::uint32_t normal_map = no_texture;         // likewise
-  friend bool operator==(const Material&, const Material&) = default;
 };
 
 // A wedge is a vertex as some of its triangles use it: a position and one value of each attribute. Along a seam a

@@ -47,8 +47,9 @@ std::vector<std::uint32_t> merge(std::vector<T>& items, std::vector<T>&& more) {
 void append_materials(RawMesh& mesh, RawMesh& part) {
   const std::vector<std::uint32_t> textures = merge(mesh.textures, std::move(part.textures));
   for (Material& material : part.materials)
-    for (std::uint32_t* texture : {&material.texture, &material.normal_map})
-      if (*texture != no_texture) *texture = textures[*texture];
+    for_each_texture(material, [&](std::uint32_t& texture) {
+      if (texture != no_texture) texture = textures[texture];
+    });
   const std::vector<std::uint32_t> materials = merge(mesh.materials, std::move(part.materials));
   if (!materials.empty())
     for (std::uint32_t& material : part.wedges.material)

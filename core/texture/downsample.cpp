@@ -102,6 +102,8 @@ void to_linear(std::span<const std::uint8_t> pixels, std::uint32_t channels, Pix
       float& value = values[p + c];
       if (meaning == PixelMeaning::normals) {
         value = static_cast<float>(byte) / 127.5f - 1;
+      } else if (meaning == PixelMeaning::values) {
+        value = static_cast<float>(byte) / 255;
       } else {
         value = c == 3 ? alpha : light[byte] * alpha;
       }
@@ -143,7 +145,17 @@ PixelImage to_pixels(const LinearImage& image, PixelMeaning meaning) {
   for (std::size_t p = 0; p < out.pixels.size(); p += image.channels) {
     const std::span<const float> from = std::span(image.values).subspan(p, image.channels);
     const std::span<std::uint8_t> to = std::span(out.pixels).subspan(p, image.channels);
-    meaning == PixelMeaning::normals ? normal_to_pixel(from, to) : colour_to_pixel(srgb_byte, from, to);
+    switch (meaning) {
+      case PixelMeaning::colours:
+        colour_to_pixel(srgb_byte, from, to);
+        break;
+      case PixelMeaning::normals:
+        normal_to_pixel(from, to);
+        break;
+      case PixelMeaning::values:
+        std::transform(from.begin(), from.end(), to.begin(), byte_of);
+        break;
+    }
   }
   return out;
 }

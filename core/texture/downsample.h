@@ -9,14 +9,14 @@
 namespace lodestone {
 
 // colours: averaged as light, weighted with their alpha. normals (tangent- or object-space maps): averaged as vectors
-// and normalised when they become bytes.
-enum class PixelMeaning : std::uint8_t { colours, normals };
+// and normalised when they become bytes. values (roughness, occlusion): each channel averaged for itself.
+enum class PixelMeaning : std::uint8_t { colours, normals, values };
 
 // Pixels as numbers that can be averaged, channel by channel.
 struct LinearImage {
   PixelSize size;
   std::uint32_t channels = 3;
-  std::vector<float> values;  // colours: light times alpha, and alpha; normals: components in [-1, 1]
+  std::vector<float> values;  // colours: light times alpha, and alpha; normals: components in [-1, 1]; values: in [0, 1]
 };
 
 [[nodiscard]] LinearImage to_linear(const PixelImage& image, PixelMeaning meaning);

@@ -32,10 +32,7 @@ std::map<std::string, std::span<const char>> image_files(const Hierarchy& hierar
       files[texture_path(hierarchy, texture, level)] = copy ? copy->bytes : hierarchy.textures[texture].bytes;
     }
   };
-  for (const Material& material : hierarchy.materials) {
-    add(material.texture);
-    add(material.normal_map);
-  }
+  for (const Material& material : hierarchy.materials) for_each_texture(material, add);
   return files;
 }
 

@@ -110,10 +110,19 @@ TEST(ProgressiveFiles, KeepMapsOverTheSphere) {
   mesh.wedges.uv.assign(mesh.positions.size(), {});
   const PixelImage pixel{.size = {1, 1}, .channels = 3, .pixels = {1, 2, 3}};
   const std::vector<char> bytes = encode_image(pixel, "image/png");
-  mesh.wedges.materials = {{.name = "skin", .texture = 0}};
+  Material skin{.name = "skin", .texture = 0, .normal_scale = 0.5f, .metallic = 0.25f, .roughness = 0.5f};
+  skin.normal_map = skin.occlusion.texture = 1;
+  skin.emissive_map = {2, {{0.5f, 0}, {2, 2}, 0}};
+  skin.emissive = {0.5f, 1, 0};
+  skin.alpha_mode = AlphaMode::mask, skin.alpha_cutoff = 0.25f;
+  skin.double_sided = skin.unlit = true;
+  skin.extensions = R"({"KHR_materials_sheen":{"sheenColorTexture":{"index":0}}})";
+  skin.extension_textures = {2};
+  mesh.wedges.materials = {skin};
   mesh.wedges.textures = {{.name = "colour", .media_type = "image/png", .bytes = bytes},
                           {.name = "normals", .media_type = "image/png", .bytes = bytes},
                           {.name = "geometry", .media_type = "image/png", .bytes = bytes}};
+  mesh.wedges.textures[1].mag_filter = 9728, mesh.wedges.textures[1].min_filter = 9984;
   mesh.object_normals = {1};
   mesh.geometry_images = {{2, {0.1, -2, 3e7}, 1.0 / 3}};
   mesh.octahedral = true;

@@ -112,15 +112,15 @@ constexpr const char* no_image = "is not a PNG, JPEG, WebP or KTX2 image";
 
 }  // namespace
 
-std::uint32_t TextureSet::add_file(const std::string& name, const std::string& place, TextureWraps wraps) {
+std::uint32_t TextureSet::add_file(const std::string& name, const std::string& place, const TextureSampler& sampler) {
   const std::optional<std::filesystem::path> path = files_.find(name);
-  const auto [known, is_new] = known_.try_emplace({path ? path->string() : name, wraps.u, wraps.v}, no_texture);
+  const auto [known, is_new] = known_.try_emplace({path ? path->string() : name, sampler}, no_texture);
   if (!is_new) return known->second;
   if (!path) return refuse(name, place, "cannot be found");
   try {
     ByteReader input(*path);
     if (image_media_type(input.window(16)).empty()) return refuse(name, place, no_image);
-    known->second = add_bytes(name, place, read_all(input), wraps);
+    known->second = add_bytes(name, place, read_all(input), sampler);
   } catch (const FileError&) {
     return refuse(name, place, "cannot be read");
   }
@@ -128,10 +128,15 @@ std::uint32_t TextureSet::add_file(const std::string& name, const std::string& p
 }
 
 std::uint32_t TextureSet::add_bytes(const std::string& name, const std::string& place, std::vector<char> bytes,
-                                    TextureWraps wraps) {
+                                    const TextureSampler& sampler) {
   std::string type = image_media_type({bytes.data(), bytes.size()});
   if (type.empty()) return refuse(name, place, no_image);
-  mesh_->textures.push_back({name, std::move(type), wraps.u, wraps.v, std::move(bytes)});
+  if (type == "image/ktx2")
+    mesh_->warnings.push_back(describe(file_, place,
+                                       "texture " + quote(name) + " is KTX2, which is kept in files, but not decoded",
+                                       "give it as PNG, JPEG or WebP to have it drawn and reduced for coarser levels"));
+  mesh_->textures.push_back(
+      {name, std::move(type), sampler.u, sampler.v, std::move(bytes), sampler.mag_filter, sampler.min_filter});
   return static_cast<std::uint32_t>(mesh_->textures.size() - 1);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -9,7 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/files/byte_reader.h"
@@ -45,8 +46,11 @@ class CompanionFiles {
 // file becomes a part of a model because a material names it.
 [[nodiscard]] std::string image_media_type(std::string_view bytes);
 
-struct TextureWraps {
+// Beyond the image's edges, and between its texels (Texture).
+struct TextureSampler {
   TextureWrap u = TextureWrap::repeat, v = TextureWrap::repeat;
+  std::uint16_t mag_filter = 0, min_filter = 0;
+  friend auto operator<=>(const TextureSampler&, const TextureSampler&) = default;
 };
 
 // The colour of a material whose texture is missing: plain magenta, which is not mistaken for a colour of the model.
@@ -64,10 +68,11 @@ class TextureSet {
   TextureSet(RawMesh& mesh, const ByteReader& input) : mesh_(&mesh), files_(input.folder()), file_(input.name()) {}
 
   // The image of this name beside the mesh. `place` is where the mesh names it.
-  [[nodiscard]] std::uint32_t add_file(const std::string& name, const std::string& place, TextureWraps wraps = {});
+  [[nodiscard]] std::uint32_t add_file(const std::string& name, const std::string& place,
+                                       const TextureSampler& sampler = {});
   // An image inside the mesh file.
   [[nodiscard]] std::uint32_t add_bytes(const std::string& name, const std::string& place, std::vector<char> bytes,
-                                        TextureWraps wraps = {});
+                                        const TextureSampler& sampler = {});
 
  private:
   std::uint32_t refuse(const std::string& name, const std::string& place, const std::string& why);
@@ -75,7 +80,7 @@ class TextureSet {
   RawMesh* mesh_;
   CompanionFiles files_;
   std::string file_;
-  std::map<std::tuple<std::string, TextureWrap, TextureWrap>, std::uint32_t> known_;  // by path
+  std::map<std::pair<std::string, TextureSampler>, std::uint32_t> known_;  // by path
 };
 
 }  // namespace lodestone

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/gltf/gltf_meshopt.h"
+#include "core/formats/gltf/gltf_surface.h"
 
 namespace lodestone {
 namespace {
@@ -83,12 +84,26 @@ std::size_t GlbBuilder::add_indices(std::span<const std::uint32_t> ids, std::siz
 }
 
 void GlbBuilder::add_material(const Material& m, std::size_t texture_count) {
-  json pbr{{"baseColorFactor", m.base_colour}, {"metallicFactor", 0}};
+  json material = surface_json(m, texture_count);
+  json& pbr = material["pbrMetallicRoughness"];
+  pbr["baseColorFactor"] = m.base_colour;
   if (m.texture < texture_count) pbr["baseColorTexture"] = {{"index", m.texture}};
-  json material{{"pbrMetallicRoughness", std::move(pbr)}};
   if (!m.name.empty()) material["name"] = m.name;
-  if (m.normal_map < texture_count) material["normalTexture"] = {{"index", m.normal_map}};
+  json& used = root["extensionsUsed"];
+  list_extensions(material, used);
+  if (used.empty()) root.erase("extensionsUsed");
   root["materials"].push_back(std::move(material));
+}
+
+void GlbBuilder::complete_materials() {
+  const std::size_t plain = root.contains("materials") ? root["materials"].size() : 0;
+  bool missing = false;
+  for (json& primitive : root["meshes"][0]["primitives"]) {
+    if (primitive.contains("material")) continue;
+    primitive["material"] = plain;
+    missing = true;
+  }
+  if (missing) root["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
 }
 
 void GlbBuilder::add_embedded_texture(const Texture& t) {
@@ -104,8 +119,11 @@ void GlbBuilder::add_linked_texture(const Texture& t, const std::string& uri) { 
 void GlbBuilder::add_texture(const Texture& t, json image) {
   constexpr std::array wraps{10497, 33071, 33648};  // REPEAT, CLAMP_TO_EDGE, MIRRORED_REPEAT
   if (!t.name.empty()) image["name"] = t.name;
-  root["samplers"].push_back(
-      {{"wrapS", wraps[static_cast<std::size_t>(t.wrap_u)]}, {"wrapT", wraps[static_cast<std::size_t>(t.wrap_v)]}});
+  json sampler{{"wrapS", wraps[static_cast<std::size_t>(t.wrap_u)]},
+               {"wrapT", wraps[static_cast<std::size_t>(t.wrap_v)]}};
+  if (t.mag_filter != 0) sampler["magFilter"] = t.mag_filter;
+  if (t.min_filter != 0) sampler["minFilter"] = t.min_filter;
+  root["samplers"].push_back(std::move(sampler));
   root["images"].push_back(std::move(image));
   json texture{{"sampler", root["samplers"].size() - 1}};
   const std::size_t source = root["images"].size() - 1;

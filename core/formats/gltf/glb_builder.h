@@ -41,8 +41,11 @@ class GlbBuilder {
   // Adds indices, of 16 bits if these can name all vertices.
   std::size_t add_indices(std::span<const std::uint32_t> ids, std::size_t vertex_count);
 
-  // material.texture and normal_map are numbers of textures in the order in which they are added; others are left out.
+  // Textures of the material are numbers in the order in which they are added; others are left out.
   void add_material(const Material& material, std::size_t texture_count);
+  // Gives the primitives that have no material a white one without metal: the default of glTF is a metal, which viewers
+  // show dark grey. To be called once all materials and primitives are there.
+  void complete_materials();
   // Adds an image inside the file, in a view of its own or in the one given, or beside it under a relative URI.
   void add_embedded_texture(const Texture& texture);
   void add_embedded_texture(const Texture& texture, std::size_t view);

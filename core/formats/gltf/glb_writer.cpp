@@ -68,6 +68,7 @@ std::vector<std::byte> encode_glb(const MeshView& mesh) {
   add_node(glb, middle);
   add_primitives(glb, mesh, add_vertices(glb, mesh, middle));
   for (const Material& m : mesh.materials) glb.add_material(m, mesh.textures.size());
+  glb.complete_materials();
   for (const Texture& t : mesh.textures) glb.add_embedded_texture(t);
   return glb.finish();
 }

@@ -17,9 +17,9 @@ constexpr std::uint32_t json_chunk = 0x4E4F534Au, binary_chunk = 0x004E4942u;  /
 
 // Extensions that may be required although they are not read: they change how surfaces and lights look, no triangle.
 bool is_known_extension(std::string_view name) {
-  constexpr std::array<std::string_view, 7> known{
+  constexpr std::array<std::string_view, 8> known{
       "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization", "KHR_texture_transform",
-      "EXT_texture_webp",           "KHR_texture_basisu",      "KHR_lights_punctual"};
+      "EXT_texture_webp",           "KHR_texture_basisu",      "KHR_lights_punctual",   "EXT_mesh_gpu_instancing"};
   return std::find(known.begin(), known.end(), name) != known.end() || name.starts_with("KHR_materials_");
 }
 
@@ -136,6 +136,11 @@ std::span<const char> GltfDocument::part_of_buffer(const JsonView& range) {
   return whole.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
 }
 
+std::optional<JsonView> extension(const JsonView& value, const char* name) {
+  const std::optional<JsonView> extensions = value.find("extensions");
+  return extensions ? extensions->find(name) : std::nullopt;
+}
+
 Affine3d affine_of(const JsonView& matrix) {
   const std::array<double, 16> m = matrix.numbers<16>();
   if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) matrix.fail("the last row of the matrix is not (0, 0, 0, 1)");
@@ -144,8 +149,7 @@ Affine3d affine_of(const JsonView& matrix) {
 
 GltfView GltfDocument::view(const JsonView& reference) {
   const JsonView description = item("bufferViews", reference);
-  const std::optional<JsonView> extensions = description.find("extensions");
-  const std::optional<JsonView> packed = extensions ? extensions->find("EXT_meshopt_compression") : std::nullopt;
+  const std::optional<JsonView> packed = extension(description, "EXT_meshopt_compression");
   if (!packed) return {part_of_buffer(description), static_cast<std::size_t>(description.integer_or("byteStride", 0))};
   const auto [decompressed, is_new] = decompressed_.try_emplace(static_cast<std::size_t>(reference.integer()));
   if (is_new) decompressed->second = decompress_meshopt(*packed, part_of_buffer(*packed));

@@ -54,6 +54,9 @@ class GltfDocument {
   std::map<std::size_t, std::vector<char>> buffers_, decompressed_;  // by index of buffer, of view
 };
 
+// A member of the extensions of an object.
+[[nodiscard]] std::optional<JsonView> extension(const JsonView& value, const char* name);
+
 // A 4 x 4 matrix by columns. Throws InputError when its last row is not (0, 0, 0, 1).
 [[nodiscard]] Affine3d affine_of(const JsonView& matrix);
 

@@ -3,14 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/error.h"
 #include "core/files/text_scanner.h"
+#include "core/formats/gltf/gltf_surface.h"
 
 namespace lodestone {
 namespace {
 
-std::optional<JsonView> extension(const JsonView& value, const char* name) {
-  const std::optional<JsonView> extensions = value.find("extensions");
-  return extensions ? extensions->find(name) : std::nullopt;
+constexpr const char* glossy = "KHR_materials_pbrSpecularGlossiness";
+
+// The base colour: the object that holds it, and its members there.
+struct BaseColour {
+  std::optional<JsonView> source;
+  const char *factor, *texture;
+};
+BaseColour base_colour_of(const JsonView& material) {
+  if (const auto source = extension(material, glossy)) return {source, "diffuseFactor", "diffuseTexture"};
+  return {material.find("pbrMetallicRoughness"), "baseColorFactor", "baseColorTexture"};
 }
 
 // Numbers of OpenGL.
@@ -19,17 +28,54 @@ TextureWrap wrap_of(std::uint64_t number) {
   return number == 33648 ? TextureWrap::mirror : TextureWrap::repeat;
 }
 
-void read_uv_map(const JsonView& info, GltfMaterial& material) {
-  std::uint64_t set = info.integer_or("texCoord", 0);
-  if (const std::optional<JsonView> transform = extension(info, "KHR_texture_transform")) {
-    set = transform->integer_or("texCoord", set);
-    const auto offset = transform->numbers_or<2>("offset", {0, 0});
-    const auto scale = transform->numbers_or<2>("scale", {1, 1});
-    const std::optional<JsonView> rotation = transform->find("rotation");
-    const double angle = rotation ? rotation->number() : 0, c = std::cos(angle), s = std::sin(angle);
-    material.uv_map = {c * scale[0], s * scale[1], -s * scale[0], c * scale[1], offset[0], offset[1]};
-  }
-  material.uv_attribute = "TEXCOORD_" + std::to_string(set);
+std::uint16_t filter_of(const JsonView& sampler, const char* key) {
+  const std::uint64_t number = sampler.integer_or(key, 0);
+  const bool known = number == 9728 || number == 9729 || (number >= 9984 && number <= 9987);
+  return known ? static_cast<std::uint16_t>(number) : std::uint16_t{0};
+}
+
+std::uint64_t uv_set_of(const JsonView& info) {
+  const std::uint64_t set = info.integer_or("texCoord", 0);
+  const std::optional<JsonView> transform = extension(info, "KHR_texture_transform");
+  return transform ? transform->integer_or("texCoord", set) : set;
+}
+
+UvMap map_of(const UvTransform& t) {
+  const double c = std::cos(double{t.rotation}), s = std::sin(double{t.rotation});
+  return {c * t.scale[0], s * t.scale[1], -s * t.scale[0], c * t.scale[1], t.offset[0], t.offset[1]};
+}
+
+// The map that follows `first` to have the effect of `whole`; empty if it skews, which a textureInfo cannot say.
+std::optional<UvTransform> after(const UvMap& first, const UvMap& whole) {
+  if (first == whole) return UvTransform{};
+  const auto& [a, b, c, d, x, y] = first;
+  const double area = a * d - b * c;
+  if (!(std::abs(area) > 0)) return std::nullopt;
+  const auto row = [&](double u, double v, double move) {
+    const double along = (u * d - v * c) / area, across = (v * a - u * b) / area;
+    return std::array{along, across, move - along * x - across * y};
+  };
+  const auto top = row(whole[0], whole[1], whole[4]), bottom = row(whole[2], whole[3], whole[5]);
+  const double wide = std::hypot(top[0], bottom[0]), high = std::hypot(top[1], bottom[1]);
+  if (!(std::abs(top[0] * top[1] + bottom[0] * bottom[1]) <= 1e-6 * wide * high)) return std::nullopt;
+  const double turned = top[0] * bottom[1] - top[1] * bottom[0];  // negative: mirrored
+  UvTransform out;
+  out.rotation = static_cast<float>(std::atan2(-bottom[0], top[0]));
+  out.scale = {static_cast<float>(wide), static_cast<float>(turned < 0 ? -high : high)};
+  out.offset = {static_cast<float>(top[2]), static_cast<float>(bottom[2])};
+  return out;
+}
+
+// The textureInfo whose coordinates the mesh gets.
+std::optional<JsonView> first_texture(const JsonView& source) {
+  const BaseColour colour = base_colour_of(source);
+  if (const auto info = colour.source ? colour.source->find(colour.texture) : std::nullopt) return info;
+  if (const auto info = source.find("normalTexture")) return info;
+  if (const auto pbr = source.find("pbrMetallicRoughness"))
+    if (const auto info = pbr->find("metallicRoughnessTexture")) return info;
+  for (const char* name : {"emissiveTexture", "occlusionTexture"})
+    if (const auto info = source.find(name)) return info;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -48,54 +94,89 @@ const GltfMaterial& GltfMaterials::use(const JsonView& reference) {
 
 GltfMaterial GltfMaterials::read(const JsonView& source) {
   GltfMaterial result;
+  if (const std::optional<JsonView> info = first_texture(source)) {
+    result.uv_attribute = "TEXCOORD_" + std::to_string(uv_set_of(*info));
+    result.uv_map = map_of(read_uv_transform(*info));
+  }
   Material material{.name = source.string_or("name", "")};
-  std::optional<JsonView> colours = source.find("pbrMetallicRoughness");
-  const char *factor = "baseColorFactor", *texture = "baseColorTexture";
-  if (const auto glossy = extension(source, "KHR_materials_pbrSpecularGlossiness")) {
-    colours = glossy;
-    factor = "diffuseFactor", texture = "diffuseTexture";
+  read_base_colour(source, result, material);
+  read_surface(
+      source, [&](const JsonView& info) { return place(info, result); }, material);
+  if (const auto gloss = extension(source, glossy); gloss && !source.find("pbrMetallicRoughness")) {
+    const std::optional<JsonView> factor = gloss->find("glossinessFactor");
+    material.metallic = 0;
+    material.roughness = factor ? static_cast<float>(std::clamp(1 - factor->number(), 0.0, 1.0)) : 0.0f;
   }
-  if (colours) {
-    const std::array<double, 4> colour = colours->numbers_or<4>(factor, {1, 1, 1, 1});
-    for (std::size_t i = 0; i < 4; ++i)
-      material.base_colour[i] = colour[i] > 0 ? static_cast<float>(std::min(colour[i], 1.0)) : 0.0f;
-    if (const std::optional<JsonView> info = colours->find(texture)) {
-      set_colour_texture(material, read_texture(*info));
-      read_uv_map(*info, result);
-    }
-  }
-  if (const std::optional<JsonView> info = source.find("normalTexture")) material.normal_map = read_texture(*info);
+  if (const std::optional<JsonView> extensions = source.find("extensions"))
+    for (const auto& [name, value] : extensions->json().items())
+      if (!name.starts_with("KHR_materials_")) ++left_out_["materials use " + name + ", which is left out"];
+  // This program writes such a material where there is none.
+  if (material == Material{} && !source.find("extras")) return result;
   result.index = static_cast<std::uint32_t>(mesh_->materials.size());
   mesh_->materials.push_back(std::move(material));
   return result;
 }
 
+void GltfMaterials::read_base_colour(const JsonView& source, const GltfMaterial& placement, Material& material) {
+  const BaseColour from = base_colour_of(source);
+  if (!from.source) return;
+  const std::array<double, 4> colour = from.source->numbers_or<4>(from.factor, {1, 1, 1, 1});
+  for (std::size_t i = 0; i < 4; ++i)
+    material.base_colour[i] = colour[i] > 0 ? static_cast<float>(std::min(colour[i], 1.0)) : 0.0f;
+  if (const std::optional<JsonView> info = from.source->find(from.texture))
+    set_colour_texture(material, place(*info, placement).texture);
+}
+
+PlacedTexture GltfMaterials::place(const JsonView& info, const GltfMaterial& placement) {
+  if ("TEXCOORD_" + std::to_string(uv_set_of(info)) != placement.uv_attribute) {
+    ++left_out_["textures use other texture coordinates than the first texture of their material and are left out"];
+    return {};
+  }
+  const UvTransform own = read_uv_transform(info);
+  const std::optional<UvTransform> transform =
+      placement.uv_map == map_of({}) ? own : after(placement.uv_map, map_of(own));
+  if (!transform) {
+    ++left_out_["textures are skewed against the first texture of their material and are left out"];
+    return {};
+  }
+  return {read_texture(info), *transform};
+}
+
+std::vector<std::string> GltfMaterials::notes() const {
+  std::vector<std::string> lines;
+  for (const auto& [what, count] : left_out_)
+    lines.push_back(describe(document_->file(), "", std::to_string(count) + " " + what));
+  return lines;
+}
+
 std::uint32_t GltfMaterials::read_texture(const JsonView& info) {
   const JsonView texture = document_->item("textures", info.at("index"));
-  TextureWraps wraps;
+  TextureSampler sampler;
   if (const std::optional<JsonView> reference = texture.find("sampler")) {
-    const JsonView sampler = document_->item("samplers", *reference);
-    wraps = {wrap_of(sampler.integer_or("wrapS", 10497)), wrap_of(sampler.integer_or("wrapT", 10497))};
+    const JsonView source = document_->item("samplers", *reference);
+    sampler = {wrap_of(source.integer_or("wrapS", 10497)), wrap_of(source.integer_or("wrapT", 10497)),
+               filter_of(source, "magFilter"), filter_of(source, "minFilter")};
   }
   // The plain image first, if there is one: more programs read it.
-  if (const std::optional<JsonView> source = texture.find("source")) return read_image(*source, wraps);
+  if (const std::optional<JsonView> source = texture.find("source")) return read_image(*source, sampler);
   for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"})
-    if (const std::optional<JsonView> other = extension(texture, name)) return read_image(other->at("source"), wraps);
+    if (const std::optional<JsonView> other = extension(texture, name)) return read_image(other->at("source"), sampler);
   return no_texture;
 }
 
-std::uint32_t GltfMaterials::read_image(const JsonView& reference, TextureWraps wraps) {
+std::uint32_t GltfMaterials::read_image(const JsonView& reference, const TextureSampler& sampler) {
   const JsonView image = document_->item("images", reference);
-  const auto [known, is_new] = images_.try_emplace({reference.integer(), wraps.u, wraps.v}, no_texture);
+  const auto [known, is_new] = images_.try_emplace({reference.integer(), sampler}, no_texture);
   if (!is_new) return known->second;
   std::string name = image.string_or("name", image.place());
   if (const std::optional<JsonView> view = image.find("bufferView")) {
     const std::span<const char> bytes = document_->view(*view).bytes;
-    known->second = textures_.add_bytes(name, image.place(), {bytes.begin(), bytes.end()}, wraps);
+    known->second = textures_.add_bytes(name, image.place(), {bytes.begin(), bytes.end()}, sampler);
   } else if (const std::string& uri = image.at("uri").string(); is_data_uri(uri)) {
-    known->second = textures_.add_bytes(name, image.place(), decode_data_uri(uri).value_or(std::vector<char>{}), wraps);
+    known->second =
+        textures_.add_bytes(name, image.place(), decode_data_uri(uri).value_or(std::vector<char>{}), sampler);
   } else {
-    known->second = textures_.add_file(percent_decoded(uri), image.place(), wraps);
+    known->second = textures_.add_file(percent_decoded(uri), image.place(), sampler);
   }
   return known->second;
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/formats/common/companion_files.h"
 #include "core/formats/gltf/gltf_document.h"
@@ -14,12 +15,15 @@
 
 namespace lodestone {
 
-// A material with the texture coordinates that its base colour uses.
+// (u, v) -> (a u + b v + x, c u + d v + y), in the order a, b, c, d, x, y.
+using UvMap = std::array<double, 6>;
+
+// A material with the texture coordinates that its textures use: those of its first texture, base colour before the
+// others.
 struct GltfMaterial {
-  std::uint32_t index = no_material;  // in mesh.materials
+  std::uint32_t index = no_material;  // in mesh.materials; a material that says nothing is none
   std::string uv_attribute = "TEXCOORD_0";
-  // KHR_texture_transform: (u, v) -> (a u + b v + x, c u + d v + y).
-  std::array<double, 6> uv_map{1, 0, 0, 1, 0, 0};  // a, b, c, d, x, y
+  UvMap uv_map{1, 0, 0, 1, 0, 0};  // KHR_texture_transform of that texture
   [[nodiscard]] Vec2f map(double u, double v) const;
 };
 
@@ -34,16 +38,21 @@ class GltfMaterials {
   [[nodiscard]] const GltfMaterial& use(const JsonView& reference);
   // The texture that a textureInfo names, added to the mesh; no_texture if there is no image.
   [[nodiscard]] std::uint32_t read_texture(const JsonView& info);
+  // One line for each feature of the materials in use that was left out.
+  [[nodiscard]] std::vector<std::string> notes() const;
 
  private:
   GltfMaterial read(const JsonView& source);
-  std::uint32_t read_image(const JsonView& reference, TextureWraps wraps);
+  void read_base_colour(const JsonView& source, const GltfMaterial& placement, Material& material);
+  PlacedTexture place(const JsonView& info, const GltfMaterial& placement);
+  std::uint32_t read_image(const JsonView& reference, const TextureSampler& sampler);
 
   GltfDocument* document_;
   RawMesh* mesh_;
   TextureSet textures_;
   std::map<std::uint64_t, GltfMaterial> used_;
-  std::map<std::tuple<std::uint64_t, TextureWrap, TextureWrap>, std::uint32_t> images_;
+  std::map<std::pair<std::uint64_t, TextureSampler>, std::uint32_t> images_;
+  std::map<std::string, std::uint64_t> left_out_;  // by what is said of them: number of textures or materials
 };
 
 }  // namespace lodestone

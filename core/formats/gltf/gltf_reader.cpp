@@ -1,7 +1,5 @@
-// Reader of glTF: the nodes of a scene and their triangles, primitive by primitive.
+// Reader of glTF: the triangles of the meshes that a scene shows, primitive by primitive.
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,6 +11,7 @@
 #include "core/formats/gltf/gltf_accessor.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"
+#include "core/formats/gltf/gltf_nodes.h"
 #include "core/formats/plain/draco.h"
 #include "core/mesh/raw_mesh.h"
 
@@ -21,109 +20,12 @@ namespace {
 
 constexpr const char* damaged = "the file is damaged";
 
-struct GltfMeshNode {
-  std::size_t node = 0;  // index in "nodes"; it has a mesh
-  Affine3d map;          // from the mesh to the scene
-};
-
-// Columns of the rotation by a quaternion (x, y, z, w), whatever its length.
-std::array<Vec3d, 3> rotation_axes(const JsonView& node, const std::array<double, 4>& q) {
-  const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  if (!(square > 0) || !std::isfinite(square)) node.fail("the rotation is not a valid quaternion");
-  const double x = q[0], y = q[1], z = q[2], w = q[3], s = 2 / square;
-  return {Vec3d{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
-          Vec3d{s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
-          Vec3d{s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)}};
-}
-
-Affine3d map_of(const JsonView& node) {
-  if (const std::optional<JsonView> matrix = node.find("matrix")) return affine_of(*matrix);
-  const auto t = node.numbers_or<3>("translation", {0, 0, 0});
-  const auto s = node.numbers_or<3>("scale", {1, 1, 1});
-  Affine3d map{rotation_axes(node, node.numbers_or<4>("rotation", {0, 0, 0, 1})), {t[0], t[1], t[2]}};
-  for (std::size_t i = 0; i < 3; ++i) map.axes[i] = s[i] * map.axes[i];
-  return map;
-}
-
-// Values that hold the indices of the root nodes of the default scene.
-std::vector<JsonView> scene_roots(const GltfDocument& document) {
-  const JsonView root = document.root();
-  std::vector<JsonView> roots;
-  const std::optional<JsonView> scenes = root.find("scenes");
-  if (!scenes || scenes->size() == 0) return roots;
-  const std::optional<JsonView> chosen = root.find("scene");
-  const JsonView scene = chosen ? document.item("scenes", *chosen) : scenes->at(std::size_t{0});
-  if (const std::optional<JsonView> nodes = scene.find("nodes"))
-    for (std::size_t i = 0; i < nodes->size(); ++i) roots.push_back(nodes->at(i));
-  return roots;
-}
-
-// A node to be visited.
-struct Pending {
-  std::size_t node;
-  Affine3d parent;
-  std::string place;  // of the reference to it
-};
-
-std::vector<Pending> first_nodes(const GltfDocument& document, const JsonView& nodes) {
-  std::vector<Pending> pending;
-  if (const auto scenes = document.root().find("scenes"); scenes && scenes->size() > 0) {
-    for (const JsonView& reference : scene_roots(document)) {
-      (void)document.item("nodes", reference);
-      pending.push_back({static_cast<std::size_t>(reference.integer()), {}, reference.place()});
-    }
-    return pending;
-  }
-  std::vector<bool> is_child(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const std::optional<JsonView> children = nodes.at(i).find("children");
-    for (std::size_t k = 0; children && k < children->size(); ++k) {
-      (void)document.item("nodes", children->at(k));
-      is_child[static_cast<std::size_t>(children->at(k).integer())] = true;
-    }
-  }
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (!is_child[i]) pending.push_back({i, {}, nodes.at(i).place()});
-  return pending;
-}
-
-// The nodes with meshes below the default scene (the first one if none is named; without scenes, below every node that
-// is not a child), parents before children, in file order. Throws InputError for a node that is met twice, since the
-// nodes would not form a tree and might contain a cycle.
-std::vector<GltfMeshNode> list_mesh_nodes(const GltfDocument& document) {
-  const std::optional<JsonView> nodes = document.root().find("nodes");
-  std::vector<GltfMeshNode> found;
-  if (!nodes) return found;
-  std::vector<bool> seen(nodes->size());
-  // An explicit stack, since a chain of nodes may be as long as the file.
-  std::vector<Pending> stack = first_nodes(document, *nodes);
-  std::reverse(stack.begin(), stack.end());
-  while (!stack.empty()) {
-    const Pending next = std::move(stack.back());
-    stack.pop_back();
-    const JsonView node = nodes->at(next.node);
-    if (seen[next.node])
-      JsonView(node.json(), document.file(), next.place)
-          .fail("refers to " + node.place() + ", which has another parent", "the nodes of a scene have to form a tree");
-    seen[next.node] = true;
-    const Affine3d map = next.parent * map_of(node);
-    if (node.find("mesh")) found.push_back({next.node, map});
-    const std::optional<JsonView> children = node.find("children");
-    for (std::size_t i = children ? children->size() : 0; i-- > 0;) {
-      (void)document.item("nodes", children->at(i));
-      stack.push_back({static_cast<std::size_t>(children->at(i).integer()), map, children->at(i).place()});
-    }
-  }
-  return found;
-}
-
 // A primitive and the source of its attributes: accessors, or a Draco mesh.
 class Primitive {
  public:
   Primitive(GltfDocument& document, const JsonView& json)
       : document_(&document), json_(json), attributes_(json.at("attributes")) {
-    const std::optional<JsonView> extensions = json.find("extensions");
-    const auto packed = extensions ? extensions->find("KHR_draco_mesh_compression") : std::nullopt;
+    const std::optional<JsonView> packed = extension(json, "KHR_draco_mesh_compression");
     if (!packed) return;
     draco_ids_ = packed->at("attributes");
     const GltfView view = document.view(packed->at("bufferView"));
@@ -242,6 +144,8 @@ class GltfReader {
     if (left_out_ > 0) warn(std::to_string(left_out_) + " primitives of points or lines are left out");
     if (deformed_ > 0)
       warn(std::to_string(deformed_) + " nodes with a skin or morph targets are read in their pose at rest");
+    for (std::string& note : materials_.notes()) mesh_.warnings.push_back(std::move(note));
+    name_other_features();
     return std::move(mesh_);
   }
 
@@ -252,6 +156,21 @@ class GltfReader {
     GltfMaterial material;
     RawMesh mesh;
   };
+
+  // Names parts of the file that are not surfaces.
+  void name_other_features() {
+    const JsonView root = document_.root();
+    const auto name = [&](const JsonView& from, const char* key, const char* what) {
+      const std::optional<JsonView> items = from.find(key);
+      if (items && items->json().is_array() && !items->json().empty())
+        warn(std::to_string(items->size()) + " " + what + " are left out");
+    };
+    name(root, "animations", "animations");
+    name(root, "cameras", "cameras");
+    if (const auto lights = extension(root, "KHR_lights_punctual")) name(*lights, "lights", "lights");
+    if (const auto variants = extension(root, "KHR_materials_variants"))
+      name(*variants, "variants", "variants of materials");
+  }
 
   void read_node(const GltfMeshNode& at) {
     const JsonView node = document_.root().at("nodes").at(at.node);
@@ -268,10 +187,13 @@ class GltfReader {
       }
     }
     deformed_ += deformed;
-    for (Part& part : parts) {
-      transform_mesh(part.mesh, at.map);
-      append_mesh(mesh_, std::move(part.mesh), document_.file());
-    }
+    const std::vector<Affine3d> instances = instances_of(document_, node);
+    for (Part& part : parts)
+      for (std::size_t k = 0; k < instances.size(); ++k) {
+        RawMesh copy = k + 1 < instances.size() ? part.mesh : std::move(part.mesh);
+        transform_mesh(copy, at.map * instances[k]);
+        append_mesh(mesh_, std::move(copy), document_.file());
+      }
   }
 
   void read_primitive(const JsonView& json, std::vector<Part>& parts) {

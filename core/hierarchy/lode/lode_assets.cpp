@@ -4,10 +4,14 @@
 #include <cstring>
 #include <string>
 
+#include "core/base/error.h"
+#include "core/formats/gltf/gltf_surface.h"
 #include "core/hierarchy/lode/lode_format.h"
 
 namespace lodestone {
 namespace {
+
+using nlohmann::json;
 
 // Both archives are called with the fields of a record in order: one writes them, the other reads them.
 class Writer {
@@ -117,7 +121,44 @@ void put_all(Writer& writer, const std::vector<T>& items, const Visit& visit) {
   for (const T& item : items) visit(writer, item);
 }
 
+// A material with the fields of its record alone.
+Material recorded(const Material& m) {
+  return {.name = m.name, .base_colour = m.base_colour, .texture = m.texture, .normal_map = m.normal_map};
+}
+
+json surfaces_of(const Hierarchy& hierarchy) {
+  json materials = json::array(), samplers = json::array();
+  for (const Material& m : hierarchy.materials) materials.push_back(surface_json(m, hierarchy.textures.size()));
+  for (const Texture& t : hierarchy.textures)
+    samplers.push_back({{"magFilter", t.mag_filter}, {"minFilter", t.min_filter}});
+  return {{"materials", std::move(materials)}, {"samplers", std::move(samplers)}};
+}
+
+// Throws InputError.
+void read_surfaces(const JsonView& source, Hierarchy& hierarchy) {
+  const JsonView materials = source.at("materials"), samplers = source.at("samplers");
+  if (materials.size() != hierarchy.materials.size() || samplers.size() != hierarchy.textures.size())
+    source.fail("other numbers of materials and textures");
+  const ReadTexture texture = textures_of_mesh(hierarchy.textures.size());
+  for (std::size_t k = 0; k < materials.size(); ++k) read_surface(materials.at(k), texture, hierarchy.materials[k]);
+  for (std::size_t k = 0; k < samplers.size(); ++k) {
+    const auto filter = [&](const char* key) {
+      const std::uint64_t number = samplers.at(k).at(key).integer();
+      if (number > 0xffff) samplers.at(k).fail("unknown filter");
+      return static_cast<std::uint16_t>(number);
+    };
+    hierarchy.textures[k].mag_filter = filter("magFilter");
+    hierarchy.textures[k].min_filter = filter("minFilter");
+  }
+}
+
 }  // namespace
+
+bool has_surfaces(const Hierarchy& hierarchy) {
+  return std::ranges::any_of(hierarchy.materials, [](const Material& m) { return m != recorded(m); }) ||
+         std::ranges::any_of(hierarchy.textures,
+                             [](const Texture& t) { return t.mag_filter != 0 || t.min_filter != 0; });
+}
 
 std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
   if (hierarchy.materials.empty() && hierarchy.textures.empty()) return {};
@@ -125,22 +166,38 @@ std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
   put_all(writer, hierarchy.materials, each_material);
   put_all(writer, hierarchy.textures, each_texture);
   if (!hierarchy.texture_copies.empty()) put_all(writer, hierarchy.texture_copies, each_copy);
+  if (has_surfaces(hierarchy)) {
+    const std::string text = surfaces_of(hierarchy).dump(-1, ' ', false, json::error_handler_t::replace);
+    writer(std::vector<char>(text.begin(), text.end()));
+  }
   return std::move(writer.bytes);
 }
 
-const char* decode_assets(std::span<const std::byte> bytes, bool has_copies, Hierarchy& hierarchy) {
-  if (bytes.empty()) return has_copies ? "there are copies of textures, but no textures" : nullptr;
+const char* decode_assets(std::span<const std::byte> bytes, std::uint16_t features, Hierarchy& hierarchy) {
+  const bool has_copies = features & lode_texture_copies;
+  if (bytes.empty())
+    return has_copies || features & lode_surfaces ? "there are copies of textures or surfaces, but no textures"
+                                                  : nullptr;
   Reader reader(bytes);
   if (!take_all(reader, hierarchy.materials, each_material)) return "the materials are invalid";
   if (!take_all(reader, hierarchy.textures, each_texture)) return "the textures are invalid";
   if (has_copies && (!take_all(reader, hierarchy.texture_copies, each_copy) ||
                      !in_order(hierarchy.texture_copies, hierarchy.textures.size())))
     return "the copies of textures are invalid";
+  std::vector<char> surfaces;
+  if (features & lode_surfaces && !reader(surfaces)) return "the surfaces are invalid";
   if (reader.left() != 0) return "there are bytes after the materials and textures";
   for (const Material& m : hierarchy.materials)
     for (const std::uint32_t texture : {m.texture, m.normal_map})
       if (texture != no_texture && texture >= hierarchy.textures.size())
         return "the texture of a material does not exist";
+  if (features & lode_surfaces) try {
+      const std::string file;
+      const json root = parse_json(surfaces, file);
+      read_surfaces({root, file}, hierarchy);
+    } catch (const InputError&) {
+      return "the surfaces are invalid";
+    }
   return nullptr;
 }
 

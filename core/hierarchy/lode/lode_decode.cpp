@@ -199,7 +199,7 @@ void LodeReader::take_assets(const LodeHeader& header) {
   const std::span<const std::byte> assets = bytes_.subspan(payload_end_);
   if (checksum(assets) != header.asset_checksum)
     refuse(file_, "materials and textures", "the checksum does not match: the file was altered");
-  if (const char* fault = decode_assets(assets, header.features & lode_texture_copies, hierarchy_))
+  if (const char* fault = decode_assets(assets, header.features, hierarchy_))
     refuse(file_, "materials and textures", fault);
 }
 

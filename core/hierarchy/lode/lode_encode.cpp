@@ -23,11 +23,11 @@ std::byte* put(std::byte* to, std::span<const T> items) {
 std::uint16_t features_of(const Hierarchy& hierarchy, LodeForm form) {
   const AttributeSet& a = hierarchy.attributes;
   const Provenance& p = hierarchy.provenance;
-  return static_cast<std::uint16_t>((form == LodeForm::compressed ? lode_compressed : 0) |
-                                    (a.wedges ? lode_wedges : 0) | (a.uv ? lode_uv : 0) |
-                                    (a.colours ? lode_colours : 0) | (a.materials ? lode_materials : 0) |
-                                    (p.measured_errors ? lode_measured_errors : 0) | (p.refined ? lode_refined : 0) |
-                                    (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies));
+  return static_cast<std::uint16_t>(
+      (form == LodeForm::compressed ? lode_compressed : 0) | (a.wedges ? lode_wedges : 0) | (a.uv ? lode_uv : 0) |
+      (a.colours ? lode_colours : 0) | (a.materials ? lode_materials : 0) |
+      (p.measured_errors ? lode_measured_errors : 0) | (p.refined ? lode_refined : 0) |
+      (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies) | (has_surfaces(hierarchy) ? lode_surfaces : 0));
 }
 
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {

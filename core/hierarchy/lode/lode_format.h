@@ -47,7 +47,8 @@ enum LodeFeatures : std::uint16_t {
   lode_measured_errors = 32,  // Provenance::measured_errors
   lode_refined = 64,          // Provenance::refined
   lode_texture_copies = 128,  // Hierarchy::texture_copies
-  lode_known_features = 255,
+  lode_surfaces = 256,        // the assets have an object of surfaces
+  lode_known_features = 511,
 };
 
 struct LodeHeader {
@@ -139,17 +140,23 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 
 // Materials and textures, the last section of the file:
 //
-//   u32 materials | material x n | u32 textures | texture x n [| u32 copies | copy x n]
+//   u32 materials | material x n | u32 textures | texture x n [| u32 copies | copy x n] [| u64 bytes | surfaces]
 //   material: string name, 4 floats of base colour, u32 texture, u32 normal map
 //   texture: string name, string media type, u8 wrap in u and v, u16 zero, u64 bytes, the bytes
 //   copy of a texture: u32 texture, u32 halvings, u32 width and height, u64 bytes, the bytes; by texture, then 1, 2,
 //   ... halvings; only in files with the feature lode_texture_copies
 //   string: u32 bytes, the bytes
+//   surfaces: what materials and textures say beyond these records, in JSON: {"materials": one object for each, as in
+//   glTF (core/formats/gltf/gltf_surface.h), "samplers": one for each texture}; only in files with the feature
+//   lode_surfaces, which those have whose materials or textures differ from the defaults of Material and Texture
 //
 // Empty when there is neither.
 [[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy);
-// Returns the fault of the bytes, nullptr if there is none. Empty bytes mean neither materials nor textures.
-[[nodiscard]] const char* decode_assets(std::span<const std::byte> bytes, bool has_copies, Hierarchy& hierarchy);
+// True if the assets of the hierarchy have an object of surfaces.
+[[nodiscard]] bool has_surfaces(const Hierarchy& hierarchy);
+// Returns the fault of the bytes, nullptr if there is none. Empty bytes mean neither materials nor textures. Of the
+// features those that concern assets count.
+[[nodiscard]] const char* decode_assets(std::span<const std::byte> bytes, std::uint16_t features, Hierarchy& hierarchy);
 
 // A file that is being opened: its tables as a hierarchy. Payloads are views of `bytes`, or of memory that check()
 // decompresses into, as large as the plain payloads. `bytes` starts 16-byte aligned and lives as long as `storage`.

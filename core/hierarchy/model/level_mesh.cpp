@@ -29,13 +29,16 @@ void append_attributes(const Hierarchy& hierarchy, const Cell& cell, std::uint32
   if (hierarchy.attributes.colours) out.colour.push_back(cell.attributes.colours[v]);
 }
 
+// Colours and normals go before what is only carried.
 PixelMeaning meaning_of(const Hierarchy& hierarchy, std::uint32_t texture) {
-  bool colours = false, normals = false;
+  bool colours = false, normals = false, values = false;
   for (const Material& m : hierarchy.materials) {
-    colours = colours || m.texture == texture;
+    colours = colours || m.texture == texture || m.emissive_map.texture == texture;
     normals = normals || m.normal_map == texture;
+    for_each_texture(m, [&](std::uint32_t used) { values = values || used == texture; });
   }
-  return normals && !colours ? PixelMeaning::normals : PixelMeaning::colours;
+  if (colours || !values) return PixelMeaning::colours;
+  return normals ? PixelMeaning::normals : PixelMeaning::values;
 }
 
 }  // namespace

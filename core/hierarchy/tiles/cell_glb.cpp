@@ -120,10 +120,10 @@ class CellEncoder {
     };
     for (const std::uint32_t m : materials_) {
       Material material = hierarchy_.materials[m];
-      material.texture = local(material.texture);
-      material.normal_map = local(material.normal_map);
+      for_each_texture(material, [&](std::uint32_t& texture) { texture = local(texture); });
       glb_.add_material(material, textures.size());
     }
+    glb_.complete_materials();
   }
 
   const Hierarchy& hierarchy_;

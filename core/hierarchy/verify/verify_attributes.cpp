@@ -1,5 +1,6 @@
 // Checks of attributes: wedges and their materials, and the copies of textures that coarser levels show, as far as they
 // follow from the pixels alone, by means over them.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
@@ -54,13 +55,20 @@ bool same_direction(const Means& a, const Means& b) {
   return length(a.vector) < clear_mean || (size > 0 && dot(a.vector, b.vector) > 0.98 * size);
 }
 
-bool is_normal_map(const Hierarchy& hierarchy, std::uint32_t texture) {
-  bool normals = false;
+// For numbers that are averaged as they are.
+bool same_values(const Means& a, const Means& b) { return length(a.vector - b.vector) <= 4 * mean_tolerance; }
+
+// Compares means by what the texture is to the materials: colours before normals, normals before anything else.
+bool same_means(const Hierarchy& hierarchy, std::uint32_t texture, const Means& a, const Means& b) {
+  bool normals = false, values = false;
   for (const Material& m : hierarchy.materials) {
-    if (m.texture == texture) return false;
-    normals = normals || m.normal_map == texture;
+    if (m.texture == texture || m.emissive_map.texture == texture) return same_light(a, b);
+    normals |= m.normal_map == texture;
+    values |= m.metallic_roughness.texture == texture || m.occlusion.texture == texture ||
+              std::ranges::count(m.extension_textures, texture) > 0;
   }
-  return normals;
+  if (normals) return same_direction(a, b);
+  return values ? same_values(a, b) : same_light(a, b);
 }
 
 void require_attributes(const Hierarchy& hierarchy, int level, Finding& wedges) {
@@ -127,9 +135,8 @@ void check_textures(const Hierarchy& hierarchy, Finding& textures) {
                        [&] { return name + ": not half the size"; });
       before = image.size;
       const Means means = means_of(image);
-      textures.require(
-          is_normal_map(hierarchy, copy.texture) ? same_direction(original, means) : same_light(original, means),
-          [&] { return name + ": the mean of its pixels is not that of the texture"; });
+      textures.require(same_means(hierarchy, copy.texture, original, means),
+                       [&] { return name + ": the mean of its pixels is not that of the texture"; });
     } catch (const Error& error) {
       textures.fail([&] { return name + ": " + error.what(); });
     }

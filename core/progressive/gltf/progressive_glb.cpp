@@ -112,6 +112,7 @@ std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool 
   add_primitives(glb, mesh, add_vertices(glb, mesh));
   for (const Material& m : mesh.wedges.materials) glb.add_material(m, mesh.wedges.textures.size());
   add_extras(glb, mesh);
+  glb.complete_materials();
   add_textures(glb, mesh.wedges.textures, thumbnails);
   return compressed ? glb.finish_compressed() : glb.finish();
 }

@@ -131,7 +131,7 @@ LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const L
   h.object_normals = mesh.object_normals;
   h.geometry_images = mesh.geometry_images;
   h.octahedral = mesh.octahedral;
-  for (const Texture& t : wedges.textures) h.textures.push_back({t.name, t.media_type, t.wrap_u, t.wrap_v, {}});
+  for (const Texture& t : wedges.textures) h.textures.push_back({t.name, t.media_type, t.wrap_u, t.wrap_v, {}, t.mag_filter, t.min_filter});
   for (const Texture& t : thumbnails) h.thumbnails.push_back(t.bytes.empty() ? "" : t.media_type);
   if (wedges.uv.empty()) return h;
   Vec2f lo = wedges.uv.front(), hi = lo;

@@ -1,6 +1,7 @@
 #include "core/progressive/lpm/lpm_format.h"
 
 #include "core/base/error.h"
+#include "core/formats/gltf/gltf_surface.h"
 
 namespace lodestone::progressive {
 namespace {
@@ -24,6 +25,11 @@ TextureWrap read_wrap(const JsonView& place) {
   place.fail("unknown texture wrap");
 }
 
+std::uint16_t read_filter(const JsonView& place) {
+  if (place.integer() > 0xffff) place.fail("unknown filter");
+  return static_cast<std::uint16_t>(place.integer());
+}
+
 std::uint32_t bits_of(const JsonView& place) {
   const std::uint64_t bits = place.integer();
   if (bits < 4 || bits > 20) place.fail("is not between 4 and 20");
@@ -43,7 +49,8 @@ json to_json(const LpmHeader& h) {
     materials.push_back({{"name", m.name},
                          {"colour", m.base_colour},
                          {"texture", texture_index(m.texture)},
-                         {"normalMap", texture_index(m.normal_map)}});
+                         {"normalMap", texture_index(m.normal_map)},
+                         {"surface", surface_json(m, h.textures.size())}});
   for (std::size_t m = 0; m < h.object_normals.size(); ++m)
     materials[m]["objectNormals"] = texture_index(h.object_normals[m]);
   for (std::size_t m = 0; m < h.geometry_images.size(); ++m)
@@ -51,11 +58,13 @@ json to_json(const LpmHeader& h) {
       materials[m]["geometryImage"] = {{"texture", image.texture},
                                        {"origin", {image.origin.x, image.origin.y, image.origin.z}},
                                        {"step", image.step}};
-  for (const Texture& t : h.textures)
+  for (const Texture& t : h.textures) {
     textures.push_back(
         {{"name", t.name},
          {"type", t.media_type},
          {"wrap", {wraps[static_cast<std::size_t>(t.wrap_u)], wraps[static_cast<std::size_t>(t.wrap_v)]}}});
+    if (t.mag_filter != 0 || t.min_filter != 0) textures.back()["filters"] = {t.mag_filter, t.min_filter};
+  }
   for (std::size_t k = 0; k < h.thumbnails.size(); ++k)
     if (!h.thumbnails[k].empty()) textures[k]["thumbnail"] = h.thumbnails[k];
   json header{{"version", h.thumbnails.empty() ? 1 : 2},
@@ -103,6 +112,10 @@ LpmHeader read_header(const JsonView& json) {
                           read_wrap(wrap.at(std::size_t{0})),
                           read_wrap(wrap.at(std::size_t{1})),
                           {}});
+    if (const auto filters = t.find("filters")) {
+      h.textures.back().mag_filter = read_filter(filters->at(std::size_t{0}));
+      h.textures.back().min_filter = read_filter(filters->at(std::size_t{1}));
+    }
     h.thumbnails.push_back(t.string_or("thumbnail", ""));
   }
   for (std::size_t k = 0; k < materials.size(); ++k) {
@@ -112,6 +125,7 @@ LpmHeader read_header(const JsonView& json) {
     for (std::size_t i = 0; i < 4; ++i) material.base_colour[i] = static_cast<float>(colour[i]);
     material.texture = read_index(m, "texture", h.textures.size());
     material.normal_map = read_index(m, "normalMap", h.textures.size());
+    if (const auto surface = m.find("surface")) read_surface(*surface, textures_of_mesh(h.textures.size()), material);
     if (m.find("objectNormals")) {
       h.object_normals.resize(k + 1, no_texture);
       h.object_normals[k] = read_index(m, "objectNormals", h.textures.size());

@@ -61,7 +61,8 @@ export class Glb {
       const texture = t && this.json.textures[t.index];
       return texture === undefined ? null : texture.source ?? texture.extensions?.EXT_texture_webp?.source ?? null;
     };
-    return {name: m.name ?? '', colour: m.pbrMetallicRoughness?.baseColorFactor ?? [1, 1, 1, 1],
+    // Without a colour it stands for no material.
+    return {name: m.name ?? '', colour: m.pbrMetallicRoughness?.baseColorFactor ?? [0.8, 0.8, 0.78, 1],
             texture: source(m.pbrMetallicRoughness?.baseColorTexture), normalMap: source(m.normalTexture),
             objectNormals: source(m.extras?.objectNormalTexture)};
   }

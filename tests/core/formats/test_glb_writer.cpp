@@ -67,7 +67,9 @@ TEST(GlbWriter, FarFromTheOriginLosesNothing) {
   EXPECT_EQ(glb.root["accessors"][0]["max"], json({0.5, 0.5, 0.0}));
   const json& primitive = glb.root["meshes"][0]["primitives"][0];
   EXPECT_EQ(glb.values<std::uint32_t>(primitive["indices"]), (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
-  EXPECT_FALSE(glb.root.contains("materials"));
+  EXPECT_EQ(glb.root["materials"].size(), 1u);
+  EXPECT_EQ(glb.root["materials"][0]["pbrMetallicRoughness"]["metallicFactor"], 0);
+  EXPECT_EQ(primitive["material"], 0);
 }
 
 TEST(GlbWriter, CarriesAttributesMaterialsAndTextures) {

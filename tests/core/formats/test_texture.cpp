@@ -61,9 +61,10 @@ std::vector<double> numbers_of(const PixelImage& image, PixelMeaning meaning) {
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     const double unit = image.pixels[i] / 255.0;
     const double alpha = n == 4 ? image.pixels[i / 4 * 4 + 3] / 255.0 : 1;
-    numbers.push_back(meaning == PixelMeaning::normals ? 2 * unit - 1
-                      : n == 4 && i % 4 == 3           ? unit
-                                                       : alpha * srgb_to_linear(unit));
+    numbers.push_back(meaning == PixelMeaning::normals  ? 2 * unit - 1
+                      : meaning == PixelMeaning::values ? unit
+                      : n == 4 && i % 4 == 3            ? unit
+                                                        : alpha * srgb_to_linear(unit));
   }
   return numbers;
 }
@@ -75,7 +76,9 @@ std::vector<double> bytes_of(const std::vector<double>& pixel, PixelMeaning mean
   for (std::size_t c = 0; c < std::min<std::size_t>(pixel.size(), 3); ++c) square += pixel[c] * pixel[c];
   const double alpha = pixel.size() == 4 ? pixel[3] : 1;
   for (std::size_t c = 0; c < pixel.size(); ++c) {
-    if (meaning == PixelMeaning::normals) {
+    if (meaning == PixelMeaning::values) {
+      bytes.push_back(255 * pixel[c]);
+    } else if (meaning == PixelMeaning::normals) {
       const double scale = c < 3 && pixel.size() >= 3 && square > 0 ? 1 / std::sqrt(square) : 1;
       bytes.push_back(255 * (0.5 + 0.5 * scale * pixel[c]));
     } else {
@@ -86,7 +89,7 @@ std::vector<double> bytes_of(const std::vector<double>& pixel, PixelMeaning mean
 }
 
 TEST(Downsample, IsTheMeanOverEachPixelsShare) {
-  for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals})
+  for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals, PixelMeaning::values})
     for (const std::uint32_t channels : {1u, 3u, 4u})
       for (const PixelSize size :
            {PixelSize{8, 6}, {7, 6}, {8, 5}, {9, 11}, {1, 7}, {6, 1}, {1, 1}, {2, 2}, {3, 3}, {31, 2}}) {
@@ -116,7 +119,7 @@ TEST(Downsample, IsTheMeanOverEachPixelsShare) {
 TEST(Downsample, OfPixelsIsThatOfTheirNumbers) {
   for (const std::uint32_t channels : {1u, 3u, 4u})
     for (const PixelSize size : {PixelSize{1, 1}, PixelSize{2, 2}, PixelSize{7, 4}, PixelSize{6, 5}, PixelSize{1, 9}})
-      for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals}) {
+      for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals, PixelMeaning::values}) {
         PixelImage image{.size = size, .channels = channels, .pixels = {}};
         for (std::size_t i = 0; i < std::size_t{size.width} * size.height * channels; ++i)
           image.pixels.push_back(static_cast<std::uint8_t>(91 * i + 5));
@@ -127,7 +130,7 @@ TEST(Downsample, OfPixelsIsThatOfTheirNumbers) {
 }
 
 TEST(Downsample, BytesComeBack) {
-  for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals}) {
+  for (const PixelMeaning meaning : {PixelMeaning::colours, PixelMeaning::normals, PixelMeaning::values}) {
     PixelImage grey{.size = {256, 1}, .channels = 1, .pixels = {}};
     for (int i = 0; i < 256; ++i) grey.pixels.push_back(static_cast<std::uint8_t>(i));
     EXPECT_EQ(to_pixels(to_linear(grey, meaning), meaning), grey);
@@ -336,7 +339,7 @@ TEST(LodeAssets, CopiesComeBackInOrderOrNotAtAll) {
   h.texture_copies = {{0, 1, 8, 8, {'1'}}, {0, 2, 4, 4, {'2'}}, {1, 1, 9, 9, {}}};
   const auto fault = [](const Hierarchy& from, bool has_copies) {
     Hierarchy to;
-    const char* what = decode_assets(encode_assets(from), has_copies, to);
+    const char* what = decode_assets(encode_assets(from), has_copies ? lode_texture_copies : 0, to);
     if (what == nullptr) {
       EXPECT_EQ(to.texture_copies, from.texture_copies);
     }

@@ -36,9 +36,12 @@ namespace lodestone {
   if (!w.material.empty() && w.material.size() != mesh.triangles.size()) return "materials of some triangles only";
   for (const std::uint32_t material : w.material)
     if (material != no_material && material >= mesh.materials.size()) return "a material out of range";
+  bool textures_exist = true;
   for (const Material& material : mesh.materials)
-    for (const std::uint32_t texture : {material.texture, material.normal_map})
-      if (texture != no_texture && texture >= mesh.textures.size()) return "a texture out of range";
+    for_each_texture(material, [&](std::uint32_t texture) {
+      textures_exist &= texture == no_texture || texture < mesh.textures.size();
+    });
+  if (!textures_exist) return "a texture out of range";
   for (const Material& material : mesh.materials)
     for (const float c : material.base_colour)
       if (!(c >= 0 && c <= 1)) return "a base colour out of range";

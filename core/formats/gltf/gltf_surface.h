@@ -1,0 +1,34 @@
+// The material of a surface as an object of glTF, for every file that holds one: .gltf, .glb, .lode, .lpm.
+#pragma once
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/files/json_view.h"
+#include "core/mesh/material.h"
+
+namespace lodestone {
+
+// The texture that a textureInfo names and its place on the mesh; no_texture to leave it out.
+using ReadTexture = std::function<PlacedTexture(const JsonView& info)>;
+// The same where indices are those of the mesh, `count` of them, as surface_json() writes them. Throws InputError for
+// others.
+[[nodiscard]] ReadTexture textures_of_mesh(std::size_t count);
+
+// All of the material except its name, base colour and the textures of colour and normals. Numbers of textures are
+// those of the mesh; textures that are not below texture_count are left out.
+[[nodiscard]] nlohmann::json surface_json(const Material& material, std::size_t texture_count);
+// The inverse; members that are missing have the defaults of glTF, in which a surface is metallic. Throws InputError
+// for values of another kind.
+void read_surface(const JsonView& source, const ReadTexture& read_texture, Material& material);
+
+// KHR_texture_transform of a textureInfo; the default without one.
+[[nodiscard]] UvTransform read_uv_transform(const JsonView& info);
+// A textureInfo.
+[[nodiscard]] nlohmann::json texture_info(const PlacedTexture& texture);
+
+// Adds to `names` the extensions that a material uses.
+void list_extensions(const nlohmann::json& material, nlohmann::json& names);
+
+}  // namespace lodestone
