@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/mesh/generate.h"
+#include "core/texture/image_codec.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/build.h"
 #include "parallel/hierarchy/save_tiles.h"
@@ -172,6 +173,32 @@ TEST_F(SaveTiles, ErrorsCoverThoseOfCoarseTextures) {
     larger += textured[c] > plain[c];
   }
   EXPECT_GT(larger, 0u);
+}
+
+// A flat surface loses nothing of its shape; every inner tile has an error nevertheless, which its texture gives.
+TEST_F(SaveTiles, FlatTexturedTilesHaveErrors) {
+  RawMesh raw = generate_mesh({Shape::terrain, 6000, 3});
+  for (Vec3d& p : raw.positions) {
+    raw.wedges.uv.push_back({static_cast<float>(p.x), static_cast<float>(p.y)});
+    p.z = 0;
+  }
+  raw.wedges.material.assign(raw.triangles.size(), 0);
+  const PixelImage image{.size = {400, 100}, .channels = 1, .pixels = std::vector<std::uint8_t>(40000)};
+  raw.textures = {{.name = "t", .media_type = "image/png", .bytes = encode_image(image, "image/png")}};
+  for (std::uint32_t Material::*use : {&Material::texture, &Material::normal_map}) {
+    RawMesh copy = raw;
+    copy.materials = {{.name = "m"}};
+    copy.materials[0].*use = 0;
+    const Hierarchy h = built(std::move(copy), *scheduler_);
+    std::size_t flat = 0;
+    for (CellId c{0}; c < h.cells.size(); ++c) {
+      const bool leaf = h.level_of(c) == h.finest();
+      const double own = h.transform.scale * double{h.cells[c].error}, texel = std::sqrt(1.0 / 40000);
+      flat += !leaf && own < texel;
+      EXPECT_NEAR(tile_error(h, c), leaf ? 0 : std::max(own, texel), leaf ? 0 : 0.1 * texel) << h.level_of(c);
+    }
+    EXPECT_GT(flat, 0u);
+  }
 }
 
 TEST_F(SaveTiles, CoarseLevelsLinkTheirCopies) {

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/error.h"
 #include "core/formats/common/mesh_output.h"
 #include "core/hierarchy/model/level_mesh.h"
+#include "core/texture/image_codec.h"
 
 namespace lodestone {
 namespace {
@@ -31,22 +33,52 @@ double area(Vec2f a, Vec2f b, Vec2f c) {
   return 0.5 * std::abs(ux * vy - uy * vx);
 }
 
-// Mean size of a texel on the triangles whose texture is a copy at this level, in normalised units; 0 without any.
-// Triangles inside one texel of the texture itself have one colour and lose nothing.
+// An image as a level shows it.
+struct ShownImage {
+  double texels = 0;  // 0: none, or one that cannot be decoded
+  int halvings = 0;
+};
+
+ShownImage shown_image(const Hierarchy& hierarchy, std::uint32_t texture, int level) {
+  if (texture >= hierarchy.textures.size()) return {};
+  if (const TextureCopy* copy = texture_copy(hierarchy, texture, level))
+    return {double{1} * copy->width * copy->height, static_cast<int>(copy->halvings)};
+  const Texture& whole = hierarchy.textures[texture];
+  try {
+    const PixelSize size = image_size(whole.bytes, whole.media_type);
+    return {double{1} * size.width * size.height, 0};
+  } catch (const Error&) {  // tiles link it as it is
+    return {};
+  }
+}
+
+// By material: the coarsest of its images.
+std::vector<ShownImage> coarsest_images(const Hierarchy& hierarchy, int level) {
+  std::vector<ShownImage> images;
+  for (const Material& m : hierarchy.materials) {
+    ShownImage& coarsest = images.emplace_back();
+    for_each_texture(m, [&](std::uint32_t texture) {
+      const ShownImage image = shown_image(hierarchy, texture, level);
+      if (image.texels > 0 && (coarsest.texels == 0 || image.texels < coarsest.texels)) coarsest = image;
+    });
+  }
+  return images;
+}
+
+// Mean size of a texel on the textured triangles of a cell, in normalised units; 0 without any. Where the texture is no
+// copy, its coordinates are interpolated between fewer vertices than at the finest level: a texel's shift is not
+// counted in the cell's own error. Triangles inside one texel of the texture itself have one colour and lose nothing.
 double texel_size(const Hierarchy& hierarchy, const Cell& cell, int level) {
-  if (hierarchy.texture_copies.empty() || !hierarchy.attributes.uv) return 0;
-  std::vector<const TextureCopy*> copy_of;  // by material
-  for (const Material& m : hierarchy.materials)
-    copy_of.push_back(m.texture == no_texture ? nullptr : texture_copy(hierarchy, m.texture, level));
+  if (hierarchy.materials.empty() || !hierarchy.attributes.uv) return 0;
+  const std::vector<ShownImage> images = coarsest_images(hierarchy, level);
   double surface = 0, texels = 0;
   for (const Triangle& t : cell.triangles) {
     const std::uint32_t material = hierarchy.attributes.materials ? cell.attributes.materials[t.v[0]] : 0;
-    const TextureCopy* copy = material < copy_of.size() ? copy_of[material] : nullptr;
-    if (!copy) continue;
+    if (material >= images.size()) continue;
     const auto at = [&](int k) { return to_double(cell.positions[t.v[static_cast<std::size_t>(k)]]); };
     const auto uv = [&](int k) { return cell.attributes.uv[t.v[static_cast<std::size_t>(k)]]; };
-    const double seen = area(uv(0), uv(1), uv(2)) * copy->width * copy->height;
-    if (std::ldexp(seen, 2 * static_cast<int>(copy->halvings)) < 1) continue;
+    const double seen = area(uv(0), uv(1), uv(2)) * images[material].texels;
+    if (!(std::ldexp(seen, 2 * images[material].halvings) >= 1)) continue;
     surface += area(at(0), at(1), at(2));
     texels += seen;
   }
