@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/error.h"
 #include "experiments/metrics/cost/cost.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
@@ -121,6 +122,8 @@ SphericalResult run(const SphericalJob& job, Scheduler& scheduler) {
   result.input_triangles = mesh.triangles.size();
   const CpuClock clock;
   result.mesh = make_spherical(mesh, job.config, scheduler, result.report);
+  for (const std::string& feature : result.report.left_out_features)
+    result.warnings.push_back(describe(job.input, "", feature));
   if (wants_tangent_maps(job)) {
     job.config.on_phase("making normal maps for other viewers");
     add_tangent_maps(result.mesh, {job.config.media_type, job.config.quality, job.config.error_points}, scheduler,

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "core/math/box3.h"
 #include "core/spherical/octahedron/octahedral_image.h"
@@ -13,6 +15,7 @@
 #include "core/spherical/resample/octahedral_codec.h"
 #include "core/spherical/resample/resampler.h"
 #include "parallel/mesh/compare.h"
+#include "parallel/spherical/carried_surface.h"
 
 namespace lodestone {
 namespace {
@@ -45,7 +48,7 @@ class ImageMaker {
       std::string name;
       if (surfaces_.size() > 1) name.append(" ").append(std::to_string(k + 1));
       out_.places[k].material = static_cast<std::uint32_t>(out_.materials.size());
-      out_.materials.push_back({.name = "octahedral" + name});
+      add_material("octahedral" + name, {&k, 1});
       if (config_.maps.colour || config_.maps.normal) add_component(k, name);
       if (config_.maps.geometry) add_geometry(k, name);
     }
@@ -59,6 +62,16 @@ class ImageMaker {
   template <class Body>
   void in_chunks(std::size_t count, std::size_t grain, const Body& body) {
     scheduler_.for_chunks(count, grain, [&](ChunkRange range) { body(range); });
+  }
+
+  // For components that share their images.
+  void add_material(std::string name, std::span<const std::size_t> components) {
+    std::set<std::uint32_t> used;
+    for (const std::size_t k : components)
+      for (const std::uint32_t t : surfaces_[k].source_triangle)
+        if (t != no_source) used.insert(material_of(mesh_, TriangleId(t)));
+    out_.materials.push_back(carried_surface(mesh_, used, report_.left_out_features));
+    out_.materials.back().name = std::move(name);
   }
 
   // Those that share their images. A geometry image is that of one component.
@@ -90,7 +103,7 @@ class ImageMaker {
     fill_rest(atlas, colour), fill_rest(atlas, normal);
     report_.resampling += clock.elapsed();
     clock = {};
-    out_.materials.push_back({.name = "octahedral atlas"});
+    add_material("octahedral atlas", small);
     std::uint32_t number = no_texture;
     if (config_.maps.colour)
       colour = add_image(colour, PixelMeaning::colours, "colour atlas", out_.materials.back().texture);
@@ -157,7 +170,7 @@ class ImageMaker {
     report_.geometry_samples += geometry.image.values.size() / 3;
     const Transform& model = mesh_.transform;
     out_.geometry_images.push_back({add_texture("geometry" + name, "image/png", std::move(bytes)),
-                                model.origin + model.scale * geometry.origin, model.scale * geometry.step});
+                                    model.origin + model.scale * geometry.origin, model.scale * geometry.step});
     report_.encoding += clock.elapsed();
     RawMesh surface;
     surface.positions = surfaces_[k].positions, surface.triangles = surfaces_[k].triangles;
@@ -180,10 +193,10 @@ class ImageMaker {
 
   std::uint32_t add_texture(const std::string& name, const std::string& media_type, std::vector<char> bytes) {
     out_.textures.push_back({.name = name,
-                         .media_type = media_type,
-                         .wrap_u = TextureWrap::clamp,
-                         .wrap_v = TextureWrap::clamp,
-                         .bytes = std::move(bytes)});
+                             .media_type = media_type,
+                             .wrap_u = TextureWrap::clamp,
+                             .wrap_v = TextureWrap::clamp,
+                             .bytes = std::move(bytes)});
     return static_cast<std::uint32_t>(out_.textures.size() - 1);
   }
 

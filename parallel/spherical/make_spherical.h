@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ struct SphericalReport {
   std::uint64_t added_vertices = 0;  // where the cut crosses edges
   double cut_length = 0;             // of all components on the surface, in model units
   double cut_exposure = 0;           // the share of the sky that is seen from the cut, its mean by length, 0 to 1
+  std::set<std::string> left_out_features;  // of the materials, a line for each (carried_surface.h)
   ProgressiveReport progressive;
 };
 

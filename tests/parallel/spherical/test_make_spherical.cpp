@@ -11,6 +11,7 @@
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/spherical/resample/geometry_image.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/spherical/carried_surface.h"
 #include "parallel/spherical/make_spherical.h"
 #include "tests/core/spherical/painted_sphere.h"
 #include "tests/expect_error.h"
@@ -89,6 +90,45 @@ TEST(MakeSpherical, CarriesColoursFromAnAtlas) {
     EXPECT_EQ(kind.open_edges, 0u) << vertices;
     EXPECT_EQ(kind.euler, 2) << vertices;
   }
+}
+
+TEST(MakeSpherical, KeepsTheFactorsOfItsMaterial) {
+  PaintedSphere painted = painted_sphere(5);
+  Material& source = painted.mesh.wedges.materials[0];
+  source.metallic = 0.25f, source.roughness = 0.5f;
+  source.alpha_mode = AlphaMode::mask, source.alpha_cutoff = 0.75f;
+  source.double_sided = source.unlit = true;
+  source.extensions = R"({"KHR_materials_ior":{"ior":1.25}})";
+  source.occlusion.texture = 0;
+  const Made made = make(painted.mesh, small_images());
+  Material expected = source;
+  expected.name = "octahedral";
+  expected.occlusion = {};
+  EXPECT_EQ(made.mesh.wedges.materials, std::vector<Material>{expected});
+  EXPECT_EQ(made.report.left_out_features, std::set<std::string>{"images of occlusion of materials are left out"});
+}
+
+TEST(CarriedSurface, IsWhatTheMaterialsHaveInCommon) {
+  IndexedMesh mesh;
+  Material a{.name = "a", .metallic = 0.5f, .roughness = 0.25f, .double_sided = true}, b = a, c = a;
+  b.roughness = 0.75f;
+  c.metallic_roughness.texture = c.emissive_map.texture = c.occlusion.texture = 0;
+  c.emissive = {1, 1, 1};
+  c.extensions = "{}", c.extension_textures = {0};
+  mesh.wedges.materials = {a, b, c};
+  std::set<std::string> left_out;
+  const Material same = carried_surface(mesh, {0}, left_out), two = carried_surface(mesh, {0, 1}, left_out);
+  EXPECT_EQ(same.metallic + same.roughness, 0.75f);
+  EXPECT_EQ(two.metallic, 0.5f);
+  EXPECT_EQ(two.roughness, Material{}.roughness);
+  EXPECT_TRUE(two.double_sided);
+  EXPECT_EQ(left_out.size(), 1u);
+  left_out.clear();
+  Material bare = carried_surface(mesh, {2}, left_out);
+  EXPECT_EQ(left_out.size(), 4u);
+  bare.extension_textures.clear();
+  EXPECT_EQ(bare, (Material{.double_sided = true}));
+  EXPECT_EQ(carried_surface(mesh, {no_material}, left_out), Material{});
 }
 
 TEST(MakeSpherical, LeavesOutWhatClosedTheSurface) {
