@@ -47,7 +47,7 @@ struct PopReport {
   // By JumpTracker: the largest jump that detail limits make alone, from those of the earlier frame to those of the
   // later one, camera and radii of which both have. Within the bound a picture may still move, even for ever.
   double max_limit_jump = 0;
-  std::uint64_t vertices = 0;     // looked at, those of several cells counted in each
+  std::uint64_t vertices = 0;  // looked at, those of several cells counted in each
   // With JumpConfig::percentiles: the smallest jump that 99 % of the vertices do not exceed, those at rest included.
   double p99_jump = 0;
   // With JumpConfig::screen: jumps as the camera of the later frame sees them, its own way left out. Of the vertices
