@@ -18,7 +18,7 @@ struct ReconstructOptions {
   InputOptions reading;
   std::string views = "auto", merge = "stitch", projection = "orthographic", map_format = "exr";
   ReconstructConfig config;
-  std::optional<double> distance;
+  std::optional<double> resolution, distance;
   std::optional<std::uint64_t> triangles;
   int levels = 1;
   bool outside_only = false, measure = false;
@@ -45,6 +45,8 @@ ReconstructJob job_of(const ReconstructOptions& options) {
   job.output = options.output;
   job.reading = read_config(options.reading, {options.input});
   job.config = options.config;
+  job.config.resolution = options.resolution.value_or(job.config.resolution);
+  job.map_resolution = options.resolution.value_or(0);
   job.config.views = view_choice(options.views);
   job.config.merge = options.outside_only ? MergeKind::shell : merge_kind(options.merge);
   job.config.projection = projection_kind(options.projection);
@@ -178,7 +180,7 @@ OptionTable declare_meshes(ReconstructOptions& o) {
           .must(),
       OptionSpec{"-o,--output", &o.output, "Mesh to write: .ply, .obj, .stl or .glb"}.must(),
       {"--views", &o.views, "faces: the six of the bounding box; auto: and more by uncovered area; or their number"},
-      {"--resolution", &o.config.resolution, "Pixels along the longest side of the bounding box"},
+      {"--resolution", &o.resolution, "Pixels along the longest side of the bounding box; 256, or those of the maps"},
       OptionSpec{"--distance", &o.distance,
                  "Instead: one sample per pixel as seen from this distance (model units, 45 degrees, 1080 rows)"}
           .at_least(1e-300)

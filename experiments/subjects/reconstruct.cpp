@@ -1,6 +1,7 @@
 #include "experiments/subjects/reconstruct.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "core/base/error.h"
@@ -47,20 +48,32 @@ class ReconstructRun {
   }
 
   void from_maps() {
-    if (job_.measure || job_.distance > 0 || job_.triangles > 0 || job_.levels > 1 || config_.keep_maps ||
-        config_.attributes)
+    if (job_.measure || job_.distance > 0 || job_.levels > 1 || config_.keep_maps || config_.attributes)
       throw InputError(describe(job_.input, "",
                                 "position maps do not have a surface to measure, to sample or to draw again",
-                                "leave out --measure, --distance, --triangles, --levels, --maps and --attributes"));
+                                "leave out --measure, --distance, --levels, --maps and --attributes"));
     job_.on_phase("reading");
     const CpuClock clock;
     Reconstruction made;
     DrawnMaps drawn = drawn_maps(read_map_set(job_.input), made.report);
     const Transform transform = drawn.maps.front().transform;
+    if (job_.map_resolution > 0) sample_maps_at(job_.map_resolution, drawn, made.report);
+    config_.triangles = job_.triangles;
     job_.on_phase("reconstructing");
     made.mesh = mesh_from_maps(drawn, nullptr, config_, made.report, scheduler_);
     config_.resolution = 1 / made.report.spacing;
     finish(made, transform, clock.elapsed(), 0);
+  }
+
+  // Maps cannot be finer than they were drawn.
+  void sample_maps_at(double resolution, DrawnMaps& drawn, ReconstructReport& report) const {
+    if (1 / resolution < 0.999 * report.spacing)
+      throw InputError(describe(
+          job_.input, "",
+          "the maps have " + std::to_string(std::lround(1 / report.spacing)) + " pixels along the longest side",
+          "give a --resolution of at most that"));
+    drawn.spacing = report.spacing;
+    report.spacing = 1 / resolution;
   }
 
   void make_level(int level) {

@@ -25,8 +25,8 @@ namespace lodestone {
 struct ReconstructResult {
   std::string file;
   std::vector<std::string> warnings;  // what the format of the file loses
-  double resolution = 0;  // pixels along the longest side
-  double scale = 1;       // of normalised units, in units of the model
+  double resolution = 0;              // pixels along the longest side
+  double scale = 1;                   // of normalised units, in units of the model
   std::uint64_t input_triangles = 0;
   std::uint64_t triangles = 0, vertices = 0, wedges = 0;
   ReconstructReport report;
@@ -42,6 +42,7 @@ struct ReconstructJob {
   std::string output;
   ReadConfig reading;
   ReconstructConfig config;
+  double map_resolution = 0;    // for maps, instead of their own; 0: not given
   double distance = 0;          // instead of the resolution: seen from so far, in model units; 0: not given
   std::uint64_t triangles = 0;  // instead of the resolution: about so many in the first mesh; 0: not given
   int levels = 1;               // meshes, each at half the resolution of the one before

@@ -35,6 +35,18 @@ class Reconstruct(CommandCase):
         for other in (("--merge", "concatenate"), ("--projection", "perspective")):
             self.refused("reconstruct", sphere(), "-o", "lod.ply", "--outside-only", *other)
 
+    def test_maps_give_fewer_triangles_on_request(self):
+        self.lodestone("reconstruct", sphere(), "-o", "lod.ply", "--resolution", 40, "--maps", "maps")
+        whole = self.results("reconstruct", "maps", "-o", "lod.ply")["levels"][0]
+        few = self.results("reconstruct", "maps", "-o", "lod.ply", "--triangles", 3000)["levels"][0]
+        self.assertAlmostEqual(few["triangles"], 3000, delta=60)
+        coarse = self.results("reconstruct", "maps", "-o", "lod.ply", "--resolution", 20)["levels"][0]
+        self.assertAlmostEqual(coarse["triangles"] / whole["triangles"] * (whole["resolution"] / 20) ** 2, 1, delta=0.05)
+        for level in (few, coarse):
+            self.assertTrue(level["manifold"] and level["closed"])
+        self.assertIn("give a --resolution of at most that",
+                      self.refused("reconstruct", "maps", "-o", "lod.ply", "--resolution", 400))
+
     def test_finer_maps_are_nearer_with_as_many_triangles(self):
         level = {}
         for detail in (1, 2):
