@@ -112,6 +112,7 @@ nlohmann::json to_json(const BuildResult& result, const Row& row, const BuildOpt
                    {"expected_bytes", scratch->expected_bytes},
                    {"blocks", scratch->blocks},
                    {"blocks_resumed", scratch->blocks_resumed}}}});
+  if (const auto& measured = result.measured) json["error_excess"] = measured->excess;
   if (!options.trace.empty()) json["trace"] = options.trace;
   return json;
 }
@@ -125,6 +126,11 @@ void print_notes(const BuildResult& result, const BuildOptions& options, double 
         "note: {} half-edges of the input are longer than sigma0 h_L, the longest {:.1f} h_L; they cost triangles, not "
         "correctness: --refine splits them\n",
         finest.long_edges, finest.max_edge);
+  if (const auto& measured = result.measured; measured && measured->stopped > 0)
+    fmt::print(
+        "note: the errors of {} cells, full of needles, were measured as far as a limited amount of work goes: they are "
+        "bounds, at most {:.2g} h too large\n",
+        measured->stopped, measured->excess);
   // A number of levels asked for may be too large for the model; one chosen by the program is not.
   if (!options.levels && stored_ratio > large_stored_ratio)
     fmt::print(
@@ -208,7 +214,8 @@ OptionTable declare(BuildOptions& o) {
            .only_with({"--refine"}),
        {"--measure-error", &o.measure,
         "Measure how far cells are from the finest mesh, every point both ways, instead of estimating it while "
-        "building: bounds that hold, at most 5 % too large; takes longer than the build"},
+        "building: bounds that hold, at most 5 % too large (more, as it then says, where the surface is full of needles); takes "
+         "longer than the build"},
        {"--strategy", &o.strategy, "graph, levels or serial; all give the same bytes"},
        {"--memory-limit", &o.memory_limit,
         "Memory that may be resident, such as 2GiB or 1500MB: a mesh that needs more is built out of core, to the same "

@@ -101,7 +101,7 @@ class BuildRounds {
 
   void measure() {
     const CpuClock clock;
-    (void)measure_errors(result_.hierarchy, {{}, study_.context.cancel, {}}, *study_.scheduler);
+    (void)measure_errors(result_.hierarchy, {.cancel = study_.context.cancel}, *study_.scheduler);
     result_.stages["measure"] = clock.elapsed();
   }
 

@@ -122,7 +122,7 @@ Hierarchy build_study_hierarchy(const Parameters& parameters, const RunContext& 
   Hierarchy hierarchy =
       build_hierarchy(read_study_mesh(context, scheduler).mesh, build_config(parameters, context), scheduler);
   if (parameters.json().value("measure_error", false))
-    (void)measure_errors(hierarchy, {{}, context.cancel, {}}, scheduler);
+    (void)measure_errors(hierarchy, {.cancel = context.cancel}, scheduler);
   return hierarchy;
 }
 

@@ -193,6 +193,7 @@ BuildResult run(const BuildJob& job, Scheduler& scheduler) {
   result.file_bytes = built.file_bytes;
   result.attributes = built.attributes;
   result.warnings = std::move(built.warnings);
+  result.measured = built.measured;
   result.total = {cost.seconds, cost.cpu_seconds};
   result.peak_bytes = cost.peak_memory;
   return result;

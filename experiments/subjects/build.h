@@ -59,6 +59,7 @@ struct BuildResult {
   std::optional<TraceSummary> use;    // of the workers, while building
   AttributeCounts attributes;
   std::vector<std::string> warnings;
+  std::optional<MeasureReport> measured;  // if the errors are
 };
 
 // Throws ResourceError for a file that needs more than the limit and can only be read as a whole, InputError for

@@ -30,8 +30,9 @@ class ErrorMeasurement {
         config_(config),
         scheduler_(scheduler),
         below_(hierarchy.cells.size()),
-        errors_(hierarchy.cells.size()) {
-    for (int w = 0; w < scheduler.workers(); ++w) meters_.emplace_back(config.cells);
+        errors_(hierarchy.cells.size()),
+        moved_(hierarchy.cells.size()) {
+    for (int w = 0; w < scheduler.workers(); ++w) meters_.emplace_back(CellErrorConfig{config.tolerance});
   }
 
   void run() {
@@ -45,13 +46,21 @@ class ErrorMeasurement {
     store();
   }
 
-  [[nodiscard]] CellErrorWork work() const {
-    CellErrorWork sum;
+  [[nodiscard]] MeasureReport report() const {
+    MeasureReport result;
     for (const CellErrorMeter& meter : meters_) {
-      sum.queries += meter.work().queries;
-      sum.pieces += meter.work().pieces;
+      result.work.queries += meter.work().queries;
+      result.work.pieces += meter.work().pieces;
+      result.work.tests += meter.work().tests;
     }
-    return sum;
+    for (int l = 0; l < hierarchy_.finest(); ++l) {
+      const Level& level = hierarchy_.levels[static_cast<std::size_t>(l)];
+      for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
+        result.stopped += !errors_[c].complete;
+        result.excess = std::max(result.excess, (errors_[c].bound - errors_[c].found) / cell_size(l));
+      }
+    }
+    return result;
   }
 
  private:
@@ -86,14 +95,28 @@ class ErrorMeasurement {
       check_cancelled();
       const CellRank rank(range.begin);
       const CellId id = hierarchy_.levels[static_cast<std::size_t>(level)].id_of(rank);
-      const Cell& cell = hierarchy_.cells[id];
-      double known = 0;
-      for (CellId k = cell.first_child; k < cell.end_child(); ++k) known = std::max(known, errors_[k]);
       const CellRange below = below_[id];
-      errors_[id] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(
-          {surface, rank, finest, below.first, below.end, known, negligible_ratio * cell_size(level)});
+      std::size_t triangles = hierarchy_.cells[id].triangles.size();
+      for (CellRank c = below.first; c < below.end; ++c) triangles += finest.triangle_count(c);
+      const double tests = std::ceil(config_.tests / hierarchy_.finest() * static_cast<double>(triangles));
+      measure_cell(id, {surface, rank, finest, below.first, below.end, 0, negligible_ratio * cell_size(level), 0,
+                        static_cast<std::uint64_t>(tests)});
       report_progress();
     });
+  }
+
+  void measure_cell(CellId id, CellErrorQuery query) {
+    const Cell& cell = hierarchy_.cells[id];
+    double found = 0;
+    for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
+      query.known = std::max(query.known, errors_[k].bound);
+      found = std::max(found, errors_[k].found);
+      moved_[id] = std::max(moved_[id], moved_[k] + hierarchy_.cells[k].max_displacement);
+    }
+    // A point moves with its triangle, or with a corner of one that collapses.
+    query.largest = moved_[id] + double{hierarchy_.levels.back().max_edge} * cell_size(hierarchy_.finest());
+    errors_[id] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(query);
+    errors_[id].found = std::max(errors_[id].found, found);
   }
 
   void store() {
@@ -102,7 +125,7 @@ class ErrorMeasurement {
       Level& level = hierarchy_.levels[l];
       float largest = 0;
       for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
-        hierarchy_.cells[c].error = up(moved + errors_[c] * (1 + 1e-9) + rounding);
+        hierarchy_.cells[c].error = up(moved + errors_[c].bound * (1 + 1e-9) + rounding);
         largest = std::max(largest, hierarchy_.cells[c].error);
       }
       level.error = up(double{largest} / cell_size(static_cast<int>(l)));
@@ -124,17 +147,18 @@ class ErrorMeasurement {
   Scheduler& scheduler_;
   std::vector<CellErrorMeter> meters_;  // by worker
   std::vector<CellRange> below_;        // by cell, as in Hierarchy::cells
-  std::vector<double> errors_;          // likewise, without what the finest level has
+  std::vector<CellError> errors_;       // likewise, without what the finest level has
+  std::vector<double> moved_;           // likewise: bounds of the way from M_L to the cell
   std::atomic<std::uint64_t> done_{0};
   std::mutex progress_;
 };
 
 }  // namespace
 
-CellErrorWork measure_errors(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler) {
+MeasureReport measure_errors(Hierarchy& hierarchy, const MeasureConfig& config, Scheduler& scheduler) {
   ErrorMeasurement measurement(hierarchy, config, scheduler);
   measurement.run();
-  return measurement.work();
+  return measurement.report();
 }
 
 }  // namespace lodestone

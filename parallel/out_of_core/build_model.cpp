@@ -73,8 +73,8 @@ class InCoreBuild {
     report.stages.merge(result_.report.stages);
     result_.report = std::move(report);
     if (config_.measure_errors)
-      step("measure", "measuring", [&] {
-        return measure_errors(hierarchy, {{}, build.cancel, build.progress}, scheduler_);
+      result_.measured = step("measure", "measuring", [&] {
+        return measure_errors(hierarchy, {.cancel = build.cancel, .progress = build.progress}, scheduler_);
       });
     if (config_.texture_copies) copy_textures();
     result_.file_bytes =

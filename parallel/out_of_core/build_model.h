@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/measure_errors.h"
 #include "parallel/mesh/mesh_stream.h"
 #include "parallel/scheduler/scheduler.h"
 
@@ -83,6 +85,7 @@ struct ModelResult {
   // clean, spill, shared, hierarchy, write. The total is from a clean mesh to packed levels; on disk that is spill,
   // shared and hierarchy with their temporary files.
   BuildReport report;
+  std::optional<MeasureReport> measured;  // if the errors are
 };
 
 // Builds and writes the hierarchy. Throws what load_mesh, prepare_mesh, build_hierarchy and save_lode throw;

@@ -125,18 +125,47 @@ TEST(MeasureErrors, BearIslands) {
   }
 }
 
+// Cylinders of long thin strips, their sides as flat as their many corners allow: bounds, and no more work than allowed.
+TEST(MeasureErrors, AreBoundsOnNeedlesToo) {
+  RawMesh raw;
+  for (std::uint32_t part = 0; part < 3; ++part) {
+    constexpr std::uint32_t around = 500;
+    const auto first = static_cast<std::uint32_t>(raw.positions.size());
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const double a = 2 * 3.14159265 * i / around, x = 0.1 * std::cos(a), y = 0.1 * std::sin(a), p = 0.3 * part;
+      raw.positions.push_back({x + p, y - p, x - y});
+      raw.positions.push_back({x + 0.7, y + 0.6 - p, x - y + 0.5});
+      const std::uint32_t v = first + 2 * i, w = first + 2 * ((i + 1) % around);
+      raw.triangles.push_back({{v, w, v + 1}});
+      raw.triangles.push_back({{w, w + 1, v + 1}});
+    }
+  }
+  const auto scheduler = make_tbb_scheduler(2);
+  Repairs repairs;
+  BuildConfig config;
+  config.cell_triangles = 200;
+  config.sigma0 = 0.3f;
+  Hierarchy hierarchy = build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler), config, *scheduler);
+  ASSERT_GE(hierarchy.finest(), 2);
+  const MeasureReport report = measure_errors(hierarchy, {.tests = 100}, *scheduler);
+  EXPECT_GT(report.stopped, 0u);
+  EXPECT_GT(report.excess, 0);
+  const VerifyCheck check = check_of(verify_hierarchy(hierarchy), "errors");
+  EXPECT_TRUE(check.passed) << check.detail;
+}
+
 TEST(MeasureErrors, CanBeCancelledAndReportProgress) {
   Hierarchy hierarchy = built(test::sphere_mesh(6), 2);
   const auto scheduler = make_tbb_scheduler(2);
   CancelFlag cancel{true};
-  EXPECT_THROW((void)measure_errors(hierarchy, {{}, &cancel, {}}, *scheduler), Cancelled);
+  EXPECT_THROW((void)measure_errors(hierarchy, {.cancel = &cancel}, *scheduler), Cancelled);
   EXPECT_FALSE(hierarchy.provenance.measured_errors);
   double last = 0;
-  const CellErrorWork work =
-      measure_errors(hierarchy, {{}, nullptr, [&](double share) { last = std::max(last, share); }}, *scheduler);
+  const MeasureReport report =
+      measure_errors(hierarchy, {.progress = [&](double share) { last = std::max(last, share); }}, *scheduler);
   EXPECT_GT(last, 0);
   EXPECT_LE(last, 1);
-  EXPECT_GT(work.pieces, 0u);
+  EXPECT_GT(report.work.pieces, 0u);
 }
 
 }  // namespace

@@ -83,9 +83,13 @@ CutPiece halved(const ConvexPiece& piece) {
 }
 
 constexpr std::uint32_t max_piece_corners = 8;  // of a piece; larger ones are cut into triangles
+constexpr std::uint32_t most_walked = 256;      // items tested for a branch or leaf; then refinement decides
+constexpr int attempts = 5;                     // tolerances tried
+constexpr double coarser = 5;                   // from one of them to the next, beginning at 1
 constexpr std::uint32_t max_cuts = 64;          // nesting of cuts; then the bound of the piece is accepted
 // Items gathered around one piece or several; with more of them pieces are refined one by one, or halved.
 constexpr std::size_t max_near_one = 48, max_near_several = 24;
+constexpr std::size_t max_near_wide = 512;  // around one piece among needles, if not fewer
 // If a cut would take less than this share of the piece, the piece is halved instead, so that pieces shrink.
 constexpr double min_cut = 1.0 / 16;
 // Beyond a corner of the triangle a margin is exceeded, the more the sharper the corner; a margin of 0 never is.
@@ -125,8 +129,8 @@ Box3f box_of(const ConvexPiece& piece) {
 
 class CellErrorMeter::Measurement {
  public:
-  explicit Measurement(const CellErrorConfig& config) : tolerance_(config.tolerance) {}
-  [[nodiscard]] double run(const CellErrorQuery& query);
+  explicit Measurement(const CellErrorConfig& config) : config_(config) {}
+  [[nodiscard]] CellError run(const CellErrorQuery& query);
   [[nodiscard]] const CellErrorWork& work() const { return work_; }
 
  private:
@@ -144,43 +148,58 @@ class CellErrorMeter::Measurement {
   };
   [[nodiscard]] const LevelSurface& source(bool backward) const { return backward ? query_->finest : query_->level; }
   [[nodiscard]] const LevelSurface& target(bool backward) const { return backward ? query_->level : query_->finest; }
+  [[nodiscard]] bool attempt(std::uint64_t tests);
   [[nodiscard]] double limit() const;
+  [[nodiscard]] bool is_spent() const { return work_.tests > last_test_; }
   void settle(double upper);
-  [[nodiscard]] double distance(Vec3d p, bool backward, SurfaceItem& near);
+  [[nodiscard]] LevelSurface::Nearest search(Vec3d p, bool backward, const LevelSurface::Until& until,
+                                             SurfaceItem& hint);
+  [[nodiscard]] double distance(Vec3d p, bool backward, SurfaceItem& near, std::uint32_t most = ~0u);
   void walk(const LevelSurface::Branch& branch, bool backward, SurfaceItem& hint);
   void add_leaf(const LevelSurface::Branch& leaf, bool backward, SurfaceItem& hint);
   [[nodiscard]] double farthest_of(const LevelSurface::Branch& leaf, bool backward, SurfaceItem from) const;
   void refine(const Candidate& candidate);
   void refine(std::vector<Shape>&& shapes, const Box3f& box, bool backward);
   [[nodiscard]] bool is_small(const Shape& shape, bool backward);
-  void halve(const Shape& shape, bool backward);
+  void refine_alone(const Shape& shape, bool backward);
   [[nodiscard]] bool work_through(std::vector<Shape>& shapes, bool backward);
-  void divide(const Shape& shape, std::vector<Shape>& shapes);
+  static void fan(const Shape& shape, std::vector<Shape>& shapes);
+  void divide(const Shape& shape, const LevelSurface::Corners& near, std::vector<Shape>& shapes);
   [[nodiscard]] bool cut_off(const Shape& shape, const LevelSurface::Corners& near, double reach, double margin);
 
-  double tolerance_;
+  CellErrorConfig config_;
   const CellErrorQuery* query_ = nullptr;
+  double tolerance_ = 0;
   double lower_ = 0, settled_ = 0;  // largest distance found; largest bound of the pieces done
   std::vector<Candidate> heap_;     // the largest bound first
   Neighbourhood near_;
   SurfaceItem hint_;  // found last, on the surface that pieces are measured from
   std::vector<Shape> rest_;
   CellErrorWork work_;
+  std::uint64_t last_test_ = ~std::uint64_t{0};  // of work_, for the cell at hand
 };
 
 double CellErrorMeter::Measurement::limit() const {
-  return std::max({query_->known, query_->negligible, (1 + tolerance_) * lower_});
+  return std::max(query_->known, (1 + tolerance_) * std::max(lower_, query_->negligible / (1 + config_.tolerance)));
 }
 
 void CellErrorMeter::Measurement::settle(double upper) { settled_ = std::max(settled_, upper); }
 
-// Distance of a point of one surface from the other: a lower bound of the error.
-double CellErrorMeter::Measurement::distance(Vec3d p, bool backward, SurfaceItem& near) {
+LevelSurface::Nearest CellErrorMeter::Measurement::search(Vec3d p, bool backward, const LevelSurface::Until& until,
+                                                          SurfaceItem& hint) {
+  const LevelSurface::Nearest nearest = target(backward).nearest(p, hint, until);
   ++work_.queries;
-  const LevelSurface::Nearest nearest = target(backward).nearest(p, near);
-  near = nearest.item;
+  work_.tests += nearest.tested;
+  hint = nearest.item;
+  return nearest;
+}
+
+// Distance of a point of one surface from the other: a lower bound of the error if the search is complete, which
+// `most` tests may prevent.
+double CellErrorMeter::Measurement::distance(Vec3d p, bool backward, SurfaceItem& near, std::uint32_t most) {
+  const LevelSurface::Nearest nearest = search(p, backward, {0, most}, near);
   const double distance = std::sqrt(nearest.squared_distance);
-  lower_ = std::max(lower_, distance);
+  if (nearest.complete) lower_ = std::max(lower_, distance);
   return distance;
 }
 
@@ -189,10 +208,8 @@ void CellErrorMeter::Measurement::walk(const LevelSurface::Branch& branch, bool 
   const Vec3d lo = to_double(branch.tree.box.lo), hi = to_double(branch.tree.box.hi);
   const double radius = 0.5 * length(hi - lo);
   if (radius <= limit()) {
-    ++work_.queries;
     const double enough = limit() - radius;
-    const LevelSurface::Nearest nearest = target(backward).nearest(0.5 * (lo + hi), hint, enough * enough);
-    hint = nearest.item;
+    const LevelSurface::Nearest nearest = search(0.5 * (lo + hi), backward, {enough * enough, most_walked}, hint);
     const double upper = std::sqrt(nearest.squared_distance) + radius;
     if (upper <= limit()) return settle(upper);
   }
@@ -206,7 +223,7 @@ void CellErrorMeter::Measurement::add_leaf(const LevelSurface::Branch& leaf, boo
   if (upper > limit()) {
     bool asked = false;
     source(backward).for_each_triangle(leaf, [&](SurfaceItem item) {
-      if (!asked) (void)distance(piece_of(source(backward).corners(item)).centre(), backward, hint);
+      if (!asked) (void)distance(piece_of(source(backward).corners(item)).centre(), backward, hint, most_walked);
       asked = true;
     });
     if (!asked) return;  // only points
@@ -245,11 +262,22 @@ void CellErrorMeter::Measurement::refine(const Candidate& candidate) {
 
 // Refines pieces together if possible: they share most of their neighbourhood.
 void CellErrorMeter::Measurement::refine(std::vector<Shape>&& shapes, const Box3f& box, bool backward) {
+  if (is_spent()) {
+    const LevelSurface::Corners near = target(backward).corners(hint_);
+    for (const Shape& shape : shapes) settle(farthest(shape.piece, near));
+    return;
+  }
   const bool single = shapes.size() == 1;
   if (single && is_small(shapes.front(), backward)) return;
-  const bool gathered = near_.gather(target(backward), box, limit(), single ? max_near_one : max_near_several);
+  bool gathered = near_.gather(target(backward), box, limit(), single ? max_near_one : max_near_several);
+  work_.tests += near_.tested();
+  if (!gathered && single) {
+    gathered = near_.gather(target(backward), box, limit(), max_near_wide);
+    work_.tests += near_.tested();
+  }
+  gathered = gathered && near_.size() > 0;
   if (gathered && work_through(shapes, backward)) return;
-  if (!gathered && single) return halve(shapes.front(), backward);
+  if (!gathered && single) return refine_alone(shapes.front(), backward);
   for (const Shape& shape : shapes) refine({{shape.piece, 0, shape.cuts}}, box_of(shape.piece), backward);
 }
 
@@ -258,25 +286,29 @@ bool CellErrorMeter::Measurement::is_small(const Shape& shape, bool backward) {
   const Vec3d centre = shape.piece.centre();
   const double radius = radius_of(shape.piece, centre), enough = limit() - radius;
   if (!(enough > 0)) return false;
-  ++work_.queries;
-  const LevelSurface::Nearest nearest = target(backward).nearest(centre, hint_, enough * enough);
-  hint_ = nearest.item;
+  const LevelSurface::Nearest nearest = search(centre, backward, {.enough = enough * enough}, hint_);
   const double upper = std::sqrt(nearest.squared_distance) + radius;
   if (upper > limit()) return false;
   settle(upper);
   return true;
 }
 
-void CellErrorMeter::Measurement::halve(const Shape& shape, bool backward) {
-  ++work_.pieces;
-  if (shape.cuts >= max_cuts) {
-    const Vec3d centre = shape.piece.centre();
-    SurfaceItem near;
-    return settle(distance(centre, backward, near) + radius_of(shape.piece, centre));
+// Without a neighbourhood, by one query of the whole surface: for pieces with many items around.
+void CellErrorMeter::Measurement::refine_alone(const Shape& shape, bool backward) {
+  std::vector<Shape> parts;
+  if (shape.piece.count > max_piece_corners) {
+    fan(shape, parts);
+    for (const Shape& part : parts) refine_alone(part, backward);
+    return;
   }
-  const CutPiece halves = halved(shape.piece);
-  for (const ConvexPiece& half : {halves.inside, halves.outside})
-    if (half.count > 0) refine({{half, 0, shape.cuts + 1}}, box_of(half), backward);
+  ++work_.pieces;
+  const Vec3d centre = shape.piece.centre();
+  const double middle = distance(centre, backward, hint_);
+  const LevelSurface::Corners near = target(backward).corners(hint_);
+  const double upper = std::min(middle + radius_of(shape.piece, centre), farthest(shape.piece, near));
+  if (upper <= limit() || shape.cuts >= max_cuts || is_spent()) return settle(upper);
+  divide({shape.piece, 0, shape.cuts + 1}, near, parts);
+  for (const Shape& part : parts) refine({part}, box_of(part.piece), backward);
 }
 
 // False when a distance exceeds the reach of the neighbourhood: the remaining shapes need a larger one.
@@ -285,35 +317,41 @@ bool CellErrorMeter::Measurement::work_through(std::vector<Shape>& shapes, bool 
     const Shape shape = shapes.back();
     if (shape.piece.count > max_piece_corners) {
       shapes.pop_back();
-      for (std::uint32_t i = 2; i < shape.piece.count; ++i)
-        shapes.push_back({piece_of({shape.piece.corner[0], shape.piece.corner[i - 1], shape.piece.corner[i]}),
-                          shape.hint, shape.cuts});
+      fan(shape, shapes);
       continue;
     }
     ++work_.pieces;
     const Vec3d centre = shape.piece.centre();
     const Neighbourhood::Nearest nearest = near_.nearest(centre, shape.hint);
+    work_.tests += 1 + near_.size() / 8;
     if (nearest.distance > near_.reach()) {
-      SurfaceItem item = near_.item(nearest.number);
-      (void)distance(centre, backward, item);
+      hint_ = near_.item(nearest.number);
+      (void)distance(centre, backward, hint_);
       return false;
     }
     shapes.pop_back();
     lower_ = std::max(lower_, nearest.distance);
     double upper = nearest.distance + radius_of(shape.piece, centre);
     if (upper > limit()) upper = std::min(upper, farthest(shape.piece, near_.corners(nearest.number)));
-    if (upper <= limit() || shape.cuts >= max_cuts) {
+    if (upper <= limit() || shape.cuts >= max_cuts || is_spent()) {
       settle(upper);
     } else {
-      divide({shape.piece, nearest.number, shape.cuts + 1}, shapes);
+      divide({shape.piece, nearest.number, shape.cuts + 1}, near_.corners(nearest.number), shapes);
     }
   }
   return true;
 }
 
-void CellErrorMeter::Measurement::divide(const Shape& shape, std::vector<Shape>& shapes) {
+// Adds the triangles of the piece.
+void CellErrorMeter::Measurement::fan(const Shape& shape, std::vector<Shape>& shapes) {
+  for (std::uint32_t i = 2; i < shape.piece.count; ++i)
+    shapes.push_back({piece_of({shape.piece.corner[0], shape.piece.corner[i - 1], shape.piece.corner[i]}), shape.hint,
+                      shape.cuts});
+}
+
+void CellErrorMeter::Measurement::divide(const Shape& shape, const LevelSurface::Corners& t,
+                                         std::vector<Shape>& shapes) {
   const double reach = limit();
-  const LevelSurface::Corners& t = near_.corners(shape.hint);
   const Vec3d normal = cross(t[1] - t[0], t[2] - t[0]);
   const double scale = length(normal);
   double height = 0;
@@ -351,28 +389,47 @@ bool CellErrorMeter::Measurement::cut_off(const Shape& shape, const LevelSurface
   return true;
 }
 
-double CellErrorMeter::Measurement::run(const CellErrorQuery& query) {
-  query_ = &query;
-  lower_ = settled_ = 0;
+// Bounds the error with the tolerance at hand; false if the tests ran out before.
+bool CellErrorMeter::Measurement::attempt(std::uint64_t tests) {
+  const CellErrorQuery& query = *query_;
+  settled_ = 0;
   heap_.clear();
   SurfaceItem hint;
   walk(query.level.cell_branch(query.cell), false, hint);
   hint = {};
   for (CellRank c = query.first; c < query.end; ++c) walk(query.finest.cell_branch(c), true, hint);
-  while (!heap_.empty() && heap_.front().upper > limit()) {
+  last_test_ = tests > 0 ? work_.tests + tests : ~std::uint64_t{0};
+  while (!heap_.empty() && heap_.front().upper > limit() && !is_spent()) {
     std::pop_heap(heap_.begin(), heap_.end(), by_bound);
     const Candidate top = heap_.back();
     heap_.pop_back();
     refine(top);
   }
   if (!heap_.empty()) settle(heap_.front().upper);
-  return std::max(query.known, settled_);
+  return !is_spent();
+}
+
+// A larger tolerance needs fewer pieces.
+CellError CellErrorMeter::Measurement::run(const CellErrorQuery& query) {
+  query_ = &query;
+  lower_ = 0;
+  tolerance_ = config_.tolerance;
+  const std::uint64_t share = query.tests == 0 ? 0 : 1 + query.tests / (1 + attempts);
+  const bool complete = attempt(2 * share);
+  double upper = std::min(query.largest, settled_);
+  bool done = complete;
+  for (int i = 1; i < attempts && !done; ++i) {
+    tolerance_ = coarser * std::max(tolerance_, 1.0);
+    done = attempt(share);
+    upper = std::min(upper, settled_);
+  }
+  return {std::max(query.known, upper), lower_, complete};
 }
 
 CellErrorMeter::CellErrorMeter(const CellErrorConfig& config) : measurement_(std::make_unique<Measurement>(config)) {}
 CellErrorMeter::~CellErrorMeter() = default;
 CellErrorMeter::CellErrorMeter(CellErrorMeter&&) noexcept = default;
-double CellErrorMeter::measure(const CellErrorQuery& query) { return measurement_->run(query); }
+CellError CellErrorMeter::measure(const CellErrorQuery& query) { return measurement_->run(query); }
 const CellErrorWork& CellErrorMeter::work() const { return measurement_->work(); }
 
 }  // namespace lodestone

@@ -9,8 +9,13 @@
 // on a piece with straight sides it is largest at a corner. A piece that lies within the limit of one triangle is done;
 // of any other piece the part above the triangle nearest to its middle is cut off, and the rest is examined again. The
 // largest distance of a middle so far is a lower bound, and the limit is that plus the tolerance.
+//
+// On needles, where hundreds of triangles lie side by side within the error, that may take any number of pieces. After
+// a number of tests that is in proportion to the triangles the rest gets the bounds that it has: the result is still a
+// bound, but may exceed the distance by more than the tolerance, and says by how much.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 
@@ -24,7 +29,13 @@ struct CellErrorConfig {
 };
 
 struct CellErrorWork {
-  std::uint64_t queries = 0, pieces = 0;
+  std::uint64_t queries = 0, pieces = 0, tests = 0;
+};
+
+struct CellError {
+  double bound = 0;  // at least the error
+  double found = 0;  // a distance that occurs: at most the error; without `known`
+  bool complete = true;  // false: the tests ran out
 };
 
 // `cell` of level l, with its surface, against the finest level, of which the cells [first, end) lie below it.
@@ -35,6 +46,10 @@ struct CellErrorQuery {
   CellRank first, end;
   double known = 0;       // a lower bound of the result
   double negligible = 0;  // distances below this need not be told apart
+  double largest = HUGE_VAL;  // an upper bound of the error
+  // Distances between a point and an item that refinement may compute, beside those of a first pass; some 20 ns each.
+  // 0: as many as it takes.
+  std::uint64_t tests = 0;
 };
 
 // Belongs to one worker: keeps its memory from cell to cell.
@@ -44,9 +59,9 @@ class CellErrorMeter {
   ~CellErrorMeter();
   CellErrorMeter(CellErrorMeter&&) noexcept;
 
-  // Returns the larger of `known` and a bound of the error, which is at most the larger of 1 + tolerance times the
-  // error and `negligible`.
-  [[nodiscard]] double measure(const CellErrorQuery& query);
+  // The bound is the larger of `known` and one of the error, which is at most the larger of 1 + tolerance times the error
+  // and `negligible`, unless tests ran out.
+  [[nodiscard]] CellError measure(const CellErrorQuery& query);
   [[nodiscard]] const CellErrorWork& work() const;
 
  private:

@@ -1,13 +1,16 @@
 #include "core/hierarchy/construct/level_surface.h"
 
+#include <algorithm>
 #include <limits>
 
+#include "core/spatial/part_boxes.h"
 #include "core/spatial/point_triangle.h"
 
 namespace lodestone {
 namespace {
 
 constexpr std::uint32_t leaf_items = 4;
+constexpr std::size_t most_tested = 8;  // items per item that is gathered
 
 bool overlap(const Box3f& a, const Box3f& b) {
   return a.lo.x <= b.hi.x && a.lo.y <= b.hi.y && a.lo.z <= b.hi.z && b.lo.x <= a.hi.x && b.lo.y <= a.hi.y &&
@@ -20,26 +23,43 @@ Box3f grown(const Box3f& box, double distance) {
   return {box.lo - Vec3f{by, by, by}, box.hi + Vec3f{by, by, by}};
 }
 
+// Of the items from `first` on, all of one cell; a needle comes once for each of its parts.
+void keep_once(std::vector<SurfaceItem>& items, std::ptrdiff_t first) {
+  std::sort(items.begin() + first, items.end(),
+            [](const SurfaceItem& a, const SurfaceItem& b) { return a.number < b.number; });
+  items.erase(std::unique(items.begin() + first, items.end(),
+                          [](const SurfaceItem& a, const SurfaceItem& b) { return a.number == b.number; }),
+              items.end());
+}
+
 }  // namespace
 
 LevelSurface::LevelSurface(const Hierarchy& hierarchy, int level)
     : cells_(hierarchy.cells_of(level)),
       level_(hierarchy.levels[static_cast<std::size_t>(level)]),
-      trees_(cells_.size()) {}
+      trees_(cells_.size()),
+      parts_(cells_.size()) {}
 
 void LevelSurface::build_cell(CellRank cell) {
   const Cell& from = cells_[cell];
   const auto triangles = static_cast<std::uint32_t>(from.triangles.size());
   std::vector<BoxTree::Item> items;
   items.reserve(triangles);
+  std::vector<Corners> triangle_corners;
+  triangle_corners.reserve(triangles);
   std::vector<char> used(from.positions.size(), 0);
   for (std::uint32_t t = 0; t < triangles; ++t) {
     items.push_back({box_of(cell, t), t});
+    triangle_corners.push_back(corners({level_.id_of(cell), t}));
     for (const std::uint32_t v : from.triangles[t].v) used[v] = 1;
   }
   for (std::uint32_t v = 0; v < used.size(); ++v)
     if (!used[v]) items.push_back({box_of(cell, triangles + v), triangles + v});
+  const std::size_t undivided = items.size();
+  std::vector<BoxTree::Item> parts = items;
+  divide_boxes(parts, triangle_corners);
   trees_[cell] = BoxTree(std::move(items), leaf_items);
+  if (parts.size() > undivided) parts_[cell] = BoxTree(std::move(parts), leaf_items);
 }
 
 void LevelSurface::build_rest() {
@@ -73,38 +93,60 @@ void LevelSurface::take(CellRank cell, std::uint32_t number, Vec3d p, Nearest& b
   const SurfaceItem item{level_.id_of(cell), number};
   const auto [a, b, c] = corners(item);
   const double squared = nearest_on_triangle(p, a, b, c).squared_distance;
-  if (squared < best.squared_distance) best = {squared, item};
+  ++best.tested;
+  if (squared < best.squared_distance) best.squared_distance = squared, best.item = item;
 }
 
-void LevelSurface::gather(const Box3f& box, double distance, std::size_t limit, std::vector<SurfaceItem>& items) const {
+LevelSurface::Gathered LevelSurface::gather(const Box3f& box, double distance, std::size_t limit,
+                                            std::vector<SurfaceItem>& items) const {
   const Box3f around = grown(box, distance);
   const auto accepts = [&](const Box3f& other) { return overlap(other, around); };
+  const Vec3d lo = to_double(around.lo), hi = to_double(around.hi), middle = 0.5 * (lo + hi);
+  const double far = 0.5 * length(hi - lo) * (1 + 1e-9);
+  Gathered result;
   top_.walk(accepts, [&](BoxTree::Slots top) {
     const CellRank cell(top_.items()[top.begin]);
-    const BoxTree& tree = trees_[cell];
+    const bool divided = !parts_[cell].items().empty();
+    const BoxTree& tree = parts(cell);
     if (!accepts(tree.root().box)) return false;
+    const auto first = static_cast<std::ptrdiff_t>(items.size());
+    const auto is_near = [&](SurfaceItem item) {
+      if (!accepts(box_of(cell, item.number))) return false;
+      if (!divided) return true;
+      const auto [a, b, c] = corners(item);  // the boxes of needles say little
+      return nearest_on_triangle(middle, a, b, c).squared_distance <= far * far;
+    };
     tree.walk(accepts, [&](BoxTree::Slots slots) {
       for (std::uint32_t i = slots.begin; i < slots.end; ++i)
-        if (accepts(box_of(cell, tree.items()[i]))) items.push_back({level_.id_of(cell), tree.items()[i]});
-      return items.size() > limit;
+        if (const SurfaceItem item{level_.id_of(cell), tree.items()[i]}; is_near(item)) items.push_back(item);
+      result.tested += slots.end - slots.begin;
+      if (items.size() > limit && divided) keep_once(items, first);
+      result.complete = items.size() <= limit && result.tested <= most_tested * limit;
+      return !result.complete;
     });
-    return items.size() > limit;
+    if (divided) keep_once(items, first);
+    return !result.complete;
   });
+  return result;
 }
 
-LevelSurface::Nearest LevelSurface::nearest(Vec3d p, SurfaceItem hint, double enough) const {
+LevelSurface::Nearest LevelSurface::nearest(Vec3d p, SurfaceItem hint, const Until& until) const {
   Nearest best{std::numeric_limits<double>::infinity(), {}};
   if (hint.cell != no_cell) take(level_.rank_of(hint.cell), hint.number, p, best);
-  if (best.squared_distance <= enough) return best;
+  if (best.squared_distance <= until.enough) return best;
+  const auto ends = [&] {
+    if (best.tested >= until.most) best.complete = false;
+    return !best.complete || best.squared_distance <= until.enough;
+  };
   top_.search(p, best.squared_distance, [&](BoxTree::Slots top) {
     const CellRank cell(top_.items()[top.begin]);
-    const BoxTree& tree = trees_[cell];
+    const BoxTree& tree = parts(cell);
     if (!(squared_distance(p, tree.root().box) < best.squared_distance)) return false;
     tree.search(p, best.squared_distance, [&](BoxTree::Slots slots) {
       for (std::uint32_t i = slots.begin; i < slots.end; ++i) take(cell, tree.items()[i], p, best);
-      return best.squared_distance <= enough;
+      return ends();
     });
-    return best.squared_distance <= enough;
+    return ends();
   });
   return best;
 }

@@ -1,6 +1,7 @@
 // The surface of a level of a hierarchy as a search structure: a BoxTree for each cell, and one over the cells.
 //
-// Positions remain in the cells. About 25 bytes per triangle. Built cell by cell, so that a caller with several workers
+// Long triangles enter the searches as several boxes (core/spatial/part_boxes.h), so that a search visits few others.
+// Positions remain in the cells. About 25 bytes per triangle, four times that where all of them are needles. Built cell by cell, so that a caller with several workers
 // can use them.
 #pragma once
 
@@ -27,21 +28,33 @@ class LevelSurface {
   struct Nearest {
     double squared_distance = 0;
     SurfaceItem item;
+    std::uint32_t tested = 0;  // items: the work of the search
+    bool complete = true;      // false: it ended at the most items; the item is near, but may not be the nearest
+  };
+  // When a search may end early.
+  struct Until {
+    double enough = 0;              // squared distance within which any item will do
+    std::uint32_t most = ~0u;       // items tested
   };
 
   // Keeps a reference to the hierarchy, whose payloads must remain valid.
   LevelSurface(const Hierarchy& hierarchy, int level);
   // Every cell of the level is built once, in any order and on any thread; after all of them, the rest.
   [[nodiscard]] std::uint32_t cell_count() const { return static_cast<std::uint32_t>(trees_.size()); }
+  [[nodiscard]] std::size_t triangle_count(CellRank cell) const { return cells_[cell].triangles.size(); }
   void build_cell(CellRank cell);
   void build_rest();
 
-  // The nearest item. hint: one that may be near, which makes queries on coherent points several times faster. enough:
-  // any item within this squared distance may be returned.
-  [[nodiscard]] Nearest nearest(Vec3d p, SurfaceItem hint = {}, double enough = 0) const;
+  // The nearest item. hint: one that may be near, which makes queries on coherent points several times faster.
+  [[nodiscard]] Nearest nearest(Vec3d p, SurfaceItem hint, const Until& until) const;
+  [[nodiscard]] Nearest nearest(Vec3d p, SurfaceItem hint = {}) const { return nearest(p, hint, Until{}); }
   [[nodiscard]] Corners corners(SurfaceItem item) const;
-  // Adds at least the items whose boxes are within `distance` of the box; stops after `limit` items.
-  void gather(const Box3f& box, double distance, std::size_t limit, std::vector<SurfaceItem>& items) const;
+  struct Gathered {
+    std::size_t tested = 0;  // items
+    bool complete = true;    // false: there are more than `limit`, or to find them takes many tests
+  };
+  // Adds at least the items within `distance` of the box.
+  Gathered gather(const Box3f& box, double distance, std::size_t limit, std::vector<SurfaceItem>& items) const;
 
   // A subtree of the tree of a cell.
   struct Branch {
@@ -65,10 +78,15 @@ class LevelSurface {
  private:
   [[nodiscard]] Box3f box_of(CellRank cell, std::uint32_t number) const;
   void take(CellRank cell, std::uint32_t number, Vec3d p, Nearest& best) const;
+  // The tree to search in, where an item may be in several leaves.
+  [[nodiscard]] const BoxTree& parts(CellRank cell) const {
+    return parts_[cell].items().empty() ? trees_[cell] : parts_[cell];
+  }
 
   std::span<const Cell> cells_;
   const Level& level_;
-  std::vector<BoxTree> trees_;  // by cell
+  std::vector<BoxTree> trees_;  // by cell; each item is in one leaf
+  std::vector<BoxTree> parts_;  // likewise, with the parts of long triangles; empty where there are none
   BoxTree top_;                 // over the cells, one per leaf
 };
 

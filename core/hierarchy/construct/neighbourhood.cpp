@@ -9,6 +9,7 @@ namespace lodestone {
 namespace {
 
 constexpr float thin_sine2 = 1e-4f;
+constexpr float least_side2 = 1e-30f;  // of a side that has a length in single precision
 
 Float4 dot(const Float4x3& a, const Float4x3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Float4x3 operator-(const Float4x3& a, const Float4x3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -27,8 +28,9 @@ Float4 from_segment(const Float4x3& o, const Float4x3& e) {
 
 bool Neighbourhood::gather(const LevelSurface& surface, const Box3f& box, double reach, std::size_t limit) {
   items_.clear();
-  surface.gather(box, reach, limit, items_);
-  if (items_.size() > limit) return false;
+  const LevelSurface::Gathered gathered = surface.gather(box, reach, limit, items_);
+  tested_ = gathered.tested;
+  if (!gathered.complete) return false;
   reach_ = reach;
   middle_ = 0.5 * (to_double(box.lo) + to_double(box.hi));
   corners_.clear();
@@ -56,11 +58,21 @@ void Neighbourhood::add_group(std::size_t first) {
   }
   const Float4x3 &u = group.ab, &v = group.ac;
   group.normal = cross(u, v);
-  group.unsafe = !(dot(group.normal, group.normal) > thin_sine2 * dot(u, u) * dot(v, v));
+  group.thin = !(dot(group.normal, group.normal) > thin_sine2 * dot(u, u) * dot(v, v));
+  const Float4x3 w = v - u;
+  group.degenerate = !(min(min(dot(u, u), dot(v, v)), dot(w, w)) > all4(least_side2));
+  // No point is farther from the sides than the centre of the inscribed circle: half of the least height.
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto& [a, b, c] = corners_[std::min(first + k, corners_.size() - 1)];
+    const double side2 = std::max({squared_length(b - a), squared_length(c - a), squared_length(c - b)});
+    if (group.thin[k] && side2 > 0)
+      group.within[k] = static_cast<float>(0.501 * length(cross(b - a, c - a)) / std::sqrt(side2));
+  }
   groups_.push_back(group);
 }
 
-// Distance from the plane if the foot of the perpendicular lies inside, else from the nearest of three segments.
+// Distance from the plane if the foot of the perpendicular lies inside, else from the nearest of three segments; of
+// thin triangles always from those.
 Float4 Neighbourhood::squared_distances(const Group& group, const Float4x3& p) {
   const Float4x3 &ab = group.ab, &ac = group.ac, ap = p - group.corner, bp = ap - ab, bc = ac - ab;
   const Float4 size = dot(group.normal, group.normal), height = dot(group.normal, ap);
@@ -68,7 +80,7 @@ Float4 Neighbourhood::squared_distances(const Group& group, const Float4x3& p) {
   const Int4 inside = (wb >= 0.0f) & (wc >= 0.0f) & (wb + wc <= size);
   const Float4 edges = min(min(from_segment(ap, ab), from_segment(ap, ac)), from_segment(bp, bc));
   const Float4 plane = height * height / size;
-  return group.unsafe ? Float4{} : inside ? plane : edges;
+  return group.degenerate ? Float4{} : (inside & ~group.thin) ? plane : edges;
 }
 
 Neighbourhood::Nearest Neighbourhood::nearest(Vec3d p, std::uint32_t hint) const {
@@ -77,15 +89,13 @@ Neighbourhood::Nearest Neighbourhood::nearest(Vec3d p, std::uint32_t hint) const
   };
   Nearest best{std::sqrt(distance2(hint)), hint};
   // Distances in single precision select the items that may be nearer.
-  const auto bound_of = [&](double distance) {
-    const float bound = static_cast<float>(distance) + slack_;
-    return bound * bound;
-  };
+  const auto bound_of = [&](double distance) { return static_cast<float>(distance) + slack_; };
   float bound = bound_of(best.distance);
   const Vec3f o = to_float(p - middle_);
   const Float4x3 at{all4(o.x), all4(o.y), all4(o.z)};
   for (std::uint32_t g = 0; g < groups_.size(); ++g) {
-    const Int4 may = squared_distances(groups_[g], at) < all4(bound);
+    const Float4 near = all4(bound) + groups_[g].within;
+    const Int4 may = squared_distances(groups_[g], at) < near * near;
     if (equal(may, Int4{})) continue;
     for (std::uint32_t k = 0; k < 4 && 4 * g + k < items_.size(); ++k) {
       if (!may[k] || 4 * g + k == hint) continue;

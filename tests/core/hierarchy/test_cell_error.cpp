@@ -83,7 +83,7 @@ Measured measure(const Hierarchy& hierarchy, double tolerance) {
       CellRank begin(leaves.cell_count), end;
       for (CellRank k{0}; k < leaves.cell_count; ++k)
         if (is_below(hierarchy, leaves.id_of(k), c)) begin = std::min(begin, k), end = CellRank(k + 1);
-      result.error[c] = meter.measure({surface, level.rank_of(c), finest, begin, end, 0, 1e-9});
+      result.error[c] = meter.measure({surface, level.rank_of(c), finest, begin, end, 0, 1e-9}).bound;
     }
   }
   return result;
@@ -133,7 +133,8 @@ struct TwoLevels {
     hierarchy.cells[1].triangles = fine_triangles;
     return CellErrorMeter({tolerance})
         .measure(
-            {surface_of(hierarchy, 0), CellRank(0), surface_of(hierarchy, 1), CellRank(0), CellRank(1), known, 1e-9});
+            {surface_of(hierarchy, 0), CellRank(0), surface_of(hierarchy, 1), CellRank(0), CellRank(1), known, 1e-9})
+        .bound;
   }
 };
 
@@ -209,6 +210,61 @@ TEST(CellError, BearsDegenerateTriangles) {
   EXPECT_NEAR(needle.error(), 0.01, 2e-5);
 }
 
+// A strip of needles across the axes, side by side, `rows` in its width; a bump of the given height along it.
+struct Strip {
+  std::vector<Vec3f> positions;
+  std::vector<Triangle> triangles;
+};
+Strip strip_of_needles(std::uint32_t rows, float height) {
+  Strip strip;
+  constexpr std::uint32_t columns = 6;
+  for (std::uint32_t k = 0; k <= columns; ++k)
+    for (std::uint32_t i = 0; i <= rows; ++i) {
+      const float u = float(k) / columns, v = 0.002f * float(i) / float(rows);
+      strip.positions.push_back({0.6f * u + v, 0.5f * u - v, 0.3f * u + height * std::sin(3 * u) * float(i % 2)});
+    }
+  for (std::uint32_t k = 0; k < columns; ++k)
+    for (std::uint32_t i = 0; i < rows; ++i) {
+      const std::uint32_t a = k * (rows + 1) + i, b = a + rows + 1;
+      strip.triangles.push_back({{a, b, a + 1}});
+      strip.triangles.push_back({{a + 1, b, b + 1}});
+    }
+  return strip;
+}
+
+Hierarchy hierarchy_of_two(const Strip& coarse, const Strip& fine) {
+  Hierarchy hierarchy;
+  hierarchy.levels.resize(2);
+  hierarchy.levels[0].cell_count = hierarchy.levels[1].cell_count = 1;
+  hierarchy.levels[1].first_cell = CellId(1);
+  hierarchy.cells.resize(2);
+  hierarchy.cells[0].positions = coarse.positions, hierarchy.cells[0].triangles = coarse.triangles;
+  hierarchy.cells[1].positions = fine.positions, hierarchy.cells[1].triangles = fine.triangles;
+  return hierarchy;
+}
+
+// However many needles lie side by side: the work is what was allowed, and what results is a bound.
+TEST(CellError, OfNeedlesIsABoundWithinTheTestsAllowed) {
+  const Strip coarse = strip_of_needles(40, 0), fine = strip_of_needles(150, 1e-4f);
+  const Hierarchy hierarchy = hierarchy_of_two(coarse, fine);
+  const LevelSurface level = surface_of(hierarchy, 0), finest = surface_of(hierarchy, 1);
+  const std::uint64_t triangles = coarse.triangles.size() + fine.triangles.size();
+  double found = 0, exact = HUGE_VAL;
+  for (const std::uint64_t tests : {std::uint64_t{0}, 1000 * triangles, 50 * triangles, std::uint64_t{1}}) {
+    CellErrorMeter meter;
+    const CellError error = meter.measure(
+        {.level = level, .cell = CellRank(0), .finest = finest, .first = CellRank(0), .end = CellRank(1), .tests = tests});
+    found = std::max(found, error.found);
+    if (tests == 0) exact = error.bound;
+    EXPECT_GE(error.bound, found);
+    EXPECT_GE(error.bound, exact / 1.05 * (1 - 1e-9)) << tests;
+    EXPECT_EQ(error.complete, tests != 1 && error.bound <= 1.05 * error.found * (1 + 1e-9)) << tests;
+    // The first pass of each of five attempts, and at most one piece more than allowed.
+    EXPECT_TRUE(tests == 0 || meter.work().tests <= tests + 5 * (300 * triangles + 5000)) << tests;
+  }
+  EXPECT_LE(exact, 1.05 * found * (1 + 1e-9));
+}
+
 TEST(LevelSurface, FindsTheNearestItem) {
   const Hierarchy hierarchy = naive_hierarchy(bumpy_sphere(3), 2, 1.2f).hierarchy;
   std::mt19937 random(3);
@@ -224,10 +280,34 @@ TEST(LevelSurface, FindsTheNearestItem) {
       EXPECT_NEAR(std::sqrt(found.squared_distance), expected, 1e-12);
       const auto [a, b, c] = surface.corners(found.item);
       EXPECT_EQ(nearest_on_triangle(p, a, b, c).squared_distance, found.squared_distance);
-      const LevelSurface::Nearest enough = surface.nearest(p, {}, 4 * expected * expected);
+      const LevelSurface::Nearest enough = surface.nearest(p, {}, {.enough = 4 * expected * expected});
       EXPECT_LE(std::sqrt(enough.squared_distance), 2 * expected);
     }
   }
+}
+
+TEST(LevelSurface, FindsTheNearestNeedle) {
+  const Strip strip = strip_of_needles(150, 1e-4f);
+  const Hierarchy hierarchy = hierarchy_of_two(strip, strip);
+  const LevelSurface surface = surface_of(hierarchy, 0);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> offset(-0.002f, 0.002f);
+  Neighbourhood near;
+  int within = 0;
+  for (std::size_t v = 0; v < strip.positions.size(); v += 5) {
+    const Vec3f p = strip.positions[v] + Vec3f{offset(random), offset(random), offset(random)};
+    const double expected = brute_force(hierarchy, 0, to_double(p));
+    EXPECT_NEAR(std::sqrt(surface.nearest(to_double(p)).squared_distance), expected, 1e-12);
+    const LevelSurface::Nearest early = surface.nearest(to_double(p), {}, {.most = 8});
+    EXPECT_LE(early.tested, 16u);
+    EXPECT_GE(std::sqrt(early.squared_distance), expected - 1e-12);
+    if (!near.gather(surface, {p, p}, 0.001, 512) || near.size() == 0) continue;
+    const double found = near.nearest(to_double(p), 0).distance;
+    if (expected > near.reach()) continue;
+    ++within;
+    EXPECT_NEAR(found, expected, 1e-12);
+  }
+  EXPECT_GT(within, 20);
 }
 
 TEST(Neighbourhood, HasTheNearestItemWithinItsReach) {
