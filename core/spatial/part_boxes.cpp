@@ -35,7 +35,7 @@ struct Needle {
     const double length2 = dot(b - a, b - a);
     top = length2 > 0 ? std::clamp(dot(c - a, b - a) / length2, 0.0, 1.0) : 0;
   }
-  // Of the part between two shares, to within roundings in double precision.
+  // Box of the part between two shares, to within rounding in double precision.
   [[nodiscard]] Box3f box(double first, double last) const {
     Box3f box;
     for (const double share : {first, last}) {
