@@ -23,7 +23,7 @@ Box3f grown(const Box3f& box, double distance) {
   return {box.lo - Vec3f{by, by, by}, box.hi + Vec3f{by, by, by}};
 }
 
-// Of the items from `first` on, all of one cell; a needle comes once for each of its parts.
+// Removes repeated items from `first` on, all of one cell: a needle comes once for each of its parts.
 void keep_once(std::vector<SurfaceItem>& items, std::ptrdiff_t first) {
   std::sort(items.begin() + first, items.end(),
             [](const SurfaceItem& a, const SurfaceItem& b) { return a.number < b.number; });
