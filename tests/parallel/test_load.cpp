@@ -56,11 +56,11 @@ TEST_F(LoadTest, PlyAndStlInChunks) {
   write_mesh(folder_ / "a.ply", view_of(mesh));
   expect_same_as_read(folder_ / "a.ply");
   EXPECT_EQ(read_mesh(folder_ / "a.ply").positions, mesh.positions);
+  write_mesh(folder_ / "b.stl", view_of(mesh));
+  expect_same_as_read(folder_ / "b.stl");
   for (Vec3d& p : mesh.positions) p.x += 1e6;  // double positions
-  write_mesh(folder_ / "b.ply", view_of(mesh));
-  expect_same_as_read(folder_ / "b.ply");
-  write_mesh(folder_ / "c.stl", view_of(mesh));
-  expect_same_as_read(folder_ / "c.stl");
+  write_mesh(folder_ / "c.ply", view_of(mesh));
+  expect_same_as_read(folder_ / "c.ply");
   write_mesh(folder_ / "d.obj", view_of(generate_mesh({Shape::box, 300, 1})));
   expect_same_as_read(folder_ / "d.obj");
 }
