@@ -98,7 +98,7 @@ TEST(Outside, OverlappingBoxesGetOneClosedShell) {
   EXPECT_LT(deepest, spacing);
 }
 
-TEST(Outside, IsAsNearAsStitchedViewsAndSharp) {
+TEST(Outside, IsNearTheSurfaceAndSharp) {
   const auto scheduler = make_tbb_scheduler(2);
   std::vector<Vec3d> positions;
   std::vector<Triangle> triangles;
