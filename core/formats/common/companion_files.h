@@ -46,7 +46,7 @@ class CompanionFiles {
 // file becomes a part of a model because a material names it.
 [[nodiscard]] std::string image_media_type(std::string_view bytes);
 
-// Beyond the image's edges, and between its texels (Texture).
+// How an image continues beyond its edges and is filtered between its texels, as in Texture.
 struct TextureSampler {
   TextureWrap u = TextureWrap::repeat, v = TextureWrap::repeat;
   std::uint16_t mag_filter = 0, min_filter = 0;

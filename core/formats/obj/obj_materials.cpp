@@ -26,7 +26,7 @@ void read_colour(TextScanner& scan, MtlMaterial& material) {
 }
 
 MtlTexture read_texture(TextScanner& scan) {
-  MtlTexture texture{.file = {}, .wraps = {}, .place = scan.place()};
+  MtlTexture texture{.file = {}, .sampler = {}, .place = scan.place()};
   std::string rest = scan.rest_of_line();
   const auto next_word = [&] {
     const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
@@ -37,7 +37,7 @@ MtlTexture read_texture(TextScanner& scan) {
   while (rest.starts_with('-')) {
     const std::string option = next_word();
     if (option == "-clamp") {
-      if (next_word() == "on") texture.wraps = {TextureWrap::clamp, TextureWrap::clamp};
+      if (next_word() == "on") texture.sampler = {TextureWrap::clamp, TextureWrap::clamp};
     } else if (option == "-o" || option == "-s" || option == "-t") {  // one to three numbers
       for (int i = 0; i < 3 && parse_number(rest.substr(0, rest.find_first_of(" \t"))); ++i) (void)next_word();
     } else {
@@ -114,7 +114,7 @@ std::uint32_t ObjMaterials::use(const std::string& name, const std::string& plac
     const std::string& library = found->second.library;
     const auto texture = [&](const std::optional<MtlTexture>& statement) {
       if (!statement) return no_texture;
-      return textures_.add_file(statement->file, place + ": " + library + ": " + statement->place, statement->wraps);
+      return textures_.add_file(statement->file, place + ": " + library + ": " + statement->place, statement->sampler);
     };
     material.base_colour = source.colour;
     if (source.texture) set_colour_texture(material, texture(source.texture));

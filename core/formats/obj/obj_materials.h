@@ -16,7 +16,7 @@ namespace lodestone {
 // A statement such as "map_Kd -clamp on wood.png".
 struct MtlTexture {
   std::string file;
-  TextureSampler wraps;
+  TextureSampler sampler;
   std::string place;  // line of the library
 };
 

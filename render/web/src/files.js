@@ -22,7 +22,7 @@ export async function reading(name, work) {
   } catch (error) {
     if (error instanceof Problem || error.name === 'AbortError') throw error;
     if (error.message.startsWith(name)) throw new Problem(error.message);
-    // What the language itself says names parts of this program.
+    // Messages of JavaScript's own errors name parts of the program, which tells a reader of the page nothing.
     throw new Problem(error.constructor === Error ? `${name}: the file is damaged (${error.message})` : `${name}: the file is damaged`);
   }
 }

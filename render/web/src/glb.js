@@ -18,7 +18,7 @@ export class Glb {
     this.ready = MeshoptDecoder.ready;
   }
 
-  // Where a view ends in the binary chunk.
+  // The end of a view in the binary chunk, in bytes from its start.
   endOf(index) {
     const view = this.json.bufferViews[index], {byteOffset = 0, byteLength} = view.extensions?.EXT_meshopt_compression ?? view;
     return byteOffset + byteLength;
