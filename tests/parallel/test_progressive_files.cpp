@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/mesh/generate.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/lpm/range_coder.h"
 #include "core/progressive/mesh/activation.h"
@@ -103,6 +104,29 @@ TEST(ProgressiveGlb, ComesBackBitForBit) {
       EXPECT_EQ(back.transform, mesh.transform);
       for (std::size_t v = 0; v < mesh.errors.size(); ++v) EXPECT_NEAR(back.errors[v], mesh.errors[v], 1e-6);
     }
+}
+
+// Half of the surface has a material; the reader must not give it to the rest.
+TEST(ProgressiveFiles, KeepTrianglesWithoutAMaterial) {
+  RawMesh raw = generate_mesh({Shape::sphere, 600, 1});
+  raw.materials = {{.name = "red", .base_colour = {1, 0, 0, 1}}};
+  for (std::size_t t = 0; t < raw.triangles.size(); ++t)
+    raw.wedges.material.push_back(t < raw.triangles.size() / 2 ? 0 : no_material);
+  const auto scheduler = make_serial_scheduler();
+  Repairs repairs;
+  const ProgressiveMesh mesh = make(prepare_mesh(std::move(raw), repairs, *scheduler));
+  const auto bare = [](const ProgressiveMesh& m) {
+    return std::ranges::count_if(m.triangles, [&](const Triangle& t) {
+      return !m.wedges.material.empty() && m.wedges.material[t.v[0]] == no_material;
+    });
+  };
+  EXPECT_GT(bare(mesh), 0);
+  for (const std::vector<std::byte>& bytes : {encode_progressive_glb(mesh, false), encode_lpm(mesh, {}).bytes}) {
+    ByteReader input = reader_of(bytes);
+    const ProgressiveMesh back = read_progressive(input);
+    EXPECT_EQ(back.wedges.materials, mesh.wedges.materials);
+    EXPECT_EQ(bare(back), bare(mesh));
+  }
 }
 
 TEST(ProgressiveFiles, KeepMapsOverTheSphere) {

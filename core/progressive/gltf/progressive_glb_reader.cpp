@@ -36,7 +36,7 @@ class ProgressiveReader {
     for (std::size_t k = 0; k < primitives.size(); ++k) read_primitive(primitives.at(k), attributes);
     out_.wedges.materials = std::move(assets_.materials);
     out_.wedges.textures = std::move(assets_.textures);
-    if (out_.wedges.materials.size() < 2) out_.wedges.material.clear();
+    if (all_have_the_first_material()) out_.wedges.material.clear();
     if (!out_.object_normals.empty()) out_.object_normals.resize(out_.wedges.materials.size(), no_texture);
     if (!out_.geometry_images.empty()) out_.geometry_images.resize(out_.wedges.materials.size());
     check_progressive(out_, document_.file());
@@ -109,6 +109,13 @@ class ProgressiveReader {
       out_.triangles.push_back({ids[k], ids[k + 1], ids[k + 2]});
       for (std::size_t c = k; c < k + 3; ++c) out_.wedges.material[ids[c]] = material;
     }
+  }
+
+  [[nodiscard]] bool all_have_the_first_material() const {
+    const std::size_t count = out_.wedges.materials.size();
+    return count == 0 || (count == 1 && std::ranges::all_of(out_.triangles, [&](const Triangle& t) {
+                            return out_.wedges.material[t.v[0]] == 0;
+                          }));
   }
 
   void read_extras(const JsonView& source, std::uint32_t material) {
