@@ -89,9 +89,8 @@ void put_textures(json& extensions, const Material& m, std::size_t texture_count
         continue;
       }
       (*item)["index"] = m.extension_textures[k];
-    } else if (item->is_structured()) {
-      put_textures(*item, m, texture_count);
     }
+    if (item->is_structured()) put_textures(*item, m, texture_count);
     ++item;
   }
 }

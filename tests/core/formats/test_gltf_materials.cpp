@@ -109,6 +109,19 @@ TEST(GltfMaterials, EverythingIsWrittenAgain) {
     EXPECT_EQ(later.textures.at(moved.extension_textures[k]).name, back.textures.at(first.extension_textures[k]).name);
 }
 
+// An extension of a textureInfo may name textures itself.
+TEST(GltfMaterials, TexturesWithinTexturesAreWrittenAgain) {
+  const json inner{{"EXT_inner", {{"innerTexture", {{"index", 6}}}}}};
+  const RawMesh mesh = read({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+                             {"extensions", {{"KHR_materials_x", {{"xTexture", {{"index", 4}, {"extensions", inner}}}}}}}});
+  const Material& m = mesh.materials.at(0);
+  ASSERT_EQ(m.extension_textures.size(), 2u);
+  const RawMesh back = written_and_read(mesh);
+  ASSERT_EQ(back.materials, mesh.materials);
+  for (const std::uint32_t texture : m.extension_textures)
+    EXPECT_EQ(back.textures.at(texture), mesh.textures.at(texture));
+}
+
 TEST(GltfMaterials, DeclareTheirExtensions) {
   const std::vector<std::byte> bytes = encode_glb(view_of(read(rich_material())));
   const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
