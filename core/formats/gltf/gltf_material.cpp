@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
@@ -45,7 +46,8 @@ UvMap map_of(const UvTransform& t) {
   return {c * t.scale[0], s * t.scale[1], -s * t.scale[0], c * t.scale[1], t.offset[0], t.offset[1]};
 }
 
-// The map that follows `first` to have the effect of `whole`; empty if it skews, which a textureInfo cannot say.
+// The map that follows `first` to have the effect of `whole`; empty if it skews or exceeds a float, which a textureInfo
+// cannot say.
 std::optional<UvTransform> after(const UvMap& first, const UvMap& whole) {
   if (first == whole) return UvTransform{};
   const auto& [a, b, c, d, x, y] = first;
@@ -58,6 +60,8 @@ std::optional<UvTransform> after(const UvMap& first, const UvMap& whole) {
   const auto top = row(whole[0], whole[1], whole[4]), bottom = row(whole[2], whole[3], whole[5]);
   const double wide = std::hypot(top[0], bottom[0]), high = std::hypot(top[1], bottom[1]);
   if (!(std::abs(top[0] * top[1] + bottom[0] * bottom[1]) <= 1e-6 * wide * high)) return std::nullopt;
+  const double largest = std::max({wide, high, std::abs(top[2]), std::abs(bottom[2])});
+  if (!(largest <= double{std::numeric_limits<float>::max()})) return std::nullopt;
   const double turned = top[0] * bottom[1] - top[1] * bottom[0];  // negative: mirrored
   UvTransform out;
   out.rotation = static_cast<float>(std::atan2(-bottom[0], top[0]));

@@ -196,6 +196,9 @@ TEST(GltfMaterials, TexturesThatTheMeshHasNoCoordinatesForAreLeftOut) {
       read({{"normalTexture", placed(0, {{"rotation", 0.5}, {"scale", {1, 2}}})}, {"emissiveTexture", {{"index", 1}}}});
   EXPECT_EQ(skewed.materials.at(0).emissive_map, PlacedTexture{});
   expect_warning(skewed, {"1 textures are skewed"});
+  const RawMesh beyond = read({{"normalTexture", placed(0, {{"scale", {1e-30, 1e-30}}})},
+                               {"emissiveTexture", placed(1, {{"scale", {1e30, 1e30}}})}});
+  EXPECT_EQ(beyond.materials.at(0).emissive_map, PlacedTexture{}) << "a scale of 1e60";
   const RawMesh only = read({{"emissiveTexture", {{"index", 1}, {"texCoord", 1}}}});
   EXPECT_EQ(only.wedges.uv.at(1), (Vec2f{0, 1})) << "the coordinates of the first texture";
 }
