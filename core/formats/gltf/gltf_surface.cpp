@@ -5,6 +5,8 @@
 #include <limits>
 #include <string_view>
 
+#include "core/formats/gltf/gltf_document.h"
+
 namespace lodestone {
 namespace {
 
@@ -119,8 +121,7 @@ AlphaMode read_alpha_mode(const JsonView& source) {
 
 UvTransform read_uv_transform(const JsonView& info) {
   UvTransform out;
-  const std::optional<JsonView> extensions = info.find("extensions");
-  const std::optional<JsonView> source = extensions ? extensions->find(placed) : std::nullopt;
+  const std::optional<JsonView> source = extension(info, placed);
   if (!source) return out;
   const auto offset = source->numbers_or<2>("offset", {0, 0}), scale = source->numbers_or<2>("scale", {1, 1});
   for (std::size_t k = 0; k < 2; ++k) out.offset[k] = finite_float(offset[k]), out.scale[k] = finite_float(scale[k]);

@@ -63,7 +63,7 @@ class TilesetWalk {
   bool add_tile(const Tileset& tileset, const JsonView& tile, const Affine3d& outer, std::string refine, int depth) {
     if (depth > deepest)
       tile.fail("lies below more than " + std::to_string(deepest) + " others", "does the tileset refer to itself?");
-    if (tile.find("implicitTiling") || has_extension(tile, "3DTILES_implicit_tiling"))
+    if (tile.find("implicitTiling") || extension(tile, "3DTILES_implicit_tiling"))
       throw UnsupportedError(describe(tileset.file, tile.place(), "implicit tiling", "write the tiles out one by one"));
     const std::optional<JsonView> transform = tile.find("transform");
     const Affine3d map = transform ? outer * affine_of(*transform) : outer;
@@ -82,11 +82,6 @@ class TilesetWalk {
     std::rotate(list_.tiles.begin() + static_cast<std::ptrdiff_t>(here),
                 list_.tiles.begin() + static_cast<std::ptrdiff_t>(children_end), list_.tiles.end());
     return refined || has_content;
-  }
-
-  static bool has_extension(const JsonView& value, const char* name) {
-    const std::optional<JsonView> extensions = value.find("extensions");
-    return extensions && extensions->find(name);
   }
 
   bool add_contents(const Tileset& tileset, const JsonView& tile, const Affine3d& map, int depth) {
