@@ -2,12 +2,12 @@
 //
 // One vertex buffer in the order in which vertices come in, with _PARENTINDEX and _ERROR (in units of the model) as
 // attributes of its own, and a primitive per material, triangles in the order in which they come in. `extras` of the
-// mesh hold the number of vertices of the base, and if images are octahedral. A node takes normalised positions to the
-// model. `extras` of a material may name textures, as a textureInfo of the specification does: of normals in object
-// space, objectNormalTexture, which what draws levels takes in place of the normals of vertices and of the normal map,
-// which other viewers use; and of positions, geometryImageTexture, with `origin` and `step` (GeometryTexture). `extras`
-// of a texture may have a thumbnail, its bufferView and mimeType; images that have one come last, so that a model is
-// drawn before they arrive.
+// mesh hold the number of vertices of the base, and whether images are octahedral. A node takes normalised positions to
+// the model. `extras` of a material may name textures, as a textureInfo of the specification does: objectNormalTexture
+// holds normals in object space, which a viewer of levels uses instead of the normals of vertices and the normal map
+// that other viewers use; geometryImageTexture, with `origin` and `step`, holds positions (GeometryTexture). `extras` of
+// a texture may have a thumbnail, its bufferView and mimeType; images that have one come last, so that a model is drawn
+// before they arrive.
 #pragma once
 
 #include <cstddef>
