@@ -62,11 +62,12 @@ class Saver {
   }
 
   void save_cells() {
+    const TileErrors errors(hierarchy_);
     errors_.resize(hierarchy_.cells.size());
     scheduler_.for_chunks(hierarchy_.cells.size(), 1, [&](ChunkRange range) {
       stop_if_cancelled();
       const CellId cell(range.begin);
-      errors_[cell] = tile_error(hierarchy_, cell);
+      errors_[cell] = errors.of(cell);
       if (!hierarchy_.cells[cell].triangles.empty()) save_cell(cell);
       report(++done_);
     });

@@ -151,8 +151,9 @@ TEST_F(SaveTiles, LargeTreesAreCutIntoTilesets) {
 TEST_F(SaveTiles, ErrorsCoverThoseOfCoarseTextures) {
   Hierarchy h = built(surface(), *scheduler_);
   const auto errors = [&] {
+    const TileErrors of_cells(h);
     std::vector<double> all;
-    for (CellId c{0}; c < h.cells.size(); ++c) all.push_back(tile_error(h, c));
+    for (CellId c{0}; c < h.cells.size(); ++c) all.push_back(of_cells.of(c));
     return all;
   };
   const std::vector<double> plain = errors();
@@ -190,12 +191,13 @@ TEST_F(SaveTiles, FlatTexturedTilesHaveErrors) {
     copy.materials = {{.name = "m"}};
     copy.materials[0].*use = 0;
     const Hierarchy h = built(std::move(copy), *scheduler_);
+    const TileErrors errors(h);
     std::size_t flat = 0;
     for (CellId c{0}; c < h.cells.size(); ++c) {
       const bool leaf = h.level_of(c) == h.finest();
       const double own = h.transform.scale * double{h.cells[c].error}, texel = std::sqrt(1.0 / 40000);
       flat += !leaf && own < texel;
-      EXPECT_NEAR(tile_error(h, c), leaf ? 0 : std::max(own, texel), leaf ? 0 : 0.1 * texel) << h.level_of(c);
+      EXPECT_NEAR(errors.of(c), leaf ? 0 : std::max(own, texel), leaf ? 0 : 0.1 * texel) << h.level_of(c);
     }
     EXPECT_GT(flat, 0u);
   }

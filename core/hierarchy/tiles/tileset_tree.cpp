@@ -33,12 +33,6 @@ double area(Vec2f a, Vec2f b, Vec2f c) {
   return 0.5 * std::abs(ux * vy - uy * vx);
 }
 
-// An image as a level shows it.
-struct ShownImage {
-  double texels = 0;  // 0: none, or one that cannot be decoded
-  int halvings = 0;
-};
-
 ShownImage shown_image(const Hierarchy& hierarchy, std::uint32_t texture, int level) {
   if (texture >= hierarchy.textures.size()) return {};
   if (const TextureCopy* copy = texture_copy(hierarchy, texture, level))
@@ -68,9 +62,8 @@ std::vector<ShownImage> coarsest_images(const Hierarchy& hierarchy, int level) {
 // Mean size of a texel on the textured triangles of a cell, in normalised units; 0 without any. Where the texture is no
 // copy, its coordinates are interpolated between fewer vertices than at the finest level: a texel's shift is not
 // counted in the cell's own error. Triangles inside one texel of the texture itself have one colour and lose nothing.
-double texel_size(const Hierarchy& hierarchy, const Cell& cell, int level) {
-  if (hierarchy.materials.empty() || !hierarchy.attributes.uv) return 0;
-  const std::vector<ShownImage> images = coarsest_images(hierarchy, level);
+double texel_size(const Hierarchy& hierarchy, const Cell& cell, std::span<const ShownImage> images) {
+  if (!hierarchy.attributes.uv) return 0;
   double surface = 0, texels = 0;
   for (const Triangle& t : cell.triangles) {
     const std::uint32_t material = hierarchy.attributes.materials ? cell.attributes.materials[t.v[0]] : 0;
@@ -192,11 +185,16 @@ std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int 
   return path + image_extension(hierarchy.textures[texture].media_type);
 }
 
-double tile_error(const Hierarchy& hierarchy, CellId cell) {
-  const int level = hierarchy.level_of(cell);
-  if (level == hierarchy.finest()) return 0;
-  const double texel = texel_size(hierarchy, hierarchy.cells[cell], level);
-  return hierarchy.transform.scale * std::max(double{hierarchy.cells[cell].error}, texel);
+TileErrors::TileErrors(const Hierarchy& hierarchy) : hierarchy_(hierarchy) {
+  for (int level = 0; level < hierarchy.finest(); ++level) coarsest_.push_back(coarsest_images(hierarchy, level));
+}
+
+double TileErrors::of(CellId cell) const {
+  const int level = hierarchy_.level_of(cell);
+  if (level == hierarchy_.finest()) return 0;
+  const Cell& at = hierarchy_.cells[cell];
+  const double texel = texel_size(hierarchy_, at, coarsest_[static_cast<std::size_t>(level)]);
+  return hierarchy_.transform.scale * std::max(double{at.error}, texel);
 }
 
 std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,

@@ -32,9 +32,23 @@ struct TilesetFile {
 // The file of a texture as the level shows it.
 [[nodiscard]] std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int level);
 
-// Distance of a cell from the model, in its unit: the measured error of the surface, or, when its textures are copies
-// of lower resolution, the mean size of their texels on it if that is larger. 0 on the finest level.
-[[nodiscard]] double tile_error(const Hierarchy& hierarchy, CellId cell);
+// An image as a level shows it.
+struct ShownImage {
+  double texels = 0;  // 0: none, or one that cannot be decoded
+  int halvings = 0;
+};
+
+// Distances of cells from the model, in its unit: the measured error of the surface, or the mean size on it of a texel
+// of the coarsest image of its materials if that is larger. 0 on the finest level. The hierarchy outlives this.
+class TileErrors {
+ public:
+  explicit TileErrors(const Hierarchy& hierarchy);
+  [[nodiscard]] double of(CellId cell) const;
+
+ private:
+  const Hierarchy& hierarchy_;
+  std::vector<std::vector<ShownImage>> coarsest_;  // by level, then by material
+};
 
 // The tileset.json, followed by those it refers to. `errors` has one value per cell; the values written do not decrease
 // towards the root. Boxes contain those of their children, grown by rounding errors. The root's transform is the origin
