@@ -302,6 +302,34 @@ TEST(LodeMaterials, AreKept) {
   }
 }
 
+// Surfaces that are whole JSON, but not what the records before them need.
+TEST(LodeMaterials, ForeignSurfacesAreRefused) {
+  Hierarchy h;
+  h.materials = {{.name = "m", .metallic = 1}};
+  const std::vector<std::byte> records = [&] {
+    Hierarchy plain = h;
+    plain.materials[0].metallic = 0;
+    return encode_assets(plain);
+  }();
+  const auto fault_of = [&](const std::string& surfaces) {
+    std::vector<std::byte> bytes = records;
+    const std::uint64_t size = surfaces.size();
+    for (const auto part : {std::as_bytes(std::span(&size, 1)), std::as_bytes(std::span(surfaces))})
+      bytes.insert(bytes.end(), part.begin(), part.end());
+    Hierarchy to;
+    const char* fault = decode_assets(bytes, lode_surfaces, to);
+    return std::string(fault ? fault : "");
+  };
+  EXPECT_EQ(fault_of(R"({"materials":[{}],"samplers":[]})"), "");
+  const std::string open(100'000, '['), close(100'000, ']');
+  for (const std::string& surfaces :
+       {std::string("[]"), std::string(R"({"materials":[],"samplers":[]})"),
+        std::string(R"({"materials":[{}],"samplers":[{"magFilter":0,"minFilter":0}]})"),
+        std::string(R"({"materials":[{"normalTexture":{"index":0}}],"samplers":[]})"), open,
+        R"({"materials":[{"extensions":{"KHR_materials_x":{"a":)" + open + close + R"(}}}],"samplers":[]})"})
+    EXPECT_EQ(fault_of(surfaces), "the surfaces are invalid") << surfaces.substr(0, 80);
+}
+
 // Files without such materials are those of before, which older programs read.
 TEST(LodeMaterials, PlainOnesNeedNoFeature) {
   Hierarchy h;
