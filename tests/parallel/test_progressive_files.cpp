@@ -293,7 +293,8 @@ IndexedMesh soup(unsigned seed, bool textured) {
     raw.positions.push_back({0.25 * below(5), 0.25 * below(5), 0.25 * below(5)});
   raw.triangles.push_back({{0, 1, 2}});
   for (std::uint32_t k = 1; k < 4; ++k) raw.positions[k - 1] = {0.1 * k, k == 1 ? 0.9 : 0.3, 0.7};
-  for (std::uint32_t k = 1; k < triangles; ++k) raw.triangles.push_back({{below(points), below(points), below(points)}});
+  for (std::uint32_t k = 1; k < triangles; ++k)
+    raw.triangles.push_back({{below(points), below(points), below(points)}});
   for (std::uint32_t k = 0; textured && k < points; ++k)
     raw.wedges.uv.push_back({0.125f * static_cast<float>(below(9)), 0.125f * static_cast<float>(below(9))});
   Repairs repairs;

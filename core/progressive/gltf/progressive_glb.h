@@ -5,9 +5,9 @@
 // mesh hold the number of vertices of the base, and whether images are octahedral. A node takes normalised positions to
 // the model. `extras` of a material may name textures, as a textureInfo of the specification does: objectNormalTexture
 // holds normals in object space, which a viewer of levels uses instead of the normals of vertices and the normal map
-// that other viewers use; geometryImageTexture, with `origin` and `step`, holds positions (GeometryTexture). `extras` of
-// a texture may have a thumbnail, its bufferView and mimeType; images that have one come last, so that a model is drawn
-// before they arrive.
+// that other viewers use; geometryImageTexture, with `origin` and `step`, holds positions (GeometryTexture). `extras`
+// of a texture may have a thumbnail, its bufferView and mimeType; images that have one come last, so that a model is
+// drawn before they arrive.
 #pragma once
 
 #include <cstddef>

@@ -112,8 +112,9 @@ TEST(GltfMaterials, EverythingIsWrittenAgain) {
 // An extension of a textureInfo may name textures itself.
 TEST(GltfMaterials, TexturesWithinTexturesAreWrittenAgain) {
   const json inner{{"EXT_inner", {{"innerTexture", {{"index", 6}}}}}};
-  const RawMesh mesh = read({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
-                             {"extensions", {{"KHR_materials_x", {{"xTexture", {{"index", 4}, {"extensions", inner}}}}}}}});
+  const RawMesh mesh =
+      read({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+            {"extensions", {{"KHR_materials_x", {{"xTexture", {{"index", 4}, {"extensions", inner}}}}}}}});
   const Material& m = mesh.materials.at(0);
   ASSERT_EQ(m.extension_textures.size(), 2u);
   const RawMesh back = written_and_read(mesh);
