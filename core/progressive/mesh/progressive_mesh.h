@@ -43,7 +43,7 @@ struct ProgressiveMesh {
   std::vector<GeometryTexture> geometry_images{};
   // By vertex, for normal maps in tangent space at the finest level. Empty: readers make their own.
   std::vector<Tangent> tangents{};
-  // True if images lie over the octahedral square (core/spherical/octahedron/octahedral_image.h): who draws them makes
+  // True if images lie over the octahedral square (core/spherical/octahedron/octahedral_image.h): a renderer must make
   // their sides symmetric after decoding, and at each mip level.
   bool octahedral = false;
 

@@ -6,8 +6,8 @@
 // is one pixel. Graphics hardware takes the mip level there whose texels are as wide as a pixel, or the image itself
 // where its texels are wider. A texel of the image is as wide as the square root of its area on the triangle.
 //
-// Where several triangles of the coarser level have the coordinates (a texture that repeats, a fold), the nearest point
-// counts. Points whose coordinates it does not have at all, as borders of charts have moved, are left out and counted.
+// If several triangles of the coarser level contain the texture coordinates (a texture that repeats, a fold), the nearest
+// point counts. If none does, since borders of charts have moved, the point is left out, and its share is reported.
 #pragma once
 
 #include <cstdint>

@@ -160,7 +160,7 @@ TEST(TextureRanks, AreTheLargestDistancesOfSamples) {
   }
 }
 
-// Where areas are close to zero, or zero, floats decide nothing.
+// Areas that are zero, or too small for the signs of 32-bit floats to be right, are decided exactly.
 TEST(TextureRanks, TurnNoTriangleOver) {
   for (const float lattice : {0.0f, 1 / 64.0f, 1e-7f})
     for (const bool with_seam : {false, true}) {
