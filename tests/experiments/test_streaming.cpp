@@ -93,7 +93,6 @@ class Streaming : public ::testing::TestWithParam<LodeForm> {
 
 TEST_P(Streaming, NothingCracksOrPopsUnderAnyBudgetWithASlowLoader) {
   const Radii radii = per_level_radii(whole_, DistanceMetric::euclidean);
-  std::size_t came = 0, went = 0;
   for (const double share : {0.06, 0.1, 0.2, 1.0}) {
     SCOPED_TRACE(share);
     std::atomic<unsigned> loads{0};
@@ -104,8 +103,8 @@ TEST_P(Streaming, NothingCracksOrPopsUnderAnyBudgetWithASlowLoader) {
     Vec3f viewpoint{0.5f, -0.4f, 0.5f};
     std::optional<Frame> before;
     std::vector<DetailLimit> limits_before;
-    std::size_t finest = 0;
-    for (int i = 0; i < 150; ++i) {
+    std::size_t came = 0, went = 0, finest = 0;
+    for (int i = 0; i < 400; ++i) {
       const float angle = 0.05f * static_cast<float>(i);
       const float distance = 0.52f + 0.3f * std::abs(std::sin(0.04f * static_cast<float>(i)));
       viewpoint = {0.5f + distance * std::cos(angle), 0.5f + distance * std::sin(angle), 0.5f};
@@ -126,10 +125,10 @@ TEST_P(Streaming, NothingCracksOrPopsUnderAnyBudgetWithASlowLoader) {
       limits_before = limits_;
       if (i % 4 == 0) stream.wait();  // now and then the loader is fast
     }
+    EXPECT_GT(came, 10u);
+    EXPECT_TRUE(went > 10 || share == 1);
     EXPECT_TRUE(finest == 4 || share < 0.2);
   }
-  EXPECT_GT(came, 100u);
-  EXPECT_GT(went, 30u);
 }
 
 TEST_P(Streaming, EndsWithWhatSelectionAsksFor) {
