@@ -7,6 +7,8 @@
 #include <mutex>
 #include <vector>
 
+#include "core/hierarchy/construct/image_bound.h"
+
 namespace lodestone {
 namespace {
 
@@ -30,8 +32,7 @@ class ErrorMeasurement {
         config_(config),
         scheduler_(scheduler),
         below_(hierarchy.cells.size()),
-        errors_(hierarchy.cells.size()),
-        moved_(hierarchy.cells.size()) {
+        errors_(hierarchy.cells.size()) {
     for (int w = 0; w < scheduler.workers(); ++w) meters_.emplace_back(CellErrorConfig{config.tolerance});
   }
 
@@ -99,7 +100,7 @@ class ErrorMeasurement {
       std::size_t triangles = hierarchy_.cells[id].triangles.size();
       for (CellRank c = below.first; c < below.end; ++c) triangles += finest.triangle_count(c);
       const double tests = std::ceil(config_.tests / hierarchy_.finest() * static_cast<double>(triangles));
-      measure_cell(id, {surface, rank, finest, below.first, below.end, 0, negligible_ratio * cell_size(level), 0,
+      measure_cell(id, {surface, rank, finest, below.first, below.end, 0, negligible_ratio * cell_size(level),
                         static_cast<std::uint64_t>(tests)});
       report_progress();
     });
@@ -111,10 +112,8 @@ class ErrorMeasurement {
     for (CellId k = cell.first_child; k < cell.end_child(); ++k) {
       query.known = std::max(query.known, errors_[k].bound);
       found = std::max(found, errors_[k].found);
-      moved_[id] = std::max(moved_[id], moved_[k] + hierarchy_.cells[k].max_displacement);
     }
-    // A point moves with its triangle, or with a corner of one that collapses.
-    query.largest = moved_[id] + double{hierarchy_.levels.back().max_edge} * cell_size(hierarchy_.finest());
+    query.largest = [&] { return image_bound(hierarchy_, id, query.first, query.end); };
     errors_[id] = meters_[static_cast<std::size_t>(scheduler_.worker_index())].measure(query);
     errors_[id].found = std::max(errors_[id].found, found);
   }
@@ -148,7 +147,6 @@ class ErrorMeasurement {
   std::vector<CellErrorMeter> meters_;  // by worker
   std::vector<CellRange> below_;        // by cell, as in Hierarchy::cells
   std::vector<CellError> errors_;       // likewise, without what the finest level has
-  std::vector<double> moved_;           // likewise: bounds of the way from M_L to the cell
   std::atomic<std::uint64_t> done_{0};
   std::mutex progress_;
 };

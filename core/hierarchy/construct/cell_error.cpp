@@ -409,18 +409,19 @@ bool CellErrorMeter::Measurement::attempt(std::uint64_t tests) {
   return !is_spent();
 }
 
-// A larger tolerance needs fewer pieces.
+// A larger tolerance needs fewer pieces, and is of no use beyond what is known without them.
 CellError CellErrorMeter::Measurement::run(const CellErrorQuery& query) {
   query_ = &query;
   lower_ = 0;
   tolerance_ = config_.tolerance;
   const std::uint64_t share = query.tests == 0 ? 0 : 1 + query.tests / (1 + attempts);
   const bool complete = attempt(2 * share);
-  double upper = std::min(query.largest, settled_);
+  double upper = settled_;
+  if (!complete && query.largest) upper = std::min(upper, std::max(query.largest(), query.negligible));
   bool done = complete;
   for (int i = 1; i < attempts && !done; ++i) {
     tolerance_ = coarser * std::max(tolerance_, 1.0);
-    done = attempt(share);
+    done = limit() >= upper || attempt(share);
     upper = std::min(upper, settled_);
   }
   return {std::max(query.known, upper), lower_, complete};

@@ -15,8 +15,8 @@
 // bound, but may exceed the distance by more than the tolerance, and says by how much.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "core/hierarchy/construct/level_surface.h"
@@ -46,10 +46,10 @@ struct CellErrorQuery {
   CellRank first, end;
   double known = 0;       // a lower bound of the result
   double negligible = 0;  // distances below this need not be told apart
-  double largest = HUGE_VAL;  // an upper bound of the error
   // Distances between a point and an item that refinement may compute, beside those of a first pass; some 20 ns each.
   // 0: as many as it takes.
   std::uint64_t tests = 0;
+  std::function<double()> largest = {};  // an upper bound of the error, asked for when the tests run out; empty: none
 };
 
 // Belongs to one worker: keeps its memory from cell to cell.
@@ -59,8 +59,8 @@ class CellErrorMeter {
   ~CellErrorMeter();
   CellErrorMeter(CellErrorMeter&&) noexcept;
 
-  // The bound is the larger of `known` and one of the error, which is at most the larger of 1 + tolerance times the error
-  // and `negligible`, unless tests ran out.
+  // The bound is the larger of `known` and one of the error, which is at most the larger of 1 + tolerance times the
+  // error and `negligible`, unless tests ran out.
   [[nodiscard]] CellError measure(const CellErrorQuery& query);
   [[nodiscard]] const CellErrorWork& work() const;
 

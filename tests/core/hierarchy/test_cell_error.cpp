@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/hierarchy/construct/cell_error.h"
+#include "core/hierarchy/construct/image_bound.h"
 #include "core/hierarchy/construct/neighbourhood.h"
 #include "core/spatial/point_triangle.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
@@ -68,11 +69,11 @@ bool is_below(const Hierarchy& hierarchy, CellId cell, CellId ancestor) {
 }
 
 struct Measured {
-  std::vector<double> error;  // by cell
+  std::vector<double> error, by_images;  // by cell
 };
 
 Measured measure(const Hierarchy& hierarchy, double tolerance) {
-  Measured result{std::vector<double>(hierarchy.cells.size())};
+  Measured result{std::vector<double>(hierarchy.cells.size()), std::vector<double>(hierarchy.cells.size())};
   const LevelSurface finest = surface_of(hierarchy, hierarchy.finest());
   CellErrorMeter meter({tolerance});
   const Level& leaves = hierarchy.levels.back();
@@ -84,6 +85,7 @@ Measured measure(const Hierarchy& hierarchy, double tolerance) {
       for (CellRank k{0}; k < leaves.cell_count; ++k)
         if (is_below(hierarchy, leaves.id_of(k), c)) begin = std::min(begin, k), end = CellRank(k + 1);
       result.error[c] = meter.measure({surface, level.rank_of(c), finest, begin, end, 0, 1e-9}).bound;
+      result.by_images[c] = image_bound(hierarchy, c, begin, end);
     }
   }
   return result;
@@ -107,6 +109,7 @@ TEST_P(CellErrorOf, EachCellIsAboveAllDistancesByTheToleranceAtMost) {
       }
       EXPECT_GE(measured.error[c], expected.lower * (1 - 1e-12) - 1e-15) << "level " << l << " cell " << c;
       EXPECT_LE(measured.error[c], expected.upper * (1 + tolerance)) << "level " << l << " cell " << c;
+      EXPECT_GE(measured.by_images[c], expected.lower * (1 - 1e-12) - 1e-15) << "level " << l << " cell " << c;
     }
   }
 }
@@ -241,6 +244,24 @@ Hierarchy hierarchy_of_two(const Strip& coarse, const Strip& fine) {
   hierarchy.cells[0].positions = coarse.positions, hierarchy.cells[0].triangles = coarse.triangles;
   hierarchy.cells[1].positions = fine.positions, hierarchy.cells[1].triangles = fine.triangles;
   return hierarchy;
+}
+
+TEST(ImageBound, CountsTheEndsOfASegmentUnlessItIsAnEdge) {
+  Strip fine{{{0, 0, 0}, {1, 0, 0}, {0, 0.01f, 0}, {0.5f, 1, 0}}, {{{0, 1, 2}}}};
+  Strip coarse{{{0, 0, 0}, {1, 0, 0}, {0.5f, 1, 0}}, {}};
+  const std::vector<std::uint32_t> parents{0, 1, 0, 2};
+  const auto bound = [&] {
+    Hierarchy hierarchy = hierarchy_of_two(coarse, fine);
+    hierarchy.cells[1].parent = CellId(0);
+    hierarchy.cells[1].parents = parents;
+    return image_bound(hierarchy, CellId(0), CellRank(0), CellRank(1));
+  };
+  EXPECT_NEAR(bound(), 0.01 + 0.5, 1e-8);
+  fine.triangles.push_back({{1, 0, 3}});
+  coarse.triangles.push_back({{1, 0, 2}});
+  EXPECT_NEAR(bound(), 0.01, 1e-8);
+  coarse.positions[1].x = 0.5f;
+  EXPECT_NEAR(bound(), 0.5, 1e-8);
 }
 
 // However many needles lie side by side: the work is what was allowed, and what results is a bound.
