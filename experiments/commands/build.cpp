@@ -214,8 +214,8 @@ OptionTable declare(BuildOptions& o) {
            .only_with({"--refine"}),
        {"--measure-error", &o.measure,
         "Measure how far cells are from the finest mesh, every point both ways, instead of estimating it while "
-        "building: bounds that hold, at most 5 % too large (more, as it then says, where the surface is full of needles); takes "
-         "longer than the build"},
+        "building: bounds that hold, at most 5 % or 1e-5 h too large (more on some surfaces full of needles, as a note "
+        "then says); takes longer than the build"},
        {"--strategy", &o.strategy, "graph, levels or serial; all give the same bytes"},
        {"--memory-limit", &o.memory_limit,
         "Memory that may be resident, such as 2GiB or 1500MB: a mesh that needs more is built out of core, to the same "

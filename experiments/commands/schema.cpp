@@ -82,7 +82,7 @@ std::vector<Key> build_details() {
                   {"refined.triangles_before", "", "triangles before --refine"},
                   {"refined.triangles_after", "", "triangles after --refine"},
                   {"errors", "", "estimated or measured"},
-                  {"error_excess", "h_l", "by as much a measured error may be too large"},
+                  {"error_excess", "h_l", "by how much a measured error may be too large, at most"},
                   {"stages.*.seconds", "s", "time of a stage"},
                   {"stages.*.cpu_seconds", "s", "its processor time, all threads"},
                   {"threads", "", "workers"},

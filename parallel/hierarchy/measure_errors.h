@@ -24,7 +24,7 @@ struct MeasureConfig {
 struct MeasureReport {
   CellErrorWork work;
   std::uint64_t stopped = 0;  // cells whose tests ran out
-  double excess = 0;          // h_l; by as much an error may be too large
+  double excess = 0;          // h_l; by how much an error may be too large, at most
 };
 
 // Replaces the errors of all cells and levels except for the finest one's: that is the distance by which the input was
