@@ -7,14 +7,11 @@
 #include <map>
 #include <utility>
 
+#include "core/mesh/vertex_of.h"
 #include "core/mesh/wedges.h"
 
 namespace lodestone::spherical {
 namespace {
-
-std::uint32_t vertex_of(const IndexedMesh& input, std::uint32_t wedge) {
-  return input.wedges.vertex.empty() ? wedge : input.wedges.vertex[wedge];
-}
 
 // By wedge of the input.
 std::vector<Vec3f> normals_of(const IndexedMesh& input) {

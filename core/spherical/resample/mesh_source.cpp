@@ -5,6 +5,7 @@
 
 #include "core/base/disjoint_sets.h"
 #include "core/base/error.h"
+#include "core/mesh/vertex_of.h"
 #include "core/spherical/resample/chart_cover.h"
 #include "core/texture/normal_space.h"
 
@@ -57,7 +58,7 @@ void MeshSource::add_normals() {
     const auto& [i, j, k] = corners.v;
     const Vec3d a = to_double(mesh_.positions[i]), b = to_double(mesh_.positions[j]), c = to_double(mesh_.positions[k]);
     for (const std::uint32_t wedge : corners.v) {
-      Vec3d& sum = sums[vertex(wedge)];
+      Vec3d& sum = sums[vertex_of(mesh_, wedge)];
       sum = sum + cross(b - a, c - a);
     }
   }
@@ -67,7 +68,7 @@ void MeshSource::add_normals() {
       const float given = length(mesh_.wedges.normal[w]);
       if (given > 0) normals_[w] = (1 / given) * mesh_.wedges.normal[w];
     }
-    const Vec3d sum = sums[vertex(w)];
+    const Vec3d sum = sums[vertex_of(mesh_, w)];
     const double size = length(sum);
     if (normals_[w] == Vec3f{} && size > 0) normals_[w] = to_float((1 / size) * sum);
   }

@@ -43,10 +43,6 @@ class MeshSource {
   [[nodiscard]] std::uint32_t chart(std::uint32_t wedge) const { return charts_[wedge]; }
   // By wedge: the mesh's own, else the mean of the triangles', by area; of unit length, or zero.
   [[nodiscard]] const std::vector<Vec3f>& normals() const { return normals_; }
-  // By wedge: the first wedge at its position.
-  [[nodiscard]] std::uint32_t vertex(std::uint32_t wedge) const {
-    return mesh_.wedges.vertex.empty() ? wedge : mesh_.wedges.vertex[wedge];
-  }
 
  private:
   [[nodiscard]] std::uint32_t loaded(std::uint32_t texture, PixelMeaning meaning);

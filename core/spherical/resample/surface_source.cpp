@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
+#include "core/mesh/vertex_of.h"
 
 namespace lodestone::spherical {
 namespace {
@@ -80,7 +81,7 @@ void SurfaceSource::match_corners(const Surface& surface) {
     const auto& v = surface.triangles[t].v;
     const auto fits = [&](std::size_t turn) {
       for (std::size_t k = 0; k < 3; ++k)
-        if (source_->vertex(wedges[(k + turn) % 3]) != source_->vertex(surface.source_vertex[v[k]])) return false;
+        if (vertex_of(mesh_, wedges[(k + turn) % 3]) != vertex_of(mesh_, surface.source_vertex[v[k]])) return false;
       return true;
     };
     std::size_t turn = 0;
@@ -107,7 +108,7 @@ void SurfaceSource::match_part(const Surface& surface, std::uint32_t triangle) {
     for (std::size_t i = 0; i < 3 && !known(); ++i) {
       const std::size_t j = (i + 1) % 3;
       const Vec3d middle = 0.5 * (to_double(mesh_.positions[wedges[i]]) + to_double(mesh_.positions[wedges[j]]));
-      if (vertex != no_source && source_->vertex(wedges[i]) == source_->vertex(vertex)) corners[k][i] = 1;
+      if (vertex != no_source && vertex_of(mesh_, wedges[i]) == vertex_of(mesh_, vertex)) corners[k][i] = 1;
       if (vertex == no_source && middle == surface.positions[v]) corners[k][i] = corners[k][j] = 0.5f;
     }
     if (vertex == no_source && !known()) corners[k] = {1.0f / 3, 1.0f / 3, 1.0f / 3};

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mesh/edge_pairing.h"
+#include "core/mesh/vertex_of.h"
 #include "core/spherical/topology/sides.h"
 
 namespace lodestone::spherical {
@@ -22,8 +23,7 @@ Surface weld(const IndexedMesh& mesh) {
   welded.source_triangle.reserve(mesh.triangles.size());
   for (Id t = 0; t < mesh.triangles.size(); ++t) {
     Triangle triangle = mesh.triangles[t];
-    if (!mesh.wedges.vertex.empty())
-      for (Id& v : triangle.v) v = mesh.wedges.vertex[v];
+    for (Id& v : triangle.v) v = vertex_of(mesh, v);
     if (is_degenerate(triangle)) continue;
     welded.triangles.push_back(triangle);
     welded.source_triangle.push_back(t);
