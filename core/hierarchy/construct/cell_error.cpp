@@ -1,86 +1,14 @@
 #include "core/hierarchy/construct/cell_error.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
+#include "core/hierarchy/construct/convex_piece.h"
 #include "core/hierarchy/construct/neighbourhood.h"
-#include "core/spatial/point_triangle.h"
 
 namespace lodestone {
 namespace {
-
-// A convex polygon in space, a piece of a triangle, and its cuts by planes.
-struct ConvexPiece {
-  static constexpr std::uint32_t max_corners = 12;
-  std::array<Vec3d, max_corners> corner;
-  std::uint32_t count = 0;
-
-  void add(Vec3d p) { corner[count++] = p; }
-  [[nodiscard]] Vec3d centre() const {
-    Vec3d sum;
-    for (std::uint32_t i = 0; i < count; ++i) sum = sum + corner[i];
-    return (1.0 / count) * sum;
-  }
-  // 0 without corners.
-  [[nodiscard]] double area() const {
-    Vec3d sum;
-    for (std::uint32_t i = 2; i < count; ++i) sum = sum + cross(corner[i - 1] - corner[0], corner[i] - corner[0]);
-    return 0.5 * length(sum);
-  }
-};
-
-// The points x with dot(normal, x - origin) >= offset.
-struct HalfSpace {
-  Vec3d normal, origin;
-  double offset = 0;
-};
-
-struct CutPiece {
-  ConvexPiece inside, outside;  // without corners if empty
-};
-
-// Except for rounding, the union of the parts is the piece: they share the points on the plane. Each part has at most
-// one corner more, so that the piece may have at most max_corners - 1.
-CutPiece cut(const ConvexPiece& piece, const HalfSpace& half) {
-  std::array<double, ConvexPiece::max_corners> height;
-  double lowest = 0, highest = 0;
-  for (std::uint32_t i = 0; i < piece.count; ++i) {
-    height[i] = dot(half.normal, piece.corner[i] - half.origin) - half.offset;
-    lowest = std::min(lowest, height[i]);
-    highest = std::max(highest, height[i]);
-  }
-  if (!(lowest < 0)) return {piece, {}};
-  if (!(highest > 0)) return {{}, piece};
-  CutPiece parts;
-  for (std::uint32_t i = 0; i < piece.count; ++i) {
-    const std::uint32_t next = i + 1 < piece.count ? i + 1 : 0;
-    const Vec3d a = piece.corner[i], b = piece.corner[next];
-    if (height[i] >= 0) parts.inside.add(a);
-    if (height[i] <= 0) parts.outside.add(a);
-    if ((height[i] < 0 && height[next] > 0) || (height[i] > 0 && height[next] < 0)) {
-      const Vec3d between = a + (height[i] / (height[i] - height[next])) * (b - a);
-      parts.inside.add(between);
-      parts.outside.add(between);
-    }
-  }
-  return parts;
-}
-
-// Cuts the piece in the middle between its two farthest corners.
-CutPiece halved(const ConvexPiece& piece) {
-  double longest = -1;
-  Vec3d from, to;
-  for (std::uint32_t i = 0; i < piece.count; ++i)
-    for (std::uint32_t k = i + 1; k < piece.count; ++k)
-      if (const double d = squared_length(piece.corner[k] - piece.corner[i]); d > longest) {
-        longest = d;
-        from = piece.corner[i];
-        to = piece.corner[k];
-      }
-  return cut(piece, {to - from, 0.5 * (from + to), 0});
-}
 
 constexpr std::uint32_t max_piece_corners = 8;  // of a piece; larger ones are cut into triangles
 constexpr std::uint32_t most_walked = 256;      // items tested for a branch or leaf; then refinement decides
@@ -97,33 +25,7 @@ constexpr double margins[] = {0.9, 0.5, 0};
 // Height of a piece above a triangle, over the limit, up to which it may be cut along its sides.
 constexpr double cut_height = 0.95;
 
-// Largest distance of a point of the piece from the triangle: at a corner, since the distance is convex.
-double farthest(const ConvexPiece& piece, const LevelSurface::Corners& t) {
-  double squared = 0;
-  for (std::uint32_t i = 0; i < piece.count; ++i)
-    squared = std::max(squared, nearest_on_triangle(piece.corner[i], t[0], t[1], t[2]).squared_distance);
-  return std::sqrt(squared);
-}
-
-double radius_of(const ConvexPiece& piece, Vec3d centre) {
-  double squared = 0;
-  for (std::uint32_t i = 0; i < piece.count; ++i) squared = std::max(squared, squared_length(piece.corner[i] - centre));
-  return std::sqrt(squared);
-}
-
-ConvexPiece piece_of(const LevelSurface::Corners& t) {
-  ConvexPiece piece;
-  for (const Vec3d p : t) piece.add(p);
-  return piece;
-}
-
 constexpr auto by_bound = [](const auto& a, const auto& b) { return a.upper < b.upper; };
-
-Box3f box_of(const ConvexPiece& piece) {
-  Box3f box;
-  for (std::uint32_t i = 0; i < piece.count; ++i) box.extend(to_float(piece.corner[i]));
-  return box;
-}
 
 }  // namespace
 
@@ -345,8 +247,8 @@ bool CellErrorMeter::Measurement::work_through(std::vector<Shape>& shapes, bool 
 // Adds the triangles of the piece.
 void CellErrorMeter::Measurement::fan(const Shape& shape, std::vector<Shape>& shapes) {
   for (std::uint32_t i = 2; i < shape.piece.count; ++i)
-    shapes.push_back({piece_of({shape.piece.corner[0], shape.piece.corner[i - 1], shape.piece.corner[i]}), shape.hint,
-                      shape.cuts});
+    shapes.push_back(
+        {piece_of({shape.piece.corner[0], shape.piece.corner[i - 1], shape.piece.corner[i]}), shape.hint, shape.cuts});
 }
 
 void CellErrorMeter::Measurement::divide(const Shape& shape, const LevelSurface::Corners& t,

@@ -33,8 +33,8 @@ struct CellErrorWork {
 };
 
 struct CellError {
-  double bound = 0;  // at least the error
-  double found = 0;  // a distance that occurs: at most the error; without `known`
+  double bound = 0;      // at least the error
+  double found = 0;      // a distance that occurs: at most the error; without `known`
   bool complete = true;  // false: the tests ran out
 };
 
