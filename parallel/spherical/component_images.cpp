@@ -1,8 +1,10 @@
 #include "parallel/spherical/component_images.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -48,13 +50,15 @@ class ImageMaker {
       std::string name;
       if (surfaces_.size() > 1) name.append(" ").append(std::to_string(k + 1));
       out_.places[k].material = static_cast<std::uint32_t>(out_.materials.size());
-      add_material("octahedral" + name, {&k, 1});
-      if (config_.maps.colour || config_.maps.normal) add_component(k, name);
+      const bool colours = add_material("octahedral" + name, {&k, 1}, {});
+      if (colours || config_.maps.normal)
+        add_component(k, name, {.size = texture_of(k), .colours = colours, .normals = config_.maps.normal});
       if (config_.maps.geometry) add_geometry(k, name);
     }
     if (!small.empty()) add_atlas(small);
     source_.reset();
     report_.geometry_rms = std::sqrt(report_.geometry_rms);
+    if (colour_share_ > 0) report_.colour_psnr /= colour_share_;
     return std::move(out_);
   }
 
@@ -64,14 +68,31 @@ class ImageMaker {
     scheduler_.for_chunks(count, grain, [&](ChunkRange range) { body(range); });
   }
 
-  // For components that share their images.
-  void add_material(std::string name, std::span<const std::size_t> components) {
+  // For components that share their images. Returns true if these have colours that need one.
+  bool add_material(std::string name, std::span<const std::size_t> components, OctahedralLayout layout) {
     std::set<std::uint32_t> used;
     for (const std::size_t k : components)
       for (const std::uint32_t t : surfaces_[k].source_triangle)
         if (t != no_source) used.insert(material_of(mesh_, TriangleId(t)));
     out_.materials.push_back(carried_surface(mesh_, used, report_.left_out_features));
     out_.materials.back().name = std::move(name);
+    out_.octahedral.emplace_back(std::move(layout));
+    const std::optional<std::array<float, 4>> plain = plain_colour(used);
+    if (plain) out_.materials.back().base_colour = *plain;
+    return config_.maps.colour && !plain;
+  }
+
+  // The colour of all that these materials are on, if it is the same everywhere.
+  [[nodiscard]] std::optional<std::array<float, 4>> plain_colour(const std::set<std::uint32_t>& materials) const {
+    const WedgeAttributes& wedges = mesh_.wedges;
+    if (!wedges.colour.empty()) return std::nullopt;
+    std::set<std::array<float, 4>> colours;
+    for (const std::uint32_t number : materials) {
+      const Material none, &m = number == no_material ? none : wedges.materials[number];
+      if (m.texture != no_texture && !wedges.uv.empty()) return std::nullopt;
+      colours.insert(m.base_colour);
+    }
+    return colours.size() == 1 ? std::optional(*colours.begin()) : std::nullopt;
   }
 
   // Those that share their images. A geometry image is that of one component.
@@ -89,28 +110,29 @@ class ImageMaker {
     std::vector<std::uint32_t> sides;
     for (const std::size_t k : small) sides.push_back(texture_of(k));
     const SquareAtlas atlas = pack_squares(std::move(sides), config_.texture);
-    LinearImage colour = blank_image(atlas, 4), normal = blank_image(atlas, config_.maps.normal ? 3 : 0);
+    const bool colours = add_material("octahedral atlas", small, layout_of(atlas)), normals = config_.maps.normal;
+    const auto material = static_cast<std::uint32_t>(out_.materials.size() - 1);
+    LinearImage colour = blank_image(atlas, colours ? 4 : 0), normal = blank_image(atlas, normals ? 3 : 0);
     in_chunks(small.size(), 1, [&](ChunkRange range) {
       const std::size_t k = small[range.begin];
       const AtlasSquare& square = atlas.squares[range.begin];
+      out_.places[k] = place_in(atlas, range.begin, material);
+      if (!colours && !normals) return;
       const SurfaceSource source(source_, surfaces_[k], directions_[k]);
-      const ResampledImages images =
-          resample(surfaces_[k], directions_[k], source, {.size = square.image(), .normals = config_.maps.normal});
-      paste(images.colour, square, colour);
-      if (config_.maps.normal) paste(images.normal, square, normal);
-      out_.places[k] = place_in(atlas, range.begin, static_cast<std::uint32_t>(out_.materials.size()));
+      const ResampledImages images = resample(surfaces_[k], directions_[k], source,
+                                              {.size = square.image(), .colours = colours, .normals = normals});
+      if (colours) paste(images.colour, square, colour);
+      if (normals) paste(images.normal, square, normal);
     });
     fill_rest(atlas, colour), fill_rest(atlas, normal);
     report_.resampling += clock.elapsed();
     clock = {};
-    add_material("octahedral atlas", small);
     std::uint32_t number = no_texture;
-    if (config_.maps.colour)
-      colour = add_image(colour, PixelMeaning::colours, "colour atlas", out_.materials.back().texture);
-    if (config_.maps.normal) normal = add_image(normal, PixelMeaning::normals, "normals atlas", number);
+    if (colours) colour = add_image(colour, PixelMeaning::colours, "colour atlas", out_.materials.back().texture);
+    if (normals) normal = add_image(normal, PixelMeaning::normals, "normals atlas", number);
     out_.object_normals.push_back(number);
     report_.encoding += clock.elapsed();
-    measure_atlas(small, atlas, colour, normal);
+    if (colours || normals) measure_atlas(small, atlas, colour, normal);
   }
 
   void measure_atlas(const std::vector<std::size_t>& small, const SquareAtlas& atlas, const LinearImage& colour,
@@ -125,7 +147,7 @@ class ImageMaker {
       };
       errors[range.begin] = measure_images(meter, own(colour), own(normal));
     });
-    for (std::size_t i = 0; i < small.size(); ++i) add_error(small[i], errors[i]);
+    for (std::size_t i = 0; i < small.size(); ++i) add_error(small[i], errors[i], !colour.values.empty());
   }
 
   // The result of a Resampler or a GeometrySampler.
@@ -142,18 +164,17 @@ class ImageMaker {
     return sampler.finish();
   }
 
-  void add_component(std::size_t k, const std::string& name) {
+  void add_component(std::size_t k, const std::string& name, const ResampleConfig& config) {
     CpuClock clock;
     const SurfaceSource source(source_, surfaces_[k], directions_[k]);
-    const ResampleConfig config{.size = texture_of(k), .normals = config_.maps.normal};
     const ResampledImages images = draw(k, Resampler(surfaces_[k], directions_[k], source, config));
     report_.resampling += clock.elapsed();
     clock = {};
     std::uint32_t number = no_texture;
     LinearImage colour, normal;
-    if (config_.maps.colour)
+    if (config.colours)
       colour = add_image(images.colour, PixelMeaning::colours, "colour" + name, out_.materials.back().texture);
-    if (config_.maps.normal) normal = add_image(images.normal, PixelMeaning::normals, "normals" + name, number);
+    if (config.normals) normal = add_image(images.normal, PixelMeaning::normals, "normals" + name, number);
     out_.object_normals.push_back(number);
     report_.encoding += clock.elapsed();
     measure(k, source, colour, normal);
@@ -186,7 +207,7 @@ class ImageMaker {
     std::vector<char> bytes = encode_octahedral(image, meaning, config_.media_type, config_.quality);
     (meaning == PixelMeaning::colours ? report_.colour_bytes : report_.normal_bytes) += bytes.size();
     report_.pixels += std::uint64_t{image.size.width} * image.size.height;
-    LinearImage decoded = decode_octahedral(bytes, meaning, config_.media_type);
+    LinearImage decoded = decode_octahedral(bytes, meaning, config_.media_type, *out_.octahedral.back());
     number = add_texture(name, config_.media_type, std::move(bytes));
     return decoded;
   }
@@ -207,11 +228,11 @@ class ImageMaker {
               [&](ChunkRange range) { parts[range.index] = meter.measure(colour, normal, range.begin, range.end); });
     ImageErrorSums sums;
     for (const ImageErrorSums& part : parts) sums.add(part);
-    add_error(k, image_error(sums));
+    add_error(k, image_error(sums), !colour.values.empty());
   }
 
-  void add_error(std::size_t k, const ImageError& error) {
-    if (config_.maps.colour) report_.colour_psnr += share(k) * error.colour_psnr;
+  void add_error(std::size_t k, const ImageError& error, bool has_colours) {
+    if (has_colours) report_.colour_psnr += share(k) * error.colour_psnr, colour_share_ += share(k);
     report_.normal_psnr += share(k) * error.normal_psnr;
   }
 
@@ -242,6 +263,7 @@ class ImageMaker {
   SphericalReport& report_;
   std::shared_ptr<MeshSource> source_;
   ComponentImages out_;
+  double colour_share_ = 0;  // of the area: components with an image of colours
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,8 @@ struct ComponentImages {
   std::vector<Texture> textures;
   std::vector<std::uint32_t> object_normals;  // by material: a texture or no_texture
   std::vector<GeometryTexture> geometry_images;
-  std::vector<spherical::ImagePlace> places;  // by component
+  std::vector<std::optional<OctahedralLayout>> octahedral;  // by material
+  std::vector<spherical::ImagePlace> places;                // by component
 };
 
 // Components of `mesh`, mapped to the sphere.
@@ -31,8 +33,9 @@ struct MappedComponents {
   std::span<const double> shares;  // of the area
 };
 
-// The images that config.maps asks for. The largest component's have the size of config.texture, others as many pixels
-// per area within a factor of two. Adds times, sizes and errors to the report.
+// The images that config.maps asks for; components of one colour have it in their material instead of an image. The
+// largest component's have the size of config.texture, others as many pixels per area within a factor of two. Adds
+// times, sizes and errors to the report.
 [[nodiscard]] ComponentImages make_component_images(const MappedComponents& components, const SphericalConfig& config,
                                                     Scheduler& scheduler, SphericalReport& report);
 

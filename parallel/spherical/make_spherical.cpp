@@ -159,7 +159,7 @@ class Maker {
     ProgressiveMesh out = make_progressive(std::move(whole), config_.progressive, scheduler_, report_.progressive);
     if (config_.maps.normal) out.object_normals = std::move(images_.object_normals);
     out.geometry_images = std::move(images_.geometry_images);
-    out.octahedral = true;
+    out.octahedral = std::move(images_.octahedral);
     report_.collapsing = clock.elapsed();
     return out;
   }

@@ -38,7 +38,7 @@ struct SphericalReport {
   SphereMapReport map;    // of all components: times and counts are sums; map.map has all stages of small components
   double efficiency = 0;  // of the map: the mean of the components' by area
   StageTime closing, unfolding, resampling, encoding, collapsing;
-  // After the images were encoded and decoded; dB, the mean over components by area. 0 without such images.
+  // After the images were encoded and decoded; dB, the mean over components with such images by area. 0 without any.
   double colour_psnr = 0, normal_psnr = 0;
   std::uint64_t pixels = 0;            // of images of colours and normals
   std::uint64_t geometry_samples = 0;  // of geometry images

@@ -64,7 +64,9 @@ class TangentMapper {
   void make(std::size_t m) {
     Part& part = parts_[m];
     const Texture& normals = mesh_.wedges.textures[mesh_.object_normals[m]];
-    part.object = decode_octahedral(normals.bytes, PixelMeaning::normals, normals.media_type);
+    const OctahedralLayout layout =
+        m < mesh_.octahedral.size() ? mesh_.octahedral[m].value_or(OctahedralLayout{}) : OctahedralLayout{};
+    part.object = decode_octahedral(normals.bytes, PixelMeaning::normals, normals.media_type, layout);
     const LinearImage map =
         tangent_normals(framed(part.triangles), part.object, std::max(part.object.size.width / 2, 1u));
     part.bytes = encode_image(to_pixels(map, PixelMeaning::normals), config_.media_type, config_.quality);

@@ -4,18 +4,37 @@ import command_case
 from command_case import HERMES, CommandCase, sphere
 
 
+def cube():
+    """Its corners, in different colours, and its triangles."""
+    corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return corners, [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]
+
+
 class Spherical(CommandCase):
+    def coloured_cube(self):
+        corners, faces = cube()
+        text = command_case.ply([(*c, *(255 * x for x in c)) for c in corners], faces)
+        colours = "".join(f"property uchar {c}\n" for c in ("red", "green", "blue"))
+        return self.write("cube.ply", text.replace("element face", colours + "element face"))
+
+    def test_one_colour_needs_no_image(self):
+        for maps, images in (("colour,normal", 1), ("colour", 0)):
+            result = self.results("spherical", sphere(), "-o", "out.lpm", "--texture", 64, "--maps", maps)
+            self.assertEqual((result["pixels"], result["colour_bytes"]), (images * 64 * 64, 0))
+            self.assertNotIn("colour_psnr", result)
+
     def test_results(self):
         result = self.results("spherical", sphere(), "-o", "out.glb", "--texture", 128)
         self.assertEqual(result["file_bytes"], (self.folder / "out.glb").stat().st_size)
         self.assertEqual((result["components"], result["handles"], result["holes"], result["flips"]), (1, 0, 0, 0))
-        self.assertEqual(result["pixels"], 2 * 128 * 128)
+        self.assertEqual(result["pixels"], 128 * 128)
         self.assertGreater(result["efficiency"], 0.9)
         self.assertGreater(result["normal_psnr"], 30)
 
     def test_maps(self):
         for maps, other in (("colour", "normal"), ("normal", "colour")):
-            result = self.results("spherical", sphere(), "-o", f"{maps}.glb", "--texture", 64, "--maps", maps)
+            result = self.results("spherical", self.coloured_cube(), "-o", f"{maps}.glb", "--texture", 64, "--maps", maps)
             self.assertEqual((result["pixels"], result[f"{other}_bytes"]), (64 * 64, 0))
             self.assertGreater(result[f"{maps}_psnr"], 20)
             self.assertNotIn(f"{other}_psnr", result)

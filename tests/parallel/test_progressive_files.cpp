@@ -149,12 +149,12 @@ TEST(ProgressiveFiles, KeepMapsOverTheSphere) {
   mesh.wedges.textures[1].mag_filter = 9728, mesh.wedges.textures[1].min_filter = 9984;
   mesh.object_normals = {1};
   mesh.geometry_images = {{2, {0.1, -2, 3e7}, 1.0 / 3}};
-  mesh.octahedral = true;
+  mesh.octahedral = {OctahedralLayout{256, {{64, 2}, {16, 30}}}};
   const auto check = [&](ByteReader input) {
     const ProgressiveMesh back = read_progressive(input);
     EXPECT_EQ(back.object_normals, mesh.object_normals);
     EXPECT_EQ(back.geometry_images, mesh.geometry_images);
-    EXPECT_TRUE(back.octahedral);
+    EXPECT_EQ(back.octahedral, mesh.octahedral);
     EXPECT_EQ(back.wedges.materials, mesh.wedges.materials);
     EXPECT_EQ(back.wedges.textures, mesh.wedges.textures);
   };

@@ -7,14 +7,24 @@ import {check, differ, folder, keep, main, open, run, squares, writeTorus} from 
 const pictures = process.argv[5];
 let firstBytes = {};
 
-// A closed surface with bumps, with smooth colours at its vertices.
-function writeBlob(name, n, m) {
-  const points = [], faces = [], id = (i, j) => (j === 0 ? 0 : j === m ? 1 : 2 + (j - 1) * n + (i % n));
+// A closed surface with bumps, with smooth colours at its vertices, and crumbs of so many sizes beside it.
+function writeBlob(name, n, m, crumbs = []) {
+  const points = [], faces = [];
+  addBlob(points, faces, n, m, 1, 0);
+  crumbs.forEach((scale, k) => addBlob(points, faces, 24, 12, scale, 1.5 + 0.3 * k));
+  writeFileSync(path.join(folder, name), ['ply', 'format ascii 1.0', `element vertex ${points.length}`,
+    ...['x', 'y', 'z'].map((c) => `property float ${c}`), ...['red', 'green', 'blue'].map((c) => `property uchar ${c}`),
+    `element face ${faces.length}`, 'property list uchar int vertex_indices', 'end_header',
+    ...points, ...faces.map((f) => `3 ${f.join(' ')}`)].join('\n') + '\n');
+}
+
+function addBlob(points, faces, n, m, scale, shift) {
+  const first = points.length, id = (i, j) => first + (j === 0 ? 0 : j === m ? 1 : 2 + (j - 1) * n + (i % n));
   const place = (i, j) => {
     const a = 2 * Math.PI * i / n, b = Math.PI * j / m, r = 1 + 0.12 * Math.sin(5 * b) * Math.cos(3 * a) * Math.sin(b);
     return [r * Math.sin(b) * Math.cos(a), r * Math.cos(b), r * Math.sin(b) * Math.sin(a)];
   };
-  const add = (p) => points.push([...p, ...p.map((x, k) => Math.round(128 + 100 * Math.sin(3 * x + k)))].join(' '));
+  const add = (p) => points.push([...p.map((x, k) => scale * x + (k === 0 ? shift : 0)), ...p.map((x, k) => Math.round(128 + 100 * Math.sin(3 * x + k)))].join(' '));
   add(place(0, 0)), add(place(0, m));
   for (let j = 1; j < m; ++j) for (let i = 0; i < n; ++i) add(place(i, j));
   for (let j = 0; j < m; ++j)
@@ -22,10 +32,6 @@ function writeBlob(name, n, m) {
       if (j > 0) faces.push([id(i, j), id(i + 1, j), id(i, j + 1)]);
       if (j < m - 1) faces.push([id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]);
     }
-  writeFileSync(path.join(folder, name), ['ply', 'format ascii 1.0', `element vertex ${points.length}`,
-    ...['x', 'y', 'z'].map((c) => `property float ${c}`), ...['red', 'green', 'blue'].map((c) => `property uchar ${c}`),
-    `element face ${faces.length}`, 'property list uchar int vertex_indices', 'end_header',
-    ...points, ...faces.map((f) => `3 ${f.join(' ')}`)].join('\n') + '\n');
 }
 
 function makeFiles() {
@@ -42,6 +48,11 @@ function makeFiles() {
   run('page', 'blob.glb', '-o', 'blob');
   run('page', 'plain.glb', '-o', 'plain');
   run('page', 'blob.lpm', '-o', 'small');
+  writeBlob('crumbs.ply', 60, 30, [0.05, 0.03, 0.02, 0.03]);
+  for (const name of ['crumbs.lpm', 'crumbs.glb']) {
+    run('spherical', 'crumbs.ply', '-o', name, '--texture', '512', '--images', 'jpeg', '--quality', '60');
+    run('page', name, '-o', name.replace('.', '-'));
+  }
 }
 
 async function picture(page, name) {
@@ -224,4 +235,46 @@ async function testMips(browser) {
   await close();
 }
 
-await main(makeFiles, [testThumbnails, testLevels, testNormals, testCut, testMips]);
+// In an atlas the margins of each square continue its image at each level at which it has 8 texels or more, and a square
+// of 4 texels is symmetric, to the last bit.
+async function testAtlas(browser) {
+  for (const name of ['crumbs-lpm', 'crumbs-glb']) {
+    const {page, quiet, close} = await open(browser, name);
+    await quiet();
+    await picture(page, name);
+    const found = await page.evaluate(() => {
+      const [m] = window.lodestone.models, k = m.mesh.materials.findIndex(({octahedral}) => octahedral?.squares);
+      const {side, squares: [[largest, count]]} = m.mesh.materials[k].octahedral, {map, normalMap} = m.object.material[k], seamless = [];
+      for (const {mipmaps} of [map, normalMap])
+        for (const {data, width} of mipmaps) {
+          const size = largest * width / side, margin = size >> 3, n = size - 2 * margin;
+          if (size < 4) break;
+          let same = 0, all = 0;
+          const bytes = (x, y) => data.subarray(4 * (y * width + x), 4 * (y * width + x) + 4).join();
+          for (let s = 0; s < count; ++s)
+            for (let y = 0; y < size; ++y)
+              for (let x = 0; x < size; ++x) {
+                let [a, b] = [x - margin, y - margin];
+                if (size === 4) {
+                  if (x === 0 || x === 3) b = 3 - b;
+                  else if (y === 0 || y === 3) a = 3 - a;
+                } else {
+                  if (a < 0) [a, b] = [-1 - a, n - 1 - b];
+                  if (a >= n) [a, b] = [2 * n - 1 - a, n - 1 - b];
+                  if (b < 0) [a, b] = [n - 1 - a, -1 - b];
+                  if (b >= n) [a, b] = [n - 1 - a, 2 * n - 1 - b];
+                }
+                const [left, top] = [s % 2 * size, (s >> 1) * size];
+                ++all;
+                if (bytes(left + x, top + y) === bytes(left + a + margin, top + b + margin)) ++same;
+              }
+          seamless.push([size, same === all]);
+        }
+      return {seamless, count};
+    });
+    check(found.seamless.length >= 6 && found.seamless.every(([, same]) => same), `${name}: levels of ${found.count} squares are seamless: ${found.seamless}`);
+    await close();
+  }
+}
+
+await main(makeFiles, [testThumbnails, testLevels, testNormals, testCut, testMips, testAtlas]);

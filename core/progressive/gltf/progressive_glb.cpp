@@ -72,7 +72,6 @@ void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const json& at
     glb.root["meshes"][0]["primitives"].push_back(std::move(primitive));
   }
   glb.root["meshes"][0]["extras"] = {{"progressive", {{"version", 1}, {"baseVertices", mesh.base_vertices}}}};
-  if (mesh.octahedral) glb.root["meshes"][0]["extras"]["progressive"]["octahedral"] = true;
 }
 
 // Thumbnails and images without one come first.
@@ -101,6 +100,8 @@ void add_extras(GlbBuilder& glb, const ProgressiveMesh& mesh) {
     if (const GeometryTexture& image = mesh.geometry_images[m]; image.texture != no_texture)
       materials[m]["extras"]["geometryImageTexture"] = {
           {"index", image.texture}, {"origin", {image.origin.x, image.origin.y, image.origin.z}}, {"step", image.step}};
+  for (std::size_t m = 0; m < mesh.octahedral.size(); ++m)
+    if (mesh.octahedral[m]) materials[m]["extras"]["octahedral"] = to_json(*mesh.octahedral[m]);
 }
 
 }  // namespace

@@ -29,7 +29,6 @@ class ProgressiveReader {
     read_place(node);
     read_vertices(attributes);
     const JsonView extras = mesh.at("extras").at("progressive");
-    if (const auto octahedral = extras.find("octahedral")) out_.octahedral = octahedral->boolean();
     const std::uint64_t base = extras.at("baseVertices").integer();
     if (base > out_.positions.size()) mesh.at("extras").fail("the base has more vertices than the model");
     out_.base_vertices = static_cast<std::uint32_t>(base);
@@ -39,6 +38,7 @@ class ProgressiveReader {
     if (all_have_the_first_material()) out_.wedges.material.clear();
     if (!out_.object_normals.empty()) out_.object_normals.resize(out_.wedges.materials.size(), no_texture);
     if (!out_.geometry_images.empty()) out_.geometry_images.resize(out_.wedges.materials.size());
+    if (!out_.octahedral.empty()) out_.octahedral.resize(out_.wedges.materials.size());
     check_progressive(out_, document_.file());
     progressive::sort_by_activation(out_);
     return std::move(out_);
@@ -130,6 +130,10 @@ class ProgressiveReader {
       const auto origin = info->at("origin").numbers<3>();
       out_.geometry_images[material] = {
           materials_.read_texture(*info), {origin[0], origin[1], origin[2]}, info->at("step").number()};
+    }
+    if (const auto layout = extras->find("octahedral")) {
+      out_.octahedral.resize(std::max<std::size_t>(out_.octahedral.size(), material + 1));
+      out_.octahedral[material] = read_octahedral_layout(*layout);
     }
   }
 

@@ -160,7 +160,7 @@ class LpmDecoder {
     out.wedges.materials = std::move(header_.materials);
     out.object_normals = std::move(header_.object_normals);
     out.geometry_images = std::move(header_.geometry_images);
-    out.octahedral = header_.octahedral;
+    out.octahedral = std::move(header_.octahedral);
     out.wedges.textures = std::move(header_.textures);
     out.triangles = mesh_.triangles();
     for (const std::uint32_t m : out.wedges.material)

@@ -58,6 +58,8 @@ json to_json(const LpmHeader& h) {
       materials[m]["geometryImage"] = {{"texture", image.texture},
                                        {"origin", {image.origin.x, image.origin.y, image.origin.z}},
                                        {"step", image.step}};
+  for (std::size_t m = 0; m < h.octahedral.size(); ++m)
+    if (h.octahedral[m]) materials[m]["octahedral"] = to_json(*h.octahedral[m]);
   for (const Texture& t : h.textures) {
     textures.push_back(
         {{"name", t.name},
@@ -83,7 +85,6 @@ json to_json(const LpmHeader& h) {
               {"scale", h.transform.scale},
               {"materials", materials},
               {"textures", textures}};
-  if (h.octahedral) header["octahedral"] = true;
   return header;
 }
 
@@ -103,7 +104,6 @@ LpmHeader read_header(const JsonView& json) {
   const auto origin = json.at("origin").numbers<3>();
   h.transform = {{origin[0], origin[1], origin[2]}, json.at("scale").number()};
   if (!(h.transform.scale > 0)) json.at("scale").fail("is not positive");
-  if (const auto octahedral = json.find("octahedral")) h.octahedral = octahedral->boolean();
   const JsonView textures = json.at("textures"), materials = json.at("materials");
   for (std::size_t k = 0; k < textures.size(); ++k) {
     const JsonView t = textures.at(k), wrap = t.at("wrap");
@@ -137,10 +137,15 @@ LpmHeader read_header(const JsonView& json) {
                               {corner[0], corner[1], corner[2]},
                               image->at("step").number()};
     }
+    if (const auto octahedral = m.find("octahedral")) {
+      h.octahedral.resize(k + 1);
+      h.octahedral[k] = read_octahedral_layout(*octahedral);
+    }
     h.materials.push_back(std::move(material));
   }
   if (!h.object_normals.empty()) h.object_normals.resize(h.materials.size(), no_texture);
   if (!h.geometry_images.empty()) h.geometry_images.resize(h.materials.size());
+  if (!h.octahedral.empty()) h.octahedral.resize(h.materials.size());
   return h;
 }
 

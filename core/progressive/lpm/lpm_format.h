@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,11 +24,11 @@ struct LpmHeader {
   std::array<double, 2> uv_low{}, uv_step{};
   Transform transform;
   std::vector<Material> materials;
-  std::vector<std::uint32_t> object_normals;     // as in ProgressiveMesh
-  std::vector<GeometryTexture> geometry_images;  // likewise
-  bool octahedral = false;                       // likewise
-  std::vector<Texture> textures;                 // without their bytes
-  std::vector<std::string> thumbnails;           // by texture: the type of its thumbnail; empty if it has none
+  std::vector<std::uint32_t> object_normals;                // as in ProgressiveMesh
+  std::vector<GeometryTexture> geometry_images;             // likewise
+  std::vector<std::optional<OctahedralLayout>> octahedral;  // likewise
+  std::vector<Texture> textures;                            // without their bytes
+  std::vector<std::string> thumbnails;  // by texture: the type of its thumbnail; empty if it has none
 };
 
 [[nodiscard]] nlohmann::json to_json(const LpmHeader& header);

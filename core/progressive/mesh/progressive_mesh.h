@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
 #include "core/mesh/tangents.h"
+#include "core/progressive/mesh/octahedral_layout.h"
 
 namespace lodestone {
 
@@ -43,9 +45,9 @@ struct ProgressiveMesh {
   std::vector<GeometryTexture> geometry_images{};
   // By vertex, for normal maps in tangent space at the finest level. Empty: readers make their own.
   std::vector<Tangent> tangents{};
-  // True if images lie over the octahedral square (core/spherical/octahedron/octahedral_image.h): a renderer must make
-  // their sides symmetric after decoding, and at each mip level.
-  bool octahedral = false;
+  // By material: how its images lie over octahedral squares, which a renderer must make seamless after decoding, and at
+  // each mip level (core/spherical/octahedron/octahedral_image.h, square_atlas.h). Empty if none do.
+  std::vector<std::optional<OctahedralLayout>> octahedral{};
 
   [[nodiscard]] std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(positions.size()); }
 };

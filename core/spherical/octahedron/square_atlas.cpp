@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <map>
 #include <numeric>
-
-#include "core/spherical/octahedron/octahedral_image.h"
 
 namespace lodestone::spherical {
 namespace {
@@ -85,6 +85,28 @@ LinearImage cut_out(const LinearImage& atlas, const AtlasSquare& square) {
     image.values.insert(image.values.end(), row, row + std::size_t{n} * atlas.channels);
   }
   return image;
+}
+
+OctahedralLayout layout_of(const SquareAtlas& atlas) {
+  std::map<std::uint32_t, std::uint32_t, std::greater<>> counts;
+  for (const AtlasSquare& square : atlas.squares) ++counts[square.side];
+  OctahedralLayout layout{atlas.side, {}};
+  for (const auto& [side, count] : counts) layout.squares.push_back({side, count});
+  return layout;
+}
+
+std::vector<AtlasSquare> squares_of(const OctahedralLayout& layout, std::uint32_t n) {
+  std::vector<AtlasSquare> squares;
+  std::uint64_t texels = 0;
+  const auto scaled = [&](std::uint32_t length) {
+    return static_cast<std::uint32_t>(std::uint64_t{length} * n / layout.side);
+  };
+  for (const SquareRun& run : layout.squares)
+    for (std::uint32_t k = 0; k < run.count && scaled(run.side) >= 8; ++k) {
+      squares.push_back({scaled(every_second_bit(texels)), scaled(every_second_bit(texels >> 1)), scaled(run.side)});
+      texels += std::uint64_t{run.side} * run.side;
+    }
+  return squares;
 }
 
 ImagePlace place_in(const SquareAtlas& atlas, std::size_t square, std::uint32_t material) {

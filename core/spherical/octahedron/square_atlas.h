@@ -2,13 +2,18 @@
 //
 // Each image has a square of the atlas, of a power of two, with a margin of an eighth of its side on all sides. The
 // margin continues the image as octahedral_image.h has it, so that filters that reach beyond a side find what is there
-// on the sphere: at every mip level at which the square has at least 8 texels.
+// on the sphere, and both copies of a point on the cut show the same. Plain halving keeps this: the margin of a level
+// is the continuation of its image as long as the square has at least 8 texels, and a square of 4 texels, whose
+// outermost ones have their centres on the sides of the image, is symmetric. Smaller ones show the colours of their
+// neighbours.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "core/progressive/mesh/octahedral_layout.h"
+#include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/texture/downsample.h"
 
@@ -41,6 +46,29 @@ void paste(const LinearImage& image, const AtlasSquare& square, LinearImage& atl
 void fill_rest(const SquareAtlas& squares, LinearImage& atlas);
 // The image of a square, without its margin.
 [[nodiscard]] LinearImage cut_out(const LinearImage& atlas, const AtlasSquare& square);
+
+[[nodiscard]] OctahedralLayout layout_of(const SquareAtlas& atlas);
+// The squares in an image of n texels along a side, in the order of the layout: those of at least 8 texels there.
+[[nodiscard]] std::vector<AtlasSquare> squares_of(const OctahedralLayout& layout, std::uint32_t n);
+
+// Makes the margins of an atlas continue its images again that a lossy code has altered, whatever its values encode.
+// `values` has n rows of n texels of `channels` values.
+template <class Value>
+void continue_squares(std::span<Value> values, std::uint32_t n, std::size_t channels, const OctahedralLayout& layout) {
+  for (const AtlasSquare& square : squares_of(layout, n)) {
+    const std::int64_t side = square.side, margin = square.margin(), inner = square.image();
+    const auto index = [&](std::int64_t x, std::int64_t y) {
+      return (static_cast<std::size_t>(square.y + y) * n + static_cast<std::size_t>(square.x + x)) * channels;
+    };
+    for (std::int64_t y = 0; y < side; ++y)
+      for (std::int64_t x = 0; x < side; ++x) {
+        const Texel at{x - margin, y - margin}, from = continued(at, inner);
+        if (from == at) continue;
+        for (std::size_t c = 0; c < channels; ++c)
+          values[index(x, y) + c] = values[index(from.x + margin, from.y + margin) + c];
+      }
+  }
+}
 
 // The place of a component's octahedral square in its texture.
 struct ImagePlace {

@@ -4,6 +4,7 @@
 
 #include "core/math/vec3.h"
 #include "core/spherical/octahedron/octahedral_image.h"
+#include "core/spherical/octahedron/square_atlas.h"
 #include "core/texture/stacked_normals.h"
 
 namespace lodestone::spherical {
@@ -70,11 +71,16 @@ std::vector<char> encode_octahedral(const LinearImage& image, PixelMeaning meani
   return encode_image(pixels, media_type, quality);
 }
 
-LinearImage decode_octahedral(std::span<const char> bytes, PixelMeaning meaning, const std::string& media_type) {
+LinearImage decode_octahedral(std::span<const char> bytes, PixelMeaning meaning, const std::string& media_type,
+                              const OctahedralLayout& layout) {
   if (has_wide_codes(meaning, media_type)) return normals_of(decode_wide_png(bytes));
   PixelImage pixels = decode_image(bytes, media_type);
   if (meaning == PixelMeaning::normals && is_stacked(pixels)) pixels = unstacked(pixels);
-  copy_border(std::span(pixels.pixels), pixels.size.width, pixels.channels);
+  if (layout.squares.empty()) {
+    copy_border(std::span(pixels.pixels), pixels.size.width, pixels.channels);
+  } else {
+    continue_squares(std::span(pixels.pixels), pixels.size.width, pixels.channels, layout);
+  }
   return to_linear(pixels, meaning);
 }
 

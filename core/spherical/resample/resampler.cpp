@@ -71,7 +71,7 @@ Resampler::Resampler(const Surface& surface, std::span<const Vec3d> directions, 
       config_(checked(config)),
       raster_(surface.triangles, directions, {config_.size * config_.sides, SampleGrid::Placing::in_cells}) {
   const std::size_t pixels = std::size_t{config_.size} * config_.size;
-  images_.colour = {{config_.size, config_.size}, 4, std::vector<float>(4 * pixels)};
+  if (config_.colours) images_.colour = {{config_.size, config_.size}, 4, std::vector<float>(4 * pixels)};
   if (config_.normals) images_.normal = {{config_.size, config_.size}, 3, std::vector<float>(3 * pixels)};
   covered_.resize(pixels);
 }
@@ -138,11 +138,13 @@ bool Resampler::gather(const SampleTile& tile, std::size_t first, Pixel& pixel) 
   return true;
 }
 
-void Resampler::set(std::size_t number, Float4 colour) {
-  for (int c = 0; c < 4; ++c) images_.colour.values[4 * number + static_cast<std::size_t>(c)] = colour[c];
-}
-
-void Resampler::set(std::size_t number, Vec3f normal) {
+// The normal need not be of unit length.
+void Resampler::set(std::size_t number, Float4 colour, Vec3f normal) {
+  if (config_.colours)
+    for (int c = 0; c < 4; ++c) images_.colour.values[4 * number + static_cast<std::size_t>(c)] = colour[c];
+  if (!config_.normals) return;
+  const float size = length(normal);
+  if (size > 0) normal = (1 / size) * normal;
   images_.normal.values[3 * number] = normal.x;
   images_.normal.values[3 * number + 1] = normal.y;
   images_.normal.values[3 * number + 2] = normal.z;
@@ -158,25 +160,22 @@ void Resampler::draw_jobs(Row& row) {
     for (; k < row.jobs.size() && row.jobs[k].number == number; ++k) {
       const Row::Job& job = row.jobs[k];
       const std::span<const SurfacePoint> points(&row.points[job.points_begin], job.points_end - job.points_begin);
-      colour +=
-          all4(job.samples) * source_.colour(points, row.taps.between(job.taps.colour_begin, job.taps.colour_end));
       weight += job.samples;
+      if (config_.colours)
+        colour +=
+            all4(job.samples) * source_.colour(points, row.taps.between(job.taps.colour_begin, job.taps.colour_end));
       if (config_.normals)
         normal =
             normal + job.samples * source_.normal(points, row.taps.between(job.taps.normal_begin, job.taps.normal_end),
                                                   row.frame);
     }
-    set(number, all4(1 / weight) * colour);
-    if (!config_.normals) continue;
-    const float size = length(normal);
-    set(number, size > 0 ? (1 / size) * normal : normal);
+    set(number, all4(1 / weight) * colour, normal);
   }
 }
 
 // The samples of one part of a chart, with a footprint of their area; those in one triangle become one point.
 void Resampler::add_job(std::size_t number, std::span<const SurfacePoint> points, const Footprint& footprint,
                         Row& row) const {
-  using Looks = SurfaceSource::Looks;
   const std::size_t first = row.points.size();
   const auto samples = static_cast<float>(points.size());
   for (const SurfacePoint& point : points) {
@@ -186,8 +185,7 @@ void Resampler::add_job(std::size_t number, std::span<const SurfacePoint> points
     for (std::size_t c = 0; c < 3; ++c) sum.weight[c] += point.weight[c] / samples;
   }
   Row::Job& job = row.jobs.emplace_back(Row::Job{number, samples, first, row.points.size(), {}});
-  job.taps = source_.add_taps(points[0].triangle, footprint, config_.normals ? Looks::colour_and_normal : Looks::colour,
-                              row.taps);
+  job.taps = source_.add_taps(points[0].triangle, footprint, {config_.colours, config_.normals}, row.taps);
 }
 
 // Samples on both sides of a border between charts: those that belong together.

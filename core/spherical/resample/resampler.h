@@ -20,13 +20,14 @@ namespace lodestone::spherical {
 struct ResampleConfig {
   std::uint32_t size = 1024;  // pixels along a side; at least 1, size * sides at most 32768
   std::uint32_t sides = 2;    // samples along a pixel's side: 2, 4, 8
-  bool normals = true;        // false: colours only
+  bool colours = true;        // false: an image without pixels
+  bool normals = true;        // likewise
 };
 
-// Both symmetric (octahedron/octahedral_image.h).
+// Both symmetric (octahedron/octahedral_image.h); either has no pixels if it is not wanted.
 struct ResampledImages {
   LinearImage colour;        // 4 channels: light times alpha, and alpha
-  LinearImage normal;        // 3 channels, of unit length, at the sides of at most that, zero if unknown; or no pixels
+  LinearImage normal;        // 3 channels, of unit length, at the sides of at most that, zero if unknown
   std::uint64_t filled = 0;  // pixels without a sample that has a source
 };
 
@@ -49,8 +50,7 @@ class Resampler {
   void add_job(std::size_t number, std::span<const SurfacePoint> points, const Footprint& footprint, Row& row) const;
   void add_parts(std::size_t number, Pixel& pixel, Row& row) const;
   void draw_jobs(Row& row);
-  void set(std::size_t number, Float4 colour);
-  void set(std::size_t number, Vec3f normal);
+  void set(std::size_t number, Float4 colour, Vec3f normal);
   [[nodiscard]] bool are_together(const Pixel& pixel, std::size_t k, std::size_t l) const;
   [[nodiscard]] bool gather_single(const SampleTile& tile, std::size_t first, Pixel& pixel) const;
   [[nodiscard]] bool gather(const SampleTile& tile, std::size_t first, Pixel& pixel) const;

@@ -131,11 +131,11 @@ SurfaceTaps SurfaceSource::add_taps(std::uint32_t triangle, const Footprint& foo
   const MeshSource::Shade& shade = shade_of(triangle);
   const auto image = [&](std::uint32_t map) -> const SourceTexture& { return source_->texture(map).image; };
   SurfaceTaps ranges{taps.count, taps.count, 0, 0};
-  if (shade.texture != no_texture) image(shade.texture).add_taps(footprint, taps);
+  if (looks.colour && shade.texture != no_texture) image(shade.texture).add_taps(footprint, taps);
   ranges.colour_end = ranges.normal_begin = ranges.normal_end = taps.count;
-  if (looks == Looks::colour || shade.normal_map == no_texture) return ranges;
+  if (!looks.normal || shade.normal_map == no_texture) return ranges;
   const SourceTexture& normals = image(shade.normal_map);
-  if (shade.texture != no_texture && normals.has_taps_of(image(shade.texture))) {
+  if (looks.colour && shade.texture != no_texture && normals.has_taps_of(image(shade.texture))) {
     ranges.normal_begin = ranges.colour_begin;
     normals.prefetch(taps.between(ranges.colour_begin, ranges.colour_end));
   } else {

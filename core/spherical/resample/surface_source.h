@@ -72,7 +72,9 @@ class SurfaceSource {
 
   // Both of the points of one footprint, in two steps as SourceTexture has them; the sum of all their weights is 1.
   // With normals, the taps of the colour may serve for both.
-  enum class Looks : std::uint8_t { colour, colour_and_normal };
+  struct Looks {
+    bool colour = true, normal = true;
+  };
   [[nodiscard]] SurfaceTaps add_taps(std::uint32_t triangle, const Footprint& footprint, Looks looks,
                                      TapList& taps) const;
   [[nodiscard]] Float4 colour(std::span<const SurfacePoint> points, std::span<const TextureTap> taps) const;

@@ -1,5 +1,6 @@
 // Binary glTF, as far as this program writes it: progressive meshes, and the tiles of `lodestone export --tiles --morph`.
 import {MeshoptDecoder} from 'three/examples/jsm/libs/meshopt_decoder.module.js';
+import {isLayout} from './octahedral_image.js';
 
 const arrays = {5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array};
 const components = {SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4};
@@ -64,7 +65,7 @@ export class Glb {
     // Without a colour it stands for no material.
     return {name: m.name ?? '', colour: m.pbrMetallicRoughness?.baseColorFactor ?? [0.8, 0.8, 0.78, 1],
             texture: source(m.pbrMetallicRoughness?.baseColorTexture), normalMap: source(m.normalTexture),
-            objectNormals: source(m.extras?.objectNormalTexture)};
+            objectNormals: source(m.extras?.objectNormalTexture), octahedral: m.extras?.octahedral};
   }
 
   textureOf(image) { return this.json.textures.find((t) => (t.source ?? t.extensions?.EXT_texture_webp?.source) === image); }
@@ -147,8 +148,7 @@ async function progressiveMesh(glb) {
           uv: get('TEXCOORD_0'), normals: get('NORMAL'), colours: colours && srgbBytes(colours),
           materialIds: mesh.primitives.length > 1 ? materialIds : null,
           materials: (glb.json.materials ?? []).map((_, k) => glb.material(k)),
-          textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles,
-          octahedral: mesh.extras.progressive.octahedral === true, origin: node.translation ?? [0, 0, 0], scale}, name);
+          textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles, origin: node.translation ?? [0, 0, 0], scale}, name);
 }
 
 // Checks the properties that levels.js relies on.
@@ -160,6 +160,7 @@ function checked(mesh, name) {
   for (const [values, size] of [[mesh.uv, 2], [mesh.normals, 3], [mesh.colours, 4]])
     if (values && values.length !== size * vertexCount) fail('numbers of vertices differ');
   if (![positions, errors, mesh.uv ?? [], origin, [scale]].every((values) => values.every(Number.isFinite))) fail('a number is not finite');
+  if (!mesh.materials.every((m) => isLayout(m.octahedral))) fail('an atlas is inconsistent');
   if (triangles.some((v) => v >= vertexCount)) fail('a triangle has a vertex that is not there');
   for (let v = baseVertices; v < vertexCount; ++v) if (parents[v] >= v) fail('a vertex comes before its parent');
   return mesh;

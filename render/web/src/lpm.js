@@ -1,4 +1,5 @@
 // .lpm files as they arrive (core/progressive/lpm/lpm.h): feed bytes, take a mesh whenever there is more of it.
+import {isLayout} from './octahedral_image.js';
 import {RangeDecoder} from './range_decoder.js';
 import {SplitCodec} from './split_codec.js';
 import {SplitMesh} from './split_mesh.js';
@@ -16,14 +17,18 @@ export function crc32(bytes) {
   return ~crc >>> 0;
 }
 
+const wraps = ['repeat', 'clamp', 'mirror'];
+const isTexture = ({type, wrap, thumbnail}) => typeof type === 'string' && Array.isArray(wrap) && wrap.length === 2 &&
+  wrap.every((w) => wraps.includes(w)) && (thumbnail === undefined || typeof thumbnail === 'string');
+
 // Checks what is read without a further look.
 function checkHeader(header, name) {
   const {version, vertices, groups, baseGroups, positionBits, uvBits, textures, materials} = header;
   if (!(version >= 1 && version <= 2)) throw new Error(`${name}: version ${version} is not known`);
   const holds = [vertices, groups, baseGroups, positionBits, uvBits].every(Number.isInteger) && baseGroups >= 0 &&
     baseGroups <= groups && groups <= vertices && vertices < 2 ** 31 && [positionBits, uvBits].every((b) => b >= 4 && b <= 20) &&
-    header.scale > 0 && header.origin.every(Number.isFinite) && textures.every((t) => typeof t.type === 'string') &&
-    materials.every((m) => [m.texture, m.normalMap, m.objectNormals].every((t) => t == null || textures[t] !== undefined));
+    header.scale > 0 && header.origin.every(Number.isFinite) && textures.every(isTexture) &&
+    materials.every((m) => isLayout(m.octahedral) && [m.texture, m.normalMap, m.objectNormals].every((t) => t == null || textures[t] !== undefined));
   if (!holds) throw new Error(`${name}: the header contradicts itself; the file is damaged`);
 }
 
@@ -158,7 +163,7 @@ export class LpmDecoder {
     this.made = {vertexCount: count, baseVertices: this.baseVertices, positions, parents, errors, uv,
             colours: header.colours ? Uint8Array.from(values.colours.flat()) : null, normals: null,
             materialIds: header.materialIds ? Int32Array.from(values.materials) : null, materials: header.materials,
-            textures: this.textureList(), triangles: splits.triangles(), octahedral: header.octahedral === true, origin: header.origin, scale: header.scale};
+            textures: this.textureList(), triangles: splits.triangles(), origin: header.origin, scale: header.scale};
     return this.made;
   }
 }

@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 import {Ladder} from './ladder.js';
 import {countingMaterial, morphMaterial} from './morph_material.js';
-import {symmetricLevels} from './octahedral_image.js';
+import {seamlessLevels} from './octahedral_image.js';
 import {Problem} from './problem.js';
 import {unstacked} from './stacked_normals.js';
 import {turnedBox} from './turn.js';
@@ -81,12 +81,12 @@ export class ProgressiveView {
     for (const m of list) {
       const parameters = {vertexColors: mesh.colours !== null, wireframe: this.object.material[0].wireframe};
       parameters.color = new THREE.Color(...m.colour.slice(0, 3));
-      if (mesh.uv && m.texture != null) parameters.map = await this.texture(m.texture, THREE.SRGBColorSpace);
+      if (mesh.uv && m.texture != null) parameters.map = await this.texture(m.texture, THREE.SRGBColorSpace, m.octahedral);
       if (mesh.uv && m.objectNormals != null) {  // right at every level, as the normals of vertices are not
-        parameters.normalMap = await this.texture(m.objectNormals, THREE.NoColorSpace, unstacked);
+        parameters.normalMap = await this.texture(m.objectNormals, THREE.NoColorSpace, m.octahedral, unstacked);
         parameters.normalMapType = THREE.ObjectSpaceNormalMap;
       } else if (mesh.uv && m.normalMap != null) {
-        parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace);
+        parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace, m.octahedral);
       }
       materials.push(morphMaterial(parameters, this.share));
     }
@@ -95,11 +95,12 @@ export class ProgressiveView {
   }
 
   // Made once for the thumbnail, and once for the image.
-  async texture(index, colorSpace, prepare = (image) => image) {
+  async texture(index, colorSpace, layout, prepare = (image) => image) {
     const source = this.mesh.textures[index], before = this.images[index];
     if (!source?.bytes) return null;
     if (before?.bytes === source.bytes.length) return before.texture;
-    const bitmap = prepare(await this.decode(source, index)), texture = this.mesh.octahedral && isOctahedral(bitmap) ? octahedralTexture(bitmap, colorSpace) : new THREE.Texture(bitmap);
+    const bitmap = prepare(await this.decode(source, index));
+    const texture = layout && isOctahedral(bitmap) ? octahedralTexture(bitmap, colorSpace, layout) : new THREE.Texture(bitmap);
     Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, wrapS: wraps[source.wrap[0]],
                             wrapT: wraps[source.wrap[1]], needsUpdate: true});
     if (before) this.outdated.push(before.texture);
@@ -189,12 +190,12 @@ export class ProgressiveView {
 
 const isOctahedral = ({width, height}) => width === height && (width & (width - 1)) === 0;
 
-// Its levels are symmetric, so that both sides of the cut show the same at every distance.
-function octahedralTexture(bitmap, colorSpace) {
+// Both sides of the cut show the same at every level.
+function octahedralTexture(bitmap, colorSpace, layout) {
   const canvas = new OffscreenCanvas(bitmap.width, bitmap.height), pen = canvas.getContext('2d');
   pen.drawImage(bitmap, 0, 0);
   const {data} = pen.getImageData(0, 0, bitmap.width, bitmap.height);
-  const mipmaps = symmetricLevels(data, bitmap.width, colorSpace === THREE.SRGBColorSpace);
+  const mipmaps = seamlessLevels(data, bitmap.width, colorSpace === THREE.SRGBColorSpace, layout);
   const texture = new THREE.DataTexture(mipmaps[0].data, bitmap.width, bitmap.height);
   return Object.assign(texture, {mipmaps, generateMipmaps: false, magFilter: THREE.LinearFilter, minFilter: THREE.LinearMipmapLinearFilter});
 }

@@ -108,6 +108,32 @@ TEST(MakeSpherical, KeepsTheFactorsOfItsMaterial) {
   EXPECT_EQ(made.report.left_out_features, std::set<std::string>{"images of occlusion of materials are left out"});
 }
 
+// Colours that are the same everywhere are in the material; others are in an image, and only if they are asked for.
+TEST(MakeSpherical, DrawsOnlyTheColoursThatItNeeds) {
+  IndexedMesh sphere = sphere_mesh(4);
+  Material red;
+  red.base_colour = {1, 0.25f, 0.25f, 1};
+  sphere.wedges.materials = {red};
+  const Made plain = make(sphere, small_images());
+  ASSERT_EQ(plain.mesh.wedges.textures.size(), 1u);
+  EXPECT_EQ(plain.mesh.wedges.materials[0].base_colour, red.base_colour);
+  EXPECT_EQ(plain.mesh.wedges.materials[0].texture, no_texture);
+  EXPECT_EQ(plain.mesh.object_normals, std::vector<std::uint32_t>{0});
+  EXPECT_EQ(plain.report.colour_bytes, 0u);
+  EXPECT_GT(plain.report.normal_psnr, 35);
+  sphere.wedges.materials.push_back({});
+  sphere.wedges.material.assign(sphere.positions.size(), 0);
+  for (const std::uint32_t v : sphere.triangles[0].v) sphere.wedges.material[v] = 1;
+  EXPECT_EQ(make(sphere, small_images()).mesh.wedges.textures.size(), 2u);
+  SphericalConfig normals = small_images();
+  normals.maps = spherical_maps("normal");
+  const Made painted = make(painted_sphere(5).mesh, normals), both = make(painted_sphere(5).mesh, small_images());
+  EXPECT_EQ(painted.report.colour_bytes, 0u);
+  EXPECT_EQ(painted.report.colour_psnr, 0);
+  ASSERT_EQ(painted.mesh.wedges.textures.size(), 1u);
+  EXPECT_EQ(painted.mesh.wedges.textures[0].bytes, both.mesh.wedges.textures[1].bytes);
+}
+
 TEST(CarriedSurface, IsWhatTheMaterialsHaveInCommon) {
   IndexedMesh mesh;
   Material a{.name = "a", .metallic = 0.5f, .roughness = 0.25f, .double_sided = true}, b = a, c = a;
@@ -127,7 +153,9 @@ TEST(CarriedSurface, IsWhatTheMaterialsHaveInCommon) {
   Material bare = carried_surface(mesh, {2}, left_out);
   EXPECT_EQ(left_out.size(), 4u);
   bare.extension_textures.clear();
-  EXPECT_EQ(bare, (Material{.double_sided = true}));
+  Material expected;
+  expected.double_sided = true;
+  EXPECT_EQ(bare, expected);
   EXPECT_EQ(carried_surface(mesh, {no_material}, left_out), Material{});
 }
 
@@ -211,8 +239,8 @@ TEST(MakeSpherical, GivesEachComponentImagesByItsSize) {
   EXPECT_EQ(made.report.topology.components, 2u);
   ASSERT_EQ(made.mesh.wedges.materials.size(), 2u);
   std::vector<std::uint32_t> sides;
-  for (const Material& m : made.mesh.wedges.materials)
-    sides.push_back(image_size(made.mesh.wedges.textures[m.texture].bytes, "image/png").width);
+  for (const std::uint32_t texture : made.mesh.object_normals)
+    sides.push_back(image_size(made.mesh.wedges.textures[texture].bytes, "image/png").width);
   EXPECT_EQ(sides, (std::vector<std::uint32_t>{128, 32}));
   EXPECT_EQ(kind_by_position(made.mesh, made.mesh.triangles).components, 2u);
 }
