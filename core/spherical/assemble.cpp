@@ -129,22 +129,12 @@ class Assembly {
     const std::size_t first = places_.size();
     places_.insert(places_.end(), surface.positions.begin(), surface.positions.end());
     edge_places_.resize(places_.size());
-    for (std::size_t v = 0; v < surface.positions.size(); ++v)
-      if (const std::uint32_t source = surface.source_vertex[v]; source != no_source)
-        edge_places_[first + v] = {vertex_of(input_, source), vertex_of(input_, source), 0};
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-      if (const std::uint32_t source = surface.source_triangle[t]; source != no_source)
-        for (const std::uint32_t v : surface.triangles[t].v)
-          if (surface.source_vertex[v] == no_source) find_middle(first + v, input_.triangles[source]);
-  }
-
-  // A vertex that a surface has at the middle of an edge of the input (topology/manifold.h).
-  void find_middle(std::size_t vertex, const Triangle& source) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t i = source.v[k], j = source.v[(k + 1) % 3];
-      if (0.5 * (to_double(input_.positions[i]) + to_double(input_.positions[j])) != places_[vertex]) continue;
-      const std::uint32_t a = vertex_of(input_, i), b = vertex_of(input_, j);
-      set_on_edge(vertex, {std::min(a, b), std::max(a, b)}, 0.5);
+    for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+      const SourceVertex source = surface.source_vertex[v];
+      if (source == no_source) continue;
+      const std::uint32_t a = vertex_of(input_, source.a), b = vertex_of(input_, source.b);
+      if (source.is_vertex()) edge_places_[first + v] = {a, a, 0};
+      if (source.is_middle()) set_on_edge(first + v, {std::min(a, b), std::max(a, b)}, 0.5);
     }
   }
 

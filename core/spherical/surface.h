@@ -12,11 +12,22 @@ namespace lodestone::spherical {
 
 inline constexpr std::uint32_t no_source = 0xFFFF'FFFFu;
 
+// What a vertex was made from: a vertex of the input (a == b), the middle of the edge between two of its vertices, or
+// nothing that the input has (no_source).
+struct SourceVertex {
+  std::uint32_t a = no_source, b = no_source;
+  constexpr SourceVertex(std::uint32_t vertex) : a(vertex), b(vertex) {}  // implicit, as most are vertices
+  constexpr SourceVertex(std::uint32_t from, std::uint32_t to) : a(from), b(to) {}
+  [[nodiscard]] bool is_vertex() const { return a == b && a != no_source; }
+  [[nodiscard]] bool is_middle() const { return a != b; }
+  friend constexpr bool operator==(const SourceVertex&, const SourceVertex&) = default;
+};
+
 // One component, in double precision; closed, oriented and of genus 0 once core/spherical/topology has made it so.
 struct Surface {
   std::vector<Vec3d> positions;  // scaled so that the longest extent of the whole input is 1
   std::vector<Triangle> triangles;
-  std::vector<std::uint32_t> source_vertex;    // by vertex: the input's vertex that it copies; no_source if added
+  std::vector<SourceVertex> source_vertex;     // by vertex
   std::vector<std::uint32_t> source_triangle;  // by triangle: the input's; no_source if it fills a hole or caps a cut
 };
 

@@ -81,11 +81,11 @@ void SurfaceSource::match_corners(const Surface& surface) {
     const auto& v = surface.triangles[t].v;
     const auto fits = [&](std::size_t turn) {
       for (std::size_t k = 0; k < 3; ++k)
-        if (vertex_of(mesh_, wedges[(k + turn) % 3]) != vertex_of(mesh_, surface.source_vertex[v[k]])) return false;
+        if (vertex_of(mesh_, wedges[(k + turn) % 3]) != vertex_of(mesh_, surface.source_vertex[v[k]].a)) return false;
       return true;
     };
     std::size_t turn = 0;
-    if (std::ranges::none_of(v, [&](std::uint32_t corner) { return surface.source_vertex[corner] == no_source; }))
+    if (std::ranges::all_of(v, [&](std::uint32_t corner) { return surface.source_vertex[corner].is_vertex(); }))
       while (turn < 3 && !fits(turn)) ++turn;
     else
       turn = 3;
@@ -103,16 +103,16 @@ void SurfaceSource::match_part(const Surface& surface, std::uint32_t triangle) {
   const auto& wedges = mesh_.triangles[surface.source_triangle[triangle]].v;
   CornerWeights& corners = parts_[triangle];
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t v = surface.triangles[triangle].v[k], vertex = surface.source_vertex[v];
-    const auto known = [&] { return corners[k] != std::array<float, 3>{}; };
-    for (std::size_t i = 0; i < 3 && !known(); ++i) {
-      const std::size_t j = (i + 1) % 3;
-      const Vec3d middle = 0.5 * (to_double(mesh_.positions[wedges[i]]) + to_double(mesh_.positions[wedges[j]]));
-      if (vertex != no_source && vertex_of(mesh_, wedges[i]) == vertex_of(mesh_, vertex)) corners[k][i] = 1;
-      if (vertex == no_source && middle == surface.positions[v]) corners[k][i] = corners[k][j] = 0.5f;
+    const SourceVertex vertex = surface.source_vertex[surface.triangles[triangle].v[k]];
+    if (vertex == no_source) {
+      corners[k] = {1.0f / 3, 1.0f / 3, 1.0f / 3};
+      continue;
     }
-    if (vertex == no_source && !known()) corners[k] = {1.0f / 3, 1.0f / 3, 1.0f / 3};
-    if (!known()) refuse_corners(triangle);
+    const auto weight_of = [&](std::uint32_t wedge, std::uint32_t end) {
+      return vertex_of(mesh_, wedge) == vertex_of(mesh_, end) ? 0.5f : 0.0f;
+    };
+    for (std::size_t i = 0; i < 3; ++i) corners[k][i] = weight_of(wedges[i], vertex.a) + weight_of(wedges[i], vertex.b);
+    if (corners[k][0] + corners[k][1] + corners[k][2] != 1) refuse_corners(triangle);
   }
 }
 

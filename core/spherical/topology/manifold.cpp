@@ -158,14 +158,15 @@ std::vector<Id> find_repeats(std::span<const Triangle> triangles, const Seams& s
 // Halves edges: their triangles become fans around a vertex inside.
 void halve(Surface& surface, std::span<const Id> opposite, std::span<const Id> repeats) {
   std::vector<Id> middle(opposite.size(), no_id);
-  const auto add = [&](Vec3d position) {
+  const auto add = [&](Vec3d position, SourceVertex source) {
     surface.positions.push_back(position);
-    surface.source_vertex.push_back(no_source);
+    surface.source_vertex.push_back(source);
     return static_cast<Id>(surface.positions.size() - 1);
   };
   const auto position = [&](Id side) { return surface.positions[start_of(surface.triangles, side)]; };
+  const auto source = [&](Id side) { return surface.source_vertex[start_of(surface.triangles, side)].a; };
   for (const Id side : repeats) {
-    middle[side] = add(0.5 * (position(side) + position(next_side(side))));
+    middle[side] = add(0.5 * (position(side) + position(next_side(side))), {source(side), source(next_side(side))});
     if (opposite[side] != no_id) middle[opposite[side]] = middle[side];
   }
   const auto count = static_cast<Id>(surface.triangles.size());
@@ -176,7 +177,7 @@ void halve(Surface& surface, std::span<const Id> opposite, std::span<const Id> r
       if (middle[side] != no_id) ring.push_back(middle[side]);
     }
     if (ring.size() == 3) continue;
-    const Id centre = add((1.0 / 3) * (position(3 * t) + position(3 * t + 1) + position(3 * t + 2)));
+    const Id centre = add((1.0 / 3) * (position(3 * t) + position(3 * t + 1) + position(3 * t + 2)), no_source);
     surface.triangles[t] = {{ring.back(), ring.front(), centre}};
     for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
       surface.triangles.push_back({{ring[k], ring[k + 1], centre}});
@@ -195,8 +196,10 @@ Manifold make_manifold(const IndexedMesh& mesh) {
   result.repairs.turned_triangles = turn_triangles(surface.triangles, edges);
   if (result.repairs.turned_triangles > 0) edges = EdgeSides(surface.triangles, vertices);
   const Seams seams = find_seams(mesh, surface.triangles, edges, result.repairs);
-  surface.source_vertex = number_fans(surface.triangles, seams.opposite, vertices, result.repairs);
-  for (const Id v : surface.source_vertex) surface.positions.push_back(to_double(mesh.positions[v]));
+  for (const Id v : number_fans(surface.triangles, seams.opposite, vertices, result.repairs)) {
+    surface.source_vertex.emplace_back(v);
+    surface.positions.push_back(to_double(mesh.positions[v]));
+  }
   const std::vector<Id> repeats = find_repeats(surface.triangles, seams);
   result.repairs.split_edges = repeats.size();
   if (!repeats.empty()) halve(surface, seams.opposite, repeats);

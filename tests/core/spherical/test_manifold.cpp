@@ -41,9 +41,13 @@ void expect_manifold(const Manifold& manifold, const IndexedMesh& mesh) {
   EXPECT_EQ(kind.unused, 0u);
   ASSERT_EQ(surface.source_vertex.size(), surface.positions.size());
   ASSERT_EQ(surface.source_triangle.size(), surface.triangles.size());
+  // Each halved edge has a middle of its own between vertices of the input.
+  EXPECT_EQ(std::ranges::count_if(surface.source_vertex, &SourceVertex::is_middle),
+            static_cast<std::ptrdiff_t>(manifold.repairs.split_edges));
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
-    if (surface.source_vertex[v] == no_source) continue;
-    EXPECT_EQ(surface.positions[v], to_double(mesh.positions[surface.source_vertex[v]]));
+    const auto [a, b] = surface.source_vertex[v];
+    if (a == no_source) continue;
+    EXPECT_EQ(surface.positions[v], 0.5 * (to_double(mesh.positions[a]) + to_double(mesh.positions[b])));
   }
   std::set<Id> sources(surface.source_triangle.begin(), surface.source_triangle.end());
   EXPECT_EQ(sources.size(), mesh.triangles.size());  // none is lost
@@ -113,7 +117,7 @@ TEST(Manifold, TheFewerTrianglesAreTurned) {
   const IndexedMesh before = test::sphere_mesh(2);
   const Triangle expected = canonical(before.triangles[0]);
   const auto& source = manifold.surface.source_vertex;
-  EXPECT_EQ(canonical({{source[turned_back[0]], source[turned_back[1]], source[turned_back[2]]}}), expected);
+  EXPECT_EQ(canonical({{source[turned_back[0]].a, source[turned_back[1]].a, source[turned_back[2]].a}}), expected);
 }
 
 TEST(Manifold, AMoebiusStripIsCutAcross) {
