@@ -15,13 +15,8 @@ constexpr int base_side = 4;  // pixels of a square of level 0
 constexpr double plane_pixels = 3;
 constexpr double most_backs = 0.1;  // share of pixels that see the back of a solid through its holes
 
-bool sees_back(const PositionMap& map, std::size_t pixel) {
+bool is_seen_from_behind(const PositionMap& map, std::size_t pixel) {
   return dot(to_double(map.normal[pixel]), towards_eye(map.view, to_double(map.position[pixel]))) < 0;
-}
-
-// Normal of what a pixel sees, on the side of the eye; zero where the triangle has none.
-Vec3f normal_towards_eye(const PositionMap& map, std::size_t pixel) {
-  return sees_back(map, pixel) ? -1.0f * map.normal[pixel] : map.normal[pixel];
 }
 
 std::size_t index_of(const PositionMap& map, int x, int y) {
@@ -44,14 +39,22 @@ FreeSpace::FreeSpace(std::span<const PositionMap> maps, double reach, Scheduler&
 
 void FreeSpace::find_backs(Scheduler& scheduler) {
   std::vector<std::array<std::size_t, 2>> counts(maps_.size());
+  backs_.resize(maps_.size());
   scheduler.for_chunks(maps_.size(), 1, [&](ChunkRange range) {
     const PositionMap& map = maps_[range.index];
+    std::vector<std::uint8_t>& backs = backs_[range.index];
+    backs.resize(map.view.pixels());
     for (std::size_t i = 0; i < map.view.pixels(); ++i)
-      if (map.sees(i)) ++counts[range.index][sees_back(map, i)];
+      if (map.sees(i)) backs[i] = is_seen_from_behind(map, i), ++counts[range.index][backs[i]];
   });
   std::array<std::size_t, 2> sum{};
   for (const auto& own : counts) sum[0] += own[0], sum[1] += own[1];
   holes_ = static_cast<double>(sum[1]) < most_backs * static_cast<double>(sum[0] + sum[1]);
+}
+
+// Normal of what a pixel sees, on the side of the eye; zero where the triangle has none.
+Vec3f FreeSpace::normal_towards_eye(const PositionMap& map, std::size_t pixel) const {
+  return sees_back(map, pixel) ? -1.0f * map.normal[pixel] : map.normal[pixel];
 }
 
 bool FreeSpace::is_back(const PositionMap& map, std::size_t pixel) const { return holes_ && sees_back(map, pixel); }

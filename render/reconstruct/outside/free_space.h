@@ -39,7 +39,7 @@ class FreeSpace {
   // Distance of a point from the border of the free space, in [-reach, reach], by these views; positive: it is free.
   [[nodiscard]] double distance(Vec3d p, std::span<const ViewNumber> views) const;
   [[nodiscard]] SurfaceHit nearest(Vec3d p, std::span<const ViewNumber> views) const;
-  // True if a pixel sees the back of the surface through a hole.
+  // True if a pixel of one of the maps sees the back of the surface through a hole.
   [[nodiscard]] bool is_back(const PositionMap& map, std::size_t pixel) const;
   [[nodiscard]] std::span<const PositionMap> maps() const { return maps_; }
 
@@ -54,6 +54,10 @@ class FreeSpace {
   };
   struct Footprint;
   void find_backs(Scheduler& scheduler);
+  [[nodiscard]] bool sees_back(const PositionMap& map, std::size_t pixel) const {
+    return backs_[static_cast<std::size_t>(&map - maps_.data())][pixel] != 0;
+  }
+  [[nodiscard]] Vec3f normal_towards_eye(const PositionMap& map, std::size_t pixel) const;
   void make_levels(std::size_t view);
   [[nodiscard]] Footprint footprint(const MapView& view, const Box3f& box) const;
   [[nodiscard]] Range depths_in(std::size_t view, const Footprint& print) const;
@@ -61,8 +65,9 @@ class FreeSpace {
 
   std::span<const PositionMap> maps_;
   double reach_;
-  bool holes_ = false;                      // backs are seen through holes
-  std::vector<std::vector<Level>> levels_;  // of each map; empty: not used
+  bool holes_ = false;                            // backs are seen through holes
+  std::vector<std::vector<std::uint8_t>> backs_;  // of each map: pixels that see the back of a triangle
+  std::vector<std::vector<Level>> levels_;        // of each map; empty: not used
 };
 
 }  // namespace lodestone

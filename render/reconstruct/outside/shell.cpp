@@ -53,8 +53,8 @@ class ShellMaker {
   // Crossed edges that start at the points of a block: bit k - 1 of `mask` is set for the edge to the corner k of the
   // point's cube; `first` is the number of the first of the vertices on them.
   struct Crossings {
-    std::array<std::uint32_t, 512> first{};
-    std::array<std::uint8_t, 512> mask{};
+    std::array<std::uint32_t, ShellGrid::block_points> first{};
+    std::array<std::uint8_t, ShellGrid::block_points> mask{};
   };
 
   void find_blocks() {
@@ -81,7 +81,7 @@ class ShellMaker {
         });
     });
     for (Crossings& c : crossings_)
-      for (std::size_t place = 0; place < 512; ++place) {
+      for (std::size_t place = 0; place < ShellGrid::block_points; ++place) {
         c.first[place] = vertices_;
         vertices_ += static_cast<std::uint32_t>(std::popcount(c.mask[place]));
       }
@@ -89,9 +89,7 @@ class ShellMaker {
 
   template <class Visit>
   void for_points(std::size_t block, const Visit& visit) const {
-    const GridPoint first = grid_.first_point(block);
-    for (int k = 0; k < 512; ++k)
-      visit(GridPoint{first.x + (k & 7), first.y + (k >> 3 & 7), first.z + (k >> 6)}, static_cast<std::size_t>(k));
+    for (std::size_t place = 0; place < ShellGrid::block_points; ++place) visit(grid_.point_at(block, place), place);
   }
 
   void place_vertices(std::size_t k, MergedMesh& mesh) const {
@@ -245,7 +243,7 @@ MergedMesh make_shell(std::span<const PositionMap> maps, double spacing, ShellRe
   if (box.empty()) return {};
   const FreeSpace space(maps, 1.5 * spacing, scheduler);
   const ShellGrid grid(space, box, spacing, scheduler);
-  report.grid_points = 512 * grid.blocks(), report.sheet_points = grid.sheet_points();
+  report.grid_points = ShellGrid::block_points * grid.blocks(), report.sheet_points = grid.sheet_points();
   MergedMesh mesh = ShellMaker(space, grid, scheduler).run();
   keep_hulls(mesh, 2 * spacing, report);
   return mesh;

@@ -99,13 +99,12 @@ void ShellGrid::views_of(std::size_t block, std::vector<ViewNumber>& views) cons
 void ShellGrid::carve(std::size_t block) {
   std::vector<ViewNumber> views;
   const FreeSpace::State state = space_.classify(box_of(block), views);
-  const GridPoint first = first_point(block);
   solid_[block].fill(0);
   if (state == FreeSpace::State::free) return;
-  for (int k = 0; k < 512; ++k) {
-    const GridPoint p{first.x + (k & 7), first.y + (k >> 3 & 7), first.z + (k >> 6)};
+  for (std::size_t place = 0; place < block_points; ++place) {
+    const GridPoint p = point_at(block, place);
     if (is_margin(p) || (state == FreeSpace::State::mixed && space_.distance(position(p), views) > 0)) continue;
-    solid_[block][static_cast<std::size_t>(k >> 6)] |= std::uint64_t{1} << (k & 63);
+    make_solid(block, place);
   }
 }
 
@@ -144,8 +143,7 @@ void ShellGrid::find_sheets(Scheduler& scheduler) {
   const auto last = std::unique(sheets_.begin(), sheets_.end(),
                                 [](const SheetPoint& a, const SheetPoint& b) { return a.point == b.point; });
   sheets_.erase(last, sheets_.end());
-  for (const SheetPoint& s : sheets_)
-    solid_[s.point / 512][s.point % 512 >> 6] |= std::uint64_t{1} << (s.point % 512 & 63);
+  for (const SheetPoint& s : sheets_) make_solid(s.point / block_points, s.point % block_points);
 }
 
 }  // namespace lodestone

@@ -74,7 +74,8 @@ double depth_in(const TiltedBox& box, Vec3d p) {
 double distance_from(const TiltedBox& box, Vec3d p) {
   const Vec3d d = p - box.centre;
   const auto beyond = [&](double half, Vec3d axis) { return std::max(std::abs(dot(d, axis)) - half, 0.0); };
-  return length(Vec3d{beyond(box.half.x, box.axes[0]), beyond(box.half.y, box.axes[1]), beyond(box.half.z, box.axes[2])});
+  return length(
+      Vec3d{beyond(box.half.x, box.axes[0]), beyond(box.half.y, box.axes[1]), beyond(box.half.z, box.axes[2])});
 }
 
 Vec3d outward_normal(const TiltedBox& box, Vec3d p) {
@@ -219,9 +220,10 @@ TEST(Outside, BlocksSayWhatTheirPointsSay) {
   std::iota(all.begin(), all.end(), ViewNumber{0});
   std::size_t solid = 0;
   for (std::size_t b = 0; b < grid.blocks(); ++b)
-    for (int k = 0; k < 512; ++k) {
-      GridPoint p = grid.first_point(b);
-      p.x += k & 7, p.y += k >> 3 & 7, p.z += k >> 6;
+    for (std::size_t place = 0; place < ShellGrid::block_points; ++place) {
+      const GridPoint p = grid.point_at(b, place);
+      ASSERT_EQ(grid.block_of(p), b);
+      ASSERT_EQ(ShellGrid::place_in_block(p), place);
       const bool is_free = space.distance(grid.position(p), all) > 0;
       if (grid.is_solid(p)) {
         EXPECT_TRUE(!is_free || grid.sheet_at(p));
