@@ -57,10 +57,10 @@ float bend(float c) { return std::tan(c * (pi / 4)); }
 }  // namespace
 
 Shape shape(std::string_view name) {
-  constexpr std::array<std::string_view, 4> names{"sphere", "terrain", "torus", "box"};
+  constexpr std::array<std::string_view, 5> names{"sphere", "terrain", "torus", "box", "pile"};
   for (std::size_t i = 0; i < names.size(); ++i)
     if (name == names[i]) return static_cast<Shape>(i);
-  throw InputError("unknown shape '" + std::string(name) + "'; known are sphere, terrain, torus, box");
+  throw InputError("unknown shape '" + std::string(name) + "'; known are sphere, terrain, torus, box, pile");
 }
 
 GeneratedSurface::GeneratedSurface(const GenerateConfig& config) : shape_(config.shape), seed_(config.seed) {
@@ -84,6 +84,12 @@ GeneratedSurface::GeneratedSurface(const GenerateConfig& config) : shape_(config
       triangle_count_ = 2ull * n_ * m_;
       vertex_count_ = std::uint64_t{n_} * m_;
       break;
+    case Shape::pile: {
+      const std::uint64_t boxes = (config.triangles + 6) / 12;
+      triangle_count_ = 12 * boxes, vertex_count_ = 8 * boxes;
+      n_ = m_ = 1;
+      break;
+    }
   }
   // The last octave's waves are about eight edges long.
   octaves_ = std::clamp(static_cast<int>(std::lround(std::log2(std::max(n_, m_)))) - 3, 1, 16);
@@ -179,6 +185,47 @@ Triangle GeneratedSurface::grid_triangle(std::uint64_t index) const {
   return index % 2 == 0 ? Triangle{{at(i, j), at(i1, j), at(i1, j1)}} : Triangle{{at(i, j), at(i1, j1), at(i, j1)}};
 }
 
+Triangle GeneratedSurface::pile_triangle(std::uint64_t index) const {
+  constexpr std::array<Triangle, 12> faces{{{{0, 2, 3}},
+                                            {{0, 3, 1}},
+                                            {{4, 5, 7}},
+                                            {{4, 7, 6}},
+                                            {{0, 1, 5}},
+                                            {{0, 5, 4}},
+                                            {{2, 6, 7}},
+                                            {{2, 7, 3}},
+                                            {{0, 4, 6}},
+                                            {{0, 6, 2}},
+                                            {{1, 3, 7}},
+                                            {{1, 7, 5}}}};
+  const auto first = static_cast<std::uint32_t>(index / 12 * 8);
+  const Triangle& t = faces[index % 12];
+  return {{first + t.v[0], first + t.v[1], first + t.v[2]}};
+}
+
+// Corner k has the bits of x, y, z from the lowest.
+Vec3f GeneratedSurface::box_corner(std::uint64_t box, std::uint32_t corner) const {
+  std::uint32_t draws = 0;
+  const auto uniform = [&](float lo, float hi) {
+    const std::uint32_t h = hash(static_cast<std::uint32_t>(box), static_cast<std::uint32_t>(box >> 32), draws++,
+                                 static_cast<std::uint32_t>(seed_ * 31));
+    return lo + (hi - lo) * static_cast<float>(h >> 8) / 16777216.0f;
+  };
+  const auto direction = [&] {
+    const float z = uniform(-1, 1), angle = uniform(-pi, pi), r = std::sqrt(1 - z * z);
+    return Vec3f{r * std::cos(angle), r * std::sin(angle), z};
+  };
+  const Vec3f centre = std::cbrt(uniform(0, 1)) * direction();
+  const Vec3f x = direction(), other = direction();
+  const Vec3f sideways = cross(other, x), upright = std::abs(x.x) < 0.7f ? Vec3f{0, -x.z, x.y} : Vec3f{-x.y, x.x, 0};
+  const Vec3f across = length(sideways) > 1e-3f ? sideways : upright;
+  const Vec3f y = (1 / length(across)) * across, z = cross(x, y);
+  // Three times the volume of the ball in all.
+  const float side = 1.7f / std::cbrt(static_cast<float>(vertex_count_ / 8));
+  const float a = side * uniform(0.4f, 1), b = side * uniform(0.4f, 1), c = side * uniform(0.4f, 1);
+  return centre + (corner & 1 ? a : -a) * x + (corner & 2 ? b : -b) * y + (corner & 4 ? c : -c) * z;
+}
+
 Vec3f GeneratedSurface::vertex(std::uint64_t index) const {
   const auto n = static_cast<float>(n_), m = static_cast<float>(m_);
   switch (shape_) {
@@ -205,12 +252,22 @@ Vec3f GeneratedSurface::vertex(std::uint64_t index) const {
       };
       return around(0.4f + 0.06f * displacement(around(0.4f), 2));
     }
+    case Shape::pile:
+      return box_corner(index / 8, static_cast<std::uint32_t>(index % 8));
   }
   return {};
 }
 
 Triangle GeneratedSurface::triangle(std::uint64_t index) const {
-  return shape_ == Shape::sphere || shape_ == Shape::box ? cube_triangle(index) : grid_triangle(index);
+  switch (shape_) {
+    case Shape::sphere:
+    case Shape::box:
+      return cube_triangle(index);
+    case Shape::pile:
+      return pile_triangle(index);
+    default:
+      return grid_triangle(index);
+  }
 }
 
 RawMesh generate_mesh(const GenerateConfig& config) {

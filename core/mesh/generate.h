@@ -13,6 +13,7 @@ enum class Shape : std::uint8_t {
   terrain,  // open: a fractal height field over a square
   torus,    // closed, genus 1, fractally displaced
   box,      // closed, axis-aligned [0,1]^3, a regular grid on each face: far faces on the far faces of the root cell
+  pile,     // boxes of 12 triangles, turned and placed at random in a ball so that they overlap; porous
 };
 [[nodiscard]] Shape shape(std::string_view name);  // throws InputError listing the known names
 
@@ -38,6 +39,8 @@ class GeneratedSurface {
   [[nodiscard]] std::uint32_t lattice_index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const;
   [[nodiscard]] Triangle cube_triangle(std::uint64_t index) const;
   [[nodiscard]] Triangle grid_triangle(std::uint64_t index) const;
+  [[nodiscard]] Triangle pile_triangle(std::uint64_t index) const;
+  [[nodiscard]] Vec3f box_corner(std::uint64_t box, std::uint32_t corner) const;
   [[nodiscard]] float displacement(Vec3f p, float base_frequency) const;  // about [-1, 1]
 
   Shape shape_;

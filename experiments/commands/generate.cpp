@@ -40,7 +40,7 @@ void run(const GenerateOptions& options, const CommonOptions& common) {
 }
 
 OptionTable declare(GenerateOptions& o) {
-  return {OptionSpec{"SHAPE", &o.shape_name, "sphere, terrain, torus or box"}.must(),
+  return {OptionSpec{"SHAPE", &o.shape_name, "sphere, terrain, torus, box or pile (of overlapping boxes)"}.must(),
           {"--triangles", &o.triangles, "Number of triangles; the nearest regular grid is taken"},
           {"--seed", &o.seed, "Seed of the displacement"},
           OptionSpec{"-o,--output", &o.output, "File to write (.ply)"}.must()};

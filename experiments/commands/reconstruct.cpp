@@ -121,7 +121,8 @@ nlohmann::json to_json(const ReconstructResult& result) {
         {{"diagonal", result.error->distance.diagonal},
          {"forward", to_json(result.error->distance.forward)},
          {"backward", to_json(result.error->distance.backward)},
-         {"visible", {{"rms", result.coverage->rms * result.scale}, {"max", result.coverage->max * result.scale}}}});
+         {"visible", {{"rms", result.coverage->rms * result.scale}, {"max", result.coverage->max * result.scale}}},
+         {"seen_pixels", {{"rms", result.seen->rms * result.scale}, {"max", result.seen->max * result.scale}}}});
   return json;
 }
 
@@ -129,10 +130,12 @@ std::string accuracy_text(const ReconstructResult& result) {
   if (!result.error) return "";
   const MeshDistance& d = result.error->distance;
   const double percent = d.diagonal > 0 ? 100 / d.diagonal : 0;
+  const double seen_percent = result.scale * percent;
   return fmt::format(
-      ", coverage {:.2f} %, rms {:.4f} (visible part {:.4f}) / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal",
-      100 * result.coverage->share, d.forward.rms * percent, result.coverage->rms * result.scale * percent,
-      d.backward.rms * percent, d.forward.max * percent, d.backward.max * percent);
+      ", coverage {:.2f} % of pixels seen from all around ({:.2f} % of all that any direction sees), rms {:.4f} (seen "
+      "pixels {:.4f}, visible part {:.4f}) / {:.4f} %, max {:.3f} / {:.3f} % of the diagonal",
+      100 * result.seen->share, 100 * result.coverage->share, d.forward.rms * percent, result.seen->rms * seen_percent,
+      result.coverage->rms * seen_percent, d.backward.rms * percent, d.forward.max * percent, d.backward.max * percent);
 }
 
 void print(const ReconstructResult& result) {

@@ -127,6 +127,12 @@ std::function<Row(const ReconstructResult&)> seconds_of(StageTime ReconstructRep
   return [stage](const ReconstructResult& result) { return Row((result.report.*stage).seconds); };
 }
 
+// In % of the diagonal.
+Row rms_of(const ReconstructResult& result, const std::optional<SurfaceCoverage>& coverage) {
+  if (!coverage || !(result.error->distance.diagonal > 0)) return {};
+  return 100 * resolved(coverage->rms * result.scale / result.error->distance.diagonal);
+}
+
 const std::vector<Column<ReconstructResult>>& columns() {
   using R = const ReconstructResult&;
   static const std::vector<Column<ReconstructResult>> list{
@@ -141,14 +147,22 @@ const std::vector<Column<ReconstructResult>>& columns() {
        [](R r) { return r.report.views.inside.size(); }},
       {{"view_triangles", "", "triangles of all views' meshes, before they are merged", count},
        [](R r) { return r.report.view_triangles; }},
-      {{"coverage", "%", "share of the visible surface that has the result within a sample's spacing", accuracy},
-       [](R r) { return r.coverage ? Row(100 * r.coverage->share) : Row(); }},
-      {{"visible_rms", "% of the diagonal", "distance of the visible surface from the result, root of the mean square",
+      {{"seen_coverage", "%",
+        "share of the pixels of pictures from all directions whose point has the result within a sample's spacing",
         accuracy},
-       [](R r) {
-         if (!r.coverage || !(r.error->distance.diagonal > 0)) return Row();
-         return Row(100 * resolved(r.coverage->rms * r.scale / r.error->distance.diagonal));
-       }},
+       [](R r) { return r.seen ? Row(100 * r.seen->share) : Row(); }},
+      {{"seen_rms", "% of the diagonal",
+        "distance from the result of what pixels of pictures from all directions show, root of the mean square",
+        accuracy},
+       [](R r) { return rms_of(r, r.seen); }},
+      {{"coverage", "%",
+        "share of the surface that any of 518 directions sees from outside that has the result within a sample's "
+        "spacing, however few see it",
+        accuracy},
+       [](R r) { return r.coverage ? Row(100 * r.coverage->share) : Row(); }},
+      {{"visible_rms", "% of the diagonal", "distance of that surface from the result, root of the mean square",
+        accuracy},
+       [](R r) { return rms_of(r, r.coverage); }},
       {{"border_edges", "", "border edges of the result", count}, [](R r) { return r.quality.border_edges; }},
       {{"manifold", "", "no edge has more than two triangles, no vertex more than one fan", label},
        [](R r) { return r.quality.manifold(); }},
@@ -207,10 +221,14 @@ ReconstructResult result_of(const Reconstruction& made, const Transform& transfo
 
 void measure(ReconstructResult& result, const Reconstruction& made, const IndexedMesh& input, Scheduler& scheduler) {
   result.error = geometry_error(in_model_space(input), made.mesh, {}, scheduler);
-  // Views that were prescribed do not tell what can be seen.
+  // Views that were prescribed do not tell what can be seen; fewer samples than a choice needs give a share.
   std::vector<Vec3d> visible = made.report.views.visible_points;
-  if (visible.empty()) visible = choose_views(input, {}, scheduler).visible_points;
-  result.coverage = measure_coverage(visible, made.mesh, input.transform, made.report.spacing, scheduler);
+  if (visible.empty()) visible = choose_views(input, {.samples = 5000}, scheduler).visible_points;
+  const auto coverage_of = [&](std::span<const Vec3d> points) {
+    return measure_coverage(points, made.mesh, input.transform, made.report.spacing, scheduler);
+  };
+  result.coverage = coverage_of(visible);
+  result.seen = coverage_of(points_in_pictures(input, {}, scheduler));
 }
 
 std::vector<ColumnInfo> reconstruct_columns() {

@@ -34,7 +34,8 @@ struct ReconstructResult {
   StageTime time;  // from the mesh, or from maps, to the new mesh
   std::uint64_t peak_bytes = 0;
   std::optional<GeometryError> error;       // against the input
-  std::optional<SurfaceCoverage> coverage;  // of the visible surface, by samples a spacing away
+  std::optional<SurfaceCoverage> coverage;  // of all that any direction sees from outside, by samples a spacing away
+  std::optional<SurfaceCoverage> seen;      // of what pictures from all directions show, likewise
 };
 
 struct ReconstructJob {

@@ -129,7 +129,8 @@ PAGES = [
     Page("reconstruction", [
         Table("Models", ("models",),
               [DATA, ("pixels", "resolution"), ("views", "view_count"), ("inside", "inside_views"), TRIANGLES,
-               ("coverage, %", "coverage"), ("slivers, %", "slivers"), ("border edges", "border_edges"),
+               ("seen, %", "seen_coverage"), ("coverage, %", "coverage"), ("slivers, %", "slivers"),
+               ("border edges", "border_edges"),
                ("of a closed input", "input_closed"), ("Euler", "euler"), ("holes filled", "holes_filled"),
                ("manifold", "manifold"), RMS, ("of what is visible", "visible_rms"), MAX, CPU]),
         Table("Where the seconds go", ("models",),
@@ -141,7 +142,8 @@ PAGES = [
                ("detail", "detail"), TRIANGLES, ("coverage, %", "coverage"), ("manifold", "manifold"),
                ("slivers, %", "slivers"), RMS, MAX, CPU],
               "views 0: as many as the surface needs. Six views and `concatenate` are what is published."),
-    ], "Coverage counts samples of the surface that some outside view sees and that have the result within a sample's spacing. "
+    ], "`seen` is the share of pixels of pictures from all directions whose point has the result within a sample's spacing; "
+       "coverage counts all that any of 518 directions sees alike, however few see it. "
        "`inside`: views whose near plane lies beyond what is in the way."),
     Page("rendering", [
         Table("Tolerance and backend", ("tolerance",),

@@ -36,7 +36,7 @@ class Usage(CommandCase):
             self.refused("info", "m.lode", "--threads", value, names=["--threads"])
 
     def test_values_of_generate(self):
-        self.refused("generate", "cube", "-o", "x.ply", names=["cube", "sphere, terrain, torus, box"])
+        self.refused("generate", "cube", "-o", "x.ply", names=["cube", "sphere, terrain, torus, box, pile"])
         for count in ("0", "1", "-5", "10000000000", "9" * 30, "abc"):
             self.refused("generate", "sphere", "--triangles", count, "-o", "x.ply", names=["triangles"])
         for seed in ("-1", "x"):

@@ -171,7 +171,7 @@ TEST_F(LoadTest, RealModels) {
 }
 
 TEST_F(LoadTest, StreamedModelsAreThoseMadeInMemory) {
-  for (const Shape shape : {Shape::sphere, Shape::terrain, Shape::torus, Shape::box}) {
+  for (const Shape shape : {Shape::sphere, Shape::terrain, Shape::torus, Shape::box, Shape::pile}) {
     const GenerateConfig config{shape, 150'000, 6};
     generate_ply(config, folder_ / "serial.ply", *make_serial_scheduler());
     const std::string expected = content(folder_ / "serial.ply");

@@ -77,8 +77,29 @@ TEST(Generate, BoxFillsTheUnitCubeExactly) {
   EXPECT_NEAR(signed_volume(mesh), 1, 1e-6);
 }
 
+// Every box is closed and faces outward, and together they are larger than their ball: they overlap.
+TEST(Generate, PileIsOverlappingBoxes) {
+  const RawMesh mesh = generate_mesh({Shape::pile, 12 * 500, 1});
+  EXPECT_EQ(mesh.triangles.size(), 12u * 500);
+  EXPECT_EQ(topology(mesh).unpaired, 0u);
+  double box_volume = 0;
+  for (std::size_t box = 0; box < 500; ++box) {
+    RawMesh one;
+    one.positions = mesh.positions;
+    one.triangles.assign(mesh.triangles.begin() + 12 * static_cast<std::ptrdiff_t>(box),
+                         mesh.triangles.begin() + 12 * static_cast<std::ptrdiff_t>(box + 1));
+    const double volume = signed_volume(one);
+    EXPECT_GT(volume, 0);
+    box_volume += volume;
+  }
+  constexpr double ball = 4.18879;
+  EXPECT_GT(box_volume, 2 * ball);
+  EXPECT_LT(box_volume, 5 * ball);
+  for (const Vec3d p : mesh.positions) EXPECT_LT(length(p), 1.4);
+}
+
 TEST(Generate, CountsComeNearTheWish) {
-  for (const Shape s : {Shape::sphere, Shape::terrain, Shape::torus, Shape::box})
+  for (const Shape s : {Shape::sphere, Shape::terrain, Shape::torus, Shape::box, Shape::pile})
     for (const std::uint64_t n : {100'000ull, 1'000'000ull, 64'000'000ull, 128'000'000ull})
       EXPECT_NEAR(static_cast<double>(GeneratedSurface({s, n, 1}).triangle_count()), static_cast<double>(n),
                   0.01 * static_cast<double>(n));
