@@ -12,7 +12,7 @@ namespace lodestone::spherical {
 
 inline constexpr std::uint32_t no_source = 0xFFFF'FFFFu;
 
-// What a vertex was made from: a vertex of the input (a == b), the middle of the edge between two of its vertices, or
+// The source of a vertex: a vertex of the input (a == b), the middle of the edge between two of its vertices, or
 // nothing that the input has (no_source).
 struct SourceVertex {
   std::uint32_t a = no_source, b = no_source;
