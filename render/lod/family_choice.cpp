@@ -12,9 +12,26 @@ struct Candidate {
   float excess = 0;
   CellId parent;
   std::size_t level = 0;
-  // Heaps have the largest on top.
-  friend bool operator<(const Candidate& a, const Candidate& b) {
-    return a.excess != b.excess ? a.excess < b.excess : a.parent > b.parent;
+};
+
+// Exact but for the sums, so that the page orders cells alike.
+double square_distance(Vec3f p, const Box3f& box) {
+  double sum = 0;
+  for (float Vec3f::*axis : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
+    const double apart = std::max({box.lo.*axis - p.*axis, p.*axis - box.hi.*axis, 0.0f});
+    sum += apart * apart;
+  }
+  return sum;
+}
+
+struct ByExcess {
+  const Hierarchy& hierarchy;
+  Vec3f viewpoint;
+  bool operator()(const Candidate& a, const Candidate& b) const {
+    if (a.excess != b.excess) return a.excess > b.excess;
+    const double near_a = square_distance(viewpoint, hierarchy.cells[a.parent].bounds);
+    const double near_b = square_distance(viewpoint, hierarchy.cells[b.parent].bounds);
+    return near_a != near_b ? near_a < near_b : a.parent < b.parent;
   }
 };
 
@@ -33,9 +50,13 @@ class Choice {
 
   std::vector<CellId> choose_by_excess() {
     std::vector<DetailLimit> limits;
+    // Heaps have the largest on top.
+    const auto later = [by_excess = ByExcess{hierarchy_, viewpoint_}](const Candidate& a, const Candidate& b) {
+      return by_excess(b, a);
+    };
     add_candidate(CellId(0), 0);
     while (!candidates_.empty() && limits.size() < passed_over_at_most) {
-      std::pop_heap(candidates_.begin(), candidates_.end());
+      std::pop_heap(candidates_.begin(), candidates_.end(), later);
       const Candidate next = candidates_.back();
       candidates_.pop_back();
       const Box3f& box = hierarchy_.cells[next.parent].bounds;
@@ -44,7 +65,7 @@ class Choice {
       const std::size_t children = candidates_.size();
       if (!take(next)) limits.push_back({box, radius});
       for (std::size_t i = children; i < candidates_.size(); ++i)
-        std::push_heap(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        std::push_heap(candidates_.begin(), candidates_.begin() + static_cast<std::ptrdiff_t>(i) + 1, later);
     }
     return std::move(chosen_);
   }
@@ -81,6 +102,16 @@ class Choice {
 float excess(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, CellId cell) {
   return radii.select[static_cast<std::size_t>(hierarchy.level_of(cell))] -
          distance(radii.metric, viewpoint, hierarchy.cells[cell].bounds);
+}
+
+std::vector<CellId> sorted_by_excess(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
+                                     std::span<const CellId> cells) {
+  std::vector<Candidate> candidates;
+  for (const CellId c : cells) candidates.push_back({excess(hierarchy, radii, viewpoint, c), c});
+  std::sort(candidates.begin(), candidates.end(), ByExcess{hierarchy, viewpoint});
+  std::vector<CellId> sorted;
+  for (const Candidate& c : candidates) sorted.push_back(c.parent);
+  return sorted;
 }
 
 std::vector<CellId> choose_families(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,

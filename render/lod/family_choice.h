@@ -25,6 +25,11 @@ struct FamilyBudget {
   std::uint64_t room = 0;                // bytes that all chosen ones may take
 };
 
+// Cells by their excess, the largest first: the order in which their families are chosen, loaded, and, from the end,
+// removed. Parents come before their children.
+[[nodiscard]] std::vector<CellId> sorted_by_excess(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
+                                                   std::span<const CellId> cells);
+
 // By how much the viewpoint is nearer to the cell than its radius; above 0: its children are needed. Decreases from a
 // cell to its children.
 [[nodiscard]] float excess(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, CellId cell);

@@ -63,7 +63,7 @@ class LimitTracker::Update {
         viewpoint_(viewpoint),
         child_state_(child_state),
         rate_(rate),
-        least_(rate * radii.band_begin.back()),
+        least_(rate * near_band(radii)),
         tracker_(tracker),
         before_(std::exchange(tracker.radius_, {})) {
     tracker.limits_.clear();
@@ -88,8 +88,14 @@ class LimitTracker::Update {
   }
 
  private:
-  // A limit of d or less changes nothing: that is where rising ones start and sinking ones end. No band begins below
-  // that of the finest level, so that the last and the first step may be a share of it.
+  // A distance of which a share changes no vertex by more than its share of the way. No band begins below that of the
+  // finest level; where that begins at 0, a part of its width serves, or limits would sink for ever.
+  [[nodiscard]] static float near_band(const Radii& radii) {
+    const std::size_t levels = radii.select.size();
+    return std::max(radii.band_begin.back(), levels > 1 ? radii.select[levels - 2] / 16 : 0);
+  }
+
+  // A limit of d or less changes nothing: that is where rising ones start and sinking ones end.
   [[nodiscard]] float next_radius(CellId id, ChildState state, float d, float full) const {
     const auto found = before_.find(id);
     const float excess = found == before_.end() ? 0 : std::max(std::min(found->second, full) - d, 0.0f);

@@ -1,6 +1,7 @@
 #include "render/lod/residency.h"
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 namespace lodestone {
@@ -30,12 +31,11 @@ ChildState Residency::state_of(CellId cell) const {
 std::vector<CellId> Residency::make_room() {
   std::vector<CellId> gone;
   if (lacking_ == 0) return gone;
-  std::vector<std::pair<float, CellId>> idle;
+  std::vector<CellId> idle;
   for (const CellId cell : resident_)
-    if (!is_chosen_[cell] && !is_refined(cell)) idle.emplace_back(excess(hierarchy_, radii_, viewpoint_, cell), cell);
-  std::sort(idle.begin(), idle.end(),
-            [](const auto& a, const auto& b) { return a.first != b.first ? a.first < b.first : a.second > b.second; });
-  for (const auto& [excess, cell] : idle) {
+    if (!is_chosen_[cell] && !is_refined(cell)) idle.push_back(cell);
+  idle = sorted_by_excess(hierarchy_, radii_, viewpoint_, idle);
+  for (const CellId cell : idle | std::views::reverse) {
     if (lacking_ == 0) break;
     lacking_ -= std::min(lacking_, family_bytes_[cell]);
     bytes_ -= family_bytes_[cell];
@@ -72,17 +72,14 @@ void Residency::choose() {
 }
 
 void Residency::wish() {
-  std::vector<std::pair<float, CellId>> missing;
+  std::vector<CellId> missing;
   std::uint64_t bytes = 0;
   for (const CellId cell : tracker_.missing()) {
     if (!is_chosen_[cell]) continue;
-    missing.emplace_back(excess(hierarchy_, radii_, viewpoint_, cell), cell);
+    missing.push_back(cell);
     bytes += family_bytes_[cell];
   }
-  std::sort(missing.begin(), missing.end(),
-            [](const auto& a, const auto& b) { return a.first != b.first ? a.first > b.first : a.second < b.second; });
-  wanted_.clear();
-  for (const auto& [excess, cell] : missing) wanted_.push_back(cell);
+  wanted_ = sorted_by_excess(hierarchy_, radii_, viewpoint_, missing);
   lacking_ = bytes > room() ? bytes - room() : 0;
 }
 
