@@ -145,7 +145,7 @@ class Tiles(CommandCase):
         def walk(tile, above):
             glb = tileset_checker.Glb(self.folder / "tiles" / tile["content"]["uri"])
             own = vertices(glb, ("POSITION", "TEXCOORD_0", "COLOR_0"))
-            self.assertLessEqual(len(own), tile["extras"]["vertices"])
+            self.assertEqual(len(own), tile["extras"]["vertices"])
             triangles = sum(glb.json["accessors"][p["indices"]]["count"] for p in glb.json["meshes"][0]["primitives"]) // 3
             self.assertEqual(triangles, tile["extras"]["triangles"])
             if above is not None:

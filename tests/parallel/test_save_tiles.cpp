@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/error.h"
 #include "core/hierarchy/model/level_mesh.h"
@@ -216,6 +219,40 @@ TEST_F(SaveTiles, CoarseLevelsLinkTheirCopies) {
     if (glb.find("textures/0") == std::string::npos) continue;  // a cell of the other material
     EXPECT_NE(glb.find(links[static_cast<std::size_t>(h.level_of(c))]), std::string::npos) << tile_path(h, c);
   }
+}
+
+json json_of_glb(const std::string& glb) {
+  std::uint32_t length = 0;
+  std::memcpy(&length, glb.data() + 12, sizeof length);
+  return json::parse(glb.substr(20, length));
+}
+
+// A viewer decides by the figures in the tileset what fits into its memory.
+TEST_F(SaveTiles, FiguresForViewersAreThoseOfTheFiles) {
+  Hierarchy h = built(surface(), *scheduler_);
+  h.texture_copies = {{0, 1, 64, 32, {'\xff', '\xd8', '\xff', '2'}}};
+  (void)save(h, {.tileset = {.morph = true}});
+  const auto found = files();
+  const json tileset = json::parse(found.at("tileset.json"));
+  EXPECT_EQ(tileset["extras"]["lodestone"]["texels"], (json{{"textures/0.jpg", 0}, {"textures/0_1.jpg", 2048}}));
+  std::size_t textured = 0;
+  const std::function<void(const json&)> visit = [&](const json& tile) {
+    const json glb = json_of_glb(found.at(tile["content"]["uri"].get<std::string>()));
+    const json& attributes = glb["meshes"][0]["primitives"][0]["attributes"];
+    EXPECT_EQ(tile["extras"]["vertices"], glb["accessors"][attributes["POSITION"].get<std::size_t>()]["count"]);
+    std::set<std::string> linked, told;
+    for (const json& m : glb["materials"]) {
+      if (!m["pbrMetallicRoughness"].contains("baseColorTexture")) continue;
+      const json& texture = glb["textures"][m["pbrMetallicRoughness"]["baseColorTexture"]["index"].get<std::size_t>()];
+      linked.insert(glb["images"][texture["source"].get<std::size_t>()]["uri"].get<std::string>().substr(3));
+    }
+    for (const json& path : tile["extras"].value("textures", json::array())) told.insert(path.get<std::string>());
+    EXPECT_EQ(linked, told);
+    textured += told.empty() ? 0 : 1;
+    for (const json& child : tile.value("children", json::array())) visit(child);
+  };
+  visit(tileset["root"]);
+  EXPECT_GT(textured, 5u);
 }
 
 TEST_F(SaveTiles, OneCellIsOneTile) {

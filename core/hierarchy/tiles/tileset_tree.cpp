@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/base/error.h"
 #include "core/formats/common/mesh_output.h"
@@ -136,12 +138,29 @@ class TreeEncoder {
              {middle.x, middle.y, middle.z, half(lo.x, hi.x), 0, 0, 0, half(lo.y, hi.y), 0, 0, 0, half(lo.z, hi.z)}}};
   }
 
-  [[nodiscard]] static json morph_of(const Cell& cell, int level) {
+  // A viewer with a budget of memory decides by these before it loads anything: vertices and triangles of the file, and
+  // the textures of base colours, whose texels morph_of_levels() tells.
+  [[nodiscard]] json morph_of(const Cell& cell, int level) {
     const auto [lo, hi] = cell.bounds;
-    return {{"level", level},
-            {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
-            {"vertices", cell.positions.size()},
-            {"triangles", cell.triangles.size()}};
+    std::vector<bool> is_used(cell.positions.size());
+    std::set<std::uint32_t> textures;
+    for (const Triangle& t : cell.triangles) {
+      for (const std::uint32_t v : t.v) is_used[v] = true;
+      const std::uint32_t material = hierarchy_.attributes.materials ? cell.attributes.materials[t.v[0]] : 0;
+      if (material >= hierarchy_.materials.size()) continue;
+      const std::uint32_t texture = hierarchy_.materials[material].texture;
+      if (texture < hierarchy_.textures.size()) textures.insert(texture);
+    }
+    json extras{{"level", level},
+                {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
+                {"vertices", std::count(is_used.begin(), is_used.end(), true)},
+                {"triangles", cell.triangles.size()}};
+    for (const std::uint32_t texture : textures) {
+      const std::string path = texture_path(hierarchy_, texture, level);
+      extras["textures"].push_back(path);
+      if (!texels_.contains(path)) texels_[path] = shown_image(hierarchy_, texture, level).texels;
+    }
+    return extras;
   }
 
   [[nodiscard]] json morph_of_levels() const {
@@ -150,7 +169,11 @@ class TreeEncoder {
       reach.push_back({{"euclidean", level.reach[0]}, {"chebyshev", level.reach[1]}});
       error.push_back(level.error);
     }
-    return {{"sigma0", hierarchy_.sigma0}, {"scale", hierarchy_.transform.scale}, {"reach", reach}, {"error", error}};
+    return {{"sigma0", hierarchy_.sigma0},
+            {"scale", hierarchy_.transform.scale},
+            {"reach", reach},
+            {"error", error},
+            {"texels", texels_}};
   }
 
   void add_file(const std::string& path, json root, CellId cell) {
@@ -169,6 +192,7 @@ class TreeEncoder {
   const Hierarchy& hierarchy_;
   TilesetConfig config_;
   std::vector<double> errors_;
+  std::map<std::string, double> texels_;  // of textures, by path; 0: unknown
   std::vector<TilesetFile> files_;
 };
 
