@@ -3,16 +3,20 @@
 import {copyFileSync, readdirSync, rmSync} from 'node:fs';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
-import {check, folder, main, open, pageFolder, run, writeTorus} from './browser.mjs';
+import {check, differ, folder, keep, main, open, pageFolder, run, writeTorus} from './browser.mjs';
 import {loadOracle} from './tile_oracle.mjs';
 
 function makeFiles() {
   run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
   run('build', 'sphere.ply', '-o', 'sphere.lode', '--cell-triangles', '250');
   run('page', 'sphere.lode', '-o', 'tiles');
+  run('build', 'sphere.ply', '-o', 'fine.lode', '--cell-triangles', '60');
+  run('page', 'fine.lode', '-o', 'fine');
   writeTorus(80, 50);
   run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250');
   run('page', 'torus.lode', '-o', 'torus');
+  run('build', 'torus.obj', '-o', 'charts.lode', '--cell-triangles', '60');
+  run('page', 'charts.lode', '-o', 'charts');
 }
 
 // Automatic levels of so many pixels.
@@ -139,6 +143,63 @@ async function testSlowLine(browser) {
   await close();
 }
 
+// A camera at rest with memory for a part of what it needs: the tiles in memory and the picture settle, to the same
+// whatever order tiles arrive in, and then nothing is drawn, loaded or changed.
+async function testRest(browser) {
+  for (const [name, megabytes] of [['fine', 0.8], ['charts', 0.55]]) {
+    const found = [];
+    for (const order of [0, 1]) {
+      let requests = 0;
+      const slow = (file) => {
+        if (!/\d\.(glb|png)$/.test(file)) return 0;
+        return ++requests * (order ? 37 : 61) % 50;
+      };
+      const {page, quiet, close} = await open(browser, name, {query: `?megabytes=${megabytes}`, slow});
+      await page.waitForFunction(() => window.lodestone);
+      await page.evaluate(() => {
+        const {lodestone} = window, seen = window.seen = {frames: 0, last: 0, state: ''};
+        lodestone.onFrame = () => {
+          ++seen.frames;
+          const {drawn, limits, bytes} = lodestone.models[0]?.state ?? {drawn: [], limits: []};
+          const state = JSON.stringify([drawn.map((c) => c.index), limits.map((l) => l.radius), bytes]);
+          if (state !== seen.state) seen.last = seen.frames;
+          seen.state = state;
+        };
+        document.getElementById('pixels').value = '0.5';
+        if (!lodestone.automatic) document.getElementById('automatic').click();
+      });
+      await quiet();
+      await keep(page, 'settled');
+      const [asked, settled] = [requests, await page.evaluate(() => ({...window.seen}))];
+      await page.evaluate(async () => {
+        const {lodestone} = window, note = lodestone.onFrame;
+        for (let k = 0; k < 40; ++k) {
+          const drawn = new Promise((next) => { lodestone.onFrame = () => next(note()); });
+          lodestone.wake();
+          await drawn;
+        }
+      });
+      await keep(page, 'later');
+      const {used, budget, all, texels} = await page.evaluate(() => {
+        const {residents, tileset} = window.lodestone.models[0];
+        const bytes = (c) => c.object && [c.object.geometry.index, ...Object.values(c.object.geometry.attributes)].reduce((sum, a) => sum + a.array.byteLength, 0);
+        const there = tileset.cells.filter((c) => c.object), textures = new Map(there.flatMap((c) => c.taken.map((url, k) => [url, c.object.material[k].map.image])));
+        const texels = [...textures.values()].reduce((sum, {width, height}) => sum + Math.ceil(16 / 3 * width * height), 0);
+        const {residency: {all}, budget} = residents, used = there.reduce((sum, c) => sum + bytes(c), 0) + texels;
+        if (used !== residents.bytes) throw new Error(`${used} bytes, ${residents.bytes} are counted`);
+        return {used, budget, all, texels};
+      });
+      const after = await page.evaluate(() => window.seen);
+      check(!all && used <= budget && used > 0.9 * budget, `${name}: ${used} of ${budget} bytes are used${all ? ', more than needed' : ''}, ${texels} of them by textures`);
+      check(requests === asked && after.last === settled.last && after.frames >= settled.frames + 40 && await differ(page, 'settled', 'later', 0) === 0,
+            `the last change is at frame ${settled.last} of ${settled.frames}, then ${after.frames - settled.frames} frames are the same and load nothing`);
+      found.push({state: after.state, picture: (await keep(page, 'last')).join()});
+      await close();
+    }
+    check(found[0].state === found[1].state && found[0].picture === found[1].picture, 'the same for another order of arrivals');
+  }
+}
+
 async function testSlider(browser) {
   const {page, quiet, close, triangles} = await open(browser, 'tiles');
   await quiet();
@@ -183,4 +244,4 @@ async function testRefused(browser) {
   }
 }
 
-await main(makeFiles, [testCracks, testExchanges, testSlowLine, testSlider, testMissing, testRefused]);
+await main(makeFiles, [testCracks, testExchanges, testSlowLine, testRest, testSlider, testMissing, testRefused]);

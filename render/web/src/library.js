@@ -1,8 +1,10 @@
 // The computations of the page without the page, for tests and other programs.
+export {Tally, chooseFamilies, excess} from './family_choice.js';
 export {Glb, GlbDecoder, readProgressiveGlb} from './glb.js';
 export {Ladder} from './ladder.js';
 export {Levels} from './levels.js';
 export {LimitTracker, limitedBoxDistance, limitedPointDistance, limitsNear} from './limits.js';
 export {LpmDecoder, crc32} from './lpm.js';
+export {Residency} from './residency.js';
 export {ResidentTiles} from './resident_tiles.js';
 export {boxDistance, loadTileset, makeRadii, selectCells} from './tileset.js';

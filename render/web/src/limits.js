@@ -40,10 +40,10 @@ export class LimitTracker {
   constructor() { this.radii = new Map(); }
 
   // `stateOf(cell)` returns the state of its children, 'there', 'missing', or 'unwanted' (to be removed), for the cells
-  // that this view wants to refine. A limit loses or gains a share of its excess in this frame. Returns the limits and
-  // the cells whose children are missing; calls `needed(cell)` for those that may be refined.
-  update({root, finest}, {select, begin}, viewpoint, stateOf, share, needed = () => {}) {
-    const before = this.radii, limits = [], missing = [], least = share * begin[finest];
+  // that this view wants to refine. A limit loses or gains a share of its excess in this frame. Returns the limits, the
+  // cells whose children are missing, and if any limit differs from those of the last frame.
+  update({root, finest}, {select, begin}, viewpoint, stateOf, share) {
+    const before = this.radii, limits = [], missing = [], least = share * Math.max(begin[finest], select[finest - 1] / 16);
     this.radii = new Map();
     const next = (cell, state, d, full) => {
       const excess = Math.max(Math.min(before.get(cell) ?? 0, full) - d, 0);
@@ -62,10 +62,10 @@ export class LimitTracker {
         this.radii.set(cell, radius);
       }
       if (radius >= full) return;
-      needed(cell);
       cell.children.forEach(visit);
     };
     visit(root);
-    return {limits, missing};
+    const changed = this.radii.size !== before.size || [...this.radii].some(([cell, radius]) => before.get(cell) !== radius);
+    return {limits, missing, changed};
   }
 }

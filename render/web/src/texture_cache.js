@@ -1,9 +1,10 @@
 // Textures that tiles share: one per file, for as long as a tile uses it.
 import * as THREE from 'three';
+import {textureBytes} from './tileset.js';
 
 export class TextureCache {
   constructor(request, anisotropy) {
-    Object.assign(this, {request, anisotropy, bytes: 0});
+    Object.assign(this, {request, anisotropy});
     this.entries = new Map();
   }
 
@@ -25,15 +26,15 @@ export class TextureCache {
     entry.texture = new THREE.Texture(bitmap);
     Object.assign(entry.texture, {flipY: false, colorSpace: THREE.SRGBColorSpace, anisotropy: this.anisotropy,
                                   wrapS: THREE.RepeatWrapping, wrapT: THREE.RepeatWrapping, needsUpdate: true});
-    entry.bytes = Math.ceil(4 * bitmap.width * bitmap.height * 4 / 3);  // with the smaller copies of itself
-    this.bytes += entry.bytes;
+    entry.bytes = textureBytes(bitmap.width * bitmap.height);
     return entry.texture;
   }
+
+  bytesOf(url) { return this.entries.get(url)?.bytes ?? 0; }
 
   giveBack(url) {
     const entry = this.entries.get(url);
     if (!entry || --entry.users > 0) return;
-    this.bytes -= entry.bytes;
     entry.texture?.dispose();
     entry.texture?.image.close();
     this.entries.delete(url);

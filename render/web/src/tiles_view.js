@@ -18,7 +18,7 @@ export class TilesView {
     Object.assign(this, {name, tileset, request, pixels: null, wireframe: false, shown: []});
     this.textures = new TextureCache(request, anisotropy);
     this.residents = new ResidentTiles(tileset, {load: (cell, signal) => this.load(cell, signal), release: (cell) => this.release(cell),
-                                                 shared: () => this.textures.bytes, failed: say}, budget);
+                                                 failed: say}, budget);
     this.node = new THREE.Group();
     this.frame = new THREE.Group();  // z up to y up
     this.frame.rotation.x = -Math.PI / 2;
@@ -47,13 +47,13 @@ export class TilesView {
     for (const cell of this.tileset.cells) cell.object?.material.forEach((m) => { m.wireframe = on; });
   }
 
-  // Resolves to the bytes of the cell's arrays. A cell without triangles has no file.
+  // Resolves to the bytes of the cell's arrays and of its textures. A cell without triangles has no file.
   async load(cell, signal) {
-    if (cell.url === null) return 0;
+    if (cell.url === null) return {bytes: 0, textures: []};
     const glb = new Glb(new Uint8Array(await this.request(cell.url, signal)), cell.url);
     await glb.ready;
     const primitives = glb.json.meshes[0].primitives;
-    cell.textures = [];
+    cell.taken = [];
     const looks = await Promise.all(primitives.map((p) => this.lookOf(cell, glb, p.material)));
     const geometry = this.makeGeometry(glb, primitives);
     const range = new THREE.Vector2();
@@ -63,7 +63,8 @@ export class TilesView {
     Object.assign(cell.object, {frustumCulled: false, visible: false});
     Object.assign(cell.object.userData, {range, counting: countingTileMaterial(uniforms)});
     this.frame.add(cell.object);
-    return [geometry.index, ...Object.values(geometry.attributes)].reduce((sum, a) => sum + a.array.byteLength, 0);
+    return {bytes: [geometry.index, ...Object.values(geometry.attributes)].reduce((sum, a) => sum + a.array.byteLength, 0),
+            textures: [...new Set(cell.taken)].map((url) => [url, this.textures.bytesOf(url)])};
   }
 
   makeGeometry(glb, primitives) {
@@ -97,15 +98,15 @@ export class TilesView {
     const look = {color: m ? new THREE.Color(...m.colour.slice(0, 3)) : new THREE.Color(0.8, 0.8, 0.78)};
     if (m?.texture != null) {
       const url = new URL(glb.image(m.texture).uri, cell.url).href;
-      cell.textures.push(url);
+      cell.taken.push(url);
       look.map = await this.textures.take(url);
     }
     return look;
   }
 
   release(cell) {
-    for (const url of cell.textures ?? []) this.textures.giveBack(url);
-    cell.textures = [];
+    for (const url of cell.taken ?? []) this.textures.giveBack(url);
+    cell.taken = [];
     if (!cell.object) return;
     this.frame.remove(cell.object);
     cell.object.geometry.dispose();
@@ -113,8 +114,8 @@ export class TilesView {
     cell.object = null;
   }
 
-  // Approaches a tolerance of this number of pixels in small steps. Returns true if the picture changes by itself:
-  // tiles arrive, or limits move.
+  // Approaches a tolerance of this number of pixels in small steps. Returns true if the next picture may differ though
+  // the camera rests: tiles are on their way, or limits move.
   approach(camera, height, pixels, seconds) {
     const share = shareOf(seconds);
     this.pixels = this.pixels === null ? pixels : this.pixels * (pixels / this.pixels) ** share;
@@ -127,18 +128,10 @@ export class TilesView {
     const eye = this.frame.worldToLocal(camera.position.clone());
     this.viewpoint.value.copy(eye);
     const viewpoint = [eye.x, eye.y, eye.z].map(Math.fround);  // like the shader's
-    this.residents.update(radii, viewpoint, share, this.sight(camera));
-    this.show(this.drawn);
+    const moves = this.residents.update(radii, viewpoint, share);
+    this.show(this.drawn, viewpoint, this.sight(camera));
     this.state = {viewpoint, radii, limits: this.residents.limits, share, bytes: this.residents.bytes, drawn: this.drawn};
-    return this.residents.busy || this.pixels !== pixels || this.moves();
-  }
-
-  // Limits that do not move wait for tiles that cannot be loaded.
-  moves() {
-    const now = this.residents.limits.map((l) => l.radius).join();
-    const changed = now !== this.before;
-    this.before = now;
-    return changed;
+    return moves || this.pixels !== pixels;
   }
 
   // Tells if the camera may see a cell; morphing vertices leave its box by at most the way they may travel.
@@ -154,12 +147,12 @@ export class TilesView {
     };
   }
 
-  show(cells) {
+  show(cells, viewpoint = null, seen = () => true) {
     for (const cell of this.shown) if (cell.object) cell.object.visible = false;
-    const lists = [], {viewpoint, limits, seen} = this.residents;
+    const lists = [], {limits} = this.residents;
     for (const cell of cells) {
       if (!cell.object) continue;
-      cell.object.visible = !seen || seen(cell);
+      cell.object.visible = seen(cell);
       if (viewpoint) lists.push([cell.object.userData.range, limitsNear(cell.bounds, boxDistance(viewpoint, cell.bounds), limits)]);
     }
     this.limitBoxes.fill(lists);

@@ -3,6 +3,9 @@
 import {limitedBoxDistance} from './limits.js';
 import {Problem} from './problem.js';
 
+// Of a texture with the smaller copies of itself.
+export const textureBytes = (texels) => Math.ceil(4 * texels * 4 / 3);
+
 const GUARD = 4e-6;  // relative, for the rounding of 32-bit floats in the shader
 
 export async function loadTileset(url, fetchJson) {
@@ -16,14 +19,16 @@ export async function loadTileset(url, fetchJson) {
       const at = new URL(content, base);
       return visit((await fetchJson(at.href)).root, at, parent);
     }
-    const {level, bounds, vertices = 0, triangles = 0} = tile.extras;
-    const cell = {index: cells.length, level, bounds, vertices, triangles, parent, children: [],
-                  url: content ? new URL(content, base).href : null};
+    const {level, bounds, vertices = 0, triangles = 0, textures = []} = tile.extras;
+    const cell = {level, bounds, vertices, triangles, parent, children: [], url: content ? new URL(content, base).href : null,
+                  textures: textures.map((uri) => [new URL(uri, url).href, textureBytes(figures.texels?.[uri] ?? 0)])};
     cells.push(cell);
     for (const child of tile.children ?? []) cell.children.push(await visit(child, base, cell));
     return cell;
   };
   const root = await visit(json.root, new URL(url), null);
+  cells.sort((a, b) => a.level - b.level);  // numbered as in the .lode file: level by level
+  cells.forEach((cell, index) => Object.assign(cell, {index}));
   return {root, cells, sigma0: figures.sigma0, reach: figures.reach.map((r) => r.euclidean), error: figures.error,
           finest: figures.reach.length - 1};
 }
