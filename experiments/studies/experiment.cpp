@@ -9,9 +9,10 @@ namespace lodestone {
 const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all = [] {
     std::vector<Experiment> list{
-        build_experiment(),   effects_experiment(),   families_experiment(),    flight_experiment(),
-        probe_experiment(),   raster_experiment(),    progressive_experiment(), reconstruct_experiment(),
-        scaling_experiment(), spherical_experiment(), systems_experiment(),     table_experiment(),
+        build_experiment(),   effects_experiment(), families_experiment(),    flight_experiment(),
+        probe_experiment(),   raster_experiment(),  progressive_experiment(), reconstruct_experiment(),
+        scaling_experiment(), shells_experiment(),  spherical_experiment(),   systems_experiment(),
+        table_experiment(),
     };
     std::sort(list.begin(), list.end(), [](const Experiment& a, const Experiment& b) { return a.name < b.name; });
     return list;

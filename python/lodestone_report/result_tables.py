@@ -142,6 +142,14 @@ PAGES = [
                ("detail", "detail"), TRIANGLES, ("coverage, %", "coverage"), ("manifold", "manifold"),
                ("slivers, %", "slivers"), RMS, MAX, CPU],
               "views 0: as many as the surface needs. Six views and `concatenate` are what is published."),
+        Table("Closed shells beside simplifiers", ("shells",),
+              [DATA, ("input", "input_triangles"), ("family", "family"), TRIANGLES, CPU, ("seen, %", "seen_coverage"),
+               ("seen, RMS, %", "seen_rms"), ("shown, RMS, %", "shown_rms"), ("closed", "closed"), ("manifold", "manifold"),
+               ("components", "components")],
+              "`shell` is `--outside-only`; the others are functions of meshoptimizer: `meshopt_simplify`, "
+              "`meshopt_simplifySloppy`, and `meshopt_remesh` (in version 1.2), at as many voxels as the shell has samples, 256 at "
+              "most, then simplified. `seen`: distance of what pictures of the input show from the result; `shown`: of what "
+              "pictures of the result show from the input. meshoptimizer runs on one thread."),
     ], "`seen` is the share of pixels of pictures from all directions whose point has the result within a sample's spacing; "
        "coverage counts all that any of 518 directions sees alike, however few see it. "
        "`inside`: views whose near plane lies beyond what is in the way."),

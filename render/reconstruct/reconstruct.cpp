@@ -139,7 +139,7 @@ std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& c
 DrawnMaps draw_even_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
                          Scheduler& scheduler) {
   DrawnMaps drawn;
-  report.spacing = 1 / config.resolution;
+  report.spacing = 1 / config.resolution, report.drawn_resolution = config.resolution;
   drawn.spacing = map_spacing(config);
   report.views.directions = even_directions(config.views.most);
   const CpuClock draw_clock;
@@ -237,7 +237,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   if (config.separate_parts) drawn.parts = label_parts(mesh);
   if (census.non_manifold == 0 && drawn.oriented) drawn.most_handles = count_handles(mesh).value_or(any_number);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
-  report.spacing = 1 / config.resolution;
+  report.spacing = 1 / config.resolution, report.drawn_resolution = config.resolution;
   drawn.spacing = map_spacing(config);
   if (!drawn.closed) drawn.border = border_points(mesh, 0.5 * drawn.spacing);
   if (config.views.prescribes_faces())

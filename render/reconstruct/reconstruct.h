@@ -47,6 +47,7 @@ struct ReconstructConfig {
 struct ReconstructReport {
   ChosenViews views;
   double spacing = 0;                  // of the resolution, normalised units
+  double drawn_resolution = 0;         // pixels; `spacing` is larger where fewer triangles were asked for
   std::uint64_t pixels = 0, seen = 0;  // of all maps
   std::uint64_t view_triangles = 0;    // of all view meshes
   StitchReport stitch;

@@ -29,4 +29,9 @@ struct PeerMesh {
 // Vertex clustering on a grid, topology not kept.
 [[nodiscard]] PeerMesh cluster_with_meshoptimizer(const PeerMesh& mesh, std::size_t triangles);
 
+// meshoptimizer's voxel remesher, which came with version 1.2: false where the library is older.
+[[nodiscard]] bool has_meshoptimizer_remesher();
+// A surface of `voxels` along the longest side, 4 to 256 (others are clamped). Throws Error where there is no remesher.
+[[nodiscard]] PeerMesh remesh_with_meshoptimizer(const PeerMesh& mesh, int voxels);
+
 }  // namespace lodestone
