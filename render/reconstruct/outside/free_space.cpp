@@ -13,7 +13,18 @@ constexpr int base_side = 4;  // pixels of a square of level 0
 
 // A plane seen from its edge says nothing about what lies farther than this from the sample, along the view.
 constexpr double plane_pixels = 3;
-constexpr double most_backs = 0.1;  // share of pixels that see the back of a solid through its holes
+constexpr double most_backs = 0.1;  // share of all pixels that see the back of a solid through its holes
+// Places are cubes of this number along the model's longest side. Where more than this share of the pixels that show a
+// place see its back, a part is inside out.
+constexpr int places = 64;
+constexpr double inside_out = 2.0 / 3;
+
+std::size_t place_of(Vec3f p) {
+  const auto digit = [](float x) {
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(x * places), 0, places - 1));
+  };
+  return (digit(p.z) * places + digit(p.y)) * places + digit(p.x);
+}
 
 bool is_seen_from_behind(const PositionMap& map, std::size_t pixel) {
   return dot(to_double(map.normal[pixel]), towards_eye(map.view, to_double(map.position[pixel]))) < 0;
@@ -32,24 +43,39 @@ struct FreeSpace::Footprint {
 FreeSpace::FreeSpace(std::span<const PositionMap> maps, double reach, Scheduler& scheduler)
     : maps_(maps), reach_(reach), levels_(maps.size()) {
   find_backs(scheduler);
+  find_holes(scheduler);
   scheduler.for_chunks(maps.size(), 1, [&](ChunkRange range) {
     if (!(maps_[range.index].view.nearest > 0)) make_levels(range.index);
   });
 }
 
 void FreeSpace::find_backs(Scheduler& scheduler) {
-  std::vector<std::array<std::size_t, 2>> counts(maps_.size());
-  backs_.resize(maps_.size());
+  sides_.resize(maps_.size());
   scheduler.for_chunks(maps_.size(), 1, [&](ChunkRange range) {
     const PositionMap& map = maps_[range.index];
-    std::vector<std::uint8_t>& backs = backs_[range.index];
-    backs.resize(map.view.pixels());
+    std::vector<Side>& sides = sides_[range.index];
+    sides.resize(map.view.pixels(), Side::front);
     for (std::size_t i = 0; i < map.view.pixels(); ++i)
-      if (map.sees(i)) backs[i] = is_seen_from_behind(map, i), ++counts[range.index][backs[i]];
+      if (map.sees(i) && is_seen_from_behind(map, i)) sides[i] = Side::back;
   });
-  std::array<std::size_t, 2> sum{};
-  for (const auto& own : counts) sum[0] += own[0], sum[1] += own[1];
-  holes_ = static_cast<double>(sum[1]) < most_backs * static_cast<double>(sum[0] + sum[1]);
+}
+
+void FreeSpace::find_holes(Scheduler& scheduler) {
+  std::vector<std::array<std::uint32_t, 2>> pixels(std::size_t{places} * places * places);  // fronts, backs
+  for (std::size_t v = 0; v < maps_.size(); ++v)
+    for (std::size_t i = 0; i < maps_[v].view.pixels(); ++i)
+      if (maps_[v].sees(i)) ++pixels[place_of(maps_[v].position[i])][sides_[v][i] == Side::back];
+  std::array<double, 2> sum{};
+  for (const auto& own : pixels) sum[0] += own[0], sum[1] += own[1];
+  if (sum[1] >= most_backs * (sum[0] + sum[1])) return;
+  scheduler.for_chunks(maps_.size(), 1, [&](ChunkRange range) {
+    const PositionMap& map = maps_[range.index];
+    for (std::size_t i = 0; i < map.view.pixels(); ++i) {
+      if (sides_[range.index][i] != Side::back) continue;
+      const auto [fronts, backs] = pixels[place_of(map.position[i])];
+      if (backs <= inside_out * (double{fronts} + backs)) sides_[range.index][i] = Side::back_through_hole;
+    }
+  });
 }
 
 // Normal of what a pixel sees, on the side of the eye; zero where the triangle has none.
@@ -57,7 +83,9 @@ Vec3f FreeSpace::normal_towards_eye(const PositionMap& map, std::size_t pixel) c
   return sees_back(map, pixel) ? -1.0f * map.normal[pixel] : map.normal[pixel];
 }
 
-bool FreeSpace::is_back(const PositionMap& map, std::size_t pixel) const { return holes_ && sees_back(map, pixel); }
+bool FreeSpace::is_back(const PositionMap& map, std::size_t pixel) const {
+  return side_of(map, pixel) == Side::back_through_hole;
+}
 
 void FreeSpace::make_levels(std::size_t view) {
   const PositionMap& map = maps_[view];

@@ -7,7 +7,7 @@
 //
 // A view that sees the back of a surface looks through a hole. Where few pixels do, the surface is a solid's with holes
 // (a scan that was not closed) and such pixels vouch for nothing, so that the holes are closed; where many do, it is a
-// sheet with two sides, or is not oriented.
+// sheet with two sides, or is not oriented. A place whose back alone is seen is that of a part turned inside out.
 #pragma once
 
 #include <span>
@@ -53,9 +53,15 @@ class FreeSpace {
     float least, largest;
   };
   struct Footprint;
+  // Of the surface that a pixel sees.
+  enum class Side : std::uint8_t { front, back, back_through_hole };
   void find_backs(Scheduler& scheduler);
+  void find_holes(Scheduler& scheduler);
   [[nodiscard]] bool sees_back(const PositionMap& map, std::size_t pixel) const {
-    return backs_[static_cast<std::size_t>(&map - maps_.data())][pixel] != 0;
+    return side_of(map, pixel) != Side::front;
+  }
+  [[nodiscard]] Side side_of(const PositionMap& map, std::size_t pixel) const {
+    return sides_[static_cast<std::size_t>(&map - maps_.data())][pixel];
   }
   [[nodiscard]] Vec3f normal_towards_eye(const PositionMap& map, std::size_t pixel) const;
   void make_levels(std::size_t view);
@@ -65,9 +71,8 @@ class FreeSpace {
 
   std::span<const PositionMap> maps_;
   double reach_;
-  bool holes_ = false;                            // backs are seen through holes
-  std::vector<std::vector<std::uint8_t>> backs_;  // of each map: pixels that see the back of a triangle
-  std::vector<std::vector<Level>> levels_;        // of each map; empty: not used
+  std::vector<std::vector<Side>> sides_;    // of each map
+  std::vector<std::vector<Level>> levels_;  // of each map; empty: not used
 };
 
 }  // namespace lodestone

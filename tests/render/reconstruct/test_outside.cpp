@@ -187,6 +187,25 @@ TEST(Outside, ClosesHolesAndSheets) {
   EXPECT_GT(coverage_of(sheet, terrain, *scheduler), 0.99);
 }
 
+// A part that is turned inside out is a part like any other: what is in front of it stays free.
+TEST(Outside, WrapsPartsThatAreInsideOut) {
+  const auto scheduler = make_tbb_scheduler(2);
+  std::vector<Vec3d> positions;
+  std::vector<Triangle> triangles;
+  add_box({0, 0, 0}, {1, 1, 1}, 4, positions, triangles);
+  add_box({1.2, 0.4, 0.4}, {1.4, 0.6, 0.6}, 2, positions, triangles);
+  for (Triangle& t : triangles)
+    if (positions[t.v[0]].x > 1.1) std::swap(t.v[1], t.v[2]);
+  const IndexedMesh mesh = clean(positions, triangles);
+  const Reconstruction result = reconstruct(mesh, shell_config(40), *scheduler);
+  EXPECT_TRUE(quality_of(result).closed() && quality_of(result).manifold());
+  EXPECT_EQ(quality_of(result).components, 2u);
+  RawMesh original;
+  original.positions = positions, original.triangles = triangles;
+  const MeshDistance d = compare_meshes(original, result.mesh);
+  EXPECT_LT(d.backward.max, 0.5 * result.report.spacing * mesh.transform.scale);
+}
+
 TEST(Outside, IsTheSameForAnyNumberOfThreads) {
   const IndexedMesh mesh = mesh_of(tilted_boxes(40, 0.4));
   const RawMesh expected = reconstruct(mesh, shell_config(40), *make_serial_scheduler()).mesh;
