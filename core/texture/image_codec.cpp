@@ -172,29 +172,17 @@ PixelImage decode_webp(std::span<const char> bytes) {
 }
 
 // WebP knows no grey.
-std::vector<std::uint8_t> three_channels(const PixelImage& image) {
-  std::vector<std::uint8_t> pixels;
-  pixels.reserve(3 * image.pixels.size());
-  for (const std::uint8_t x : image.pixels) pixels.insert(pixels.end(), 3, x);
-  return pixels;
+PixelImage three_channels(const PixelImage& image) {
+  PixelImage out{.size = image.size, .channels = 3, .pixels = {}};
+  out.pixels.reserve(3 * image.pixels.size());
+  for (const std::uint8_t x : image.pixels) out.pixels.insert(out.pixels.end(), 3, x);
+  return out;
 }
 
-std::vector<char> encode_webp(const PixelImage& image, int quality) {
-  if (std::max(image.size.width, image.size.height) > WEBP_MAX_DIMENSION)
-    throw UnsupportedError("has more than " + std::to_string(WEBP_MAX_DIMENSION) + " pixels a side, too many for WebP");
-  const std::vector<std::uint8_t> grey = image.channels == 1 ? three_channels(image) : std::vector<std::uint8_t>();
-  const std::uint8_t* const pixels = grey.empty() ? image.pixels.data() : grey.data();
-  const std::uint32_t channels = grey.empty() ? image.channels : 3;
-  WebPConfig config;
+// The image has 3 or 4 channels.
+std::vector<char> run_webp(const PixelImage& image, const WebPConfig& config) {
   WebPPicture picture;
-  bool good = WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, static_cast<float>(quality)) != 0 &&
-              WebPPictureInit(&picture) != 0;
-  if (!good) throw ResourceError("cannot be encoded: another version of libwebp");
-  config.lossless = quality == 100 ? 1 : 0;
-  config.exact = 1;  // also colours where alpha is zero: filters read them
-  config.use_sharp_yuv = 1;
-  // A grey image holds measures: the least error, rather than an error that eyes forgive.
-  if (!grey.empty()) config.sns_strength = 0, config.filter_strength = 20;
+  if (WebPPictureInit(&picture) == 0) throw ResourceError("cannot be encoded: another version of libwebp");
   picture.use_argb = 1;
   picture.width = static_cast<int>(image.size.width);
   picture.height = static_cast<int>(image.size.height);
@@ -202,15 +190,67 @@ std::vector<char> encode_webp(const PixelImage& image, int quality) {
   WebPMemoryWriterInit(&writer);
   picture.writer = WebPMemoryWrite;
   picture.custom_ptr = &writer;
-  const auto import = channels == 4 ? WebPPictureImportRGBA : WebPPictureImportRGB;
-  good = import(&picture, pixels, static_cast<int>(channels * image.size.width)) != 0 &&
-         WebPEncode(&config, &picture) != 0;
+  const auto import = image.channels == 4 ? WebPPictureImportRGBA : WebPPictureImportRGB;
+  const bool good = import(&picture, image.pixels.data(), static_cast<int>(image.channels * image.size.width)) != 0 &&
+                    WebPEncode(&config, &picture) != 0;
   std::vector<char> bytes(writer.mem, writer.mem + writer.size);
   const int fault = picture.error_code;
   WebPPictureFree(&picture);
   WebPMemoryWriterClear(&writer);
   if (!good) throw ResourceError("cannot be encoded: libwebp reports error " + std::to_string(fault));
   return bytes;
+}
+
+// Every so many bands of as many rows as WebP's blocks have.
+PixelImage some_bands(const PixelImage& image) {
+  constexpr std::size_t band = 16, distance = 8;
+  const std::size_t row = std::size_t{image.channels} * image.size.width, bands = image.size.height / band;
+  if (bands < 2 * distance) return image;
+  PixelImage out{.size = {image.size.width, 0}, .channels = image.channels, .pixels = {}};
+  for (std::size_t b = distance / 2; b < bands; b += distance, out.size.height += band) {
+    const auto from = image.pixels.begin() + static_cast<std::ptrdiff_t>(b * band * row);
+    out.pixels.insert(out.pixels.end(), from, from + static_cast<std::ptrdiff_t>(band * row));
+  }
+  return out;
+}
+
+// The settings for measures: the least error, rather than one that eyes forgive. Smoothing blocks makes smooth images
+// better by up to 1 dB, and detailed ones worse by as much, against what the image was made from: it is worth it if it
+// brings a part of the image itself nearer by a thirtieth, as ten models showed.
+void set_for_measures(const PixelImage& image, WebPConfig& config) {
+  config.sns_strength = 0;
+  config.segments = 1;
+  config.filter_type = 0;
+  if (config.lossless != 0) return;
+  const PixelImage part = some_bands(image);
+  const auto error_with = [&](int filter) {
+    config.filter_strength = filter;
+    config.method = 2;
+    const PixelImage back = decode_webp(run_webp(part, config));
+    std::uint64_t sum = 0;
+    for (std::size_t p = 0; p < part.pixels.size(); p += 3) {
+      const int difference = back.pixels[p] - part.pixels[p];
+      sum += static_cast<std::uint64_t>(difference * difference);
+    }
+    return sum;
+  };
+  config.filter_strength = 30 * error_with(20) < 29 * error_with(0) ? 20 : 0;
+  config.method = 6;
+}
+
+std::vector<char> encode_webp(const PixelImage& image, int quality) {
+  if (std::max(image.size.width, image.size.height) > WEBP_MAX_DIMENSION)
+    throw UnsupportedError("has more than " + std::to_string(WEBP_MAX_DIMENSION) + " pixels a side, too many for WebP");
+  WebPConfig config;
+  if (WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, static_cast<float>(quality)) == 0)
+    throw ResourceError("cannot be encoded: another version of libwebp");
+  config.lossless = quality == 100 ? 1 : 0;
+  config.exact = 1;  // also colours where alpha is zero: filters read them
+  config.use_sharp_yuv = 1;
+  if (image.channels > 1) return run_webp(image, config);
+  const PixelImage wide = three_channels(image);
+  set_for_measures(wide, config);
+  return run_webp(wide, config);
 }
 
 }  // namespace

@@ -113,7 +113,9 @@ OptionTable declare(SphericalOptions& o) {
            .between(16, 16384),
        OptionSpec{"--maps", &o.maps, "The images, of colour, normal, geometry"}.of_type("NAMES"),
        OptionSpec{"--images", &o.images, "Format of the images"}.one_of({"webp", "jpeg", "png"}),
-       OptionSpec{"--quality", &o.quality, "Of webp and jpeg, of normals in webp two thirds of it; webp of 100 is without loss"}.between(1, 100),
+       OptionSpec{"--quality", &o.quality,
+                  "Of webp and jpeg, of normals in webp 65 % of it; webp of 100 is without loss"}
+           .between(1, 100),
        {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"}},
       o.reading);
 }

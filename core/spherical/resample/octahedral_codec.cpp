@@ -67,7 +67,7 @@ std::vector<char> encode_octahedral(const LinearImage& image, PixelMeaning meani
   if (meaning == PixelMeaning::colours && is_opaque(pixels)) drop_alpha(pixels);
   const bool stack = meaning == PixelMeaning::normals && media_type == "image/webp" && quality < 100 &&
                      3 * pixels.size.height <= webp_side;
-  if (stack) return encode_image(stacked(pixels), media_type, std::max(2 * quality / 3, 1));
+  if (stack) return encode_image(stacked(pixels), media_type, std::max(13 * quality / 20, 1));
   return encode_image(pixels, media_type, quality);
 }
 
