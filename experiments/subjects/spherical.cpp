@@ -1,6 +1,7 @@
 #include "experiments/subjects/spherical.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "core/base/error.h"
 #include "experiments/metrics/cost/cost.h"
@@ -108,6 +109,11 @@ const std::vector<Column<SphericalResult>>& columns() {
   return list;
 }
 
+// Two steps per pixel of the largest image: off by a quarter of a pixel at most.
+std::uint32_t uv_bits(std::uint32_t texture) {
+  return std::max(static_cast<std::uint32_t>(std::bit_width(texture)), 8u);
+}
+
 // Only the .glb is for other viewers.
 bool wants_tangent_maps(const SphericalJob& job) { return job.config.maps.normal && !job.output.ends_with(".lpm"); }
 
@@ -133,6 +139,7 @@ SphericalResult run(const SphericalJob& job, Scheduler& scheduler) {
   job.config.on_phase("writing");
   ProgressiveFileConfig file;
   file.compress_glb = job.compress;
+  file.lpm.uv_bits = uv_bits(job.config.texture);
   result.size = save_progressive(result.mesh, job.output, file);
   result.peak_bytes = peak_resident_bytes();
   return result;

@@ -22,6 +22,9 @@ namespace lodestone {
 struct LpmConfig {
   std::uint32_t position_bits = 12;  // 4 to 20
   std::uint32_t uv_bits = 12;        // likewise
+  // Vertices change places within batches, each of this part of the vertices before it (split_order.h), with errors
+  // that hold for the new order; 0: none does.
+  std::uint32_t batch = 8;
 };
 
 struct LpmBytes {

@@ -1,4 +1,5 @@
 // The collapses of a progressive mesh, repeated from the finest level down, give the splits in reverse.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <optional>
@@ -8,6 +9,7 @@
 #include "core/progressive/collapse/ring_mesh.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/lpm/lpm_format.h"
+#include "core/progressive/lpm/split_order.h"
 #include "core/progressive/mesh/activation.h"
 
 namespace lodestone {
@@ -56,6 +58,18 @@ class SplitRecorder {
     return out;
   }
 
+  // The input of order_in_batches(); call it after splits().
+  [[nodiscard]] SplitSequence sequence(std::span<const SplitMesh::Split> splits) {
+    SplitSequence out{.base = groups_.base, .parents = {}, .star_ends = {}, .stars = std::move(stars_)};
+    std::ranges::reverse(out.stars);  // they came last first
+    std::ranges::reverse(star_sizes_);
+    for (std::size_t k = 0; k < splits.size(); ++k) {
+      out.parents.push_back(splits[k].parent);
+      out.star_ends.push_back((k > 0 ? out.star_ends.back() : 0) + star_sizes_[k]);
+    }
+    return out;
+  }
+
   [[nodiscard]] SplitMesh base() const {
     SplitMesh base;
     for (std::uint32_t g = 0; g < groups_.base; ++g) {
@@ -93,6 +107,8 @@ class SplitRecorder {
       split.sectors.push_back(wedge(v, k) - v);
     if (split.side != SplitMesh::Side::front) split.wedge_a = across(ring.ids[ring.next(c.at)], v);
     if (split.side != SplitMesh::Side::back) split.wedge_b = across(ring.ids[ring.previous(c.at)], u);
+    for (const Id x : ring.neighbours()) stars_.push_back(groups_.number[x]);
+    star_sizes_.push_back(ring.size);
     const bool front = split.side == SplitMesh::Side::front;
     split.neighbour = groups_.number[ring.ids[front ? ring.previous(c.at) : ring.next(c.at)]];
     (void)rings_->apply(c, arena_);
@@ -107,14 +123,73 @@ class SplitRecorder {
   IndexedMesh plain_;
   std::optional<RingMesh> rings_;
   RingArena arena_;
+  std::vector<std::uint32_t> stars_, star_sizes_;  // of the splits, last first
+};
+
+struct Recorded {
+  SplitMesh base;
+  std::vector<SplitMesh::Split> splits;
+  SplitSequence sequence;
 };
 
 // The base and the splits after it; the rings are freed.
-std::pair<SplitMesh, std::vector<SplitMesh::Split>> record(const ProgressiveMesh& mesh, const Groups& groups) {
+Recorded record(const ProgressiveMesh& mesh, const Groups& groups) {
   SplitRecorder recorder(mesh, groups);
-  std::vector<SplitMesh::Split> splits = recorder.splits();
-  return {recorder.base(), std::move(splits)};
+  Recorded out;
+  out.splits = recorder.splits();
+  out.sequence = recorder.sequence(out.splits);
+  out.base = recorder.base();
+  return out;
 }
+
+// Splits and values with other numbers, by group.
+class Renumbering {
+ public:
+  Renumbering(const Groups& groups, std::vector<std::uint32_t> number, std::uint32_t vertices)
+      : groups_(groups), number_(std::move(number)), old_(number_.size()), wedge_(vertices), old_wedge_(vertices) {
+    for (std::uint32_t g = 0; g < number_.size(); ++g) old_[number_[g]] = g;
+    std::uint32_t wedge = 0;
+    for (const std::uint32_t g : old_)
+      for (std::uint32_t k = 0; k < groups.size(g, vertices); ++k, ++wedge) {
+        wedge_[groups.start[g] + k] = wedge;
+        old_wedge_[wedge] = groups.start[g] + k;
+      }
+  }
+
+  void apply(std::vector<SplitMesh::Split>& splits) const {
+    std::vector<SplitMesh::Split> out;
+    out.reserve(splits.size());
+    for (std::size_t g = groups_.base; g < old_.size(); ++g) {
+      SplitMesh::Split& s = out.emplace_back(std::move(splits[old_[g] - groups_.base]));
+      s.parent = number_[s.parent], s.neighbour = number_[s.neighbour];
+      for (std::uint32_t& parent : s.parents) parent = wedge_[parent];
+      s.wedge_a = wedge_[s.wedge_a], s.wedge_b = wedge_[s.wedge_b];
+    }
+    splits = std::move(out);
+  }
+
+  // Errors are the largest of those of the vertices that come in later, as they tell of a mesh without all of these.
+  void apply(LatticeValues& values) const {
+    take(old_, values.positions), take(old_, values.errors);
+    take(old_wedge_, values.uv), take(old_wedge_, values.colours), take(old_wedge_, values.materials);
+    for (std::size_t g = old_.size(); g-- > std::max<std::size_t>(groups_.base, 1);)
+      values.errors[g - 1] = std::max(values.errors[g - 1], values.errors[g]);
+  }
+
+ private:
+  template <class Value>
+  static void take(const std::vector<std::uint32_t>& from, std::vector<Value>& values) {
+    if (values.empty()) return;
+    std::vector<Value> out;
+    out.reserve(values.size());
+    for (const std::uint32_t k : from) out.push_back(values[k]);
+    values = std::move(out);
+  }
+
+  const Groups& groups_;
+  std::vector<std::uint32_t> number_, old_;       // of groups: by old number, by new number
+  std::vector<std::uint32_t> wedge_, old_wedge_;  // likewise of wedges
+};
 
 LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config,
                       std::span<const Texture> thumbnails) {
@@ -131,7 +206,8 @@ LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const L
   h.object_normals = mesh.object_normals;
   h.geometry_images = mesh.geometry_images;
   h.octahedral = mesh.octahedral;
-  for (const Texture& t : wedges.textures) h.textures.push_back({t.name, t.media_type, t.wrap_u, t.wrap_v, {}, t.mag_filter, t.min_filter});
+  for (const Texture& t : wedges.textures)
+    h.textures.push_back({t.name, t.media_type, t.wrap_u, t.wrap_v, {}, t.mag_filter, t.min_filter});
   for (const Texture& t : thumbnails) h.thumbnails.push_back(t.bytes.empty() ? "" : t.media_type);
   if (wedges.uv.empty()) return h;
   Vec2f lo = wedges.uv.front(), hi = lo;
@@ -178,9 +254,14 @@ void append_frame(std::vector<std::byte>& out, std::span<const std::byte> bytes,
 
 LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config, std::span<const Texture> thumbnails) {
   const Groups groups(mesh);
-  auto [base, splits] = record(mesh, groups);
+  auto [base, splits, sequence] = record(mesh, groups);
   const LpmHeader header = make_header(mesh, groups, config, thumbnails);
-  const LatticeValues source = quantize(mesh, groups, header);
+  LatticeValues source = quantize(mesh, groups, header);
+  if (config.batch > 0) {
+    const Renumbering renumbering(groups, order_in_batches(sequence, config.batch), mesh.vertex_count());
+    renumbering.apply(splits);
+    renumbering.apply(source);
+  }
   LpmBytes out;
   const std::string text = to_json(header).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (const char* c = lpm_magic; *c != 0; ++c) out.bytes.push_back(static_cast<std::byte>(*c));

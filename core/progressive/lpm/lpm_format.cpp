@@ -8,6 +8,7 @@ namespace {
 
 using nlohmann::json;
 
+constexpr std::uint64_t version = 3;  // earlier ones, with parents as plain numbers, were never released
 constexpr std::array wraps{"repeat", "clamp", "mirror"};
 
 json texture_index(std::uint32_t index) { return index == no_texture ? json(nullptr) : json(index); }
@@ -69,7 +70,7 @@ json to_json(const LpmHeader& h) {
   }
   for (std::size_t k = 0; k < h.thumbnails.size(); ++k)
     if (!h.thumbnails[k].empty()) textures[k]["thumbnail"] = h.thumbnails[k];
-  json header{{"version", h.thumbnails.empty() ? 1 : 2},
+  json header{{"version", version},
               {"vertices", h.vertices},
               {"groups", h.groups},
               {"baseGroups", h.base_groups},
@@ -89,9 +90,8 @@ json to_json(const LpmHeader& h) {
 }
 
 LpmHeader read_header(const JsonView& json) {
-  const std::uint64_t version = json.at("version").integer();
-  if (version < 1 || version > 2)
-    throw UnsupportedError("version " + std::to_string(version) + " of .lpm is not supported");
+  if (const std::uint64_t found = json.at("version").integer(); found != version)
+    throw UnsupportedError("version " + std::to_string(found) + " of .lpm is not supported");
   LpmHeader h;
   h.vertices = count_of(json.at("vertices"));
   h.groups = count_of(json.at("groups"));

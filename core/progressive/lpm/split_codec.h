@@ -1,6 +1,7 @@
 // The code of a vertex split: its effect on the mesh, and the position of the vertex.
 //
-// The parent is one of the vertices so far; the rest is determined by the triangles around it, so that a parent,
+// The parent is one of the vertices so far, as its distance from the parent before, which is small in the order of
+// split_order.h; the rest is determined by the triangles around it, so that a parent,
 // a neighbour and a count replace three index lists (hoppe1998's vertex splits). Positions and texture coordinates are
 // differences from their predictions (split_prediction.h).
 #pragma once
@@ -120,13 +121,11 @@ class SplitCodec {
   }
 
   void code_place(Coder& coder, SplitMesh::Split& s) {
-    const std::uint32_t bits = bits_for(static_cast<std::uint32_t>(mesh_.stars.size()));
-    const std::uint32_t top = bits > 6 ? 6 : bits;
-    std::uint32_t at = 1;
-    for (std::uint32_t k = 0; k < top; ++k) at = at << 1 | coder.bit(parent_[at], s.parent >> (bits - 1 - k) & 1);
-    at -= 1u << top;
-    s.parent = at << (bits - top) | coder.direct(bits - top, s.parent & ((1u << (bits - top)) - 1));
-    if (s.parent >= mesh_.stars.size()) fail();
+    const auto count = static_cast<std::uint32_t>(mesh_.stars.size());
+    if (count == 0) fail();
+    const std::uint32_t steps = steps_.code(coder, (s.parent + count - last_parent_) % count);
+    if (steps >= count) fail();
+    s.parent = last_parent_ = (last_parent_ + steps) % count;
     const SplitMesh::Star& u = mesh_.stars[s.parent];
     const auto size = static_cast<std::uint32_t>(u.spokes.size());
     s.side = SplitMesh::Side::inside == s.side || u.open ? s.side : SplitMesh::Side::inside;
@@ -241,10 +240,11 @@ class SplitCodec {
     const std::uint32_t scale = std::min(f.scale, 15u);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t i = f.axis[k];
-      double guess = f.middle[i];
+      double guess = f.middle[i] + (k == 2 ? 0.5 : 0.25) * f.bend[i];
       if (k == 2 && f.normal[i] != 0) {
         double slope = 0;
-        for (std::size_t m = 0; m < 2; ++m) slope += f.normal[f.axis[m]] * (p[f.axis[m]] - f.middle[f.axis[m]]);
+        for (std::size_t m = 0; m < 2; ++m)
+          slope += f.normal[f.axis[m]] * (p[f.axis[m]] - f.middle[f.axis[m]] - 0.5 * f.bend[f.axis[m]]);
         guess -= slope / f.normal[i];
       }
       const std::int32_t most = 1 << settings_.position_bits;
@@ -285,7 +285,9 @@ class SplitCodec {
     if (settings_.uv) {
       split_parent_ = s.parent, split_parents_ = s.parents, wedge_a_ = s.wedge_a, wedge_b_ = s.wedge_b;
       list_corners(star, static_cast<std::uint32_t>(wedge));
-      const std::array<double, 2> guess = guess_uv(f, corners_, values_, s.parents[w]);
+      const bool whole = !star.open && corners_.size() == 2 * star.spokes.size();
+      const std::array<double, 2> guess =
+          guess_uv(f, corners_, values_, s.parents[w], whole ? StarCover::whole : StarCover::part);
       std::array<std::int32_t, 2> uv{};
       const std::int32_t most = 1 << settings_.uv_bits;
       for (std::size_t i = 0; i < 2; ++i) {
@@ -314,7 +316,8 @@ class SplitCodec {
   std::vector<std::uint32_t> split_parents_;
 
   std::array<NumberModel, 2> numbers_;  // of the base: wedges, spokes
-  std::array<BitModel, 64> parent_;
+  std::uint32_t last_parent_ = 0;
+  NumberModel steps_;  // from one parent to the next
   std::array<BitModel, 2> side_;
   std::array<NumberModel, 12> between_;
   std::array<TreeModel<4>, 16> at_;

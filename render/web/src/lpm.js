@@ -24,7 +24,7 @@ const isTexture = ({type, wrap, thumbnail}) => typeof type === 'string' && Array
 // Checks what is read without a further look.
 function checkHeader(header, name) {
   const {version, vertices, groups, baseGroups, positionBits, uvBits, textures, materials} = header;
-  if (!(version >= 1 && version <= 2)) throw new Error(`${name}: version ${version} is not known`);
+  if (version !== 3) throw new Error(`${name}: version ${version} is not known`);
   const holds = [vertices, groups, baseGroups, positionBits, uvBits].every(Number.isInteger) && baseGroups >= 0 &&
     baseGroups <= groups && groups <= vertices && vertices < 2 ** 31 && [positionBits, uvBits].every((b) => b >= 4 && b <= 20) &&
     header.scale > 0 && header.origin.every(Number.isFinite) && textures.every(isTexture) &&

@@ -11,7 +11,8 @@ export class SplitCodec {
   constructor(settings, mesh, values) {
     Object.assign(this, {settings, mesh, values});
     this.numbers = many(2, () => new NumberModel());
-    this.parent = bitModels(64);
+    this.steps = new NumberModel();  // from one parent to the next
+    this.lastParent = 0;
     this.side = bitModels(2);
     this.between = many(12, () => new NumberModel());
     this.at = many(16, () => new TreeModel(4));
@@ -79,11 +80,10 @@ export class SplitCodec {
   }
 
   decodePlace(coder) {
-    const bits = bitsFor(this.mesh.stars.length), top = Math.min(bits, 6);
-    let at = 1;
-    for (let k = 0; k < top; ++k) at = at * 2 + coder.bit(this.parent, at);
-    const s = {parent: (at - (1 << top)) * 2 ** (bits - top) + coder.direct(bits - top), side: INSIDE};
-    if (s.parent >= this.mesh.stars.length) throw contradiction();
+    const count = this.mesh.stars.length, steps = this.steps.decode(coder);
+    if (steps >= count) throw contradiction();
+    const s = {parent: (this.lastParent + steps) % count, side: INSIDE};
+    this.lastParent = s.parent;
     const u = this.mesh.stars[s.parent], size = u.size;
     if (u.open && coder.bit(this.side, 0) !== 0) s.side = BACK + coder.bit(this.side, 1);
     s.between = this.between[Math.min(size, 11)].decode(coder);
@@ -173,9 +173,10 @@ export class SplitCodec {
       }
     }
     for (let i = 0; i < 3; ++i) middle[i] /= n;
+    const bend = [0, 1, 2].map((i) => (star.open ? 0 : first[i] - 0.5 * (points[1][i] + points[n - 1][i])));
     const [x, y, z] = normal.map(Math.abs);
     const up = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-    return {axis: [(up + 1) % 3, (up + 2) % 3, up], middle, normal, scale: Math.min(32 - Math.clz32(far), 15)};
+    return {axis: [(up + 1) % 3, (up + 2) % 3, up], middle, normal, bend, scale: Math.min(32 - Math.clz32(far), 15)};
   }
 
   decodeValues(coder, s, star) {
@@ -184,10 +185,10 @@ export class SplitCodec {
     const f = this.fit(star), p = [0, 0, 0], most = 1 << settings.positionBits;
     for (let k = 0; k < 3; ++k) {
       const i = f.axis[k];
-      let guess = f.middle[i];
+      let guess = f.middle[i] + (k === 2 ? 0.5 : 0.25) * f.bend[i];
       if (k === 2 && f.normal[i] !== 0) {
         let slope = 0;
-        for (let m = 0; m < 2; ++m) slope += f.normal[f.axis[m]] * (p[f.axis[m]] - f.middle[f.axis[m]]);
+        for (let m = 0; m < 2; ++m) slope += f.normal[f.axis[m]] * (p[f.axis[m]] - f.middle[f.axis[m]] - 0.5 * f.bend[f.axis[m]]);
         guess -= slope / f.normal[i];
       }
       const from = rounded(Math.min(Math.max(guess, 0), most));
@@ -202,7 +203,8 @@ export class SplitCodec {
     const {values, settings} = this;
     if (settings.materialIds) values.materials.push(values.materials[s.parents[w]]);
     if (settings.uv) {
-      const guess = this.guessUv(f, p, s.parents[w], this.corners(s, star, star.firstWedge + w));
+      const corners = this.corners(s, star, star.firstWedge + w);
+      const guess = this.guessUv(f, p, s.parents[w], corners, !star.open && corners.length === 2 * star.size);
       const most = 1 << settings.uvBits, uv = [0, 0];
       for (let i = 0; i < 2; ++i) {
         uv[i] = rounded(Math.min(Math.max(guess[i], 0), most)) + this.uv[f.scale].decode(coder);
@@ -235,7 +237,8 @@ export class SplitCodec {
     return out;
   }
 
-  guessUv(f, p, parent, corners) {
+  // `whole`: the corners are those of all sectors, beginning with the parent's.
+  guessUv(f, p, parent, corners, whole) {
     const {positions, uv} = this.values;
     if (corners.length === 0) return uv[parent];
     const n = corners.length, [a, b] = f.axis;
@@ -250,8 +253,14 @@ export class SplitCodec {
       const x = positions[vertex][a] - mx, y = positions[vertex][b] - my, u = uv[wedge][0] - mu, v = uv[wedge][1] - mv;
       xx += x * x, xy += x * y, yy += y * y, xu += x * u, yu += y * u, xv += x * v, yv += y * v;
     }
-    const det = xx * yy - xy * xy, x = p[a] - mx, y = p[b] - my;
+    const det = xx * yy - xy * xy;
     if (!(det > 1e-3 * (xx * yy))) return [mu, mv];
+    let x = p[a] - mx, y = p[b] - my;
+    if (whole) {
+      const way = (i) => 0.5 * (uv[corners[0][1]][i] - 0.5 * (uv[corners[1][1]][i] + uv[corners[n - 2][1]][i]));
+      mu += way(0), mv += way(1);
+      x -= 0.5 * f.bend[a], y -= 0.5 * f.bend[b];
+    }
     return [mu + (x * (xu * yy - yu * xy) + y * (yu * xx - xu * xy)) / det,
             mv + (x * (xv * yy - yv * xy) + y * (yv * xx - xv * xy)) / det];
   }
