@@ -64,11 +64,7 @@ class LimitTracker::Update {
         child_state_(child_state),
         rate_(rate),
         least_(rate * near_band(radii)),
-        tracker_(tracker),
-        before_(std::exchange(tracker.radius_, {})) {
-    tracker.limits_.clear();
-    tracker.missing_.clear();
-  }
+        tracker_(tracker) {}
 
   void visit(CellId id, std::size_t level) {
     if (static_cast<int>(level) == hierarchy_.finest()) return;
@@ -80,7 +76,7 @@ class LimitTracker::Update {
     const float radius = next_radius(id, state, d, full);
     if (radius > d) {
       tracker_.limits_.push_back({cell.bounds, radius});
-      tracker_.radius_.emplace(id, radius);
+      tracker_.limited_.push_back(id);
     }
     if (state == ChildState::missing) tracker_.missing_.push_back(id);
     if (radius >= full) return;  // never refined
@@ -97,8 +93,7 @@ class LimitTracker::Update {
 
   // A limit of d or less changes nothing: that is where rising ones start and sinking ones end.
   [[nodiscard]] float next_radius(CellId id, ChildState state, float d, float full) const {
-    const auto found = before_.find(id);
-    const float excess = found == before_.end() ? 0 : std::max(std::min(found->second, full) - d, 0.0f);
+    const float excess = std::max(std::min(tracker_.radius_[id], full) - d, 0.0f);
     switch (state) {
       case ChildState::missing:
         return full;
@@ -116,13 +111,19 @@ class LimitTracker::Update {
   const ChildStateOf& child_state_;
   float rate_, least_;
   LimitTracker& tracker_;
-  std::unordered_map<CellId, float> before_;
 };
 
-void LimitTracker::update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
+bool LimitTracker::update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint,
                           const ChildStateOf& child_state, float rate) {
+  const std::vector<DetailLimit> limits_before = std::exchange(limits_, {});
+  const std::vector<CellId> limited_before = std::exchange(limited_, {});
+  missing_.clear();
+  radius_.resize(hierarchy.cells.size());
   Update update(hierarchy, radii, viewpoint, child_state, rate, *this);
   if (!hierarchy.cells.empty()) update.visit(CellId(0), 0);
+  for (const CellId cell : limited_before) radius_[cell] = 0;
+  for (std::size_t k = 0; k < limited_.size(); ++k) radius_[limited_[k]] = limits_[k].radius;
+  return limited_ != limited_before || limits_ != limits_before;
 }
 
 }  // namespace lodestone

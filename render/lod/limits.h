@@ -18,7 +18,6 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
@@ -63,8 +62,9 @@ class LimitTracker {
 
   // Limits for a frame from this viewpoint: one for every cell that d asks to refine and whose children are missing
   // (R = r_l), and those that sink or rise after a change. `rate` in [0, 1]: share of its excess that a limit loses in
-  // a frame (one that rises gains as much); 1: at once, which pops; 0: nothing that was missing ever appears.
-  void update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const ChildStateOf& child_state,
+  // a frame (one that rises gains as much); 1: at once, which pops; 0: nothing that was missing ever appears. Returns
+  // false if the limits are those of the last frame, bit by bit.
+  bool update(const Hierarchy& hierarchy, const Radii& radii, Vec3f viewpoint, const ChildStateOf& child_state,
               float rate);
 
   [[nodiscard]] DetailLimits limits() const { return limits_; }
@@ -75,8 +75,8 @@ class LimitTracker {
  private:
   class Update;
   std::vector<DetailLimit> limits_;
-  std::vector<CellId> missing_;
-  std::unordered_map<CellId, float> radius_;  // of the limited cells
+  std::vector<CellId> limited_, missing_;  // limited_: the cells of limits_
+  std::vector<float> radius_;              // by cell; 0 without a limit
 };
 
 }  // namespace lodestone

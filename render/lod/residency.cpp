@@ -42,6 +42,7 @@ std::vector<CellId> Residency::make_room() {
     is_resident_[cell] = 0;
     gone.push_back(cell);
   }
+  changing_ = changing_ || !gone.empty();
   std::erase_if(resident_, [&](CellId cell) { return !is_resident_[cell]; });
   return gone;
 }
@@ -49,20 +50,24 @@ std::vector<CellId> Residency::make_room() {
 bool Residency::take_in(CellId parent) {
   const CellId above = hierarchy_.cells[parent].parent;
   if (above != no_cell && !is_resident_[above]) return false;
+  changing_ = true;
   is_resident_[parent] = 1;
   resident_.push_back(parent);
   bytes_ += family_bytes_[parent];
   return true;
 }
 
-void Residency::update(const Radii& radii, Vec3f viewpoint) {
-  const bool rests = viewpoint == viewpoint_ && radii.metric == radii_.metric && radii.select == radii_.select;
+bool Residency::update(const Radii& radii, Vec3f viewpoint) {
+  const bool rests = viewpoint == viewpoint_ && radii.metric == radii_.metric && radii.select == radii_.select &&
+                     radii.band_begin == radii_.band_begin;
+  if (rests && !changing_) return false;
   radii_ = radii;
   viewpoint_ = viewpoint;
   if (!rests) choose();
-  tracker_.update(
+  changing_ = tracker_.update(
       hierarchy_, radii_, viewpoint_, [this](CellId cell) { return state_of(cell); }, config_.rate);
   wish();
+  return true;
 }
 
 void Residency::choose() {

@@ -34,8 +34,9 @@ class Residency {
   [[nodiscard]] std::vector<CellId> make_room();
   // 2. For each that has been loaded: true if it is resident from now on, false if the one above it has gone meanwhile.
   [[nodiscard]] bool take_in(CellId parent);
-  // 3. Limits and wishes for this view.
-  void update(const Radii& radii, Vec3f viewpoint);
+  // 3. Limits and wishes for this view. Returns false if it is that of the last frame and nothing has changed since:
+  //    a camera that has come to rest costs nothing.
+  bool update(const Radii& radii, Vec3f viewpoint);
 
   [[nodiscard]] DetailLimits limits() const { return tracker_.limits(); }
   // Families to be loaded, the most urgent first. Together with `bytes()` they may exceed the budget for some frames.
@@ -59,6 +60,7 @@ class Residency {
   std::vector<CellId> chosen_, resident_, wanted_;
   std::uint64_t bytes_ = 0;
   std::uint64_t lacking_ = 0;  // bytes of those wanted beyond the room
+  bool changing_ = true;       // families or limits have changed in the last frame, or families since
 
   // The view of the last update.
   Radii radii_;

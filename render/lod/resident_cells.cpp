@@ -43,14 +43,17 @@ void ResidentCells::let_go(CellId parent) {
   went_.push_back(parent);
 }
 
-void ResidentCells::update(const Radii& radii, Vec3f viewpoint) {
+bool ResidentCells::update(const Radii& radii, Vec3f viewpoint) {
   came_.clear();
   went_.clear();
   for (const CellId parent : residency_.make_room()) let_go(parent);
-  for (LoadedFamily& loaded : stream_.collect())
-    if (residency_.take_in(loaded.parent)) take_in(std::move(loaded));
-  residency_.update(radii, viewpoint);
-  stream_.request(residency_.wanted(), residency_.room());
+  std::vector<LoadedFamily> loaded = stream_.collect();
+  for (LoadedFamily& family : loaded)
+    if (residency_.take_in(family.parent)) take_in(std::move(family));
+  const bool changing = residency_.update(radii, viewpoint);
+  // What is refused has taken room from the queue.
+  if (changing || !loaded.empty()) stream_.request(residency_.wanted(), residency_.room());
+  return changing;
 }
 
 }  // namespace lodestone

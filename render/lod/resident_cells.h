@@ -26,8 +26,8 @@ class ResidentCells {
   [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
 
   // To be called before each frame's selection: adds loaded families, removes unused ones, and requests those that this
-  // view needs. Throws what a load has thrown.
-  void update(const Radii& radii, Vec3f viewpoint);
+  // view needs. Returns false if limits and cells are those of the last frame. Throws what a load has thrown.
+  bool update(const Radii& radii, Vec3f viewpoint);
 
   // Limits for selection and morph of the frame.
   [[nodiscard]] DetailLimits limits() const { return residency_.limits(); }

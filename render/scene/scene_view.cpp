@@ -100,7 +100,7 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
     for (std::size_t l = 0; l < radii.select.size(); ++l)
       largest.select[l] = std::max(largest.select[l], radii.select[l]);
   }
-  resident.update(largest, model.morph.viewpoint);
+  if (!resident.update(largest, model.morph.viewpoint)) return false;
   const DetailLimits limits = resident.limits();
   const bool same = resident.came().empty() && resident.went().empty() && std::ranges::equal(placed.limits, limits);
   placed.limits.assign(limits.begin(), limits.end());

@@ -134,9 +134,11 @@ class Loader {
       if (residency_.take_in(c)) changed = true, families.insert(c);
       return true;
     });
-    residency_.update(tables_.radii, viewpoint);
+    const bool updated = residency_.update(tables_.radii, viewpoint);
     request();
-    return changed || !loading_.empty() || !std::ranges::equal(before, residency_.limits());
+    changed = changed || !std::ranges::equal(before, residency_.limits());
+    EXPECT_TRUE(updated || !changed) << "a change is not told";
+    return updated || !loading_.empty();
   }
 
   // Frames until none differs for a long time; at most so many.
