@@ -9,16 +9,18 @@
 
 namespace lodestone {
 
-ByteReader::ByteReader(const std::filesystem::path& path)
+ByteReader::ByteReader(const std::filesystem::path& path) : ByteReader(path, path.parent_path()) {}
+
+ByteReader::ByteReader(const std::filesystem::path& path, std::optional<std::filesystem::path> limit)
     : name_(path.string()),
-      folder_(path.parent_path()),
+      folder_({path.parent_path(), std::move(limit)}),
       file_(std::in_place, path),
       buffer_(std::make_unique_for_overwrite<char[]>(max_window)) {
   size_ = file_->size();
   data_ = buffer_.get();
 }
 
-ByteReader::ByteReader(std::span<const char> bytes, std::string name, std::optional<std::filesystem::path> folder)
+ByteReader::ByteReader(std::span<const char> bytes, std::string name, std::optional<CompanionFolder> folder)
     : name_(std::move(name)),
       folder_(std::move(folder)),
       size_(bytes.size()),

@@ -18,17 +18,26 @@
 
 namespace lodestone {
 
+// Where the files are that a file names: names are relative to `path`.
+struct CompanionFolder {
+  std::filesystem::path path;
+  // Files outside of this folder, also by a symbolic link, are not read; nothing: files anywhere are.
+  std::optional<std::filesystem::path> limit;
+};
+
 class ByteReader {
  public:
   static constexpr std::size_t max_window = std::size_t{1} << 20;
 
-  explicit ByteReader(const std::filesystem::path& path);  // throws FileError
+  // Throw FileError. The files that this one names must be in its folder, or in `limit`.
+  explicit ByteReader(const std::filesystem::path& path);
+  ByteReader(const std::filesystem::path& path, std::optional<std::filesystem::path> limit);
   // The bytes must outlive the reader; the name stands for the file in messages.
-  ByteReader(std::span<const char> bytes, std::string name, std::optional<std::filesystem::path> folder = {});
+  ByteReader(std::span<const char> bytes, std::string name, std::optional<CompanionFolder> folder = {});
 
   [[nodiscard]] const std::string& name() const { return name_; }
   // The folder of the files that this one names; empty for bytes in memory, which have no such files.
-  [[nodiscard]] const std::optional<std::filesystem::path>& folder() const { return folder_; }
+  [[nodiscard]] const std::optional<CompanionFolder>& folder() const { return folder_; }
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] std::uint64_t offset() const { return base_ + position_; }
   [[nodiscard]] std::uint64_t remaining() const { return size_ - offset(); }
@@ -48,7 +57,7 @@ class ByteReader {
   void refill(std::size_t least);
 
   std::string name_;
-  std::optional<std::filesystem::path> folder_;
+  std::optional<CompanionFolder> folder_;
   std::uint64_t size_ = 0;
   std::uint64_t base_ = 0;                 // offset of data_[0] in the input
   std::size_t position_ = 0, filled_ = 0;  // in data_

@@ -121,9 +121,14 @@ RawMesh read_mesh(const std::filesystem::path& path, const ReadConfig& config) {
   const std::filesystem::path file = mesh_path(path);
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) return read_folder(file, config);
-  ByteReader input(file);
+  ByteReader input = open_mesh_file(file, config);
   if (input.size() == 0) throw InputError(describe(input.name(), "", "is empty", "give a mesh with triangles"));
   return read_mesh(input, mesh_format(file, input, config), config);
+}
+
+ByteReader open_mesh_file(const std::filesystem::path& path, const ReadConfig& config) {
+  if (config.allow_outside) return ByteReader(path, std::nullopt);
+  return ByteReader(path);
 }
 
 std::filesystem::path mesh_path(const std::filesystem::path& path) {

@@ -33,6 +33,9 @@ enum class MeshFormat : std::uint8_t { ply, obj, stl, off, draco, gltf, tileset,
 // The same from bytes; `name` stands for the file in messages.
 [[nodiscard]] RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config = {});
 
+// A reader of a mesh file, and where it may look for the files that this one names.
+[[nodiscard]] ByteReader open_mesh_file(const std::filesystem::path& path, const ReadConfig& config);
+
 // The file to read for a path: the tileset.json of a folder that has one, else the path itself.
 [[nodiscard]] std::filesystem::path mesh_path(const std::filesystem::path& path);
 

@@ -68,6 +68,8 @@ RawGridFormat parse_raw_grid(const std::string& text) {
 OptionTable with_input_options(OptionTable table, InputOptions& options) {
   table.push_back({"--fill-voids", &options.fill_voids,
                    "Height grids: interpolate posts without a height instead of leaving the surface open there"});
+  table.push_back({"--allow-outside", &options.allow_outside,
+                   "Read buffers, images, materials and tiles that a model names also outside of its own folder"});
   table.push_back({"--grid", &options.grid,
                    "A file of bare heights (of no extension known): WxH[:TYPE[:SPACING]], rows from the north, TYPE "
                    "i16 (default), u16, i32, f32 or f64, little-endian unless 'be' follows; SPACING of posts, default "
@@ -76,7 +78,7 @@ OptionTable with_input_options(OptionTable table, InputOptions& options) {
 }
 
 ReadConfig read_config(const InputOptions& options, const std::vector<std::string>& files) {
-  ReadConfig config{.fill_voids = options.fill_voids};
+  ReadConfig config{.allow_outside = options.allow_outside, .fill_voids = options.fill_voids};
   if (options.grid.empty()) return config;
   config.raw_grid = parse_raw_grid(options.grid);
   if (std::all_of(files.begin(), files.end(), [](const std::string& file) { return has_mesh_extension(file); }))

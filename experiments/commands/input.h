@@ -14,11 +14,11 @@ inline constexpr const char* mesh_formats =
     ".ply, .obj, .stl, .off, .drc, .glb, .gltf, a tileset.json or its folder, .hgt or a folder of them, .asc";
 
 struct InputOptions {
-  bool fill_voids = false;
+  bool fill_voids = false, allow_outside = false;
   std::string grid;  // as given by --grid; empty: none
 };
 
-// The options with --fill-voids and --grid after them.
+// The options with those of InputOptions after them.
 [[nodiscard]] OptionTable with_input_options(OptionTable table, InputOptions& options);
 
 // Throws InputError when --grid is given, but every file is of a format that its name tells.

@@ -75,7 +75,7 @@ RawMesh load_mesh(const std::filesystem::path& given, Scheduler& scheduler, cons
   const std::filesystem::path path = mesh_path(given);
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return read_mesh(path, config);
-  ByteReader head(path);
+  ByteReader head = open_mesh_file(path, config);
   if (head.size() == 0) return read_mesh(path, config);
   try {
     std::optional<RawMesh> mesh;

@@ -210,7 +210,7 @@ class Meshes(CommandCase):
         (self.folder / "city").mkdir()
         self.refused("build", "city", "-o", "m.lode", names=["city", "neither a tileset.json nor .hgt"])
         self.write("city/tileset.json", '{"asset": {"version": "1.1"}, "root": {"content": {"uri": "no.glb"}}}')
-        self.refused("build", "city", "-o", "m.lode", names=["tileset.json", "root.content.uri", "'no.glb'", "missing"])
+        self.refused("build", "city", "-o", "m.lode", names=["tileset.json", "root.content.uri", "'no.glb'", "cannot be found"])
         self.write("city/no.glb", b"glTF")
         self.refused("build", "city/tileset.json", "-o", "m.lode", names=["no.glb", "byte 4"])
 

@@ -48,17 +48,52 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-}  // namespace
-
-std::optional<fs::path> CompanionFiles::find(std::string_view name) const {
-  if (!folder_ || name.empty() || name.find('\0') != std::string_view::npos) return std::nullopt;
-  if (fs::path(name).is_relative() && is_file(*folder_ / name)) return *folder_ / name;
+std::string with_slashes(std::string_view name) {
   std::string slashes(name);
   std::replace(slashes.begin(), slashes.end(), '\\', '/');
-  if (fs::path(slashes).is_relative() && is_file(*folder_ / slashes)) return *folder_ / slashes;
-  const fs::path last = fs::path(slashes).filename();
-  if (!last.empty() && is_file(*folder_ / last)) return *folder_ / last;
-  return std::nullopt;
+  return slashes;
+}
+
+fs::path place_of(const CompanionFolder& folder, std::string_view name) {
+  constexpr std::string_view local = "file:///";
+  return folder.path / (name.starts_with(local) ? name.substr(local.size() - 1) : name);
+}
+
+// Compares the places that symbolic links lead to.
+bool is_within(const fs::path& path, const std::optional<fs::path>& limit) {
+  if (!limit) return true;
+  std::error_code error;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(limit->empty() ? "." : *limit, error), error);
+  if (error) return false;
+  const fs::path way = fs::weakly_canonical(fs::absolute(path, error), error).lexically_relative(folder);
+  return !error && !way.empty() && *way.begin() != "..";
+}
+
+}  // namespace
+
+std::optional<fs::path> CompanionFiles::find_exactly(std::string_view name) const {
+  if (!folder_ || name.empty() || name.find('\0') != std::string_view::npos) return std::nullopt;
+  fs::path path = place_of(*folder_, name);
+  if (!is_file(path) || !is_within(path, folder_->limit)) return std::nullopt;
+  return path;
+}
+
+std::optional<fs::path> CompanionFiles::find(std::string_view name) const {
+  if (std::optional<fs::path> path = find_exactly(name)) return path;
+  const std::string slashes = with_slashes(name);
+  if (std::optional<fs::path> path = find_exactly(slashes)) return path;
+  return find_exactly(fs::path(slashes).filename().string());
+}
+
+bool CompanionFiles::leads_outside(std::string_view name) const {
+  return folder_ && !is_within(place_of(*folder_, with_slashes(name)), folder_->limit);
+}
+
+CompanionFiles::Absence CompanionFiles::absence(std::string_view name) const {
+  if (leads_outside(name))
+    return {"lies outside of the model's folder", "put it into that folder, or give --allow-outside"};
+  if (find(name)) return {"cannot be read", "check its permissions"};
+  return {"cannot be found", "put it beside the model"};
 }
 
 std::optional<std::vector<char>> CompanionFiles::read(std::string_view name) const {
@@ -116,7 +151,7 @@ std::uint32_t TextureSet::add_file(const std::string& name, const std::string& p
   const std::optional<std::filesystem::path> path = files_.find(name);
   const auto [known, is_new] = known_.try_emplace({path ? path->string() : name, sampler}, no_texture);
   if (!is_new) return known->second;
-  if (!path) return refuse(name, place, "cannot be found");
+  if (!path) return refuse(name, place, files_.absence(name).what, files_.absence(name).remedy);
   try {
     ByteReader input(*path);
     if (image_media_type(input.window(16)).empty()) return refuse(name, place, no_image);
@@ -140,8 +175,9 @@ std::uint32_t TextureSet::add_bytes(const std::string& name, const std::string& 
   return static_cast<std::uint32_t>(mesh_->textures.size() - 1);
 }
 
-std::uint32_t TextureSet::refuse(const std::string& name, const std::string& place, const std::string& why) {
-  mesh_->warnings.push_back(describe(file_, place, "texture " + quote(name) + " " + why + " and is left out"));
+std::uint32_t TextureSet::refuse(const std::string& name, const std::string& place, const std::string& why,
+                                 const std::string& remedy) {
+  mesh_->warnings.push_back(describe(file_, place, "texture " + quote(name) + " " + why + " and is left out", remedy));
   return no_texture;
 }
 

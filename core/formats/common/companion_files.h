@@ -18,21 +18,32 @@
 
 namespace lodestone {
 
-// Looks for files beside the one that names them.
+// Looks for files beside the one that names them. A model that someone else has made must not take any file of this
+// computer into what is made of it: names that lead out of the folder's limit are not followed, unless it has none.
 class CompanionFiles {
  public:
   // Without a folder nothing is found.
-  explicit CompanionFiles(std::optional<std::filesystem::path> folder = {}) : folder_(std::move(folder)) {}
+  explicit CompanionFiles(std::optional<CompanionFolder> folder = {}) : folder_(std::move(folder)) {}
 
   // The file of this name, relative to the folder; else with slashes for its backslashes; else its last part alone,
-  // since models move more often than the paths in them are corrected. Empty when there is no such file, also for an
-  // absolute path or a web address.
+  // since models move more often than the paths in them are corrected. Empty when there is no such file within the
+  // limit, and for a web address. Without a limit, absolute paths and "file:///PATH" are found, too.
   [[nodiscard]] std::optional<std::filesystem::path> find(std::string_view name) const;
+  // The same by the name alone, as tilesets mean it.
+  [[nodiscard]] std::optional<std::filesystem::path> find_exactly(std::string_view name) const;
+  // Why a file is not found, for messages, and what to do.
+  struct Absence {
+    std::string what, remedy;
+  };
+  [[nodiscard]] Absence absence(std::string_view name) const;
   // Its bytes; empty when it is not found or cannot be read.
   [[nodiscard]] std::optional<std::vector<char>> read(std::string_view name) const;
 
  private:
-  std::optional<std::filesystem::path> folder_;
+  // True if the name leads out of the limit, whether or not there is such a file.
+  [[nodiscard]] bool leads_outside(std::string_view name) const;
+
+  std::optional<CompanionFolder> folder_;
 };
 
 // "a%20b.png" as "a b.png". Invalid escapes are kept.
@@ -75,7 +86,8 @@ class TextureSet {
                                         const TextureSampler& sampler = {});
 
  private:
-  std::uint32_t refuse(const std::string& name, const std::string& place, const std::string& why);
+  std::uint32_t refuse(const std::string& name, const std::string& place, const std::string& why,
+                       const std::string& remedy = {});
 
   RawMesh* mesh_;
   CompanionFiles files_;

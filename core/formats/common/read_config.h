@@ -29,7 +29,9 @@ struct RawGridFormat {
 };
 
 struct ReadConfig {
-  bool attributes = true;                      // false: positions and triangles alone, which is faster and smaller
+  bool attributes = true;  // false: positions and triangles alone, which is faster and smaller
+  // Files that a model names are read wherever they are; false: within its folder alone.
+  bool allow_outside = false;
   bool fill_voids = false;                     // of height grids; false: voids remain open
   std::optional<RawGridFormat> raw_grid = {};  // the file has this format if its extension names no other
 };

@@ -103,8 +103,8 @@ std::vector<char> GltfDocument::load_buffer(const JsonView& description, std::si
   }
   const std::string name = percent_decoded(uri->string());
   if (std::optional<std::vector<char>> bytes = files_.read(name)) return std::move(*bytes);
-  throw FileError(
-      describe(file_, uri->place(), "the buffer " + quote(name) + " cannot be read", "put it beside the model"));
+  const auto [what, remedy] = files_.absence(name);
+  throw FileError(describe(file_, uri->place(), "the buffer " + quote(name) + " " + what, remedy));
 }
 
 std::span<const char> GltfDocument::buffer(const JsonView& reference) {

@@ -90,8 +90,9 @@ void ObjMaterials::add_libraries(const std::string& names, const std::string& pl
 void ObjMaterials::add_library(const std::string& name, const std::string& place) {
   const std::optional<std::filesystem::path> path = files_.find(name);
   if (!path) {
-    mesh_->warnings.push_back(
-        describe(file_, place, "material library " + quote(name) + " cannot be found; its materials are white"));
+    const auto [what, remedy] = files_.absence(name);
+    mesh_->warnings.push_back(describe(
+        file_, place, "material library " + quote(name) + " " + what + ", and its materials are white", remedy));
     return;
   }
   try {

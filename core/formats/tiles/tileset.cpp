@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <system_error>
+#include <set>
 #include <utility>
 
 #include "core/base/error.h"
@@ -22,8 +22,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* damaged = "the file is damaged";
-constexpr int deepest = 256;                        // nesting of tiles, external tilesets included
-constexpr std::uint64_t most_tilesets = 1'000'000;  // files of a few bytes can refer to each other without end
+constexpr int deepest = 256;  // nesting of tiles, external tilesets included
+// Files of a few bytes can refer to each other so that the tree they make never ends. A tileset may be used several
+// times, in different places, but not much oftener than this.
+constexpr std::uint64_t most_uses = 16, always_allowed = 1000;
 
 // Turns models of this up axis so that z is up. glTF has y up; old tilesets may say otherwise.
 Affine3d up_to_z(const JsonView& asset) {
@@ -37,11 +39,10 @@ class TilesetWalk {
  public:
   // Adds the tiles of a tileset; `map` leads from its root's coordinates on.
   void add_tileset(ByteReader& input, const Affine3d& map, int depth) {
-    if (++tilesets_ > most_tilesets)
-      throw InputError(describe(input.name(), "", "more than a million tilesets", "do they refer to each other?"));
+    count_use(input.name());
     const std::vector<char> text = read_all(input);
     const nlohmann::json json = parse_json(text, input.name());
-    const Tileset tileset{JsonView(json, input.name()), input.name(), input.folder()};
+    const Tileset tileset{JsonView(json, input.name()), input.name(), input.folder(), CompanionFiles(input.folder())};
     const JsonView asset = tileset.root.at("asset");
     const std::string version = asset.at("version").string();
     if (!version.starts_with("1.") && !version.starts_with("0."))
@@ -56,8 +57,18 @@ class TilesetWalk {
   struct Tileset {
     JsonView root;
     std::string file;
-    std::optional<fs::path> folder;  // none for bytes in memory, so that every tile is missing
+    std::optional<CompanionFolder> folder;  // none for bytes in memory, so that every tile is missing
+    CompanionFiles files;
   };
+
+  void count_use(const std::string& file) {
+    files_.insert(file);
+    if (++uses_ > std::max(always_allowed, most_uses * files_.size()))
+      throw InputError(describe(file, "",
+                                std::to_string(files_.size()) + " tilesets refer to each other more than " +
+                                    std::to_string(uses_ - 1) + " times",
+                                "let each be the content of few tiles"));
+  }
 
   // Adds a tile and its descendants; true if any of them has content.
   bool add_tile(const Tileset& tileset, const JsonView& tile, const Affine3d& outer, std::string refine, int depth) {
@@ -96,14 +107,14 @@ class TilesetWalk {
     const std::optional<JsonView> uri = content.find("uri");
     const JsonView reference = uri ? *uri : content.at("url");  // the name in 3D Tiles 0.0
     const std::string name = percent_decoded(reference.string().substr(0, reference.string().find_first_of("?#")));
-    const fs::path file = tileset.folder.value_or(fs::path()) / name;
-    std::error_code ignored;
-    if (!tileset.folder || fs::path(name).is_absolute() || !fs::is_regular_file(file, ignored))
-      throw FileError(describe(tileset.file, reference.place(), "the tile " + quote(name) + " is missing",
-                               "put all tiles of the tileset beside it"));
-    const std::string extension = extension_of(file);
+    const std::optional<fs::path> file = tileset.files.find_exactly(name);
+    if (!file) {
+      const auto [what, remedy] = tileset.files.absence(name);
+      throw FileError(describe(tileset.file, reference.place(), "the tile " + quote(name) + " " + what, remedy));
+    }
+    const std::string extension = extension_of(*file);
     if (extension == ".json") {
-      ByteReader input(file);
+      ByteReader input(*file, tileset.folder->limit);
       const std::size_t before = list_.tiles.size();
       add_tileset(input, map, depth + 1);
       return list_.tiles.size() > before;
@@ -113,12 +124,13 @@ class TilesetWalk {
       list_.warnings.push_back(place + " is not a plain mesh and is left out");
       return false;
     }
-    list_.tiles.push_back({file, map, up_to_z(tileset.root.at("asset")), place});
+    list_.tiles.push_back({*file, tileset.folder->limit, map, up_to_z(tileset.root.at("asset")), place});
     return true;
   }
 
   TileList list_;
-  std::uint64_t tilesets_ = 0;
+  std::set<std::string> files_;  // tilesets
+  std::uint64_t uses_ = 0;
 };
 
 // The header of a Batched 3D Model: magic, version, then five lengths in bytes.
@@ -170,7 +182,7 @@ TileList list_tiles(ByteReader& input) {
 }
 
 RawMesh read_tile(const Tile& tile, const ReadConfig& config) {
-  ByteReader input(tile.file);
+  ByteReader input(tile.file, tile.limit);
   RawMesh mesh;
   if (input.window(4).starts_with("b3dm")) {
     mesh = read_batched(input, tile.up_to_z, config);

@@ -14,9 +14,10 @@ namespace lodestone {
 
 struct Tile {
   std::filesystem::path file;
-  Affine3d map;           // from the model, z up, to the coordinates of the root's parent
-  Affine3d up_to_z;       // turns the model's up axis to z before
-  std::string reference;  // file and place that name it
+  std::optional<std::filesystem::path> limit;  // as in CompanionFolder: that of the tileset
+  Affine3d map;                                // from the model, z up, to the coordinates of the root's parent
+  Affine3d up_to_z;                            // turns the model's up axis to z before
+  std::string reference;                       // file and place that name it
 };
 
 struct TileList {
@@ -26,8 +27,8 @@ struct TileList {
 
 // The tiles that make up the finest surface: with refinement REPLACE those with content and without a descendant that
 // has content, with ADD all. External tilesets are followed. Throws InputError for a malformed tileset or
-// one that refers to itself, FileError for a missing file, UnsupportedError for implicit tiling. Point clouds,
-// instanced models and composites are left out with a warning.
+// one that refers to itself or to others over and over, FileError for a file that is missing or outside of the limit,
+// UnsupportedError for implicit tiling. Point clouds, instanced models and composites are left out with a warning.
 [[nodiscard]] TileList list_tiles(ByteReader& input);
 
 // All of them as one mesh, in the coordinates of the root, usually on the Earth.

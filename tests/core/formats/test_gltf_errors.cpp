@@ -74,7 +74,7 @@ TEST(GltfErrors, BuffersAndViews) {
   expect_refusal([](auto& j) { j["buffers"][0]["uri"] = "data:text/plain,abc"; }, {"buffers[0].uri", "base64"});
   expect_refusal<FileError>([](auto& j) { j["buffers"][0]["uri"] = "no.bin"; },
                             {"buffers[0].uri", "'no.bin'", "beside"});
-  expect_refusal<FileError>([](auto& j) { j["buffers"][0]["uri"] = "https://example.com/a.bin"; }, {"cannot be read"});
+  expect_refusal<FileError>([](auto& j) { j["buffers"][0]["uri"] = "https://example.com/a.bin"; }, {"cannot be found"});
   expect_error<InputError>(triangle_file().with_buffer().dump(), gltf, {"buffers[0]", "neither a 'uri' nor a binary"});
 }
 
