@@ -283,7 +283,11 @@ std::vector<CommandKeys> command_keys() {
             {"valid", "", "every check passed"},
             {"checks[].name", "", "property"},
             {"checks[].passed", "", "the hierarchy has it"},
-            {"checks[].detail", "", "figures"}}}};
+            {"checks[].detail", "", "figures"},
+            {"errors", "", "estimated or measured"},
+            {"sampled_over_error[]", "",
+             "by level: largest distance found between a point and the other surface, over the error of the level; at "
+             "most 1 if measured"}}}};
 }
 
 std::string line(const std::string& name, const std::string& unit, const std::string& meaning) {

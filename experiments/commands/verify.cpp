@@ -33,6 +33,17 @@ IndexedMesh read_input(const std::string& input, const ReadConfig& reading, Sche
   }
 }
 
+// By how much estimates are too small.
+void print_ratio(const std::vector<double>& by_level) {
+  const auto worst = std::ranges::max_element(by_level);
+  if (worst != by_level.end() && *worst > 1)
+    fmt::print(
+        "note: errors are estimates; on level {} a point is {:.2f} times the level's error away from the other "
+        "surface: "
+        "build --measure-error makes them bounds\n",
+        worst - by_level.begin(), *worst);
+}
+
 void run(const VerifyOptions& options, const CommonOptions& common) {
   const auto& [file, input, input_options] = options;
   std::vector<FileArgument> inputs{{"FILE", file}};
@@ -53,10 +64,15 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
   nlohmann::json checks = nlohmann::json::array();
   for (const VerifyCheck& c : report.checks)
     checks.push_back({{"name", c.name}, {"passed", c.passed}, {"detail", c.detail}});
-  write_result(common, {{"file", file}, {"valid", valid}, {"checks", checks}});
+  write_result(common, {{"file", file},
+                        {"valid", valid},
+                        {"checks", checks},
+                        {"errors", hierarchy.provenance.measured_errors ? "measured" : "estimated"},
+                        {"sampled_over_error", report.error_ratio}});
   if (common.prints()) {
     for (const VerifyCheck& c : report.checks)
       fmt::print("{} {:<28} {}\n", c.passed ? "holds" : "FAILS", c.name, c.detail);
+    if (!hierarchy.provenance.measured_errors) print_ratio(report.error_ratio);
     fmt::print("{}: {}\n", file, valid ? "valid" : "NOT VALID");
   }
   if (!valid)

@@ -64,6 +64,7 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
       boxes("boxes"), reach("reach"), errors("errors"), fingerprint("fingerprint"), wedges("wedges"),
       textures("textures"), same("input");
   const bool has_wedges = hierarchy.attributes.wedges;
+  VerifyReport report;
 
   if (check_structure(hierarchy, structure)) {
     check_cells(hierarchy, cells);
@@ -90,7 +91,7 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
     check_edges(hierarchy, edges);
     check_boxes(hierarchy, boxes);
     check_reach(hierarchy, reach);
-    check_errors(hierarchy, errors);
+    report.error_ratio = check_errors(hierarchy, errors);
     if (has_wedges) check_wedges(hierarchy, wedges);
     check_textures(hierarchy, textures);
     if (input) check_input(hierarchy, *input, same);
@@ -100,7 +101,6 @@ VerifyReport verify_hierarchy(const Hierarchy& hierarchy, const IndexedMesh* inp
       finding->fail([] { return std::string("not examined, since the structure is broken"); });
   }
 
-  VerifyReport report;
   for (const Finding* finding : {&structure, &cells, &partition, &identity, &parents, &vertices, &triangles,
                                  &displacement, &lattice, &edges, &boxes, &reach, &errors, &fingerprint})
     report.checks.push_back(finding->check());

@@ -22,6 +22,10 @@ struct VerifyCheck {
 
 struct VerifyReport {
   std::vector<VerifyCheck> checks;
+  // By level: the largest distance found between a point and the other surface, over the error of the level; 0 where
+  // no point is away from it, and on M_L. Measured errors are bounds, so that it is at most 1; estimates may be smaller
+  // than the distance. Empty if `structure` fails.
+  std::vector<double> error_ratio;
   [[nodiscard]] bool valid() const;
   [[nodiscard]] const VerifyCheck* find(const std::string& name) const;  // nullptr: no such check
 };

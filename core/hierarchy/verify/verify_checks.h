@@ -94,7 +94,8 @@ void check_reach(const Hierarchy& hierarchy, Finding& reach);
 void check_bound(Finding& finding, const char* what, int level, float stored, double exact);
 
 // verify_errors.cpp: the distances of the levels from M_L.
-void check_errors(const Hierarchy& hierarchy, Finding& errors);
+// Returns VerifyReport::error_ratio.
+[[nodiscard]] std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors);
 
 // verify_input.cpp: M_L against the input.
 void check_cells(const Hierarchy& hierarchy, Finding& cells);

@@ -1,9 +1,9 @@
 // Check of the errors, with search structures over whole levels: estimates of the builder, which searches around the
-// parents only, are recomputed; measured errors are compared with distances at sample points, both ways.
+// parents only, are recomputed. Distances at sample points, both ways, are compared with measured errors, which are
+// bounds, and with estimates to see by how much these are too small.
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "core/hierarchy/verify/verify_checks.h"
@@ -16,6 +16,7 @@ namespace {
 constexpr double relative_slack = 1e-6, absolute_slack = 1e-10;
 
 constexpr std::size_t vertices_measured = 250'000;  // per level, about
+constexpr std::size_t points_compared = 100'000;    // with estimates, per level and direction, about
 
 // The surface of a level without regard to identity: copies of a vertex do not matter to distances. With points:
 // vertices that no triangle of their cell uses, as triangles without extent.
@@ -76,50 +77,45 @@ std::array<Vec3d, 7> samples_of(const Cell& cell, const Triangle& t) {
   return {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), (1.0 / 3) * ((a + b) + c)};
 }
 
-// Measured errors are bounds of the distance of every point both ways. Here they are compared with the distances of
-// corners, middles of edges and middles of triangles, of a regular sample on large levels.
-class MeasuredErrors {
+// Distances between a level and the finest, both ways, of corners, middles of edges and middles of triangles, of a
+// regular sample on large levels.
+class DistanceSamples {
  public:
-  MeasuredErrors(const Hierarchy& hierarchy, Finding& errors)
-      : hierarchy_(hierarchy), errors_(errors), finest_(surface_of(hierarchy, hierarchy.finest(), false)) {
+  DistanceSamples(const Hierarchy& hierarchy, std::size_t most)
+      : hierarchy_(hierarchy), most_(most), finest_(surface_of(hierarchy, hierarchy.finest(), false)) {
     ancestor_.resize(hierarchy.levels.back().cell_count);
     const Level& level = hierarchy.levels.back();
     for (std::uint32_t k = 0; k < ancestor_.size(); ++k) ancestor_[k] = CellId(level.first_cell + k);
   }
 
-  // Called for one level after the other, beginning below the finest.
-  void check(int l) {
+  // Calls visit(cell, distance) for cells of level l. Called for one level after the other, beginning below the finest.
+  template <class Visit>
+  void sample(int l, const Visit& visit) {
     for (CellId& cell : ancestor_) cell = hierarchy_.cells[cell].parent;
     const Level &level = hierarchy_.levels[static_cast<std::size_t>(l)], &fine = hierarchy_.levels.back();
-    const std::size_t stride = 1 + level.triangles * 7 / vertices_measured;
+    const std::size_t stride = 1 + level.triangles * 7 / most_;
     std::size_t number = 0;
     for (CellId c = level.first_cell; c < level.end_cell(); ++c)
       for (const Triangle& t : hierarchy_.cells[c].triangles)
-        if (number++ % stride == 0) compare(l, c, hierarchy_.cells[c], t, finest_);
+        if (number++ % stride == 0) measure(hierarchy_.cells[c], t, finest_, [&](double d) { visit(c, d); });
     const TriangleBvh surface = surface_of(hierarchy_, l, true);
-    const std::size_t fine_stride = 1 + fine.triangles * 7 / vertices_measured;
+    const std::size_t fine_stride = 1 + fine.triangles * 7 / most_;
     number = 0;
     for (std::uint32_t k = 0; k < fine.cell_count; ++k)
       for (const Triangle& t : hierarchy_.cells[fine.first_cell + k].triangles)
-        if (number++ % fine_stride == 0) compare(l, ancestor_[k], hierarchy_.cells[fine.first_cell + k], t, surface);
+        if (number++ % fine_stride == 0)
+          measure(hierarchy_.cells[fine.first_cell + k], t, surface, [&](double d) { visit(ancestor_[k], d); });
   }
 
  private:
-  // Compares a triangle of `from`, a cell of level `level` or of the finest, with the other surface.
-  void compare(int level, CellId cell, const Cell& from, const Triangle& t, const TriangleBvh& surface) {
-    const double error = hierarchy_.cells[cell].error;
-    for (const Vec3d p : samples_of(from, t)) {
-      const TriangleBvh::Nearest nearest = surface.nearest(p, hint_);
-      const double distance = std::sqrt(nearest.squared_distance);
-      errors_.require(distance <= error * (1 + relative_slack), [&] {
-        return place(level, cell) + ": a point is " + std::to_string(distance / cell_size(level)) +
-               " h from the other surface, the error stored is " + std::to_string(error / cell_size(level)) + " h";
-      });
-    }
+  // Distances of a triangle of `from` from the other surface.
+  template <class Visit>
+  void measure(const Cell& from, const Triangle& t, const TriangleBvh& surface, const Visit& visit) {
+    for (const Vec3d p : samples_of(from, t)) visit(std::sqrt(surface.nearest(p, hint_).squared_distance));
   }
 
   const Hierarchy& hierarchy_;
-  Finding& errors_;
+  std::size_t most_;
   TriangleBvh finest_;
   std::vector<CellId> ancestor_;  // of each finest cell, on the level at hand
   std::uint32_t hint_ = TriangleBvh::no_hint;
@@ -165,10 +161,11 @@ std::vector<Allowed> allowed_errors(const Hierarchy& hierarchy) {
 
 }  // namespace
 
-void check_errors(const Hierarchy& hierarchy, Finding& errors) {
+std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
   const std::vector<Allowed> allowed = allowed_errors(hierarchy);
-  std::optional<MeasuredErrors> measured;
-  if (hierarchy.provenance.measured_errors && hierarchy.finest() > 0) measured.emplace(hierarchy, errors);
+  const bool measured = hierarchy.provenance.measured_errors;
+  DistanceSamples samples(hierarchy, measured ? vertices_measured : points_compared);
+  std::vector<double> ratio(hierarchy.levels.size());
   for (int l = hierarchy.finest(); l >= 0; --l) {
     const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
     double largest = 0;
@@ -181,8 +178,21 @@ void check_errors(const Hierarchy& hierarchy, Finding& errors) {
       largest = std::max(largest, error);
     }
     check_bound(errors, "error", l, level.error, largest / cell_size(l));
-    if (l < hierarchy.finest()) measured ? measured->check(l) : check_estimated(hierarchy, l, errors);
+    if (l == hierarchy.finest()) continue;
+    if (!measured) check_estimated(hierarchy, l, errors);
+    double farthest = 0;
+    samples.sample(l, [&](CellId cell, double distance) {
+      farthest = std::max(farthest, distance);
+      const double error = hierarchy.cells[cell].error;
+      if (measured)
+        errors.require(distance <= error * (1 + relative_slack), [&] {
+          return place(l, cell) + ": a point is " + std::to_string(distance / cell_size(l)) +
+                 " h from the other surface, the error stored is " + std::to_string(error / cell_size(l)) + " h";
+        });
+    });
+    if (farthest > absolute_slack) ratio[static_cast<std::size_t>(l)] = farthest / std::max(largest, absolute_slack);
   }
+  return ratio;
 }
 
 }  // namespace lodestone::verify
