@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/mesh/precision.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/measure_errors.h"
 #include "parallel/hierarchy/save.h"
@@ -62,6 +63,8 @@ class InCoreBuild {
     IndexedMesh mesh = step("weld", "welding", [&] {
       return prepare_mesh(std::move(raw), repairs, scheduler_, source_.path.string(), config_.lattice);
     });
+    if (const auto crowded = find_crowded(mesh.positions, mesh.transform))
+      result_.warnings.push_back(source_.path.string() + ": " + describe(*crowded));
     triangles_ = mesh.triangles.size();
     BuildConfig build = config_.build;
     build.progress = [&](double share) { report(share); };

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/mesh/precision.h"
 #include "parallel/hierarchy/build_blocks.h"
 #include "parallel/hierarchy/level_table.h"
 #include "parallel/hierarchy/partition.h"
@@ -181,6 +182,8 @@ class OutOfCoreBuild {
                                      [&](double share) { steps_.share(share); });
     if (clean.positions.size() >= FinestVertices::shared_flag)
       throw ResourceError("the mesh has more than 2^31 vertices; vertex ids have 32 bits");
+    if (const auto crowded = find_crowded(clean.positions, clean.transform))
+      result_.warnings.push_back(stream_.name() + ": " + describe(*crowded));
     const BuildConfig& build = config_.build;
     mesh_.level = build.finest_level < 0 ? choose_level(stream_, clean, build.cell_triangles) : build.finest_level;
 
