@@ -1,12 +1,18 @@
 #include "core/base/byte_size.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <string>
+#include <cstdio>
 
 namespace lodestone {
+namespace {
+
+constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
+
+}  // namespace
 
 std::optional<std::uint64_t> parse_byte_size(std::string_view text) {
   double number = 0;
@@ -21,6 +27,14 @@ std::optional<std::uint64_t> parse_byte_size(std::string_view text) {
   const double bytes = number * std::pow(rest == "b" ? 1000.0 : 1024.0, static_cast<double>(power));
   if (!(bytes < 0x1p63)) return std::nullopt;
   return static_cast<std::uint64_t>(bytes);
+}
+
+std::string needed_mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mebibyte - 1) / mebibyte) + " MiB"; }
+
+std::string available_mebibytes(std::uint64_t bytes) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.15g MiB", std::floor(static_cast<double>(bytes) / mebibyte * 100) / 100);
+  return text.data();
 }
 
 }  // namespace lodestone

@@ -166,7 +166,7 @@ const Columns& columns() {
 BuildResult run(const BuildJob& job, Scheduler& scheduler) {
   const CostMeter meter;
   ModelConfig config = model_config(job);
-  const ModelSource source = open_model_source(job.input, job.reading, job.memory_limit);
+  const ModelSource source = open_model_source(job.input, job.reading, job.memory_limit, scheduler.workers());
   BuildResult result;
   if (source.stream) {
     refuse_beyond_limit(job);

@@ -28,10 +28,10 @@ struct ModelSource {
   std::unique_ptr<MeshStream> stream{};  // builds on disk from pieces of the file; nullptr: in memory
 };
 
-// Chooses between memory and disk by a limit in bytes; 0: no limit. Throws ResourceError for a file that exceeds the
-// limit and can only be read as a whole, and what open_mesh_stream throws.
+// Chooses between memory and disk by a limit in bytes; 0: no limit. `workers` build later. Throws ResourceError for a
+// file that exceeds the limit and can only be read as a whole, and what open_mesh_stream throws.
 [[nodiscard]] ModelSource open_model_source(const std::filesystem::path& path, const ReadConfig& reading,
-                                            std::uint64_t memory_limit);
+                                            std::uint64_t memory_limit, int workers);
 
 struct ModelProgress {
   std::string step;             // what is under way

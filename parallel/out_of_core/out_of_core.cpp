@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include "core/base/byte_size.h"
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
 #include "core/mesh/precision.h"
@@ -34,12 +35,10 @@ std::uint64_t least_part(std::uint64_t triangles) {
   return std::min(triangles, std::max(std::uint64_t{1} << 18, triangles / most_parts));
 }
 
-std::string mebibytes(std::uint64_t bytes) { return std::to_string((bytes + mebibyte - 1) / mebibyte) + " MiB"; }
-
 [[noreturn]] void fail_too_small(const MeshStream& stream, const std::string& what, std::uint64_t need,
                                  const std::string& remedy) {
   throw ResourceError(
-      describe(stream.name(), "", what + " " + mebibytes(need) + " of memory",
+      describe(stream.name(), "", what + " " + needed_mebibytes(need) + " of memory",
                "give --memory-limit " + std::to_string((need + mebibyte - 1) / mebibyte) + "MiB" + remedy));
 }
 
@@ -102,10 +101,10 @@ void check(const MeshStream& stream, const ModelConfig& config, int workers) {
   const std::filesystem::path folder = scratch_folder(config).parent_path();
   const std::uint64_t room = free_bytes(folder.empty() ? "." : folder);
   if (!config.resume && room < need.scratch_bytes)
-    throw FileError(describe(
-        folder.empty() ? "." : folder.string(), "",
-        "temporary files need about " + mebibytes(need.scratch_bytes) + ", and " + mebibytes(room) + " are free",
-        "free some space there, or put them on another disk (--scratch)"));
+    throw FileError(describe(folder.empty() ? "." : folder.string(), "",
+                             "temporary files need about " + needed_mebibytes(need.scratch_bytes) + ", and " +
+                                 available_mebibytes(room) + " are free",
+                             "free some space there, or put them on another disk (--scratch)"));
 }
 
 // The cells of the triangles that choose_finest_level looks at.

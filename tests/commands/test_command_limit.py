@@ -10,7 +10,7 @@ import time
 import command_case
 from command_case import CommandCase, dirty_mesh, glb, model, needs_failing_disk, obj, ply
 
-LIMIT = "110MiB"  # building `big` takes more in memory, and less out of core
+LIMIT = "100MiB"  # building `big` takes more in memory, and less out of core
 
 
 def big():
@@ -31,8 +31,8 @@ class SameFiles(CommandCase):
             with self.subTest(options=options):
                 results = self.results("build", big(), "-o", "m.lode", *options, "--memory-limit", LIMIT)
                 self.assertEqual((self.folder / "m.lode").read_bytes(), expected(*options))
-                self.assertLess(results["peak_bytes"], 110 << 20)
-                self.assertEqual(results["memory_limit"], 110 << 20)
+                self.assertLess(results["peak_bytes"], 100 << 20)
+                self.assertEqual(results["memory_limit"], 100 << 20)
                 scratch = results["scratch"]
                 self.assertLess(abs(results["scratch_bytes"] / scratch["expected_bytes"] - 1), 0.25, scratch)
                 self.assertEqual(scratch["folder"], ".")
@@ -85,7 +85,7 @@ class Refusals(CommandCase):
         self.write("m.obj", obj(points, faces))
         self.write("m.glb", glb(points, faces))
         for name in ("m.obj", "m.glb"):
-            for limit in ("1MiB", "60MiB"):
+            for limit in ("1MiB", "25MiB"):
                 self.refused("build", name, "-o", "m.lode", "--memory-limit", limit,
                              names=[name, "binary PLY", "--memory-limit "])
             self.results("build", name, "-o", "m.lode", "--memory-limit", "300MiB")

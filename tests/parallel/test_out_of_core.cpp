@@ -88,10 +88,10 @@ TEST_F(OutOfCore, TheLimitAloneChoosesBetweenMemoryAndDisk) {
   const fs::path path = sphere();
   const std::string expected = in_memory(path);
   const auto scheduler = make_tbb_scheduler(2);
-  const ModelSource in_core = open_model_source(path, {}, config_.memory_limit);
+  const ModelSource in_core = open_model_source(path, {}, config_.memory_limit, 2);
   EXPECT_EQ(in_core.stream, nullptr);
-  EXPECT_EQ(open_model_source(path, {}, 0).stream, nullptr);
-  EXPECT_NE(open_model_source(path, {}, std::uint64_t{64} << 20).stream, nullptr);
+  EXPECT_EQ(open_model_source(path, {}, 0, 2).stream, nullptr);
+  EXPECT_NE(open_model_source(path, {}, std::uint64_t{20} << 20, 2).stream, nullptr);
   std::vector<std::string> steps;
   config_.progress = [&](const ModelProgress& now) {
     if (steps.empty() || steps.back() != now.step) steps.push_back(now.step);
@@ -108,10 +108,10 @@ TEST_F(OutOfCore, TheLimitAloneChoosesBetweenMemoryAndDisk) {
 TEST_F(OutOfCore, RefusesWholeFilesBeyondTheLimit) {
   const fs::path path = folder_ / "m.obj";
   write_mesh(path, view_of(test::sphere_mesh(5)));
-  EXPECT_THROW((void)open_model_source(path, {}, 1000), ResourceError);
+  EXPECT_THROW((void)open_model_source(path, {}, 1000, 2), ResourceError);
   const auto scheduler = make_serial_scheduler();
   config_.memory_limit = std::uint64_t{1} << 20;
-  EXPECT_THROW((void)build_model(open_model_source(path, {}, config_.memory_limit), config_, *scheduler),
+  EXPECT_THROW((void)build_model(open_model_source(path, {}, config_.memory_limit, 2), config_, *scheduler),
                ResourceError);
 }
 

@@ -24,5 +24,15 @@ TEST(ByteSize, RefusesEverythingElse) {
     EXPECT_EQ(parse_byte_size(text), std::nullopt) << text;
 }
 
+TEST(ByteSize, ANeedIsNeverPrintedAsWhatThereIs) {
+  constexpr std::uint64_t mebibyte = 1u << 20;
+  EXPECT_EQ(needed_mebibytes(97 * mebibyte), "97 MiB");
+  EXPECT_EQ(needed_mebibytes(97 * mebibyte + 1), "98 MiB");
+  EXPECT_EQ(available_mebibytes(97 * mebibyte), "97 MiB");
+  EXPECT_EQ(available_mebibytes(98 * mebibyte - 1), "97.99 MiB");
+  for (const std::uint64_t available : {1000u, 5'000'000u, 101'711'871u, 101'711'872u})
+    EXPECT_NE(needed_mebibytes(available + 1), available_mebibytes(available));
+}
+
 }  // namespace
 }  // namespace lodestone
