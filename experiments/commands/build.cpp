@@ -6,15 +6,12 @@
 #include "core/base/error.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/command_line/trace_file.h"
+#include "experiments/commands/build_notes.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 
 namespace lodestone {
 namespace {
-
-// Stored triangles over those of the input: 4/3 for a surface that simplifies everywhere. A ratio above this one is
-// worth a note.
-constexpr double large_stored_ratio = 1.6;
 
 struct BuildOptions {
   std::string input, output, scratch, trace;
@@ -117,27 +114,6 @@ nlohmann::json to_json(const BuildResult& result, const Row& row, const BuildOpt
   return json;
 }
 
-void print_notes(const BuildResult& result, const BuildOptions& options, double stored_ratio) {
-  const Level& finest = result.hierarchy.levels.back();
-  print_warnings(result.warnings);
-  print_repairs(result.hierarchy.provenance.repairs);
-  if (finest.long_edges > 0)
-    fmt::print(
-        "note: {} half-edges of the input are longer than sigma0 h_L, the longest {:.1f} h_L; they cost triangles, not "
-        "correctness: --refine splits them\n",
-        finest.long_edges, finest.max_edge);
-  if (const auto& measured = result.measured; measured && measured->stopped > 0)
-    fmt::print(
-        "note: the errors of {} cells, full of needles, were measured as far as a limited amount of work goes: they are "
-        "bounds, at most {:.2g} h too large\n",
-        measured->stopped, measured->excess);
-  // A number of levels asked for may be too large for the model; one chosen by the program is not.
-  if (!options.levels && stored_ratio > large_stored_ratio)
-    fmt::print(
-        "note: little of this surface simplifies; `lodestone info {}` counts the edges that are kept as they are\n",
-        options.input);
-}
-
 void print(const BuildResult& result, const Row& row, const BuildOptions& options) {
   const auto number = [&](const char* column) { return row.at(column).get<double>(); };
   const Hierarchy& hierarchy = result.hierarchy;
@@ -155,7 +131,8 @@ void print(const BuildResult& result, const Row& row, const BuildOptions& option
                lattice.error() * hierarchy.transform.scale);
   fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", number("file_seconds"),
              number("file_cpu_seconds"), number("peak_bytes") * 1e-6, number("mtri_per_core_second"));
-  print_notes(result, options, number("stored_ratio"));
+  // A number of levels asked for may be too large for the model; one chosen by the program is not.
+  print_build_notes(result, options.levels ? 0 : number("stored_ratio"));
 }
 
 void run(const BuildOptions& options, const CommonOptions& common) {
@@ -207,9 +184,10 @@ OptionTable declare(BuildOptions& o) {
        {"--refine", &o.refine,
         "Split edges of the input longer than sigma0 h_L, both sides alike, so that the reach keeps its bound: for CAD "
         "models and filled holes; without it they are counted, and cost triangles when drawing"},
-       OptionSpec{"--refine-limit", &o.refine_limit,
-                  "Triangles that --refine may make, as a multiple of the input's; always 100,000. Levels are chosen so "
-                  "that this is enough"}
+       OptionSpec{
+           "--refine-limit", &o.refine_limit,
+           "Triangles that --refine may make, as a multiple of the input's; always 100,000. Levels are chosen so "
+           "that this is enough"}
            .between(1, 1e6)
            .only_with({"--refine"}),
        {"--measure-error", &o.measure,

@@ -1,0 +1,70 @@
+#include "experiments/commands/build_notes.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+
+#include "experiments/commands/command.h"
+#include "experiments/commands/input.h"
+
+namespace lodestone {
+namespace {
+
+// Stored triangles over those of the input: 4/3 for a surface that simplifies everywhere. A ratio above this one is
+// worth a note, if there is a cause.
+constexpr double large_stored_ratio = 1.6;
+// Of the vertices of a level, for a reason to be its cause.
+constexpr double large_share = 0.3;
+
+double percent(std::uint64_t part, std::uint64_t whole) {
+  return 100 * static_cast<double>(part) / static_cast<double>(std::max<std::uint64_t>(whole, 1));
+}
+
+}  // namespace
+
+std::string describe(const KeptVertices& kept, double stored_ratio, float sigma0) {
+  struct Cause {
+    std::uint64_t vertices;
+    std::string what, remedy;
+  };
+  const std::array<Cause, 5> causes{
+      {{kept.non_manifold, "are where more than two triangles meet at an edge or neighbours face against each other",
+        "repair the surface; info counts these edges"},
+       {kept.border, "are on borders of the surface, which is in small parts", "join parts that belong together"},
+       {kept.seams, "are on seams of texture coordinates, normals, colours or materials",
+        "--no-attributes simplifies the shape alone"},
+       {kept.distant, "are too far from their neighbours for the bound of how far vertices may move",
+        fmt::format("give a larger --sigma0 than {:g}, or more --cell-triangles", sigma0)},
+       {kept.shared, "are on borders of cells, where blocks lock them", "give more --cell-triangles"}}};
+  const Cause& cause = *std::ranges::max_element(causes, {}, &Cause::vertices);
+  if (percent(cause.vertices, kept.vertices) < 100 * large_share) return {};
+  return fmt::format(
+      "stored are {:.2f} times the triangles of the input, where 1.33 are usual: {:.0f} % of the vertices "
+      "that level {} keeps {}; {}",
+      stored_ratio, percent(cause.vertices, kept.vertices), kept.level, cause.what, cause.remedy);
+}
+
+void print_build_notes(const BuildResult& result, double stored_ratio) {
+  const Hierarchy& hierarchy = result.hierarchy;
+  const Level& finest = hierarchy.levels.back();
+  print_warnings(result.warnings);
+  print_repairs(hierarchy.provenance.repairs);
+  if (finest.long_edges > 0)
+    fmt::print(
+        "note: {} half-edges of the input are longer than sigma0 h_L, the longest {:.1f} h_L; they cost triangles, not "
+        "correctness: --refine splits them\n",
+        finest.long_edges, finest.max_edge);
+  if (const auto& measured = result.measured; measured && measured->stopped > 0)
+    fmt::print(
+        "note: the errors of {} cells, full of needles, were measured as far as a limited amount of work goes: they "
+        "are "
+        "bounds, at most {:.2g} h too large\n",
+        measured->stopped, measured->excess);
+  const bool has_payloads = !result.scratch;
+  if (stored_ratio > large_stored_ratio && has_payloads)
+    if (const std::string note = describe(find_kept(hierarchy), stored_ratio, hierarchy.sigma0); !note.empty())
+      fmt::print("note: {}\n", note);
+}
+
+}  // namespace lodestone
