@@ -18,7 +18,7 @@
 
 namespace lodestone {
 
-// Where the files are that a file names: names are relative to `path`.
+// A folder in which a file looks for the files that it names: names are relative to `path`.
 struct CompanionFolder {
   std::filesystem::path path;
   // Files outside of this folder, also by a symbolic link, are not read; nothing: files anywhere are.

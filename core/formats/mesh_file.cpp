@@ -1,5 +1,7 @@
 #include "core/formats/mesh_file.h"
 
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <new>
 #include <optional>
@@ -9,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
+#include "core/formats/common/float_range.h"
 #include "core/formats/gltf/gltf.h"
 #include "core/formats/obj/obj.h"
 #include "core/formats/plain/draco.h"
@@ -38,14 +41,39 @@ std::optional<MeshFormat> format_of_content(ByteReader& input) {
   if (head.starts_with("DRACO")) return MeshFormat::draco;
   if (head.starts_with("glTF")) return MeshFormat::gltf;
   if (head.substr(0, head.find_first_of(" \t\r\n")).ends_with("OFF")) return MeshFormat::off;
-  if (head.size() >= 84 && head.find('\0') != std::string_view::npos) {
-    if (is_binary_stl(head, input.size())) return MeshFormat::stl;
+  if (head.size() >= stl_header_bytes && head.find('\0') != std::string_view::npos) {
+    // Files of other kinds have zeros as well: only one that holds all of its facets is told from them.
+    if (is_complete_stl(head, input.size())) return MeshFormat::stl;
   } else if (head.starts_with("solid")) {
     return MeshFormat::stl;
   } else if (head.starts_with("v ") || head.find("\nv ") != std::string_view::npos) {
     return MeshFormat::obj;
   }
   return std::nullopt;
+}
+
+// Bare heights of tiles that are known by their size: SRTM under another name, SRTM30 and GTOPO30 (.dem).
+struct KnownGrid {
+  std::uint64_t width, height;
+  const char* spacing;
+};
+std::optional<KnownGrid> grid_of_size(std::uint64_t bytes) {
+  constexpr std::array<KnownGrid, 4> known{
+      {{1201, 1201, "90"}, {3601, 3601, "30"}, {4800, 6000, "930"}, {7200, 3600, "930"}}};
+  for (const KnownGrid& grid : known)
+    if (bytes == 2 * grid.width * grid.height) return grid;
+  return std::nullopt;
+}
+
+[[noreturn]] void fail_unknown(const ByteReader& input) {
+  std::string remedy =
+      "give a .ply, .obj, .stl, .off, .drc, .glb, .gltf, .hgt or .asc file, or a tileset.json; or give --grid";
+  if (const auto grid = grid_of_size(input.size())) {
+    const std::string size = std::to_string(grid->width) + "x" + std::to_string(grid->height);
+    remedy = "its size is that of " + size + " heights of 2 bytes: give --grid " + size + ":i16be:" + grid->spacing;
+    if (grid->width == grid->height) remedy += ", or name it as an SRTM tile by its corner, such as N49W124.hgt";
+  }
+  throw UnsupportedError(describe(input.name(), "", "is not of a known mesh format", remedy));
 }
 
 bool is_hierarchy(ByteReader& input) { return input.window(8).starts_with("\x93LODE"); }
@@ -75,9 +103,7 @@ MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input, con
         describe(input.name(), "", "is a hierarchy (.lode), not a mesh", "give the mesh that it was built from"));
   if (config.raw_grid) return MeshFormat::raw_grid;
   if (const auto format = format_of_content(input)) return *format;
-  throw UnsupportedError(describe(
-      input.name(), "", "is not of a known mesh format",
-      "give a .ply, .obj, .stl, .off, .drc, .glb, .gltf, .hgt or .asc file, or a tileset.json; or give --grid"));
+  fail_unknown(input);
 }
 
 RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config) {
@@ -148,6 +174,21 @@ void throw_out_of_memory(const std::string& name) {
   throw ResourceError(describe(name, "", "there is not enough memory to read it", "give a smaller mesh"));
 }
 
+namespace {
+
+// Positions in glTF are relative to the middle of the model, so that only its size counts.
+void require_float_range(const MeshView& mesh, const std::string& name) {
+  const Box3d box = box_of(mesh);
+  const Vec3d middle = 0.5 * (box.lo + box.hi);
+  const FloatRounding rounding = float_rounding({box.lo - middle, box.hi - middle});
+  if (mesh.vertex_count > 0 && (rounding.destroys() || !is_finite(middle) || !is_finite(to_double(to_float(middle)))))
+    throw InputError(describe(name, "",
+                              "the model is " + rounding.so() + " that glTF, which has float32 alone, cannot hold it",
+                              "write a .ply or .obj file"));
+}
+
+}  // namespace
+
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
   const std::string extension = extension_of(path);
   if (extension != ".ply" && extension != ".obj" && extension != ".stl" && extension != ".glb")
@@ -161,6 +202,7 @@ std::vector<std::string> write_mesh(const std::filesystem::path& path, const Mes
   } else if (extension == ".obj") {
     write_obj(file, mesh, companions);
   } else if (extension == ".glb") {
+    require_float_range(mesh, path.string());
     file.write(encode_glb(mesh));
   } else if (std::string note = write_stl(file, mesh, path.string()); !note.empty()) {
     notes.push_back(std::move(note));

@@ -16,7 +16,7 @@ struct Interval {
   float low = 0, high = 0;
 };
 
-// What all but half a percent at each end lie in.
+// The interval that holds all values but half a percent at each end.
 Interval middle_of(std::vector<float>& values) {
   const auto place = [&](double share) {
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);

@@ -1,4 +1,4 @@
-// What float32 leaves of a model whose extent comes from a few vertices far away from all others.
+// The digits that float32 leaves to a model whose extent comes from a few vertices far away from all others.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,8 @@ struct CrowdedModel {
   Vec3d farthest;    // the vertex farthest from the middle of that box, in model units
 };
 
-// Of normalised positions; nothing if the model is at least 2^16 steps wide. Judged by a regular sample: some 0.1 ms.
+// Positions are normalised. Returns nothing if the model is at least 2^16 steps wide. Judges by a regular sample in 0.1
+// ms.
 [[nodiscard]] std::optional<CrowdedModel> find_crowded(std::span<const Vec3f> positions, const Transform& transform);
 
 // A note for people, with the remedy.

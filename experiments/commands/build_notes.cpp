@@ -14,7 +14,7 @@ namespace {
 // Stored triangles over those of the input: 4/3 for a surface that simplifies everywhere. A ratio above this one is
 // worth a note, if there is a cause.
 constexpr double large_stored_ratio = 1.6;
-// Of the vertices of a level, for a reason to be its cause.
+// A reason that holds for this share of a level's vertices is named as the cause.
 constexpr double large_share = 0.3;
 
 double percent(std::uint64_t part, std::uint64_t whole) {

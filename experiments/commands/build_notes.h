@@ -1,4 +1,4 @@
-// What `build` says about a model beside its figures: repairs, losses, and why it is larger than others.
+// Notes of `build` on a model: repairs, losses, and the cause if it is larger than others.
 #pragma once
 
 #include <string>

@@ -60,7 +60,7 @@ std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiC
     camera.target = hierarchy.transform.to_model(hierarchy.cells[view.cell].positions[view.vertex]);
     cameras.push_back(camera);
   }
-  if (cameras.empty()) throw InputError("no vertex of this hierarchy is shared between cells: it cannot crack");
+  if (cameras.empty()) throw InputError(why_no_adversary(hierarchy));
   if (cameras.size() > static_cast<std::size_t>(frames)) cameras.resize(static_cast<std::size_t>(frames));
   return cameras;
 }

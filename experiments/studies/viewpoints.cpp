@@ -62,7 +62,7 @@ std::vector<Shot> adversarial_pairs(const Hierarchy& hierarchy, const Radii& rad
     camera.position = hierarchy.transform.to_model(view.across);
     shots.push_back({camera, true});
   }
-  if (shots.empty()) throw InputError("no vertex of this hierarchy is shared between cells: it cannot crack");
+  if (shots.empty()) throw InputError(why_no_adversary(hierarchy));
   if (shots.size() > static_cast<std::size_t>(frames)) shots.resize(static_cast<std::size_t>(frames));
   return shots;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <limits>
 
 #include "core/base/error.h"
 #include "render/camera/light_view.h"
@@ -140,8 +141,11 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   camera_ = camera;
   if (rests && !streamed) return false;
   frame_.settings = config.settings;
-  frame_.settings.fog.density *= static_cast<float>(unit_);
-  frame_.settings.ambient_occlusion.radius /= static_cast<float>(unit_);
+  // In double: the unit may be beyond the range of float, and a density of 0 is 0 then, too.
+  constexpr double longest_radius = std::numeric_limits<float>::max();
+  frame_.settings.fog.density = static_cast<float>(double{config.settings.fog.density} * unit_);
+  frame_.settings.ambient_occlusion.radius =
+      static_cast<float>(std::min(double{config.settings.ambient_occlusion.radius} / unit_, longest_radius));
   frame_.lens = view.lens();
   frame_.size = config.size;
   frame_.samples = config.samples;

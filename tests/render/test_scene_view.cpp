@@ -112,6 +112,24 @@ TEST(SceneView, ModelsOfVeryDifferentSizes) {
   EXPECT_GT(covered(0, size.height), seen_alone + 500);  // the large one behind it
 }
 
+// Powers of two, so that nothing is rounded otherwise.
+TEST(SceneView, UnitsBeyondTheRangeOfFloatMakeTheSamePicture) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView usual(scene_of_one(), {{&torus()}});
+  const Image expected = draw(usual, camera, *renderer);
+  for (const double scale : {0x1p-600, 0x1p130, 0x1p600}) {
+    Hierarchy model = torus();
+    model.transform.scale *= scale;
+    model.transform.origin = scale * model.transform.origin;
+    SceneView view(scene_of_one(), {{&model}});
+    Camera from = camera;
+    from.position = scale * from.position;
+    from.target = scale * from.target;
+    EXPECT_EQ(draw(view, from, *renderer).rgba, expected.rgba) << scale;
+  }
+}
+
 TEST(SceneView, ACameraAtRestDoesNothing) {
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
+#include "core/formats/common/float_range.h"
 #include "core/formats/common/polygon_fan.h"
 
 namespace lodestone {
@@ -62,20 +63,24 @@ Vec3d unit_normal(Vec3d a, Vec3d b, Vec3d c) {
   return size > 0 ? (1 / size) * normal : Vec3d{};  // readers compute a normal that is (0, 0, 0)
 }
 
-// A note on the rounding of coordinates far from the origin, if it exceeds the one that every vertex has in memory.
+// A note on the rounding of coordinates, if it exceeds the one that every vertex has in memory: far from the origin, or
+// near the ends of the range of float.
 std::string rounding_note(const MeshView& mesh, const std::string& name) {
-  constexpr double kept = 0x1p-22, tolerable = 1e-4;  // of the longest extent
-  const auto [lo, hi] = box_of(mesh);
-  const double extent = std::max({hi.x - lo.x, hi.y - lo.y, hi.z - lo.z});
-  const double largest = std::max({-lo.x, -lo.y, -lo.z, hi.x, hi.y, hi.z});
-  const double moved = largest > std::numeric_limits<float>::max() ? largest : 0x1p-24 * largest;
-  if (mesh.vertex_count == 0 || !(moved > kept * extent)) return {};
+  constexpr double kept = 0x1p-22;  // of the longest extent
+  if (mesh.vertex_count == 0) return {};
+  const FloatRounding rounding = float_rounding(box_of(mesh));
+  if (!(rounding.moved > kept * rounding.extent)) return {};
   std::ostringstream text;
   text.precision(2);
-  text << "the model is so far from the origin that STL, which has float32 alone, moves its vertices by up to " << moved
-       << " (" << 100 * moved / extent << " % of its extent)";
-  const std::string remedy = "write a .ply, .obj or .glb file";
-  if (moved > tolerable * extent) throw InputError(describe(name, "", text.str(), remedy));
+  text << "the model is " << rounding.so() << " that STL, which has float32 alone, ";
+  if (rounding.moved < rounding.largest) {
+    text << "moves its vertices by up to " << rounding.moved << " (" << 100 * (rounding.moved / rounding.extent)
+         << " % of its extent)";
+  } else {
+    text << "cannot hold it";
+  }
+  const std::string remedy = rounding.is_far() ? "write a .ply, .obj or .glb file" : "write a .ply or .obj file";
+  if (rounding.destroys()) throw InputError(describe(name, "", text.str(), remedy));
   return describe(name, "", text.str(), remedy);
 }
 
@@ -150,6 +155,11 @@ bool is_binary_stl(std::string_view head, std::uint64_t size) {
   // The size fits no facet count, so it is text or damaged; text has no zero bytes, and the header of a binary file
   // that begins with "solid" is padded with them.
   return !begins_with_solid(head) || head.find('\0') != std::string_view::npos;
+}
+
+bool is_complete_stl(std::string_view head, std::uint64_t size) {
+  const std::uint64_t facets = declared_stl_facets(head);
+  return facets > 0 && size >= stl_header_bytes + stl_facet_bytes * facets;
 }
 
 RawMesh read_stl(ByteReader& input) {

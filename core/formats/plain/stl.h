@@ -17,8 +17,8 @@ namespace lodestone {
 [[nodiscard]] RawMesh read_stl(ByteReader& input);
 
 // Writes binary STL, with normals; `name` stands for the file in messages. Returns a note if float32 moves vertices by
-// more than 2^-22 of the model's longest extent, otherwise an empty text. Throws InputError if it moves them by more than
-// 1e-4 of that, ResourceError for more triangles than the format can count.
+// more than 2^-22 of the model's longest extent, otherwise an empty text. Throws InputError if it moves them by more
+// than 1e-4 of that, ResourceError for more triangles than the format can count.
 [[nodiscard]] std::string write_stl(AtomicFile& file, const MeshView& mesh, const std::string& name);
 
 // The parts of a binary file, for parallel readers: 84 bytes of header, then records of a normal, three corners and
@@ -28,6 +28,8 @@ inline constexpr std::size_t stl_facet_bytes = 50;
 
 // True for the first bytes of a binary STL file of this size.
 [[nodiscard]] bool is_binary_stl(std::string_view head, std::uint64_t size);
+// The same, but only if the file holds all the facets that it declares, and at least one.
+[[nodiscard]] bool is_complete_stl(std::string_view head, std::uint64_t size);
 // The number of facets in the first 84 bytes.
 [[nodiscard]] inline std::uint64_t declared_stl_facets(std::string_view head) {
   return load<std::uint32_t>(head.data() + 80);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
+
+#include "core/base/error.h"
 
 namespace lodestone {
 namespace {
@@ -117,6 +120,17 @@ std::vector<AdversarialView> adversarial_views(const Hierarchy& hierarchy, const
     views.insert(views.end(), found.begin(), found.end());
   }
   return views;
+}
+
+std::string why_no_adversary(const Hierarchy& hierarchy) {
+  const std::string remedy =
+      "look at it with --camera orbit, or build it with smaller cells (--cell-triangles, --levels)";
+  if (hierarchy.levels.size() <= 2)
+    return describe("", "",
+                    "a hierarchy of one or two levels draws cells of one level only: it cannot crack, and no viewpoint "
+                    "is adversarial",
+                    remedy);
+  return describe("", "", "no vertex of this hierarchy is shared between cells: it cannot crack", remedy);
 }
 
 }  // namespace lodestone

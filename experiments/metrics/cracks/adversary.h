@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
@@ -38,5 +39,7 @@ struct AdversaryConfig {
 // cell, or L < 2, has none.
 [[nodiscard]] std::vector<AdversarialView> adversarial_views(const Hierarchy& hierarchy, const Radii& radii,
                                                              const AdversaryConfig& config = {});
+// Why there are none.
+[[nodiscard]] std::string why_no_adversary(const Hierarchy& hierarchy);
 
 }  // namespace lodestone

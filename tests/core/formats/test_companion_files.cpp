@@ -68,33 +68,38 @@ fs::path buffer_of_tile(const TestFolder& folder, const std::string& name) {
   return tile(folder, "sub/t.gltf");
 }
 
+enum class Outcome { error, warning };
+enum class Names { plain, escaped };  // with %XX
+
 struct Kind {
   const char* what;
   MakeModel make;
   std::string secret;  // what the file holds
-  bool is_warning;     // instead of an error
-  bool escapes;        // names have %XX
+  Outcome outcome;     // of a file that is not read
+  Names names;
 };
 
 const std::string png = "\x89PNG\r\n\x1a\n";
 
 std::vector<Kind> kinds() {
   const std::string model = triangle_file().glb(), buffer = triangle_file().binary;
-  return {{"buffer of glTF", gltf_buffer, buffer, false, true},
-          {"image of glTF", gltf_image, png, true, true},
-          {"library of OBJ", obj_library, "newmtl m\nKd 0 0 0\n", true, false},
-          {"image of OBJ", obj_image, png, true, false},
-          {"image of PLY", ply_image, png, true, false},
-          {"tile", tile, model, false, true},
-          {"tile of a tileset below", tile_of_inner, model, false, true},
-          {"buffer of a tile", buffer_of_tile, buffer, false, true}};
+  using enum Outcome;
+  using enum Names;
+  return {{"buffer of glTF", gltf_buffer, buffer, error, escaped},
+          {"image of glTF", gltf_image, png, warning, escaped},
+          {"library of OBJ", obj_library, "newmtl m\nKd 0 0 0\n", warning, plain},
+          {"image of OBJ", obj_image, png, warning, plain},
+          {"image of PLY", ply_image, png, warning, plain},
+          {"tile", tile, model, error, escaped},
+          {"tile of a tileset below", tile_of_inner, model, error, escaped},
+          {"buffer of a tile", buffer_of_tile, buffer, error, escaped}};
 }
 
 // The names that lead from "in" to "out/file.glb"; the last is a symbolic link.
 std::vector<std::string> ways_out(const TestFolder& folder, const Kind& kind) {
   std::vector<std::string> names{"../out/file.glb", "sub/../../out/file.glb", "link.glb"};
-  if (kind.escapes) names.push_back("%2e%2e/out/file.glb");
-  if (kind.escapes) names.push_back("..%2Fout%2ffile.glb");
+  if (kind.names == Names::escaped) names.push_back("%2e%2e/out/file.glb");
+  if (kind.names == Names::escaped) names.push_back("..%2Fout%2ffile.glb");
   if (!std::string(kind.what).ends_with("tile") && !std::string(kind.what).ends_with("below")) {
     names.push_back(folder.path().string() + "/out/file.glb");
     names.push_back("file://" + folder.path().string() + "/out/file.glb");
@@ -102,7 +107,7 @@ std::vector<std::string> ways_out(const TestFolder& folder, const Kind& kind) {
   return names;
 }
 
-// Of the materials, magenta where the texture is missing, white where the library is.
+// Colours of the materials: magenta if the texture is missing, white if the library is.
 std::vector<std::array<float, 4>> colours_of(const RawMesh& mesh) {
   std::vector<std::array<float, 4>> colours;
   for (const Material& material : mesh.materials) colours.push_back(material.base_colour);
@@ -120,7 +125,7 @@ TEST(CompanionFiles, NothingOutsideOfTheModelsFolderIsReadUnlessAllowed) {
     for (const std::string& name : ways_out(folder, kind)) {
       const fs::path model = kind.make(folder, name);
       const std::string label = kind.what + (": " + name);
-      if (kind.is_warning) {
+      if (kind.outcome == Outcome::warning) {
         const RawMesh mesh = read_mesh(model);
         expect_warning(mesh, {"outside of the model's folder", "--allow-outside"});
         EXPECT_TRUE(mesh.textures.empty()) << label;

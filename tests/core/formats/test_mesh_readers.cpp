@@ -247,6 +247,21 @@ TEST(MeshFile, ChoosesByExtensionThenByContent) {
         {name + ": is a hierarchy (.lode), not a mesh; give the mesh that it was built from"});
 }
 
+// Numbers alone pass for the facets of a damaged STL; their count tells some of them.
+TEST(MeshFile, BareHeightsOfAnUnknownNameNeedTheirGrid) {
+  std::string heights(2 * 1201 * 1201, '\0');
+  for (std::size_t i = 0; i < heights.size(); ++i) heights[i] = static_cast<char>(i * 7);
+  const auto format = [&](const std::string& name) {
+    ByteReader input({heights.data(), heights.size()}, name);
+    return mesh_format(name, input);
+  };
+  expect_error_of<UnsupportedError>([&] { return format("a.dem"); },
+                                    {"a.dem", "--grid 1201x1201:i16be:90", "N49W124.hgt"});
+  EXPECT_EQ(format("N49W124.hgt"), MeshFormat::hgt);
+  heights.resize(5000);
+  expect_error_of<UnsupportedError>([&] { return format("a.dem"); }, {"not of a known mesh format", "or give --grid"});
+}
+
 TEST(MeshFile, FilesThatCannotBeReadAreFileErrors) {
   expect_error_of<FileError>([] { return read_mesh("no/such/file.ply"); }, {"no/such/file.ply", "cannot open"});
   const TestFolder folder;

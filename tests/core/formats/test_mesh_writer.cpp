@@ -63,6 +63,21 @@ TEST_F(MeshWriterTest, StlSaysWhatItLosesFarFromTheOrigin) {
   EXPECT_FALSE(fs::exists(folder_ / "lost.stl"));
 }
 
+// Formats that have float32 alone refuse what it cannot hold; the others keep it.
+TEST_F(MeshWriterTest, SizesBeyondFloat) {
+  for (const double scale : {1e-200, 1e-44, 1e37, 1e160}) {
+    RawMesh mesh = strip(0);
+    for (Vec3d& p : mesh.positions) p = scale * p;
+    for (const char* name : {"a.stl", "a.glb"})
+      expect_error_of<InputError>([&] { return write_mesh(folder_ / name, view_of(mesh)); },
+                                  {name, scale < 1 ? "so small" : "so large", ".ply or .obj"}, std::to_string(scale));
+    for (const char* name : {"a.ply", "a.obj"}) {
+      write_mesh(folder_ / name, view_of(mesh));
+      EXPECT_NEAR(read_mesh(folder_ / name).positions[9999].x / mesh.positions[9999].x, 1, 1e-6) << name << scale;
+    }
+  }
+}
+
 TEST_F(MeshWriterTest, StlHoldsTheCornersAndUnitNormals) {
   const RawMesh mesh = strip(0);
   write_mesh(folder_ / "a.stl", view_of(mesh));

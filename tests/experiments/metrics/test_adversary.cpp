@@ -78,6 +78,9 @@ TEST(Adversary, HasNothingToTearInOneCell) {
     const NaiveHierarchy built = naive_hierarchy(sphere_mesh(8), levels, sigma0);
     EXPECT_TRUE(
         adversarial_views(built.hierarchy, per_level_radii(built.hierarchy, DistanceMetric::euclidean)).empty());
+    const std::string why = why_no_adversary(built.hierarchy);
+    for (const char* part : {"cells of one level only", "--camera orbit", "--cell-triangles"})
+      EXPECT_NE(why.find(part), std::string::npos) << why;
   }
 }
 
