@@ -156,7 +156,7 @@ const std::vector<Column<ReconstructResult>>& columns() {
         accuracy},
        [](R r) { return rms_of(r, r.seen); }},
       {{"coverage", "%",
-        "share of the surface that any of 518 directions sees from outside that has the result within a sample's "
+        "share of the surface that any of 582 directions sees from outside that has the result within a sample's "
         "spacing, however few see it",
         accuracy},
        [](R r) { return r.coverage ? Row(100 * r.coverage->share) : Row(); }},

@@ -151,7 +151,7 @@ PAGES = [
               "most, then simplified. `seen`: distance of what pictures of the input show from the result; `shown`: of what "
               "pictures of the result show from the input. meshoptimizer runs on one thread."),
     ], "`seen` is the share of pixels of pictures from all directions whose point has the result within a sample's spacing; "
-       "coverage counts all that any of 518 directions sees alike, however few see it. "
+       "coverage counts all that any of 582 directions sees alike, however few see it. "
        "`inside`: views whose near plane lies beyond what is in the way."),
     Page("rendering", [
         Table("Tolerance and backend", ("tolerance",),

@@ -135,6 +135,16 @@ std::vector<MergeView> connect_maps(DrawnMaps& drawn, const ReconstructConfig& c
   return views;
 }
 
+// A choice of views that is no finer than what will be drawn: two samples for a pixel of a face, up to what the
+// choice asks for.
+ViewChoice sampled_for(const ReconstructConfig& config) {
+  ViewChoice choice = config.views;
+  const double pixels = config.resolution * config.resolution;
+  choice.samples = std::min(choice.samples, std::max<std::uint64_t>(4000, static_cast<std::uint64_t>(2 * pixels)));
+  choice.resolution = std::min(choice.resolution, static_cast<int>(std::lround(2 * config.resolution)));
+  return choice;
+}
+
 // Maps for a shell: the space that they see to be free is the same for any parts, borders and orientation.
 DrawnMaps draw_even_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
                          Scheduler& scheduler) {
@@ -243,7 +253,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   if (config.views.prescribes_faces())
     report.views.directions = face_directions();
   else
-    report.views = choose_views(mesh, config.views, scheduler);
+    report.views = choose_views(mesh, sampled_for(config), scheduler);
   report.choose = choose_clock.elapsed();
 
   const CpuClock draw_clock;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/spatial/triangle_bvh.h"
 #include "render/position_map/rasterize_map.h"
@@ -11,6 +13,9 @@
 
 namespace lodestone {
 namespace {
+
+// Directions, spread over the sphere, that come before all of the candidates: they leave few samples for those.
+constexpr int first_candidates = 64;
 
 // Samples spread over the area: every sample represents the same share of it.
 std::vector<SurfacePoint> sample_surface(const IndexedMesh& mesh, std::uint64_t count) {
@@ -54,49 +59,98 @@ float cosine_in(const PositionMap& map, const SurfacePoint& sample) {
 
 using Cosines = std::vector<float>;  // one per sample
 
-std::vector<Cosines> draw_faces(const IndexedMesh& mesh, const std::vector<SurfacePoint>& samples, int resolution,
-                                Scheduler& scheduler) {
-  Box3f box;
-  for (const Vec3f& p : mesh.positions) box.extend(p);
-  std::vector<Cosines> seen;
-  for (const Vec3d& direction : face_directions()) {
-    const PositionMap map =
-        rasterize_map(mesh, orthographic_view(box, direction, 1.0 / resolution), {.surface = false}, scheduler);
-    Cosines& own = seen.emplace_back(samples.size());
-    scheduler.for_chunks(samples.size(), 4096, [&](ChunkRange range) {
-      for (std::size_t s = range.begin; s < range.end; ++s) own[s] = cosine_in(map, samples[s]);
-    });
-  }
-  return seen;
-}
+// Samples that a direction sees, and how steeply.
+struct Sight {
+  std::span<const std::uint32_t> samples;
+  std::span<const float> cosine;  // of each of them
+};
 
-// From which of the directions each of the points is seen: the cosine, 0 where something is in between.
-std::vector<Cosines> measure_cosines(const IndexedMesh& mesh, std::span<const SurfacePoint> points,
-                                     std::span<const Vec3d> directions, Scheduler& scheduler) {
-  std::vector<Cosines> seen(directions.size(), Cosines(points.size(), 0.0f));
-  if (points.empty() || directions.empty()) return seen;
-  std::vector<Vec3d> positions;
-  positions.reserve(mesh.positions.size());
-  for (const Vec3f& p : mesh.positions) positions.push_back(to_double(p));
-  const TriangleBvh bvh(positions, mesh.triangles);
-  // A ray is not blocked by the triangle that it starts on, even if that exists twice.
-  constexpr double least = 1e-5;
-  scheduler.for_chunks(points.size(), 16, [&](ChunkRange range) {
-    for (std::size_t s = range.begin; s < range.end; ++s)
-      for (std::size_t k = 0; k < directions.size(); ++k)
-        if (std::isinf(bvh.meet(points[s].point, -1 * directions[k], least, TriangleBvh::Hit::any_will_do)))
-          seen[k][s] = static_cast<float>(std::abs(dot(to_double(points[s].normal), directions[k])));
-  });
-  return seen;
-}
+// Candidate directions in stages: each looks only at the samples that no stage before it sees well.
+class CandidateSights {
+ public:
+  CandidateSights(std::span<const SurfacePoint> samples, float well)
+      : samples_(samples), well_(well), best_(samples.size()) {}
+
+  // The six faces, by maps.
+  void add_maps(const IndexedMesh& mesh, int resolution, Scheduler& scheduler) {
+    Box3f box;
+    for (const Vec3f& p : mesh.positions) box.extend(p);
+    Stage& stage = begin(face_directions());
+    for (std::size_t k = 0; k < stage.cosine.size(); ++k) {
+      const PositionMap map = rasterize_map(mesh, orthographic_view(box, face_directions()[k], 1.0 / resolution),
+                                            {.surface = false}, scheduler);
+      scheduler.for_chunks(stage.samples.size(), 4096, [&](ChunkRange range) {
+        for (std::size_t s = range.begin; s < range.end; ++s)
+          stage.cosine[k][s] = cosine_in(map, samples_[stage.samples[s]]);
+      });
+    }
+    finish(stage);
+  }
+
+  // By rays from the samples; the cosine is 0 where something is in between.
+  void add_rays(const IndexedMesh& mesh, const std::vector<Vec3d>& directions, Scheduler& scheduler) {
+    Stage& stage = begin(directions);
+    if (stage.samples.empty() || directions.empty()) return;
+    if (!bvh_) make_tree(mesh);
+    // A ray is not blocked by the triangle that it starts on, even if that exists twice.
+    constexpr double least = 1e-5;
+    scheduler.for_chunks(stage.samples.size(), 16, [&](ChunkRange range) {
+      for (std::size_t s = range.begin; s < range.end; ++s) {
+        const SurfacePoint& sample = samples_[stage.samples[s]];
+        for (std::size_t k = 0; k < directions.size(); ++k)
+          if (std::isinf(bvh_->meet(sample.point, -1 * directions[k], least, TriangleBvh::Hit::any_will_do)))
+            stage.cosine[k][s] = static_cast<float>(std::abs(dot(to_double(sample.normal), directions[k])));
+      }
+    });
+    finish(stage);
+  }
+
+  [[nodiscard]] const std::vector<Vec3d>& directions() const { return directions_; }
+  // One for each direction, valid as long as this object.
+  [[nodiscard]] std::vector<Sight> sights() const {
+    std::vector<Sight> sights;
+    for (const Stage& stage : stages_)
+      for (const Cosines& cosine : stage.cosine) sights.push_back({stage.samples, cosine});
+    return sights;
+  }
+
+ private:
+  struct Stage {
+    std::vector<std::uint32_t> samples;
+    std::vector<Cosines> cosine;  // of each direction
+  };
+
+  Stage& begin(const std::vector<Vec3d>& directions) {
+    directions_.insert(directions_.end(), directions.begin(), directions.end());
+    Stage& stage = stages_.emplace_back();
+    for (std::uint32_t s = 0; s < samples_.size(); ++s)
+      if (best_[s] < well_) stage.samples.push_back(s);
+    stage.cosine.assign(directions.size(), Cosines(stage.samples.size(), 0.0f));
+    return stage;
+  }
+  void finish(const Stage& stage) {
+    for (const Cosines& cosine : stage.cosine)
+      for (std::size_t k = 0; k < cosine.size(); ++k)
+        best_[stage.samples[k]] = std::max(best_[stage.samples[k]], cosine[k]);
+  }
+  void make_tree(const IndexedMesh& mesh) {
+    std::vector<Vec3d> positions;
+    positions.reserve(mesh.positions.size());
+    for (const Vec3f& p : mesh.positions) positions.push_back(to_double(p));
+    bvh_.emplace(positions, mesh.triangles);
+  }
+
+  std::span<const SurfacePoint> samples_;
+  float well_;
+  std::vector<float> best_;  // cosine of each sample in any direction so far
+  std::vector<Vec3d> directions_;
+  std::deque<Stage> stages_;
+  std::optional<TriangleBvh> bvh_;
+};
 
 // Takes views until enough is covered. A candidate is known to see some of the samples, and how steeply.
 class GreedyChoice {
  public:
-  struct Sight {
-    std::span<const std::uint32_t> samples;
-    std::span<const float> cosine;  // of each of them
-  };
   GreedyChoice(const ViewChoice& choice, std::vector<Sight> sights, std::size_t samples, Scheduler& scheduler)
       : choice_(choice), sights_(std::move(sights)), scheduler_(scheduler), quality_(samples), best_(samples) {
     for (const Sight& sight : sights_)
@@ -183,29 +237,17 @@ std::vector<Vec3d> even_directions(int count) {
 
 ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler) {
   const std::vector<SurfacePoint> samples = sample_surface(mesh, choice.samples);
-  const std::vector<Cosines> faces = draw_faces(mesh, samples, choice.resolution, scheduler);
-  std::vector<std::uint32_t> all(samples.size()), hard;
-  std::iota(all.begin(), all.end(), 0u);
-  std::vector<SurfacePoint> hard_points;
-  for (const std::uint32_t s : all) {
-    const auto well = [&](const Cosines& face) { return face[s] >= choice.least_cosine; };
-    if (std::none_of(faces.begin(), faces.end(), well)) hard.push_back(s), hard_points.push_back(samples[s]);
-  }
-  const std::vector<Vec3d> others = sphere_directions(choice.candidates);
-  const std::vector<Cosines> seen = measure_cosines(mesh, hard_points, others, scheduler);
-
-  std::vector<Vec3d> directions = face_directions();
-  std::vector<GreedyChoice::Sight> sights;
-  for (const Cosines& face : faces) sights.push_back({all, face});
-  directions.insert(directions.end(), others.begin(), others.end());
-  for (const Cosines& c : seen) sights.push_back({hard, c});
-  GreedyChoice greedy(choice, std::move(sights), samples.size(), scheduler);
+  CandidateSights candidates(samples, choice.least_cosine);
+  candidates.add_maps(mesh, choice.resolution, scheduler);
+  if (choice.candidates > first_candidates) candidates.add_rays(mesh, sphere_directions(first_candidates), scheduler);
+  candidates.add_rays(mesh, sphere_directions(choice.candidates), scheduler);
+  GreedyChoice greedy(choice, candidates.sights(), samples.size(), scheduler);
 
   const double whole = std::max<double>(1, static_cast<double>(samples.size()));
   ChosenViews chosen;
-  for (const std::size_t k : greedy.run()) chosen.directions.push_back(directions[k]);
+  for (const std::size_t k : greedy.run()) chosen.directions.push_back(candidates.directions()[k]);
   std::size_t coverable = 0;
-  for (const std::uint32_t s : all) {
+  for (std::size_t s = 0; s < samples.size(); ++s) {
     if (greedy.best()[s] > 0) chosen.visible_points.push_back(samples[s].point);
     coverable += greedy.best()[s] >= choice.least_cosine;
   }

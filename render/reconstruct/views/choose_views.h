@@ -2,8 +2,9 @@
 //
 // Everything that can be seen from outside is seen by some parallel projection, so candidates are directions: the six
 // faces and a sphere of others. The samples of the surface that the faces see, and the angles, are found by drawing at
-// a low resolution; a sample that they see badly or not at all is tested from every candidate, along a ray. Then views
-// are taken greedily, each time the one that improves the largest number of samples.
+// a low resolution; a sample that they see badly or not at all is tested along rays from 64 directions, and from every
+// candidate what those see no better. Then views are taken greedily, each time the one that improves the largest number
+// of samples.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +24,8 @@ struct ViewChoice {
   double least_gain = 0.0002;  // of the area: a view that covers less is not worth drawing
   float least_cosine = 0.5f;   // between surface and view: below, an area is covered by a part of itself, in proportion
   int candidates = 512;        // directions besides the faces
-  std::uint64_t samples = 30'000;  // of the surface
-  int resolution = 256;            // pixels along the box's longest side, of the faces' maps
+  std::uint64_t samples = 30'000;  // of the surface, at most; reconstruct() takes fewer for few pixels
+  int resolution = 256;            // pixels along the box's longest side, of the faces' maps; likewise
   int inside = 12;                 // further views, with obstacles cut off (inside_views.h); 0: none
 
   // The six faces and no others: nothing needs to be measured.
