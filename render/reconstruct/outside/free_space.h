@@ -53,7 +53,7 @@ class FreeSpace {
     float least, largest;
   };
   struct Footprint;
-  // Of the surface that a pixel sees.
+  // Which side of the surface a pixel sees.
   enum class Side : std::uint8_t { front, back, back_through_hole };
   void find_backs(Scheduler& scheduler);
   void find_holes(Scheduler& scheduler);
