@@ -43,17 +43,17 @@ void ResidentCells::let_go(CellId parent) {
   went_.push_back(parent);
 }
 
-bool ResidentCells::update(const Radii& radii, Vec3f viewpoint) {
+void ResidentCells::update(const Radii& radii, Vec3f viewpoint) {
   came_.clear();
   went_.clear();
   for (const CellId parent : residency_.make_room()) let_go(parent);
   std::vector<LoadedFamily> loaded = stream_.collect();
   for (LoadedFamily& family : loaded)
     if (residency_.take_in(family.parent)) take_in(std::move(family));
-  const bool changing = residency_.update(radii, viewpoint);
-  // What is refused has taken room from the queue.
-  if (changing || !loaded.empty()) stream_.request(residency_.wanted(), residency_.room());
-  return changing;
+  const bool updated = residency_.update(radii, viewpoint);
+  if (updated) ++revision_;
+  // Refused families have taken room from the queue.
+  if (updated || !loaded.empty()) stream_.request(residency_.wanted(), residency_.room());
 }
 
 }  // namespace lodestone

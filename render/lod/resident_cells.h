@@ -26,8 +26,10 @@ class ResidentCells {
   [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
 
   // To be called before each frame's selection: adds loaded families, removes unused ones, and requests those that this
-  // view needs. Returns false if limits and cells are those of the last frame. Throws what a load has thrown.
-  bool update(const Radii& radii, Vec3f viewpoint);
+  // view needs. Throws what a load has thrown.
+  void update(const Radii& radii, Vec3f viewpoint);
+  // The number of updates that have changed cells or limits: at rest it stays, and an update costs nothing.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
   // Limits for selection and morph of the frame.
   [[nodiscard]] DetailLimits limits() const { return residency_.limits(); }
@@ -48,6 +50,7 @@ class ResidentCells {
   Residency residency_;
   std::unordered_map<CellId, std::unique_ptr<std::byte[]>> memory_;  // of resident families, by parent
   std::vector<CellId> came_, went_;
+  std::uint64_t revision_ = 0;
 };
 
 }  // namespace lodestone

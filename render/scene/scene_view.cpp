@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 #include "core/base/error.h"
 #include "render/camera/light_view.h"
@@ -94,14 +95,18 @@ void SceneView::freeze(bool frozen) {
 bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& camera,
                        std::span<const ViewConfig> beside) {
   ResidentCells& resident = *placed.open.resident;
-  // A cell that is limited for the largest radius of a level is limited for all views.
+  // A cell that is limited for the largest radius of a level is limited for all views. These ask for the same, so that
+  // none undoes what another has settled.
   Radii largest = placed.radii;
   for (const ViewConfig& other : beside) {
     const Radii radii = make_radii(resident.hierarchy(), for_picture(other.radii, other.size, camera.vertical_fov));
-    for (std::size_t l = 0; l < radii.select.size(); ++l)
+    for (std::size_t l = 0; l < radii.select.size(); ++l) {
       largest.select[l] = std::max(largest.select[l], radii.select[l]);
+      largest.band_begin[l] = std::min(largest.band_begin[l], radii.band_begin[l]);
+    }
   }
-  if (!resident.update(largest, model.morph.viewpoint)) return false;
+  resident.update(largest, model.morph.viewpoint);
+  if (std::exchange(placed.revision, resident.revision()) == resident.revision()) return false;
   const DetailLimits limits = resident.limits();
   const bool same = resident.came().empty() && resident.went().empty() && std::ranges::equal(placed.limits, limits);
   placed.limits.assign(limits.begin(), limits.end());

@@ -80,6 +80,7 @@ class SceneView {
     Appearance appearance;
     Radii radii;
     std::vector<DetailLimit> limits;  // of the frame
+    std::uint64_t revision = 0;       // of the streamed cells in it
     Selection selection, casters;
   };
   void place_models();

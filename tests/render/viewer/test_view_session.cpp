@@ -1,6 +1,7 @@
 // Files that open in the background, paths, screenshots, messages: the viewer without its window.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -98,6 +99,46 @@ TEST_F(Session, LargeFilesStream) {
     ASSERT_LE(drawing.model()->opened.resident_bytes(), 100'000u);
   }
 }
+
+// A budget for a part of what two views of a camera at rest need: they come to rest, and nothing is drawn any more.
+class SessionAtRest : public Session, public testing::WithParamInterface<const char*> {};
+
+TEST_P(SessionAtRest, DrawsNothingAgain) {
+  std::unique_ptr<Renderer> renderer;
+  try {
+    renderer = make_renderer(GetParam(), *scheduler_);
+  } catch (const UnsupportedError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  SessionConfig small = config();
+  small.load.memory_budget = 100'000;
+  ViewSession session(small, *scheduler_);
+  session.drawing().set_renderer(renderer.get());
+  session.open({lode_}, 0);
+  while (!session.loader()->ended()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_TRUE(session.collect(0));
+  ViewDrawing& drawing = session.drawing();
+  session.state.settings[0].pixel_error = 0.2f;
+  session.state.settings[1].pixel_error = 0.3f;
+  const ImageSize size{160, 120};
+  const std::vector<ViewDrawing::View> views{{0, size, size}, {1, size, size}};
+  const OpenScene& opened = drawing.model()->opened;
+  int last = 0;
+  for (int frame = 1; (frame < last + 100 || opened.resident_bytes() < 90'000) && frame < 5000; ++frame) {
+    for (const ViewDrawing::View& view : views)
+      if (drawing.draw(session.state, view, views)) last = frame;
+    std::this_thread::sleep_for(std::chrono::microseconds(100));  // for the loader
+  }
+  EXPECT_GT(last, 10);
+  EXPECT_LT(last, 4900);
+  EXPECT_FALSE(opened.complete());
+  const DetailLimits limits = opened.models().front().resident->limits();
+  EXPECT_GT(limits.size(), 0u);
+  for (const ViewDrawing::View& view : views)
+    EXPECT_TRUE(std::ranges::equal(drawing.frame(view.settings).only().morph.limits, limits));
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, SessionAtRest, testing::Values("soft", "gl"));
 
 TEST_F(Session, ScenesBringTheirModelsLooksAndCamera) {
   std::ofstream(folder_ / "two.toml") << R"(
