@@ -3,7 +3,7 @@
 import {execFileSync} from 'node:child_process';
 import {copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import path from 'node:path';
-import {fileURLToPath} from 'node:url';
+import {fileURLToPath, pathToFileURL} from 'node:url';
 import {check, crc32, differ, folder, keep, main, modules, open, run, writeTorus} from './browser.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url)), at = (...names) => path.join(folder, ...names);
@@ -189,6 +189,18 @@ async function testMissing(browser) {
   await empty.close();
 }
 
+async function testFromDisk(browser) {
+  const page = await browser.newPage();
+  await page.goto(pathToFileURL(at('one/index.html')).href);
+  await page.waitForSelector('#message:not([hidden])');
+  const text = await page.textContent('#text');
+  check(/^This page needs a web server: run `python3 -m http.server`/.test(text) && !text.includes('\n'), text);
+  await page.setInputFiles('#file', at('packed.glb'));
+  await page.waitForFunction(() => window.lodestone.models.length === 1);
+  check(true, 'files are opened all the same');
+  await page.close();
+}
+
 async function testNoWebGl(browser) {
   const {page, close} = await open(browser, 'one', {expected: /WebGL/, prepare: () => { HTMLCanvasElement.prototype.getContext = () => null; }});
   await page.waitForSelector('#message:not([hidden])');
@@ -197,4 +209,4 @@ async function testNoWebGl(browser) {
   await close();
 }
 
-await main(makeFiles, [testStockLoader, testSameLevel, testDrop, testRefused, testMissing, testNoWebGl]);
+await main(makeFiles, [testStockLoader, testSameLevel, testDrop, testRefused, testMissing, testFromDisk, testNoWebGl]);

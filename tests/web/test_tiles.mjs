@@ -1,6 +1,6 @@
 // Tiles on the page: levels by distance, over a slow line and under a budget of memory.
 // usage: node test_tiles.mjs PROGRAM PAGE MODULES
-import {copyFileSync, readdirSync, rmSync} from 'node:fs';
+import {copyFileSync, readFileSync, readdirSync, rmSync, writeFileSync} from 'node:fs';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
 import {check, differ, folder, keep, main, open, pageFolder, run, writeTorus} from './browser.mjs';
@@ -230,6 +230,23 @@ async function testMissing(browser) {
   await close();
 }
 
+// So is a tile whose numbers are none.
+async function testDamaged(browser) {
+  run('page', 'sphere.lode', '-o', 'numbers');
+  const finest = path.join(folder, 'numbers/models/sphere/2'), file = path.join(finest, readdirSync(finest).sort()[0]), bytes = readFileSync(file);
+  const length = bytes.readUInt32LE(12), json = JSON.parse(bytes.subarray(20, 20 + length).toString());
+  const accessor = json.accessors[json.meshes[0].primitives[0].attributes.POSITION];
+  bytes.writeFloatLE(NaN, 28 + length + (json.bufferViews[accessor.bufferView].byteOffset ?? 0) + (accessor.byteOffset ?? 0));
+  writeFileSync(file, bytes);
+  const {page, quiet, close} = await open(browser, 'numbers');
+  await page.waitForSelector('#message:not([hidden])');
+  await quiet();
+  const text = await page.textContent('#text');
+  check(/\.glb: vertices or triangles of the tile cannot be; the file is damaged$/.test(text) && !text.includes('\n'), text);
+  check((await page.evaluate(() => window.lodestone.cracks())).cracks === 0, 'no crack around it');
+  await close();
+}
+
 // Tilesets that cannot be shown at all.
 async function testRefused(browser) {
   run('export', 'sphere.lode', '--tiles', 'plain');
@@ -244,4 +261,4 @@ async function testRefused(browser) {
   }
 }
 
-await main(makeFiles, [testCracks, testExchanges, testSlowLine, testRest, testSlider, testMissing, testRefused]);
+await main(makeFiles, [testCracks, testExchanges, testSlowLine, testRest, testSlider, testMissing, testDamaged, testRefused]);

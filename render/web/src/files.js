@@ -9,6 +9,9 @@ export async function ask(url, signal) {
     answer = await fetch(url, {signal});
   } catch (error) {
     if (error.name === 'AbortError') throw error;
+    // Browsers let a page from the disk read no other file.
+    if (globalThis.location?.protocol === 'file:')
+      throw new Problem('This page needs a web server: run `python3 -m http.server` in its folder and open http://localhost:8000, or drop files here');
     throw new Problem(`${url}: cannot be reached`);
   }
   if (!answer.ok) throw new Problem(`${url}: cannot be loaded (${answer.status} ${answer.statusText})`);

@@ -32,8 +32,15 @@ export class Glb {
       throw new Error(`${this.name}: a part of the file lies beyond its end; the file is damaged`);
     const bytes = this.binary.subarray(from, from + part.byteLength);
     if (!packed) return {bytes, stride: view.byteStride};
+    // No codec makes more of a byte than a hundred; a count beyond that would only take memory.
+    if (!(packed.count * packed.byteStride <= 1024 * bytes.length + 65536))
+      throw new Error(`${this.name}: values do not fit into their part of the file; the file is damaged`);
     const out = new Uint8Array(packed.count * packed.byteStride);
-    MeshoptDecoder.decodeGltfBuffer(out, packed.count, packed.byteStride, bytes, packed.mode, packed.filter);
+    try {
+      MeshoptDecoder.decodeGltfBuffer(out, packed.count, packed.byteStride, bytes, packed.mode, packed.filter);
+    } catch {
+      throw new Error(`${this.name}: compressed values cannot be decoded; the file is damaged`);
+    }
     return {bytes: out, stride: view.byteStride};
   }
 
@@ -43,7 +50,7 @@ export class Glb {
     const {bytes, stride} = this.view(bufferView), Type = arrays[componentType], n = components[type];
     const size = Type.BYTES_PER_ELEMENT, step = stride ?? n * size;
     if (!(count >= 1 && byteOffset >= 0 && byteOffset + (count - 1) * step + n * size <= bytes.length))
-      throw new Error(`${this.name}: ${count} values do not fit into their part of the file; the file is damaged`);
+      throw new Error(`${this.name}: values do not fit into their part of the file; the file is damaged`);
     const out = new Type(n * count);
     const to = new Uint8Array(out.buffer);
     if (step === n * size) {

@@ -1,5 +1,6 @@
 // The computations of the page without the page, for tests and other programs.
 export {Tally, chooseFamilies, excess} from './family_choice.js';
+export {readMesh, reading} from './files.js';
 export {Glb, GlbDecoder, readProgressiveGlb} from './glb.js';
 export {Ladder} from './ladder.js';
 export {Levels} from './levels.js';

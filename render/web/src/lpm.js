@@ -24,8 +24,8 @@ const isTexture = ({type, wrap, thumbnail}) => typeof type === 'string' && Array
 // Checks what is read without a further look.
 function checkHeader(header, name) {
   const {version, vertices, groups, baseGroups, positionBits, uvBits, textures, materials} = header;
-  if (version !== 3) throw new Error(`${name}: version ${version} is not known`);
-  const holds = [vertices, groups, baseGroups, positionBits, uvBits].every(Number.isInteger) && baseGroups >= 0 &&
+  if (Number.isInteger(version) && version !== 3) throw new Error(`${name}: version ${version} is not known`);
+  const holds = [version, vertices, groups, baseGroups, positionBits, uvBits].every(Number.isInteger) && baseGroups >= 0 &&
     baseGroups <= groups && groups <= vertices && vertices < 2 ** 31 && [positionBits, uvBits].every((b) => b >= 4 && b <= 20) &&
     header.scale > 0 && header.origin.every(Number.isFinite) && textures.every(isTexture) &&
     materials.every((m) => isLayout(m.octahedral) && [m.texture, m.normalMap, m.objectNormals].every((t) => t == null || textures[t] !== undefined));

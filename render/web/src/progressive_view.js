@@ -98,13 +98,13 @@ export class ProgressiveView {
   async texture(index, colorSpace, layout, prepare = (image) => image) {
     const source = this.mesh.textures[index], before = this.images[index];
     if (!source?.bytes) return null;
-    if (before?.bytes === source.bytes.length) return before.texture;
+    if (before?.bytes === source.bytes.length && before.type === source.type) return before.texture;
     const bitmap = prepare(await this.decode(source, index));
     const texture = layout && isOctahedral(bitmap) ? octahedralTexture(bitmap, colorSpace, layout) : new THREE.Texture(bitmap);
     Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, wrapS: wraps[source.wrap[0]],
                             wrapT: wraps[source.wrap[1]], needsUpdate: true});
     if (before) this.outdated.push(before.texture);
-    this.images[index] = {texture, bytes: source.bytes.length};
+    this.images[index] = {texture, bytes: source.bytes.length, type: source.type};
     return texture;
   }
 

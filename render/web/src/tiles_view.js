@@ -1,7 +1,9 @@
 // A hierarchical level of detail in the scene: tiles by distance, as far as they are there and memory goes.
 import * as THREE from 'three';
+import {reading} from './files.js';
 import {Glb} from './glb.js';
 import {limitsNear} from './limits.js';
+import {Problem} from './problem.js';
 import {ResidentTiles} from './resident_tiles.js';
 import {TextureCache} from './texture_cache.js';
 import {LimitTexture, countingTileMaterial, tileMaterial} from './tile_material.js';
@@ -11,6 +13,14 @@ import {turnedBox} from './turn.js';
 const FAR = 3e38;  // for shaders, which need not know infinity
 // The share of its excess that a limit loses in a second is all but 0.0005, in a frame at most a fifth.
 const shareOf = (seconds) => Math.min(1 - Math.exp(-7.7 * seconds), 0.2);
+
+// Anything else would draw nothing, or all over the picture, without a word.
+function checkGeometry({attributes, index}, name) {
+  const {count} = attributes.position;
+  const holds = Object.values(attributes).every((a) => a.count === count) && index.array.every((v) => v < count) &&
+    ['position', 'parentPosition'].every((a) => attributes[a].array instanceof Float32Array && attributes[a].array.every(Number.isFinite));
+  if (!holds) throw new Problem(`${name}: vertices or triangles of the tile cannot be; the file is damaged`);
+}
 
 export class TilesView {
   // `request(url, signal)` resolves to bytes; `say(error)` is called for tiles that cannot be loaded.
@@ -50,12 +60,17 @@ export class TilesView {
   // Resolves to the bytes of the cell's arrays and of its textures. A cell without triangles has no file.
   async load(cell, signal) {
     if (cell.url === null) return {bytes: 0, textures: []};
+    return reading(cell.url, () => this.loadFile(cell, signal));
+  }
+
+  async loadFile(cell, signal) {
     const glb = new Glb(new Uint8Array(await this.request(cell.url, signal)), cell.url);
     await glb.ready;
     const primitives = glb.json.meshes[0].primitives;
     cell.taken = [];
     const looks = await Promise.all(primitives.map((p) => this.lookOf(cell, glb, p.material)));
     const geometry = this.makeGeometry(glb, primitives);
+    checkGeometry(geometry, glb.name);
     const range = new THREE.Vector2();
     const uniforms = {viewpoint: this.viewpoint, limitBoxes: this.limitBoxes.uniform, limitRange: {value: range}, ...this.bands[cell.level]};
     const common = {wireframe: this.wireframe, vertexColors: geometry.attributes.color !== undefined};

@@ -8,18 +8,28 @@ export const textureBytes = (texels) => Math.ceil(4 * texels * 4 / 3);
 
 const GUARD = 4e-6;  // relative, for the rounding of 32-bit floats in the shader
 
+const MOST_CELLS = 4e6;
+const isCount = (n) => Number.isInteger(n) && n >= 0 && n < 2 ** 32;
+const isBox = (b) => Array.isArray(b) && b.length === 6 && b.every(Number.isFinite) && [0, 1, 2].every((i) => b[i] <= b[i + 3]);
+const areFigures = ({sigma0, reach, error}) => sigma0 > 0 && Array.isArray(reach) && Array.isArray(error) && reach.length > 0 &&
+  reach.length === error.length && reach.every((r) => Number.isFinite(r?.euclidean)) && error.every(Number.isFinite);
+
 export async function loadTileset(url, fetchJson) {
   const json = await fetchJson(url), figures = json.extras?.lodestone;
   if (!figures) throw new Problem(`${url}: has no figures for morphing; export it with --morph`);
+  if (!areFigures(figures)) throw new Problem(`${url}: the figures of its levels contradict each other; the file is damaged`);
   const cells = [];
   // Large trees are cut into tilesets of their own, one folder below.
-  const visit = async (tile, base, parent) => {
+  const visit = async (tile, base, parent, cut = false) => {
     const content = tile.content?.uri;
-    if (content?.endsWith('.json')) {
+    if (content?.endsWith('.json') && !cut) {
       const at = new URL(content, base);
-      return visit((await fetchJson(at.href)).root, at, parent);
+      return visit((await fetchJson(at.href)).root, at, parent, true);
     }
-    const {level, bounds, vertices = 0, triangles = 0, textures = []} = tile.extras;
+    const {level, bounds, vertices = 0, triangles = 0, textures = []} = tile.extras ?? {};
+    const holds = level === (parent === null ? 0 : parent.level + 1) && level < figures.reach.length && isBox(bounds) &&
+      isCount(vertices) && isCount(triangles) && cells.length < MOST_CELLS;
+    if (!holds) throw new Problem(`${base.href}: level, box or counts of a tile cannot be; the file is damaged`);
     const cell = {level, bounds, vertices, triangles, parent, children: [], url: content ? new URL(content, base).href : null,
                   textures: textures.map((uri) => [new URL(uri, url).href, textureBytes(figures.texels?.[uri] ?? 0)])};
     cells.push(cell);
