@@ -8,9 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cassert>
 #include <cmath>
 #include <limits>
+
+#include "core/hierarchy/construct/moved_attributes.h"
 
 namespace lodestone {
 namespace {
@@ -44,6 +45,7 @@ class BlockBuilder {
         sigma0_(input.sigma0),
         attributes_(input.attributes),
         lattice_(input.lattice),
+        turn_normals_(input.turn_normals),
         s_(scratch) {}
 
   void merge() {
@@ -65,7 +67,7 @@ class BlockBuilder {
       return simplifier.simplify(
           {s_.positions, s_.triangles, s_.locked, bound, target, {}, {}, lattice_, {}, min_share});
     const SimplifyResult& result = s_.wedges.simplify(simplifier, bound, target, min_share, lattice_);
-    interpolate_attributes();
+    interpolate_attributes({s_.wedges.moved(), s_.triangles, s_.uv, s_.colours});
     return result;
   }
 
@@ -74,12 +76,14 @@ class BlockBuilder {
     if (search_) index_images(result);
     gather_members(result);
     if (attributes_.wedges) join_uses();
-    std::size_t vertex = 0, member = 0;
+    if (turn_normals_) begin_normals();
+    std::size_t vertex = 0;
     for (std::size_t i = 0; i < block_.parents.size(); ++i) {
-      const std::size_t end = member_end_[i];
-      make_parent(result, block_.parents[i], std::span(s_.members).subspan(member, end - member), vertex);
-      member = end;
+      make_parent(result, block_.parents[i], members_of(i), vertex);
+      if (turn_normals_) add_to_normals(parents_[block_.parents[i]], members_of(i));
     }
+    for (std::size_t i = 0; turn_normals_ && i < block_.parents.size(); ++i)
+      turn_normals(parents_[block_.parents[i]], members_of(i));
   }
 
  private:
@@ -176,33 +180,6 @@ class BlockBuilder {
     for (const std::uint32_t p : members) s_.used_by[p] = s_.vertex_used_by[vertex[p]];
   }
 
-  // Survivors that have moved get the attributes of their new place.
-  void interpolate_attributes() {
-    const std::span<const BlockWedges::Moved> moved = s_.wedges.moved();
-    s_.moved_uv.clear();
-    s_.moved_colours.clear();
-    for (const BlockWedges::Moved& m : moved) {
-      const auto& corner = s_.triangles[m.triangle].v;
-      const auto mean = [&](const auto& value) {
-        return m.weight[0] * value(corner[0]) + m.weight[1] * value(corner[1]) + m.weight[2] * value(corner[2]);
-      };
-      if (attributes_.uv)
-        s_.moved_uv.push_back(
-            {mean([&](std::uint32_t w) { return s_.uv[w].x; }), mean([&](std::uint32_t w) { return s_.uv[w].y; })});
-      if (attributes_.colours) {
-        const auto channel = [&](std::uint8_t Rgba8::*c) {
-          return static_cast<std::uint8_t>(mean([&](std::uint32_t w) { return static_cast<float>(s_.colours[w].*c); }) +
-                                           0.5f);
-        };
-        s_.moved_colours.push_back({channel(&Rgba8::r), channel(&Rgba8::g), channel(&Rgba8::b), channel(&Rgba8::a)});
-      }
-    }
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      if (attributes_.uv) s_.uv[moved[i].wedge] = s_.moved_uv[i];
-      if (attributes_.colours) s_.colours[moved[i].wedge] = s_.moved_colours[i];
-    }
-  }
-
   [[nodiscard]] static bool is_doubtful(std::span<const float> distance) {
     float largest = 0, sum = 0;
     for (const float d : distance) largest = std::max(largest, d), sum += d;
@@ -240,6 +217,12 @@ class BlockBuilder {
       });
       member_end_[i] = count;
     }
+  }
+
+  // Survivors that the i-th parent uses.
+  [[nodiscard]] std::span<const std::uint32_t> members_of(std::size_t i) const {
+    const std::size_t first = i > 0 ? member_end_[i - 1] : 0;
+    return std::span(s_.members).subspan(first, member_end_[i] - first);
   }
 
   // True if another cell of the parents' level uses the survivor: one of this block, or one of another block.
@@ -361,6 +344,25 @@ class BlockBuilder {
     }
   }
 
+  void begin_normals() {
+    BlockNormals::Block block;
+    block.survivors = std::span(s_.members).first(member_end_[block_.parents.size() - 1]);
+    block.normals = s_.normals;
+    if (attributes_.wedges) block.vertex = s_.wedges.vertex(), block.vertices = s_.wedges.vertices();
+    s_.coarse_normals.begin(block);
+  }
+  void add_to_normals(const CellBuild& parent, std::span<const std::uint32_t> members) {
+    s_.coarse_normals.add({members, s_.local, parent.slab.positions, parent.triangles});
+  }
+  // Not of locked vertices: other blocks have triangles at them, too. Their turn comes on the next level.
+  void turn_normals(CellBuild& parent, std::span<const std::uint32_t> members) {
+    std::size_t own = 0, shared = parent.first_shared();
+    for (const std::uint32_t p : members) {
+      PackedNormal& normal = parent.slab.normals[becomes_shared(p) ? shared++ : own++];
+      if (!s_.locked[p]) normal = s_.coarse_normals.turned(p);
+    }
+  }
+
   // Groups triangles by material, for drawing.
   void fill_attributes(std::span<const std::uint32_t> members, CellBuild& parent) {
     parent.vertex_ids.resize(members.size());
@@ -380,6 +382,7 @@ class BlockBuilder {
   float sigma0_;
   AttributeSet attributes_;
   Lattice lattice_;
+  bool turn_normals_;
   BlockScratch& s_;
   std::array<std::size_t, 8> member_end_{};  // of each parent's members
   bool search_ = false;                      // distances are searched for, not those of the simplifier

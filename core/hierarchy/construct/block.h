@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/key_numbers.h"
+#include "core/hierarchy/construct/block_normals.h"
 #include "core/hierarchy/construct/block_wedges.h"
 #include "core/hierarchy/construct/cell_build.h"
 #include "core/hierarchy/construct/cell_table.h"
@@ -32,8 +33,6 @@ struct BlockScratch {
   std::vector<UsageBox> vertex_usage;
   std::vector<std::uint8_t> vertex_used_by;
   std::vector<std::uint32_t> local_vertex;  // of each vertex of the parent being made
-  std::vector<Vec2f> moved_uv;
-  std::vector<Rgba8> moved_colours;
   // Vertices that cells share: their block ids, the union of their copies' usage, and how to find them.
   std::vector<std::uint32_t> shared;
   std::vector<UsageBox> usage;
@@ -44,6 +43,7 @@ struct BlockScratch {
   std::vector<std::uint32_t> local;     // of a survivor in the parent being made
   std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
   std::vector<Triangle> kept;           // of the parent being made; may be longer
+  BlockNormals coarse_normals;
   // For simplifiers that do not measure distances.
   std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
   StarDistance surface;          // of the images
@@ -56,6 +56,8 @@ struct BlockInput {
   float sigma0 = 0;
   AttributeSet attributes = {};
   Lattice lattice = {};  // vertices remain on it, if there is one
+  // Normals of the coarser level are turned towards its triangles; otherwise its vertices keep those that they have.
+  bool turn_normals = false;
 };
 
 // Fills the parents of the block and the `parents` arrays and displacement statistics of its cells, whose transient

@@ -1,0 +1,124 @@
+// Normals of coarse levels: near the surface that is left, one for a vertex, creases kept.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "tests/test_meshes.h"
+
+namespace lodestone {
+namespace {
+
+Hierarchy build(RawMesh raw) {
+  const auto scheduler = make_serial_scheduler();
+  Repairs repairs;
+  BuildConfig config;
+  config.finest_level = 4;
+  return build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler), config, *scheduler);
+}
+
+using Key = std::array<std::int64_t, 5>;
+Key key_of(const Cell& cell, std::uint32_t v) {
+  const auto lattice = [](float x) { return static_cast<std::int64_t>(std::ldexp(double{x}, 40)); };
+  const Vec3f p = cell.positions[v];
+  return {lattice(p.x), lattice(p.y), lattice(p.z), cell.normals[v].u, cell.normals[v].v};
+}
+
+// The angle between each vertex's normal and the mean of the triangles around it, of those that have that normal; on
+// the root, none of whose vertices another block locks. In degrees, the largest.
+double largest_angle(const Hierarchy& h) {
+  const Cell& root = h.cells[0];
+  std::map<Key, Vec3d> means;
+  for (const Triangle& t : root.triangles) {
+    const Vec3d a = to_double(root.positions[t.v[0]]), b = to_double(root.positions[t.v[1]]),
+                c = to_double(root.positions[t.v[2]]);
+    for (const std::uint32_t v : t.v) {
+      Vec3d& mean = means[key_of(root, v)];
+      mean = mean + cross(b - a, c - a);
+    }
+  }
+  double largest = 0;
+  for (std::uint32_t v = 0; v < root.positions.size(); ++v) {
+    const Vec3d mean = means[key_of(root, v)];
+    if (!(length(mean) > 0)) continue;
+    const double cosine = dot(to_double(unpack_normal(root.normals[v])), mean) / length(mean);
+    largest = std::max(largest, 57.29578 * std::acos(std::clamp(cosine, -1.0, 1.0)));
+  }
+  return largest;
+}
+
+// A plane with waves as steep as walls, too narrow for the root.
+RawMesh rough(bool charts) {
+  std::vector<Vec3d> positions;
+  RawMesh raw;
+  test::add_grid(
+      100, 100, false,
+      [](double x, double y) {
+        return Vec3d{x, y, 0.02 * std::sin(150 * x) * std::cos(130 * y)};
+      },
+      raw.positions, raw.triangles);
+  if (!charts) return raw;
+  std::uint32_t wedge = 0;
+  for (const Triangle& t : raw.triangles) {  // two charts of texture coordinates
+    double x = 0;
+    for (const std::uint32_t v : t.v) x += raw.positions[v].x / 3;
+    raw.wedges.corners.push_back({{wedge, wedge + 1, wedge + 2}});
+    wedge += 3;
+    for (const std::uint32_t v : t.v)
+      raw.wedges.uv.push_back({static_cast<float>(raw.positions[v].x + (x > 0.5 ? 10 : 0)), 0});
+  }
+  return raw;
+}
+
+TEST(BuildNormals, FollowTheSurfaceThatIsLeft) {
+  for (const bool charts : {false, true}) {
+    const Hierarchy h = build(rough(charts));
+    EXPECT_EQ(h.attributes.wedges, charts);
+    EXPECT_GT(h.cells[0].triangles.size(), 20u);
+    EXPECT_LE(largest_angle(h), 20.1);
+  }
+}
+
+// At seams of texture coordinates alone a vertex has one normal on every level, as on the finest.
+TEST(BuildNormals, SeamsDoNotShow) {
+  const Hierarchy h = build(rough(true));
+  for (const Cell& cell : h.cells) {
+    std::map<std::array<float, 3>, PackedNormal> normals;
+    std::size_t copies = 0;
+    for (std::uint32_t v = 0; v < cell.positions.size(); ++v) {
+      const Vec3f p = cell.positions[v];
+      const auto [at, is_new] = normals.try_emplace({p.x, p.y, p.z}, cell.normals[v]);
+      copies += !is_new;
+      ASSERT_TRUE(at->second == cell.normals[v]) << "position " << p.x << ' ' << p.y;
+    }
+    if (&cell == h.cells.data()) EXPECT_GT(copies, 0u);
+  }
+}
+
+// A cube whose sides have normals of their own.
+TEST(BuildNormals, CreasesStay) {
+  RawMesh raw;
+  test::add_cube(
+      24, [](Vec3d p) { return p; }, raw.positions, raw.triangles);
+  std::uint32_t wedge = 0;
+  for (const Triangle& t : raw.triangles) {
+    raw.wedges.corners.push_back({{wedge, wedge + 1, wedge + 2}});
+    wedge += 3;
+    const Vec3d n = cross(raw.positions[t.v[1]] - raw.positions[t.v[0]], raw.positions[t.v[2]] - raw.positions[t.v[0]]);
+    for (int k = 0; k < 3; ++k) raw.wedges.normal.push_back(to_float((1 / length(n)) * n));
+  }
+  const Hierarchy h = build(raw);
+  const Cell& root = h.cells[0];
+  for (const Triangle& t : root.triangles) {
+    const Vec3d a = to_double(root.positions[t.v[0]]);
+    const Vec3d n = cross(to_double(root.positions[t.v[1]]) - a, to_double(root.positions[t.v[2]]) - a);
+    for (const std::uint32_t v : t.v) EXPECT_GT(dot(n, to_double(unpack_normal(root.normals[v]))), 0.999 * length(n));
+  }
+}
+
+}  // namespace
+}  // namespace lodestone
