@@ -2,9 +2,10 @@
 // equal numbers of triangles.
 //
 // The shell's resolution is found by trying, which is not timed. meshoptimizer's remesher, where the library has one,
-// gets as many voxels as the shell has samples along the longest side, up to its limit, and what it makes is simplified
-// to the number by the same library. Accuracy is judged by what pictures from all around show: of the input, how far
-// from the result; and of the result, how far from the input, which finds what a result adds.
+// gets as many voxels as the shell has samples along the longest side, or twice or four times as many where they give
+// too few triangles, up to its limit; what it makes is simplified to the number by the same library. Accuracy is judged
+// by what pictures from all around show: of the input, how far from the result; and of the result, how far from the
+// input, which finds what a result adds.
 #include <algorithm>
 #include <cmath>
 
@@ -22,6 +23,8 @@
 
 namespace lodestone {
 namespace {
+
+constexpr int most_voxels = 256;  // of meshoptimizer's remesher, along the longest side
 
 std::vector<ParameterInfo> parameters() {
   return {
@@ -77,6 +80,7 @@ class ShellComparison {
 
   std::vector<Row> run() {
     choose_resolution();
+    if (has_meshoptimizer_remesher()) choose_voxels();
     std::vector<Way> ways = list_ways();
     for (int round = 0; round < parameters_.integer("rounds"); ++round)
       for (Way& way : ways) {
@@ -117,8 +121,15 @@ class ShellComparison {
   }
 
   [[nodiscard]] IndexedMesh remesh(const PeerMesh& whole) const {
-    const PeerMesh fine = remesh_with_meshoptimizer(whole, static_cast<int>(std::lround(config_.resolution)));
+    const PeerMesh fine = remesh_with_meshoptimizer(whole, voxels_);
     return mesh_of(fine.triangles.size() > target_ ? simplify_with_meshoptimizer(fine, target_) : fine);
+  }
+  // As many as the shell has samples, doubled until they give the triangles that are asked for.
+  void choose_voxels() {
+    const PeerMesh whole{mesh_.positions, mesh_.triangles, {}};
+    voxels_ = static_cast<int>(std::lround(config_.resolution));
+    while (voxels_ < most_voxels && remesh_with_meshoptimizer(whole, voxels_).triangles.size() < target_)
+      voxels_ = std::min(2 * voxels_, most_voxels);
   }
   [[nodiscard]] IndexedMesh mesh_of(PeerMesh peer) const {
     IndexedMesh mesh;
@@ -160,6 +171,7 @@ class ShellComparison {
   IndexedMesh mesh_;
   std::size_t target_;
   ReconstructConfig config_;
+  int voxels_ = 0;      // of the remesher
   double spacing_ = 0;  // that the number of triangles stands for
 };
 

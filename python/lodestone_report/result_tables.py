@@ -147,8 +147,8 @@ PAGES = [
                ("seen, RMS, %", "seen_rms"), ("shown, RMS, %", "shown_rms"), ("closed", "closed"), ("manifold", "manifold"),
                ("components", "components")],
               "`shell` is `--outside-only`; the others are functions of meshoptimizer: `meshopt_simplify`, "
-              "`meshopt_simplifySloppy`, and `meshopt_remesh` (in version 1.2), at as many voxels as the shell has samples, 256 at "
-              "most, then simplified. `seen`: distance of what pictures of the input show from the result; `shown`: of what "
+              "`meshopt_simplifySloppy`, and `meshopt_remesh` (in version 1.2), at as many voxels as the shell has samples, or "
+              "twice as many until there are enough triangles, 256 at most, then simplified. `seen`: distance of what pictures of the input show from the result; `shown`: of what "
               "pictures of the result show from the input. meshoptimizer runs on one thread."),
     ], "`seen` is the share of pixels of pictures from all directions whose point has the result within a sample's spacing; "
        "coverage counts all that any of 582 directions sees alike, however few see it. "
