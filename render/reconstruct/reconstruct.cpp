@@ -14,6 +14,7 @@
 #include "render/reconstruct/finish/lost_parts.h"
 #include "render/reconstruct/finish/resample_attributes.h"
 #include "render/reconstruct/finish/simplify_merged.h"
+#include "render/reconstruct/finish/turn_normals.h"
 #include "render/reconstruct/merge/gather.h"
 #include "render/reconstruct/views/condense_map.h"
 #include "render/reconstruct/views/inside_views.h"
@@ -300,6 +301,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
     put_mesh(merged, drawn.maps.front().transform, raw);
     report.simplify = simplify_clock.elapsed();
   }
+  turn_normals(raw);
   return raw;
 }
 

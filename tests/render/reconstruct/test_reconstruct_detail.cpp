@@ -12,6 +12,7 @@
 #include "render/reconstruct/finish/lost_parts.h"
 #include "render/reconstruct/finish/simplify_merged.h"
 #include "render/reconstruct/finish/surface_walk.h"
+#include "render/reconstruct/finish/turn_normals.h"
 #include "render/reconstruct/reconstruct.h"
 #include "render/reconstruct/views/inside_views.h"
 #include "tests/render/reconstruct/obvious_map.h"
@@ -261,6 +262,51 @@ TEST(LostParts, AreTakenOver) {
       EXPECT_LT(length(a - merged.position[v]), 0.04f);
     }
   }
+}
+
+// A strip of two triangles that is folded back on itself, with the normals of the sheet below.
+RawMesh folded_sheet() {
+  RawMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.2, 0.1, 0.1}};
+  mesh.triangles = {{{0, 1, 2}}, {{2, 1, 3}}};
+  mesh.wedges.normal.assign(4, {0, 0, 1});
+  mesh.wedges.uv = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 0.5f}};
+  return mesh;
+}
+
+std::size_t backward_corners(const RawMesh& mesh) {
+  const auto& corners = mesh.wedges.corners.empty() ? mesh.triangles : mesh.wedges.corners;
+  std::size_t backward = 0;
+  for (std::size_t t = 0; t < corners.size(); ++t) {
+    const auto at = [&](std::size_t k) { return mesh.positions[mesh.triangles[t].v[k]]; };
+    for (const std::uint32_t w : corners[t].v)
+      backward += dot(to_double(mesh.wedges.normal[w]), cross(at(1) - at(0), at(2) - at(0))) < 0;
+  }
+  return backward;
+}
+
+TEST(TurnNormals, LeavesNoneThatFacesAway) {
+  RawMesh mesh = folded_sheet();
+  ASSERT_EQ(backward_corners(mesh), 3u);
+  EXPECT_EQ(turn_normals(mesh), 3u);
+  EXPECT_EQ(backward_corners(mesh), 0u);
+  EXPECT_EQ(mesh.triangles, folded_sheet().triangles);
+  EXPECT_EQ(mesh.wedges.normal[0], (Vec3f{0, 0, 1}));  // faced its triangle, and others' wedges are not its own
+  ASSERT_EQ(mesh.wedges.uv.size(), mesh.wedges.normal.size());
+  for (std::size_t t = 0; t < 2; ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_EQ(mesh.wedges.uv[mesh.wedges.corners[t].v[k]], folded_sheet().wedges.uv[mesh.triangles[t].v[k]]);
+}
+
+TEST(TurnNormals, LeavesTrianglesThatAreInsideOutAlone) {
+  RawMesh mesh = folded_sheet();
+  for (Triangle& t : mesh.triangles) std::swap(t.v[1], t.v[2]);
+  mesh.triangles.resize(1);
+  const RawMesh before = mesh;
+  EXPECT_EQ(turn_normals(mesh), 0u);
+  EXPECT_EQ(mesh.wedges, before.wedges);
+  mesh.wedges = {};
+  EXPECT_EQ(turn_normals(mesh), 0u);
 }
 
 // A ball in a ball that has a hole of a few pixels: no view from outside sees much of the inner one.
