@@ -37,7 +37,7 @@ struct PlacedTexture {
 
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
-// The default is what a mesh without a material is drawn with: white, without metal, rough.
+// The default is what a mesh without a material is drawn with: white, without metal, rough, seen from both sides.
 struct Material {
   std::string name;
   std::array<float, 4> base_colour{1, 1, 1, 1};  // linear, in [0, 1]; times texture and vertex colour
@@ -54,7 +54,7 @@ struct Material {
   PlacedTexture emissive_map{};
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;  // of AlphaMode::mask: less is not drawn
-  bool double_sided = false;
+  bool double_sided = true;   // false: seen from the side from which its triangles turn anticlockwise
   bool unlit = false;
   // Other extensions of glTF (KHR_materials_*), carried without knowing what they mean: an object in JSON, or empty. An
   // "index" of a texture in it is one of extension_textures.

@@ -2,9 +2,9 @@
 //
 // An object-space map holds them as they are, in the axes of the model. A tangent-space map holds them in the frame of
 // the surface: z is its normal, x the direction in which u grows, made perpendicular to the normal, y right-angled to
-// both, on the side where v falls (images are stored from the top). Directions of u and v are those of the triangle as
-// it is drawn, the same for every pixel of it: no tangents are stored (schueler2006). The normal of a flat-shaded
-// surface is the one towards the eye.
+// both, on the side where v falls (images are stored from the top); the material's scale multiplies x and y. Directions
+// of u and v are those of the triangle as it is drawn, the same for every pixel of it: no tangents are stored
+// (schueler2006). The normal of a flat-shaded surface is the one towards the eye.
 #pragma once
 
 #include "render/effects/texture_mapping.h"
@@ -33,6 +33,7 @@ void normal_map(inout Surface s) {
     s.normal = mapped;
     return;
   }
+  mapped.xy *= materials[material].emission.w;
   float turn = uv_along_x.x * uv_along_y.y - uv_along_x.y * uv_along_y.x < 0.0 ? -1.0 : 1.0;
   vec3 to_u = turn * (uv_along_y.y * along_x - uv_along_x.y * along_y);
   vec3 to_v = turn * (uv_along_x.x * along_y - uv_along_y.x * along_x);
@@ -86,7 +87,8 @@ inline void normal_map(const ShadingJob& job, Surface& s, Int lanes) {
   const Points to_u = scaled(sign, cross(m.along_v, m.normal)), to_v = scaled(sign, cross(m.normal, m.along_u));
   const Points n = shading_normals(s, m), t = difference(to_u, scaled(dot(n, to_u), n)), b = cross(n, t);
   const Float size2 = dot(t, t), scale = 1.0f / sqrt(size2);
-  const Float x = scale * mapped.x, y = select(dot(b, to_v) > 0.0f, -scale, scale) * mapped.y;
+  const Float bend = scale * of_materials(material, [](const SurfaceMaterial& of) { return of.normal_scale; });
+  const Float x = bend * mapped.x, y = select(dot(b, to_v) > 0.0f, -bend, bend) * mapped.y;
   const Points bent{x * t.x + y * b.x + mapped.z * n.x, x * t.y + y * b.y + mapped.z * n.y,
                     x * t.z + y * b.z + mapped.z * n.z};
   s.normal = select(lanes & ~object_space & (size2 > 0.0f), bent, s.normal);

@@ -1,6 +1,6 @@
 // Texture: the base colour of the triangle's material, times its texture, times the albedo. Textures are shown as they
 // are stored, in the sRGB encoding: the picture has no transfer curve (render/frame/shading.h); a material's base
-// colour, which is linear, is encoded first. Alpha is not shown.
+// colour, which is linear, is encoded first. Alpha is another effect (render/effects/transparency.h).
 #pragma once
 
 #include "render/effects/texture_mapping.h"
@@ -36,19 +36,14 @@ void base_texture(inout Surface s) {
 namespace lodestone::soft::LODESTONE_LANES {
 
 inline void texture(const ShadingJob& job, Surface& s, Int lanes) {
-  lanes &= of_models(s, [](const ModelFrame& m) { return m.appearance.textures ? 1.0f : 0.0f; }) > 0.0f;
+  lanes &= shows_materials(s);
   if (bits(lanes) == 0) return;
   Materials material;
   find_materials(job, s, material);
-  const LaneThings<SurfaceMaterial> number{material, all_equal(material)};
-  const auto base = [&](float Vec3f::*channel) {
-    return as_float(
-        number([&](const SurfaceMaterial& m) { return std::bit_cast<std::int32_t>(m.base_colour.*channel); }));
-  };
   const auto times = [&](Int where, const Points& factor) {
     s.colour = select(where, {s.colour.x * factor.x, s.colour.y * factor.y, s.colour.z * factor.z}, s.colour);
   };
-  times(lanes, {base(&Vec3f::x), base(&Vec3f::y), base(&Vec3f::z)});
+  times(lanes, vectors_of_materials(material, [](const SurfaceMaterial& m) { return m.base_colour; }));
   const SurfaceTexture* of_lane[width];
   const Int textured = lanes & find_textures(
                                    job, [&](int k) { return material[k]->texture; }, bits(lanes), of_lane);

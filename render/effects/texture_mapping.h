@@ -1,4 +1,4 @@
-// Texture coordinates of a surface, and lookups there: shared by texture and normal_map.
+// Texture coordinates of a surface, and lookups there: shared by all effects of materials.
 //
 // Texture coordinates morph as positions do. The differences of u and v between a pixel and its neighbours tell how
 // much of a texture it covers, and with that the level of detail:
@@ -16,11 +16,25 @@
 #include "render/effects/effect_info.h"
 
 #ifdef LODESTONE_SHADING_LANES
+#include "core/hierarchy/model/material_of.h"
 #include "render/surface/surface.h"
 #include "render/textures/surface_textures.h"
 #endif
 
 namespace lodestone::effects {
+
+// Declared before either of the others.
+inline constexpr std::string_view material_source = R"(
+// A texture: its first level, how many more there are, wrap modes, is it in object space.
+struct Material {
+  vec4 base_colour;  // and alpha
+  uvec4 colours, normals, occlusion, emission_map;
+  vec4 emission;  // and scale of the normal map
+  vec4 factors;   // strength of the occlusion, cutoff of alpha
+  uvec4 flags;    // alpha mode, seen from one side, unlit
+};
+layout(std430, binding = 6) readonly restrict buffer Materials { Material materials[]; };
+)";
 
 inline constexpr std::string_view mapping_vertex = R"(
 layout(location = 4) in vec2 own_uv;
@@ -47,16 +61,10 @@ centroid in vec2 uv;
 in vec2 centre_uv;
 flat in uint material;
 
-// A texture: its first level, how many more there are, wrap modes, is it in object space.
-struct Material {
-  vec4 base_colour;
-  uvec4 colours, normals;
-};
 struct TextureLevel {
   vec4 place;  // origin and size in its page, texels
   vec4 page;   // its number, 1 / width and height of all pages
 };
-layout(std430, binding = 6) readonly restrict buffer Materials { Material materials[]; };
 layout(std430, binding = 7) readonly restrict buffer TextureLevels { TextureLevel texture_levels[]; };
 layout(binding = 4) uniform sampler2DArray texture_pages;
 
@@ -73,12 +81,12 @@ float wrapped(float t, uint mode) {
   return t > 1.0 ? 2.0 - t : t;
 }
 
-vec3 texel(uint level, vec2 at) {
+vec4 texel(uint level, vec2 at) {
   TextureLevel l = texture_levels[level];
-  return textureLod(texture_pages, vec3((l.place.xy + at * l.place.zw) * l.page.yz, l.page.x), 0.0).rgb;
+  return textureLod(texture_pages, vec3((l.place.xy + at * l.place.zw) * l.page.yz, l.page.x), 0.0);
 }
 
-vec3 texel_of(uvec4 map) {
+vec4 texel_and_alpha_of(uvec4 map) {
   vec2 size = texture_levels[map.x].place.zw, along_x = uv_along_x * size, along_y = uv_along_y * size;
   float extent2 = max(max(dot(along_x, along_x), dot(along_y, along_y)), 1.0);
   float lod = float(floatBitsToInt(extent2) - 0x3f800000) * (0.5 / 8388608.0);
@@ -86,9 +94,10 @@ vec3 texel_of(uvec4 map) {
   uint level = uint(lod);
   float share = lod - float(level);
   vec2 at = vec2(wrapped(uv.x, map.z & 3u), wrapped(uv.y, map.z >> 2));
-  vec3 finer = texel(map.x + level, at);
+  vec4 finer = texel(map.x + level, at);
   return share > 0.0 ? mix(finer, texel(map.x + level + 1u, at), share) : finer;
 }
+vec3 texel_of(uvec4 map) { return texel_and_alpha_of(map).rgb; }
 )";
 
 }  // namespace lodestone::effects
@@ -102,10 +111,13 @@ inline void find_materials(const ShadingJob& job, const Surface& s, Materials& t
   for (int k = 0; k < width; ++k) {
     const DrawnCell& cell = *s.cell[k];
     const std::span<const SurfaceMaterial> of_model = job.textures->materials(cell.model->model);
-    const auto& numbers = cell.own->attributes.materials;
-    const std::size_t number = numbers.empty() ? (of_model.size() > 1) : numbers[s.v[k][0]] + std::uint32_t{1};
-    to[k] = &of_model[number];
+    to[k] = &of_model[material_of(*cell.model->morph.hierarchy, *cell.own, s.v[k][0]) + std::uint32_t{1}];
   }
+}
+
+// Lanes whose model shows its materials.
+inline Int shows_materials(const Surface& s) {
+  return of_models(s, [](const ModelFrame& m) { return m.appearance.textures ? 1.0f : 0.0f; }) > 0.0f;
 }
 
 struct Coordinates {
@@ -227,9 +239,25 @@ struct LaneThings {
   }
 };
 
-// Colours of a level of each lane at (u, v) in [0, 1], 0 to 255. Levels have a border, so that every texel has
-// neighbours.
-[[gnu::always_inline]] inline Points bilinear(const MipLevel* const (&level)[width], bool same, Float u, Float v) {
+// A number of each lane's material, and three of them.
+template <class Of>
+[[gnu::always_inline]] inline Float of_materials(const Materials& material, const Of& of) {
+  const LaneThings<SurfaceMaterial> number{material, all_equal(material)};
+  return as_float(
+      number([&](const SurfaceMaterial& m) { return std::bit_cast<std::int32_t>(static_cast<float>(of(m))); }));
+}
+template <class Of>
+[[gnu::always_inline]] inline Points vectors_of_materials(const Materials& material, const Of& of) {
+  return {of_materials(material, [&](const SurfaceMaterial& m) { return of(m).x; }),
+          of_materials(material, [&](const SurfaceMaterial& m) { return of(m).y; }),
+          of_materials(material, [&](const SurfaceMaterial& m) { return of(m).z; })};
+}
+
+// Channels of a level of each lane at (u, v) in [0, 1], 0 to 255, from bit `First` of a texel on. Levels have a border,
+// so that every texel has neighbours.
+template <int First, std::size_t Count>
+[[gnu::always_inline]] inline std::array<Float, Count> bilinear(const MipLevel* const (&level)[width], bool same,
+                                                                Float u, Float v) {
   const LaneThings<MipLevel> number{level, same};
   const Float x = u * to_float(number([](const MipLevel&l) { return l.size.width; })) + 0.5f,
               y = v * to_float(number([](const MipLevel&l) { return l.size.height; })) + 0.5f;
@@ -246,7 +274,9 @@ struct LaneThings {
     const Float upper = byte(a) + along * (byte(b) - byte(a)), lower = byte(c) + along * (byte(d) - byte(c));
     return upper + down * (lower - upper);
   };
-  return {channel(0), channel(8), channel(16)};
+  std::array<Float, Count> channels;
+  for (std::size_t k = 0; k < Count; ++k) channels[k] = channel(First + 8 * static_cast<int>(k));
+  return channels;
 }
 
 // Computed once for all effects of a pixel that ask for it.
@@ -274,8 +304,10 @@ inline Int find_textures(const ShadingJob& job, const NumberOf& number_of, unsig
   return load<Int>(there);
 }
 
-// The colour of each lane's texture, 0 to 255. All lanes have one.
-inline Points texels(const SurfaceTexture* const (&texture)[width], const Mapping& m) {
+// Channels of each lane's texture, 0 to 255, from bit `First` of a texel on. All lanes have one.
+template <int First, std::size_t Count>
+[[gnu::always_inline]] inline std::array<Float, Count> sampled(const SurfaceTexture* const (&texture)[width],
+                                                               const Mapping& m) {
   bool same = all_equal(texture);
   const LaneThings<SurfaceTexture> number{texture, same};
   const Float across = to_float(number([](const SurfaceTexture&t) { return t.levels.front().size.width; })),
@@ -293,13 +325,19 @@ inline Points texels(const SurfaceTexture* const (&texture)[width], const Mappin
   store(next_of, between & 1);
   for (int k = 0; k < width; ++k) level[k] = texture[k]->levels.data() + finer_of[k];
   same &= bits(finer == finer_of[0]) == all_lanes;
-  const Points near = bilinear(level, same, u, v);
+  const std::array<Float, Count> near = bilinear<First, Count>(level, same, u, v);
   if (bits(between) == 0) return near;
   for (int k = 0; k < width; ++k) level[k] += next_of[k];
-  const Points far = bilinear(level, same && bits(between) == all_lanes, u, v);
+  const std::array<Float, Count> far = bilinear<First, Count>(level, same && bits(between) == all_lanes, u, v);
   const Float share = lod - to_float(finer);
-  const auto mix = [&](Float a, Float b) { return a + share * (b - a); };
-  return {mix(near.x, far.x), mix(near.y, far.y), mix(near.z, far.z)};
+  std::array<Float, Count> mixed;
+  for (std::size_t c = 0; c < Count; ++c) mixed[c] = near[c] + share * (far[c] - near[c]);
+  return mixed;
+}
+
+inline Points texels(const SurfaceTexture* const (&texture)[width], const Mapping& m) {
+  const auto [red, green, blue] = sampled<0, 3>(texture, m);
+  return {red, green, blue};
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

@@ -21,10 +21,13 @@ enum class Effect : std::uint8_t {
   vertex_colours,
   texture,
   normal_map,
+  occlusion_map,
   level_tint,
   head_light,
   directional_light,
   shadow,
+  unlit,
+  emission,
   wireframe,
   fog,
   transparency,
@@ -34,9 +37,9 @@ enum class Effect : std::uint8_t {
 inline constexpr std::size_t effect_count = static_cast<std::size_t>(Effect::overdraw) + 1;
 
 inline constexpr std::array<std::string_view, effect_count> effect_names{
-    "geomorph",   "smooth-normals", "vertex-colours",    "texture", "normal-map",
-    "level-tint", "head-light",     "directional-light", "shadow",  "wireframe",
-    "fog",        "transparency",   "ambient-occlusion", "overdraw"};
+    "geomorph",     "smooth-normals",    "vertex-colours", "texture", "normal-map", "occlusion-map", "level-tint",
+    "head-light",   "directional-light", "shadow",         "unlit",   "emission",   "wireframe",     "fog",
+    "transparency", "ambient-occlusion", "overdraw"};
 
 [[nodiscard]] constexpr std::string_view name_of(Effect effect) {
   return effect_names[static_cast<std::size_t>(effect)];

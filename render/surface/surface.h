@@ -38,6 +38,7 @@ struct Surface {
   // Results of the stages.
   Points normal;      // model space, of any length
   Points colour;      // albedo, and in the end the colour of the picture
+  Float ambient;      // light from everywhere
   Float light;        // sum of the lights that reach it
   Float directional;  // that of the directional light, in it
   Mapping mapping;    // valid if is_mapped

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
+#include "core/formats/gltf/gltf_surface.h"
 #include "core/texture/image_codec.h"
 #include "core/texture/normal_space.h"
 #include "render/frame/appearance.h"
@@ -48,15 +49,34 @@ void SurfaceTextures::add_model(const Hierarchy& hierarchy) {
     return;
   }
   std::vector<SurfaceMaterial>& made = materials_.emplace_back(1);
-  for (const Material& m : hierarchy.materials) {
-    const auto encoded = [&](std::size_t c) { return static_cast<float>(linear_to_srgb(m.base_colour[c])); };
-    SurfaceMaterial material{{encoded(0), encoded(1), encoded(2)}, no_texture, no_texture};
-    if (hierarchy.attributes.uv) {
-      if (m.texture != no_texture) material.texture = source_of(hierarchy, m.texture, PixelMeaning::colours);
-      if (m.normal_map != no_texture) material.normal_map = source_of(hierarchy, m.normal_map, PixelMeaning::normals);
-    }
-    made.push_back(material);
-  }
+  for (const Material& m : hierarchy.materials) made.push_back(surface_of(hierarchy, m));
+}
+
+SurfaceMaterial SurfaceTextures::surface_of(const Hierarchy& hierarchy, const Material& m) {
+  const auto encoded = [](double linear) { return static_cast<float>(linear_to_srgb(linear)); };
+  SurfaceMaterial to;
+  to.base_colour = {encoded(m.base_colour[0]), encoded(m.base_colour[1]), encoded(m.base_colour[2])};
+  const double strength = emissive_strength(m);
+  if (!m.unlit)
+    to.emission = {encoded(strength * m.emissive[0]), encoded(strength * m.emissive[1]),
+                   encoded(strength * m.emissive[2])};
+  to.normal_scale = m.normal_scale;
+  to.occlusion_strength = m.occlusion_strength;
+  to.alpha_mode = m.alpha_mode;
+  to.alpha = m.base_colour[3];
+  to.alpha_cutoff = m.alpha_cutoff;
+  to.one_sided = !m.double_sided;
+  to.unlit = m.unlit;
+  if (!hierarchy.attributes.uv) return to;
+  const auto source = [&](std::uint32_t texture, PixelMeaning meaning) {
+    return texture == no_texture ? no_texture : source_of(hierarchy, texture, meaning);
+  };
+  to.texture = source(m.texture, PixelMeaning::colours);
+  to.normal_map = source(m.normal_map, PixelMeaning::normals);
+  if (m.occlusion_strength > 0) to.occlusion_map = source(m.occlusion.texture, PixelMeaning::values);
+  if (to.emission != Vec3f{}) to.emission_map = source(m.emissive_map.texture, PixelMeaning::colours);
+  if (to.texture != no_texture && m.alpha_mode != AlphaMode::opaque) sources_[to.texture].alpha = TexelAlpha::kept;
+  return to;
 }
 
 std::uint32_t SurfaceTextures::source_of(const Hierarchy& hierarchy, std::uint32_t texture, PixelMeaning meaning) {
@@ -113,11 +133,13 @@ std::size_t SurfaceTextures::prepare(const Frame& frame, Scheduler& scheduler) {
     missing.push_back(texture);
   };
   for (const ModelFrame& model : frame.models) {
-    const bool colours = shows_textures(model), normals = shows_normal_maps(model);
-    if (!colours && !normals) continue;
+    const bool colours = shows_textures(model), normals = shows_normal_maps(model), alpha = shows_alpha(frame, model),
+               occlusion = shows_occlusion_maps(model), emission = shows_emission(model);
     for (const SurfaceMaterial& material : materials_[model.model]) {
-      if (colours) need(material.texture);
+      if (colours || (alpha && material.alpha_mode != AlphaMode::opaque)) need(material.texture);
       if (normals) need(material.normal_map);
+      if (occlusion) need(material.occlusion_map);
+      if (emission) need(material.emission_map);
     }
   }
   scheduler.for_chunks(missing.size(), 1, [&](ChunkRange range) { decode(missing[range.begin]); });
@@ -126,17 +148,20 @@ std::size_t SurfaceTextures::prepare(const Frame& frame, Scheduler& scheduler) {
   return missing.size();
 }
 
-// Without a normal map that cannot be decoded the surface is smooth; without its colours it would look like an
-// untextured one.
+// Without a normal map that cannot be decoded the surface is smooth, without an occlusion map creases are lit; without
+// its colours it would look like an untextured one.
 void SurfaceTextures::warn(std::uint32_t texture) {
   const Source& source = sources_[texture];
-  const bool normals = source.meaning == PixelMeaning::normals;
-  warnings_.push_back("texture '" + source.hierarchy->textures[source.texture].name + "' " + source.refusal +
-                      (normals ? "; normals are drawn without it" : "; it is drawn as a checker of magenta"));
-  if (!normals) return;
+  const char* instead = source.meaning == PixelMeaning::colours   ? "it is drawn as a checker of magenta"
+                        : source.meaning == PixelMeaning::normals ? "normals are drawn without it"
+                                                                  : "creases are drawn without it";
+  warnings_.push_back("texture '" + source.hierarchy->textures[source.texture].name + "' " + source.refusal + "; " +
+                      instead);
+  if (source.meaning == PixelMeaning::colours) return;
   for (std::vector<SurfaceMaterial>& materials : materials_)
     for (SurfaceMaterial& m : materials)
-      if (m.normal_map == texture) m.normal_map = no_texture;
+      for (std::uint32_t* map : {&m.normal_map, &m.occlusion_map})
+        if (*map == texture) *map = no_texture;
 }
 
 void SurfaceTextures::decode(std::uint32_t texture) {
@@ -153,7 +178,7 @@ void SurfaceTextures::decode(std::uint32_t texture) {
     }
   if (!source.refusal.empty()) image = placeholder_image();
   if (source.meaning == PixelMeaning::normals) to.object_space = is_object_space(image);
-  to.levels = make_mip_chain(std::move(image), source.meaning, to.wrap_u, to.wrap_v);
+  to.levels = make_mip_chain(std::move(image), source.meaning, to.wrap_u, to.wrap_v, source.alpha);
   to.levels.erase(to.levels.begin(), to.levels.begin() + std::min<std::ptrdiff_t>(halvings, std::ssize(to.levels) - 1));
 }
 
@@ -169,6 +194,29 @@ bool shows_textures(const ModelFrame& model) {
 bool shows_normal_maps(const ModelFrame& model) {
   return model.effects.contains(Effect::normal_map) && model.appearance.normal_maps &&
          has_normal_maps(*model.morph.hierarchy);
+}
+
+bool shows_occlusion_maps(const ModelFrame& model) {
+  return model.effects.contains(Effect::occlusion_map) && model.appearance.textures &&
+         has_occlusion_maps(*model.morph.hierarchy);
+}
+
+bool shows_emission(const ModelFrame& model) {
+  return model.effects.contains(Effect::emission) && model.appearance.textures && has_emission(*model.morph.hierarchy);
+}
+
+bool shows_unlit(const ModelFrame& model) {
+  return model.effects.contains(Effect::unlit) && model.appearance.textures &&
+         has_unlit_materials(*model.morph.hierarchy);
+}
+
+bool shows_alpha(const Frame& frame, const ModelFrame& model, AlphaMode mode) {
+  return frame.effects.contains(Effect::transparency) && model.appearance.textures &&
+         has_materials_of(*model.morph.hierarchy, mode);
+}
+
+bool shows_alpha(const Frame& frame, const ModelFrame& model) {
+  return shows_alpha(frame, model, AlphaMode::mask) || shows_alpha(frame, model, AlphaMode::blend);
 }
 
 }  // namespace lodestone

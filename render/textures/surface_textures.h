@@ -32,6 +32,14 @@ struct SurfaceTexture {
 struct SurfaceMaterial {
   Vec3f base_colour{1, 1, 1};                                   // as the picture has it: in the sRGB encoding
   std::uint32_t texture = no_texture, normal_map = no_texture;  // of SurfaceTextures
+  float normal_scale = 1;                                       // of x and y of the normal map
+  std::uint32_t occlusion_map = no_texture;
+  float occlusion_strength = 1;
+  Vec3f emission{};  // encoded as the base colour is
+  std::uint32_t emission_map = no_texture;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha = 1, alpha_cutoff = 0;  // alpha: times that of the texture and of the vertices
+  bool one_sided = false, unlit = false;
 };
 
 class SurfaceTextures {
@@ -60,10 +68,12 @@ class SurfaceTextures {
     PixelMeaning meaning = PixelMeaning::colours;
     PixelSize size;              // in its file; nothing: no image
     std::uint32_t halvings = 0;  // by which it is reduced
+    TexelAlpha alpha = TexelAlpha::left_out;
     bool decoded = false;
     std::string refusal;  // why the placeholder is shown
   };
   void add_model(const Hierarchy& hierarchy);
+  [[nodiscard]] SurfaceMaterial surface_of(const Hierarchy& hierarchy, const Material& material);
   [[nodiscard]] std::uint32_t source_of(const Hierarchy& hierarchy, std::uint32_t texture, PixelMeaning meaning);
   void reduce(const TextureLimits& limits);
   void decode(std::uint32_t texture);
@@ -79,5 +89,11 @@ class SurfaceTextures {
 // True if the frame's model shows textures, or normal maps, of its hierarchy.
 [[nodiscard]] bool shows_textures(const ModelFrame& model);
 [[nodiscard]] bool shows_normal_maps(const ModelFrame& model);
+[[nodiscard]] bool shows_occlusion_maps(const ModelFrame& model);
+[[nodiscard]] bool shows_emission(const ModelFrame& model);
+[[nodiscard]] bool shows_unlit(const ModelFrame& model);
+// True if materials of that mode, or of any but opaque, are shown as such.
+[[nodiscard]] bool shows_alpha(const Frame& frame, const ModelFrame& model, AlphaMode mode);
+[[nodiscard]] bool shows_alpha(const Frame& frame, const ModelFrame& model);
 
 }  // namespace lodestone

@@ -140,7 +140,7 @@ class Materials(CommandCase):
         self.lodestone("progressive", "sphere.ply", "-o", "progressive.glb", "--quiet")
         for name in ("sphere.glb", "progressive.glb"):
             document = document_of(self.folder / name)
-            self.assertEqual(document["materials"], [{"pbrMetallicRoughness": {"metallicFactor": 0}}])
+            self.assertEqual(document["materials"], [{"pbrMetallicRoughness": {"metallicFactor": 0}, "doubleSided": True}])
             self.assertEqual(document["meshes"][0]["primitives"][0]["material"], 0)
 
 

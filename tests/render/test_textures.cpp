@@ -4,8 +4,8 @@
 #include <random>
 
 #include "core/texture/normal_space.h"
+#include "core/texture/page_packer.h"
 #include "core/texture/texel_wrap.h"
-#include "render/backends/gl/scene/page_packer.h"
 #include "render/textures/surface_textures.h"
 #include "tests/render/planar_model.h"
 

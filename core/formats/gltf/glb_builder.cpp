@@ -103,7 +103,7 @@ void GlbBuilder::complete_materials() {
     primitive["material"] = plain;
     missing = true;
   }
-  if (missing) root["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+  if (missing) root["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0}}}, {"doubleSided", true}});
 }
 
 void GlbBuilder::add_embedded_texture(const Texture& t) {

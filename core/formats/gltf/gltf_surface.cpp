@@ -204,6 +204,16 @@ void read_surface(const JsonView& source, const ReadTexture& read_texture, Mater
   read_extensions(source, read_texture, m);
 }
 
+float emissive_strength(const Material& material) {
+  if (material.extensions.empty()) return 1;
+  const json extensions = json::parse(material.extensions);
+  const auto found = extensions.find("KHR_materials_emissive_strength");
+  if (found == extensions.end() || !found->is_object()) return 1;
+  const auto strength = found->find("emissiveStrength");
+  const bool known = strength != found->end() && strength->is_number();
+  return known ? std::max(finite_float(strength->get<double>()), 0.0f) : 1;
+}
+
 void list_extensions(const json& material, json& names) {
   if (!material.is_structured()) return;
   if (material.is_object() && material.contains("extensions"))

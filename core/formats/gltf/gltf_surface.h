@@ -23,6 +23,9 @@ using ReadTexture = std::function<PlacedTexture(const JsonView& info)>;
 // for values of another kind.
 void read_surface(const JsonView& source, const ReadTexture& read_texture, Material& material);
 
+// KHR_materials_emissive_strength: the factor of the emissive colour; 1 without it.
+[[nodiscard]] float emissive_strength(const Material& material);
+
 // KHR_texture_transform of a textureInfo; the default without one.
 [[nodiscard]] UvTransform read_uv_transform(const JsonView& info);
 // A textureInfo.

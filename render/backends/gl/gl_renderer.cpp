@@ -57,6 +57,7 @@ void set_state() {
   glDepthMask(GL_TRUE);
   glDepthRangef(0, 1);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glFrontFace(GL_CCW);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
@@ -280,8 +281,8 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->target->bind();
     resources_->target->clear(frame.settings.background);
     resources_->commands.draw(*resources_->scene, use_program());
-    const auto transparent = [&](const ModelFrame& m) { return effects::is_transparent(frame, m); };
-    if (std::ranges::any_of(frame.models, transparent)) draw_layers(frame, stats);
+    const auto layered = [&](const ModelFrame& m) { return effects::has_layers(frame, m); };
+    if (std::ranges::any_of(frame.models, layered)) draw_layers(frame, stats);
   }
 
   void draw_in_two_parts(const Frame& frame, FrameStats& stats) {

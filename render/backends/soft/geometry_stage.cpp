@@ -4,8 +4,27 @@
 #include <numeric>
 
 #include "core/base/error.h"
+#include "core/hierarchy/model/material_of.h"
+#include "render/backends/soft/clip.h"
+#include "render/effects/transparency.h"
+#include "render/textures/surface_textures.h"
 
 namespace lodestone::soft {
+namespace {
+
+// True if the triangle, whose transformed vertices are those of its cell, shows its back: it turns clockwise in the
+// picture. Corners that wait to be clipped are taken before the division, where the same is the sign of a determinant.
+bool shows_back(const ViewProjection& projection, const DrawnCell& drawn, const Triangle& t,
+                const std::vector<WindowVertex>& vertices) {
+  const WindowVertex &a = vertices[t.v[0]], &b = vertices[t.v[1]], &c = vertices[t.v[2]];
+  if (a.inverse_w != 0 && b.inverse_w != 0 && c.inverse_w != 0)
+    return doubled_area({a.x, a.y}, {b.x, b.y}, {c.x, c.y}) > 0;
+  const auto [p, q, r] = clip_corners(projection, drawn, t.v);
+  const auto minor = [](const ClipVertex& m, const ClipVertex& n) { return double{m.x} * n.y - double{n.x} * m.y; };
+  return minor(p, q) * r.w + minor(q, r) * p.w + minor(r, p) * q.w < 0;
+}
+
+}  // namespace
 
 void GeometryStage::process(const GeometryPass& pass, int samples, std::span<const std::uint32_t> cells) {
   if (samples == 1) {
@@ -18,11 +37,12 @@ void GeometryStage::process(const GeometryPass& pass, int samples, std::span<con
 // The visible cells, the numbers of their triangles and the places of their lambdas.
 void GeometryStage::gather(const GeometryPass& pass) {
   cells_.clear();
+  shares_.clear();
   cell_of_block_.clear();
-  triangles_ = morphing_vertices_ = 0;
-  for (const ModelFrame* model : pass.models)
-    for (const SelectedCell& selected : (model->*pass.selection)->cells)
-      if (selected.visible) add(*model, selected);
+  counted_cells_ = triangles_ = morphing_vertices_ = 0;
+  for (const PassModel& model : pass.models)
+    for (const SelectedCell& selected : (model.model->*pass.selection)->cells)
+      if (selected.visible) add(model, selected);
   constexpr std::size_t numbers = std::size_t{1} << (32 - numbers_per_block_bits);
   if (cell_of_block_.size() > numbers)
     throw ResourceError("the selected cells have more than 2^32 triangles; raise the pixel error");
@@ -36,7 +56,8 @@ void GeometryStage::gather(const GeometryPass& pass) {
   }
 }
 
-void GeometryStage::add(const ModelFrame& model, const SelectedCell& selected) {
+void GeometryStage::add(const PassModel& passed, const SelectedCell& selected) {
+  const ModelFrame& model = *passed.model;
   const Hierarchy& hierarchy = *model.morph.hierarchy;
   const Cell& cell = hierarchy.cells[selected.cell];
   DrawnCell drawn;
@@ -61,6 +82,9 @@ void GeometryStage::add(const ModelFrame& model, const SelectedCell& selected) {
   cell_of_block_.resize(cell_of_block_.size() + (cell.triangles.size() + block - 1) / block,
                         static_cast<std::uint32_t>(cells_.size()));
   cells_.push_back(drawn);
+  shares_.push_back(passed.share);
+  if (passed.share == MaterialShare::layers) return;
+  ++counted_cells_;
   triangles_ += cell.triangles.size();
 }
 
@@ -91,9 +115,31 @@ void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std:
       if (w.vertices.size() < cell.positions.size()) w.vertices.resize(cell.positions.size());
       const VertexJob job = vertex_job(context, drawn, w);
       kernels_.transform(job);
-      setup_cell(context, kernels_.of<Samples>(), drawn, w.vertices.data(), *w.lists, w.bins);
+      setup_cell(context, kernels_.of<Samples>(), drawn, {triangles_of(pass, cells[k], w), w.vertices.data()}, *w.lists,
+                 w.bins);
     }
   });
+}
+
+// The cell's own triangles, or those of materials that the pass draws which do not show the back of a single-sided one.
+// Numbers of triangles are places in this list: in the order of the cell's, which is what they are for.
+std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, std::uint32_t number,
+                                                      Workplace& w) const {
+  const DrawnCell& drawn = cells_[number];
+  const Cell& cell = *drawn.own;
+  const MaterialShare share = shares_[number];
+  const bool one_side = pass.materials != nullptr && effects::has_one_side(*drawn.model);
+  if (share == MaterialShare::all && !one_side) return cell.triangles;
+  const std::span<const SurfaceMaterial> materials = pass.materials->materials(drawn.model->model);
+  w.sifted.clear();
+  for (const Triangle& t : cell.triangles) {
+    const SurfaceMaterial& m = materials[material_of(*drawn.model->morph.hierarchy, cell, t.v[0]) + std::uint32_t{1}];
+    const bool opaque = m.alpha_mode == AlphaMode::opaque;
+    if (share != MaterialShare::all && opaque != (share == MaterialShare::opaque)) continue;
+    if (one_side && m.one_sided && shows_back(drawn.model->*pass.projection, drawn, t, w.vertices)) continue;
+    w.sifted.push_back(t);
+  }
+  return w.sifted;
 }
 
 VertexJob GeometryStage::vertex_job(const SetupContext& context, const DrawnCell& drawn, Workplace& w) const {

@@ -12,9 +12,18 @@
 
 namespace lodestone::soft {
 
+// The triangles of a model that a pass draws, where its materials tell them apart (render/effects/transparency.h).
+enum class MaterialShare : std::uint8_t { all, opaque, layers };
+
+struct PassModel {
+  const ModelFrame* model = nullptr;
+  MaterialShare share = MaterialShare::all;
+};
+
 // The models to be drawn, their selections and the projection.
 struct GeometryPass {
-  std::vector<const ModelFrame*> models;
+  std::vector<PassModel> models;
+  const SurfaceTextures* materials = nullptr;  // null: of no interest, all triangles are drawn from both sides
   ViewProjection ModelFrame::*projection = &ModelFrame::view_projection;
   const Selection* ModelFrame::*selection = &ModelFrame::selection;  // its visible cells
   ImageSize size;
@@ -26,6 +35,7 @@ class GeometryStage {
   struct Workplace {
     std::vector<WindowVertex> vertices;  // of the cell at hand
     std::vector<DetailLimit> limits;     // near it
+    std::vector<Triangle> sifted;        // its triangles, where only some are drawn
     std::unique_ptr<SetupLists> lists = std::make_unique_for_overwrite<SetupLists>();
     TileBins bins;
   };
@@ -46,11 +56,15 @@ class GeometryStage {
   [[nodiscard]] DrawnCells drawn() const { return {cells_, cell_of_block_}; }
   [[nodiscard]] std::span<const std::uint32_t> all() const { return all_; }
   [[nodiscard]] std::span<const Workplace> workers() const { return workers_; }
+  // Cells and triangles of models that are drawn in two shares count once.
+  [[nodiscard]] std::uint64_t cells() const { return counted_cells_; }
   [[nodiscard]] std::uint64_t triangles() const { return triangles_; }
   [[nodiscard]] std::uint64_t morphing_vertices() const { return morphing_vertices_; }
 
  private:
-  void add(const ModelFrame& model, const SelectedCell& selected);
+  void add(const PassModel& model, const SelectedCell& selected);
+  [[nodiscard]] std::span<const Triangle> triangles_of(const GeometryPass& pass, std::uint32_t number,
+                                                       Workplace& w) const;
   void place_lambdas();
   template <int Samples>
   void process_cells(const GeometryPass& pass, std::span<const std::uint32_t> cells);
@@ -60,11 +74,12 @@ class GeometryStage {
   const Kernels& kernels_;
   std::vector<Workplace> workers_;
   std::vector<DrawnCell> cells_;
+  std::vector<MaterialShare> shares_;         // of cells_
   std::vector<std::uint32_t> cell_of_block_;  // DrawnCells
   std::vector<std::uint32_t> all_;            // 0, 1, ...: the numbers of cells_
   std::unique_ptr<float[]> lambdas_;          // of all cells that morph; only ever grows
   std::size_t lambda_room_ = 0;
-  std::uint64_t triangles_ = 0, morphing_vertices_ = 0;
+  std::uint64_t counted_cells_ = 0, triangles_ = 0, morphing_vertices_ = 0;
 };
 
 // Stage 3 for tile number `number`: what of it is seen.

@@ -79,9 +79,11 @@ struct LayerList {
   std::vector<LayerItem> items_;
 };
 
-// Light that the layers over the samples of a tile add, and the share that they let through.
+// Light that the layers over the samples of a tile add, and the share that they let through; the depth of what is
+// opaque, masked layers included, and the share of that which is seen.
 struct LayerLight {
   float *red = nullptr, *green = nullptr, *blue = nullptr, *through = nullptr;
+  float *seen = nullptr, *depth = nullptr;
 };
 
 // Stage 4: the visible surfaces of a tile become colour and depth of the picture.

@@ -18,9 +18,12 @@ const LayerLight* TileLayers<Samples>::draw(const Kernels& kernels, std::span<co
   collect(kernels, workers, number, job.rect, opaque);
   if (found_.count == 0) return nullptr;
   const std::size_t layers = sort();
-  planes_.assign(4 * samples, 0);
-  light_ = {&planes_[0], &planes_[samples], &planes_[2 * samples], &planes_[3 * samples]};
+  planes_.assign(6 * samples, 0);
+  const auto plane = [&](std::size_t k) { return &planes_[k * samples]; };
+  light_ = {plane(0), plane(1), plane(2), plane(3), plane(4), plane(5)};
   std::fill_n(light_.through, samples, 1.0f);
+  std::fill_n(light_.seen, samples, 1.0f);
+  std::ranges::copy(opaque.depth, light_.depth);
   for (std::size_t rank = 0; rank < layers; ++rank) {
     put_layer(rank);
     kernels.of<Samples>().shade_layer(job, layer_, light_);
@@ -76,7 +79,7 @@ template <int Samples>
 void TileLayers<Samples>::put_layer(std::size_t rank) {
   for (std::size_t s = 0; s < samples; ++s) {
     const std::size_t at = first_[s] + rank;
-    const bool there = at < first_[s + 1];
+    const bool there = at < first_[s + 1] && sorted_[at].z < light_.depth[s];  // not behind a masked surface
     layer_.depth[s] = there ? sorted_[at].z : 1;
     layer_.reference[s] = there ? sorted_[at].reference : 0;
   }

@@ -3,6 +3,7 @@
 
 #include "render/backends/soft/raster_kernel.h"
 #include "render/backends/soft/resolve_kernel.h"
+#include "render/effects/material_alpha.h"
 
 namespace lodestone::soft::LODESTONE_LANES {
 
@@ -60,10 +61,10 @@ void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const 
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; x += width) {
       const std::size_t at = static_cast<std::size_t>(y * tile_size + x);
-      group.for_each_triangle(x, y, [&](Int first, const Int* same, const Surface& s, const Points& colour) {
+      group.for_each_triangle(x, y, [&](Int first, const Int* same, Surface& s, const Points& colour) {
         (*job.work)[static_cast<std::size_t>(Effect::transparency)] +=
             static_cast<unsigned>(std::popcount(bits(first)));
-        const Float opacity = of_models(s, [](const ModelFrame& m) { return m.appearance.opacity; });
+        const auto [opacity, solid] = opacities(job, s);
         for (std::size_t r = 0; r < Samples; ++r) {
           const std::size_t place = r * tile_pixels + at;
           const Int here = first & same[r];
@@ -75,6 +76,11 @@ void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const 
           };
           add(light.red, colour.x), add(light.green, colour.y), add(light.blue, colour.z);
           store(light.through + place, select(here, through * (1.0f - opacity), through));
+          const auto set = [&](float* to, Int lanes, const float* from) {
+            store(to + place, select(lanes, load<Float>(from + place), load<Float>(to + place)));
+          };
+          set(light.seen, here & ~solid, light.through);
+          set(light.depth, here & solid, layer.depth.data());
         }
       });
     }
@@ -88,16 +94,16 @@ void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const GroupResolver<Samples> group{job, tile, plan};
   constexpr float part = 1.0f / Samples;
   const Vec3f background = job.frame->settings.background;
-  resolve_rows(job, tile, [&](int x, int y) {
+  resolve_rows(job, tile, layers.depth, [&](int x, int y) {
     const std::size_t at = static_cast<std::size_t>(y * tile_size + x);
     Points sum{all(0.0f), all(0.0f), all(0.0f)};
-    Float background_through = all(0.0f), all_through = all(0.0f);
+    Float background_through = all(0.0f), all_seen = all(0.0f);
     for (std::size_t r = 0; r < Samples; ++r) {
       const std::size_t place = r * tile_pixels + at;
       const Float through = load<Float>(layers.through + place);
       const Int empty = ~(load<Float>(&tile.depth[place]) < 1.0f);
       background_through += as_float(empty & as_int(part * through));
-      all_through += part * through;
+      all_seen += part * load<Float>(layers.seen + place);
       sum.x += part * load<Float>(layers.red + place);
       sum.y += part * load<Float>(layers.green + place);
       sum.z += part * load<Float>(layers.blue + place);
@@ -113,7 +119,7 @@ void resolve_layered(const ResolveJob& job, const TileBuffer<Samples>& tile) {
       sum.y += as_float(first & as_int(share * colour.y));
       sum.z += as_float(first & as_int(share * colour.z));
     });
-    const Int alpha = job.keeps_through ? truncated(min(all_through, all(1.0f)) * 255.0f + 0.5f) : all(255);
+    const Int alpha = job.keeps_through ? truncated(min(all_seen, all(1.0f)) * 255.0f + 0.5f) : all(255);
     const auto most_one = [](const Points& p) {
       return Points{min(p.x, all(1.0f)), min(p.y, all(1.0f)), min(p.z, all(1.0f))};
     };

@@ -11,13 +11,16 @@
 #include "core/base/prefetch.h"
 #include "render/backends/soft/surface_kernel.h"
 #include "render/effects/directional_light.h"
+#include "render/effects/emission.h"
 #include "render/effects/fog.h"
 #include "render/effects/head_light.h"
 #include "render/effects/level_tint.h"
 #include "render/effects/normal_map.h"
+#include "render/effects/occlusion_map.h"
 #include "render/effects/shadow.h"
 #include "render/effects/smooth_normals.h"
 #include "render/effects/texture.h"
+#include "render/effects/unlit.h"
 #include "render/effects/vertex_colours.h"
 #include "render/effects/wireframe.h"
 #include "render/frame/renderer.h"
@@ -44,11 +47,14 @@ class ShadingPlan {
     add(Effect::vertex_colours, vertex_colours);
     add(Effect::texture, texture);
     add(Effect::normal_map, normal_map);
+    add(Effect::occlusion_map, occlusion_map);
     add(Effect::level_tint, level_tint);
     add(Effect::head_light, head_light);
     add(Effect::directional_light, directional_light);
     if (effects::has_shadow_pass(frame)) steps_[count_++] = {Effect::shadow, Effect::directional_light, shadow};
+    add(Effect::unlit, unlit);
     lit_ = count_;
+    add(Effect::emission, emission);
     add(Effect::wireframe, wireframe);
     add(Effect::fog, fog);
     flat_ = needs_face_normals(frame);
@@ -59,12 +65,13 @@ class ShadingPlan {
   // Colour of the surfaces, each channel in [0, 1].
   [[gnu::always_inline]] Points colour(const ResolveJob& job, Surface& s) const {
     s.colour = vectors_of_models(s, [](const ModelFrame& m) { return m.appearance.base_colour; });
+    s.ambient = all(ambient_);
     s.light = all(0.0f);
     s.is_mapped = s.has_corners = false;
     if (corners_) find_corners(s);
     if (flat_) face_normals(job, s, s.seen);
     for (std::size_t k = 0; k < lit_; ++k) run(steps_[k], job, s);
-    s.colour = scaled(ambient_ + (1 - ambient_) * min(s.light, all(1.0f)), s.colour);
+    s.colour = scaled(s.ambient + (1 - ambient_) * min(s.light, all(1.0f)), s.colour);
     for (std::size_t k = lit_; k < count_; ++k) run(steps_[k], job, s);
     return s.colour;
   }
@@ -246,19 +253,21 @@ inline void prefetch_row(const ResolveJob& job, const TileBuffer<Samples>& tile,
   }
 }
 
-// Depth, and colours as bytes of `width` pixels from (x, y) of the tile by colours(x, y), into the picture.
+// Depth, `depth` in the order of the tile, and colours as bytes of `width` pixels from (x, y) of the tile by colours(x,
+// y), into the picture.
 template <int Samples, class Colours>
 [[gnu::always_inline]] inline void resolve_rows(const ResolveJob& job, const TileBuffer<Samples>& tile,
-                                                const Colours& colours) {
+                                                const float* depth, const Colours& colours) {
   const PixelRect& rect = job.rect;
   const int columns = rect.x1 - rect.x0, rows = rect.y1 - rect.y0;
-  const bool mapped = job.frame->all_effects().contains_any({Effect::texture, Effect::normal_map});
+  const bool mapped = job.frame->all_effects().contains_any(
+      {Effect::texture, Effect::normal_map, Effect::occlusion_map, Effect::emission});
   for (int y = 0; y < rows; ++y) {
     if (y + 1 < rows)
       prefetch_row(job, tile, static_cast<std::size_t>(y + 1), static_cast<std::size_t>(columns), mapped);
     const std::size_t pixel = static_cast<std::size_t>(rect.y0 + y) * static_cast<std::size_t>(job.image->size.width) +
                               static_cast<std::size_t>(rect.x0);
-    std::memcpy(&job.image->depth[pixel], &tile.depth[static_cast<std::size_t>(y) * tile_size],
+    std::memcpy(&job.image->depth[pixel], depth + static_cast<std::size_t>(y) * tile_size,
                 static_cast<std::size_t>(columns) * sizeof(float));
     for (int x = 0; x < columns; x += width) {
       std::int32_t bytes[width];
@@ -273,7 +282,7 @@ template <int Samples, class Colours>
 template <int Samples>
 void resolve(const ResolveJob& job, const TileBuffer<Samples>& tile) {
   const ShadingPlan plan(*job.frame);
-  resolve_rows(job, tile, GroupResolver<Samples>{job, tile, plan});
+  resolve_rows(job, tile, tile.depth.data(), GroupResolver<Samples>{job, tile, plan});
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

@@ -117,8 +117,8 @@ void bin_triangle(TriangleRecord record, const TileGrid& grid, Bins<TriangleReco
 
 template <int Samples>
 void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kernels, const DrawnCell& cell,
-                const WindowVertex* vertices, SetupLists& lists, TileBins& bins) {
-  const std::span<const Triangle> triangles = cell.own->triangles;
+                const CellInWindow& window, SetupLists& lists, TileBins& bins) {
+  const auto [triangles, vertices] = window;
   const CellSetup setup(context, cell, triangles, vertices);
   const SetupJob job{triangles, vertices, cell.first_triangle, context.grid, &bins.fragments};
   const auto count = static_cast<std::uint32_t>(triangles.size());
@@ -137,9 +137,9 @@ void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kerne
 
 template void bin_triangle<1>(TriangleRecord, const TileGrid&, Bins<TriangleRecord>&);
 template void bin_triangle<4>(TriangleRecord, const TileGrid&, Bins<TriangleRecord>&);
-template void setup_cell<1>(const SetupContext&, const SampleKernels<1>&, const DrawnCell&, const WindowVertex*,
+template void setup_cell<1>(const SetupContext&, const SampleKernels<1>&, const DrawnCell&, const CellInWindow&,
                             SetupLists&, TileBins&);
-template void setup_cell<4>(const SetupContext&, const SampleKernels<4>&, const DrawnCell&, const WindowVertex*,
+template void setup_cell<4>(const SetupContext&, const SampleKernels<4>&, const DrawnCell&, const CellInWindow&,
                             SetupLists&, TileBins&);
 
 }  // namespace lodestone::soft

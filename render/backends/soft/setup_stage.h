@@ -22,10 +22,16 @@ struct TileBins {
   Bins<TriangleRecord> triangles;
 };
 
-// Bins the triangles of a cell; `vertices` are the cell's, transformed.
+// Triangles of a cell that are drawn, and all of its vertices, transformed.
+struct CellInWindow {
+  std::span<const Triangle> triangles;
+  const WindowVertex* vertices = nullptr;
+};
+
+// Bins triangles of a cell.
 template <int Samples>
 void setup_cell(const SetupContext& context, const SampleKernels<Samples>& kernels, const DrawnCell& cell,
-                const WindowVertex* vertices, SetupLists& lists, TileBins& bins);
+                const CellInWindow& window, SetupLists& lists, TileBins& bins);
 
 // Twice the signed area; positive when a, b, c turn clockwise in the picture.
 [[nodiscard]] constexpr std::int64_t doubled_area(SnappedPoint a, SnappedPoint b, SnappedPoint c) {

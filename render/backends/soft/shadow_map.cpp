@@ -12,7 +12,7 @@ void ShadowMap::draw(const Frame& frame) {
   pass.selection = &ModelFrame::casters;
   pass.size = {texels_, texels_};
   for (const ModelFrame& model : frame.models)
-    if (model.casters) pass.models.push_back(&model);
+    if (model.casters) pass.models.push_back({&model});
   geometry_.run(pass, 1);
 
   const TileGrid grid(pass.size);

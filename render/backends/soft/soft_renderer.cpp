@@ -43,6 +43,8 @@ class SoftRenderer final : public Renderer {
 
   FrameStats draw(const Frame& frame) override {
     check_frame(frame, largest_side);
+    for ([[maybe_unused]] const ModelFrame& model : frame.models)
+      assert(model.selection && model.model < models_.size() && model.morph.hierarchy == models_[model.model]);
     Stopwatch stage, total;
     FrameStats stats;
     resize(frame.size);
@@ -57,15 +59,15 @@ class SoftRenderer final : public Renderer {
     }
     has_layers_ = false;
     const bool layered = !overdraw && run_layers(frame);
-    geometry_.gather(picture_pass(frame, !overdraw));
-    stats.cells = geometry_.drawn().cells.size();
+    geometry_.gather(overdraw ? count_pass(frame) : picture_pass(frame));
+    stats.cells = geometry_.cells();
     stats.triangles = geometry_.triangles();
     if (layered) {
-      stats.cells += layers_->drawn().cells.size();
+      stats.cells += layers_->cells();
       stats.triangles += layers_->triangles();
     }
     if (overdraw) {
-      geometry_.process(picture_pass(frame, false), 1, geometry_.all());
+      geometry_.process(count_pass(frame), 1, geometry_.all());
       stats.milliseconds["geometry"] = stage.lap();
       stats.work["covered samples"] = count_overdraw(frame);
       stats.milliseconds["raster"] = stage.lap();
@@ -115,22 +117,38 @@ class SoftRenderer final : public Renderer {
     }
   };
 
-  // The opaque models, or all.
-  [[nodiscard]] GeometryPass picture_pass(const Frame& frame, bool opaque) const {
+  // The opaque surfaces.
+  [[nodiscard]] GeometryPass picture_pass(const Frame& frame) const {
     GeometryPass pass;
     for (const ModelFrame& model : frame.models) {
-      assert(model.selection && model.model < models_.size() && model.morph.hierarchy == models_[model.model]);
-      if (!opaque || !effects::is_transparent(frame, model)) pass.models.push_back(&model);
+      if (effects::is_transparent(frame, model)) continue;
+      const bool has_layers = shows_alpha(frame, model);
+      pass.models.push_back({&model, has_layers ? MaterialShare::opaque : MaterialShare::all});
     }
+    pass.materials = &textures_;
     pass.size = frame.size;
     return pass;
   }
 
-  // Draws the transparent models into lists; true if there are any.
+  // All triangles, from both sides.
+  [[nodiscard]] static GeometryPass count_pass(const Frame& frame) {
+    GeometryPass pass;
+    for (const ModelFrame& model : frame.models) pass.models.push_back({&model});
+    pass.size = frame.size;
+    return pass;
+  }
+
+  // Draws the surfaces that are not opaque into lists; true if there may be any.
   bool run_layers(const Frame& frame) {
     GeometryPass pass;
-    for (const ModelFrame& model : frame.models)
-      if (effects::is_transparent(frame, model)) pass.models.push_back(&model);
+    for (const ModelFrame& model : frame.models) {
+      if (effects::is_transparent(frame, model)) {
+        pass.models.push_back({&model});
+      } else if (shows_alpha(frame, model)) {
+        pass.models.push_back({&model, MaterialShare::layers});
+      }
+    }
+    pass.materials = &textures_;
     pass.size = frame.size;
     has_layers_ = !pass.models.empty();
     if (!has_layers_) return false;
@@ -158,7 +176,7 @@ class SoftRenderer final : public Renderer {
                   bool again = false) {
     const std::size_t tiles = TileGrid(frame.size).count();
     if (again) touched_.mark(geometry_.workers(), tiles);
-    geometry_.process(picture_pass(frame, true), frame.samples, cells);
+    geometry_.process(picture_pass(frame), frame.samples, cells);
     stats.milliseconds["geometry"] += stage.lap();
     tiles_.resize(tiles);
     std::iota(tiles_.begin(), tiles_.end(), 0u);

@@ -34,11 +34,8 @@ class Coverage {
     TileBins bins;
     bins.fragments.reset(grid_.count());
     bins.triangles.reset(grid_.count());
-    Cell cell;
-    cell.triangles = triangles_;
-    DrawnCell drawn;
-    drawn.own = &cell;
-    setup_cell<Samples>({nullptr, nullptr, &grid_}, kernels_, drawn, vertices_.data(), *lists_, bins);
+    const DrawnCell drawn;
+    setup_cell<Samples>({nullptr, nullptr, &grid_}, kernels_, drawn, {triangles_, vertices_.data()}, *lists_, bins);
     Counts counts(static_cast<std::size_t>(width * height * Samples));
     for (std::size_t t = 0; t < grid_.count(); ++t) {
       bins.fragments.for_each_run(t, [&](const Fragment* first, const Fragment* last) {

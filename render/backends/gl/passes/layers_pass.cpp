@@ -126,7 +126,7 @@ void GlLayers::draw(const Frame& frame, const GlScene& scene, GlStream& stream,
                     const std::function<void(const GlPipeline&)>& use, const GlTarget& target, bool keeps_through) {
   GlGeometry geometry{samples_ == 1 ? GlPass::layers : GlPass::layers_4x, &ModelFrame::selection, {}};
   for (const ModelFrame& model : frame.models)
-    if (effects::is_transparent(frame, model)) geometry.models.push_back(&model);
+    if (effects::has_layers(frame, model)) geometry.models.push_back(&model);
   commands_.set(frame, scene, geometry, stream);
   glDepthMask(GL_FALSE);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);

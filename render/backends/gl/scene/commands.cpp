@@ -73,9 +73,11 @@ void GlCommands::add(const ModelFrame& model, std::uint32_t instance, const GlSc
                      const SelectedCell& selected, std::size_t pipeline) {
   const Cell& cell = scene.hierarchy(model.model).cells[selected.cell];
   const CellPlace& place = scene.place(model.model, selected.cell);
-  ++cells_;
+  // The other share of the model has counted it.
+  const bool counts = (pipelines_[pipeline].variant.material_bits & leaves_out_others) == 0;
+  if (counts) ++cells_;
   if (cell.triangles.empty()) return;
-  triangles_ += cell.triangles.size();
+  if (counts) triangles_ += cell.triangles.size();
   pipelines_[pipeline].triangles += cell.triangles.size();
 
   Bucket& b = bucket(pipeline, place.group);

@@ -107,8 +107,15 @@ void GlTextures::send_tables() {
   std::vector<Entry> entries;
   for (std::uint32_t m = 0; m < models_; ++m)
     for (const SurfaceMaterial& material : textures_.materials(m)) {
-      const Vec3f c = material.base_colour;
-      entries.push_back({{c.x, c.y, c.z, 1}, map_of(material.texture), map_of(material.normal_map)});
+      const Vec3f c = material.base_colour, e = material.emission;
+      entries.push_back({{c.x, c.y, c.z, material.alpha},
+                         map_of(material.texture),
+                         map_of(material.normal_map),
+                         map_of(material.occlusion_map),
+                         map_of(material.emission_map),
+                         {e.x, e.y, e.z, material.normal_scale},
+                         {material.occlusion_strength, material.alpha_cutoff},
+                         {static_cast<std::uint32_t>(material.alpha_mode), material.one_sided, material.unlit}});
     }
   const auto replace = [](const GlBuffer& buffer, const void* data, std::size_t bytes) {
     glNamedBufferData(buffer.name(), static_cast<GLsizeiptr>(std::max<std::size_t>(bytes, 4)), bytes ? data : nullptr,

@@ -7,8 +7,8 @@
 
 #include <vector>
 
+#include "core/texture/page_packer.h"
 #include "render/backends/gl/device/object.h"
-#include "render/backends/gl/scene/page_packer.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {
@@ -42,8 +42,11 @@ class GlTextures {
     std::uint32_t first_level = no_texture, more_levels = 0, wraps = 0, object_space = 0;
   };
   struct Entry {
-    float base_colour[4] = {};
-    Map colours, normals;
+    float base_colour[4] = {};  // and alpha
+    Map colours, normals, occlusion, emission_map;
+    float emission[4] = {};       // and the scale of the normal map
+    float factors[4] = {};        // strength of the occlusion, cutoff of alpha
+    std::uint32_t flags[4] = {};  // alpha mode, seen from one side, unlit
   };
   [[nodiscard]] Map map_of(std::uint32_t texture) const;
 

@@ -9,7 +9,9 @@
 #include "render/backends/gl/device/program.h"
 #include "render/backends/gl/shaders/varyings.h"
 #include "render/effects/effect_info.h"
+#include "render/effects/material_alpha.h"
 #include "render/effects/texture_mapping.h"
+#include "render/effects/vertex_colours.h"
 #include "render/frame/shading.h"
 #include "render/textures/surface_textures.h"
 
@@ -182,6 +184,9 @@ void main() {
     clip[i] = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
   }
   gl_Position = clip;
+#ifdef LEFT_OUT_MODES
+  if ((LEFT_OUT_MODES >> materials[material].flags.x & 1u) != 0u) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
+#endif
 }
 )";
 
@@ -193,6 +198,7 @@ flat in uint drawn_instance;
 struct Surface {
   vec3 normal;  // model space, of any length
   vec3 colour;  // albedo, and in the end the colour of the picture
+  float ambient;  // light from everywhere
   float light;  // sum of the lights that reach it
   float directional;  // that of the directional light, in it
 };
@@ -201,19 +207,28 @@ struct Surface {
 constexpr const char* fragment_main = R"(
 void main() {
   instance = drawn_instance;
-  Surface s = Surface(vec3(0.0, 0.0, 1.0), instances[instance].base_colour.rgb, 0.0, 0.0);
+  Surface s = Surface(vec3(0.0, 0.0, 1.0), instances[instance].base_colour.rgb, frame.ambient, 0.0, 0.0);
 #ifdef FACE_NORMALS
   s.normal = cross(dFdx(drawn_position), dFdy(drawn_position));
 #endif
   EFFECTS_BEFORE_LIGHT
-  s.colour *= frame.ambient + (1.0 - frame.ambient) * min(s.light, 1.0);
+  s.colour *= s.ambient + (1.0 - frame.ambient) * min(s.light, 1.0);
   EFFECTS_AFTER_LIGHT
+  float opacity = instances[instance].base_colour.w;
+#ifdef LEAVES_OUT_BACKS
+  if (!gl_FrontFacing && materials[material].flags.y != 0u) discard;
+#endif
+#ifdef READS_ALPHA
+  float of_material = opacity_of_material();
+  if (!(of_material > 0.0)) discard;
+  opacity *= of_material;
+#endif
   OUTPUT
 }
 )";
 
 // The last effect that changes albedo, normal or light.
-constexpr Effect last_before_light = Effect::shadow;
+constexpr Effect last_before_light = Effect::unlit;
 
 // The output of the colour. Layers are added to the pixel's list (render/backends/gl/passes/layers_pass.h); tests of
 // depth come first there.
@@ -236,7 +251,7 @@ constexpr const char* store_layer = R"(
     nodes[at] = atomicExchange(heads[uint(gl_FragCoord.y) * width + uint(gl_FragCoord.x)], number + 1u);
     nodes[at + 1u] = floatBitsToUint(gl_FragCoord.z);
     nodes[at + 2u] = packUnorm2x16(s.colour.rg);
-    nodes[at + 3u] = packUnorm2x16(vec2(s.colour.b, instances[instance].base_colour.w));
+    nodes[at + 3u] = packUnorm2x16(vec2(s.colour.b, opacity));
 #ifdef MULTISAMPLED
     nodes[at + 4u] = floatBitsToUint(slope.x);
     nodes[at + 5u] = floatBitsToUint(slope.y);
@@ -262,12 +277,23 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
 struct EffectSource {
   std::string vertex, vertex_calls, geometry, geometry_calls, fragment, calls_before_light, calls_after_light;
 };
-EffectSource effect_source(EffectSet effects) {
+EffectSource effect_source(EffectSet effects, std::uint32_t material_bits) {
   EffectSource source;
-  if (effects.contains_any({Effect::texture, Effect::normal_map})) {
-    source.vertex = effects::mapping_vertex;
-    source.fragment = effects::mapping_fragment;
+  if (material_bits != 0 || effects.contains_any({Effect::texture, Effect::normal_map, Effect::occlusion_map,
+                                                  Effect::unlit, Effect::emission})) {
+    source.vertex = std::string(effects::material_source) + std::string(effects::mapping_vertex);
+    source.fragment = std::string(effects::material_source) + std::string(effects::mapping_fragment);
     source.vertex_calls = source.calls_before_light = "map_texture();\n  ";
+  }
+  const bool vertex_alpha = (material_bits & reads_vertex_alpha) != 0;
+  if (vertex_alpha || effects.contains(Effect::vertex_colours)) source.vertex += effects::colours_vertex;
+  if (vertex_alpha) {
+    source.vertex += effects::vertex_alpha_vertex;
+    source.vertex_calls += "find_vertex_alpha();\n  ";
+  }
+  if (material_bits & reads_alpha) {
+    source.fragment += vertex_alpha ? effects::vertex_alpha_fragment : effects::no_vertex_alpha_fragment;
+    source.fragment += effects::opacity_fragment;
   }
   for (const EffectInfo& info : effect_infos()) {
     if (!effects.contains(info.effect)) continue;
@@ -313,11 +339,14 @@ std::string morph_source(GlVariant variant) {
 
 GlProgram make_draw_program(GlVariant variant) {
   std::vector<GlStage> stages;
-  const EffectSource source = effect_source(variant.effects);
-  const std::string head = define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") +
-                           define(variant.limited, "LIMITED") +
-                           define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
-                           define(variant.face_normals, "FACE_NORMALS") + frame_block_source();
+  const EffectSource source = effect_source(variant.effects, variant.material_bits);
+  const std::string head =
+      define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") + define(variant.limited, "LIMITED") +
+      define(variant.effects.contains(Effect::geomorph), "GEOMORPH") + define(variant.face_normals, "FACE_NORMALS") +
+      define(variant.material_bits & leaves_out_blended, "LEFT_OUT_MODES 4u") +
+      define(variant.material_bits & leaves_out_others, "LEFT_OUT_MODES 3u") +
+      define(variant.material_bits & reads_alpha, "READS_ALPHA") +
+      define(variant.material_bits & leaves_out_backs, "LEAVES_OUT_BACKS") + frame_block_source();
   std::string vertex = vertex_head + source.vertex +
                        replaced(replaced(vertex_main, "EFFECTS", source.vertex_calls), "CLIP_ROWS",
                                 variant.pass == GlPass::shadow ? "light_rows" : "clip_rows");

@@ -25,8 +25,13 @@ struct GlVariant {
   bool face_normals = false;
   EffectSet effects;
   GlPass pass = GlPass::picture;
+  std::uint32_t material_bits = 0;  // what it does with materials besides their colours
   friend auto operator<=>(const GlVariant&, const GlVariant&) = default;
 };
+// Triangles of blended materials are left out; or those of all others; alpha is looked at; the models' vertices have
+// alpha; the backs of single-sided materials are left out.
+inline constexpr std::uint32_t leaves_out_blended = 1, leaves_out_others = 2, reads_alpha = 4, reads_vertex_alpha = 8,
+                               leaves_out_backs = 16;
 [[nodiscard]] GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass);
 
 // Attributes of the vertex array.

@@ -3,10 +3,27 @@
 #include "render/camera/projection.h"
 #include "render/effects/effect_info.h"
 #include "render/effects/shadow.h"
+#include "render/effects/transparency.h"
 #include "render/frame/shading.h"
 #include "render/textures/surface_textures.h"
 
 namespace lodestone {
+
+namespace {
+
+std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
+  const bool blended = shows_alpha(frame, model, AlphaMode::blend),
+             masked = shows_alpha(frame, model, AlphaMode::mask);
+  const bool all_layers = effects::is_transparent(frame, model), opaque_pass = pass == GlPass::picture;
+  std::uint32_t bits = effects::has_one_side(model) ? leaves_out_backs : 0;
+  if (blended && !all_layers) bits |= opaque_pass ? leaves_out_blended : leaves_out_others;
+  const bool alpha = opaque_pass ? masked : blended || (masked && all_layers);
+  if (alpha) bits |= reads_alpha;
+  if (alpha && model.appearance.vertex_colours && model.morph.hierarchy->attributes.colours) bits |= reads_vertex_alpha;
+  return bits;
+}
+
+}  // namespace
 
 GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
   GlVariant variant{model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(), false, {}, pass};
@@ -28,8 +45,12 @@ GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
                                                   model.morph.hierarchy->attributes.colours);
   variant.effects.set(Effect::texture, shows_textures(model));
   variant.effects.set(Effect::normal_map, shows_normal_maps(model));
+  variant.effects.set(Effect::occlusion_map, shows_occlusion_maps(model));
+  variant.effects.set(Effect::unlit, shows_unlit(model));
+  variant.effects.set(Effect::emission, shows_emission(model));
   variant.effects.set(Effect::shadow,
                       model.effects.contains(Effect::directional_light) && effects::has_shadow_pass(frame));
+  variant.material_bits = material_bits_of(frame, model, pass);
   return variant;
 }
 

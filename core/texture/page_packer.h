@@ -1,5 +1,4 @@
-// Places of rectangles on pages of one size: shelf by shelf, each as high as the first rectangle on it. Knows no
-// OpenGL.
+// Places of rectangles on pages of one size: shelf by shelf, each as high as the first rectangle on it.
 #pragma once
 
 #include <cassert>
