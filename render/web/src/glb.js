@@ -1,6 +1,7 @@
 // Binary glTF, as far as this program writes it: progressive meshes, and the tiles of `lodestone export --tiles --morph`.
 import {MeshoptDecoder} from 'three/examples/jsm/libs/meshopt_decoder.module.js';
 import {isLayout} from './octahedral_image.js';
+import {showsEmission, surfaceOf} from './surface.js';
 
 const arrays = {5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array};
 const components = {SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4};
@@ -72,7 +73,8 @@ export class Glb {
     // Without a colour it stands for no material.
     return {name: m.name ?? '', colour: m.pbrMetallicRoughness?.baseColorFactor ?? [0.8, 0.8, 0.78, 1],
             texture: source(m.pbrMetallicRoughness?.baseColorTexture), normalMap: source(m.normalTexture),
-            objectNormals: source(m.extras?.objectNormalTexture), octahedral: m.extras?.octahedral};
+            objectNormals: source(m.extras?.objectNormalTexture), octahedral: m.extras?.octahedral,
+            surface: surfaceOf(m, source)};
   }
 
   textureOf(image) { return this.json.textures.find((t) => (t.source ?? t.extensions?.EXT_texture_webp?.source) === image); }
@@ -92,8 +94,8 @@ export class Glb {
   get firstPicture() {
     const {accessors = [], images = [], materials = []} = this.json;
     const drawn = new Set(materials.flatMap((_, k) => {
-      const {texture, normalMap, objectNormals} = this.material(k);
-      return [texture, objectNormals ?? normalMap];
+      const {texture, normalMap, objectNormals, surface} = this.material(k);
+      return [texture, objectNormals ?? normalMap, showsEmission(surface) ? surface.emissiveMap : null];
     }));
     const parts = images.map((image, k) => this.textureOf(k)?.extras?.thumbnail ?? (drawn.has(k) ? image : {}));
     return [...accessors, ...parts].reduce((end, {bufferView}) => (bufferView === undefined ? end : Math.max(end, this.endOf(bufferView))), 0);

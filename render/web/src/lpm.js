@@ -3,6 +3,7 @@ import {isLayout} from './octahedral_image.js';
 import {RangeDecoder} from './range_decoder.js';
 import {SplitCodec} from './split_codec.js';
 import {SplitMesh} from './split_mesh.js';
+import {surfaceOf} from './surface.js';
 
 const MAGIC = 'LODELPM1';
 
@@ -31,6 +32,8 @@ function checkHeader(header, name) {
     materials.every((m) => isLayout(m.octahedral) && [m.texture, m.normalMap, m.objectNormals].every((t) => t == null || textures[t] !== undefined));
   if (!holds) throw new Error(`${name}: the header contradicts itself; the file is damaged`);
 }
+
+const withSurface = ({surface, ...m}) => ({...m, surface: surface ? surfaceOf(surface, (info) => info?.index ?? null) : null});
 
 export class LpmDecoder {
   constructor(name = 'the file') {
@@ -162,7 +165,7 @@ export class LpmDecoder {
       for (let i = 0; i < 2; ++i) uv[2 * w + i] = header.uvLow[i] + values.uv[w][i] * header.uvStep[i];
     this.made = {vertexCount: count, baseVertices: this.baseVertices, positions, parents, errors, uv,
             colours: header.colours ? Uint8Array.from(values.colours.flat()) : null, normals: null,
-            materialIds: header.materialIds ? Int32Array.from(values.materials) : null, materials: header.materials,
+            materialIds: header.materialIds ? Int32Array.from(values.materials) : null, materials: header.materials.map(withSurface),
             textures: this.textureList(), triangles: splits.triangles(), origin: header.origin, scale: header.scale};
     return this.made;
   }

@@ -2,14 +2,14 @@
 import * as THREE from 'three';
 
 // `share`: 0 at the ancestors, 1 at their own places.
-export function morphMaterial(parameters, share) {
+export function morphMaterial(parameters, share, unlit = false) {
   const material = new THREE.MeshStandardMaterial({roughness: 0.85, metalness: 0, side: THREE.DoubleSide, ...parameters});
   material.onBeforeCompile = (shader) => {
     shader.uniforms.morphShare = share;
     shader.vertexShader = withMorph(shader.vertexShader);
-    shader.fragmentShader = withSides(shader.fragmentShader);
+    shader.fragmentShader = withSides(unlit ? withoutLight(shader.fragmentShader) : shader.fragmentShader);
   };
-  material.customProgramCacheKey = () => 'progressive';
+  material.customProgramCacheKey = () => (unlit ? 'progressive, unlit' : 'progressive');
   return material;
 }
 
@@ -33,10 +33,27 @@ export function withMorph(source) {
       #endif
       #ifdef USE_NORMALMAP
         vNormalMapUv = (normalMapTransform * vec3(${between('fromUv', 'NORMALMAP_UV')}, 1)).xy;
+      #endif
+      #ifdef USE_EMISSIVEMAP
+        vEmissiveMapUv = (emissiveMapTransform * vec3(${between('fromUv', 'EMISSIVEMAP_UV')}, 1)).xy;
       #endif`)
     .replace('#include <beginnormal_vertex>', `vec3 objectNormal = normalize(${between('fromNormal', 'normal')} + vec3(1e-20));`)
     .replace('#include <begin_vertex>', `vec3 transformed = ${between('fromPosition', 'position')};`);
 }
+
+// What surface.js knows of a material, as parameters of three's standard material. A material without a surface is seen from both sides.
+export function surfaceParameters(colour, surface) {
+  if (!surface) return {side: THREE.DoubleSide};
+  const blended = surface.alphaMode === 'BLEND', masked = surface.alphaMode === 'MASK';
+  const light = surface.unlit ? [0, 0, 0] : surface.emissive;
+  return {side: surface.doubleSided ? THREE.DoubleSide : THREE.FrontSide, transparent: blended, depthWrite: !blended,
+          alphaTest: masked ? surface.alphaCutoff : 0, opacity: blended || masked ? colour[3] : 1,
+          emissive: new THREE.Color(...light), emissiveIntensity: surface.emissiveStrength};
+}
+
+// The colour itself in place of the light that reaches the eye.
+export const withoutLight = (source) =>
+    source.replace('vec3 outgoingLight = totalDiffuse + totalSpecular + totalEmissiveRadiance;', 'vec3 outgoingLight = diffuseColor.rgb;');
 
 // A back side is lit from behind only if its normal, too, points away: slivers that have folded over remain as bright
 // as their surroundings, and the inside of an open surface is not black.

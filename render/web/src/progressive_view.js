@@ -1,10 +1,11 @@
 // A progressive mesh in the scene: one vertex buffer, an index per rung of the ladder, ancestors as a second vertex.
 import * as THREE from 'three';
 import {Ladder} from './ladder.js';
-import {countingMaterial, morphMaterial} from './morph_material.js';
+import {countingMaterial, morphMaterial, surfaceParameters} from './morph_material.js';
 import {seamlessLevels} from './octahedral_image.js';
 import {Problem} from './problem.js';
 import {unstacked} from './stacked_normals.js';
+import {showsEmission} from './surface.js';
 import {turnedBox} from './turn.js';
 
 const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
@@ -80,7 +81,7 @@ export class ProgressiveView {
     const materials = [];
     for (const m of list) {
       const parameters = {vertexColors: mesh.colours !== null, wireframe: this.object.material[0].wireframe};
-      parameters.color = new THREE.Color(...m.colour.slice(0, 3));
+      Object.assign(parameters, {color: new THREE.Color(...m.colour.slice(0, 3))}, surfaceParameters(m.colour, m.surface));
       if (mesh.uv && m.texture != null) parameters.map = await this.texture(m.texture, THREE.SRGBColorSpace, m.octahedral);
       if (mesh.uv && m.objectNormals != null) {  // right at every level, as the normals of vertices are not
         parameters.normalMap = await this.texture(m.objectNormals, THREE.NoColorSpace, m.octahedral, unstacked);
@@ -88,7 +89,8 @@ export class ProgressiveView {
       } else if (mesh.uv && m.normalMap != null) {
         parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace, m.octahedral);
       }
-      materials.push(morphMaterial(parameters, this.share));
+      if (mesh.uv && showsEmission(m.surface)) parameters.emissiveMap = await this.texture(m.surface.emissiveMap, THREE.SRGBColorSpace, m.octahedral);
+      materials.push(morphMaterial(parameters, this.share, m.surface?.unlit));
     }
     for (const old of [...this.object.material, ...this.outdated.splice(0)]) old.dispose();
     this.object.material = materials;

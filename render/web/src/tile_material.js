@@ -3,7 +3,7 @@
 // that nothing pops. Distances are computed by the operations of tileset.js and limits.js, lambda is selected and not
 // clamped.
 import * as THREE from 'three';
-import {withSides} from './morph_material.js';
+import {withSides, withoutLight} from './morph_material.js';
 
 const declarations = `
 uniform vec3 viewpoint;
@@ -37,7 +37,7 @@ vec3 travelled(vec3 own, vec3 parent, float share) {
 }
 `;
 
-export function tileMaterial(uniforms, parameters) {
+export function tileMaterial(uniforms, {unlit = false, ...parameters}) {
   const material = new THREE.MeshStandardMaterial({roughness: 0.85, metalness: 0, side: THREE.DoubleSide, ...parameters});
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
@@ -47,14 +47,17 @@ export function tileMaterial(uniforms, parameters) {
       .replace('#include <uv_vertex>', `#include <uv_vertex>
         #ifdef USE_MAP
           vMapUv = mix(parentUv, MAP_UV, morphShare());
+        #endif
+        #ifdef USE_EMISSIVEMAP
+          vEmissiveMapUv = mix(parentUv, EMISSIVEMAP_UV, morphShare());
         #endif`)
       .replace('#include <color_vertex>', `#include <color_vertex>
         #ifdef USE_COLOR_ALPHA
           vColor = mix(parentColor, color, morphShare());
         #endif`);
-    shader.fragmentShader = withSides(shader.fragmentShader);
+    shader.fragmentShader = withSides(unlit ? withoutLight(shader.fragmentShader) : shader.fragmentShader);
   };
-  material.customProgramCacheKey = () => 'tiles';
+  material.customProgramCacheKey = () => (unlit ? 'tiles, unlit' : 'tiles');
   return material;
 }
 

@@ -3,8 +3,10 @@ import * as THREE from 'three';
 import {reading} from './files.js';
 import {Glb} from './glb.js';
 import {limitsNear} from './limits.js';
+import {surfaceParameters} from './morph_material.js';
 import {Problem} from './problem.js';
 import {ResidentTiles} from './resident_tiles.js';
+import {showsEmission} from './surface.js';
 import {TextureCache} from './texture_cache.js';
 import {LimitTexture, countingTileMaterial, tileMaterial} from './tile_material.js';
 import {boxDistance, makeRadii} from './tileset.js';
@@ -110,12 +112,15 @@ export class TilesView {
 
   async lookOf(cell, glb, index) {
     const m = index === undefined ? null : glb.material(index);
-    const look = {color: m ? new THREE.Color(...m.colour.slice(0, 3)) : new THREE.Color(0.8, 0.8, 0.78)};
-    if (m?.texture != null) {
-      const url = new URL(glb.image(m.texture).uri, cell.url).href;
+    if (!m) return {color: new THREE.Color(0.8, 0.8, 0.78)};
+    const look = {color: new THREE.Color(...m.colour.slice(0, 3)), unlit: m.surface.unlit, ...surfaceParameters(m.colour, m.surface)};
+    const take = (image) => {
+      const url = new URL(glb.image(image).uri, cell.url).href;
       cell.taken.push(url);
-      look.map = await this.textures.take(url);
-    }
+      return this.textures.take(url);
+    };
+    if (m.texture != null) look.map = await take(m.texture);
+    if (showsEmission(m.surface)) look.emissiveMap = await take(m.surface.emissiveMap);
     return look;
   }
 
