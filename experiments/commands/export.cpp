@@ -71,14 +71,19 @@ void export_tiles(const ExportOptions& options, const CommonOptions& common) {
                         {"tiles", saved.tiles},
                         {"tilesets", saved.tilesets},
                         {"textures", saved.textures},
+                        {"atlases", saved.atlases},
+                        {"draws", saved.draws},
                         {"triangles", saved.triangles},
                         {"finest_triangles", hierarchy.levels.back().triangles},
                         {"bytes", saved.bytes},
+                        {"warnings", saved.warnings},
                         {"seconds", time.seconds},
                         {"cpu_seconds", time.cpu_seconds}});
   if (common.prints())
-    fmt::print("{}: {} tiles, {} tilesets, {} images, {} triangles, {:.1f} MB\n", *options.tiles, saved.tiles,
-               saved.tilesets, saved.textures, saved.triangles, static_cast<double>(saved.bytes) * 1e-6);
+    fmt::print("{}: {} tiles with {} draws, {} tilesets, {} images, {} triangles, {:.1f} MB\n", *options.tiles,
+               saved.tiles, saved.draws, saved.tilesets, saved.textures, saved.triangles,
+               static_cast<double>(saved.bytes) * 1e-6);
+  if (common.prints()) print_warnings(saved.warnings);
 }
 
 void run(const ExportOptions& options, const CommonOptions& common) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <map>
 #include <mutex>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,7 +11,9 @@
 
 #include "core/files/atomic_file.h"
 #include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/model/material_of.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
+#include "parallel/hierarchy/decoded_images.h"
 
 namespace lodestone {
 namespace {
@@ -22,19 +25,8 @@ std::uint64_t write_file(const std::filesystem::path& path, std::span<const std:
   return bytes.size();
 }
 
-// The image files of all levels, by path; the bytes are those of the hierarchy.
-std::map<std::string, std::span<const char>> image_files(const Hierarchy& hierarchy) {
-  std::map<std::string, std::span<const char>> files;
-  const auto add = [&](std::uint32_t texture) {
-    if (texture >= hierarchy.textures.size()) return;
-    for (int level = 0; level <= hierarchy.finest(); ++level) {
-      const TextureCopy* copy = texture_copy(hierarchy, texture, level);
-      files[texture_path(hierarchy, texture, level)] = copy ? copy->bytes : hierarchy.textures[texture].bytes;
-    }
-  };
-  for (const Material& material : hierarchy.materials) for_each_texture(material, add);
-  return files;
-}
+// Room for decoded images that go into atlases.
+constexpr std::size_t most_decoded_bytes = std::size_t{256} << 20;
 
 class Saver {
  public:
@@ -43,22 +35,31 @@ class Saver {
 
   SavedTiles save() {
     for (int level = 0; level <= hierarchy_.finest(); ++level) folder_.add_folder(std::to_string(level));
-    save_images();
     save_cells();
+    save_images();
     save_tilesets();
     saved_.bytes += bytes_;
     return saved_;
   }
 
  private:
+  // Those that tiles link, of all levels; the bytes are those of the hierarchy.
   void save_images() {
-    const std::map<std::string, std::span<const char>> files = image_files(hierarchy_);
-    if (!files.empty()) folder_.add_folder("textures");
-    for (const auto& [path, bytes] : files) {
+    if (!linked_.empty()) folder_.add_folder("textures");
+    for (const auto& [path, image] : linked_) {
       stop_if_cancelled();
+      const auto [texture, level] = image;
+      const TextureCopy* copy = texture_copy(hierarchy_, texture, level);
+      const std::span<const char> bytes = copy ? copy->bytes : hierarchy_.textures[texture].bytes;
       bytes_ += write_file(folder_.path() / path, std::as_bytes(bytes));
     }
-    saved_.textures = files.size();
+    saved_.textures = linked_.size() + atlas_images_;
+    saved_.atlases = atlases_;
+    saved_.draws = draws_;
+    if (repeating_ > 0)
+      saved_.warnings.push_back(std::to_string(repeating_) +
+                                " tiles keep materials of their own whose textures repeat " +
+                                "more than twice on a chart");
   }
 
   void save_cells() {
@@ -79,10 +80,44 @@ class Saver {
 
   void save_cell(CellId cell) {
     const int level = hierarchy_.level_of(cell);
-    const auto uri = [&](std::uint32_t texture) { return "../" + texture_path(hierarchy_, texture, level); };
-    const std::vector<std::byte> glb =
-        encode_cell_glb(hierarchy_, cell, {.morph = config_.tileset.morph, .texture_uri = uri});
+    const TileAtlas atlas = atlas_of(cell, level);
+    const auto link = [&](std::uint32_t texture) {
+      const std::string path = texture_path(hierarchy_, texture, level);
+      const std::scoped_lock lock(linking_);
+      linked_.emplace(path, std::pair(texture, level));
+      return "../" + path;
+    };
+    const auto own = [&](std::size_t image) {
+      return std::filesystem::path(atlas_path(hierarchy_, cell, atlas, image)).filename().string();
+    };
+    const std::vector<std::byte> glb = encode_cell_glb(
+        hierarchy_, cell, {.morph = config_.tileset.morph, .texture_uri = link, .atlas = &atlas, .atlas_uri = own});
     bytes_ += write_file(folder_.path() / tile_path(hierarchy_, cell), glb);
+    for (std::size_t k = 0; k < atlas.images.size(); ++k)
+      bytes_ += write_file(folder_.path() / atlas_path(hierarchy_, cell, atlas, k),
+                           std::as_bytes(std::span(atlas.images[k].bytes)));
+    atlases_ += !atlas.materials.empty();
+    atlas_images_ += atlas.images.size();
+    repeating_ += atlas.repeating > 0;
+    draws_ += draws_of(hierarchy_.cells[cell], atlas);
+  }
+
+  // Tiles that morph have none: at an exchange both levels must show the same texels.
+  [[nodiscard]] TileAtlas atlas_of(CellId cell, int level) {
+    if (config_.tileset.morph) return {};
+    return make_tile_atlas(hierarchy_, cell,
+                           {.pixels = [this, level](std::uint32_t texture) { return decoded_.get(texture, level); }});
+  }
+
+  // The parts of different materials.
+  [[nodiscard]] std::size_t draws_of(const Cell& cell, const TileAtlas& atlas) const {
+    std::set<std::pair<bool, std::uint32_t>> drawn;
+    for (const Triangle& t : cell.triangles) {
+      const std::uint32_t material = material_of(hierarchy_, cell, t.v[0]);
+      const auto replacing = atlas.replacing(material);
+      drawn.emplace(replacing.has_value(), replacing.value_or(material));
+    }
+    return drawn.size();
   }
 
   void save_tilesets() {
@@ -108,7 +143,10 @@ class Saver {
   Scheduler& scheduler_;
   const SaveTilesConfig& config_;
   std::vector<double> errors_;
-  std::atomic<std::uint64_t> bytes_{0};
+  DecodedImages decoded_{hierarchy_, most_decoded_bytes};
+  std::mutex linking_;
+  std::map<std::string, std::pair<std::uint32_t, int>> linked_;  // texture and level, by path
+  std::atomic<std::uint64_t> bytes_{0}, atlases_{0}, atlas_images_{0}, repeating_{0}, draws_{0};
   std::atomic<std::size_t> done_{0};
   std::mutex reporting_;
   SavedTiles saved_;

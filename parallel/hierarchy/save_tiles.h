@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "core/files/atomic_file.h"
 #include "core/hierarchy/model/hierarchy.h"
@@ -23,12 +25,16 @@ struct SavedTiles {
   std::uint64_t tilesets = 0;   // JSON files
   std::uint64_t textures = 0;   // image files
   std::uint64_t triangles = 0;  // of all tiles
+  std::uint64_t draws = 0;      // of all tiles: parts of one material
+  std::uint64_t atlases = 0;    // tiles whose materials share images
   std::uint64_t bytes = 0;      // of all files
+  std::vector<std::string> warnings;
 };
 
 // Writes the files that core/hierarchy/tiles/tileset_tree.h lists into the folder, which is not committed. The same
 // bytes for any number of workers. Throws FileError when a file cannot be written, ResourceError for a cell of more
-// than 4 GiB, Cancelled. Working memory: one tile per worker, and the JSON.
+// than 4 GiB, Cancelled. Working memory: one tile per worker, the decoded
+// images of one level where there are many materials, and the JSON.
 [[nodiscard]] SavedTiles save_tiles(const Hierarchy& hierarchy, AtomicFolder& folder, Scheduler& scheduler,
                                     const SaveTilesConfig& config = {});
 

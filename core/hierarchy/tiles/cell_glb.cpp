@@ -3,6 +3,7 @@
 
 #include "core/formats/common/colour.h"
 #include "core/formats/gltf/glb_builder.h"
+#include "core/hierarchy/model/material_of.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
 
 namespace lodestone {
@@ -18,6 +19,7 @@ class CellEncoder {
       : hierarchy_(hierarchy),
         cell_(hierarchy.cells[cell]),
         config_(config),
+        atlas_(config.atlas && !config.atlas->materials.empty() ? config.atlas : nullptr),
         morph_(config.morph && cell_.parent != no_cell) {}
 
   std::vector<std::byte> encode() {
@@ -63,9 +65,10 @@ class CellEncoder {
     attributes_["POSITION"] = glb_.add_positions(positions);
     attributes_["NORMAL"] =
         add_values([&](std::uint32_t v) { return unpack_normal(cell_.normals[v]); }, GltfComponent::floats, "VEC3");
-    if (hierarchy_.attributes.uv)
+    if (atlas_ || hierarchy_.attributes.uv)
       attributes_["TEXCOORD_0"] =
-          add_values([&](std::uint32_t v) { return cell_.attributes.uv[v]; }, GltfComponent::floats, "VEC2");
+          add_values([&](std::uint32_t v) { return atlas_ ? atlas_->uv[v] : cell_.attributes.uv[v]; },
+                     GltfComponent::floats, "VEC2");
     if (hierarchy_.attributes.colours) attributes_["COLOR_0"] = add_colours(cell_, {});
     if (!morph_) return;
     const Cell& parent = hierarchy_.cells[cell_.parent];
@@ -89,20 +92,22 @@ class CellEncoder {
     return at;
   }
 
-  [[nodiscard]] std::uint32_t material_of(const Triangle& t) const {
-    if (hierarchy_.attributes.materials) return cell_.attributes.materials[t.v[0]];
-    return hierarchy_.materials.empty() ? no_material : 0;
+  // Materials of the atlas are numbered after those of the hierarchy.
+  [[nodiscard]] std::uint32_t shown_material(const Triangle& t) const {
+    const std::uint32_t material = material_of(hierarchy_, cell_, t.v[0]);
+    const auto replacing = atlas_ ? atlas_->replacing(material) : std::nullopt;
+    return replacing ? static_cast<std::uint32_t>(hierarchy_.materials.size()) + *replacing : material;
   }
 
   void add_primitives() {
     std::map<std::uint32_t, std::vector<std::uint32_t>> by_material;
     for (const Triangle& t : cell_.triangles) {
-      std::vector<std::uint32_t>& ids = by_material[material_of(t)];
+      std::vector<std::uint32_t>& ids = by_material[shown_material(t)];
       for (const std::uint32_t v : t.v) ids.push_back(number_[v]);
     }
     for (const auto& [material, ids] : by_material) {
       json primitive{{"attributes", attributes_}, {"indices", glb_.add_indices(ids, used_.size())}};
-      if (material < hierarchy_.materials.size()) {
+      if (material != no_material) {
         primitive["material"] = materials_.size();
         materials_.push_back(material);
       }
@@ -111,17 +116,26 @@ class CellEncoder {
   }
 
   void add_materials() {
-    std::map<std::uint32_t, std::uint32_t> textures;  // of the hierarchy -> of the file
+    const auto count = static_cast<std::uint32_t>(hierarchy_.materials.size());
+    std::map<std::uint32_t, std::uint32_t> textures, images;  // of the hierarchy, of the atlas -> of the file
+    std::uint32_t in_file = 0;
     const auto local = [&](std::uint32_t texture) {
       if (texture >= hierarchy_.textures.size()) return no_texture;
-      const auto [at, fresh] = textures.emplace(texture, static_cast<std::uint32_t>(textures.size()));
-      if (fresh) glb_.add_linked_texture(hierarchy_.textures[texture], config_.texture_uri(texture));
+      const auto [at, fresh] = textures.emplace(texture, in_file);
+      if (fresh) glb_.add_linked_texture(hierarchy_.textures[texture], config_.texture_uri(texture)), ++in_file;
+      return at->second;
+    };
+    const auto local_image = [&](std::uint32_t image) {
+      if (image == no_texture) return no_texture;
+      const auto [at, fresh] = images.emplace(image, in_file);
+      if (fresh) glb_.add_linked_texture(atlas_->images[image], config_.atlas_uri(image)), ++in_file;
       return at->second;
     };
     for (const std::uint32_t m : materials_) {
-      Material material = hierarchy_.materials[m];
-      for_each_texture(material, [&](std::uint32_t& texture) { texture = local(texture); });
-      glb_.add_material(material, textures.size());
+      Material material = m < count ? hierarchy_.materials[m] : atlas_->materials[m - count];
+      for_each_texture(material,
+                       [&](std::uint32_t& texture) { texture = m < count ? local(texture) : local_image(texture); });
+      glb_.add_material(material, in_file);
     }
     glb_.complete_materials();
   }
@@ -129,6 +143,7 @@ class CellEncoder {
   const Hierarchy& hierarchy_;
   const Cell& cell_;
   const CellGlbConfig& config_;
+  const TileAtlas* atlas_;
   bool morph_;
   GlbBuilder glb_;
   json attributes_;

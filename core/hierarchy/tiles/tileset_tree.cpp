@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/formats/common/mesh_output.h"
 #include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/model/material_of.h"
 #include "core/texture/image_codec.h"
 
 namespace lodestone {
@@ -68,7 +69,7 @@ double texel_size(const Hierarchy& hierarchy, const Cell& cell, std::span<const 
   if (!hierarchy.attributes.uv) return 0;
   double surface = 0, texels = 0;
   for (const Triangle& t : cell.triangles) {
-    const std::uint32_t material = hierarchy.attributes.materials ? cell.attributes.materials[t.v[0]] : 0;
+    const std::uint32_t material = material_of(hierarchy, cell, t.v[0]);
     if (material >= images.size()) continue;
     const auto at = [&](int k) { return to_double(cell.positions[t.v[static_cast<std::size_t>(k)]]); };
     const auto uv = [&](int k) { return cell.attributes.uv[t.v[static_cast<std::size_t>(k)]]; };
@@ -199,6 +200,10 @@ class TreeEncoder {
 }  // namespace
 
 std::string tile_path(const Hierarchy& hierarchy, CellId cell) { return cell_name(hierarchy, cell) + ".glb"; }
+
+std::string atlas_path(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas, std::size_t image) {
+  return cell_name(hierarchy, cell) + "_" + std::to_string(image) + image_extension(atlas.images[image].media_type);
+}
 
 std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int level) {
   std::string path = "textures/" + std::to_string(texture);

@@ -1,6 +1,7 @@
 // A hierarchy as a tileset of 3D Tiles 1.1 (OGC 22-025r4): a tile for each cell, which its children replace.
 //
 //   tileset.json | LEVEL/X_Y_Z.glb for each cell with triangles | textures/T.jpg, T_HALVINGS.jpg | LEVEL/X_Y_Z.json
+//   LEVEL/X_Y_Z_0.jpg: atlases of a tile (tile_atlas.h)
 //
 // Large trees are cut: a tile whose content is another tileset (LEVEL/X_Y_Z.json) stands for a whole subtree.
 #pragma once
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/hierarchy/tiles/tile_atlas.h"
 
 namespace lodestone {
 
@@ -28,6 +30,9 @@ struct TilesetFile {
 };
 
 [[nodiscard]] std::string tile_path(const Hierarchy& hierarchy, CellId cell);
+// The file of an image of a tile's own, in the folder of the tile.
+[[nodiscard]] std::string atlas_path(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas,
+                                     std::size_t image);
 
 // The file of a texture as the level shows it.
 [[nodiscard]] std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int level);
@@ -60,14 +65,16 @@ struct CellGlbConfig {
   bool morph = false;  // as in TilesetConfig
   // The URI, relative to the file, of a texture as the level shows it; `texture` is an index in Hierarchy::textures.
   std::function<std::string(std::uint32_t texture)> texture_uri;
+  const TileAtlas* atlas = nullptr;  // of the cell; or null, as it is with `morph`
+  std::function<std::string(std::size_t image)> atlas_uri;
 };
 
 // One cell as binary glTF, the content of a tile. Positions are those of the cell, bit for bit: inside the unit cube, z
 // up. The matrix of the one node scales them to the model's size around its origin and turns them y up, as glTF has it;
 // copies of a vertex in several cells coincide under the same matrix. Vertices that no triangle uses are left out.
-// Materials are those that the cell uses, textures are linked. `morph` adds the values of each vertex's parent as
-// attributes (except for the root): _PARENT and _PARENTNORMAL, in the same coordinates, _PARENTTEXCOORD and
-// _PARENTCOLOR. The cell has triangles.
+// Materials are those that the cell uses, or those of its atlas; textures are linked. `morph` adds the values of each
+// vertex's parent as attributes (except for the root): _PARENT and _PARENTNORMAL, in the same coordinates,
+// _PARENTTEXCOORD and _PARENTCOLOR. The cell has triangles.
 [[nodiscard]] std::vector<std::byte> encode_cell_glb(const Hierarchy& hierarchy, CellId cell,
                                                      const CellGlbConfig& config);
 
