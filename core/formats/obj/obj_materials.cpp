@@ -1,6 +1,8 @@
 #include "core/formats/obj/obj_materials.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -14,18 +16,51 @@ namespace {
 // NaN becomes 0.
 float unit_interval(double value) { return value > 0 ? static_cast<float>(std::min(value, 1.0)) : 0.0f; }
 
-void read_colour(TextScanner& scan, MtlMaterial& material) {
+void read_colour(TextScanner& scan, std::span<float> colour) {
   const std::string first(scan.token());
   if (first == "spectral" || first == "xyz") return;  // not in a colour space of screens
-  material.colour[0] = unit_interval(scan.number(first, "a red component"));
+  colour[0] = unit_interval(scan.number(first, "a red component"));
   // One value stands for three.
   std::string_view token = scan.token();
-  material.colour[1] = token.empty() ? material.colour[0] : unit_interval(scan.number(token, "a green component"));
+  colour[1] = token.empty() ? colour[0] : unit_interval(scan.number(token, "a green component"));
   token = scan.token();
-  material.colour[2] = token.empty() ? material.colour[1] : unit_interval(scan.number(token, "a blue component"));
+  colour[2] = token.empty() ? colour[1] : unit_interval(scan.number(token, "a blue component"));
 }
 
-MtlTexture read_texture(TextScanner& scan) {
+// True if the rest of the line has a number other than `neutral`.
+bool says_other_than(TextScanner& scan, double neutral) {
+  for (std::string_view token = scan.token(); !token.empty(); token = scan.token())
+    if (const std::optional<double> value = parse_number(token); value && *value != neutral) return true;
+  return false;
+}
+
+// Statements about the look of a surface that have no place in a Material: what they say, and the value that says
+// nothing; a map always says something.
+struct LeftOut {
+  std::string_view keyword, what;
+  std::optional<double> neutral;
+};
+constexpr std::array left_out_statements{LeftOut{"ks", "colours of highlights (Ks)", 0.0},
+                                         LeftOut{"map_ks", "maps of highlights (map_Ks, map_Ns)", {}},
+                                         LeftOut{"map_ns", "maps of highlights (map_Ks, map_Ns)", {}},
+                                         LeftOut{"map_d", "maps of opacity (map_d)", {}},
+                                         LeftOut{"map_pr", "maps of roughness and metal (map_Pr, map_Pm)", {}},
+                                         LeftOut{"map_pm", "maps of roughness and metal (map_Pr, map_Pm)", {}},
+                                         LeftOut{"tf", "filters of light (Tf)", 1.0},
+                                         LeftOut{"refl", "reflection maps (refl)", {}},
+                                         LeftOut{"disp", "displacement maps (disp)", {}},
+                                         LeftOut{"decal", "decals (decal)", {}},
+                                         LeftOut{"ps", "sheen and clear coats (Ps, Pc, Pcr)", 0.0},
+                                         LeftOut{"pc", "sheen and clear coats (Ps, Pc, Pcr)", 0.0}};
+
+void note_left_out(TextScanner& scan, std::string_view keyword, MtlMaterial& material) {
+  for (const LeftOut& statement : left_out_statements) {
+    if (statement.keyword != keyword) continue;
+    if (!statement.neutral || says_other_than(scan, *statement.neutral)) material.left_out.emplace(statement.what);
+  }
+}
+
+MtlTexture read_texture(TextScanner& scan, MtlMaterial& material) {
   MtlTexture texture{.file = {}, .sampler = {}, .place = scan.place()};
   std::string rest = scan.rest_of_line();
   const auto next_word = [&] {
@@ -39,7 +74,13 @@ MtlTexture read_texture(TextScanner& scan) {
     if (option == "-clamp") {
       if (next_word() == "on") texture.sampler = {TextureWrap::clamp, TextureWrap::clamp};
     } else if (option == "-o" || option == "-s" || option == "-t") {  // one to three numbers
-      for (int i = 0; i < 3 && parse_number(rest.substr(0, rest.find_first_of(" \t"))); ++i) (void)next_word();
+      const double neutral = option == "-s" ? 1 : 0;
+      bool moved = false;
+      for (int i = 0; i < 3 && parse_number(rest.substr(0, rest.find_first_of(" \t"))); ++i)
+        moved |= *parse_number(next_word()) != neutral;
+      if (moved) material.left_out.emplace("places and scales of maps (-o, -s, -t)");
+    } else if (option == "-bm") {
+      if (const std::optional<double> bump = parse_number(next_word())) texture.bump = static_cast<float>(*bump);
     } else {
       (void)next_word();
       if (option == "-mm") (void)next_word();
@@ -65,7 +106,9 @@ std::vector<MtlMaterial> read_mtl(ByteReader& input) {
     if (materials.empty()) continue;
     MtlMaterial& material = materials.back();
     if (keyword == "kd") {
-      read_colour(scan, material);
+      read_colour(scan, material.colour);
+    } else if (keyword == "ke") {
+      read_colour(scan, material.emission);
     } else if (keyword == "d") {
       std::string_view token = scan.token();
       if (token == "-halo") token = scan.token();
@@ -73,9 +116,17 @@ std::vector<MtlMaterial> read_mtl(ByteReader& input) {
     } else if (keyword == "tr") {
       material.colour[3] = unit_interval(1 - scan.number(scan.token(), "a factor of transparency"));
     } else if (keyword == "map_kd") {
-      material.texture = read_texture(scan);
+      material.texture = read_texture(scan, material);
+    } else if (keyword == "map_ke") {
+      material.emission_map = read_texture(scan, material);
+    } else if (keyword == "pr") {
+      material.roughness = unit_interval(scan.number(scan.token(), "a roughness"));
+    } else if (keyword == "pm") {
+      material.metal = unit_interval(scan.number(scan.token(), "a share of metal"));
     } else if (keyword == "norm" || ((keyword == "map_bump" || keyword == "bump") && !material.normal_map)) {
-      material.normal_map = read_texture(scan);
+      material.normal_map = read_texture(scan, material);
+    } else {
+      note_left_out(scan, keyword, material);
     }
   } while (scan.next_line());
   return materials;
@@ -118,11 +169,27 @@ std::uint32_t ObjMaterials::use(const std::string& name, const std::string& plac
       return textures_.add_file(statement->file, place + ": " + library + ": " + statement->place, statement->sampler);
     };
     material.base_colour = source.colour;
+    if (source.colour[3] < 1) material.alpha_mode = AlphaMode::blend;
     if (source.texture) set_colour_texture(material, texture(source.texture));
     material.normal_map = texture(source.normal_map);
+    if (material.normal_map != no_texture) material.normal_scale = source.normal_map->bump;
+    material.emissive = source.emission;
+    material.emissive_map = {texture(source.emission_map), {}};
+    // A map without a colour says the colour itself.
+    if (source.emission_map && source.emission == std::array<float, 3>{}) material.emissive = {1, 1, 1};
+    material.roughness = source.roughness.value_or(material.roughness);
+    material.metallic = source.metal.value_or(material.metallic);
+    for (const std::string& what : source.left_out) ++left_out_[what];
   }
   mesh_->materials.push_back(std::move(material));
   return used->second;
+}
+
+void ObjMaterials::add_notes() {
+  for (const auto& [what, count] : left_out_)
+    mesh_->warnings.push_back(describe(
+        file_, "",
+        what + " of " + std::to_string(count) + (count == 1 ? " material is" : " materials are") + " left out"));
 }
 
 }  // namespace lodestone

@@ -46,7 +46,10 @@ class ObjReader {
       }
     } while (scan_.next_line());
     check_vertex_indices();
-    if (with_attributes_) finish_attributes();
+    if (with_attributes_) {
+      finish_attributes();
+      materials_.add_notes();
+    }
     return std::move(mesh_);
   }
 

@@ -136,8 +136,16 @@ class ObjWriter {
       text += "\nd ";
       number(material.base_colour[3]);
       text += '\n';
+      if (material.roughness != 1) text += "Pr ", number(material.roughness), text += '\n';
+      if (material.metallic != 0) text += "Pm ", number(material.metallic), text += '\n';
+      if (material.emissive != std::array<float, 3>{}) {
+        text += "Ke";
+        for (const float value : material.emissive) text += ' ', number(value);
+        text += '\n';
+      }
       map("map_Kd", material.texture);
       map("norm", material.normal_map);
+      map("map_Ke", material.emissive_map.texture);
     }
     return text;
   }

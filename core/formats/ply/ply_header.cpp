@@ -274,11 +274,48 @@ std::optional<PlyFixedLayout> fixed_layout(const PlyHeader& header) {
   return layout;
 }
 
+namespace {
+
+// "quality radius of vertices, flags of faces, 3 of element material": what the readers skip, besides colours of faces.
+std::string names_left_out(const PlyHeader& header) {
+  std::string all;
+  const auto add = [&](const std::string& what) { all += (all.empty() ? "" : ", ") + what; };
+  const auto add_properties = [&](const PlyElement& element, const std::vector<const PlyProperty*>& read,
+                                  const char* of) {
+    std::string names;
+    for (const PlyProperty& p : element.properties)
+      if (std::ranges::find(read, &p) == read.end()) names += (names.empty() ? "" : " ") + p.name;
+    if (!names.empty()) add(names + of);
+  };
+  for (const PlyElement& element : header.elements) {
+    if (element.count == 0) continue;
+    if (element.name == "vertex") {
+      const PlyVertexAttributes attributes = vertex_attributes(element);
+      std::vector<const PlyProperty*> read{element.find("x"), element.find("y"), element.find("z")};
+      for (const auto* list : {&attributes.normal, &attributes.colour, &attributes.uv})
+        read.insert(read.end(), list->begin(), list->end());
+      add_properties(element, read, " of vertices");
+    } else if (element.name == "face") {
+      std::vector<const PlyProperty*> read{element.index_list(), element.texture_coordinate_list()};
+      if (!header.textures.empty()) read.push_back(element.texture_number());
+      for (const char* channel : {"red", "green", "blue", "alpha"}) read.push_back(element.find(channel));
+      add_properties(element, read, " of faces");
+    } else if (element.name != "tristrips") {
+      add(std::to_string(element.count) + " of element " + element.name);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
 void add_ply_warnings(const PlyHeader& header, const std::string& name, bool attributes, std::uint64_t bytes_after,
                       std::vector<std::string>& warnings) {
   const PlyElement* face = header.find("face");
   if (attributes && face && face->count > 0 && face->find("red"))
     warnings.push_back(describe(name, "header", "the colours of the faces are left out; those of vertices are read"));
+  if (const std::string left_out = attributes ? names_left_out(header) : ""; !left_out.empty())
+    warnings.push_back(describe(name, "header", left_out + " left out"));
   if (bytes_after > 0)
     warnings.push_back(describe(name, "", std::to_string(bytes_after) + " bytes after the last element are left out",
                                 "check its count"));

@@ -206,6 +206,20 @@ TEST(Ply, ColoursOfFacesAreLeftOutWithAWarning) {
   EXPECT_TRUE(read_bytes(text, MeshFormat::ply, {.attributes = false}).warnings.empty());
 }
 
+TEST(Ply, PropertiesAndElementsThatAreNotReadAreOneNote) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float quality\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float radius\n"
+      "element face 1\nproperty list uchar int vertex_indices\nproperty int flags\nproperty int texnumber\n"
+      "element material 2\nproperty float ambient\nelement camera 0\nproperty float fov\nend_header\n"
+      "0 0 0 1 9 9 9 2\n1 0 0 1 9 9 9 2\n0 1 0 1 9 9 9 2\n3 0 1 2 7 0\n0.5\n0.5\n";
+  const RawMesh mesh = read_bytes(text, MeshFormat::ply);
+  ASSERT_EQ(mesh.warnings.size(), 1u);
+  expect_warning(mesh,
+                 {"header: quality radius of vertices, flags texnumber of faces, 2 of element material left out"});
+  EXPECT_TRUE(read_bytes(text, MeshFormat::ply, {.attributes = false}).warnings.empty());
+}
+
 TEST(Ply, BytesBehindTheLastElementAreAWarning) {
   const std::string text = small_ply("ascii", "", "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n\n  \n");
   EXPECT_EQ(read_bytes(text, MeshFormat::ply).warnings, std::vector<std::string>{});
