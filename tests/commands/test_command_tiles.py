@@ -16,11 +16,11 @@ from command_case import HERMES, MODULES, SOURCE, CommandCase, hierarchy, model,
 KOMABA = SOURCE / "build/data/textured/komaba_tiles_022"
 
 
-def tileset(name, lode):
+def tileset(name, lode, *options):
     """The folder of a tileset, made once."""
     folder = command_case._models / name
     if not folder.exists():
-        done = command_case.call("export", lode, "--tiles", folder)
+        done = command_case.call("export", lode, "--tiles", folder, *options)
         assert done.returncode == 0, done.stderr.decode()
     return folder
 
@@ -201,7 +201,7 @@ class Textures(CommandCase):
     @unittest.skipUnless(KOMABA.is_dir(), "the textured models are not unpacked: scripts/data")
     def test_every_image_is_written_once_and_comes_back(self):
         lode = model("komaba.lode", "build", KOMABA)
-        folder = tileset("komaba.tiles", lode)
+        folder = tileset("komaba_morph.tiles", lode, "--morph")  # tiles that morph share all images
         found = tileset_checker.check(folder)
         info = self.results("info", lode)
         self.assertEqual(found.leaf_triangles, info["input_triangles"])
@@ -214,6 +214,24 @@ class Textures(CommandCase):
         self.assertEqual(self.results("export", lode, "-o", "finest.glb")["vertices"],
                          self.results("export", "again.lode", "-o", "again.glb")["vertices"])
 
+
+    @unittest.skipUnless(KOMABA.is_dir(), "the textured models are not unpacked: scripts/data")
+    def test_tiles_of_many_materials_have_few_draws(self):
+        lode = model("komaba.lode", "build", KOMABA)
+        folder = tileset("komaba.tiles", lode)
+        self.assertEqual(tileset_checker.check(folder).leaf_triangles, self.results("info", lode)["input_triangles"])
+        draws, linked = [], set()
+        for path in folder.rglob("*.glb"):
+            document = tileset_checker.Glb(path).json
+            draws.append(len(document["meshes"][0]["primitives"]))
+            linked |= {(path.parent / image["uri"]).resolve() for image in document["images"]}
+        self.assertLessEqual(max(draws), 4)
+        self.assertEqual(linked, {p.resolve() for p in folder.rglob("*.jpg")})
+        again = self.results("build", folder, "-o", "again.lode")
+        self.assertEqual(again["input_triangles"], self.results("info", lode)["input_triangles"])
+        result = self.results("export", lode, "--tiles", "tiles")
+        self.assertEqual((result["draws"], result["textures"]), (sum(draws), len(linked)))
+        self.assertGreater(result["atlases"], 5)
 
     @unittest.skipUnless(KOMABA.is_dir(), "the textured models are not unpacked: scripts/data")
     def test_levels_have_textures_of_their_own(self):
@@ -231,7 +249,7 @@ class Textures(CommandCase):
         for threads in (1, 3):
             self.lodestone("build", KOMABA, "-o", "m.lode", "--texture-levels", "--threads", threads)
             self.assertEqual((self.folder / "m.lode").read_bytes(), lode.read_bytes())
-        folder = tileset("komaba_levels.tiles", lode)
+        folder = tileset("komaba_levels_morph.tiles", lode, "--morph")
         found = tileset_checker.check(folder)
         self.assertEqual(len(list((folder / "textures").iterdir())), 27 + len(copies))
         self.assertEqual(found.leaf_triangles, info["input_triangles"])
