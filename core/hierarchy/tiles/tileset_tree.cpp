@@ -140,17 +140,19 @@ class TreeEncoder {
   }
 
   // A viewer with a budget of memory decides by these before it loads anything: vertices and triangles of the file, and
-  // the textures of base colours, whose texels morph_of_levels() tells.
+  // the textures of base colours and light, whose texels morph_of_levels() tells.
   [[nodiscard]] json morph_of(const Cell& cell, int level) {
     const auto [lo, hi] = cell.bounds;
     std::vector<bool> is_used(cell.positions.size());
     std::set<std::uint32_t> textures;
     for (const Triangle& t : cell.triangles) {
       for (const std::uint32_t v : t.v) is_used[v] = true;
-      const std::uint32_t material = hierarchy_.attributes.materials ? cell.attributes.materials[t.v[0]] : 0;
+      const std::uint32_t material = material_of(hierarchy_, cell, t.v[0]);
       if (material >= hierarchy_.materials.size()) continue;
-      const std::uint32_t texture = hierarchy_.materials[material].texture;
-      if (texture < hierarchy_.textures.size()) textures.insert(texture);
+      const Material& m = hierarchy_.materials[material];
+      const bool glows = m.emissive != std::array<float, 3>{} && !m.unlit;
+      for (const std::uint32_t texture : {m.texture, glows ? m.emissive_map.texture : no_texture})
+        if (texture < hierarchy_.textures.size()) textures.insert(texture);
     }
     json extras{{"level", level},
                 {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
