@@ -27,11 +27,23 @@ void run_levels(const BlockPlan& plan, Scheduler& scheduler, const std::function
   }
 }
 
+// "cells 4 0 8 to 7 3 11 of level 5"
+std::string place_of(const Block& block) {
+  const auto text_of = [](const CellCoord& at) {
+    return std::to_string(at.x) + " " + std::to_string(at.y) + " " + std::to_string(at.z);
+  };
+  return "cells " + text_of(block.range.lo) + " to " + text_of(block.range.hi) + " of level " +
+         std::to_string(block.level);
+}
+
 // A coarse block is worth more than a fine one: it releases what its cells carry for it.
 void run_graph(const BlockPlan& plan, Scheduler& scheduler, const CancelFlag* cancel,
                const std::function<void(std::uint32_t)>& run) {
-  TaskGraph graph{
-      plan.blocks.size(), plan.dependencies, {}, [&](std::uint32_t b) { return level_name(plan.blocks[b].level); }};
+  TaskGraph graph{.task_count = plan.blocks.size(),
+                  .edges = plan.dependencies,
+                  .priority = {},
+                  .label = [&](std::uint32_t b) { return level_name(plan.blocks[b].level); },
+                  .place = [&](std::uint32_t b) { return place_of(plan.blocks[b]); }};
   graph.priority.reserve(graph.task_count);
   for (const Block& block : plan.blocks) graph.priority.push_back(finest_of(plan) + 1 - block.level);
   scheduler.run_graph(graph, run, cancel);

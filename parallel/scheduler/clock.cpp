@@ -1,8 +1,15 @@
 #include "parallel/scheduler/clock.h"
 
 #include <sys/resource.h>
+#include <time.h>
 
 namespace lodestone {
+
+double thread_cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
 
 double CpuClock::process_cpu_seconds() {
   rusage usage{};

@@ -36,6 +36,9 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
+// Processor time of the calling thread so far.
+[[nodiscard]] double thread_cpu_seconds();
+
 // Wall and processor time since construction.
 class CpuClock {
  public:

@@ -28,6 +28,7 @@ struct TaskGraph {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;  // (before, after)
   std::vector<int> priority;                                   // one per task, higher first; empty: all equal
   std::function<std::string(std::uint32_t)> label{};           // of a task, for traces; may be empty
+  std::function<std::string(std::uint32_t)> place{};           // what a task works on, for traces; may be empty
 };
 
 // Set from a signal handler or another thread; polled between tasks and chunks.

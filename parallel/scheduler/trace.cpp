@@ -18,28 +18,43 @@ class TracingScheduler final : public Scheduler {
 
   void for_chunks(std::size_t count, std::size_t grain, const std::function<void(ChunkRange)>& body) override {
     inner_->for_chunks(count, grain, [&](ChunkRange range) {
-      const double begin = trace_->now();
-      body(range);
-      trace_->record({name_, range.index, worker_index(), begin, trace_->now()});
+      TraceEvent event{name_, range.index, worker_index()};
+      time(event, [&] { body(range); });
     });
   }
 
   void run_graph(const TaskGraph& graph, const std::function<void(std::uint32_t)>& body,
                  const CancelFlag* cancel) override {
+    ++graphs_;
+    std::vector<std::vector<std::uint32_t>> after(graph.task_count);
+    for (const auto& [before, task] : graph.edges) after[task].push_back(before);
     inner_->run_graph(
         graph,
         [&](std::uint32_t task) {
-          const double begin = trace_->now();
-          body(task);
-          trace_->record({graph.label ? graph.label(task) : name_, task, worker_index(), begin, trace_->now()});
+          TraceEvent event{graph.label ? graph.label(task) : name_, task, worker_index()};
+          event.graph = graphs_, event.after = std::move(after[task]);
+          std::ranges::sort(event.after);
+          if (graph.place) event.place = graph.place(task);
+          time(event, [&] { body(task); });
         },
         cancel);
   }
 
  private:
+  template <class Work>
+  void time(TraceEvent& event, const Work& work) {
+    const double cpu = thread_cpu_seconds();
+    event.begin = trace_->now();
+    work();
+    event.end = trace_->now();
+    event.cpu_seconds = thread_cpu_seconds() - cpu;
+    trace_->record(std::move(event));
+  }
+
   std::unique_ptr<Scheduler> inner_;
   std::shared_ptr<Trace> trace_;
   std::string name_;
+  std::uint32_t graphs_ = 0;
 };
 
 // Seconds covered by at least one of a worker's events, which are ordered by their ends: inner ones before outer ones.

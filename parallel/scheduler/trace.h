@@ -16,6 +16,11 @@ struct TraceEvent {
   std::uint64_t index = 0;  // of the chunk or task
   int worker = 0;
   double begin = 0, end = 0;  // seconds since the trace began
+  double cpu_seconds = 0;     // of the worker's thread in between
+  // For tasks of a graph only:
+  std::uint32_t graph = 0;             // 1 for those of the first graph that ran, and so on; 0: a chunk
+  std::string place{};                 // what it worked on, as the graph says
+  std::vector<std::uint32_t> after{};  // tasks of the graph that it had to wait for, ascending
 };
 
 // Use of the workers between the first event of some work and its last.
@@ -43,7 +48,7 @@ class Trace {
 // Summarizes the events that begin at or after `from`. Nested events count once.
 [[nodiscard]] TraceSummary summarize(const Trace& trace, double from = 0);
 
-// Behaves as `inner` does. Costs two looks at the clock and one record for each chunk and task.
+// Behaves as `inner` does. Costs two looks at two clocks and one record for each chunk and task.
 [[nodiscard]] std::unique_ptr<Scheduler> make_tracing_scheduler(std::unique_ptr<Scheduler> inner,
                                                                 std::shared_ptr<Trace> trace);
 

@@ -186,6 +186,14 @@ class Build(CommandCase):
         self.assertEqual(len([e for e in events if e["name"] == "level 1"]), 1, "the root comes from one block")
         self.assertTrue(0 < result["busy"] <= 100)
         self.assertLess(result["idle_tail"], result["seconds"])
+        self.assertTrue(all(e["args"]["cpu_us"] >= 0 for e in events))
+        (root,) = (e for e in events if e["name"] == "level 1")
+        self.assertRegex(root["args"]["place"], r"cells 0 0 0 to \d+ \d+ \d+ of level 1")
+        makers = {e["args"]["index"]: e for e in events if e["name"] == "level 2"}
+        self.assertEqual(sorted(makers), root["args"]["after"])
+        self.assertTrue(all(e["ts"] + e["dur"] <= root["ts"] + 1 for e in makers.values()))
+        arrows = [e for e in trace["traceEvents"] if e["ph"] in "sf"]
+        self.assertEqual(len(arrows), 2 * sum(len(e["args"].get("after", [])) for e in events))
 
     def test_name_and_place_do_not_change_a_byte(self):
         here = self.build()

@@ -38,6 +38,43 @@ TEST(Trace, LabelsTasksAndKeepsTheirOrder) {
   EXPECT_LE(events[0].end, events[1].begin);
 }
 
+TEST(Trace, TasksSayWhatTheyWaitedForAndWorkedOn) {
+  for (const int threads : {1, 3}) {
+    const auto trace = std::make_shared<Trace>(threads);
+    const auto scheduler = make_tracing_scheduler(make_tbb_scheduler(threads), trace);
+    const TaskGraph graph{.task_count = 4,
+                          .edges = {{3, 0}, {1, 0}, {2, 1}},
+                          .priority = {},
+                          .label = {},
+                          .place = [](std::uint32_t task) { return "place " + std::to_string(task); }};
+    scheduler->for_chunks(1, 1, [](ChunkRange) {});
+    for (int run = 0; run < 2; ++run) scheduler->run_graph(graph, [](std::uint32_t) {});
+    std::set<std::pair<std::uint32_t, std::uint64_t>> seen;
+    for (const TraceEvent& e : trace->events()) {
+      EXPECT_EQ(e.place, e.graph > 0 ? "place " + std::to_string(e.index) : "");
+      EXPECT_EQ(e.after, e.graph == 0   ? std::vector<std::uint32_t>{}
+                         : e.index == 0 ? (std::vector<std::uint32_t>{1, 3})
+                         : e.index == 1 ? (std::vector<std::uint32_t>{2})
+                                        : std::vector<std::uint32_t>{});
+      if (e.graph > 0) seen.emplace(e.graph, e.index);
+    }
+    EXPECT_EQ(seen.size(), 8u) << "four tasks in each of two graphs";
+  }
+}
+
+TEST(Trace, ProcessorTimeIsThatOfTheWork) {
+  const auto trace = std::make_shared<Trace>(1);
+  const auto scheduler = make_tracing_scheduler(make_serial_scheduler(), trace);
+  scheduler->for_chunks(2, 1, [](ChunkRange chunk) {
+    const double until = thread_cpu_seconds() + (chunk.index == 0 ? 0.02 : 0);
+    while (thread_cpu_seconds() < until) continue;
+  });
+  const auto events = trace->events();
+  EXPECT_GE(events[0].cpu_seconds, 0.02);
+  EXPECT_LT(events[1].cpu_seconds, 0.02);
+  EXPECT_GE(events[1].cpu_seconds, 0);
+}
+
 TEST(Trace, LetsExceptionsAndCancellationThrough) {
   const auto scheduler = make_tracing_scheduler(make_tbb_scheduler(2), std::make_shared<Trace>(2));
   EXPECT_THROW(scheduler->for_chunks(3, 1, [](ChunkRange) { throw std::runtime_error("stop"); }), std::runtime_error);
