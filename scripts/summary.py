@@ -52,11 +52,13 @@ def frames(renders):
                 f"{render['frame_ms_median']:.1f}",
                 render["open_edges"],
                 f"{render['gap_max']:.3g}",
+                f"{render['jump_pixels']:.3f}",
+                f"{render['viewpoint_step']:.3g}",
                 f"{render['jump_over_bound']:.3f}",
             ]
         )
     header = ["fly-in", "frames", "triangles a frame", "ms a frame (median)", "open edges (max)", "gap, % (max)",
-              "vertex jump over its bound (max)"]
+              "vertex jump, pixels (max)", "step of the camera, % (max)", "vertex jump over its bound (max)"]
     return table(header, rows) + (
         "\n\n`soft` and `gl` draw at a tolerance of one pixel; `levels` draws small cells as coarse as the guarantee"
         " allows, coloured by level.\n\n"

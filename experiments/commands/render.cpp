@@ -241,17 +241,23 @@ class Flight {
     if (job_.measure_screen)
       fmt::print("screen error at most {:.3f} pixels\n", number_in(row, "screen_error").value_or(0));
     if (job_.measure)
-      fmt::print("open edges {}, largest gap {:g} % of the extent, largest jump {} of the analytic bound\n",
-                 number_in(row, "open_edges").value_or(0), number_in(row, "gap_max").value_or(0),
-                 ratio_text(number_in(row, "jump_over_bound")));
+      fmt::print("open edges {}, largest gap {:g} % of the extent, {}\n", number_in(row, "open_edges").value_or(0),
+                 number_in(row, "gap_max").value_or(0), jump_text(row));
   }
 
   [[nodiscard]] bool streamed() const { return options_.memory_budget.count > 0; }
   [[nodiscard]] bool needs_wholes() const {
     return job_.measure || job_.measure_screen || scene_.camera.path == "adversarial";
   }
-  static std::string ratio_text(const std::optional<double>& ratio) {
-    return ratio ? fmt::format("{:.4f}", *ratio) : "none";
+  static std::string jump_text(const Row& row) {
+    const auto pixels = number_in(row, "jump_pixels"), ratio = number_in(row, "jump_over_bound");
+    if (!pixels) return "no two frames to look for jumps";
+    const std::string jump = fmt::format("largest jump {:.3g} pixels at steps of {:.3g} % of the extent", *pixels,
+                                         number_in(row, "viewpoint_step").value_or(0));
+    if (!ratio) return jump + ", without an analytic bound";
+    const double vacuous = number_in(row, "vacuous_frames").value_or(0);
+    return jump + fmt::format(", at most {:.4f} of the analytic bound", *ratio) +
+           (vacuous > 0 ? fmt::format(", which is vacuous in {:.3g} % of the frames (steps too long)", vacuous) : "");
   }
 
   // One round has neither a minimum nor a maximum.

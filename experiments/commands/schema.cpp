@@ -190,8 +190,13 @@ std::vector<Key> render_details() {
           {"frames[].surface_triangles", "", "triangles of the whole surface, before culling"},
           {"frames[].open_edges", "", "residual edges"},
           {"frames[].gap_max", "% of the extent", "largest distance of two places at which one vertex is drawn"},
+          {"frames[].jump_pixels", "pixels",
+           "largest way of a vertex in the picture since the frame before, without the camera's own"},
+          {"frames[].viewpoint_step", "% of the extent", "way of the viewpoint since the frame before"},
           {"frames[].jump_max", "% of the extent", "largest way of a vertex since the frame before"},
-          {"frames[].jump_over_bound", "", "largest jump over its analytic bound"},
+          {"frames[].jump_over_bound", "", "largest jump over its analytic bound, where there is one"},
+          {"frames[].jump_bound_vacuous", "",
+           "the step is so long that this bound reaches from the vertex to its parent: it tells nothing"},
           {"frames[].screen_error", "pixels", "largest distance from the full model"},
           {"frames[].milliseconds.*", "ms", "time of a stage; total: the frame"},
           {"frames[].work.*", "", "work of an effect"},
@@ -248,9 +253,9 @@ std::vector<Key> lod_keys() {
 
 std::vector<CommandKeys> command_keys() {
   // The proof of the command is not thorough, and it draws one round.
-  const std::vector<std::string> thorough{"frame_ms_min",    "frame_ms_max", "frame_cpu_ms_min", "frame_cpu_ms_max",
-                                          "t_junctions",     "torn_pixels",  "leak_pixels",      "gap_pixels",
-                                          "gap_mean_pixels", "jump_p99",     "jump_pixels",      "jump_p99_pixels"};
+  const std::vector<std::string> thorough{"frame_ms_min",     "frame_ms_max", "frame_cpu_ms_min",
+                                          "frame_cpu_ms_max", "t_junctions",  "torn_pixels",
+                                          "leak_pixels",      "jump_p99",     "jump_p99_pixels"};
   std::vector<ColumnInfo> levels = reconstruct_columns();
   for (ColumnInfo& column : levels) column.name = "levels[]." + column.name;
   return {{"build", build_columns(), build_details()},

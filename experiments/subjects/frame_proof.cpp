@@ -11,11 +11,13 @@ namespace lodestone {
 namespace {
 
 JumpSample sample_of(const PopReport& jumps, bool thorough) {
-  JumpSample sample{.largest = 100 * jumps.max_jump, .by_limits = 100 * jumps.max_limit_jump};
-  if (thorough)
-    sample.p99 = 100 * jumps.p99_jump, sample.pixels = jumps.max_jump_pixels, sample.p99_pixels = jumps.p99_jump_pixels;
+  JumpSample sample{.largest = 100 * jumps.max_jump,
+                    .pixels = jumps.max_jump_pixels,
+                    .step = 100 * jumps.step,
+                    .by_limits = 100 * jumps.max_limit_jump};
+  if (thorough) sample.p99 = 100 * jumps.p99_jump, sample.p99_pixels = jumps.p99_jump_pixels;
   if (jumps.step > 0) sample.per_step = jumps.max_jump / jumps.step;
-  if (jumps.bounded) sample.over_bound = jumps.jump_over_bound;
+  if (jumps.bounded) sample.over_bound = jumps.jump_over_bound, sample.vacuous = jumps.vacuous;
   return sample;
 }
 
@@ -52,7 +54,8 @@ void add_jumps(std::optional<JumpSample>& all, const std::optional<JumpSample>& 
   }
   raise(all->largest, model->largest), raise(all->p99, model->p99), raise(all->by_limits, model->by_limits);
   raise(all->pixels, model->pixels), raise(all->p99_pixels, model->p99_pixels);
-  raise(all->per_step, model->per_step);
+  raise(all->per_step, model->per_step), raise(all->step, model->step);
+  all->vacuous = all->vacuous || model->vacuous;
   if (!model->over_bound) all->over_bound.reset();  // no bound for one model is none for all
   if (all->over_bound) raise(all->over_bound, model->over_bound);
 }
@@ -63,9 +66,7 @@ using enum ColumnInfo::Kind;
 
 void add(SurfaceSample& all, const SurfaceSample& model) {
   all.gap_mean = weighted_mean(all.gap_mean, all.gaps, model.gap_mean, model.gaps);
-  if (model.gap_mean_pixels)
-    all.gap_mean_pixels =
-        weighted_mean(all.gap_mean_pixels.value_or(0), all.gaps_in_view, *model.gap_mean_pixels, model.gaps_in_view);
+  all.gap_mean_pixels = weighted_mean(all.gap_mean_pixels, all.gaps_in_view, model.gap_mean_pixels, model.gaps_in_view);
   all.triangles += model.triangles, all.open_edges += model.open_edges;
   all.gaps += model.gaps, all.gaps_in_view += model.gaps_in_view;
   raise(all.gap, model.gap), raise(all.gap_pixels, model.gap_pixels);
@@ -80,25 +81,23 @@ FrameProof::FrameProof(const Hierarchy& hierarchy, Scheduler& scheduler)
 SurfaceSample FrameProof::measure(const ProofFrame& frame) {
   MorphContext morph = frame.morph;
   morph.hierarchy = &hierarchy_;
-  std::optional<Screen> seen;
-  if (frame.thorough) seen.emplace(frame.view_projection, frame.size);
-  const Screen* const screen = seen ? &*seen : nullptr;
+  const Screen screen(frame.view_projection, frame.size);
   Selection whole;
   select_cells(hierarchy_, *morph.radii, morph.viewpoint, {.limits = morph.limits}, whole);
   SurfaceSample sample;
   for (const SelectedCell& s : whole.cells) sample.triangles += hierarchy_.cells[s.cell].triangles.size();
 
   sample.open_edges = residual_edges(morph, whole, basis_, scheduler_, scratch_).open_edges;
-  const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, screen);
+  const GapReport gaps = vertex_gaps(morph, whole, basis_, scheduler_, scratch_, &screen);
   sample.gap = 100 * gaps.gap_max, sample.gap_mean = 100 * gaps.gap_mean;
+  sample.gap_pixels = gaps.gap_max_pixels, sample.gap_mean_pixels = gaps.gap_mean_pixels;
   sample.gaps = gaps.gaps, sample.gaps_in_view = gaps.gaps_in_view;
   if (frame.thorough) {
-    sample.gap_pixels = gaps.gap_max_pixels, sample.gap_mean_pixels = gaps.gap_mean_pixels;
     const double near = junction_tolerance * cell_size(hierarchy_.finest());
     sample.t_junctions = t_junctions(morph, whole, near, scheduler_).vertices;
   }
-  if (screen && frame.full_depth && closed()) {
-    const LeakReport leaks = find_leaks(morph, whole, *screen, scheduler_, {.full_depth = *frame.full_depth});
+  if (frame.full_depth && closed()) {
+    const LeakReport leaks = find_leaks(morph, whole, screen, scheduler_, {.full_depth = *frame.full_depth});
     sample.torn_pixels = leaks.torn, sample.leak_pixels = leaks.leak_pixels();
   }
   sample.jump = follow(frame, morph, std::move(whole), screen);
@@ -106,7 +105,7 @@ SurfaceSample FrameProof::measure(const ProofFrame& frame) {
 }
 
 std::optional<JumpSample> FrameProof::follow(const ProofFrame& frame, const MorphContext& morph, Selection whole,
-                                             const Screen* screen) {
+                                             const Screen& screen) {
   if (!frame.follows) {
     jumps_.forget();
     promised_radii_.reset();
@@ -120,7 +119,7 @@ std::optional<JumpSample> FrameProof::follow(const ProofFrame& frame, const Morp
   }
   const auto jumps = jumps_.follow(
       morph, std::move(whole), scheduler_,
-      {.limit_rate = frame.limit_rate, .percentiles = frame.thorough, .screen = screen, .bounds = bounds});
+      {.limit_rate = frame.limit_rate, .percentiles = frame.thorough, .screen = &screen, .bounds = bounds});
   return jumps ? std::optional(sample_of(*jumps, frame.thorough)) : std::nullopt;
 }
 
@@ -140,14 +139,18 @@ std::vector<ColumnInfo> SurfaceSummary::columns() {
        accuracy},
       {"torn_pixels", "pixels", "rays through a crack of a closed model, hidden or not, maximum", accuracy},
       {"leak_pixels", "pixels", "where a closed model shows its inside or what is behind it, maximum", accuracy},
+      {"jump_pixels", "pixels", "largest way of a vertex in the picture, without the camera's own", accuracy},
+      {"viewpoint_step", percent, "largest way of the viewpoint from one frame to the next", accuracy},
       {"jump_max", percent, "largest way of a vertex from one frame to the next", accuracy},
       {"jump_p99", percent, "way that 99 % of the vertices do not exceed, maximum", accuracy},
       {"jump_per_step", "", "largest way of a vertex over that of the viewpoint", accuracy},
-      {"jump_pixels", "pixels", "largest way of a vertex in the picture, without the camera's own", accuracy},
       {"jump_p99_pixels", "pixels", "way that 99 % of the vertices in view do not exceed, maximum", accuracy},
       {"jump_over_bound", "",
        "largest jump over the analytic bound of the morph (of blend = step: of a linear one); above 1: a pop; null: "
        "there is no bound",
+       accuracy},
+      {"vacuous_frames", "%",
+       "frames whose steps are so long that this bound reaches from a vertex to its parent: it tells nothing there",
        accuracy},
   };
 }
@@ -163,6 +166,7 @@ void SurfaceSummary::add_to(Row& row) const {
   for (const ColumnInfo& column : columns())
     if (!row.contains(column.name)) row[column.name] = nullptr;
   bool bounded = true;
+  std::size_t followed = 0, vacuous = 0;
   for (const SurfaceSample& s : samples_) {
     raise(row["open_edges"], s.open_edges), raise(row["t_junctions"], s.t_junctions);
     raise(row["gap_max"], s.gap), raise(row["gap_mean"], s.gap_mean), raise(row["gap_pixels"], s.gap_pixels);
@@ -173,9 +177,12 @@ void SurfaceSummary::add_to(Row& row) const {
     raise(row["jump_per_step"], s.jump->per_step);
     raise(row["jump_pixels"], s.jump->pixels), raise(row["jump_p99_pixels"], s.jump->p99_pixels);
     raise(row["jump_over_bound"], s.jump->over_bound);
+    raise(row["viewpoint_step"], s.jump->step);
     bounded = bounded && s.jump->over_bound;
+    ++followed, vacuous += s.jump->vacuous ? 1 : 0;
   }
-  if (!bounded) row["jump_over_bound"] = nullptr;
+  if (followed > 0) row["vacuous_frames"] = 100 * static_cast<double>(vacuous) / static_cast<double>(followed);
+  if (!bounded) row["jump_over_bound"] = row["vacuous_frames"] = nullptr;
 }
 
 }  // namespace lodestone

@@ -18,17 +18,20 @@ namespace lodestone {
 // From one frame to the next. Lengths in percent of the model's extent.
 struct JumpSample {
   double largest = 0;
-  std::optional<double> p99{}, pixels{}, p99_pixels{};  // of a thorough proof
-  std::optional<double> per_step{};                     // over the way of the viewpoint, where it moves
-  std::optional<double> over_bound{};                   // of the analytic bound, where there is one
-  double by_limits = 0;                                 // by detail limits alone
+  double pixels = 0;                          // largest in the picture
+  std::optional<double> p99{}, p99_pixels{};  // of a thorough proof
+  double step = 0;                            // way of the viewpoint
+  std::optional<double> per_step{};           // over the way of the viewpoint, where it moves
+  std::optional<double> over_bound{};         // of the analytic bound, where there is one
+  bool vacuous = false;                       // the way to the parent keeps that bound, too
+  double by_limits = 0;                       // by detail limits alone
 };
 
 // One frame. Lengths in percent of the model's extent.
 struct SurfaceSample {
   std::uint64_t triangles = 0, open_edges = 0;
   double gap = 0, gap_mean = 0;
-  std::optional<double> gap_pixels{}, gap_mean_pixels{};      // of a thorough proof
+  double gap_pixels = 0, gap_mean_pixels = 0;
   std::uint64_t gaps = 0, gaps_in_view = 0;                   // numbers, which weigh the means
   std::optional<std::uint64_t> t_junctions{};                 // of a thorough proof
   std::optional<std::uint64_t> torn_pixels{}, leak_pixels{};  // of closed models
@@ -44,7 +47,7 @@ struct ProofFrame {
   ViewProjection view_projection{};
   ImageSize size{};
   bool follows = false;   // the frame before is a step away
-  bool thorough = true;   // lengths in pixels, percentiles and T-junctions, too
+  bool thorough = true;   // percentiles, T-junctions and leaks, too
   double limit_rate = 0;  // of the detail limits of a streamed hierarchy
   // Measures jumps by the bound of this morph, where what is drawn has none of its own. Null: its own.
   const MorphContext* promise = nullptr;
@@ -63,7 +66,7 @@ class FrameProof {
 
  private:
   [[nodiscard]] std::optional<JumpSample> follow(const ProofFrame& frame, const MorphContext& morph, Selection whole,
-                                                 const Screen* screen);
+                                                 const Screen& screen);
 
   const Hierarchy& hierarchy_;
   Scheduler& scheduler_;

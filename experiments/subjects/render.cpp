@@ -70,9 +70,12 @@ class RenderRun {
     const auto& models = scene_.frame().models;
     if (!proofs_.empty()) frame.surface.emplace();
     for (std::size_t m = 0; m < proofs_.size(); ++m)
-      add(*frame.surface,
-          proofs_[m]->measure(
-              {.morph = models[m].morph, .follows = index > 0, .thorough = false, .limit_rate = scene_.limit_rate(m)}));
+      add(*frame.surface, proofs_[m]->measure({.morph = models[m].morph,
+                                               .view_projection = models[m].view_projection,
+                                               .size = job_.view.size,
+                                               .follows = index > 0,
+                                               .thorough = false,
+                                               .limit_rate = scene_.limit_rate(m)}));
     for (std::size_t m = 0; m < screens_.size(); ++m)
       frame.screen_error =
           std::max(frame.screen_error.value_or(0),
@@ -159,7 +162,11 @@ Row to_row(const FrameResult& frame) {
   const SurfaceSample& surface = *frame.surface;
   row.update({{"surface_triangles", surface.triangles}, {"open_edges", surface.open_edges}, {"gap_max", surface.gap}});
   if (surface.jump)
-    row.update({{"jump_max", surface.jump->largest}, {"jump_over_bound", or_null(surface.jump->over_bound)}});
+    row.update({{"jump_pixels", surface.jump->pixels},
+                {"viewpoint_step", surface.jump->step},
+                {"jump_max", surface.jump->largest},
+                {"jump_over_bound", or_null(surface.jump->over_bound)},
+                {"jump_bound_vacuous", surface.jump->vacuous}});
   return row;
 }
 

@@ -57,6 +57,14 @@ double bound_between(std::span<const double> bounds, int level, int other) {
   return *std::max_element(bounds.begin() + low, bounds.begin() + high + 1);
 }
 
+// Largest way of a vertex of one level to what another one draws it as: to the parent, level by level.
+double way_between(const Hierarchy& hierarchy, int level, int other) {
+  const auto [low, high] = std::minmax(level, other);
+  double way = 0;
+  for (int l = std::max(low, 1); l <= high; ++l) way += displacement_bound(hierarchy.sigma0, l);
+  return way;
+}
+
 // The vertices of the finer cell of a pair, where the frame draws them in its own cell of the pair: index there.
 VertexId drawn_vertex(const Hierarchy& hierarchy, const SelectedCell& finer, VertexId vertex,
                       const SelectedCell& drawn) {
@@ -151,6 +159,7 @@ Part jumps_of(const Frames& frames, ChunkRange chunk) {
     const std::span<const Vec3f> to = morphed_after.positions(frames.after, pair.after.cell);
     VertexJump jump;
     jump.bound = bound_between(frames.bounds, pair.before.level, pair.after.level);
+    jump.way = way_between(hierarchy, pair.before.level, pair.after.level);
     jump.cell = finer.cell;
     jump.level_from = pair.before.level;
     jump.level_to = pair.after.level;
@@ -218,8 +227,9 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
       config.bounds.empty() ? jump_bounds(before, after, config.limit_rate) : std::vector<double>{};
   const std::span<const double> bounds = config.bounds.empty() ? own_bounds : config.bounds;
   assert(bounds.size() == hierarchy.levels.size());
-  report.bounded =
-      std::all_of(bounds.begin(), bounds.end(), [](double b) { return b < std::numeric_limits<double>::infinity(); });
+  report.bounded = bounds.size() > 1 && std::all_of(bounds.begin(), bounds.end(), [](double b) {
+                     return b < std::numeric_limits<double>::infinity();
+                   });
 
   const Frames frames{before, after, pairs, bounds, config};
   std::vector<Part> parts(chunk_count(pairs.size(), pairs_per_chunk));
@@ -232,6 +242,7 @@ PopReport largest_jump(const MorphContext& before, const Selection& selected_bef
     report.max_jump_pixels = std::max(report.max_jump_pixels, part.max_jump_pixels);
     keep_larger(part.largest, part.worst, report);
   }
+  report.vacuous = report.jump_over_bound > 0 && report.worst.bound >= report.worst.way;
   if (config.percentiles) {
     report.p99_jump = p99_of(parts, &Part::jumps, report.vertices);
     report.p99_jump_pixels = p99_of(parts, &Part::pixels, report.vertices_in_view);

@@ -30,6 +30,7 @@ namespace lodestone {
 struct VertexJump {
   double jump = 0;   // Euclidean, normalised units
   double bound = 0;  // of the jump, rounding of the distances included
+  double way = 0;    // to the parent, at most, and through the levels between the two: a jump is never longer
   double ratio = 0;  // max(0, jump - jump_rounding) / bound; 0 / 0 = 0
   Vec3f from, to;    // the drawn positions
   CellId cell;       // the finer of the two drawn cells, and the vertex in it
@@ -55,7 +56,10 @@ struct PopReport {
   double max_jump_pixels = 0, p99_jump_pixels = 0;
   std::uint64_t vertices_in_view = 0;
   // Levels without a band (inadmissible radii) have no bound: their vertices count with ratio 0 into max_jump alone.
+  // Nor has a hierarchy of one level, which has nothing to bound.
   bool bounded = true;
+  // The bound of `worst` is not below its way: steps are too long for the ratio to tell a morph from an exchange.
+  bool vacuous = false;
 };
 
 struct JumpConfig {

@@ -187,6 +187,44 @@ TEST(Pops, StepPops) {
   }
 }
 
+// Long steps let the bound reach from a vertex to its parent: then an exchange without a morph keeps it, too.
+TEST(Pops, LongStepsMakeTheBoundVacuous) {
+  const NaiveHierarchy built = naive_hierarchy(sphere_mesh(16), finest, sigma0);
+  const Radii radii = per_level_radii(built.hierarchy, DistanceMetric::euclidean);
+  const auto scheduler = make_serial_scheduler();
+  const auto worst = [&](Blend blend, int steps) {
+    const std::vector<Vec3f> path = fly_in(built.hierarchy, steps);
+    PopReport all;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const Frame before = make_frame(built.hierarchy, radii, blend, path[i - 1]);
+      const Frame after = make_frame(built.hierarchy, radii, blend, path[i]);
+      const PopReport report =
+          largest_jump(before.context, before.selection, after.context, after.selection, *scheduler);
+      EXPECT_LE(report.worst.jump, report.worst.way + jump_rounding) << "no vertex goes farther than to its parents";
+      EXPECT_EQ(report.vacuous, report.jump_over_bound > 0 && report.worst.bound >= report.worst.way);
+      if (report.jump_over_bound > all.jump_over_bound) all = report;
+    }
+    return all;
+  };
+  const PopReport few = worst(Blend::step, 1), many = worst(Blend::step, 500);
+  EXPECT_LE(few.jump_over_bound, 1);
+  EXPECT_TRUE(few.vacuous) << "a step looks like a morph";
+  EXPECT_GT(many.jump_over_bound, 1);
+  EXPECT_FALSE(many.vacuous);
+  EXPECT_FALSE(worst(Blend::smoothstep, 500).vacuous);
+}
+
+TEST(Pops, OneLevelHasNothingToBound) {
+  const NaiveHierarchy built = naive_hierarchy(sphere_mesh(4), 0, sigma0);
+  const Radii radii = per_level_radii(built.hierarchy, DistanceMetric::euclidean);
+  const Frame before = make_frame(built.hierarchy, radii, Blend::linear, {3, 0, 0});
+  const Frame after = make_frame(built.hierarchy, radii, Blend::linear, {2, 0, 0});
+  const auto scheduler = make_serial_scheduler();
+  const PopReport report = largest_jump(before.context, before.selection, after.context, after.selection, *scheduler);
+  EXPECT_FALSE(report.bounded);
+  EXPECT_EQ(report.max_jump, 0);
+}
+
 TEST(Pops, InadmissibleRadiiHaveNoBound) {
   const NaiveHierarchy built = naive_hierarchy(sphere_mesh(16), finest, sigma0);
   const Radii radii = uniform_radii(built.hierarchy, DistanceMetric::euclidean,
