@@ -1,24 +1,11 @@
 #include "experiments/studies/frame_measures.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "experiments/metrics/pictures/flip.h"
+#include "experiments/metrics/pictures/heat_map.h"
 
 namespace lodestone {
-namespace {
-
-// Black, red, yellow, white.
-Image heat_map(const ErrorMap& map) {
-  Image image{map.size, {}, {}};
-  for (const float value : map.value)
-    for (const float channel : {3 * value, 3 * value - 1, 3 * value - 2, 1.0f})
-      image.rgba.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f))));
-  return image;
-}
-
-}  // namespace
 
 SurfaceMeasures::SurfaceMeasures(const Hierarchy& hierarchy, ImageSize size, Scheduler& scheduler)
     : size_(size), proof_(hierarchy, scheduler) {
