@@ -24,7 +24,8 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{threads_parameter(), rounds_parameter(3)};
   append(list, in_core_build_parameters());
   list.push_back({"compress", false, "", "the file is a compressed one, its vertices on a lattice", 0, 0, {}});
-  list.push_back({"error_level", 2, "", "levels above the finest whose mesh is held against the input", 0, 20, {}});
+  list.push_back(
+      condition({"error_level", 2, "", "levels above the finest whose mesh is held against the input", 0, 20, {}}));
   return list;
 }
 

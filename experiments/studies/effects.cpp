@@ -23,8 +23,8 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(3),
-      {"backend", "soft", "", "that draws", 0, 0, {"soft", "gl"}},
-      {"frames", 12, "", "on the scene's camera path", 2, 10000, {}},
+      condition({"backend", "soft", "", "that draws", 0, 0, {"soft", "gl"}}),
+      condition({"frames", 12, "", "on the scene's camera path", 2, 10000, {}}),
   };
   append(list, picture_parameters());
   return list;

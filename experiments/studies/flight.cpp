@@ -29,7 +29,7 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(1),
-      {"backend", "null", "", "that draws: null counts alone", 0, 0, {"null", "soft", "gl"}},
+      condition({"backend", "null", "", "that draws: null counts alone", 0, 0, {"null", "soft", "gl"}}),
       {"kappa0", 0.0, "cell sizes", "least selection radius; 0: by pixel_error", 0, 1e6, {}},
       {"kappa0_over_rho", 0.0, "", "kappa0 as a multiple of the admissible border instead; 0: not used", 0, 1e3, {}},
       {"pixel_error", 1.0, "pixels", "tolerance, where no kappa0 is given", 1e-3, 1e3, {}},

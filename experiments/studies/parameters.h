@@ -32,7 +32,13 @@ struct ParameterInfo {
   double most = std::numeric_limits<double>::infinity();
   std::vector<std::string> choices;  // of texts; empty: any
   std::optional<OtherTexts> others = {};
+  bool condition = false;  // under which something is measured: settings compete only where conditions are equal
 };
+
+[[nodiscard]] inline ParameterInfo condition(ParameterInfo info) {
+  info.condition = true;
+  return info;
+}
 
 // Its choices and what else it may be, separated by commas; empty: any text, or no text.
 [[nodiscard]] std::string known_texts(const ParameterInfo& info);

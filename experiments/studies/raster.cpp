@@ -20,10 +20,11 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(3),
-      {"backend", "soft", "", "that draws", 0, 0, {"null", "soft", "gl"}},
+      condition({"backend", "soft", "", "that draws", 0, 0, {"null", "soft", "gl"}}),
       {"pixel_error", 1.0, "pixels", "tolerance", 1e-3, 1e3, {}},
       effects_parameter("of the pictures, that of the full model, too"),
-      {"measured_frames", 4, "", "frames whose picture is held against that of the full model", 0, 10000, {}},
+      condition(
+          {"measured_frames", 4, "", "frames whose picture is held against that of the full model", 0, 10000, {}}),
   };
   append(list, viewpoint_parameters());
   append(list, picture_parameters());

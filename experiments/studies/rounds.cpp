@@ -8,7 +8,7 @@ void add_times(Row& row, const Rounds& rounds) {
 }
 
 ParameterInfo rounds_parameter(int rounds) {
-  return {"rounds", rounds, "", "times that it is timed, after a round that warms up", 1, 1000, {}};
+  return condition({"rounds", rounds, "", "times that it is timed, after a round that warms up", 1, 1000, {}});
 }
 
 void check_cancelled(const RunContext& context) {

@@ -27,14 +27,15 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(5),
-      {"task", "build", "", "what the workers do", 0, 0, scaling_tasks()},
-      {"mode", "strong", "", "strong: the same work for all; weak: as much for each", 0, 0, {"strong", "weak"}},
-      {"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, largest_map_side, {}},
-      {"frames", 8, "", "of raster, once around the model", 2, 10000, {}},
+      condition({"task", "build", "", "what the workers do", 0, 0, scaling_tasks()}),
+      condition(
+          {"mode", "strong", "", "strong: the same work for all; weak: as much for each", 0, 0, {"strong", "weak"}}),
+      condition({"resolution", 256.0, "pixels", "of reconstruct, along the longest side", 8, largest_map_side, {}}),
+      condition({"frames", 8, "", "of raster, once around the model", 2, 10000, {}}),
   };
   append(list, build_parameters());
-  append(list,
-         {{"width", 640, "pixels", "of raster", 16, 16384, {}}, {"height", 360, "pixels", "of raster", 16, 16384, {}}});
+  append(list, {condition({"width", 640, "pixels", "of raster", 16, 16384, {}}),
+                condition({"height", 360, "pixels", "of raster", 16, 16384, {}})});
   return list;
 }
 

@@ -30,7 +30,7 @@ std::vector<ColumnInfo> needing(const ColumnNeed& need, std::vector<ColumnInfo> 
 }
 
 ParameterInfo threads_parameter() {
-  return {"threads", 0, "", "workers, and processors to be pinned to; 0: all that there are", 0, 4096, {}};
+  return condition({"threads", 0, "", "workers, and processors to be pinned to; 0: all that there are", 0, 4096, {}});
 }
 
 std::vector<ParameterInfo> build_parameters() {
@@ -55,9 +55,9 @@ std::vector<ParameterInfo> in_core_build_parameters() {
 
 std::vector<ParameterInfo> picture_parameters() {
   return {
-      {"width", 640, "pixels", "of the picture", 16, 16384, {}},
-      {"height", 360, "pixels", "of the picture", 16, 16384, {}},
-      {"samples", 1, "", "samples a pixel: 1 or 4", 1, 4, {}},
+      condition({"width", 640, "pixels", "of the picture", 16, 16384, {}}),
+      condition({"height", 360, "pixels", "of the picture", 16, 16384, {}}),
+      condition({"samples", 1, "", "samples a pixel: 1 or 4", 1, 4, {}}),
   };
 }
 

@@ -17,9 +17,9 @@ namespace {
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
-      {"model", "the input", "", "model that the input represents", 0, 0, {}},
-      {"published", "not known", "", "what is published of a model of this size", 0, 0, {}},
-      {"memory_limit", 0.0, "GiB", "what needs more is built out of core; 0: no limit", 0, 1e6, {}},
+      condition({"model", "the input", "", "model that the input represents", 0, 0, {}}),
+      condition({"published", "not known", "", "what is published of a model of this size", 0, 0, {}}),
+      condition({"memory_limit", 0.0, "GiB", "what needs more is built out of core; 0: no limit", 0, 1e6, {}}),
   };
   append(list, build_parameters());
   return list;

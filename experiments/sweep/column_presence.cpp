@@ -53,7 +53,7 @@ std::set<std::string> column_names(const Experiment& experiment) {
 
 std::set<std::string> figure_names(const Experiment& experiment) {
   std::set<std::string> names = column_names(experiment);
-  names.insert({"data", "repetition"});
+  names.insert({"data", "sweep"});
   for (const ParameterInfo& info : experiment.parameters) names.insert(info.name);
   return names;
 }

@@ -27,9 +27,9 @@ const char* kind_name(ColumnInfo::Kind kind) {
 }
 
 nlohmann::json figure_json(const FigureSpec& figure) {
-  return {{"title", figure.title}, {"sweep", figure.sweep},   {"x", figure.x},
-          {"y", figure.y},         {"series", figure.series}, {"kind", figure.kind},
-          {"log", figure.log},     {"mark", figure.mark},     {"pareto", figure.pareto}};
+  return {{"title", figure.title},   {"sweep", figure.sweep}, {"x", figure.x},     {"y", figure.y},
+          {"series", figure.series}, {"kind", figure.kind},   {"log", figure.log}, {"mark", figure.mark},
+          {"pareto", figure.pareto}, {"where", figure.where}};
 }
 
 nlohmann::json data_json(const DataSource& source, const SweepInput& input) {
@@ -51,7 +51,8 @@ nlohmann::json section_json(const SweepSection& section) {
                          {"metrics", section.metrics},
                          {"runs", nlohmann::json::array()}};
   for (const ParameterInfo& info : experiment.parameters)
-    json["parameters"].push_back({{"name", info.name}, {"unit", info.unit}, {"description", info.description}});
+    json["parameters"].push_back(
+        {{"name", info.name}, {"unit", info.unit}, {"description", info.description}, {"condition", info.condition}});
   for (const ColumnInfo& column : experiment.columns) json["columns"].push_back(to_json(column));
   return json;
 }

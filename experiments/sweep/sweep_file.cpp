@@ -11,6 +11,8 @@
 #include "experiments/sweep/column_presence.h"
 #include "experiments/sweep/contradictions.h"
 #include "experiments/sweep/design.h"
+#include "experiments/sweep/figure_section.h"
+#include "experiments/sweep/name_lists.h"
 #include "render/scene/toml_table.h"
 
 namespace lodestone {
@@ -22,29 +24,6 @@ bool is_plain(const std::string& name) {
          std::all_of(name.begin(), name.end(),
                      [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; }) &&
          name.front() != '.' && name.front() != '-';
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-// A text or several, as a list.
-std::vector<std::string> texts(TomlTable& table, const char* key) {
-  const toml::node* node = table.find(key);
-  if (!node) return {};
-  if (node->is_string()) return {node->as_string()->get()};
-  const toml::array* array = node->as_array();
-  if (!array || array->empty()) table.fail(*node, key, "must be a text, or texts, as [\"a\", \"b\"]");
-  std::vector<std::string> list;
-  for (const toml::node& element : *array) {
-    if (!element.is_string()) table.fail(element, key, "must be texts, as [\"a\", \"b\"]");
-    list.push_back(element.as_string()->get());
-    if (std::count(list.begin(), list.end(), list.back()) > 1)
-      table.fail(element, key, "has '" + list.back() + "' twice");
-  }
-  return list;
 }
 
 void read_name(TomlTable& table, const toml::source_region& at, std::string& name) {
@@ -176,21 +155,6 @@ void read_design(TomlTable& table, const toml::node& at, const SweepReader& read
   table.integer("seed", design.seed, 0, std::numeric_limits<std::int64_t>::max());
 }
 
-// Checks that settings of the sweep have the column: an error where none has, a note where some have not.
-void check_presence(TomlTable& table, const char* key, const std::string& name, const SweepSection& sweep,
-                    const std::string& where, SweepFile& file) {
-  const ColumnPresence found = presence(sweep, name);
-  if (found.remedy.empty()) return;
-  if (found.settings == 0)
-    table.fail(*table.find(key), key,
-               fmt::format("'{0}' is measured in no setting of sweep '{1}'; {2} in sweep '{1}'", name, sweep.name,
-                           found.remedy));
-  file.notes.push_back(
-      fmt::format("line {}: {}, {} '{}' is measured in {} of {} settings of sweep '{}' only; for the others {}",
-                  table.find(key)->source().begin.line, where, key, name, found.settings, sweep.settings.size(),
-                  sweep.name, found.remedy));
-}
-
 std::vector<std::string> read_metrics(TomlTable& table, const SweepSection& sweep, SweepFile& file) {
   const std::vector<std::string> metrics = texts(table, "metrics");
   const std::set<std::string> known = column_names(*sweep.experiment);
@@ -241,51 +205,6 @@ SweepSection read_sweep(TomlTable& table, const toml::node& at, SweepFile& file,
   }
   section.metrics = read_metrics(table, section, file);
   return section;
-}
-
-// `measured`: the names are nothing without numbers.
-void check_names(TomlTable& table, const char* key, const std::vector<std::string>& given, const FigureSpec& figure,
-                 bool measured, SweepFile& file) {
-  for (const SweepSection& sweep : file.sweeps) {
-    if (std::find(figure.sweep.begin(), figure.sweep.end(), sweep.name) == figure.sweep.end()) continue;
-    const std::set<std::string> known = figure_names(*sweep.experiment);
-    for (const std::string& name : given) {
-      if (!known.contains(name))
-        table.fail(*table.find(key), key,
-                   fmt::format("'{}' is neither a parameter nor a column of {} (sweep {}); known are {}", name,
-                               sweep.experiment->name, sweep.name, joined({known.begin(), known.end()})));
-      if (measured) check_presence(table, key, name, sweep, "figure '" + figure.title + "'", file);
-    }
-  }
-}
-
-void one_of(TomlTable& table, const char* key, std::string& to, const std::vector<std::string>& choices) {
-  table.text(key, to);
-  if (table.has(key) && std::find(choices.begin(), choices.end(), to) == choices.end())
-    table.fail(*table.find(key), key, "must be one of " + joined(choices));
-}
-
-FigureSpec read_figure(TomlTable& table, const toml::node& at, SweepFile& file) {
-  FigureSpec figure;
-  table.text("title", figure.title);
-  figure.sweep = texts(table, "sweep");
-  table.text("x", figure.x);
-  figure.y = texts(table, "y");
-  figure.series = texts(table, "series");
-  one_of(table, "kind", figure.kind, {"line", "scatter", "bar"});
-  one_of(table, "log", figure.log, {"x", "y", "xy"});
-  table.text("mark", figure.mark);
-  table.flag("pareto", figure.pareto);
-  if (figure.title.empty() || figure.sweep.empty() || figure.x.empty() || figure.y.empty())
-    table.fail_at(at.source(), "needs title, sweep, x and y");
-  for (const std::string& name : figure.sweep)
-    if (std::ranges::find(file.sweeps, name, &SweepSection::name) == file.sweeps.end())
-      table.fail(*table.find("sweep"), "sweep", "'" + name + "' is not a sweep of this file");
-  check_names(table, "x", {figure.x}, figure, true, file);
-  check_names(table, "y", figure.y, figure, true, file);
-  check_names(table, "series", figure.series, figure, false, file);
-  if (!figure.mark.empty()) check_names(table, "mark", {figure.mark}, figure, true, file);
-  return figure;
 }
 
 }  // namespace

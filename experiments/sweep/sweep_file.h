@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -45,6 +46,7 @@ struct FigureSpec {
   std::string title, x, kind = "line", log, mark;
   std::vector<std::string> sweep, y, series;
   bool pareto = false;
+  std::map<std::string, nlohmann::json> where;  // a value, or a comparison as "<= 0.5", by name
 };
 
 struct SweepFile {

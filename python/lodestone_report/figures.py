@@ -8,8 +8,11 @@ from collections import defaultdict
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from .constraints import is_sound, keeps
 from .fronts import cheapest_within, error_limits, pareto_front
 from .outcome import describe_outcome
+from .pooling import pooled_names
+from .settings import Setting
 from .text import shown_unit, value_text
 from .values import is_number, median
 from .writing import write_all
@@ -28,7 +31,7 @@ class Point:
     y_least: float
     y_most: float
     label: str = ""  # the setting, in words
-    settings: int = 1  # that share the point: y is their median then, y_least and y_most their range
+    settings: int = 1  # with other seeds that share the point: y is their median then, y_least and y_most their range
 
 
 @dataclass
@@ -41,17 +44,18 @@ class Series:
 
 @dataclass
 class Choice:
-    """The cheapest setting that keeps a limit of the error; of quality, any point of the front."""
+    """The cheapest setting that keeps a limit of the error, and what is tied with it; of quality, any point of the front."""
 
     limit: float
-    point: int  # of the front
+    point: Point
+    tied: list[Point]  # other settings that keep it, whose range of costs overlaps that of the cheapest
 
 
 @dataclass
 class Front:
-    """The Pareto front of the settings on one input."""
+    """The Pareto front of the settings that compete: those with equal conditions (input, camera, size of the picture ...)."""
 
-    data: str
+    conditions: str
     candidates: int  # settings that it was chosen from
     points: list[Point]  # by rising cost
     choices: list[Choice]
@@ -158,10 +162,12 @@ class Sample:
 
     panel: int
     series: str
-    data: str
+    conditions: str
     x: Any  # as it is in the row
     point: Point
+    setting: Setting
     mark: float | None = None
+    competes: bool = True  # for a front
 
 
 def find_column(tables, name):
@@ -206,8 +212,9 @@ def make_sample(request, table, setting, name, panel):
         return None
     by = divisor(table, request.x)
     point = Point(*scaled(x, by), *scaled(y, divisor(table, name)))
-    return Sample(panel, series_name(setting, request.series), value_text(setting.value("data")), x.value, point,
-                  mark.value / by if mark.is_number else None)
+    conditions = ["data", *(p.name for p in table.parameters if p.condition and p.name in table.varied)]
+    return Sample(panel, series_name(setting, request.series), series_name(setting, conditions), x.value, point, setting,
+                  mark.value / by if mark.is_number else None, is_sound(setting, request.where))
 
 
 def make_samples(request, tables, figure):
@@ -217,6 +224,8 @@ def make_samples(request, tables, figure):
     samples, without = [], 0
     for table in tables:
         for setting in table.settings:
+            if not keeps(setting, request.where):
+                continue
             for name, panel in zip(request.y, panel_of):
                 sample = make_sample(request, table, setting, name, panel)
                 if sample is None:
@@ -246,11 +255,11 @@ def set_categories(figure, samples):
 
 
 def merged(points):
-    """Points of one curve at one place: their median, and the range of all of them."""
+    """Points of one curve at one place, which differ in the seed of chance alone: their median, and the range of all of them."""
     if len(points) == 1:
         return points[0]
     return Point(points[0].x, min(p.x_least for p in points), max(p.x_most for p in points), median(p.y for p in points),
-                 min(p.y_least for p in points), max(p.y_most for p in points), f"median of {len(points)} settings", len(points))
+                 min(p.y_least for p in points), max(p.y_most for p in points), f"median of {len(points)} seeds", len(points))
 
 
 def add_series(figure, samples):
@@ -266,18 +275,20 @@ def add_series(figure, samples):
                 curves[name] = [merged(places[x]) for x in sorted(places)]
         panel.series = [Series(name, points) for name, points in curves.items()]
     if any(p.settings > 1 for panel in figure.panels for series in panel.series for p in series.points):
-        figure.notes.append("Several settings fall on one point: it is their median, and the whiskers are their range")
+        figure.notes.append("Several seeds fall on one point: it is their median, and the whiskers are their range")
 
 
-def make_front(data, points, more_is_better):
+def make_front(conditions, points, more_is_better):
     costs = [(p.x, -p.y if more_is_better else p.y) for p in points]
-    indices = pareto_front(costs)
-    front = [points[i] for i in indices]
-    if more_is_better:  # decibels and similarities have no scale of powers of ten
-        choices = [Choice(p.y, i) for i, p in enumerate(front)]
-    else:
-        choices = [Choice(limit, indices.index(cheapest_within(costs, limit))) for limit in error_limits(costs)]
-    return Front(data, len(points), front, choices)
+    ranges = [(p.x_least, p.x_most) for p in points]
+    front = pareto_front(costs)
+    # Decibels and similarities have no scale of powers of ten.
+    limits = sorted({costs[i][1] for i in front}, reverse=True) if more_is_better else error_limits(costs)
+    choices = []
+    for limit in limits:
+        cheapest, *tied = (points[i] for i in cheapest_within(costs, limit, ranges))
+        choices.append(Choice(-limit if more_is_better else limit, cheapest, tied))
+    return Front(conditions, len(points), [points[i] for i in front], choices)
 
 
 def add_fronts(figure, samples):
@@ -285,10 +296,14 @@ def add_fronts(figure, samples):
         figure.notes.append("No Pareto front: the cost is not a number")
         return
     for panel, samples_of in zip(figure.panels, samples):
-        inputs = defaultdict(list)
+        competing = defaultdict(list)
         for s in samples_of:
-            inputs[s.data].append(s.point)
-        panel.fronts = [make_front(data, inputs[data], panel.more_is_better) for data in sorted(inputs)]
+            if s.competes:
+                competing[s.conditions].append(s.point)
+        panel.fronts = [make_front(name, competing[name], panel.more_is_better) for name in sorted(competing)]
+    outside = sum(not s.competes for samples_of in samples for s in samples_of)
+    if outside:
+        figure.notes.append(f"{outside} of {sum(map(len, samples))} points crack or have inadmissible radii, and are on no front")
 
 
 def add_marks(figure, samples, name):
@@ -296,13 +311,15 @@ def add_marks(figure, samples, name):
     places = defaultdict(set)
     for s in samples:
         if s.mark is not None and math.isfinite(s.mark):
-            places[s.mark].add(s.data)
+            places[s.mark].add(s.setting.value("data"))
     if figure.categories or len(places) > MOST_MARKS:
         why = "x is not a number" if figure.categories else f"it has {len(places)} values"
         figure.notes.append(f"{name} is not drawn: {why}")
         return
-    inputs = len({s.data for s in samples})
-    figure.marks = [Mark(x, name if len(places[x]) == inputs else f"{name} ({', '.join(sorted(places[x]))})") for x in sorted(places)]
+    inputs = len({s.setting.value("data") for s in samples})
+    for x in sorted(places):
+        of = "" if len(places[x]) == inputs else f" ({', '.join(map(value_text, sorted(places[x])))})"
+        figure.marks.append(Mark(x, name + of))
 
 
 def make_figure(request, tables):
@@ -314,6 +331,11 @@ def make_figure(request, tables):
     samples = make_samples(request, tables, figure)
     set_categories(figure, samples)
     of_panel = [[s for s in samples if s.panel == i] for i in range(len(figure.panels))]
+    if request.kind != "scatter" and (pooled := pooled_names(request, tables, samples)):
+        figure.outcome = (f"Not drawn: settings that differ in {' and '.join(pooled)} fall on one curve; name "
+                          f"{'it' if len(pooled) == 1 else 'them'} in series, or choose by where.")
+        figure.panels = []
+        return figure
     add_series(figure, of_panel)
     if request.pareto:
         add_fronts(figure, of_panel)

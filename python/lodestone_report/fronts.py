@@ -5,19 +5,23 @@ import math
 
 def pareto_front(points):
     """Indices of the points for which no other one is at most as expensive and at most as wrong, and better in one of the two, by
-    rising cost; of equal points the first. Points that are not finite are left out. O(n log n)."""
+    rising cost; equal points stand side by side. Points that are not finite are left out. O(n log n)."""
     finite = [i for i, point in enumerate(points) if all(map(math.isfinite, point))]
-    front, best = [], math.inf
+    front = []
     for i in sorted(finite, key=lambda i: points[i]):
-        if points[i][1] < best:
-            best = points[i][1]
+        if not front or points[i][1] < points[front[-1]][1] or points[i] == points[front[-1]]:
             front.append(i)
     return front
 
 
-def cheapest_within(points, limit):
-    """Index of the cheapest point with an error of at most limit, or None."""
-    return next((i for i in pareto_front(points) if points[i][1] <= limit), None)
+def cheapest_within(points, limit, costs):
+    """Indices of the cheapest point with an error of at most limit and of those tied with it, by rising cost.
+
+    `costs` are ranges (least, most) of what the points cost: two points are tied where these overlap.
+    """
+    kept = [i for i, point in enumerate(points) if all(map(math.isfinite, point)) and point[1] <= limit]
+    kept.sort(key=lambda i: points[i])
+    return [i for i in kept if costs[i][0] <= costs[kept[0]][1]]
 
 
 def round_up(value):

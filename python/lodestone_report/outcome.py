@@ -22,20 +22,27 @@ def place_text(figure, point):
     return f"{figure.x_name} = {text}" + (f", {point.label}" if point.label else "")
 
 
+def describe_choice(choice):
+    """ " (kappa0 = 2; tied with kappa0 = 4 and 3 more)" """
+    texts = [choice.point.label] if choice.point.label else []
+    if choice.tied:
+        more = f" and {len(choice.tied) - 1} more" if len(choice.tied) > 1 else ""
+        texts.append(f"tied with {choice.tied[0].label}{more}")
+    return f" ({'; '.join(texts)})" if texts else ""
+
+
 def describe_front(figure, panel, front):
     """The limit in the middle: neither the trivial nor the most expensive."""
     choice = front.choices[len(front.choices) // 2]
-    point = front.points[choice.point]
-    return ((f"{front.data}: " if len(panel.fronts) > 1 else "") +
+    return ((f"{front.conditions}: " if len(panel.fronts) > 1 else "") +
             f"{len(front.points)} of {front.candidates} settings on the front; {panel.y_name} of {panel.limit_text} "
-            f"{with_unit(choice.limit, panel.y_unit)} costs {with_unit(point.x, figure.x_unit)}" +
-            (f" ({point.label})" if point.label else ""))
+            f"{with_unit(choice.limit, panel.y_unit)} costs {with_unit(choice.point.x, figure.x_unit)}{describe_choice(choice)}")
 
 
 def describe_fronts(figure, panel):
     texts = [describe_front(figure, panel, front) for front in panel.fronts[:SHOWN_FRONTS]]
     if len(panel.fronts) > SHOWN_FRONTS:
-        texts.append(f"{len(panel.fronts) - SHOWN_FRONTS} more inputs below")
+        texts.append(f"{len(panel.fronts) - SHOWN_FRONTS} more fronts below")
     return ". ".join(texts)
 
 

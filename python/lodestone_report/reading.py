@@ -91,11 +91,13 @@ def read_entry(path):
 def read_figure(o):
     figure = FigureRequest(o.text("title"), o.texts("sweep"), o.text("x"), o.texts("y"), o.texts("series"),
                            o.text("kind", "") or "line", o.text("log", ""), o.text("mark", ""),
-                           o.value.get("pareto") is True)
+                           o.value.get("pareto") is True, o.value.get("where", {}))
     if figure.kind not in FIGURE_KINDS:
         o.fail("'kind' is not line, scatter or bar")
     if not figure.sweeps or not figure.y:
         o.fail("names no sweep or no y")
+    if not isinstance(figure.where, dict):
+        o.fail("'where' is not an object")
     return figure
 
 
@@ -184,7 +186,8 @@ def read_run(o, runs, repetitions, columns):
 
 
 def read_sweep(o, runs):
-    parameters = [Column(p.text("name"), p.text("unit", ""), p.text("description", "")) for p in o.entries("parameters")]
+    parameters = [Column(p.text("name"), p.text("unit", ""), p.text("description", ""), condition=p.value.get("condition") is True)
+                  for p in o.entries("parameters")]
     sweep = Sweep(o.text("name"), o.text("experiment"), o.text("question", ""), o.count("repetitions"), parameters,
                   [read_column(c) for c in o.entries("columns")], o.texts("metrics"))
     sweep.runs = [read_run(r, runs, sweep.repetitions, sweep.columns) for r in o.entries("runs")]

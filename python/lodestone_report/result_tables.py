@@ -31,6 +31,9 @@ RMS, MAX, NORMALS = ("RMS, %", "rms"), ("max, %", "error_max"), ("normals, degre
 CRACKS, GAP = ("residual edges", "open_edges"), ("gap, pixels", "gap_pixels")
 CRACKED, TORN = ("cracked frames, %", "cracked_frames"), ("torn pixels", "torn_pixels")
 JUMP, BOUND = ("jump, pixels", "jump_pixels"), ("jump / bound", "jump_over_bound")
+# The steps of the viewpoint, and the frames in which they are too long for the bound of a jump to tell anything.
+STEP, VACUOUS = ("step, %", "viewpoint_step"), ("vacuous frames, %", "vacuous_frames")
+JUMPS = [JUMP, STEP, BOUND, VACUOUS]
 FRAME, WORST, FRAME_CPU = ("ms a frame", "frame_ms"), ("slowest, ms", "frame_ms_worst"), ("CPU ms", "frame_cpu_ms")
 IMAGE, FLIP = ("image error, %", "image_error"), ("FLIP", "flip")
 POP, FLIP_POP, AREA = ("pop p99, %", "pop_p99"), ("FLIP pop p99", "flip_pop_p99"), ("FLIP pop area", "flip_pop_area")
@@ -38,7 +41,7 @@ SURFACE, DRAWN = ("surface triangles", "surface_triangles"), ("triangles drawn",
 CELL, SELECT, OVER_BORDER = ("cell triangles", "cell_triangles"), ("select, ms", "select_ms"), ("kappa0 / rho", "over_border")
 RATE, STORED = ("Mtri per core-second", "mtri_per_core_second"), ("stored / input", "stored_ratio")
 FLIGHT = [DATA, ("camera", "camera"), OVER_BORDER, SURFACE, DRAWN, SELECT,
-          CRACKS, BOUND]
+          CRACKS, *JUMPS]
 TABLE = [("stands for", "model"), ("limit, GiB", "memory_limit"), INPUT, ("HLOD triangles", "stored_triangles"),
          ("seconds", "file_seconds"), ("CPU seconds", "file_cpu_seconds"), ("of which building", "cpu_seconds"), RATE,
          ("peak MB", "peak_bytes", MB),
@@ -57,7 +60,7 @@ PAGES = [
               [DATA, ("split", "refine"), ("triangles of the finest level", "input_triangles"), ("levels", "levels"),
                ("long half-edges", "long_edges"), ("longest edge / h_L", "max_edge_ratio"), ("rho", "rho"), ("D", "diameter"),
                ("verified", "valid")]),
-        Table("Split edges: a fly-in at one pixel", ("refine_drawn",), [DATA, ("split", "refine"), SURFACE, DRAWN, CRACKS, BOUND],
+        Table("Split edges: a fly-in at one pixel", ("refine_drawn",), [DATA, ("split", "refine"), SURFACE, DRAWN, CRACKS, *JUMPS],
               "Splitting bounds the reach; it makes pictures no cheaper: a plane of two triangles becomes many."),
         Table("sigma0 and cell size: the hierarchy", ("defaults",),
               [DATA, ("sigma0", "sigma0"), CELL, ("levels", "levels"), STORED, ("rho", "rho"), ("e", "e"), RATE]),
@@ -74,7 +77,7 @@ PAGES = [
         Table("Uniform radii below the border: cracks appear", ("below",),
               [DATA, OVER_BORDER, ("viewpoints", "frame_count"), CRACKS, CRACKED, GAP, TORN]),
         Table("A step instead of a blend: vertices jump", ("step",),
-              [DATA, OVER_BORDER, CRACKS, JUMP, BOUND]),
+              [DATA, OVER_BORDER, CRACKS, *JUMPS]),
     ], "A run of the first three tables fails if one frame has a residual edge or one vertex jumps beyond its bound. The finer "
        "course of the border is in [the ablation](ablation.md)."),
     Page("accuracy", [
@@ -184,25 +187,25 @@ PAGES = [
     ], "The numbers of workers take turns within a run. `weak`: two workers have two models, or twice the pixels."),
     Page("systems", [
         Table("Systems on the same path", ("scans", "generated", "orbit"),
-              [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, JUMP,
-               BOUND, IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE, FRAME, WORST]),
+              [DATA, ("path", "camera"), ("pixel error", "pixel_error"), ("system", "system"), CRACKS, CRACKED, GAP, TORN, *JUMPS,
+               IMAGE, FLIP, POP, FLIP_POP, AREA, SURFACE, FRAME, WORST]),
     ], "`discrete`: levels exchanged by cell without morph; `cross-fade`: two whole levels blended. Jumps of all systems are "
        "compared with the bound of the morph. Every system is a run of its own, and repetitions take turns."),
     Page("ablation", [
         Table("Below and above the admissible border", ("border",),
               [DATA, ("viewpoints", "camera"), OVER_BORDER, ("admissible", "admissible"), CRACKS, CRACKED, GAP,
-               ("T-junctions", "t_junctions"), TORN, BOUND]),
+               ("T-junctions", "t_junctions"), TORN, *JUMPS]),
         Table("Euclidean and Chebyshev distance", ("metrics",),
-              [DATA, ("metric", "metric"), ("rho", "rho"), OVER_BORDER, SURFACE, CRACKS, CRACKED, BOUND]),
+              [DATA, ("metric", "metric"), ("rho", "rho"), OVER_BORDER, SURFACE, CRACKS, CRACKED, *JUMPS]),
         Table("Radii: uniform and by level", ("radii",),
-              [DATA, ("radii", "radii"), OVER_BORDER, SURFACE, DRAWN, SELECT, CRACKS, BOUND]),
+              [DATA, ("radii", "radii"), OVER_BORDER, SURFACE, DRAWN, SELECT, CRACKS, *JUMPS]),
         Table("Blending functions", ("blend",),
-              [DATA, ("blend", "blend"), BOUND, JUMP, ("jump p99, pixels", "jump_p99_pixels"), IMAGE, POP,
+              [DATA, ("blend", "blend"), *JUMPS, ("jump p99, pixels", "jump_p99_pixels"), IMAGE, POP,
                ("pop area, pixels", "pop_area"), FLIP_POP, AREA, CRACKS]),
         Table("sigma0", ("sigma0",),
-              [DATA, ("sigma0", "sigma0"), ("rho", "rho"), SURFACE, DRAWN, FRAME, IMAGE, FLIP, JUMP, BOUND, CRACKS]),
+              [DATA, ("sigma0", "sigma0"), ("rho", "rho"), SURFACE, DRAWN, FRAME, IMAGE, FLIP, *JUMPS, CRACKS]),
         Table("Width of the band", ("band",),
-              [DATA, ("blend", "blend"), ("beta", "beta"), SURFACE, ("jump / step", "jump_per_step"), JUMP, BOUND, CRACKS]),
+              [DATA, ("blend", "blend"), ("beta", "beta"), SURFACE, ("jump / step", "jump_per_step"), *JUMPS, CRACKS]),
     ], "Adversarial viewpoints are made to crack; random ones hardly do near the border. Torn pixels are counted on closed "
        "models. A blend that is continuous keeps its jumps within the bound, `step` does not."),
     Page("published", [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 from dataclasses import dataclass, field
+from typing import Any
 
 COLUMN_KINDS = ("label", "accuracy", "quality", "cost", "count")
 FIGURE_KINDS = ("line", "scatter", "bar")
@@ -21,6 +22,7 @@ class Column:
     unit: str = ""
     meaning: str = ""
     kind: str = "label"  # of COLUMN_KINDS; of accuracy less is better, of quality more
+    condition: bool = False  # of a parameter: what is measured, or how; settings compete only where conditions are equal
 
 
 @dataclass
@@ -36,6 +38,7 @@ class FigureRequest:
     log: str = ""
     mark: str = ""
     pareto: bool = False
+    where: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass

@@ -25,6 +25,10 @@ class Cell:
         return is_number(self.value)
 
     @property
+    def values(self):
+        return self.value, self.least, self.most
+
+    @property
     def has_range(self):
         """True if repetitions differ."""
         return self.is_number and self.least != self.most
@@ -149,41 +153,62 @@ def varied_names(table):
     return varied
 
 
-def scaling_of(one, seconds, threads):
-    """Speed-up, efficiency and the serial share that explains it (karp1990), of equal work."""
-    if threads == 1:
-        return 1.0, 1.0, 0.0
-    speedup = (1 / seconds) / (1 / one)
-    return speedup, speedup / threads, (1 / speedup - 1 / threads) / (1 - 1 / threads)
+def scaling_of(one, rate, workers):
+    """Speed-up, efficiency and the serial share that explains it (karp1990)."""
+    speedup = rate / one
+    return speedup, speedup / workers, (1 / speedup - 1 / workers) / (1 - 1 / workers) if workers > 1 else 0.0
+
+
+def rates(setting):
+    """Work per second: of the median time, of the slowest and of the fastest."""
+    time, work = setting.at("seconds"), setting.value("work") or 1
+    return (work / time.value, work / time.most, work / time.least) if time.is_number and time.least > 0 else None
+
+
+def scaling_cells(one, own, workers, count):
+    """Cells of speed-up, efficiency and serial share; their ranges are those of the least favourable pairs of repetitions."""
+    middle = scaling_of(one[0], own[0], workers)
+    slow, fast = scaling_of(one[2], own[1], workers), scaling_of(one[1], own[2], workers)
+    if workers == 1:
+        slow = fast = middle
+    return {"speedup": Cell(middle[0], slow[0], fast[0], count), "efficiency": Cell(middle[1], slow[1], fast[1], count),
+            "karp_flatt": Cell(middle[2], fast[2], slow[2], count) if workers > 1 else NOTHING}
 
 
 def add_scaling(table):
-    """Columns speedup, efficiency and karp_flatt against one thread of the same setting; their ranges are those of the
-    least favourable pairs of repetitions."""
-    if "threads" not in table.varied or table.find("seconds") is None or table.find("speedup") is not None:
+    """Columns speedup, efficiency and karp_flatt against one thread of the same setting, from the medians of the repetitions.
+
+    The threads are a parameter, `threads`, or a column of rows, `workers`; columns of an experiment that has them for each of
+    its repetitions are computed anew.
+    """
+    own = table.find("speedup") is not None
+    workers = "workers" if own else "threads"
+    if table.find("seconds") is None or table.find(workers) is None or not (own or "threads" in table.varied):
         return
 
     def key(setting):
-        return setting.row, *(dump(setting.value(name)) for name in table.varied if name != "threads")
+        return (setting.run.id if own else setting.row), *(dump(setting.value(name)) for name in table.varied if name != workers)
 
-    timed = [s for s in table.settings if s.at("seconds").is_number and s.at("seconds").least > 0]
+    timed = [(s, rates(s), s.value(workers)) for s in table.settings]
     ones = {}
-    for setting in timed:
-        if setting.value("threads") == 1:
-            ones.setdefault(key(setting), setting.at("seconds"))
-    for setting in timed:
-        one, time, threads = ones.get(key(setting)), setting.at("seconds"), setting.value("threads")
-        if one is None or not is_number(threads) or threads < 1:
+    for setting, own_rates, count in timed:
+        if own_rates and count == 1:
+            ones.setdefault(key(setting), own_rates)
+    percent = own and table.find("efficiency").unit == "%"
+    for setting, own_rates, count in timed:
+        one = ones.get(key(setting))
+        if not own_rates or one is None or not is_number(count) or count < 1:
             continue
-        middle = scaling_of(one.value, time.value, int(threads))
-        slow, fast = scaling_of(one.least, time.most, int(threads)), scaling_of(one.most, time.least, int(threads))
-        setting.cells["speedup"], setting.cells["efficiency"] = (
-            Cell(middle[i], slow[i], fast[i], time.count) for i in range(2))
-        if threads > 1:
-            setting.cells["karp_flatt"] = Cell(middle[2], fast[2], slow[2], time.count)
-    table.columns += [Column("speedup", "", "seconds of one thread over seconds", "cost"),
-                      Column("efficiency", "", "speed-up over threads", "cost"),
-                      Column("karp_flatt", "", "serial share that would explain the speed-up", "cost")]
+        cells = scaling_cells(one, own_rates, int(count), setting.at("seconds").count)
+        if percent:
+            cells["efficiency"] = Cell(*(100 * v for v in cells["efficiency"].values), cells["efficiency"].count)
+        if own and setting.value("karp_flatt") is None:  # not of weak scaling
+            del cells["karp_flatt"]
+        setting.cells |= cells
+    if not own:
+        table.columns += [Column("speedup", "", "seconds of one thread over seconds", "cost"),
+                          Column("efficiency", "", "speed-up over threads", "cost"),
+                          Column("karp_flatt", "", "serial share that would explain the speed-up", "cost")]
 
 
 def aggregate(sweep):

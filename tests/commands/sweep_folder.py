@@ -122,7 +122,7 @@ def add_border(study, chance):
                     (folder / "worst.png").write_bytes(png(160, 100, (90, 140, 200)))
                     (folder / "worst.difference.png").write_bytes(png(160, 100, (220, 80, 60)))
     study.figure("Cracks below and above the border", "border", "kappa0", "gap_max", series=["data", "blend"], log="xy", mark="rho")
-    study.figure("Time and triangles", "border", "kappa0", ["seconds", "triangles"], series=["blend"], log="x")
+    study.figure("Time and triangles", "border", "kappa0", ["seconds", "triangles"], series=["data", "blend"], log="x")
 
 
 def add_costs(study, chance):

@@ -197,7 +197,8 @@ TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
 
 TEST_F(SweepFiles, FiguresAreCheckedAgainstTheirSweeps) {
   const std::string head = clock("[[figure]]\ntitle = \"t\"\n");
-  const std::string scaling = "sweep = \"s\"\nx = \"kappa0\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"";
+  const std::string scaling =
+      "sweep = \"s\"\nx = \"threads\"\ny = [\"gap\", \"speedup\"]\nmark = \"rho\"\nlog = \"xy\"";
   const std::string threads = clock("parameters = { threads = [1, 2] }\n[[figure]]\ntitle = \"t\"\n");
   const SweepFile file = load(threads + scaling);
   ASSERT_EQ(file.figures.size(), 1u);
@@ -281,6 +282,34 @@ TEST_F(SweepFiles, ParametersGivenForNothingAreRefused) {
   EXPECT_EQ(load(strict("parameters = { blend = \"step\" }")).sweeps[0].settings.size(), 1u);
 }
 
+TEST_F(SweepFiles, FiguresThatPoolSettingsAreRefused) {
+  const auto figure = [](const std::string& rest) {
+    return clock(
+        "parameters = { kappa0 = [1, 2], blend = [\"linear\", \"step\"] }\n[[figure]]\ntitle = \"t\"\n"
+        "sweep = \"s\"\ny = \"gap\"\n" +
+        rest);
+  };
+  refused(figure("x = \"kappa0\""), 13, "differ in 'blend'; name what parts them in series");
+  refused(figure("x = \"kappa0\"\nkind = \"bar\"\nwhere = { fast = false }"), 13, "differ in 'blend'");
+  for (const char* whole :
+       {"x = \"kappa0\"\nseries = \"blend\"", "x = \"kappa0\"\nkind = \"scatter\"",
+        "x = \"kappa0\"\nwhere = { blend = \"step\" }", "x = \"rho\"", "x = \"blend\"\nwhere = { kappa0 = \"< 2\" }"})
+    EXPECT_EQ(load(figure(whole)).figures.size(), 1u) << whole;
+}
+
+TEST_F(SweepFiles, WhereHasValuesAndComparisons) {
+  const std::string head = clock("[[figure]]\ntitle = \"t\"\nsweep = \"s\"\nx = \"kappa0\"\ny = \"gap\"\nwhere = ");
+  const auto where =
+      load(head + R"({ blend = "step", fast = true, gap = "<= 0.5", threads = 2, sweep = "s" })").figures[0].where;
+  const std::map<std::string, Json> expected = {
+      {"blend", "step"}, {"fast", true}, {"gap", "<= 0.5"}, {"threads", 2}, {"sweep", "s"}};
+  EXPECT_EQ(where, expected);
+  refused(head + "{ nothing = 1 }", 13, "'nothing' is neither a parameter nor a column");
+  refused(head + "{ gap = \"<= many\" }", 13, "gap must be compared with a number, as \"<= 0.5\"");
+  refused(head + "{ gap = [1, 2] }", 13, "gap must be a number, a text or a truth value");
+  refused(head + "1", 13, "where must be a table");
+}
+
 TEST_F(SweepFiles, FiguresOfWhatNoSettingHasAreRefused) {
   const auto figure = [](const std::string& parameters, const std::string& rest) {
     return strict("parameters = { " + parameters + " }\n[[figure]]\ntitle = \"t\"\nsweep = \"s\"\n" + rest);
@@ -297,7 +326,7 @@ TEST_F(SweepFiles, FiguresOfWhatNoSettingHasAreRefused) {
 
   const SweepFile all = load(figure("fast = true", "x = \"rho\"\ny = [\"gap\", \"plain\"]\nseries = \"kappa0\""));
   EXPECT_EQ(all.notes, std::vector<std::string>{});
-  const SweepFile some = load(figure("fast = [false, true]", "x = \"kappa0\"\ny = [\"plain\", \"gap\"]"));
+  const SweepFile some = load(figure("fast = [false, true]", "x = \"fast\"\ny = [\"plain\", \"gap\"]"));
   EXPECT_EQ(some.notes, std::vector<std::string>{
                             "line 13: figure 't', y 'gap' is measured in 1 of 2 settings of sweep 's' only; for "
                             "the others set fast = true and blend to something else than \"step\""});

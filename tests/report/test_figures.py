@@ -41,27 +41,78 @@ class Figures(unittest.TestCase):
         figure = figure_of(sweep, "kappa0", "gap", mark="rho")
         self.assertEqual((figure.marks, figure.notes), ([], ["rho is not drawn: it has 7 values"]))
 
-    def test_settings_at_one_place_are_taken_together_and_that_is_said(self):
-        sweep = border_sweep()
-        for run in sweep.runs[3:]:
-            run.repetitions[0].rows[0]["seconds"] = 10.0
+    def test_seeds_at_one_place_are_taken_together_and_that_is_said(self):
+        sweep = make_sweep([column("seconds", "s"), column("memory", "bytes")], ["kappa0", "seed"])
+        for seed, seconds in ((1, 1.0), (2, 10.0)):
+            row = {"seconds": seconds, "memory": 2097152}
+            sweep.runs.append(make_run(str(seed), "sphere", {"kappa0": 1.0, "seed": seed}, [row]))
         figure = figure_of(sweep, "kappa0", "seconds", "memory")
         self.assertEqual([panel.y_unit for panel in figure.panels], ["s", "MiB"], "seconds and bytes share no axis")
         first = figure.panels[0].series[0].points[0]
         self.assertEqual((first.settings, first.y, first.y_least, first.y_most), (2, 5.5, 1.0, 10.0))
-        self.assertEqual(first.label, "median of 2 settings")
+        self.assertEqual(first.label, "median of 2 seeds")
         self.assertEqual(len(figure.notes), 1)
         self.assertEqual(figure.panels[1].series[0].points[0].y, 2.0)
+
+    def test_curves_that_mix_settings_are_refused(self):
+        sweep = border_sweep()
+        for k, run in enumerate(sweep.runs):
+            run.repetitions[0].rows[0]["seconds"] = float(k)
+        refused = figure_of(sweep, "kappa0", "seconds")
+        self.assertEqual((refused.count, refused.outcome), (0, "Not drawn: settings that differ in blend fall on one curve; name it in "
+                                                               "series, or choose by where."))
+        self.assertEqual(figure_of(sweep, "kappa0", "seconds", series=["blend"]).count, 6)
+        self.assertEqual(figure_of(sweep, "kappa0", "seconds", where={"blend": "step"}).count, 3)
+        self.assertEqual(figure_of(sweep, "kappa0", "seconds", kind="scatter").count, 6, "a scatter plot draws every one of them")
+        self.assertIn("blend", figure_of(sweep, "seconds", "kappa0").outcome, "along a measured x as well")
+        self.assertEqual(figure_of(sweep, "seconds", "kappa0", where={"blend": "step"}).count, 3, "which follows what is swept")
+        self.assertEqual(figure_of(sweep, "kappa0", "rho").panels[0].series[0].points[0].y, 3.0, "equal values hide nothing")
+
+    def test_rows_of_several_workers_are_not_mixed(self):
+        sweep = make_sweep([column("workers", kind="count"), column("seconds", "s")], ["task", "mode"])
+        for task in ("build", "raster"):
+            for mode in ("strong", "weak"):
+                rows = [{"workers": n, "seconds": len(task) / n + len(mode)} for n in (1, 2)]
+                sweep.runs.append(make_run(task + mode, "sphere", {"task": task, "mode": mode}, rows))
+        self.assertIn("differ in mode and workers fall", figure_of(sweep, "task", "seconds", kind="bar").outcome)
+        self.assertIn("differ in mode fall", figure_of(sweep, "workers", "seconds", series=["task"]).outcome)
+        self.assertEqual(figure_of(sweep, "workers", "seconds", series=["task", "mode"]).count, 8)
+
+    def test_where_compares_numbers_and_truth_values_are_none(self):
+        sweep = border_sweep()
+        for wanted, count in ((">= 2", 4), ("< 2", 2), (2, 2), (True, 0), ("<= 4", 6), ("2", 0)):
+            self.assertEqual(figure_of(sweep, "kappa0", "gap", kind="scatter", where={"kappa0": wanted}).count, count, wanted)
 
     def test_fronts_name_the_cheapest_setting_for_an_error(self):
         figure = figure_of(border_sweep(), "seconds", "gap", kind="scatter", pareto=True)
         (front,) = figure.panels[0].fronts
-        self.assertEqual((front.candidates, len(front.points)), (6, 3))
-        self.assertEqual([(c.limit, front.points[c.point].x) for c in front.choices], [(0, 4.0), (1, 2.0), (2, 1.0)])
-        self.assertEqual(figure.outcome, "3 of 6 settings on the front; gap of at most 1 pixels costs 2 s (kappa0 = 2, blend = linear).")
+        self.assertEqual((front.candidates, len(front.points)), (6, 6), "two blends tie everywhere")
+        self.assertEqual([(c.limit, c.point.x, len(c.tied)) for c in front.choices], [(0, 4.0, 1), (1, 2.0, 1), (2, 1.0, 1)])
+        self.assertEqual(figure.outcome, "6 of 6 settings on the front; gap of at most 1 pixels costs 2 s (kappa0 = 2, blend = linear; "
+                                         "tied with kappa0 = 2, blend = step).")
         rows = list(csv.DictReader(io.StringIO(figure.csv())))
-        self.assertEqual([row["front"] for row in rows], ["True"] * 3 + ["False"] * 3)
+        self.assertEqual([row["front"] for row in rows], ["True"] * 6)
         self.assertEqual([float(row["x"]) for row in rows], [4, 1, 2, 4, 1, 2])
+
+    def test_settings_compete_where_conditions_are_equal(self):
+        sweep = border_sweep()
+        sweep.parameters[1].condition = True
+        figure = figure_of(sweep, "seconds", "gap", kind="scatter", pareto=True)
+        self.assertEqual([(f.conditions, f.candidates, len(f.points)) for f in figure.panels[0].fronts],
+                         [("sphere, linear", 3, 3), ("sphere, step", 3, 3)])
+
+    def test_what_cracks_is_on_no_front_unless_it_is_asked_for(self):
+        sweep = border_sweep()
+        sweep.columns += [column("open_edges", kind="accuracy"), column("admissible", kind="label")]
+        for run in sweep.runs:
+            sound = run.parameters["kappa0"] > 1
+            run.repetitions[0].rows[0] |= {"open_edges": 0 if sound else 5, "admissible": sound}
+        figure = figure_of(sweep, "seconds", "gap", kind="scatter", pareto=True)
+        (front,) = figure.panels[0].fronts
+        self.assertEqual((front.candidates, {p.x for p in front.points}, figure.count), (4, {2.0, 4.0}, 6))
+        self.assertEqual(figure.notes, ["2 of 6 points crack or have inadmissible radii, and are on no front"])
+        asked = figure_of(sweep, "seconds", "gap", kind="scatter", pareto=True, where={"admissible": False, "open_edges": "> 0"})
+        self.assertEqual((asked.panels[0].fronts[0].candidates, asked.notes), (2, []))
 
     def test_fronts_of_quality_rise(self):
         sweep = make_sweep([column("psnr", "dB", "quality"), column("seconds", "s")], ["tolerance"])

@@ -13,9 +13,14 @@ def obvious_front(points):
     def is_beaten(i):
         if not all(map(math.isfinite, points[i])):
             return True
-        return any(p[0] <= points[i][0] and p[1] <= points[i][1] and (p != points[i] or k < i) for k, p in enumerate(points))
+        return any(p[0] <= points[i][0] and p[1] <= points[i][1] and p != points[i] for p in points)
 
     return sorted((i for i in range(len(points)) if not is_beaten(i)), key=lambda i: points[i][0])
+
+
+def exact(points):
+    """Costs without a range."""
+    return [(cost, cost) for cost, _ in points]
 
 
 class Fronts(unittest.TestCase):
@@ -27,12 +32,15 @@ class Fronts(unittest.TestCase):
                 points[0] = (points[0][0], math.nan)
             self.assertEqual(pareto_front(points), obvious_front(points))
             limit = chance.randrange(9) - 0.5
-            cheapest = cheapest_within(points, limit)
+            cheapest = cheapest_within(points, limit, exact(points))
             costs = [cost for cost, error in points if error <= limit]
-            self.assertEqual(cheapest is None, not costs)
-            if costs:
-                self.assertEqual(points[cheapest][0], min(costs))
-                self.assertLessEqual(points[cheapest][1], limit)
+            self.assertEqual(sorted(cheapest), [i for i, (cost, error) in enumerate(points) if error <= limit and cost == min(costs)])
+
+    def test_costs_whose_ranges_overlap_are_tied(self):
+        points, costs = [(4.0, 1.0), (2.0, 1.0), (3.0, 0.5), (1.0, 9.0)], [(3.6, 5.0), (1.5, 2.5), (2.5, 3.5), (0.9, 1.6)]
+        self.assertEqual(cheapest_within(points, 1.0, costs), [1, 2], "3 may be 2.5, and so may 2; 4 is at least 3.6")
+        self.assertEqual(cheapest_within(points, 9.0, costs), [3, 1])
+        self.assertEqual(cheapest_within(points, 0.1, costs), [])
 
     def test_limits_are_round_and_span_the_front(self):
         self.assertEqual(error_limits([(1, 0.3), (2, 0.02), (3, 0.03)]), [0.02, 0.05, 0.1, 0.2, 0.5])
@@ -48,8 +56,8 @@ class Fronts(unittest.TestCase):
             limits, front = error_limits(points), pareto_front(points)
             self.assertEqual(limits, sorted(set(limits)))
             for limit in limits:
-                self.assertIsNotNone(cheapest_within(points, limit))
-            self.assertEqual(cheapest_within(points, limits[-1]), front[0])
+                self.assertTrue(cheapest_within(points, limit, exact(points)))
+            self.assertEqual(cheapest_within(points, limits[-1], exact(points)), front[:1])
 
 
 if __name__ == "__main__":

@@ -111,6 +111,35 @@ class Aggregate(unittest.TestCase):
             self.assertLess(setting.at("karp_flatt").least, serial)
             self.assertGreater(setting.at("karp_flatt").most, serial)
 
+    def test_scaling_of_an_experiment_is_that_of_the_medians(self):
+        columns = [column(name) for name in ("seconds", "speedup", "karp_flatt")] + [
+            column("workers", kind="count"), column("work", kind="count"), column("efficiency", "%")]
+        sweep = make_sweep(columns, ["task"])
+
+        def rows(one, two):
+            speedup = one / two
+            return [{"workers": 1, "work": 10, "seconds": one, "speedup": 1.0, "efficiency": 100.0, "karp_flatt": None},
+                    {"workers": 2, "work": 10, "seconds": two, "speedup": speedup, "efficiency": 50 * speedup,
+                     "karp_flatt": 2 / speedup - 1}]
+
+        sweep.runs = [make_run("a", "sphere", {"task": "build"}, rows(9.0, 5.0), rows(10.0, 6.0), rows(12.0, 5.5))]
+        one, two = aggregate(sweep).settings
+        self.assertEqual((one.value("speedup"), one.value("karp_flatt")), (1.0, None))
+        self.assertAlmostEqual(two.value("speedup"), 10 / 5.5, 12, "not the median of the three speed-ups, 1.8")
+        self.assertAlmostEqual(two.value("efficiency"), 100 * 10 / 5.5 / 2, 12)
+        self.assertAlmostEqual(two.value("karp_flatt"), 2 / (10 / 5.5) - 1, 12)
+        self.assertAlmostEqual(two.at("speedup").least, 9 / 6, 12)
+        self.assertAlmostEqual(two.at("speedup").most, 12 / 5, 12)
+
+    def test_weak_scaling_has_more_work_and_no_serial_share(self):
+        columns = [column(name) for name in ("seconds", "speedup", "karp_flatt", "efficiency")] + [
+            column("workers", kind="count"), column("work", kind="count")]
+        sweep = make_sweep(columns, ["mode"])
+        rows = [{"workers": n, "work": 10 * n, "seconds": 4.0, "speedup": 0, "efficiency": 0, "karp_flatt": None} for n in (1, 2)]
+        sweep.runs = [make_run("a", "sphere", {"mode": "weak"}, rows)]
+        two = aggregate(sweep).settings[1]
+        self.assertEqual((two.value("speedup"), two.value("efficiency"), two.value("karp_flatt")), (2.0, 1.0, None))
+
     def test_without_one_thread_there_is_no_speedup(self):
         sweep = make_sweep([column("seconds", "s")], ["threads"])
         sweep.runs = [make_run(str(threads), "", {"threads": threads}, [{"seconds": 1.0}]) for threads in (2, 4)]

@@ -50,7 +50,7 @@ class Notebook(FolderCase):
         figure = self.study.figure("Speed-up")
         self.assertEqual(figure.table.curve.unique().tolist(), ["graph", "levels"])
         self.assertIn("<svg", figure._repr_svg_())
-        mine = self.study.figure("Mine", x="kappa0", y="seconds", series="blend", sweeps="border")
+        mine = self.study.figure("Mine", x="kappa0", y="seconds", series="blend", sweeps="border", where={"data": "sphere"})
         self.assertEqual([s.name for s in mine.panels[0].series], ["linear", "step"])
         self.assertEqual(mine.plot().axes[0].get_ylabel(), "seconds (s)")
         with self.assertRaisesRegex(KeyError, "no figure 'Nothing'; there are: Cracks below"):
