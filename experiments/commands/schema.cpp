@@ -180,7 +180,9 @@ std::vector<Key> reconstruct_details() {
                         {"levels[].sharpened.*", "", "sharp edges and corners recovered"},
                         {"levels[].stages.*.seconds", "s", "time of a stage"},
                         {"levels[].stages.*.cpu_seconds", "s", "its processor time, all threads"},
-                        {"levels[].visible.*", "model units", "distance of the visible surface from the result"}};
+                        {"levels[].visible.*", "model units", "distance of the visible surface from the result"},
+                        {"levels[].seen_pixels.*", "model units",
+                         "the same of what pictures from all around show, each pixel counting once"}};
   return joined({keys, distances("levels[]."), repairs()});
 }
 

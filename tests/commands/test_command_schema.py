@@ -74,8 +74,11 @@ class Schema(CommandCase):
 
     def test_spherical(self):
         self.write("m.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
+        self.write("coloured.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 0\n"
+                                   "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
         self.compare("spherical", self.results("spherical", sphere(), "-o", "m.glb", "--texture", 64, "--maps",
                                   "colour,normal,geometry"),
+                     self.results("spherical", "coloured.obj", "-o", "c.glb", "--texture", 64),
                      self.results("spherical", "m.obj", "-o", "n.glb", "--texture", 64))
 
     def test_reconstruct(self):
