@@ -138,6 +138,17 @@ class InCoreBuild {
   std::uint64_t triangles_ = 0;
 };
 
+// A small mesh needs more on disk, for tables and pieces, than in memory: the smaller need is the one to give.
+void refuse_small_limit(const ModelSource& source, const ModelConfig& config, int workers) {
+  const std::uint64_t on_disk = model_need(*source.stream, config, workers).memory_bytes;
+  if (source.in_core_bytes == 0 || source.in_core_bytes >= on_disk || config.memory_limit >= on_disk) return;
+  throw ResourceError(
+      describe(source.path.string(), "",
+               "needs " + needed_mebibytes(source.in_core_bytes) + " of memory, and the limit is " +
+                   available_mebibytes(config.memory_limit),
+               "give --memory-limit " + std::to_string((source.in_core_bytes + mebibyte - 1) / mebibyte) + "MiB"));
+}
+
 }  // namespace
 
 ModelSource open_model_source(const std::filesystem::path& path, const ReadConfig& reading, std::uint64_t memory_limit,
@@ -145,8 +156,8 @@ ModelSource open_model_source(const std::filesystem::path& path, const ReadConfi
   ModelSource source{path, reading};
   if (memory_limit == 0) return source;
   if (std::unique_ptr<MeshStream> stream = open_mesh_stream(path, reading); stream && !stream->has_attributes()) {
-    if (in_core_bytes(stream->vertex_count(), stream->triangle_count(), workers) > memory_limit)
-      source.stream = std::move(stream);
+    const std::uint64_t need = in_core_bytes(stream->vertex_count(), stream->triangle_count(), workers);
+    if (need > memory_limit) source.stream = std::move(stream), source.in_core_bytes = need;
     return source;
   }
   std::error_code ignored;
@@ -163,8 +174,9 @@ std::filesystem::path scratch_folder(const ModelConfig& config) {
 }
 
 ModelResult build_model(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler) {
-  return source.stream ? build_out_of_core(*source.stream, config, scheduler)
-                       : InCoreBuild(source, config, scheduler).run();
+  if (!source.stream) return InCoreBuild(source, config, scheduler).run();
+  refuse_small_limit(source, config, scheduler.workers());
+  return build_out_of_core(*source.stream, config, scheduler);
 }
 
 }  // namespace lodestone

@@ -26,6 +26,7 @@ struct ModelSource {
   std::filesystem::path path;
   ReadConfig reading{};
   std::unique_ptr<MeshStream> stream{};  // builds on disk from pieces of the file; nullptr: in memory
+  std::uint64_t in_core_bytes = 0;       // with a stream: the limit from which on it is built in memory; 0: unknown
 };
 
 // Chooses between memory and disk by a limit in bytes; 0: no limit. `workers` build later. Throws ResourceError for a

@@ -104,6 +104,23 @@ TEST_F(OutOfCore, TheLimitAloneChoosesBetweenMemoryAndDisk) {
   EXPECT_TRUE(expected == content(config_.output));
 }
 
+// Where a build on disk would need more than one in memory, the latter is what a limit that is too small is told.
+TEST_F(OutOfCore, NamesTheSmallerNeed) {
+  const fs::path path = sphere();
+  const auto scheduler = make_serial_scheduler();
+  config_.memory_limit = std::uint64_t{5} << 20;
+  try {
+    (void)build_model(open_model_source(path, {}, config_.memory_limit, 1), config_, *scheduler);
+    FAIL() << "5 MiB are not enough";
+  } catch (const ResourceError& error) {
+    const std::string message = error.what();
+    config_.memory_limit = std::stoull(message.substr(message.find("--memory-limit ") + 15)) << 20;
+  }
+  const ModelSource source = open_model_source(path, {}, config_.memory_limit, 1);
+  EXPECT_EQ(source.stream, nullptr) << "built in memory";
+  EXPECT_NO_THROW((void)build_model(source, config_, *scheduler));
+}
+
 // A file that can only be read as a whole is refused by its size before it is read.
 TEST_F(OutOfCore, RefusesWholeFilesBeyondTheLimit) {
   const fs::path path = folder_ / "m.obj";
