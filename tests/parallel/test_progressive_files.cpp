@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
 #include "core/progressive/gltf/progressive_glb.h"
+#include "core/progressive/lpm/lpm_format.h"
 #include "core/progressive/lpm/range_coder.h"
 #include "core/progressive/lpm/split_order.h"
 #include "core/progressive/mesh/activation.h"
@@ -381,6 +382,19 @@ TEST(SplitOrder, KeepsWhatDependsInOrder) {
   for (std::uint32_t v = 5; v < 2000; ++v) falls += parents[v] < parents[v - 1];
   EXPECT_LT(falls, 200u);  // of 998 in a random order
   EXPECT_EQ(progressive::order_in_batches(splits, 0)[1999], 1999u);
+}
+
+TEST(Lpm, RefusesUnknownFilters) {
+  progressive::LpmHeader header{};
+  header.textures = {{.name = "a", .media_type = "image/png", .bytes = {}, .mag_filter = 9729, .min_filter = 9987}};
+  const std::string file = "file";
+  const nlohmann::json good = progressive::to_json(header);
+  EXPECT_EQ(progressive::read_header(JsonView(good, file)).textures, header.textures);
+  for (const std::uint32_t wrong : {5u, 9730u, 9983u, 9988u, 70000u}) {
+    nlohmann::json bad = good;
+    bad["textures"][0]["filters"][1] = wrong;
+    expect_error_of<InputError>([&] { return progressive::read_header(JsonView(bad, file)); }, {"unknown filter"});
+  }
 }
 
 TEST(Lpm, RefusesWhatItCannotUndo) {

@@ -31,8 +31,7 @@ TextureWrap wrap_of(std::uint64_t number) {
 
 std::uint16_t filter_of(const JsonView& sampler, const char* key) {
   const std::uint64_t number = sampler.integer_or(key, 0);
-  const bool known = number == 9728 || number == 9729 || (number >= 9984 && number <= 9987);
-  return known ? static_cast<std::uint16_t>(number) : std::uint16_t{0};
+  return is_filter(number) ? static_cast<std::uint16_t>(number) : std::uint16_t{0};
 }
 
 std::uint64_t uv_set_of(const JsonView& info) {

@@ -1,6 +1,7 @@
 // The material of a surface as an object of glTF, for every file that holds one: .gltf, .glb, .lode, .lpm.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,6 +26,11 @@ void read_surface(const JsonView& source, const ReadTexture& read_texture, Mater
 
 // KHR_materials_emissive_strength: the factor of the emissive colour; 1 without it.
 [[nodiscard]] float emissive_strength(const Material& material);
+
+// True for the numbers of OpenGL that a sampler's filters have, and for 0, the viewer's choice.
+[[nodiscard]] constexpr bool is_filter(std::uint64_t number) {
+  return number == 0 || number == 9728 || number == 9729 || (number >= 9984 && number <= 9987);
+}
 
 // KHR_texture_transform of a textureInfo; the default without one.
 [[nodiscard]] UvTransform read_uv_transform(const JsonView& info);

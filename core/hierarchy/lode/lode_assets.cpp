@@ -144,7 +144,7 @@ void read_surfaces(const JsonView& source, Hierarchy& hierarchy) {
   for (std::size_t k = 0; k < samplers.size(); ++k) {
     const auto filter = [&](const char* key) {
       const std::uint64_t number = samplers.at(k).at(key).integer();
-      if (number > 0xffff) samplers.at(k).fail("unknown filter");
+      if (!is_filter(number)) samplers.at(k).fail("unknown filter");
       return static_cast<std::uint16_t>(number);
     };
     hierarchy.textures[k].mag_filter = filter("magFilter");

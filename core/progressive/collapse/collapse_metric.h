@@ -1,6 +1,7 @@
 // The cost of a collapse: the measures by which a mesh is made progressive.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -57,8 +58,10 @@ class CollapseMetric {
 
  protected:
   // The rank of the collapse of v into each of its neighbours, in the order of its ring, as far as that goes; infinite
-  // where it is out of the question.
-  virtual void rank(Id v, std::span<float, max_neighbours> ranks) const = 0;
+  // where it is out of the question, as everywhere for a metric with texture_points(), whose ranks are made of these.
+  virtual void rank(Id, std::span<float, max_neighbours> ranks) const {
+    std::ranges::fill(ranks, std::numeric_limits<float>::infinity());
+  }
 };
 
 // The place of the lowest of these values, the first of equal ones; places must not be empty.

@@ -36,9 +36,6 @@ class ParametricMetric final : public CollapseMetric {
   }
 
  private:
-  // Ranks are not found one by one.
-  void rank(Id, std::span<float, max_neighbours>) const override {}
-
   const RingMesh* rings_;
   const IndexedMesh* mesh_;
   std::unique_ptr<TexturePoint[]> points_;

@@ -27,7 +27,7 @@ TextureWrap read_wrap(const JsonView& place) {
 }
 
 std::uint16_t read_filter(const JsonView& place) {
-  if (place.integer() > 0xffff) place.fail("unknown filter");
+  if (!is_filter(place.integer())) place.fail("unknown filter");
   return static_cast<std::uint16_t>(place.integer());
 }
 
