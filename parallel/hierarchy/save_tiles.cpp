@@ -1,5 +1,6 @@
 #include "parallel/hierarchy/save_tiles.h"
 
+#include <algorithm>
 #include <atomic>
 #include <map>
 #include <mutex>
@@ -9,10 +10,12 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/files/atomic_file.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/model/material_of.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
+#include "core/texture/thumbnail.h"
 #include "parallel/hierarchy/decoded_images.h"
 
 namespace lodestone {
@@ -31,7 +34,7 @@ constexpr std::size_t most_decoded_bytes = std::size_t{256} << 20;
 class Saver {
  public:
   Saver(const Hierarchy& hierarchy, AtomicFolder& folder, Scheduler& scheduler, const SaveTilesConfig& config)
-      : hierarchy_(hierarchy), folder_(folder), scheduler_(scheduler), config_(config) {}
+      : hierarchy_(hierarchy), folder_(folder), scheduler_(scheduler), config_(config), tileset_(config.tileset) {}
 
   SavedTiles save() {
     for (int level = 0; level <= hierarchy_.finest(); ++level) folder_.add_folder(std::to_string(level));
@@ -60,6 +63,27 @@ class Saver {
       saved_.warnings.push_back(std::to_string(repeating_) +
                                 " tiles keep materials of their own whose textures repeat " +
                                 "more than twice on a chart");
+    if (config_.tileset.morph) save_thumbnails();
+  }
+
+  // Writes those of base colours and light, which the page draws.
+  void save_thumbnails() {
+    for (const auto& [path, image] : linked_) {
+      const std::uint32_t texture = image.first;
+      const auto is_drawn = [texture](const Material& m) {
+        return m.texture == texture || m.emissive_map.texture == texture;
+      };
+      if (tileset_.thumbnails.contains(texture) || std::ranges::none_of(hierarchy_.materials, is_drawn)) continue;
+      try {
+        const Texture small = thumbnail_of(hierarchy_.textures[texture], PixelMeaning::colours);
+        if (small.bytes.size() >= hierarchy_.textures[texture].bytes.size()) continue;
+        const std::string thumbnail = "textures/" + std::to_string(texture) + "_thumbnail.webp";
+        bytes_ += write_file(folder_.path() / thumbnail, std::as_bytes(std::span(small.bytes)));
+        tileset_.thumbnails[texture] = thumbnail;
+      } catch (const InputError&) {  // tiles link images as they are
+      } catch (const UnsupportedError&) {
+      }
+    }
   }
 
   void save_cells() {
@@ -121,7 +145,7 @@ class Saver {
   }
 
   void save_tilesets() {
-    for (const TilesetFile& file : encode_tilesets(hierarchy_, errors_, config_.tileset)) {
+    for (const TilesetFile& file : encode_tilesets(hierarchy_, errors_, tileset_)) {
       stop_if_cancelled();
       bytes_ += write_file(folder_.path() / file.path, std::as_bytes(std::span(file.json)));
       ++saved_.tilesets;
@@ -142,6 +166,7 @@ class Saver {
   AtomicFolder& folder_;
   Scheduler& scheduler_;
   const SaveTilesConfig& config_;
+  TilesetConfig tileset_;
   std::vector<double> errors_;
   DecodedImages decoded_{hierarchy_, most_decoded_bytes};
   std::mutex linking_;

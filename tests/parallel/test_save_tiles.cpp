@@ -235,6 +235,7 @@ TEST_F(SaveTiles, FiguresForViewersAreThoseOfTheFiles) {
   const auto found = files();
   const json tileset = json::parse(found.at("tileset.json"));
   EXPECT_EQ(tileset["extras"]["lodestone"]["texels"], (json{{"textures/0.jpg", 0}, {"textures/0_1.jpg", 2048}}));
+  EXPECT_TRUE(tileset["extras"]["lodestone"]["thumbnails"].empty());  // this image cannot be decoded
   std::size_t textured = 0;
   const std::function<void(const json&)> visit = [&](const json& tile) {
     const json glb = json_of_glb(found.at(tile["content"]["uri"].get<std::string>()));
@@ -253,6 +254,25 @@ TEST_F(SaveTiles, FiguresForViewersAreThoseOfTheFiles) {
   };
   visit(tileset["root"]);
   EXPECT_GT(textured, 5u);
+}
+
+TEST_F(SaveTiles, ViewersHaveThumbnails) {
+  Hierarchy h = built(surface(), *scheduler_);
+  h.materials[0].texture = 1;
+  const PixelImage large{{256, 128}, 3, std::vector<std::uint8_t>(std::size_t{256} * 128 * 3, 90)};
+  for (const bool is_large : {false, true}) {
+    if (is_large) h.textures[1].bytes = encode_image(large, "image/png");
+    (void)save(h, {.tileset = {.morph = true}});
+    const auto found = files();
+    const json figures = json::parse(found.at("tileset.json"))["extras"]["lodestone"];
+    EXPECT_EQ(figures["thumbnails"],
+              is_large ? json({{"textures/1.png", "textures/1_thumbnail.webp"}}) : json::object());
+    if (is_large) {
+      const std::string& small = found.at("textures/1_thumbnail.webp");
+      EXPECT_EQ(image_size(small, "image/webp").width, 64u);
+    }
+  }
+  EXPECT_EQ((save(h), files().count("textures/1_thumbnail.webp")), 0u);  // other viewers have no use for it
 }
 
 TEST_F(SaveTiles, OneCellIsOneTile) {

@@ -157,11 +157,13 @@ async function testRest(browser) {
       const {page, quiet, close} = await open(browser, name, {query: `?megabytes=${megabytes}`, slow});
       await page.waitForFunction(() => window.lodestone);
       await page.evaluate(() => {
-        const {lodestone} = window, seen = window.seen = {frames: 0, last: 0, state: ''};
+        const {lodestone} = window, seen = window.seen = {frames: 0, last: 0, state: '', bars: 0};
         lodestone.onFrame = () => {
           ++seen.frames;
           const {drawn, limits, bytes} = lodestone.models[0]?.state ?? {drawn: [], limits: []};
           const state = JSON.stringify([drawn.map((c) => c.index), limits.map((l) => l.radius), bytes]);
+          const {bytes: come, all} = lodestone.models[0]?.arrived ?? {};
+          if (come < all) ++seen.bars;
           if (state !== seen.state) seen.last = seen.frames;
           seen.state = state;
         };
@@ -190,6 +192,7 @@ async function testRest(browser) {
         return {used, budget, all, texels};
       });
       const after = await page.evaluate(() => window.seen);
+      check(after.bars > 0 && await page.evaluate(() => window.lodestone.models[0].arrived) === null, `a bar shows in ${after.bars} frames how much is there`);
       check(!all && used <= budget && used > 0.9 * budget, `${name}: ${used} of ${budget} bytes are used${all ? ', more than needed' : ''}, ${texels} of them by textures`);
       check(requests === asked && after.last === settled.last && after.frames >= settled.frames + 40 && await differ(page, 'settled', 'later', 0) === 0,
             `the last change is at frame ${settled.last} of ${settled.frames}, then ${after.frames - settled.frames} frames are the same and load nothing`);
@@ -198,6 +201,25 @@ async function testRest(browser) {
     }
     check(found[0].state === found[1].state && found[0].picture === found[1].picture, 'the same for another order of arrivals');
   }
+}
+
+// The first picture has its texture, before the image has come; then the image takes its place.
+async function testThumbnail(browser) {
+  let release;
+  const rest = new Promise((next) => { release = next; });
+  const {page, quiet, close} = await open(browser, 'torus', {gate: (file) => (/textures.\d+(_\d+)?\.png$/.test(file) ? rest : null)});
+  await page.waitForFunction(() => window.lodestone?.models.length === 1);
+  const side = () => page.evaluate(() => window.lodestone.models[0].drawn[0].object.material[0].map.image.width);
+  check(await side() === 64, 'the first tile has a texture of 64 pixels while the image is on its way');
+  await page.waitForFunction(() => window.lodestone.models[0].drawn.length > 1);
+  await keep(page, 'first');
+  release();
+  await quiet();
+  await keep(page, 'last');
+  check(await side() === 128, 'then the image comes');
+  const off = await differ(page, 'first', 'last', 60);
+  check(off < 0.02, `the pictures differ much in ${off} of the pixels`);
+  await close();
 }
 
 async function testSlider(browser) {
@@ -261,4 +283,4 @@ async function testRefused(browser) {
   }
 }
 
-await main(makeFiles, [testCracks, testExchanges, testSlowLine, testRest, testSlider, testMissing, testDamaged, testRefused]);
+await main(makeFiles, [testCracks, testExchanges, testSlowLine, testRest, testThumbnail, testSlider, testMissing, testDamaged, testRefused]);

@@ -161,7 +161,10 @@ class TreeEncoder {
     for (const std::uint32_t texture : textures) {
       const std::string path = texture_path(hierarchy_, texture, level);
       extras["textures"].push_back(path);
-      if (!texels_.contains(path)) texels_[path] = shown_image(hierarchy_, texture, level).texels;
+      if (texels_.contains(path)) continue;
+      texels_[path] = shown_image(hierarchy_, texture, level).texels;
+      if (const auto found = config_.thumbnails.find(texture); found != config_.thumbnails.end())
+        thumbnails_[path] = found->second;
     }
     return extras;
   }
@@ -176,7 +179,8 @@ class TreeEncoder {
             {"scale", hierarchy_.transform.scale},
             {"reach", reach},
             {"error", error},
-            {"texels", texels_}};
+            {"texels", texels_},
+            {"thumbnails", thumbnails_}};
   }
 
   void add_file(const std::string& path, json root, CellId cell) {
@@ -195,7 +199,8 @@ class TreeEncoder {
   const Hierarchy& hierarchy_;
   TilesetConfig config_;
   std::vector<double> errors_;
-  std::map<std::string, double> texels_;  // of textures, by path; 0: unknown
+  std::map<std::string, double> texels_;           // of textures, by path; 0: unknown
+  std::map<std::string, std::string> thumbnails_;  // likewise, of those that have one
   std::vector<TilesetFile> files_;
 };
 

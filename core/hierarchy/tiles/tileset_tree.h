@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct TilesetConfig {
   bool morph = false;            // tiles have the attributes that a viewer needs to morph between levels
   std::size_t max_tiles = 4096;  // larger trees are cut
   int levels_per_file = 5;       // of the subtrees that are cut off, at least 1: about 1400 tiles of a surface
+  std::map<std::uint32_t, std::string> thumbnails{};  // files of them by texture, where there are any
 };
 
 struct TilesetFile {

@@ -1,12 +1,9 @@
 #include "core/progressive/mesh/thumbnails.h"
 
-#include <algorithm>
 #include <optional>
-#include <utility>
 
 #include "core/base/error.h"
-#include "core/texture/downsample.h"
-#include "core/texture/stacked_normals.h"
+#include "core/texture/thumbnail.h"
 
 namespace lodestone {
 namespace {
@@ -30,20 +27,6 @@ std::vector<std::optional<PixelMeaning>> meanings_of(const ProgressiveMesh& mesh
     mark(materials[m].texture, PixelMeaning::colours);
   }
   return out;
-}
-
-bool is_small(PixelSize size) { return std::max(size.width, size.height) <= thumbnail_side; }
-
-Texture thumbnail_of(const Texture& texture, PixelMeaning meaning) {
-  PixelImage image = decode_image(texture.bytes, texture.media_type);
-  if (meaning == PixelMeaning::normals && is_stacked(image)) image = unstacked(image);
-  if (is_small(image.size)) return texture;
-  LinearImage half = halve(image, meaning);
-  while (!is_small(half.size)) half = halve(half);
-  Texture out = texture;
-  out.media_type = "image/webp";
-  out.bytes = encode_image(to_pixels(half, meaning), out.media_type, thumbnail_quality);
-  return out.bytes.size() < texture.bytes.size() ? std::move(out) : texture;
 }
 
 }  // namespace

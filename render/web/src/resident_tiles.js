@@ -1,6 +1,6 @@
 // The tiles in memory: those that the view needs, within a budget of bytes (render/lod/resident_cells.h). Residency
 // decides; this loads, holds and releases. A family, the children of one cell, is drawn together or not at all.
-import {byExcess} from './family_choice.js';
+import {Tally, byExcess} from './family_choice.js';
 import {Problem} from './problem.js';
 import {Residency} from './residency.js';
 import {boxDistance, selectCells} from './tileset.js';
@@ -24,6 +24,14 @@ export class ResidentTiles {
   get limits() { return this.residency.limits; }
   get bytes() { return this.residency.resident.bytes; }
   get families() { return this.residency.resident.families; }  // by their parents; null for the root
+
+  // While tiles that belong in memory are on their way: bytes that are there, and of all of them. Null otherwise.
+  get progress() {
+    const {chosen, resident} = this.residency;
+    if (![...this.loading.keys()].some((family) => chosen.has(family))) return null;
+    const bytes = (families) => new Tally((family) => this.sizeOf(family), [null, ...families]).bytes;
+    return {bytes: bytes([...chosen].filter((family) => resident.has(family))), all: bytes(chosen)};
+  }
 
   async start() {
     const {root} = this.tileset, size = await this.load(root, new AbortController().signal);

@@ -28,7 +28,7 @@ export class TilesView {
   // `request(url, signal)` resolves to bytes; `say(error)` is called for tiles that cannot be loaded.
   constructor(name, tileset, anisotropy, {request, say, budget}) {
     Object.assign(this, {name, tileset, request, pixels: null, wireframe: false, shown: []});
-    this.textures = new TextureCache(request, anisotropy);
+    this.textures = new TextureCache(request, anisotropy, {thumbnails: tileset.thumbnails, say});
     this.residents = new ResidentTiles(tileset, {load: (cell, signal) => this.load(cell, signal), release: (cell) => this.release(cell),
                                                  failed: say}, budget);
     this.node = new THREE.Group();
@@ -117,7 +117,7 @@ export class TilesView {
     const take = (image) => {
       const url = new URL(glb.image(image).uri, cell.url).href;
       cell.taken.push(url);
-      return this.textures.take(url);
+      return this.textures.take(url, new Map(cell.textures).get(url));
     };
     if (m.texture != null) look.map = await take(m.texture);
     if (showsEmission(m.surface)) look.emissiveMap = await take(m.surface.emissiveMap);
@@ -151,7 +151,8 @@ export class TilesView {
     const moves = this.residents.update(radii, viewpoint, share);
     this.show(this.drawn, viewpoint, this.sight(camera));
     this.state = {viewpoint, radii, limits: this.residents.limits, share, bytes: this.residents.bytes, drawn: this.drawn};
-    return moves || this.pixels !== pixels;
+    this.arrived = this.residents.progress;
+    return moves || this.textures.coming > 0 || this.pixels !== pixels;
   }
 
   // Tells if the camera may see a cell; morphing vertices leave its box by at most the way they may travel.

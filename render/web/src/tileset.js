@@ -39,7 +39,8 @@ export async function loadTileset(url, fetchJson) {
   const root = await visit(json.root, new URL(url), null);
   cells.sort((a, b) => a.level - b.level);  // numbered as in the .lode file: level by level
   cells.forEach((cell, index) => Object.assign(cell, {index}));
-  return {root, cells, sigma0: figures.sigma0, reach: figures.reach.map((r) => r.euclidean), error: figures.error,
+  const thumbnails = new Map(Object.entries(figures.thumbnails ?? {}).map((pair) => pair.map((uri) => new URL(uri, url).href)));
+  return {root, cells, thumbnails, sigma0: figures.sigma0, reach: figures.reach.map((r) => r.euclidean), error: figures.error,
           finest: figures.reach.length - 1};
 }
 
