@@ -59,12 +59,15 @@ class Page {
     $('pixels').addEventListener('input', () => this.wake());
     $('wireframe').addEventListener('change', () => this.applyWireframe());
     $('home').addEventListener('click', () => this.frameAll());
+    $('full').addEventListener('click', () => this.toggleFullScreen());
+    $('keys').addEventListener('click', () => $('help').showModal());
+    $('full').hidden = !document.fullscreenEnabled;
     $('dismiss').addEventListener('click', () => this.say(''));
     $('view').addEventListener('webglcontextlost', () => this.say('The browser has taken the graphics memory away; reload the page.'));
   }
 
   key(e) {
-    if (e.ctrlKey || e.metaKey || e.altKey || e.target.type === 'number') return;
+    if (e.ctrlKey || e.metaKey || e.altKey || e.target.type === 'number' || $('help').open) return;
     if (e.target.type === 'range' && /^(Arrow|Page|Home|End)/.test(e.key)) return;
     const turn = (x, y) => () => (e.shiftKey ? this.orbit(0.1 * x, 0.1 * y) : x !== 0 && this.setSlider(this.slider + 0.02 * x));
     const keys = {
@@ -74,8 +77,13 @@ class Page {
       '+': () => this.orbit(0, 0, 0.9), '-': () => this.orbit(0, 0, 1 / 0.9),
       w: () => { $('wireframe').checked = !$('wireframe').checked; this.applyWireframe(); },
       a: () => { $('automatic').checked = !$('automatic').checked; this.wake(); },
-      h: () => this.frameAll()};
+      h: () => this.frameAll(), f: () => this.toggleFullScreen(), '?': () => $('help').showModal()};
     keys[e.key.length === 1 ? e.key.toLowerCase() : e.key]?.();
+  }
+
+  toggleFullScreen() {
+    if (document.fullscreenElement) document.exitFullscreen();
+    else document.documentElement.requestFullscreen?.().catch(() => this.say('The browser does not show this page on the full screen.'));
   }
 
   // Turns the camera around its target by angles, and scales the distance.
