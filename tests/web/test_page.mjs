@@ -106,6 +106,19 @@ async function testKeys(browser) {
   const places = [], look = () => page.evaluate(() => window.lodestone.camera.position.toArray().map((x) => x.toFixed(4)).join());
   for (const key of ['Shift+ArrowLeft', 'Shift+ArrowUp', '+', '-', 'h']) await press(key), places.push(await look());
   check(new Set(places.slice(0, 3)).size === 3 && places[3] === places[1] && places[4] !== places[3], 'Shift and arrows turn, + and - come closer and go, h goes home');
+  const far = () => page.evaluate(() => window.lodestone.camera.position.distanceTo(window.lodestone.controls.target));
+  const home = await far();
+  for (const [key, wheel, least, most] of [['-', 400, 7.9, 8.1], ['+', -400, 0.004, 0.006]]) {
+    for (let k = 0; k < 80; ++k) await page.keyboard.press(key);
+    await quiet();
+    const byKeys = await far() / home;
+    await page.mouse.move(240, 120);
+    for (let k = 0; k < 30; ++k) await page.mouse.wheel(0, wheel);
+    await quiet();
+    const byWheel = await far() / home;
+    check([byKeys, byWheel].every((d) => d > least && d < most), `${key} and the wheel end at ${byKeys} and ${byWheel} of the distance`);
+  }
+  await press('h');
   await press('w');
   check(await page.isChecked('#wireframe'), 'w shows wires');
   await press('a');

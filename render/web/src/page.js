@@ -91,7 +91,7 @@ class Page {
     const {target} = this.controls, way = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(target));
     way.theta += around;
     way.phi += over;
-    way.radius *= nearer;
+    way.radius = Math.min(Math.max(way.radius * nearer, this.controls.minDistance), this.controls.maxDistance);
     this.camera.position.setFromSpherical(way.makeSafe()).add(target);
     this.controls.update();
     this.wake();
@@ -187,6 +187,9 @@ class Page {
     this.columns = columnsFor(this.models.length, this.camera.aspect);
     layOut(this.models, this.columns);
     this.controls.target.copy(seeAll(this.camera, this.models));
+    // Nearer, each step would be less than the one before, for ever; farther away, the models would be lost.
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    Object.assign(this.controls, {minDistance: distance / 200, maxDistance: 8 * distance});
     this.controls.update();
     this.wake();
   }
