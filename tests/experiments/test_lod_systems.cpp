@@ -184,7 +184,7 @@ TEST(SystemFlight, TellsTheSystemsApart) {
     if (surface.jump) {
       EXPECT_LE(surface.jump->p99.value(), surface.jump->largest);
       w.jump_over_bound = std::max(w.jump_over_bound, surface.jump->over_bound.value());
-      w.jump_pixels = std::max(w.jump_pixels, surface.jump->pixels.value());
+      w.jump_pixels = std::max(w.jump_pixels, surface.jump->pixels);
     }
     add(w.surface, surface);
     w.pictures = std::max(w.pictures, row.pictures);
@@ -200,7 +200,7 @@ TEST(SystemFlight, TellsTheSystemsApart) {
   }
   EXPECT_GT(discrete.surface.open_edges, 0);
   EXPECT_GT(discrete.surface.gap, 0);
-  EXPECT_GT(discrete.surface.gap_pixels.value(), 0.5);
+  EXPECT_GT(discrete.surface.gap_pixels, 0.5);
   EXPECT_GT(discrete.surface.torn_pixels.value(), 0);
   EXPECT_LE(morph.jump_over_bound, 1);
   EXPECT_GT(step.jump_over_bound, 1);
@@ -263,7 +263,7 @@ TEST(SystemFlight, MeasuresASurfaceAsAFlightDoes) {
                       EXPECT_EQ(sample.t_junctions, surface.t_junctions);
                       EXPECT_EQ(sample.torn_pixels, surface.torn_pixels);
                       EXPECT_EQ(sample.gap_pixels, surface.gap_pixels);
-                      EXPECT_NEAR(sample.gap_mean_pixels.value(), surface.gap_mean_pixels.value(), 1e-9);
+                      EXPECT_NEAR(sample.gap_mean_pixels, surface.gap_mean_pixels, 1e-9);
                       ASSERT_EQ(sample.jump.has_value(), row.frame > 0);
                       ASSERT_EQ(surface.jump.has_value(), row.frame > 0);
                       if (sample.jump) {
