@@ -234,6 +234,8 @@ std::vector<Key> export_keys() {
           {"tiles", "", "tiles written"},
           {"tilesets", "", "tileset files written"},
           {"textures", "", "images written"},
+          {"draws", "", "primitives of all tiles"},
+          {"atlases", "", "images made for tiles of many materials"},
           {"finest_triangles", "", "triangles of the finest level"},
           {"bytes", "bytes", "size of all files"},
           {"seconds", "s", "writing the tileset"},

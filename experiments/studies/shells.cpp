@@ -30,10 +30,10 @@ std::vector<ParameterInfo> parameters() {
   return {
       threads_parameter(),
       rounds_parameter(3),
-      {"triangles",
+      {"target",
        50'000.0,
        "",
-       "that each family is asked for; simplifiers cannot make more than the input has",
+       "triangles that each family is asked for; simplifiers cannot make more than the input has",
        100,
        1e9,
        {}},
@@ -76,7 +76,7 @@ class ShellComparison {
         context_(context),
         scheduler_(study_scheduler(parameters)),
         mesh_(read_study_mesh(context, *scheduler_).mesh),
-        target_(static_cast<std::size_t>(parameters.number("triangles"))) {}
+        target_(static_cast<std::size_t>(parameters.number("target"))) {}
 
   std::vector<Row> run() {
     choose_resolution();

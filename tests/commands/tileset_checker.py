@@ -139,6 +139,8 @@ class Checker:
         require(document["asset"]["version"] == "1.1", path, "asset.version")
         require(is_number(document["geometricError"]) and document["geometricError"] >= 0, path, "geometricError")
         require(document["root"].get("refine") == "REPLACE", path, "root.refine")
+        for thumbnail in document.get("extras", {}).get("lodestone", {}).get("thumbnails", {}).values():
+            self.use(path.parent / thumbnail)
         return document["root"], document["geometricError"]
 
     def transform(self, tile, place):

@@ -83,7 +83,7 @@ const std::vector<Case> cases = {
       {"efficiency", 1},
       {"seconds", Row()}}},
     {"shells",
-     {{"rounds", 1}, {"triangles", 2000}},
+     {{"rounds", 1}, {"target", 2000}},
      {{"manifold", false}, {"closed", false}, {"triangles", 1e9}, {"seen_coverage", 101}, {"seconds_max", 0}}},
     {"spherical",
      {{"texture", 32}, {"maps", "geometry,normal,colour"}},
@@ -241,9 +241,9 @@ TEST_F(Studies, MillionsPerCoreSecondAreThoseOfBuilding) {
 
 TEST_F(Studies, TableBuildsOnDiskBeyondItsLimit) {
   const std::string large = (folder_ / "large.ply").string();
-  generate_ply({Shape::sphere, 2'000'000, 1}, large, *make_serial_scheduler());
+  generate_ply({Shape::sphere, 2'500'000, 1}, large, *make_serial_scheduler());
   const Experiment& experiment = find_experiment("table");
-  const Parameters parameters(experiment.parameters, {{"memory_limit", 0.13}});
+  const Parameters parameters(experiment.parameters, {{"memory_limit", 0.135}, {"threads", 2}});
   RunContext context;
   context.input = large;
   context.directory = folder_.string();

@@ -142,7 +142,7 @@ TEST(SurfaceSummary, TakesTheWorstFrameAndLeavesOutWhatNoneHas) {
                .gap = 0.5,
                .gap_mean_pixels = 3,
                .torn_pixels = 2,
-               .jump = JumpSample{0.1, 0.05, 3, 2, 0.7, 0.9}});
+               .jump = JumpSample{.largest = 0.1, .pixels = 3, .p99 = 0.05, .step = 2, .over_bound = 0.9, .vacuous = true}});
   Row row;
   summary.add_to(row);
   EXPECT_EQ(row.at("surface_triangles"), 20);
@@ -152,6 +152,9 @@ TEST(SurfaceSummary, TakesTheWorstFrameAndLeavesOutWhatNoneHas) {
   EXPECT_EQ(row.at("gap_mean_pixels"), 3);
   EXPECT_TRUE(row.at("leak_pixels").is_null());
   EXPECT_EQ(row.at("jump_over_bound"), 0.9);
+  EXPECT_EQ(row.at("jump_pixels"), 3);
+  EXPECT_EQ(row.at("viewpoint_step"), 2);
+  EXPECT_EQ(row.at("vacuous_frames"), 100) << "of the frames that follow another";
   summary.add({.jump = JumpSample{}});  // no bound in one frame: none at all
   summary.add_to(row);
   EXPECT_TRUE(row.at("jump_over_bound").is_null());

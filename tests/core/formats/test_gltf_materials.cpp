@@ -134,7 +134,7 @@ TEST(GltfMaterials, DeclareTheirExtensions) {
 
 TEST(GltfMaterials, DefaultsAreThoseOfGltfAndNoMaterialIsNoMetal) {
   const RawMesh metal = read({{"name", "metal"}});
-  EXPECT_EQ(metal.materials, (std::vector<Material>{{.name = "metal", .metallic = 1}}));
+  EXPECT_EQ(metal.materials, (std::vector<Material>{{.name = "metal", .metallic = 1, .double_sided = false}}));
   EXPECT_EQ(written_and_read(metal).materials, metal.materials);
   RawMesh bare = metal;
   bare.materials.clear(), bare.wedges = {};

@@ -103,7 +103,9 @@ TEST(Gltf, PrimitivesWithMaterialsAndSharedVertices) {
   EXPECT_EQ(mesh.positions.size(), 8u) << "the first two share their vertices";
   EXPECT_EQ(mesh.wedges.material, (std::vector<std::uint32_t>{0, 1, no_material}));
   ASSERT_EQ(mesh.materials.size(), 2u);
-  EXPECT_EQ(mesh.materials[0], (Material{.name = "red", .base_colour = {1, 0, 0, 0.5f}, .texture = 0, .metallic = 1}));
+  EXPECT_EQ(
+      mesh.materials[0],
+      (Material{.name = "red", .base_colour = {1, 0, 0, 0.5f}, .texture = 0, .metallic = 1, .double_sided = false}));
   const Material& glossy = mesh.materials[1];
   EXPECT_EQ(glossy.base_colour, (std::array<float, 4>{0, 0.5f, 1, 1}));
   EXPECT_EQ(glossy.texture, 1u);
