@@ -184,7 +184,7 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
     if (text_in(row, "family") != "shell") continue;
     for (const char* property : {"closed", "manifold"})
       if (row.contains(property)) verdict.require(row[property] == true, std::string("the shell is not ") + property);
-    verdict.require(number_in(row, "triangles").value_or(0) <= 1.1 * parameters.number("triangles"),
+    verdict.require(number_in(row, "triangles").value_or(0) <= 1.1 * parameters.number("target"),
                     "the shell has more triangles than were asked for");
   }
   return std::move(verdict).messages();
