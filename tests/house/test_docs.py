@@ -41,6 +41,12 @@ class Documents(unittest.TestCase):
                  for line in docs.paths(SOURCE_DIR, path, text)]
         self.assertEqual(found, [])
 
+    def test_decisions_have_numbers_of_their_own(self):
+        numbers = [path.name[:4] for path in (SOURCE_DIR / "docs/decisions").glob("*.md")]
+        self.assertEqual(sorted(numbers), sorted(set(numbers)))
+        for path in (SOURCE_DIR / "docs/decisions").glob("*.md"):
+            self.assertRegex(path.read_text(), rf"\A# {path.name[:4]} ")
+
     def test_changelog_has_unreleased(self):
         self.assertRegex((SOURCE_DIR / "CHANGELOG.md").read_text(), r"(?m)^## Unreleased$")
 
