@@ -51,8 +51,7 @@ RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) 
 // Cameras at adversarial viewpoints, each looking at the vertex that cracks there if anything does.
 std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiConfig& config, int frames) {
   if (!config.kappa0) throw InputError("--camera adversarial needs --kappa0: its viewpoints are made for one");
-  AdversaryConfig adversary;
-  adversary.per_level = static_cast<std::size_t>(frames) / static_cast<std::size_t>(hierarchy.levels.size()) + 1;
+  const AdversaryConfig adversary{.count = static_cast<std::size_t>(frames)};
   std::vector<Camera> cameras;
   for (const AdversarialView& view : adversarial_views(hierarchy, make_radii(hierarchy, config), adversary)) {
     Camera camera;
@@ -61,7 +60,9 @@ std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiC
     cameras.push_back(camera);
   }
   if (cameras.empty()) throw InputError(why_no_adversary(hierarchy));
-  if (cameras.size() > static_cast<std::size_t>(frames)) cameras.resize(static_cast<std::size_t>(frames));
+  if (cameras.size() < static_cast<std::size_t>(frames))
+    fmt::print("note: {} of {} frames: no more cells of this model have an adversarial viewpoint\n", cameras.size(),
+               frames);
   return cameras;
 }
 

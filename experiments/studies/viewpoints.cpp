@@ -51,8 +51,7 @@ std::vector<Shot> random_pairs(const Hierarchy& hierarchy, int frames, double st
 }
 
 std::vector<Shot> adversarial_pairs(const Hierarchy& hierarchy, const Radii& radii, int frames) {
-  AdversaryConfig config;
-  config.per_level = static_cast<std::size_t>(frames / 2) / hierarchy.levels.size() + 1;
+  const AdversaryConfig config{.count = static_cast<std::size_t>(frames + 1) / 2};
   std::vector<Shot> shots;
   for (const AdversarialView& view : adversarial_views(hierarchy, radii, config)) {
     Camera camera;

@@ -77,7 +77,7 @@ TEST_P(Guarantee, CracksBelowTheReach) {
       const float rho = reach(hierarchy_, metric);
       std::uint64_t open = 0;
       const Radii radii = uniform_radii(hierarchy_, metric, 0.3f * rho);
-      for (const AdversarialView& view : adversarial_views(hierarchy_, radii, {.per_level = 8})) {
+      for (const AdversarialView& view : adversarial_views(hierarchy_, radii, {.count = 24})) {
         const Frame f = frame(radii, Blend::smoothstep, view.viewpoint);
         open += open_edges(f);
         EXPECT_EQ(open_edges(f), naive_residual_edges(f.context, f.selection));

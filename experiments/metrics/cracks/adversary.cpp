@@ -103,22 +103,41 @@ std::optional<AdversarialView> best_view(const ViewedLevel& viewed, CellId id) {
   return view_of_vertex(viewed, id, *best);
 }
 
+// One view per cell that has one: the best `most` by reach.
+std::vector<AdversarialView> best_views(const ViewedLevel& viewed, std::size_t most) {
+  const Level& level = viewed.hierarchy.levels[static_cast<std::size_t>(viewed.level)];
+  std::vector<AdversarialView> found;
+  for (CellId cell = level.first_cell; cell < level.end_cell(); ++cell)
+    if (const auto view = best_view(viewed, cell)) found.push_back(*view);
+  std::stable_sort(found.begin(), found.end(),
+                   [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });
+  found.resize(std::min(found.size(), most));
+  return found;
+}
+
+// How many views each level gives when they take turns until `count` are together.
+std::vector<std::size_t> shares(const std::vector<std::vector<AdversarialView>>& levels, std::size_t count) {
+  std::vector<std::size_t> share(levels.size(), 0);
+  bool any = true;
+  while (any && count > 0) {
+    any = false;
+    for (std::size_t i = 0; i < levels.size() && count > 0; ++i)
+      if (share[i] < levels[i].size()) ++share[i], --count, any = true;
+  }
+  return share;
+}
+
 }  // namespace
 
 std::vector<AdversarialView> adversarial_views(const Hierarchy& hierarchy, const Radii& radii,
                                                const AdversaryConfig& config) {
+  std::vector<std::vector<AdversarialView>> levels;
+  for (int level = 1; level < hierarchy.finest(); ++level)
+    levels.push_back(best_views({hierarchy, radii, level, config.slack}, config.count));
+  const std::vector<std::size_t> share = shares(levels, config.count);
   std::vector<AdversarialView> views;
-  for (int level = 1; level < hierarchy.finest(); ++level) {
-    const ViewedLevel viewed{hierarchy, radii, level, config.slack};
-    const Level& l = hierarchy.levels[static_cast<std::size_t>(level)];
-    std::vector<AdversarialView> found;
-    for (CellId cell = l.first_cell; cell < l.end_cell(); ++cell)
-      if (const auto view = best_view(viewed, cell)) found.push_back(*view);
-    std::stable_sort(found.begin(), found.end(),
-                     [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });
-    found.resize(std::min(found.size(), config.per_level));
-    views.insert(views.end(), found.begin(), found.end());
-  }
+  for (std::size_t i = 0; i < levels.size(); ++i)
+    views.insert(views.end(), levels[i].begin(), levels[i].begin() + static_cast<std::ptrdiff_t>(share[i]));
   return views;
 }
 

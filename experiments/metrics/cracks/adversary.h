@@ -29,14 +29,16 @@ struct AdversarialView {
 };
 
 struct AdversaryConfig {
-  std::size_t per_level = 4;  // views per level: the best ones by reach, at most one per cell
+  // Views, at most one per cell: as many of every level as there are, the best ones by reach; where a level has few,
+  // the others give more. Fewer only where the hierarchy has no more cells with one.
+  std::size_t count = 12;
   // Distance of the viewpoint from r_l, relative to r_l: more than rounding (1e-6), less than the relative distance
   // from the admissible border at which cracks are to be shown.
   float slack = 1e-5f;
 };
 
-// Views of levels 1..L-1, best first within a level; only vertices with P(u) != u are considered. A surface within one
-// cell, or L < 2, has none.
+// Views of levels 1..L-1 in this order, best first within a level; only vertices with P(u) != u are considered. A
+// surface within one cell, or L < 2, has none.
 [[nodiscard]] std::vector<AdversarialView> adversarial_views(const Hierarchy& hierarchy, const Radii& radii,
                                                              const AdversaryConfig& config = {});
 // Why there are none.

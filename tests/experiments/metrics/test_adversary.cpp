@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "experiments/metrics/cracks/adversary.h"
@@ -28,7 +29,7 @@ TEST(Adversary, StandsWhereItsDefinitionSays) {
     const Hierarchy& h = built.hierarchy;
     for (const DistanceMetric metric : both_metrics) {
       const Radii radii = uniform_radii(h, metric, 1.5f);
-      const std::vector<AdversarialView> views = adversarial_views(h, radii, {.per_level = 3});
+      const std::vector<AdversarialView> views = adversarial_views(h, radii, {.count = 9});
       std::set<int> levels;
       for (const AdversarialView& view : views) {
         const Cell& cell = h.cells[view.cell];
@@ -55,6 +56,32 @@ TEST(Adversary, StandsWhereItsDefinitionSays) {
       }
     }
   }
+}
+
+// As many as asked while there are cells: where a level has few, the others give more, its best ones first.
+TEST(Adversary, GivesAsManyViewsAsAsked) {
+  const NaiveHierarchy built = naive_hierarchy(sphere_mesh(24), finest, sigma0);
+  const Hierarchy& h = built.hierarchy;
+  const Radii radii = uniform_radii(h, DistanceMetric::euclidean, 1.5f);
+  const std::vector<AdversarialView> all = adversarial_views(h, radii, {.count = h.cells.size()});
+  std::map<int, std::vector<CellId>> of_level;
+  for (const AdversarialView& view : all) of_level[view.level].push_back(view.cell);
+  ASSERT_EQ(of_level.size(), 3u);
+  ASSERT_LT(of_level[1].size(), of_level[3].size());
+  for (const std::size_t count : {std::size_t{1}, std::size_t{5}, 3 * of_level[1].size() + 7, all.size()}) {
+    std::map<int, std::vector<CellId>> given;
+    std::size_t views = 0;
+    for (const AdversarialView& view : adversarial_views(h, radii, {.count = count}))
+      given[view.level].push_back(view.cell), ++views;
+    EXPECT_EQ(views, count);
+    std::size_t most = 0;
+    for (const auto& [level, cells] : given) most = std::max(most, cells.size());
+    for (const auto& [level, cells] : of_level) {
+      EXPECT_TRUE(std::equal(given[level].begin(), given[level].end(), cells.begin())) << level;
+      EXPECT_GE(given[level].size() + 1, std::min(cells.size(), most)) << level;
+    }
+  }
+  EXPECT_EQ(adversarial_views(h, radii, {.count = all.size() + 10}).size(), all.size());
 }
 
 // The reach is tight: where every vertex moves, the adversary finds one that has it.

@@ -11,9 +11,9 @@ namespace {
 
 using namespace testing;
 
-std::vector<Vec3f> views_of(const Hierarchy& hierarchy, const Radii& radii, int random, std::size_t per_level) {
+std::vector<Vec3f> views_of(const Hierarchy& hierarchy, const Radii& radii, int random, std::size_t count) {
   std::vector<Vec3f> views = random_viewpoints(hierarchy, random, 1);
-  for (const AdversarialView& view : adversarial_views(hierarchy, radii, {.per_level = per_level})) {
+  for (const AdversarialView& view : adversarial_views(hierarchy, radii, {.count = count})) {
     views.push_back(view.viewpoint);
     views.push_back(view.across);
   }
@@ -41,7 +41,7 @@ TEST(Cracks, NoneInAdmissibleViews) {
         const Radii radii = uniform ? uniform_radii(subject.hierarchy(), metric, rho * 1.0001f)
                                     : per_level_radii(subject.hierarchy(), metric);
         ASSERT_TRUE(radii.admissible);
-        const std::vector<Vec3f> views = views_of(subject.hierarchy(), radii, 40, 2);
+        const std::vector<Vec3f> views = views_of(subject.hierarchy(), radii, 40, 6);
         for (std::size_t i = 0; i < views.size(); ++i) {
           const Blend blend = all_blends()[i % all_blends().size()];
           const Frame frame = make_frame(subject.hierarchy(), radii, blend, views[i]);
@@ -67,7 +67,7 @@ TEST(Cracks, FastFormsEqualTheirSlowTwins) {
     for (const DistanceMetric metric : both_metrics)
       for (const float share : {0.3f, 0.999f, 1.001f}) {
         const Radii radii = uniform_radii(subject.hierarchy(), metric, share * reach(subject.hierarchy(), metric));
-        for (const Vec3f view : views_of(subject.hierarchy(), radii, 2, 1)) {
+        for (const Vec3f view : views_of(subject.hierarchy(), radii, 2, 3)) {
           const Frame frame = make_frame(subject.hierarchy(), radii, Blend::smoothstep, view);
           expect_twins_agree(subject, frame);
           expect_one_verdict(subject, frame, manifold);
@@ -120,7 +120,7 @@ TEST(Cracks, AStaleSelectionNeedsTheGuard) {
         const Radii radii = make_radii(subject.hierarchy(), config);
         ASSERT_TRUE(radii.admissible);
         std::uint64_t open = 0;
-        for (const AdversarialView& view : adversarial_views(subject.hierarchy(), radii, {.per_level = 8})) {
+        for (const AdversarialView& view : adversarial_views(subject.hierarchy(), radii, {.count = 24})) {
           Frame frame = make_frame(subject.hierarchy(), radii, Blend::linear, view.viewpoint);
           const Vec3f away = view.viewpoint - subject.hierarchy().cells[view.cell].positions[view.vertex];
           for (const float side : {-0.999f, 0.999f}) {

@@ -126,7 +126,7 @@ TEST(Pops, ExchangesOfLevelsAreInvisible) {
     for (const DistanceMetric metric : both_metrics) {
       const Radii radii = uniform_radii(built.hierarchy, metric, 1.05f * reach(built.hierarchy, metric));
       std::size_t exchanged = 0;
-      for (const AdversarialView& view : adversarial_views(built.hierarchy, radii, {.per_level = 3, .slack = 1e-6f})) {
+      for (const AdversarialView& view : adversarial_views(built.hierarchy, radii, {.count = 9, .slack = 1e-6f})) {
         const Frame before = make_frame(built.hierarchy, radii, Blend::smoothstep, view.viewpoint);
         const Frame after = make_frame(built.hierarchy, radii, Blend::smoothstep, view.across);
         exchanged += drawn_cells(before.selection) != drawn_cells(after.selection);
