@@ -57,6 +57,7 @@ TEST(HeatMap, BarSaysWhereItEnds) {
   EXPECT_EQ(lit(image, 0, 100), 12) << "0";
   EXPECT_EQ(lit(image, 100, 300), 12 + 1 + 12 + 8) << "0.01";
   EXPECT_EQ(lit(image, 300, 400), 12 + 1 + 12 + 11 + 5) << "0.02+";
+  EXPECT_EQ(lit(heat_map(ramp(400, 2, 5e-5F)), 300, 400), 11 + 9 + 3 + 12 + 11 + 5) << "5e-05+";
   EXPECT_EQ(heat_map(ramp(2, 1, 0.02F)).size.width, 2) << "labels are clipped to a small picture";
 }
 
