@@ -85,20 +85,18 @@ void read_where(TomlTable& table, FigureSpec& figure, SweepFile& file) {
   }
 }
 
-// Every setting of the figure's sweeps on every input: its parameters, "data" and "sweep".
-std::vector<nlohmann::json> settings_of(const FigureSpec& figure, const SweepFile& file) {
-  std::vector<nlohmann::json> all;
-  for (const SweepSection& sweep : file.sweeps) {
-    if (std::ranges::find(figure.sweep, sweep.name) == figure.sweep.end()) continue;
-    const std::vector<std::string> none{""};
-    for (const nlohmann::json& given : sweep.settings)
-      for (const std::string& data : sweep.experiment->takes_input ? sweep.data : none) {
-        nlohmann::json setting = Parameters(sweep.experiment->parameters, given).json();
-        setting["data"] = data, setting["sweep"] = sweep.name;
-        all.push_back(std::move(setting));
-      }
-  }
-  return all;
+std::vector<const SweepSection*> sweeps_of(const FigureSpec& figure, const SweepFile& file) {
+  std::vector<const SweepSection*> of_figure;
+  for (const SweepSection& sweep : file.sweeps)
+    if (std::ranges::find(figure.sweep, sweep.name) != figure.sweep.end()) of_figure.push_back(&sweep);
+  return of_figure;
+}
+
+// Known before anything is measured: a parameter, "data" or "sweep".
+bool is_set(const std::string& name, const SweepSection& sweep) {
+  const std::vector<ParameterInfo>& parameters = sweep.experiment->parameters;
+  return name == "data" || name == "sweep" ||
+         std::ranges::find(parameters, name, &ParameterInfo::name) != parameters.end();
 }
 
 std::string differing_names(const nlohmann::json& a, const nlohmann::json& b) {
@@ -114,25 +112,30 @@ void refuse_pooling(TomlTable& table, const FigureSpec& figure, const SweepFile&
   if (figure.kind == "scatter") return;
   std::vector<std::string> names = figure.series;
   names.push_back(figure.x);
+  const std::vector<const SweepSection*> sweeps = sweeps_of(figure, file);
+  for (const SweepSection* sweep : sweeps)
+    for (const std::string& name : names)
+      if (!is_set(name, *sweep)) return;
   std::map<nlohmann::json, nlohmann::json> first_at;
-  for (nlohmann::json setting : settings_of(figure, file)) {
-    const auto is_set = [&](const std::string& name) { return setting.contains(name); };
-    const auto is_kept = [&](const auto& entry) {
-      return !is_set(entry.first) || holds(setting[entry.first], entry.second);
-    };
-    if (!std::ranges::all_of(names, is_set)) return;
-    if (!std::ranges::all_of(figure.where, is_kept)) continue;
-    nlohmann::json place;
-    for (const std::string& name : names) place.push_back(setting[name]), setting.erase(name);
-    setting.erase("seed");
-    const auto [known, is_new] = first_at.try_emplace(place, setting);
-    if (!is_new && known->second != setting)
-      table.fail(
-          *table.find("x"), "x",
-          fmt::format("has settings at one place that differ in {}; name what parts them in series, or choose by "
-                      "where, as where = {{ name = value }}",
-                      differing_names(setting, known->second)));
-  }
+  for (const SweepSection* sweep : sweeps)
+    for (const nlohmann::json& given : sweep->settings)
+      for (const std::string& data : sweep->experiment->takes_input ? sweep->data : std::vector<std::string>{""}) {
+        nlohmann::json setting = Parameters(sweep->experiment->parameters, given).json();
+        setting["data"] = data, setting["sweep"] = sweep->name;
+        const auto is_kept = [&](const auto& entry) {
+          return !setting.contains(entry.first) || holds(setting[entry.first], entry.second);
+        };
+        if (!std::ranges::all_of(figure.where, is_kept)) continue;
+        nlohmann::json place;
+        for (const std::string& name : names) place.push_back(setting[name]), setting.erase(name);
+        setting.erase("seed");
+        const auto [known, is_new] = first_at.try_emplace(place, setting);
+        if (is_new || known->second == setting) continue;
+        table.fail(*table.find("x"), "x",
+                   fmt::format("has settings at one place that differ in {}; name what parts them in series, or choose "
+                               "by where, as where = {{ name = value }}",
+                               differing_names(setting, known->second)));
+      }
 }
 
 }  // namespace

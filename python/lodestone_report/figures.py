@@ -11,7 +11,7 @@ from typing import Any
 from .constraints import is_sound, keeps
 from .fronts import cheapest_within, error_limits, pareto_front
 from .outcome import describe_outcome
-from .pooling import pooled_names
+from .pooling import pooled_names, varied_names
 from .settings import Setting
 from .text import shown_unit, value_text
 from .values import is_number, median
@@ -219,8 +219,7 @@ def make_sample(request, table, setting, name, panel):
 
 def make_samples(request, tables, figure):
     figure.panels, panel_of = make_panels(request, tables)
-    names = ["sweep"] * (len(tables) > 1) + [name for table in tables for name in table.varied]
-    names = [name for name in dict.fromkeys(names) if name != request.x]
+    names = [name for name in varied_names(tables) if name != request.x]
     samples, without = [], 0
     for table in tables:
         for setting in table.settings:

@@ -8,8 +8,7 @@ CHANCE = "seed"  # settings that differ in it alone are repetitions
 
 
 def varied_names(tables):
-    names = ["sweep"] * (len(tables) > 1) + [name for table in tables for name in table.varied]
-    return [name for name in dict.fromkeys(names) if name != CHANCE]
+    return list(dict.fromkeys(["sweep"] * (len(tables) > 1) + [name for table in tables for name in table.varied]))
 
 
 def row_names(tables):
@@ -45,7 +44,7 @@ def pooled_along(samples, names):
 
 def pooled_names(request, tables, samples):
     """Names that have to join the series or be chosen by `where`, before curves or bars can be drawn; none: they can."""
-    varied = varied_names(tables)
+    varied = [name for name in varied_names(tables) if name != CHANCE]
     curves = defaultdict(list)
     for s in samples:
         curves[s.panel, s.series].append(s)
