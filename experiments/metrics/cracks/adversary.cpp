@@ -115,7 +115,7 @@ std::vector<AdversarialView> best_views(const ViewedLevel& viewed, std::size_t m
   return found;
 }
 
-// How many views each level gives when they take turns until `count` are together.
+// Numbers of views: levels take turns until `count` are together.
 std::vector<std::size_t> shares(const std::vector<std::vector<AdversarialView>>& levels, std::size_t count) {
   std::vector<std::size_t> share(levels.size(), 0);
   bool any = true;
