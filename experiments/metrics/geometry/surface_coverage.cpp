@@ -12,8 +12,8 @@
 namespace lodestone {
 namespace {
 
-// Where the rays of a direction start: on a disc of `radius` around the middle, before everything. Point k of the R2
-// sequence, shifted from direction to direction.
+// The start of ray k of a direction: a point of the disc of `radius` around the eye, in front of the whole mesh. Points
+// follow the R2 sequence, shifted from direction to direction.
 Vec3d ray_start(const MapView& view, double radius, std::size_t direction, std::size_t k) {
   const auto fraction = [](double x) { return x - std::floor(x); };
   const double u = fraction(0.5 + 0.7548776662466927 * static_cast<double>(k) +

@@ -41,7 +41,7 @@ export function withMorph(source) {
     .replace('#include <begin_vertex>', `vec3 transformed = ${between('fromPosition', 'position')};`);
 }
 
-// What surface.js knows of a material, as parameters of three's standard material. A material without a surface is seen from both sides.
+// Parameters of three's standard material for a surface (surface.js). A material without one is drawn from both sides.
 export function surfaceParameters(colour, surface) {
   if (!surface) return {side: THREE.DoubleSide};
   const blended = surface.alphaMode === 'BLEND', masked = surface.alphaMode === 'MASK';

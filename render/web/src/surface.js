@@ -1,4 +1,4 @@
-// What a material says besides its colour and normals: alpha, sides, emission, no light.
+// The properties of a material other than colour and normals: alpha, sides, emission, unlit.
 
 // From a material of glTF as JSON; source(textureInfo): the number of its image, or null.
 export function surfaceOf(json, source) {

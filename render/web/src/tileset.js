@@ -3,7 +3,7 @@
 import {limitedBoxDistance} from './limits.js';
 import {Problem} from './problem.js';
 
-// Of a texture with the smaller copies of itself.
+// Bytes of a texture with its mipmaps.
 export const textureBytes = (texels) => Math.ceil(4 * texels * 4 / 3);
 
 const GUARD = 4e-6;  // relative, for the rounding of 32-bit floats in the shader
