@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "core/hierarchy/lode/lode_file.h"
 #include "core/hierarchy/verify/verify.h"
-#include "tests/parallel/out_of_core.h"
+#include "tests/parallel/out_of_core/out_of_core.h"
 #include "tests/test_data.h"
 
 namespace lodestone {

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "tests/parallel/out_of_core.h"
+#include "tests/parallel/out_of_core/out_of_core.h"
 
 namespace lodestone {
 namespace {
