@@ -53,14 +53,15 @@ export const readMesh = (bytes, name) => reading(name, async () => {
 // A progressive mesh as it arrives: `show(mesh)` is called and awaited with what there is, each time half as many vertices
 // again or another image have come, at last with all of it. `count(bytes, all)` is called with what has come, `all` is 0
 // where the server does not tell.
-export async function streamMesh(url, name, {show, count}) {
-  const answer = await ask(url), reader = answer.body.getReader();
+export async function streamMesh(url, name, {show, count, signal}) {
+  const answer = await ask(url, signal), reader = answer.body.getReader();
   const all = answer.headers.has('content-encoding') ? 0 : Number(answer.headers.get('content-length'));  // of what is sent
   let decoder = null, shown = {groups: 0, textures: 0}, come = 0;
   const next = async () => {
     try {
       return await reader.read();
-    } catch {
+    } catch (error) {
+      if (error.name === 'AbortError') throw error;
       throw new Problem(`${name}: the connection broke off`);
     }
   };

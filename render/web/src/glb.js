@@ -1,5 +1,5 @@
 // Binary glTF, as far as this program writes it: progressive meshes, and the tiles of `lodestone export --tiles --morph`.
-import {MeshoptDecoder} from 'three/examples/jsm/libs/meshopt_decoder.module.js';
+import {MeshoptDecoder} from 'three/addons/libs/meshopt_decoder.module.js';
 import {isLayout} from './octahedral_image.js';
 import {showsEmission, surfaceOf} from './surface.js';
 

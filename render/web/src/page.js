@@ -1,15 +1,13 @@
 // The page: models side by side, levels by slider or by pixels, files dropped on it.
 import * as THREE from 'three';
-import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
+import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {countCracks} from './cracks.js';
-import {ask, readMesh, reading, streamMesh} from './files.js';
+import {ask, readMesh, streamMesh} from './files.js';
 import {Labels, columnsFor, layOut, seeAll} from './layout.js';
 import {ProgressiveView} from './progressive_view.js';
-import {TilesView} from './tiles_view.js';
-import {loadTileset} from './tileset.js';
+import {openTiles} from './tiles_view.js';
 
 const $ = (id) => document.getElementById(id);
-const COARSEST = 64;  // pixels of error of tiles where the slider begins
 
 class Page {
   constructor() {
@@ -153,16 +151,8 @@ class Page {
   }
 
   async openTiles(url, name, order) {
-    const json = async (at) => (await ask(at)).json();
-    const view = await reading(name, async () => {
-      const tileset = await loadTileset(new URL(url, location.href).href, json);
-      const made = new TilesView(name, tileset, this.renderer.capabilities.getMaxAnisotropy(),
-                                 {request: async (at, signal) => (await ask(at, signal)).arrayBuffer(),
-                                  say: (e) => this.say(e.message), budget: Math.floor(2 ** 20 * this.megabytes)});
-      await made.start();
-      return made;
-    });
-    this.add(view, order);
+    const anisotropy = this.renderer.capabilities.getMaxAnisotropy(), budget = Math.floor(2 ** 20 * this.megabytes);
+    this.add(await openTiles(url, name, {anisotropy, budget, say: (e) => this.say(e.message)}), order);
   }
 
   // `order`: models with a smaller one are placed before it, whichever arrived first.
@@ -228,13 +218,14 @@ class Page {
   // Returns whether the model changes by itself.
   advance(m, seconds) {
     const height = this.renderer.domElement.height;
-    if (!m.ladder) return m.approach(this.camera, height, this.automatic ? this.pixels : COARSEST ** (1 - this.slider), seconds);
+    if (!m.ladder) return m.approach(this.camera, height, this.automatic ? this.pixels : m.pixelsOf(this.slider), seconds);
     return this.automatic ? m.approach(this.camera, height, this.pixels, seconds) : m.travel(this.slider * m.ladder.top, seconds);
   }
 
   followSlider() {
+    if (this.models.length === 0) return;
     const first = this.models.find((m) => m.ladder);
-    const share = first ? first.place / Math.max(first.ladder.top, 1) : 1 - Math.log(this.pixels) / Math.log(COARSEST);
+    const share = first ? first.place / Math.max(first.ladder.top, 1) : this.models[0].levelOf(this.pixels);
     $('level').value = Math.round(1000 * Math.min(Math.max(share, 0), 1));
   }
 

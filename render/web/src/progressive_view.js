@@ -171,8 +171,8 @@ export class ProgressiveView {
 
   // Pixels that an error of the model's extent covers at the nearest point of the model.
   pixelsPerUnit(camera, height) {
-    const box = this.box.applyMatrix4(this.node.matrixWorld);
-    const distance = Math.max(box.distanceToPoint(camera.position), camera.near);
+    const eye = this.frame.worldToLocal(camera.getWorldPosition(new THREE.Vector3()));
+    const distance = Math.max(this.extent.distanceToPoint(eye), camera.near / this.frame.getWorldScale(new THREE.Vector3()).x);
     return height / (2 * distance * Math.tan(THREE.MathUtils.degToRad(camera.fov) / 2));
   }
 
@@ -187,6 +187,16 @@ export class ProgressiveView {
     if (Math.abs(way) < 1e-4) return false;
     this.show(this.place + Math.sign(way) * Math.min(step, Math.abs(way)));
     return true;
+  }
+
+  // May be called again, for what has been made since.
+  dispose() {
+    this.object.geometry.dispose();
+    for (const m of [...this.object.material, this.object.userData.counting, ...this.outdated.splice(0)]) m.dispose();
+    for (const {texture} of this.images.splice(0).filter((i) => i)) {
+      texture.dispose();
+      texture.image.close?.();
+    }
   }
 }
 

@@ -18,7 +18,7 @@ export class ResidentTiles {
     this.arrived = [];
     this.vertexBytes = 64;
     this.residency = new Residency(tileset, (family) => this.sizeOf(family), budget);
-    Object.assign(this, {drawn: [], ended: false, most: 0});
+    Object.assign(this, {drawn: [], ended: false, disposed: false, most: 0});
   }
 
   get limits() { return this.residency.limits; }
@@ -41,6 +41,14 @@ export class ResidentTiles {
     this.residency.resized();
     if (this.bytes > this.budget)
       throw new Problem(`${root.url}: the coarsest tile takes ${this.bytes} bytes, and the memory budget is ${this.budget}`);
+  }
+
+  // Everything goes, also what is on its way.
+  dispose() {
+    this.disposed = true;
+    for (const controller of this.loading.values()) controller.abort();
+    this.tileset.cells.forEach(this.release);
+    this.drawn = [];
   }
 
   // To be called before each frame is drawn. `share` is the share that limits lose or gain. Returns true if the next
@@ -113,7 +121,7 @@ export class ResidentTiles {
     this.loading.delete(parent);
     this.ended = true;
     const bad = results.find((r) => r.status === 'rejected');
-    if (!bad) {
+    if (!bad && !this.disposed) {
       this.arrived.push({parent, size: this.sumOf(results.map((r) => r.value))});
       return;
     }

@@ -1,6 +1,6 @@
 // A hierarchical level of detail in the scene: tiles by distance, as far as they are there and memory goes.
 import * as THREE from 'three';
-import {reading} from './files.js';
+import {ask, reading} from './files.js';
 import {Glb} from './glb.js';
 import {limitsNear} from './limits.js';
 import {surfaceParameters} from './morph_material.js';
@@ -9,9 +9,10 @@ import {ResidentTiles} from './resident_tiles.js';
 import {showsEmission} from './surface.js';
 import {TextureCache} from './texture_cache.js';
 import {LimitTexture, countingTileMaterial, tileMaterial} from './tile_material.js';
-import {boxDistance, makeRadii} from './tileset.js';
+import {boxDistance, loadTileset, makeRadii} from './tileset.js';
 import {turnedBox} from './turn.js';
 
+const COARSEST = 64;  // pixels of error where levels begin
 const FAR = 3e38;  // for shaders, which need not know infinity
 // The share of its excess that a limit loses in a second is all but 0.0005, in a frame at most a fifth.
 const shareOf = (seconds) => Math.min(1 - Math.exp(-7.7 * seconds), 0.2);
@@ -23,6 +24,15 @@ function checkGeometry({attributes, index}, name) {
     ['position', 'parentPosition'].every((a) => attributes[a].array instanceof Float32Array && attributes[a].array.every(Number.isFinite));
   if (!holds) throw new Problem(`${name}: vertices or triangles of the tile cannot be; the file is damaged`);
 }
+
+// A view of the tileset at an address, with its coarsest tile. `budget`: bytes of memory; `say(error)` is called for tiles
+// that cannot be loaded later.
+export const openTiles = (url, name, {anisotropy, budget, say}) => reading(name, async () => {
+  const json = async (at) => (await ask(at)).json(), request = async (at, signal) => (await ask(at, signal)).arrayBuffer();
+  const view = new TilesView(name, await loadTileset(new URL(url, location.href).href, json), anisotropy, {request, say, budget});
+  await view.start();
+  return view;
+});
 
 export class TilesView {
   // `request(url, signal)` resolves to bytes; `say(error)` is called for tiles that cannot be loaded.
@@ -46,6 +56,10 @@ export class TilesView {
   get drawn() { return this.residents.drawn; }
   get objects() { return this.drawn.filter((c) => c.object).map((c) => c.object); }
   get triangleCount() { return this.objects.reduce((sum, o) => sum + o.geometry.index.count / 3, 0); }
+
+  // The tolerance of a level from 0 to 1, and the level of a tolerance.
+  pixelsOf(level) { return COARSEST ** (1 - level); }
+  levelOf(pixels) { return 1 - Math.log(pixels) / Math.log(COARSEST); }
 
   async start() {
     await this.residents.start();
@@ -134,6 +148,11 @@ export class TilesView {
     cell.object = null;
   }
 
+  dispose() {
+    this.residents.dispose();
+    this.limitBoxes.uniform.value.dispose();
+  }
+
   // Approaches a tolerance of this number of pixels in small steps. Returns true if the next picture may differ though
   // the camera rests: tiles are on their way, or limits move.
   approach(camera, height, pixels, seconds) {
@@ -145,7 +164,7 @@ export class TilesView {
       u.bandBegin.value = Math.min(radii.begin[l], FAR);
       u.bandEnd.value = Math.min(radii.end[l], FAR);
     });
-    const eye = this.frame.worldToLocal(camera.position.clone());
+    const eye = this.frame.worldToLocal(camera.getWorldPosition(new THREE.Vector3()));
     this.viewpoint.value.copy(eye);
     const viewpoint = [eye.x, eye.y, eye.z].map(Math.fround);  // like the shader's
     const moves = this.residents.update(radii, viewpoint, share);

@@ -11,7 +11,7 @@ const GUARD = 4e-6;  // relative, for the rounding of 32-bit floats in the shade
 const MOST_CELLS = 4e6;
 const isCount = (n) => Number.isInteger(n) && n >= 0 && n < 2 ** 32;
 const isBox = (b) => Array.isArray(b) && b.length === 6 && b.every(Number.isFinite) && [0, 1, 2].every((i) => b[i] <= b[i + 3]);
-const areFigures = ({sigma0, reach, error}) => sigma0 > 0 && Array.isArray(reach) && Array.isArray(error) && reach.length > 0 &&
+const areFigures = ({sigma0, scale, reach, error}) => sigma0 > 0 && scale > 0 && Array.isArray(reach) && Array.isArray(error) && reach.length > 0 &&
   reach.length === error.length && reach.every((r) => Number.isFinite(r?.euclidean)) && error.every(Number.isFinite);
 
 export async function loadTileset(url, fetchJson) {
@@ -40,7 +40,8 @@ export async function loadTileset(url, fetchJson) {
   cells.sort((a, b) => a.level - b.level);  // numbered as in the .lode file: level by level
   cells.forEach((cell, index) => Object.assign(cell, {index}));
   const thumbnails = new Map(Object.entries(figures.thumbnails ?? {}).map((pair) => pair.map((uri) => new URL(uri, url).href)));
-  return {root, cells, thumbnails, sigma0: figures.sigma0, reach: figures.reach.map((r) => r.euclidean), error: figures.error,
+  const {scale} = figures, origin = json.root.transform?.slice(12, 15) ?? [0, 0, 0];  // of the model, from the unit cube
+  return {root, cells, origin, scale, thumbnails, sigma0: figures.sigma0, reach: figures.reach.map((r) => r.euclidean), error: figures.error,
           finest: figures.reach.length - 1};
 }
 
