@@ -178,10 +178,18 @@ class Flight {
     if (streamed()) job_.measured = opened_->wholes();
     std::vector<OpenModel> models = opened_->models();
     for (OpenModel& model : models)
-      if (options_.cull_back_faces)
-        model.back_faces = &back_faces_.try_emplace(model.hierarchy, *model.hierarchy, *scheduler_).first->second;
+      if (options_.cull_back_faces) model.back_faces = &back_faces_of(*model.hierarchy);
     view_.emplace(scene_, std::move(models));
     refuse_inadmissible(options_, *view_);
+  }
+
+  const BackFaces& back_faces_of(const Hierarchy& hierarchy) {
+    const auto [at, is_new] = back_faces_.try_emplace(&hierarchy, hierarchy, *scheduler_);
+    const Facing facing = at->second.facing();
+    if (is_new && common_.prints() && (facing == Facing::open || facing == Facing::mixed))
+      fmt::print("note: --cull-back-faces leaves out nothing of a model that {}\n",
+                 facing == Facing::open ? "is open" : "has parts that face outwards and others that face inwards");
+    return at->second;
   }
 
   void configure() {

@@ -4,6 +4,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/base/disjoint_sets.h"
 
 namespace lodestone {
 namespace {
@@ -27,23 +31,80 @@ std::uint64_t hash_of_edge(std::uint64_t from, std::uint64_t to) {
   return from < to ? edge : 0 - edge;
 }
 
-struct CellSum {
-  std::uint64_t boundary = 0;
-  double volume = 0;  // six times that over the origin
-};
-
-CellSum sum_of(const Cell& cell) {
+std::uint64_t boundary_of(const Cell& cell) {
   std::vector<std::uint64_t> hashes;
   hashes.reserve(cell.positions.size());
   for (const Vec3f p : cell.positions) hashes.push_back(hash_of(p));
-  CellSum sum;
+  std::uint64_t sum = 0;
   for (const Triangle& t : cell.triangles) {
     const auto [a, b, c] = t.v;
-    sum.boundary +=
-        hash_of_edge(hashes[a], hashes[b]) + hash_of_edge(hashes[b], hashes[c]) + hash_of_edge(hashes[c], hashes[a]);
-    sum.volume += dot(to_double(cell.positions[a]), cross(to_double(cell.positions[b]), to_double(cell.positions[c])));
+    sum += hash_of_edge(hashes[a], hashes[b]) + hash_of_edge(hashes[b], hashes[c]) + hash_of_edge(hashes[c], hashes[a]);
   }
   return sum;
+}
+
+bool has_boundary(std::span<const Cell> cells, Scheduler& scheduler) {
+  std::vector<std::uint64_t> sums(cells.size());
+  scheduler.for_chunks(cells.size(), 1, [&](ChunkRange range) {
+    for (std::size_t c = range.begin; c < range.end; ++c) sums[c] = boundary_of(cells[c]);
+  });
+  return std::accumulate(sums.begin(), sums.end(), std::uint64_t{0}) != 0;
+}
+
+// Six times the volume over the origin, and the sum of what it is made of without signs.
+struct Volume {
+  double sum = 0, magnitude = 0;
+  void add(const Volume& v) { sum += v.sum, magnitude += v.magnitude; }
+  [[nodiscard]] bool is_rounding() const { return std::abs(sum) <= 1e-12 * magnitude; }
+};
+
+Volume volume_of(const Cell& cell, const Triangle& t) {
+  const double v = dot(to_double(cell.positions[t.v[0]]),
+                       cross(to_double(cell.positions[t.v[1]]), to_double(cell.positions[t.v[2]])));
+  return {v, std::abs(v)};
+}
+
+// The connected parts within one cell: of each vertex, and what each encloses.
+struct CellParts {
+  std::vector<std::uint32_t> of_vertex;
+  std::vector<Volume> volumes;
+};
+
+CellParts parts_of(const Cell& cell) {
+  DisjointSets sets(cell.positions.size());
+  for (const Triangle& t : cell.triangles) sets.unite(t.v[0], t.v[1]), sets.unite(t.v[0], t.v[2]);
+  CellParts parts{std::vector<std::uint32_t>(cell.positions.size()), {}};
+  for (std::uint32_t v = 0; v < parts.of_vertex.size(); ++v) {
+    const std::uint32_t root = sets.find(v);
+    if (root == v) parts.volumes.emplace_back();
+    parts.of_vertex[v] = root == v ? static_cast<std::uint32_t>(parts.volumes.size() - 1) : parts.of_vertex[root];
+  }
+  for (const Triangle& t : cell.triangles) parts.volumes[parts.of_vertex[t.v[0]]].add(volume_of(cell, t));
+  return parts;
+}
+
+// The volumes of the connected parts of all cells; vertices of one position belong together.
+std::vector<Volume> volumes_of_parts(std::span<const Cell> cells, Scheduler& scheduler) {
+  std::vector<CellParts> within(cells.size());
+  scheduler.for_chunks(cells.size(), 1, [&](ChunkRange range) {
+    for (std::size_t c = range.begin; c < range.end; ++c) within[c] = parts_of(cells[c]);
+  });
+  std::vector<Volume> volumes;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> places;  // hash of the position, part
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const auto first = static_cast<std::uint32_t>(volumes.size());
+    for (std::size_t v = 0; v < cells[c].positions.size(); ++v)
+      places.emplace_back(hash_of(cells[c].positions[v]), first + within[c].of_vertex[v]);
+    volumes.insert(volumes.end(), within[c].volumes.begin(), within[c].volumes.end());
+  }
+  std::sort(places.begin(), places.end());
+  DisjointSets sets(volumes.size());
+  for (std::size_t i = 1; i < places.size(); ++i)
+    if (places[i].first == places[i - 1].first) sets.unite(places[i].second, places[i - 1].second);
+  for (auto part = static_cast<std::uint32_t>(volumes.size()); part-- > 0;)
+    if (const std::uint32_t root = sets.find(part); root != part)
+      volumes[root].add(std::exchange(volumes[part], Volume{}));
+  return volumes;
 }
 
 // Coarser than this, little of the space around a surface is known to be outside; finer, filling takes long.
@@ -51,17 +112,15 @@ constexpr int finest_grid = 6;
 
 }  // namespace
 
-bool is_closed(const Hierarchy& hierarchy, Scheduler& scheduler) {
-  if (hierarchy.cells.empty()) return false;
+Facing facing_of(const Hierarchy& hierarchy, Scheduler& scheduler) {
+  if (hierarchy.cells.empty()) return Facing::open;
   const std::span<const Cell> cells = hierarchy.cells_of(hierarchy.finest());
-  if (std::ranges::any_of(cells, [](const Cell& cell) { return cell.positions.empty(); })) return false;
-  std::vector<CellSum> sums(cells.size());
-  scheduler.for_chunks(cells.size(), 1, [&](ChunkRange range) {
-    for (std::size_t c = range.begin; c < range.end; ++c) sums[c] = sum_of(cells[c]);
-  });
-  CellSum all;
-  for (const CellSum& sum : sums) all = {all.boundary + sum.boundary, all.volume + sum.volume};
-  return all.boundary == 0 && all.volume > 0;
+  if (std::ranges::any_of(cells, [](const Cell& cell) { return cell.positions.empty(); })) return Facing::open;
+  if (has_boundary(cells, scheduler)) return Facing::open;
+  bool outward = false, inward = false;
+  for (const Volume& volume : volumes_of_parts(cells, scheduler))
+    if (!volume.is_rounding()) (volume.sum > 0 ? outward : inward) = true;
+  return outward == inward ? Facing::mixed : outward ? Facing::outward : Facing::inward;
 }
 
 OutsideSpace::OutsideSpace(const Hierarchy& hierarchy) {
@@ -123,6 +182,19 @@ bool OutsideSpace::contains(Vec3f v) const {
 }
 
 BackFaces::BackFaces(const Hierarchy& hierarchy, Scheduler& scheduler)
-    : closed_(is_closed(hierarchy, scheduler)), outside_(hierarchy), cones_(hierarchy, scheduler) {}
+    : facing_(facing_of(hierarchy, scheduler)),
+      seen_through_(has_materials_of(hierarchy, AlphaMode::mask) || has_materials_of(hierarchy, AlphaMode::blend)),
+      one_sided_(has_one_sided_materials(hierarchy)),
+      outside_(hierarchy),
+      cones_(hierarchy, scheduler) {
+  if (facing_ == Facing::inward) cones_.turn_over();
+}
+
+const NormalCones* BackFaces::cones_from(Vec3f viewpoint, const Appearance& appearance) const {
+  if (facing_ != Facing::outward && facing_ != Facing::inward) return nullptr;
+  const bool front_is_missing = one_sided_ && facing_ == Facing::inward;
+  if (appearance.opacity < 1 || (appearance.textures && (seen_through_ || front_is_missing))) return nullptr;
+  return outside_.contains(viewpoint) ? &cones_ : nullptr;
+}
 
 }  // namespace lodestone

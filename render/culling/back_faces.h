@@ -1,21 +1,29 @@
 // Tells if the back of a surface can be seen, and which cells need not be drawn if it cannot.
 //
-// From outside of a closed surface that is oriented outwards, its back is never seen: every ray meets a front first.
-// This holds for the drawn surface as for M_L, of which it is the image, unless it intersects itself. Closed: every
-// half-edge has its twin, with multiplicity, so that a ray crosses as many fronts as backs.
+// From outside of a closed surface whose parts all face outwards, its back is never seen: every ray meets a front
+// first. Where all of them face inwards the front is never seen. This holds for the drawn surface as for M_L, of which
+// it is the image, unless it intersects itself. Closed: every half-edge has its twin, with multiplicity, so that a ray
+// crosses as many fronts as backs.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "render/frame/appearance.h"
 #include "render/lod/normal_cones.h"
 
 namespace lodestone {
 
-// True if the boundary of M_L is empty, positions of equal bits being one vertex, and its volume is positive. Computed
-// by a sum of hashes over half-edges in which twins cancel: O(triangles of M_L), no memory; wrong with a probability of
-// 2^-64. False if cells of M_L are missing.
-[[nodiscard]] bool is_closed(const Hierarchy& hierarchy, Scheduler& scheduler);
+enum class Facing : std::uint8_t {
+  open,     // M_L has a boundary, or cells of it are missing
+  outward,  // closed; the volume within each connected part is positive
+  inward,   // closed; negative for each
+  mixed,    // closed; of both signs, as with a bubble in a solid, or without any volume
+};
+
+// The boundary is computed by a sum of hashes over half-edges in which twins cancel, positions of equal bits being one
+// vertex: O(triangles of M_L), wrong with a probability of 2^-64. Closed surfaces take 12 bytes a vertex besides.
+[[nodiscard]] Facing facing_of(const Hierarchy& hierarchy, Scheduler& scheduler);
 
 // Viewpoints that are certainly outside of the surface, in whatever state it is drawn: their cell of a grid is joined
 // to the space around the model by cells that no part of the surface can enter.
@@ -46,14 +54,14 @@ class BackFaces {
  public:
   BackFaces(const Hierarchy& hierarchy, Scheduler& scheduler);
 
-  [[nodiscard]] bool closed() const { return closed_; }
-  // Cones for SelectionConfig; null if backs may be seen from the viewpoint.
-  [[nodiscard]] const NormalCones* cones_from(Vec3f viewpoint) const {
-    return closed_ && outside_.contains(viewpoint) ? &cones_ : nullptr;
-  }
+  [[nodiscard]] Facing facing() const { return facing_; }
+  // Cones of the side that is turned inwards, for SelectionConfig; null if it may be seen from the viewpoint: through
+  // holes of masks, through glass, or because the other side is not drawn.
+  [[nodiscard]] const NormalCones* cones_from(Vec3f viewpoint, const Appearance& appearance) const;
 
  private:
-  bool closed_;
+  Facing facing_;
+  bool seen_through_, one_sided_;  // some of its materials
   OutsideSpace outside_;
   NormalCones cones_;
 };

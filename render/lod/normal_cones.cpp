@@ -143,4 +143,9 @@ NormalCones::NormalCones(const Hierarchy& hierarchy, Scheduler& scheduler) : con
   }
 }
 
+void NormalCones::turn_over() {
+  for (Cones& cones : cones_)
+    for (NormalCone* cone : {&cones.still, &cones.morphing, &cones.subtree}) cone->axis = -1.0f * cone->axis;
+}
+
 }  // namespace lodestone

@@ -39,6 +39,9 @@ class NormalCones {
   // Cones of all loaded cells; those of others contain every direction. O(triangles), in parallel; 48 bytes a cell.
   NormalCones(const Hierarchy& hierarchy, Scheduler& scheduler);
 
+  // The same of the surface with all of its triangles turned over.
+  void turn_over();
+
   // Cone of the cell's own triangles with lambda = 1.
   [[nodiscard]] const NormalCone& still(CellId cell) const { return cones_[cell].still; }
   // Cone of the cell's own triangles with any lambda.

@@ -165,9 +165,9 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
 void SceneView::select(ModelFrame& model, Placed& placed) {
   const Frustum frustum = frustum_of(model.view_projection);
   SelectionConfig config{&frustum, false, model.morph.limits, nullptr};
-  const bool backs_show =
-      placed.appearance.opacity < 1 || config_.settings.overdraw || camera_->vertical_fov > widest_culled;
-  if (placed.open.back_faces && !backs_show) config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint);
+  const bool backs_count = config_.settings.overdraw || camera_->vertical_fov > widest_culled;
+  if (placed.open.back_faces && !backs_count)
+    config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint, placed.appearance);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
   model.selection = &placed.selection;
   model.casters = nullptr;

@@ -131,22 +131,35 @@ IndexedMesh turned_over(IndexedMesh mesh) {
   return mesh;
 }
 
-TEST(BackFaces, ClosedSurfacesAreKnown) {
+IndexedMesh both(const IndexedMesh& a, const IndexedMesh& b, Vec3f shift, float scale) {
+  IndexedMesh all = a;
+  const auto first = static_cast<std::uint32_t>(a.positions.size());
+  for (const auto& p : b.positions) all.positions.push_back(scale * p + shift);
+  for (const Triangle& t : b.triangles) all.triangles.push_back({{first + t.v[0], first + t.v[1], first + t.v[2]}});
+  return all;
+}
+
+TEST(BackFaces, ClosedSurfacesAndTheirSidesAreKnown) {
   const auto scheduler = make_tbb_scheduler(2);
-  const auto closed = [&](IndexedMesh mesh) {
-    return is_closed(test::naive_hierarchy(std::move(mesh), 2, 0.5f).hierarchy, *scheduler);
+  const auto facing = [&](IndexedMesh mesh) {
+    return facing_of(test::naive_hierarchy(std::move(mesh), 2, 0.5f).hierarchy, *scheduler);
   };
-  EXPECT_TRUE(closed(test::sphere_mesh(3)));
-  EXPECT_TRUE(closed(test::torus_mesh(24, 12)));
-  EXPECT_FALSE(closed(test::terrain_mesh(16)));
-  EXPECT_FALSE(closed(turned_over(test::sphere_mesh(3)))) << "inside out";
-  IndexedMesh hole = test::sphere_mesh(3);
+  const IndexedMesh sphere = test::sphere_mesh(3), inside_out = turned_over(sphere);
+  EXPECT_EQ(facing(sphere), Facing::outward);
+  EXPECT_EQ(facing(test::torus_mesh(24, 12)), Facing::outward);
+  EXPECT_EQ(facing(test::terrain_mesh(16)), Facing::open);
+  EXPECT_EQ(facing(inside_out), Facing::inward);
+  EXPECT_EQ(facing(both(sphere, sphere, {3, 0, 0}, 1)), Facing::outward);
+  EXPECT_EQ(facing(both(inside_out, inside_out, {3, 0, 0}, 1)), Facing::inward);
+  EXPECT_EQ(facing(both(sphere, inside_out, {3, 0, 0}, 0.5)), Facing::mixed) << "one beside the other";
+  EXPECT_EQ(facing(both(sphere, inside_out, {0, 0, 0}, 1)), Facing::mixed) << "no volume";
+  IndexedMesh hole = sphere;
   hole.triangles.pop_back();
-  EXPECT_FALSE(closed(hole));
-  IndexedMesh flipped = test::sphere_mesh(3);
+  EXPECT_EQ(facing(hole), Facing::open);
+  IndexedMesh flipped = sphere;
   std::swap(flipped.triangles[7].v[0], flipped.triangles[7].v[1]);
-  EXPECT_FALSE(closed(flipped));
-  EXPECT_FALSE(is_closed({}, *scheduler));
+  EXPECT_EQ(facing(flipped), Facing::open);
+  EXPECT_EQ(facing_of({}, *scheduler), Facing::open);
 }
 
 // Solid angle of the surface, over 4 pi (vanoosterom1983).
@@ -185,12 +198,22 @@ TEST(BackFaces, WhatIsCalledOutsideIsOutside) {
 
 TEST(BackFaces, AreDrawnWhereTheyCanBeSeen) {
   const auto scheduler = make_serial_scheduler();
+  const Vec3f away{3, 0, 0};
   const BackFaces closed(sphere(), *scheduler);
-  EXPECT_TRUE(closed.closed());
-  EXPECT_NE(closed.cones_from({3, 0, 0}), nullptr);
-  EXPECT_EQ(closed.cones_from({0.5f, 0.5f, 0.5f}), nullptr) << "from inside";
+  EXPECT_NE(closed.cones_from(away, {}), nullptr);
+  EXPECT_EQ(closed.cones_from({0.5f, 0.5f, 0.5f}, {}), nullptr) << "from inside";
+  EXPECT_EQ(closed.cones_from(away, {.opacity = 0.5f}), nullptr) << "glass";
   const NaiveHierarchy terrain = test::naive_hierarchy(test::terrain_mesh(16), 1, 0.5f);
-  EXPECT_EQ(BackFaces(terrain.hierarchy, *scheduler).cones_from({3, 0, 0}), nullptr) << "open";
+  EXPECT_EQ(BackFaces(terrain.hierarchy, *scheduler).cones_from(away, {}), nullptr) << "open";
+
+  NaiveHierarchy inward = test::naive_hierarchy(turned_over(test::sphere_mesh(5)), 2, 0.5f);
+  EXPECT_NE(BackFaces(inward.hierarchy, *scheduler).cones_from(away, {}), nullptr);
+  inward.hierarchy.materials = {{.double_sided = false}};
+  EXPECT_EQ(BackFaces(inward.hierarchy, *scheduler).cones_from(away, {}), nullptr) << "its outer side is not drawn";
+  Hierarchy lace = sphere();
+  lace.materials = {{.alpha_mode = AlphaMode::mask}};
+  EXPECT_EQ(BackFaces(lace, *scheduler).cones_from(away, {}), nullptr) << "through the holes";
+  EXPECT_NE(BackFaces(lace, *scheduler).cones_from(away, {.textures = false}), nullptr);
 }
 
 TEST(Selection, CullsByConesWhatTurnsItsBackAlone) {
