@@ -11,6 +11,7 @@
 #include "render/backends/make_renderer.h"
 #include "render/viewer/session/view_session.h"
 #include "render/viewer/window/gui.h"
+#include "render/viewer/window/notes.h"
 #include "render/viewer/window/panel.h"
 #include "render/viewer/window/picture.h"
 #include "render/viewer/window/window.h"
@@ -35,7 +36,7 @@ class Viewer {
       : config_(config),
         scheduler_(scheduler),
         window_("Lodestone", config.size),
-        gui_(window_.handle(), window_.content_scale()),
+        gui_(window_.handle()),
         session_({config.load, config.folder, Window::wake, config.say}, scheduler) {
     session_.state = config.state;
     choose_backend(config.backend);
@@ -105,29 +106,32 @@ class Viewer {
   void step() {
     const double now = stepped_at_ = Window::now();
     collect(now);
+    const ImageSize size = window_.size();
+    session_.fit_home(size, now);
     session_.advance(now);
     const std::vector<Event> events = window_.take_events();
-    const ImageSize size = window_.size();
     const bool message = session_.message(now) != nullptr;
     if (!events.empty() || message != std::exchange(had_message_, message)) settling_ = settling_frames;
     if (size.width < 1 || size.height < 1) return hear_without_picture(events, now);
+    session_.state.scale = interface_scale(size, window_.content_scale() * static_cast<float>(gui_.pixels()));
     // Without changes of the interface the window is shown again only if a picture has changed.
     const bool drawn = settling_ == 0 && draw_views(size, session_.resolution.scale(now));
     if (settling_ == 0 && !drawn) return;
     settling_ = std::max(0, settling_ - 1);
 
-    gui_.begin_frame();
+    gui_.begin_frame(session_.state.scale);
     for (const Event& event : events) on_event(event, size);
     if (const auto at = session_.navigation.take_focus()) guarded([&] { session_.focus_at(*at, size, now); });
+    session_.fit_home(size, now);
     session_.advance(now);
     const bool screenshot = session_.take_screenshot_request();
-    if (!screenshot) show_panel(now);
+    if (!screenshot) show_panel(size, now);
     if (!drawn) (void)draw_views(size, screenshot ? 1 : session_.resolution.scale(now));
-    show_views(size, !screenshot);
+    show_views(size);
     clear_window(size);
     gui_.end_frame();
     if (screenshot) {
-      session_.save_screenshot(read_window(size), now);
+      session_.save_screenshot(read_window(size, pictures_rect(session_.state, size)), now);
       settling_ = settling_frames;
       return;
     }
@@ -229,10 +233,13 @@ class Viewer {
     if (action && (event.kind == Event::Kind::key_down || repeats)) session_.act(*action, event.time);
   }
 
-  void show_panel(double now) {
+  void show_panel(ImageSize size, double now) {
     const ViewState& state = session_.state;
     const ViewDrawing& drawing = session_.drawing();
     PanelFacts facts;
+    facts.panel = panel_rect(state, size);
+    facts.pictures = pictures_rect(state, size);
+    facts.pixels = gui_.pixels();
     facts.model = drawing.model();
     facts.backend = std::string(renderer_->name());
     facts.device = gl_ ? gl_->device() : "";
@@ -311,14 +318,14 @@ class Viewer {
     picture.set(image);
   }
 
-  void show_views(ImageSize size, bool labels) {
+  void show_views(ImageSize size) {
     if (!session_.drawing().ready()) return;
     const ViewState& state = session_.state;
     for (const ViewRect& view : layout(state, size)) {
       if (!has_picture_[view.settings]) continue;
       const Picture& picture = pictures_[view.settings];
       picture.fit(view.rect.size());
-      const bool named = labels && state.split;
+      const bool named = state.panel && state.split;
       draw_picture(picture.texture(), view.rect, gui_.pixels(), !named ? "" : view.settings == 0 ? "A" : "B");
       if (state.settings[view.settings].boxes)
         draw_lines(session_.drawing().box_lines(view.settings, view.rect.size()), view.rect, gui_.pixels(), true);

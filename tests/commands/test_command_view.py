@@ -46,7 +46,8 @@ class Pictures(ViewCase):
         time.sleep(3)
         self.assertLess(ticks() - before, 0.1 * os.sysconf("SC_CLK_TCK"))
         found = viewer.closed()
-        self.assertEqual((found["uploads"], found["draws"], found["selections"]), (1, 1, 1))
+        # One picture beside the panel, one without it.
+        self.assertEqual((found["uploads"], found["draws"], found["selections"]), (1, 2, 2))
         self.assertLess(found["window_frames"], 60)
 
     def test_the_window_changes_its_size(self):
@@ -84,7 +85,7 @@ class Pictures(ViewCase):
     def test_the_panel_is_used_by_mouse(self):
         """Where its buttons are is known; what they do is seen."""
         viewer = self.with_panel()
-        kappa0, uniform, slider, levels = (190, 146), (120, 192), 169, (26, 318)
+        kappa0, uniform, slider, levels = (182, 119), (110, 165), 142, (18, 304)
         self.display.drag(kappa0, kappa0, steps=1, rest=0.5)
         admissible = viewer.after(self.display.drag, uniform, uniform, steps=1, rest=0.5)
         self.assertEqual(self.marks(admissible), 0)
@@ -96,8 +97,28 @@ class Pictures(ViewCase):
         found = viewer.closed()
         self.assertEqual(found["camera"]["position"], CAMERA["position"])  # drags over the panel are the panel's
 
-    def beside_panel(self, picture):
-        return Picture(b"".join(picture[3 * (y * WIDTH + 350):3 * (y + 1) * WIDTH] for y in range(HEIGHT)))
+    def test_the_panel_leaves_the_model_free(self):
+        """The whole model is seen beside the panel, and in both halves of a split screen; text grows with the window."""
+        viewer = Viewer(self, hierarchy())
+        viewer.wait_for(hierarchy().name)
+        for keys, parts in (((), [(270, WIDTH)]), (("x",), [(270, 455), (457, WIDTH)])):
+            picture = viewer.press(*keys)
+            for left, right in parts:
+                rows = [picture[3 * (y * WIDTH + left):3 * (y * WIDTH + right)] for y in range(40, HEIGHT - 40)]
+                covered = sum(row[i:i + 3] != BACKGROUND for row in rows for i in range(0, len(row), 3))
+                self.assertGreater(covered, 5000)
+                self.assertTrue(all(row[:3] == BACKGROUND == row[-3:] for row in rows))
+        whole = viewer.press("x")
+        self.display.resize(viewer.window, 1920, 1080)
+        viewer.settled()
+        large = self.display.grab(1920, 1080)
+        at = lambda x, y: large[3 * (y * 1920 + x):][:3]
+        self.assertNotEqual(at(400, 900), BACKGROUND)  # the panel, 405 pixels wide now
+        self.assertEqual(at(410, 900), BACKGROUND)
+        self.display.resize(viewer.window, *SIZE)
+        self.assertEqual(self.beside_panel(viewer.settled()), self.beside_panel(whole))
+        viewer.closed()
+
 
 
 class Steering(ViewCase):
@@ -176,8 +197,8 @@ class Looks(ViewCase):
         thawed = viewer.press("space")
         self.assertNotEqual(frozen, thawed)
         found = viewer.closed()
-        # The first picture and the last one; many more were drawn between them.
-        self.assertEqual(found["selections"], 2)
+        # The first pictures, with and without the panel, and the last one; many more were drawn between them.
+        self.assertEqual(found["selections"], 3)
         self.assertGreater(found["draws"], 5)
 
     def test_split_screen_shows_two_settings(self):
@@ -203,12 +224,14 @@ class Looks(ViewCase):
     def test_screenshots(self):
         viewer = self.view("--camera", self.camera_file(), "-o", self.folder)
         plain = viewer.picture()
-        viewer.press("h", "c")
+        # With the panel it is what is seen beside it.
+        beside = self.beside_panel(viewer.press("h"))
+        viewer.press("c", "h", "c")
         viewer.press("F12")
-        for name in ("screenshot001.png", "screenshot002.png"):
-            self.assertEqual(read_png(self.folder / name)[2], plain)
+        for name, seen in (("screenshot001.png", beside), ("screenshot002.png", plain), ("screenshot003.png", plain)):
+            self.assertEqual(read_png(self.folder / name)[2], seen)
         found = viewer.closed()
-        self.assertEqual([pathlib.Path(f).name for f in found["files"]], ["screenshot001.png", "screenshot002.png"])
+        self.assertEqual([pathlib.Path(f).name for f in found["files"]], [f"screenshot00{k}.png" for k in (1, 2, 3)])
         self.assertIn("screenshot001.png", viewer.said)
 
     def test_a_screenshot_that_cannot_be_written(self):

@@ -125,6 +125,9 @@ class ViewCase(CommandCase):
         first = 322 if right else 0
         return Picture(b"".join(picture[3 * (y * WIDTH + first):][:3 * 320] for y in range(HEIGHT)))
 
+    def beside_panel(self, picture):
+        return Picture(b"".join(picture[3 * (y * WIDTH + 270):3 * (y + 1) * WIDTH] for y in range(HEIGHT)))
+
     def covered(self, picture):
         """Pixels that are not background."""
         return sum(picture[i:i + 3] != BACKGROUND for i in range(0, len(picture), 3))

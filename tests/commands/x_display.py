@@ -16,7 +16,7 @@ import unittest
 
 from png import Picture
 
-WIDTH, HEIGHT = 1000, 800  # of the screen
+WIDTH, HEIGHT = 1920, 1080  # of the screen
 
 Window = Atom = ctypes.c_ulong
 

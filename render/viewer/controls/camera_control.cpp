@@ -102,6 +102,13 @@ Camera focus(const Camera& camera, Vec3d point, double share) {
   return valid_or(moved, camera);
 }
 
+Camera fitted(const Camera& camera, double aspect) {
+  if (!(aspect < 1)) return camera;
+  // A sphere fits at a distance of its radius over the sine of half the angle of view.
+  const double half = 0.5 * camera.vertical_fov, half_across = std::atan(aspect * std::tan(half));
+  return dolly(camera, std::sin(half) / std::sin(half_across));
+}
+
 Camera between(const Camera& from, const Camera& to, double t) {
   if (!(t > 0)) return from;
   if (!(t < 1)) return to;

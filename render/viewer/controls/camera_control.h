@@ -30,6 +30,10 @@ namespace lodestone::viewer {
 // Looks at the point, from `share` of the present distance to it, in (0, 1].
 [[nodiscard]] Camera focus(const Camera& camera, Vec3d point, double share = 0.5);
 
+// Farther from the target where the picture is narrower than high, so that what fits its height at aspect 1 fits its
+// width; the same camera in all other pictures. `aspect`: width over height, positive.
+[[nodiscard]] Camera fitted(const Camera& camera, double aspect);
+
 // The camera on the way between two cameras, t in [0, 1]; exactly `from` at 0 and `to` at 1.
 [[nodiscard]] Camera between(const Camera& from, const Camera& to, double t);
 

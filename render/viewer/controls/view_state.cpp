@@ -103,14 +103,4 @@ void look_at(ViewState& state, const Sphere& all, const Camera& from) {
   state.frozen = false;
 }
 
-std::vector<ViewRect> layout(const ViewState& state, ImageSize window) {
-  if (window.width < 1 || window.height < 1) return {};
-  if (!state.split) return {{state.chosen, {0, 0, window.width, window.height}}};
-  const int left = (window.width - split_gap) / 2, right = window.width - split_gap - left;
-  std::vector<ViewRect> views;
-  if (left > 0) views.push_back({0, {0, 0, left, window.height}});
-  if (right > 0 && left >= 0) views.push_back({1, {left + split_gap, 0, right, window.height}});
-  return views;
-}
-
 }  // namespace lodestone::viewer

@@ -17,19 +17,9 @@ enum class Steering : std::uint8_t {
   fly,    // from the camera's own place
 };
 
-// Pixels of the window, from its upper left corner.
-struct Rect {
-  int x = 0, y = 0, width = 0, height = 0;
-  [[nodiscard]] bool contains(double px, double py) const {
-    return px >= x && py >= y && px < x + width && py < y + height;
-  }
-  [[nodiscard]] ImageSize size() const { return {width, height}; }
-  friend bool operator==(const Rect&, const Rect&) = default;
-};
-
 struct ViewState {
   Camera camera;
-  Camera home;  // the camera of the key Home
+  Camera home;  // sees the whole model in a picture that is at least as wide as high
   Steering steering = Steering::orbit;
   double fly_speed = 1;  // model units a second
 
@@ -42,7 +32,8 @@ struct ViewState {
   Camera frozen_from;         // the camera when it was frozen
   std::uint64_t freezes = 0;  // so far: tells one frozen selection from the next
 
-  bool panel = true;
+  bool panel = true;  // the panel, and notes over the pictures
+  float scale = 1;    // of text and controls (controls/layout.h)
 
   [[nodiscard]] ViewSettings& current() { return settings[chosen]; }
   [[nodiscard]] const ViewSettings& current() const { return settings[chosen]; }
@@ -84,14 +75,5 @@ void apply(Action action, ViewState& state);
 
 // Starts to look at a new scene: camera, home, speed of flight, nothing frozen. The settings are kept.
 void look_at(ViewState& state, const Sphere& all, const Camera& from);
-
-// Rectangles of the pictures in a window of this size, by settings: one, or two side by side with a line of `split_gap`
-// pixels between them. A rectangle without pixels is not drawn.
-inline constexpr int split_gap = 2;
-struct ViewRect {
-  std::size_t settings = 0;
-  Rect rect;
-};
-[[nodiscard]] std::vector<ViewRect> layout(const ViewState& state, ImageSize window);
 
 }  // namespace lodestone::viewer

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "render/viewer/controls/camera_control.h"
+#include "render/viewer/controls/layout.h"
 
 namespace lodestone::viewer {
 namespace {
@@ -86,7 +87,7 @@ void ViewSession::show(std::unique_ptr<Model> model, double now) {
   }
   warn(model_->opened.warnings(), now);
   look_at(state, all, from);
-  seen_ = drawable_ = state.camera;
+  home_ = seen_ = drawable_ = state.camera;
 }
 
 void ViewSession::stop_moving() {
@@ -100,7 +101,7 @@ void ViewSession::act(Action action, double now) {
   switch (action) {
     case Action::go_home:
       player_.stop();
-      transition_.start(now, state.camera, state.home);
+      transition_.start(now, state.camera, home_);
       return;
     case Action::screenshot:
       screenshot_ = true;
@@ -170,6 +171,19 @@ void ViewSession::advance(double now) {
   resolution.moved(now);
 }
 
+void ViewSession::fit_home(ImageSize window, double now) {
+  if (!drawing_.ready()) return;
+  double narrowest = 1;
+  for (const ViewRect& view : layout(state, window))
+    narrowest = std::min(narrowest, static_cast<double>(view.rect.width) / view.rect.height);
+  const Camera home = fitted(state.home, narrowest);
+  const bool there = state.camera == std::exchange(home_, home);
+  if (!there || state.camera == home) return;
+  // A single step: a lower resolution is of no use to it.
+  state.camera = seen_ = home;
+  recorder_.add(now, home);
+}
+
 bool ViewSession::animated() const { return navigation.flying(state) || transition_.moving() || player_.playing(); }
 
 void ViewSession::focus_at(Point at, ImageSize window, double now) {
@@ -234,8 +248,8 @@ void ViewSession::refuse(const std::string& why, double now) {
   stop_moving();
   if (state.camera != drawable_) {
     state.camera = drawable_;
-  } else if (state.camera != state.home) {
-    state.camera = state.home;
+  } else if (state.camera != home_) {
+    state.camera = home_;
   } else {
     drawing_.set_model(nullptr);
     model_.reset();

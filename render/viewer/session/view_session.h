@@ -63,6 +63,8 @@ class ViewSession {
 
   // Moves the camera on: flight, transitions, playing; notes what moved for recording and resolution.
   void advance(double now);
+  // Makes Home see the whole model in the pictures of a window of this size; a camera that is there remains there.
+  void fit_home(ImageSize window, double now);
   // The camera moves by itself: the next frame is due at once.
   [[nodiscard]] bool animated() const;
 
@@ -99,6 +101,7 @@ class ViewSession {
   CameraPlayer player_;
   CameraTransition transition_;
   std::vector<Camera> path_;  // the last one recorded or given
+  Camera home_;               // state.home, fitted to the pictures
   Camera seen_;               // at the last advance()
   Camera drawable_;
   double advanced_at_ = 0;

@@ -4,18 +4,14 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
+#include <cmath>
+#include <utility>
+
 namespace lodestone::viewer {
 
-Gui::Gui(GLFWwindow* window, float scale) {
+Gui::Gui(GLFWwindow* window) {
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;
-  ImGui::StyleColorsDark();
-  ImGui::GetStyle().WindowRounding = 4;
-  ImGui::GetStyle().FrameRounding = 3;
-  ImGui::GetStyle().ScaleAllSizes(scale);
-  ImFontConfig font;
-  font.SizePixels = 13 * scale;
-  ImGui::GetIO().Fonts->AddFontDefault(&font);
   ImGui_ImplGlfw_InitForOpenGL(window, true);
   ImGui_ImplOpenGL3_Init("#version 150");
 }
@@ -26,7 +22,26 @@ Gui::~Gui() {
   ImGui::DestroyContext();
 }
 
-void Gui::begin_frame() {
+// Text is made anew at each size, as enlarged letters are blurred.
+void Gui::set_scale(float scale) {
+  if (std::exchange(scale_, scale) == scale) return;
+  ImGuiStyle& style = ImGui::GetStyle();
+  style = {};
+  ImGui::StyleColorsDark();
+  style.FrameRounding = 3;
+  style.ScaleAllSizes(scale);
+  ImFontConfig font;
+  font.SizePixels = std::round(13 * scale);
+  ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+  fonts.Clear();
+  fonts.AddFontDefault(&font);
+  if (fonts.TexID == nullptr) return;  // the first frame makes the texture
+  ImGui_ImplOpenGL3_DestroyFontsTexture();
+  ImGui_ImplOpenGL3_CreateFontsTexture();
+}
+
+void Gui::begin_frame(float scale) {
+  set_scale(scale / static_cast<float>(pixels()));
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();

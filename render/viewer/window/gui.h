@@ -7,18 +7,22 @@ namespace lodestone::viewer {
 
 class Gui {
  public:
-  // The window's callbacks must be installed before: they are called first. `scale` is that of text and all else.
-  // Nothing is written to disk.
-  Gui(GLFWwindow* window, float scale);
+  // The window's callbacks must be installed before: they are called first. Nothing is written to disk.
+  explicit Gui(GLFWwindow* window);
   ~Gui();
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
 
-  void begin_frame();
+  // `scale` is that of text and all else, in pixels of the picture.
+  void begin_frame(float scale);
   void end_frame();  // draws into the window
   [[nodiscard]] bool wants_mouse() const;
   [[nodiscard]] bool wants_text() const;
   [[nodiscard]] double pixels() const;  // of the picture to a unit of the window
+
+ private:
+  void set_scale(float scale);
+  float scale_ = 0;
 };
 
 }  // namespace lodestone::viewer

@@ -5,31 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "render/effects/plan.h"
-#include "render/frame/shading.h"
+#include "render/viewer/window/widgets.h"
 
 namespace lodestone::viewer {
 namespace {
-
-const ImVec4 wrong{1.0f, 0.42f, 0.36f, 1};
-
-// A length given for the usual text, 13 pixels high.
-float scaled(float length) { return length * ImGui::GetFontSize() / 13; }
-
-std::string text(const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, value);
-  return buffer;
-}
-
-std::string count(std::uint64_t n) {
-  if (n >= 10'000'000) return text("%.1f M", static_cast<double>(n) * 1e-6);
-  if (n >= 10'000) return text("%.1f k", static_cast<double>(n) * 1e-3);
-  return std::to_string(n);
-}
 
 void marked(bool bad, const std::string& words) {
   if (bad) ImGui::PushStyleColor(ImGuiCol_Text, wrong);
@@ -69,10 +51,11 @@ void show_model(const PanelFacts& facts, PanelRequests& requests) {
     ImGui::SameLine();
     ImGui::TextDisabled("%d models", static_cast<int>(model.opened.models().size()));
   }
-  ImGui::Text("%s triangles, %d levels, %s cells", count(triangles).c_str(), levels, count(cells).c_str());
-  ImGui::Text("sigma0 %s", sigma0.first == sigma0.second
-                               ? text("%.3g", sigma0.first).c_str()
-                               : (text("%.3g", sigma0.first) + " to " + text("%.3g", sigma0.second)).c_str());
+  ImGui::Text("%s triangles", count_text(triangles).c_str());
+  ImGui::Text("%d levels, %s cells, sigma0 %s", levels, count_text(cells).c_str(),
+              sigma0.first == sigma0.second
+                  ? text("%.3g", sigma0.first).c_str()
+                  : (text("%.3g", sigma0.first) + " to " + text("%.3g", sigma0.second)).c_str());
   if (ImGui::BeginCombo("backend", facts.backend.c_str())) {
     for (const std::string& name : facts.backends)
       if (ImGui::Selectable(name.c_str(), name == facts.backend) && name != facts.backend) requests.backend = name;
@@ -138,20 +121,20 @@ void edit_detail(const PanelFacts& facts, ViewState& state) {
 void edit_looks(ViewState& state, PanelRequests& requests) {
   ViewSettings& settings = state.current();
   ImGui::Checkbox("levels", &settings.tint);
-  ImGui::SameLine(scaled(110));
+  ImGui::SameLine(scaled(84));
   ImGui::Checkbox("band", &settings.band);
-  ImGui::SameLine(scaled(220));
+  ImGui::SameLine(scaled(160));
   ImGui::Checkbox("boxes", &settings.boxes);
   ImGui::Checkbox("wires", &settings.wireframe);
-  ImGui::SameLine(scaled(110));
+  ImGui::SameLine(scaled(84));
   ImGui::Checkbox("overdraw", &settings.overdraw);
-  ImGui::SameLine(scaled(220));
+  ImGui::SameLine(scaled(160));
   bool smooth = settings.samples == 4;
   ImGui::Checkbox("4 samples", &smooth);
   settings.samples = smooth ? 4 : 1;
   bool frozen = state.frozen;
   if (ImGui::Checkbox("freeze", &frozen)) requests.actions.push_back(Action::toggle_frozen);
-  ImGui::SameLine(scaled(110));
+  ImGui::SameLine(scaled(84));
   ImGui::Checkbox("split", &state.split);
   if (state.frozen) ImGui::TextDisabled("frozen: tolerance and radii wait");
 }
@@ -172,7 +155,8 @@ void show_camera(const PanelFacts& facts, const ViewState& state, PanelRequests&
 void show_statistics(const PanelFacts& facts) {
   if (!facts.report) return;
   const ViewReport& report = *facts.report;
-  ImGui::Text("%s triangles in %s cells", count(report.stats.triangles).c_str(), count(report.stats.cells).c_str());
+  ImGui::Text("%s triangles in %s cells", count_text(report.stats.triangles).c_str(),
+              count_text(report.stats.cells).c_str());
   ImGui::Text("%.1f ms, selection %.2f ms", report.total_milliseconds, report.select_milliseconds);
   for (const auto& [stage, milliseconds] : report.stats.milliseconds)
     if (stage != "total") ImGui::TextDisabled("  %s %.2f ms", stage.c_str(), milliseconds);
@@ -207,9 +191,16 @@ void show_keys() {
       "faster; drop files to open them");
 }
 
+// In units of the window; `down` is a share of their height.
+ImVec2 middle_of_pictures(const PanelFacts& facts, float down) {
+  const auto unit = static_cast<float>(1 / facts.pixels);
+  const Rect& all = facts.pictures;
+  return {(static_cast<float>(all.x) + 0.5f * static_cast<float>(all.width)) * unit,
+          (static_cast<float>(all.y) + down * static_cast<float>(all.height)) * unit};
+}
+
 void show_loading(const PanelFacts& facts, PanelRequests& requests) {
-  const ImVec2 window = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({window.x / 2, window.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowPos(middle_of_pictures(facts, 0.5f), ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({scaled(360), 0});
   ImGui::Begin("opening", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
@@ -223,13 +214,14 @@ void show_loading(const PanelFacts& facts, PanelRequests& requests) {
 }
 
 void show_message(const PanelFacts& facts) {
-  const ImVec2 window = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({window.x / 2, window.y - 12}, ImGuiCond_Always, {0.5f, 1});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(200.0f, window.x - 40), 200});
+  const ImVec2 bottom = middle_of_pictures(facts, 1);
+  const auto width = static_cast<float>(facts.pictures.width / facts.pixels);
+  ImGui::SetNextWindowPos({bottom.x, bottom.y - 12}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(200.0f, width - 40), 200});
   ImGui::Begin("message", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove |
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoInputs);
-  ImGui::PushTextWrapPos(std::max(200.0f, window.x - 80));
+  ImGui::PushTextWrapPos(std::max(200.0f, width - 80));
   if (facts.message_is_error)
     ImGui::TextColored(wrong, "%s", facts.message.c_str());
   else
@@ -239,11 +231,16 @@ void show_message(const PanelFacts& facts) {
 }
 
 void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& requests) {
-  ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({scaled(330), 0});
-  ImGui::SetNextWindowBgAlpha(0.85f);
-  ImGui::Begin("Lodestone", nullptr, ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoResize);
-  ImGui::PushItemWidth(scaled(200));
+  const auto unit = static_cast<float>(1 / facts.pixels);
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize(
+      {static_cast<float>(facts.panel.width) * unit, static_cast<float>(facts.panel.height) * unit});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  ImGui::Begin("Lodestone", nullptr,
+               ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove);
+  ImGui::PopStyleVar();
+  ImGui::PushItemWidth(-scaled(70));
   if (!facts.model) {
     ImGui::TextWrapped("Drop a mesh or a .lode file into the window.");
   } else {
@@ -268,13 +265,6 @@ void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& req
   ImGui::End();
 }
 
-// `crowd` in (0, 1]: less where there are many lines, so that what they lie over is still seen.
-ImU32 colour_of(const Line& line, bool by_level, float crowd) {
-  const Vec3f c = by_level ? shading::tint_of(line.level) : Vec3f{1, 1, 1};
-  const float opacity = by_level ? (0.25f + 0.75f * line.nearness) * crowd : 0.9f;
-  return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, opacity});
-}
-
 }  // namespace
 
 PanelRequests draw_panel(const PanelFacts& facts, ViewState& state) {
@@ -283,34 +273,6 @@ PanelRequests draw_panel(const PanelFacts& facts, ViewState& state) {
   if (facts.loading) show_loading(facts, requests);
   if (!facts.message.empty()) show_message(facts);
   return requests;
-}
-
-void draw_lines(std::span<const Line> lines, Rect rect, double pixels, bool by_level) {
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const auto unit = static_cast<float>(1 / pixels);
-  const auto at = [&](float x, float y) {
-    return ImVec2{(static_cast<float>(rect.x) + x) * unit, (static_cast<float>(rect.y) + y) * unit};
-  };
-  const auto width = static_cast<float>(rect.width), height = static_cast<float>(rect.height);
-  list.PushClipRect(at(0, 0), at(width, height), true);
-  const float crowd = std::clamp(1500 / static_cast<float>(lines.size() + 1), 0.2f, 1.0f);
-  for (const Line& line : lines)
-    list.AddLine(at(line.x0, line.y0), at(line.x1, line.y1), colour_of(line, by_level, crowd));
-  list.PopClipRect();
-}
-
-void draw_picture(unsigned texture, Rect rect, double pixels, const std::string& label) {
-  ImDrawList& list = *ImGui::GetBackgroundDrawList();
-  const auto unit = static_cast<float>(1 / pixels);
-  const ImVec2 from{static_cast<float>(rect.x) * unit, static_cast<float>(rect.y) * unit};
-  const ImVec2 to{static_cast<float>(rect.x + rect.width) * unit, static_cast<float>(rect.y + rect.height) * unit};
-  list.AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture)), from, to);
-  if (label.empty()) return;
-  const ImVec2 extent = ImGui::CalcTextSize(label.c_str());
-  const ImVec2 corner{to.x - extent.x - 10, from.y + 8};
-  list.AddRectFilled({corner.x - 4, corner.y - 3}, {corner.x + extent.x + 4, corner.y + extent.y + 3},
-                     IM_COL32(0, 0, 0, 140));
-  list.AddText(corner, IM_COL32_WHITE, label.c_str());
 }
 
 }  // namespace lodestone::viewer

@@ -1,4 +1,4 @@
-// The panel of the viewer: facts that it shows and requests of the user, drawn by Dear ImGui over the pictures.
+// The panel of the viewer: facts that it shows and requests of the user, drawn by Dear ImGui beside the pictures.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "render/viewer/controls/layout.h"
 #include "render/viewer/controls/view_state.h"
 #include "render/viewer/session/model_loader.h"
 #include "render/viewer/session/view_drawing.h"
@@ -15,6 +16,8 @@ namespace lodestone::viewer {
 
 // Facts that the panel shows besides the state.
 struct PanelFacts {
+  Rect panel, pictures;                // their places in the window
+  double pixels = 1;                   // of the picture to a unit of the window
   const Model* model = nullptr;        // empty: none is open yet
   std::string backend, device;         // as the renderer names them
   std::vector<std::string> backends;   // that can be chosen
@@ -36,11 +39,5 @@ struct PanelRequests {
 
 // Draws the panel, the progress of opening a file and the last message; changes the settings in `state`.
 [[nodiscard]] PanelRequests draw_panel(const PanelFacts& facts, ViewState& state);
-
-// Lines over a picture that lies at `rect`; `pixels` of the picture to a unit of the window.
-void draw_lines(std::span<const Line> lines, Rect rect, double pixels, bool by_level);
-
-// A texture at `rect`, below everything else, and a word in its upper corner.
-void draw_picture(unsigned texture, Rect rect, double pixels, const std::string& label);
 
 }  // namespace lodestone::viewer

@@ -64,15 +64,16 @@ void Picture::fit(ImageSize shown) const {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
 }
 
-Image read_window(ImageSize size) {
+Image read_window(ImageSize window, Rect part) {
   Image image;
-  image.size = size;
-  const auto width = static_cast<std::size_t>(size.width), height = static_cast<std::size_t>(size.height);
+  image.size = part.size();
+  const auto width = static_cast<std::size_t>(part.width), height = static_cast<std::size_t>(part.height);
   image.rgba.resize(4 * width * height);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
   glReadBuffer(GL_BACK);
   set_packing();
-  glReadPixels(0, 0, size.width, size.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+  glReadPixels(part.x, window.height - part.y - part.height, part.width, part.height, GL_RGBA, GL_UNSIGNED_BYTE,
+               image.rgba.data());
   const auto row = [&](std::size_t y) { return image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * width * y); };
   for (std::size_t y = 0; y < height / 2; ++y) std::swap_ranges(row(y), row(y + 1), row(height - 1 - y));
   for (std::size_t i = 3; i < image.rgba.size(); i += 4) image.rgba[i] = 255;  // a window has no alpha to speak of

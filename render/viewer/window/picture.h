@@ -3,6 +3,7 @@
 #pragma once
 
 #include "render/frame/image.h"
+#include "render/viewer/controls/layout.h"
 
 namespace lodestone {
 class GlRenderer;
@@ -34,8 +35,8 @@ class Picture {
   ImageSize size_{0, 0};
 };
 
-// The picture drawn into the window since the last swap; rows from the top, no depth.
-[[nodiscard]] Image read_window(ImageSize size);
+// A part of what was drawn into a window of this size since the last swap; rows from the top, no depth.
+[[nodiscard]] Image read_window(ImageSize window, Rect part);
 // Before the user interface is drawn into the window.
 void clear_window(ImageSize size);
 

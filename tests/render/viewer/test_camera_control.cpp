@@ -78,6 +78,20 @@ TEST(CameraControl, FocusApproachesThePoint) {
   EXPECT_EQ(focus(some_camera(), some_camera().position), some_camera());  // nowhere to look from
 }
 
+TEST(CameraControl, NarrowPicturesAreSeenFromFartherAway) {
+  const Camera camera{{0, -4, 1}, {0, 0, 1}};
+  EXPECT_EQ(fitted(camera, 1), camera);
+  EXPECT_EQ(fitted(camera, 3), camera);
+  for (const double aspect : {0.9, 0.5, 0.1}) {
+    const Camera far = fitted(camera, aspect);
+    // The sphere that touches the picture's sides subtends the same share of it.
+    const double half_across = std::atan(aspect * std::tan(0.5 * camera.vertical_fov));
+    EXPECT_NEAR(length(far.position - far.target) * std::sin(half_across), 4 * std::sin(0.5 * camera.vertical_fov),
+                1e-9);
+    EXPECT_EQ(far.target, camera.target);
+  }
+}
+
 TEST(CameraControl, WhatIsNoCameraStays) {
   Camera broken = some_camera();
   broken.position.x = nan;

@@ -71,6 +71,30 @@ TEST_F(Session, OpensHierarchiesAndMeshes) {
   EXPECT_FALSE(session_.collect(0));
 }
 
+TEST_F(Session, HomeFitsThePictures) {
+  session_.open({lode_}, 0);
+  ASSERT_TRUE(opened());
+  ViewState& state = session_.state;
+  const auto away = [&] { return length(state.camera.position - state.camera.target); };
+  session_.fit_home({1280, 720}, 0);
+  EXPECT_EQ(state.camera, state.home);
+  apply(Action::toggle_split, state);
+  session_.fit_home({1280, 720}, 0);  // two halves, narrower than high
+  const double in_half = away();
+  EXPECT_GT(in_half, length(state.home.position - state.home.target));
+  apply(Action::toggle_split, state);
+  session_.fit_home({1280, 720}, 0);
+  EXPECT_EQ(state.camera, state.home);
+  // A camera that has moved is its user's.
+  const Camera moved = state.camera = orbit(state.camera, 0.3, 0);
+  apply(Action::toggle_split, state);
+  session_.fit_home({1280, 720}, 0);
+  EXPECT_EQ(state.camera, moved);
+  session_.act(Action::go_home, 1);
+  session_.advance(9);
+  EXPECT_EQ(away(), in_half);
+}
+
 TEST_F(Session, LargeFilesStream) {
   SessionConfig small = config();
   small.load.memory_budget = 100'000;
@@ -320,6 +344,7 @@ TEST_F(Session, FocusFollowsTheSurface) {
   session_.open({lode_}, 0);
   ASSERT_TRUE(opened());
   const ImageSize window{322, 120};
+  session_.state.panel = false;
   session_.state.split = true;
   session_.focus_at({1, 1}, window, 0);  // background
   EXPECT_FALSE(session_.animated());

@@ -96,36 +96,6 @@ TEST(ViewState, CoarserAndFinerStayInRange) {
   EXPECT_EQ(state.current().kappa0, 1000);
 }
 
-TEST(ViewState, LayoutsFillTheWindow) {
-  ViewState state;
-  const std::vector<ViewRect> one = layout(state, {640, 480});
-  ASSERT_EQ(one.size(), 1u);
-  EXPECT_EQ(one[0].rect, (Rect{0, 0, 640, 480}));
-  state.chosen = 1;
-  EXPECT_EQ(layout(state, {640, 480})[0].settings, 1u);
-  state.split = true;
-  const std::vector<ViewRect> two = layout(state, {642, 480});
-  ASSERT_EQ(two.size(), 2u);
-  EXPECT_EQ(two[0].rect, (Rect{0, 0, 320, 480}));
-  EXPECT_EQ(two[1].rect, (Rect{322, 0, 320, 480}));
-  EXPECT_TRUE(two[1].rect.contains(322, 0));
-  EXPECT_FALSE(two[1].rect.contains(321.9, 0));
-}
-
-TEST(ViewState, WindowsWithoutPixelsShowNothing) {
-  for (const bool split : {false, true}) {
-    ViewState state;
-    state.split = split;
-    for (const ImageSize size : {ImageSize{0, 0}, ImageSize{0, 10}, ImageSize{10, 0}, ImageSize{-1, 5}})
-      EXPECT_TRUE(layout(state, size).empty());
-    for (int width = 1; width < 12; ++width)
-      for (const ViewRect& view : layout(state, {width, 1})) {
-        EXPECT_GE(view.rect.width, 1);
-        EXPECT_LE(view.rect.x + view.rect.width, width);
-      }
-  }
-}
-
 // ---- settings ----
 
 TEST(ViewSettings, AreBroughtIntoRange) {
