@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/progressive/mesh/activation.h"
+#include "core/progressive/mesh/placement.h"
 
 namespace lodestone {
 
@@ -53,8 +54,8 @@ RawMesh LevelFinder::level_mesh(std::uint32_t vertices) const {
     const std::size_t count = std::min<std::size_t>(values.size(), vertices);
     return std::vector(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
   };
-  for (std::uint32_t v = 0; v < vertices; ++v) raw.positions.push_back(mesh_->transform.to_model(mesh_->positions[v]));
   raw.triangles = compute_level(vertices);
+  for (const Vec3f p : place(vertices, raw.triangles)) raw.positions.push_back(mesh_->transform.to_model(p));
   raw.wedges.uv = prefix(mesh_->wedges.uv);
   raw.wedges.normal = prefix(mesh_->wedges.normal);
   raw.wedges.colour = prefix(mesh_->wedges.colour);
@@ -64,6 +65,12 @@ RawMesh LevelFinder::level_mesh(std::uint32_t vertices) const {
     for (const Triangle& t : raw.triangles)
       raw.wedges.material.push_back(mesh_->wedges.material.empty() ? 0 : mesh_->wedges.material[t.v[0]]);
   return raw;
+}
+
+std::vector<Vec3f> LevelFinder::place(std::uint32_t vertices, std::span<const Triangle> triangles) const {
+  if (vertices >= mesh_->vertex_count()) return mesh_->positions;
+  const std::vector<std::uint32_t> ancestors = compute_geomorph(vertices, mesh_->vertex_count());
+  return progressive::place_level(*mesh_, {groups_, ancestors, triangles, vertices});
 }
 
 std::vector<std::uint32_t> LevelFinder::compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const {

@@ -25,13 +25,16 @@ class LevelFinder {
 
   // The triangles of a level of vertices_for() vertices, into the first so many vertices.
   [[nodiscard]] std::vector<Triangle> compute_level(std::uint32_t vertices) const;
-  // The level as a mesh of its own, with its attributes, in the space of the model.
+  // The level as a mesh of its own, with its attributes, in the space of the model; its vertices where they are best
+  // for that level alone (placement.h), those of the finest level where they are.
   [[nodiscard]] RawMesh level_mesh(std::uint32_t vertices) const;
   // For every vertex of the finer level the vertex of the coarser one that it comes from: itself, if it is there.
   // Vertices that travel from their ancestors' places, normals and texture coordinates to their own make the geomorph.
   [[nodiscard]] std::vector<std::uint32_t> compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const;
 
  private:
+  [[nodiscard]] std::vector<Vec3f> place(std::uint32_t vertices, std::span<const Triangle> triangles) const;
+
   const ProgressiveMesh* mesh_;
   std::vector<std::uint32_t> groups_, activations_;  // of vertices, of triangles: in ascending order
 };
