@@ -174,21 +174,6 @@ void throw_out_of_memory(const std::string& name) {
   throw ResourceError(describe(name, "", "there is not enough memory to read it", "give a smaller mesh"));
 }
 
-namespace {
-
-// Positions in glTF are relative to the middle of the model, so that only its size counts.
-void require_float_range(const MeshView& mesh, const std::string& name) {
-  const Box3d box = box_of(mesh);
-  const Vec3d middle = 0.5 * (box.lo + box.hi);
-  const FloatRounding rounding = float_rounding({box.lo - middle, box.hi - middle});
-  if (mesh.vertex_count > 0 && (rounding.destroys() || !is_finite(middle) || !is_finite(to_double(to_float(middle)))))
-    throw InputError(describe(name, "",
-                              "the model is " + rounding.so() + " that glTF, which has float32 alone, cannot hold it",
-                              "write a .ply or .obj file"));
-}
-
-}  // namespace
-
 std::vector<std::string> write_mesh(const std::filesystem::path& path, const MeshView& mesh) {
   const std::string extension = extension_of(path);
   if (extension != ".ply" && extension != ".obj" && extension != ".stl" && extension != ".glb")
@@ -202,7 +187,7 @@ std::vector<std::string> write_mesh(const std::filesystem::path& path, const Mes
   } else if (extension == ".obj") {
     write_obj(file, mesh, companions);
   } else if (extension == ".glb") {
-    require_float_range(mesh, path.string());
+    if (mesh.vertex_count > 0) require_gltf_range(box_of(mesh), path.string(), "write a .ply or .obj file");
     file.write(encode_glb(mesh));
   } else if (std::string note = write_stl(file, mesh, path.string()); !note.empty()) {
     notes.push_back(std::move(note));

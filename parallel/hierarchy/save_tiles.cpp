@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/formats/common/float_range.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/model/material_of.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
@@ -37,6 +38,7 @@ class Saver {
       : hierarchy_(hierarchy), folder_(folder), scheduler_(scheduler), config_(config), tileset_(config.tileset) {}
 
   SavedTiles save() {
+    require_range();
     for (int level = 0; level <= hierarchy_.finest(); ++level) folder_.add_folder(std::to_string(level));
     save_cells();
     save_images();
@@ -46,6 +48,11 @@ class Saver {
   }
 
  private:
+  void require_range() const {
+    const Box3f& box = hierarchy_.cells.front().bounds;
+    require_gltf_range({hierarchy_.transform.to_model(box.lo), hierarchy_.transform.to_model(box.hi)}, "tiles",
+                       "scale the model");
+  }
   // Those that tiles link, of all levels; the bytes are those of the hierarchy.
   void save_images() {
     if (!linked_.empty()) folder_.add_folder("textures");

@@ -217,6 +217,12 @@ TEST(ProgressiveGlb, ImagesComeAfterTheirThumbnails) {
   }
 }
 
+TEST(ProgressiveGlb, RefusesWhatFloatsCannotHold) {
+  ProgressiveMesh mesh = make(test::sphere_mesh(3));
+  mesh.transform.scale = 1e39;
+  expect_error_of<InputError>([&] { return encode_progressive_glb(mesh, false, {}); }, {"so large", ".lpm"});
+}
+
 TEST(ProgressiveGlb, RefusesGltfWithoutParents) {
   const std::string text =
       R"({"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]})";

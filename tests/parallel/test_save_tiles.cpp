@@ -284,6 +284,12 @@ TEST_F(SaveTiles, OneCellIsOneTile) {
   EXPECT_EQ(load_mesh(path(), *scheduler_).positions, (std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
 }
 
+TEST_F(SaveTiles, RefuseWhatFloatsCannotHold) {
+  Hierarchy h = built(surface(), *scheduler_);
+  h.transform.scale = 1e39;
+  expect_error_of<InputError>([&] { return save(h); }, {"tiles", "so large", "scale the model"});
+}
+
 TEST_F(SaveTiles, NothingIsLeftWhenTheyEndEarly) {
   const Hierarchy h = built(surface(), *scheduler_);
   const CancelFlag cancel{true};

@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "core/base/error.h"
 #include "core/math/box3.h"
 
 namespace lodestone {
@@ -35,6 +36,16 @@ struct FloatRounding {
                        ? std::numeric_limits<double>::infinity()
                        : std::max(0x1p-24 * rounding.largest, half_of_least);
   return rounding;
+}
+
+// Throws InputError unless glTF can hold a model in this box. Its positions are relative to the middle of the model, so
+// that only size counts. `remedy`: what to do instead.
+inline void require_gltf_range(const Box3d& box, const std::string& name, const std::string& remedy) {
+  const Vec3d middle = 0.5 * (box.lo + box.hi);
+  const FloatRounding rounding = float_rounding({box.lo - middle, box.hi - middle});
+  if (rounding.destroys() || !is_finite(middle) || !is_finite(to_double(to_float(middle))))
+    throw InputError(describe(
+        name, "", "the model is " + rounding.so() + " that glTF, which has float32 alone, cannot hold it", remedy));
 }
 
 }  // namespace lodestone

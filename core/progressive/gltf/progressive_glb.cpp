@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
+#include "core/formats/common/float_range.h"
 #include "core/formats/gltf/glb_builder.h"
 
 namespace lodestone {
@@ -108,6 +109,7 @@ void add_extras(GlbBuilder& glb, const ProgressiveMesh& mesh) {
 
 std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed,
                                               std::span<const Texture> thumbnails) {
+  require_gltf_range({mesh.transform.to_model({0, 0, 0}), mesh.transform.to_model({1, 1, 1})}, "", "write a .lpm file");
   GlbBuilder glb;
   add_node(glb, mesh.transform);
   add_primitives(glb, mesh, add_vertices(glb, mesh));
