@@ -2,7 +2,6 @@
 #include "render/viewer/viewer.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <utility>
 
@@ -11,9 +10,8 @@
 #include "render/backends/make_renderer.h"
 #include "render/viewer/session/view_session.h"
 #include "render/viewer/window/gui.h"
-#include "render/viewer/window/notes.h"
 #include "render/viewer/window/panel.h"
-#include "render/viewer/window/picture.h"
+#include "render/viewer/window/shown_pictures.h"
 #include "render/viewer/window/window.h"
 
 namespace lodestone::viewer {
@@ -121,13 +119,15 @@ class Viewer {
 
     gui_.begin_frame(session_.state.scale);
     for (const Event& event : events) on_event(event, size);
-    if (const auto at = session_.navigation.take_focus()) guarded([&] { session_.focus_at(*at, size, now); });
+    session_.use_clicks(size, now);
     session_.fit_home(size, now);
     session_.advance(now);
     const bool screenshot = session_.take_screenshot_request();
     if (!screenshot) show_panel(size, now);
     if (!drawn) (void)draw_views(size, screenshot ? 1 : session_.resolution.scale(now));
-    show_views(size);
+    if (session_.drawing().ready())
+      pictures_.show(session_, size, gui_.pixels(),
+                     screenshot || session_.navigation.dragging() ? std::nullopt : gui_.pointer());
     clear_window(size);
     gui_.end_frame();
     if (screenshot) {
@@ -246,7 +246,7 @@ class Viewer {
     facts.backends = {"soft"};
     if (window_.missing_gl45().empty()) facts.backends.push_back("gl");
     if (drawing.ready()) facts.report = &drawing.report(state.chosen);
-    if (has_picture_[state.chosen] && drawing.ready()) facts.frame = &drawing.frame(state.chosen);
+    if (pictures_.has(state.chosen) && drawing.ready()) facts.frame = &drawing.frame(state.chosen);
     facts.frame_milliseconds = session_.frame_times.in_order();
     facts.scale = shown_scale_;
     facts.recording = session_.recording();
@@ -283,7 +283,7 @@ class Viewer {
     guarded([&] {
       for (const ViewDrawing::View& view : views) {
         if (!session_.drawing().draw(session_.state, view, views)) continue;
-        keep_picture(view.settings, view.size);
+        pictures_.keep(session_, view.settings, view.size, *renderer_, gl_);
         session_.warn(session_.drawing().report(view.settings).stats.warnings, begin);
         drawn = true;
       }
@@ -305,32 +305,6 @@ class Viewer {
     if (drawn) streamed_at_ = now;
     const Model* model = session_.drawing().model();
     streaming_ = model && !session_.state.frozen && !model->opened.complete() && now - streamed_at_ < patience;
-  }
-
-  // The renderer's picture, before it draws another.
-  void keep_picture(std::size_t settings, ImageSize size) {
-    Picture& picture = pictures_[settings];
-    const bool band = session_.state.settings[settings].band;
-    has_picture_[settings] = true;
-    if (gl_ && !band) return picture.copy_from(*gl_, size);
-    Image image = renderer_->read_back();
-    if (band) session_.drawing().tint_band(settings, image);
-    picture.set(image);
-  }
-
-  void show_views(ImageSize size) {
-    if (!session_.drawing().ready()) return;
-    const ViewState& state = session_.state;
-    for (const ViewRect& view : layout(state, size)) {
-      if (!has_picture_[view.settings]) continue;
-      const Picture& picture = pictures_[view.settings];
-      picture.fit(view.rect.size());
-      const bool named = state.panel && state.split;
-      draw_picture(picture.texture(), view.rect, gui_.pixels(), !named ? "" : view.settings == 0 ? "A" : "B");
-      if (state.settings[view.settings].boxes)
-        draw_lines(session_.drawing().box_lines(view.settings, view.rect.size()), view.rect, gui_.pixels(), true);
-      draw_lines(session_.drawing().frozen_lines(view.settings, view.rect.size()), view.rect, gui_.pixels(), false);
-    }
   }
 
   // An error of drawing or loading becomes a line; the window continues.
@@ -366,11 +340,10 @@ class Viewer {
   Scheduler& scheduler_;
   Window window_;
   Gui gui_;
-  std::array<Picture, 2> pictures_;
+  ShownPictures pictures_;
   std::unique_ptr<Renderer> renderer_;
   GlRenderer* gl_ = nullptr;  // the renderer, where it is that one
   ViewSession session_;       // ends before the renderer that it draws with
-  std::array<bool, 2> has_picture_{};
   double shown_scale_ = 1, stepped_at_ = 0, streamed_at_ = 0;
   bool lowered_ = false, streaming_ = false, had_message_ = false;
   int settling_ = settling_frames;

@@ -118,4 +118,13 @@ Camera between(const Camera& from, const Camera& to, double t) {
   return valid_or(mixed, to);
 }
 
+std::array<Vec3d, 3> axes_in_view(const Camera& camera) {
+  const Axes axes = axes_of(camera);
+  const auto seen = [&](std::size_t axis) {
+    const auto k = static_cast<glm::dvec3::length_type>(axis);
+    return Vec3d{axes.right[k], axes.up[k], -axes.forward[k]};
+  };
+  return {seen(0), seen(1), seen(2)};
+}
+
 }  // namespace lodestone::viewer

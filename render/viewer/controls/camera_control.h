@@ -4,6 +4,8 @@
 // beyond single precision, the camera is not changed.
 #pragma once
 
+#include <array>
+
 #include "render/camera/camera.h"
 
 namespace lodestone::viewer {
@@ -36,5 +38,8 @@ namespace lodestone::viewer {
 
 // The camera on the way between two cameras, t in [0, 1]; exactly `from` at 0 and `to` at 1.
 [[nodiscard]] Camera between(const Camera& from, const Camera& to, double t);
+
+// The axes of the scene as the camera sees them, of length 1: to the right, upwards and towards the eye.
+[[nodiscard]] std::array<Vec3d, 3> axes_in_view(const Camera& camera);
 
 }  // namespace lodestone::viewer

@@ -34,6 +34,7 @@ void Navigation::release(Button button, Point at, double now) {
   if (dragged_ != button) return;
   dragged_.reset();
   const bool click = click_ && button == Button::left && apart(at, pressed_at_) <= click_pixels;
+  if (click) clicked_at_ = at;
   if (!click) {
     clicked_.reset();
   } else if (clicked_ && now - clicked_when_ <= double_click_seconds && apart(at, *clicked_) <= click_pixels) {
@@ -104,5 +105,6 @@ void Navigation::advance(ViewState& state, double seconds) {
 }
 
 std::optional<Point> Navigation::take_focus() { return std::exchange(focus_, {}); }
+std::optional<Point> Navigation::take_click() { return std::exchange(clicked_at_, {}); }
 
 }  // namespace lodestone::viewer

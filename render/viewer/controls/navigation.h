@@ -49,6 +49,8 @@ class Navigation {
 
   // The point that a double click asks to focus on, once.
   [[nodiscard]] std::optional<Point> take_focus();
+  // The point of the last click with the left button, once; of a double click, too.
+  [[nodiscard]] std::optional<Point> take_click();
 
  private:
   [[nodiscard]] Vec3d direction() const;
@@ -59,7 +61,7 @@ class Navigation {
   bool click_ = false;  // the pointer has not moved since it was pressed
   std::optional<Point> clicked_;
   double clicked_when_ = 0;
-  std::optional<Point> focus_;
+  std::optional<Point> focus_, clicked_at_;
   std::array<bool, 6> held_{};  // of steering_keys
   bool shift_ = false;
 };

@@ -29,6 +29,8 @@ const std::vector<ActionKey>& action_keys() {
                                            {Action::toggle_boxes, 'B', "cell boxes"},
                                            {Action::toggle_wireframe, 'G', "wireframe"},
                                            {Action::toggle_overdraw, 'O', "overdraw"},
+                                           {Action::toggle_probe, 'I', "cell under the pointer"},
+                                           {Action::toggle_measure, 'L', "measure a length"},
                                            {Action::coarser, '-', "coarser"},
                                            {Action::finer, '+', "finer"},
                                            {Action::screenshot, 'C', "screenshot"},
@@ -78,6 +80,12 @@ void apply(Action action, ViewState& state) {
     case Action::toggle_overdraw:
       state.current().overdraw = !state.current().overdraw;
       return;
+    case Action::toggle_probe:
+      state.probe = !state.probe;
+      return;
+    case Action::toggle_measure:
+      state.measure.on = !state.measure.on;
+      return;
     case Action::choose_other:
       state.chosen = 1 - state.chosen;
       return;
@@ -101,6 +109,7 @@ void look_at(ViewState& state, const Sphere& all, const Camera& from) {
   state.home = state.camera = from;
   state.fly_speed = 0.5 * all.radius;
   state.frozen = false;
+  state.measure.points.clear();
 }
 
 }  // namespace lodestone::viewer

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "render/viewer/controls/measure.h"
 #include "render/viewer/controls/view_settings.h"
 
 namespace lodestone::viewer {
@@ -32,8 +33,10 @@ struct ViewState {
   Camera frozen_from;         // the camera when it was frozen
   std::uint64_t freezes = 0;  // so far: tells one frozen selection from the next
 
-  bool panel = true;  // the panel, and notes over the pictures
-  float scale = 1;    // of text and controls (controls/layout.h)
+  bool panel = true;  // the panel, and notes over the pictures: legends, axes, distance
+  bool probe = true;  // notes on the cell under the pointer
+  Measure measure;
+  float scale = 1;  // of text and controls (controls/layout.h)
 
   [[nodiscard]] ViewSettings& current() { return settings[chosen]; }
   [[nodiscard]] const ViewSettings& current() const { return settings[chosen]; }
@@ -50,6 +53,8 @@ enum class Action : std::uint8_t {
   toggle_boxes,
   toggle_wireframe,
   toggle_overdraw,
+  toggle_probe,
+  toggle_measure,
   choose_other,  // of the two settings
   coarser,       // tolerance or radius by a factor of 2^(1/2)
   finer,

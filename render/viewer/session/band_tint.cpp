@@ -7,11 +7,11 @@
 namespace lodestone::viewer {
 namespace {
 
-constexpr Vec3f begin_colour{40, 110, 255}, end_colour{255, 140, 30};  // bytes
-constexpr float share = 0.65f;                                         // of the band's colour
+constexpr Vec3f begin_colour{40 / 255.0f, 110 / 255.0f, 1}, end_colour{1, 140 / 255.0f, 30 / 255.0f};
+constexpr float share = 0.65f;  // of the band's colour
 
 std::uint8_t mixed(std::uint8_t seen, float colour) {
-  return static_cast<std::uint8_t>((1 - share) * static_cast<float>(seen) + share * colour + 0.5f);
+  return static_cast<std::uint8_t>((1 - share) * static_cast<float>(seen) + share * 255 * colour + 0.5f);
 }
 
 // A model, and the way back from the picture to its space.
@@ -48,6 +48,8 @@ std::optional<float> band_lambda(const MorphContext& morph, Vec3f p) {
   return {};
 }
 
+Vec3f band_colour(float lambda) { return lambda * begin_colour + (1 - lambda) * end_colour; }
+
 void tint_band(Image& image, const Frame& frame, Scheduler& scheduler) {
   std::vector<Placed> models;
   for (const ModelFrame& model : frame.models) models.emplace_back(model, image.size);
@@ -61,7 +63,7 @@ void tint_band(Image& image, const Frame& frame, Scheduler& scheduler) {
         const std::optional<float> lambda =
             lambda_at(models, static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, image.depth[pixel]);
         if (!lambda) continue;
-        const Vec3f colour = *lambda * begin_colour + (1 - *lambda) * end_colour;
+        const Vec3f colour = band_colour(*lambda);
         std::uint8_t* rgb = &image.rgba[4 * pixel];
         rgb[0] = mixed(rgb[0], colour.x);
         rgb[1] = mixed(rgb[1], colour.y);

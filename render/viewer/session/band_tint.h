@@ -17,6 +17,9 @@ namespace lodestone::viewer {
 // lambda at p, in the band that contains it; empty outside all bands.
 [[nodiscard]] std::optional<float> band_lambda(const MorphContext& morph, Vec3f p);
 
+// The colour of lambda in [0, 1], each channel in [0, 1].
+[[nodiscard]] Vec3f band_colour(float lambda);
+
 // Mixes the colour of the band into the picture: blue where the band begins (lambda = 1), orange where it ends. Pixels
 // of the background and outside the bands keep their colour. `image` is the picture of the frame, with depth. If the
 // bounds of several models cover a pixel, the first one in a band decides.

@@ -59,13 +59,11 @@ Vec3d Unprojection::operator()(double x, double y, double depth) const {
   return {p[0] / p[3], p[1] / p[3], p[2] / p[3]};
 }
 
-std::optional<Vec3d> pick(const Image& image, const ViewProjection& vp, int x, int y) {
-  if (x < 0 || y < 0 || x >= image.size.width || y >= image.size.height || image.depth.empty()) return {};
-  const float depth = image.depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.size.width) +
-                                  static_cast<std::size_t>(x)];
-  if (!(depth < 1)) return {};
-  const Vec3d point = Unprojection(vp, image.size)(x + 0.5, y + 0.5, depth);
-  return is_finite(point) ? std::optional(point) : std::nullopt;
+std::optional<Vec3f> project(const ViewProjection& vp, ImageSize size, Vec3d point) {
+  const glm::dvec4 p = to_glm(vp) * glm::dvec4(point.x, point.y, point.z, 1);
+  if (!(p.w > 0) || !(p.z + p.w > 0)) return {};
+  return Vec3f{static_cast<float>((p.x / p.w + 1) * 0.5 * size.width),
+               static_cast<float>((1 - p.y / p.w) * 0.5 * size.height), static_cast<float>((p.z / p.w + 1) * 0.5)};
 }
 
 void project_box(const ViewProjection& vp, ImageSize size, const Box3f& box, int level, std::vector<Line>& lines) {

@@ -1,4 +1,4 @@
-// From pixels to the model and back: picking by depth, lines over the picture.
+// From pixels to the model and back: points and lines over the picture.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "render/camera/camera.h"
-#include "render/frame/image.h"
 
 namespace lodestone::viewer {
 
@@ -23,8 +22,9 @@ class Unprojection {
   ImageSize size_;
 };
 
-// The point that is seen at a pixel of a picture with depth; empty for the background and outside the picture.
-[[nodiscard]] std::optional<Vec3d> pick(const Image& image, const ViewProjection& vp, int x, int y);
+// Where a point of normalised model space lies in the picture, x and y in pixels, z its depth; empty for one that is
+// not in front of the near plane.
+[[nodiscard]] std::optional<Vec3f> project(const ViewProjection& vp, ImageSize size, Vec3d point);
 
 // A line of a picture, in pixels; `nearness` in (0, 1], 1 the nearest end of all.
 struct Line {

@@ -124,6 +124,13 @@ std::vector<Line> ViewDrawing::box_lines(std::size_t settings, ImageSize size) c
   return lines;
 }
 
+std::vector<Line> ViewDrawing::box_lines(std::size_t settings, ImageSize size, const SurfacePoint& of) const {
+  std::vector<Line> lines;
+  const ModelFrame& model = frame(settings).models[of.model];
+  project_box(model.view_projection, size, model.morph.hierarchy->cells[of.cell].bounds, of.level, lines);
+  return lines;
+}
+
 std::vector<Line> ViewDrawing::frozen_lines(std::size_t settings, ImageSize size) const {
   std::vector<Line> lines;
   const PerView& view = views_[settings];
@@ -133,16 +140,15 @@ std::vector<Line> ViewDrawing::frozen_lines(std::size_t settings, ImageSize size
   return lines;
 }
 
-std::optional<Vec3d> ViewDrawing::pick(const ViewState& state, std::size_t settings, ImageSize size, int x, int y) {
-  if (!ready()) return {};
-  const PerView& view = views_[settings];
-  if (!draw(state, settings, size)) {
-    (void)renderer_->draw(view.scene->frame());
-    ++counts_.draws;
-  }
-  const auto point = viewer::pick(renderer_->read_back(), view.scene->frame().models.front().view_projection, x, y);
-  if (!point) return {};
-  return view.scene->placement(0)(*point);
+std::optional<Vec3f> ViewDrawing::project(std::size_t settings, ImageSize shown, Vec3d point) const {
+  const SceneView& scene = *views_[settings].scene;
+  return viewer::project(scene.frame().models.front().view_projection, shown, scene.placement(0).inverse(point));
+}
+
+std::optional<SurfacePoint> ViewDrawing::surface_at(std::size_t settings, ImageSize shown, double x, double y) const {
+  if (!ready() || shown.width < 1 || shown.height < 1) return {};
+  const ImageSize size = frame(settings).size;
+  return viewer::surface_at(frame(settings), x * size.width / shown.width, y * size.height / shown.height);
 }
 
 }  // namespace lodestone::viewer

@@ -11,6 +11,7 @@
 #include "render/viewer/controls/view_state.h"
 #include "render/viewer/session/model_loader.h"
 #include "render/viewer/session/projection.h"
+#include "render/viewer/session/surface_pick.h"
 
 namespace lodestone::viewer {
 
@@ -53,6 +54,7 @@ class ViewDrawing {
 
   // Over the picture of the last draw() with these settings: boxes of its cells, and the frozen camera's view.
   [[nodiscard]] std::vector<Line> box_lines(std::size_t settings, ImageSize size) const;
+  [[nodiscard]] std::vector<Line> box_lines(std::size_t settings, ImageSize size, const SurfacePoint& of) const;
   [[nodiscard]] std::vector<Line> frozen_lines(std::size_t settings, ImageSize size) const;
   // The frame of the last draw() with these settings; there must have been one.
   [[nodiscard]] const Frame& frame(std::size_t settings) const { return views_[settings].scene->frame(); }
@@ -61,8 +63,14 @@ class ViewDrawing {
   [[nodiscard]] Sphere bounding_sphere() const { return views_.front().scene->bounding_sphere(); }
   [[nodiscard]] const SceneView& scene_view() const { return *views_.front().scene; }
 
-  // Draws the view once more and returns the surface point at a pixel, in the scene's space.
-  [[nodiscard]] std::optional<Vec3d> pick(const ViewState& state, std::size_t settings, ImageSize size, int x, int y);
+  // The surface at a point of the picture of the last draw() with these settings, shown in so many pixels.
+  [[nodiscard]] std::optional<SurfacePoint> surface_at(std::size_t settings, ImageSize shown, double x, double y) const;
+  // That point in the scene.
+  [[nodiscard]] Vec3d in_scene(const SurfacePoint& surface) const {
+    return scene_view().placement(surface.model)(surface.point);
+  }
+  // Where a point of the scene lies in that picture, as project() tells.
+  [[nodiscard]] std::optional<Vec3f> project(std::size_t settings, ImageSize shown, Vec3d point) const;
 
   struct Counts {
     std::uint64_t uploads = 0, selections = 0, draws = 0;

@@ -186,15 +186,29 @@ void ViewSession::fit_home(ImageSize window, double now) {
 
 bool ViewSession::animated() const { return navigation.flying(state) || transition_.moving() || player_.playing(); }
 
-void ViewSession::focus_at(Point at, ImageSize window, double now) {
+std::optional<Vec3d> ViewSession::point_at(Point at, ImageSize window) const {
   for (const ViewRect& view : layout(state, window)) {
     if (!view.rect.contains(at.x, at.y)) continue;
-    const auto point = drawing_.pick(state, view.settings, view.rect.size(), static_cast<int>(at.x) - view.rect.x,
-                                     static_cast<int>(at.y) - view.rect.y);
-    if (!point) return;
-    player_.stop();
-    transition_.start(now, state.camera, focus(state.camera, *point));
+    const auto surface = drawing_.surface_at(view.settings, view.rect.size(), at.x - view.rect.x, at.y - view.rect.y);
+    if (surface) return drawing_.in_scene(*surface);
   }
+  return {};
+}
+
+void ViewSession::use_clicks(ImageSize window, double now) {
+  const auto click = navigation.take_click(), focus = navigation.take_focus();
+  if (!state.measure.on) {
+    if (focus) focus_at(*focus, window, now);
+  } else if (click) {
+    if (const auto point = point_at(*click, window)) add_point(state.measure, *point);
+  }
+}
+
+void ViewSession::focus_at(Point at, ImageSize window, double now) {
+  const auto point = point_at(at, window);
+  if (!point) return;
+  player_.stop();
+  transition_.start(now, state.camera, focus(state.camera, *point));
 }
 
 bool ViewSession::take_screenshot_request() { return std::exchange(screenshot_, false); }

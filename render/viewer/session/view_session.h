@@ -68,6 +68,8 @@ class ViewSession {
   // The camera moves by itself: the next frame is due at once.
   [[nodiscard]] bool animated() const;
 
+  // Clicks since the last call: a double one focuses on the surface there; while measuring each sets a point.
+  void use_clicks(ImageSize window, double now);
   // Focuses on the surface at a point of the window.
   void focus_at(Point at, ImageSize window, double now);
 
@@ -89,6 +91,7 @@ class ViewSession {
 
  private:
   [[nodiscard]] std::string free_name(const std::string& stem, const std::string& extension) const;
+  [[nodiscard]] std::optional<Vec3d> point_at(Point at, ImageSize window) const;  // of the surface
   void show(std::unique_ptr<Model> model, double now);
   void toggle_recording(double now);
   void stop_moving();

@@ -55,6 +55,12 @@ void Gui::end_frame() {
 bool Gui::wants_mouse() const { return ImGui::GetIO().WantCaptureMouse; }
 bool Gui::wants_text() const { return ImGui::GetIO().WantTextInput; }
 
+std::optional<Point> Gui::pointer() const {
+  if (wants_mouse() || !ImGui::IsMousePosValid()) return {};
+  const ImVec2 at = ImGui::GetMousePos();
+  return Point{at.x * pixels(), at.y * pixels()};
+}
+
 double Gui::pixels() const {
   const double scale = ImGui::GetIO().DisplayFramebufferScale.x;
   return scale > 0 ? scale : 1;

@@ -1,6 +1,10 @@
 // Dear ImGui in the viewer's window: its frame, and whose the mouse and the keyboard are.
 #pragma once
 
+#include <optional>
+
+#include "render/viewer/controls/navigation.h"
+
 struct GLFWwindow;
 
 namespace lodestone::viewer {
@@ -18,6 +22,8 @@ class Gui {
   void end_frame();  // draws into the window
   [[nodiscard]] bool wants_mouse() const;
   [[nodiscard]] bool wants_text() const;
+  // Where the pointer is in the window, in pixels of the picture; empty over the panel and outside.
+  [[nodiscard]] std::optional<Point> pointer() const;
   [[nodiscard]] double pixels() const;  // of the picture to a unit of the window
 
  private:

@@ -118,24 +118,41 @@ void edit_detail(const PanelFacts& facts, ViewState& state) {
   if (!found.remark.empty()) marked(true, found.remark);
 }
 
+// In rows of three.
+class Switches {
+ public:
+  bool operator()(const char* name, bool& on) {
+    if (column_ > 0) ImGui::SameLine(scaled(column_ == 1 ? 84 : 160));
+    column_ = (column_ + 1) % 3;
+    return ImGui::Checkbox(name, &on);
+  }
+
+ private:
+  int column_ = 0;
+};
+
 void edit_looks(ViewState& state, PanelRequests& requests) {
   ViewSettings& settings = state.current();
-  ImGui::Checkbox("levels", &settings.tint);
-  ImGui::SameLine(scaled(84));
-  ImGui::Checkbox("band", &settings.band);
-  ImGui::SameLine(scaled(160));
-  ImGui::Checkbox("boxes", &settings.boxes);
-  ImGui::Checkbox("wires", &settings.wireframe);
-  ImGui::SameLine(scaled(84));
-  ImGui::Checkbox("overdraw", &settings.overdraw);
-  ImGui::SameLine(scaled(160));
+  Switches row;
+  row("levels", settings.tint);
+  row("band", settings.band);
+  row("boxes", settings.boxes);
+  row("wires", settings.wireframe);
+  row("split", state.split);
+  row("overdraw", settings.overdraw);
+  if (bool frozen = state.frozen; row("freeze", frozen)) requests.actions.push_back(Action::toggle_frozen);
+  row("probe", state.probe);
   bool smooth = settings.samples == 4;
-  ImGui::Checkbox("4 samples", &smooth);
+  row("4 samples", smooth);
   settings.samples = smooth ? 4 : 1;
-  bool frozen = state.frozen;
-  if (ImGui::Checkbox("freeze", &frozen)) requests.actions.push_back(Action::toggle_frozen);
-  ImGui::SameLine(scaled(84));
-  ImGui::Checkbox("split", &state.split);
+  row("measure", state.measure.on);
+  if (const auto length = distance(state.measure)) {
+    ImGui::SameLine();
+    ImGui::Text("%.6g", *length);
+  } else if (state.measure.on) {
+    ImGui::SameLine();
+    ImGui::TextDisabled("click two points");
+  }
   if (state.frozen) ImGui::TextDisabled("frozen: tolerance and radii wait");
 }
 

@@ -91,14 +91,12 @@ char key_of(int key) {
 
 // GLFW's callbacks, as events.
 struct Window::Callbacks {
+  static Window& self(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
   static Event& add(GLFWwindow* window, Event::Kind kind) {
-    auto& events = static_cast<Window*>(glfwGetWindowUserPointer(window))->events_;
-    Event& event = events.emplace_back();
+    Event& event = self(window).events_.emplace_back();
     event.kind = kind;
     event.time = now();
-    double x = 0, y = 0;
-    glfwGetCursorPos(window, &x, &y);
-    event.at = to_pixels(window, x, y);
+    event.at = self(window).pointer_;
     return event;
   }
   static Point to_pixels(GLFWwindow* window, double x, double y) {
@@ -116,7 +114,8 @@ struct Window::Callbacks {
     event.shift = mods & GLFW_MOD_SHIFT;
   }
   static void on_move(GLFWwindow* window, double x, double y) {
-    add(window, Event::Kind::move).at = to_pixels(window, x, y);
+    self(window).pointer_ = to_pixels(window, x, y);
+    add(window, Event::Kind::move);
   }
   static void on_scroll(GLFWwindow* window, double, double y) { add(window, Event::Kind::scroll).amount = y; }
   static void on_key(GLFWwindow* window, int key, int, int action, int mods) {
@@ -133,6 +132,7 @@ struct Window::Callbacks {
     add(window, focused ? Event::Kind::other : Event::Kind::focus_lost);
   }
   static void on_resize(GLFWwindow* window, int, int) { add(window, Event::Kind::other); }
+  static void on_enter(GLFWwindow* window, int) { add(window, Event::Kind::other); }
   static void on_refresh(GLFWwindow* window) { add(window, Event::Kind::other); }
 
   static void install(GLFWwindow* window) {
@@ -142,6 +142,7 @@ struct Window::Callbacks {
     glfwSetKeyCallback(window, on_key);
     glfwSetDropCallback(window, on_drop);
     glfwSetWindowFocusCallback(window, on_focus);
+    glfwSetCursorEnterCallback(window, on_enter);
     glfwSetFramebufferSizeCallback(window, on_resize);
     glfwSetWindowRefreshCallback(window, on_refresh);
   }

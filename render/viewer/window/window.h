@@ -71,6 +71,7 @@ class Window {
   GLFWwindow* window_ = nullptr;
   std::string missing_gl45_;
   std::vector<Event> events_;
+  Point pointer_;  // where the last movement ended: the pointer may be elsewhere when events are handled late
 };
 
 // Called, once, when the connection to the display is lost; the process ends with status 1 when it returns. It must not

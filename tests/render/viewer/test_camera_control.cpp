@@ -92,6 +92,16 @@ TEST(CameraControl, NarrowPicturesAreSeenFromFartherAway) {
   }
 }
 
+TEST(CameraControl, AxesAreSeenFromTheCamera) {
+  const auto near = [](Vec3d a, Vec3d b) { return length(a - b) < 1e-12; };
+  // From the front, z up: x to the right, y away from the eye.
+  const auto [x, y, z] = axes_in_view({{0, -3, 0}, {0, 0, 0}});
+  EXPECT_TRUE(near(x, {1, 0, 0}) && near(y, {0, 0, -1}) && near(z, {0, 1, 0}));
+  const auto turned = axes_in_view(orbit({{1, -3, 2}, {0, 0, 0}}, 0.4, 0.2));
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b) EXPECT_NEAR(dot(turned[a], turned[b]), a == b ? 1 : 0, 1e-12);
+}
+
 TEST(CameraControl, WhatIsNoCameraStays) {
   Camera broken = some_camera();
   broken.position.x = nan;

@@ -119,31 +119,6 @@ TEST_F(Drawing, CamerasThatCannotBeDrawnChangeNothing) {
   }
 }
 
-TEST_F(Drawing, PickingFindsTheSurface) {
-  const Image image = draw();
-  int hits = 0;
-  for (int y = 0; y < size.height; y += 7)
-    for (int x = 0; x < size.width; x += 7) {
-      const auto point = drawing_.pick(state_, 0, size, x, y);
-      const float depth = image.depth[static_cast<std::size_t>(y * size.width + x)];
-      ASSERT_EQ(point.has_value(), depth < 1);
-      if (!point) continue;
-      ++hits;
-      // Projected again it is where it was picked.
-      const Vec3f p = hierarchy().transform.to_normalised(*point);
-      const ViewProjection vp = view_projection(state_.camera, hierarchy(), size);
-      const auto row = [&](std::size_t r) {
-        return vp.m[4 * r] * p.x + vp.m[4 * r + 1] * p.y + vp.m[4 * r + 2] * p.z + vp.m[4 * r + 3];
-      };
-      EXPECT_NEAR((row(0) / row(3) + 1) / 2 * size.width, x + 0.5, 0.01);
-      EXPECT_NEAR((1 - row(1) / row(3)) / 2 * size.height, y + 0.5, 0.01);
-      EXPECT_NEAR((row(2) / row(3) + 1) / 2, depth, 1e-5);
-    }
-  EXPECT_GT(hits, 20);
-  for (const auto& [x, y] : {std::pair{-1, 5}, {5, -1}, {size.width, 5}, {5, size.height}, {0, 0}})
-    EXPECT_FALSE(drawing_.pick(state_, 0, size, x, y));
-}
-
 TEST_F(Drawing, BoxesOfTheDrawnCellsAreInThePicture) {
   (void)draw();
   const std::vector<Line> lines = drawing_.box_lines(0, size);

@@ -353,15 +353,54 @@ TEST_F(Session, FocusFollowsTheSurface) {
     (void)session_.drawing().draw(session_.state, 1, half);
     return renderer_->read_back();
   }();
-  std::size_t hit = 0;
-  while (image.depth[hit] >= 1) ++hit;
+  std::vector<std::size_t> hits;
+  for (std::size_t i = 0; i < image.depth.size(); ++i)
+    if (image.depth[i] < 1) hits.push_back(i);
+  const std::size_t hit = hits[hits.size() / 3];
   const Point at{162 + static_cast<double>(hit % 160) + 0.5, static_cast<double>(hit / 160) + 0.5};
   session_.focus_at(at, window, 0);
   EXPECT_TRUE(session_.animated());
   session_.advance(1);
-  const auto point = session_.drawing().pick(session_.state, 1, half, 80, 60);
-  ASSERT_TRUE(point);
-  EXPECT_LT(length(*point - session_.state.camera.target), 0.1);
+  (void)session_.drawing().draw(session_.state, 1, half);
+  const auto surface = session_.drawing().surface_at(1, half, 80.5, 60.5);
+  ASSERT_TRUE(surface);
+  EXPECT_LT(length(session_.drawing().in_scene(*surface) - session_.state.camera.target), 0.1);
+}
+
+TEST_F(Session, ClicksMeasure) {
+  session_.open({lode_}, 0);
+  ASSERT_TRUE(opened());
+  ViewState& state = session_.state;
+  state.panel = false;
+  const ImageSize window{160, 120};
+  (void)session_.drawing().draw(state, 0, window);
+  const Image image = renderer_->read_back();
+  std::vector<Point> on_surface;
+  for (std::size_t i = 0; i < image.depth.size(); i += 41)
+    if (image.depth[i] < 1)
+      on_surface.push_back({static_cast<double>(i % 160) + 0.5, static_cast<double>(i / 160) + 0.5});
+  const auto click = [&](Point at, double now) {
+    session_.navigation.press(Button::left, at, now);
+    session_.navigation.release(Button::left, at, now + 0.05);
+    session_.use_clicks(window, now);
+  };
+  click(on_surface[0], 0);
+  EXPECT_TRUE(state.measure.points.empty());  // not while it is off
+  apply(Action::toggle_measure, state);
+  click({1, 1}, 1);  // background
+  EXPECT_TRUE(state.measure.points.empty());
+  click(on_surface[0], 2);
+  EXPECT_EQ(distance(state.measure), std::nullopt);
+  click(on_surface[0], 2.1);  // a double click measures, too
+  EXPECT_EQ(distance(state.measure), 0);
+  EXPECT_FALSE(session_.animated());
+  click(on_surface.front(), 3);
+  click(on_surface.back(), 4);
+  const auto at = [&](Point p) {
+    return session_.drawing().in_scene(*session_.drawing().surface_at(0, window, p.x, p.y));
+  };
+  EXPECT_EQ(distance(state.measure), length(at(on_surface.back()) - at(on_surface.front())));
+  EXPECT_GT(*distance(state.measure), 0.1);
 }
 
 }  // namespace

@@ -1,0 +1,57 @@
+// Legends: the meaning of the colours of a picture.
+#include <gtest/gtest.h>
+
+#include "render/frame/shading.h"
+#include "render/viewer/session/band_tint.h"
+#include "render/viewer/session/legend.h"
+
+namespace lodestone::viewer {
+namespace {
+
+Frame frame_of(Selection& selection) {
+  Frame frame;
+  frame.only().selection = &selection;
+  return frame;
+}
+
+TEST(Legend, OwnColoursNeedNone) {
+  Selection selection;
+  EXPECT_TRUE(legends_of({}, frame_of(selection)).empty());
+}
+
+TEST(Legend, LevelsThatAreSeenAreListedOnce) {
+  Selection selection;
+  for (const auto& [level, visible] : {std::pair{3, true}, {1, true}, {3, true}, {2, false}, {9, true}})
+    selection.cells.push_back({CellId(0), static_cast<std::uint8_t>(level), visible, false});
+  ViewSettings settings;
+  settings.tint = true;
+  const std::vector<Legend> legends = legends_of(settings, frame_of(selection));
+  ASSERT_EQ(legends.size(), 1u);
+  const std::vector<Legend::Entry> expected{
+      {shading::tint_of(1), "1"}, {shading::tint_of(3), "3"}, {shading::tint_of(9), "9"}};
+  EXPECT_EQ(legends[0].entries, expected);
+}
+
+TEST(Legend, TheBandGoesFromItsBeginToItsEnd) {
+  Selection selection;
+  ViewSettings settings;
+  settings.tint = settings.band = true;
+  const std::vector<Legend> legends = legends_of(settings, frame_of(selection));
+  ASSERT_EQ(legends.size(), 2u);
+  EXPECT_EQ(legends[1].entries.front().colour, band_colour(1));
+  EXPECT_EQ(legends[1].entries.back().colour, band_colour(0));
+}
+
+TEST(Legend, CountsReplaceAllElse) {
+  Selection selection;
+  ViewSettings settings;
+  settings.tint = settings.band = settings.overdraw = true;
+  const std::vector<Legend> legends = legends_of(settings, frame_of(selection));
+  ASSERT_EQ(legends.size(), 1u);
+  for (const auto& [colour, label] : legends[0].entries)
+    EXPECT_EQ(colour, shading::overdraw_colour(static_cast<std::uint32_t>(std::stoul(label))));
+  EXPECT_EQ(legends[0].entries.back().label, "16 or more");
+}
+
+}  // namespace
+}  // namespace lodestone::viewer
