@@ -2,17 +2,27 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "core/mesh/generate.h"
+#include "core/spherical/octahedron/cut_choice.h"
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/spherical/octahedron/sphere_raster.h"
 #include "core/spherical/octahedron/unfold.h"
 #include "core/spherical/resample/resampler.h"
+#include "core/spherical/topology/make_spheres.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/mesh/load.h"
+#include "parallel/scheduler/clock.h"
+#include "parallel/spherical/map_to_sphere.h"
 
 namespace {
 
@@ -145,6 +155,85 @@ void covering(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * std::int64_t{n} * n);
 }
 
+// The largest component of a textured scan, as `lodestone spherical` maps it; without triangles if there is no file.
+struct Scan {
+  IndexedMesh mesh;
+  Surface surface;
+  std::vector<Vec3d> directions;
+
+  explicit Scan(const std::string& file) {
+    const std::filesystem::path path = std::filesystem::path(LODESTONE_DATA_DIR) / file;
+    if (!std::filesystem::exists(path)) return;
+    const auto scheduler = make_serial_scheduler();
+    Repairs repairs;
+    mesh = prepare_mesh(load_mesh(path, *scheduler), repairs, *scheduler);
+    Spheres spheres = make_spheres(mesh);
+    surface = std::move(*std::ranges::max_element(spheres.surfaces, {},
+                                                  [](const Surface& component) { return component.triangles.size(); }));
+    SphereMapReport report;
+    directions = map_to_sphere(surface.positions, surface.triangles, {}, *scheduler, report);
+    directions = rotated(directions, CutMeasure(surface.positions, surface.triangles, directions).choose().rotation);
+  }
+};
+
+const Scan& scan(const std::string& file) {
+  static std::map<std::string, std::unique_ptr<Scan>> scans;
+  std::unique_ptr<Scan>& kept = scans[file];
+  if (!kept) kept = std::make_unique<Scan>(file);
+  return *kept;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  return values[values.size() / 2];
+}
+
+// Colours and normals of a scan; a pixel is one place of both images. `drawn` counts all that makes the images from
+// loaded textures, `whole` the textures' decoding and levels besides; both are medians of processor time.
+void resampling_scan(benchmark::State& state, const std::string& file) {
+  const Scan& subject = scan(file);
+  if (subject.surface.triangles.empty()) return state.SkipWithError("no such model: run scripts/data");
+  const ResampleConfig config{.size = static_cast<std::uint32_t>(state.range(0))};
+  std::vector<double> loading, preparing, placing, drawing, finishing, drawn;
+  const auto add = [](std::vector<double>& to, double& since) {
+    const double now = thread_cpu_seconds();
+    to.push_back(now - since);
+    since = now;
+  };
+  for (auto _ : state) {
+    double since = thread_cpu_seconds();
+    const auto mesh = std::make_shared<MeshSource>(subject.mesh);
+    for (std::size_t t = 0; t < mesh->texture_count(); ++t) mesh->load(t);
+    add(loading, since);
+    const double begin = since;
+    const SurfaceSource source(mesh, subject.surface, subject.directions);
+    Resampler resampler(subject.surface, subject.directions, source, config);
+    add(preparing, since);
+    resampler.raster().prepare();
+    add(placing, since);
+    SampleTile room;
+    for (std::size_t tile = 0; tile < resampler.raster().tile_count(); ++tile) resampler.draw(tile, room);
+    add(drawing, since);
+    benchmark::DoNotOptimize(resampler.finish());
+    add(finishing, since);
+    drawn.push_back(since - begin);
+  }
+  const double megapixels = static_cast<double>(config.size) * config.size / 1e6;
+  state.counters["drawn_mpixel/s"] = megapixels / median(drawn);
+  state.counters["whole_mpixel/s"] = megapixels / (median(drawn) + median(loading));
+  state.counters["load_ms"] = 1e3 * median(loading);
+  state.counters["source_ms"] = 1e3 * median(preparing);
+  state.counters["place_ms"] = 1e3 * median(placing);
+  state.counters["draw_ms"] = 1e3 * median(drawing);
+  state.counters["finish_ms"] = 1e3 * median(finishing);
+}
+
+constexpr const char *hermes = "textured/Hermes/Hermes.obj", *gutenberg = "textured/Gutenberg/Gutenberg.obj",
+                     *shepherd = "textured/ShepherdBoy/ShepherdBoy.obj", *nymph = "textured/Nymph/Nymph.obj";
+BENCHMARK_CAPTURE(resampling_scan, hermes, hermes)->Arg(1024)->Arg(2048)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(resampling_scan, gutenberg, gutenberg)->Arg(1024)->Arg(2048)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(resampling_scan, shepherd, shepherd)->Arg(1024)->Arg(2048)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(resampling_scan, nymph, nymph)->Arg(1024)->Arg(2048)->Unit(benchmark::kMillisecond);
 BENCHMARK(square_to_sphere);
 BENCHMARK(sphere_to_square);
 BENCHMARK(covering)->Unit(benchmark::kMillisecond);
