@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/lanes/float4x3.h"
 #include "core/spatial/point_triangle.h"
 
 namespace lodestone {
@@ -10,12 +11,6 @@ namespace {
 
 constexpr float thin_sine2 = 1e-4f;
 constexpr float least_side2 = 1e-30f;  // of a side that has a length in single precision
-
-Float4 dot(const Float4x3& a, const Float4x3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Float4x3 operator-(const Float4x3& a, const Float4x3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Float4x3 cross(const Float4x3& a, const Float4x3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 // Squared distance of o from the segment from the origin to e; e is not zero.
 Float4 from_segment(const Float4x3& o, const Float4x3& e) {

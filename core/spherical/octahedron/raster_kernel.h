@@ -30,9 +30,9 @@ inline constexpr std::uint32_t no_triangle = 0xFFFF'FFFFu;
 struct SampleTile {
   static constexpr std::uint32_t side = 64;  // the greatest width and height; a multiple of 4
   std::uint32_t x = 0, y = 0, width = 0, height = 0;
-  std::array<std::vector<double>, 3> direction;  // components
-  std::vector<std::uint32_t> triangle;           // no_triangle where the mesh leaves a hole
-  std::array<std::vector<float>, 3> weight;      // barycentric, of sum 1; nothing without a triangle
+  std::array<std::vector<double>, 3> ray;    // components of vectors along the directions, of any length
+  std::vector<std::uint32_t> triangle;       // no_triangle where the mesh leaves a hole
+  std::array<std::vector<float>, 3> weight;  // barycentric, of sum 1; nothing without a triangle
 };
 
 // Samples [left, right) x [top, bottom) of a tile.
@@ -41,8 +41,8 @@ struct TileWindow {
 };
 
 struct RasterKernel {
-  // Sets the directions of a tile from its place; memory is reused. The same bits as direction_of().
-  void (*set_directions)(const SampleGrid& grid, SampleTile& tile);
+  // Sets the rays of a tile from its place; memory is reused. direction_of() without its division by the length.
+  void (*set_rays)(const SampleGrid& grid, SampleTile& tile);
   // Gives the samples of the window that are within the three planes, and have no triangle yet, to the triangle. Its
   // normals are those of the planes through the centre and the edge opposite to each corner.
   void (*cover)(std::uint32_t triangle, const std::array<Vec3d, 3>& normals, const TileWindow& window,

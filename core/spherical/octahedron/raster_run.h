@@ -20,30 +20,29 @@ inline Double4 polynomial_b(Double4 u, Double4 v) {
   return ((all4d(b_0) + all4d(b_1) * (u + v)) + all4d(b_2) * (u * u + v * v)) + all4d(b_uv) * (u * v);
 }
 
-// direction_of(), operation by operation.
-inline Vec4x3 directions_of(Double4 s, Double4 t) {
+// direction_of() before it is made of unit length, operation by operation: planes do not ask for lengths.
+inline Vec4x3 rays_of(Double4 s, Double4 t) {
   const Double4 one = all4d(1), x = all4d(2) * s - one, y = one - all4d(2) * t;
   const Double4 across = abs(x), up = abs(y);
   const Mask4 south = one < across + up;
   const Double4 u = select(south, one - up, across), v = select(south, one - across, up);
   const Vec4x3 q{u * polynomial_a(u, v), v * polynomial_a(v, u), (one - (u + v)) * polynomial_b(u, v)};
-  const Double4 scale = one / sqrt((q.x * q.x + q.y * q.y) + q.z * q.z);
-  return {copysign(scale * q.x, x), copysign(scale * q.y, y), select(south, all4d(-1), one) * (scale * q.z)};
+  return {copysign(q.x, x), copysign(q.y, y), select(south, all4d(-1), one) * q.z};
 }
 
-inline void set_directions(const SampleGrid& grid, SampleTile& tile) {
+inline void set_rays(const SampleGrid& grid, SampleTile& tile) {
   constexpr std::uint32_t side = SampleTile::side;
-  for (std::vector<double>& component : tile.direction) component.resize(std::size_t{side} * side);
+  for (std::vector<double>& component : tile.ray) component.resize(std::size_t{side} * side);
   std::array<double, side> columns;
   for (std::uint32_t x = 0; x < side; ++x) columns[x] = grid.coordinate(tile.x + x);
   for (std::uint32_t y = 0; y < tile.height; ++y) {
     const Double4 row = all4d(grid.coordinate(tile.y + y));
     for (std::uint32_t x = 0; x < side; x += 4) {
-      const Vec4x3 d = directions_of(load4(&columns[x]), row);
+      const Vec4x3 ray = rays_of(load4(&columns[x]), row);
       const std::size_t sample = std::size_t{y} * side + x;
-      store(&tile.direction[0][sample], d.x);
-      store(&tile.direction[1][sample], d.y);
-      store(&tile.direction[2][sample], d.z);
+      store(&tile.ray[0][sample], ray.x);
+      store(&tile.ray[1][sample], ray.y);
+      store(&tile.ray[2][sample], ray.z);
     }
   }
 }
@@ -58,8 +57,7 @@ inline void cover(std::uint32_t triangle, const std::array<Vec3d, 3>& normals, c
   for (std::uint32_t y = window.top; y < window.bottom; ++y)
     for (std::uint32_t x = window.left & ~3u; x < window.right; x += 4) {
       const std::size_t sample = std::size_t{y} * SampleTile::side + x;
-      const Vec4x3 d{load4(&tile.direction[0][sample]), load4(&tile.direction[1][sample]),
-                     load4(&tile.direction[2][sample])};
+      const Vec4x3 d{load4(&tile.ray[0][sample]), load4(&tile.ray[1][sample]), load4(&tile.ray[2][sample])};
       const Double4 first = dot(p, d), second = dot(q, d), third = dot(r, d), sum = (first + second) + third;
       // Without area the sum is zero.
       const Mask4 beyond = (first < zero) | (second < zero) | (third < zero), whole = zero < sum;
@@ -76,7 +74,7 @@ inline void cover(std::uint32_t triangle, const std::array<Vec3d, 3>& normals, c
     }
 }
 
-inline constexpr RasterKernel raster_functions{&set_directions, &cover};
+inline constexpr RasterKernel raster_functions{&set_rays, &cover};
 
 }  // namespace LODESTONE_LANES
 }  // namespace lodestone::spherical

@@ -166,7 +166,7 @@ void SphereRaster::cover(std::size_t index, SampleTile& tile) const {
   tile.x = static_cast<std::uint32_t>(index % tiles_) * SampleTile::side;
   tile.y = static_cast<std::uint32_t>(index / tiles_) * SampleTile::side;
   tile.width = std::min(SampleTile::side, grid_.n - tile.x), tile.height = std::min(SampleTile::side, grid_.n - tile.y);
-  kernel_.set_directions(grid_, tile);
+  kernel_.set_rays(grid_, tile);
   tile.triangle.assign(std::size_t{SampleTile::side} * SampleTile::side, no_triangle);
   for (std::vector<float>& weight : tile.weight) weight.resize(tile.triangle.size());
   for (std::uint32_t c = first_[index]; c < first_[index + 1]; ++c) {

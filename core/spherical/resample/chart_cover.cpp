@@ -25,7 +25,7 @@ class Cover {
   void add_barycentre(const ChartTriangle& triangle) {
     TexelPoint sum;
     for (const TexelPoint p : texel_points(triangle)) sum = {sum.x + p.x / 3, sum.y + p.y / 3};
-    set(std::llround(sum.x), std::llround(sum.y));
+    set(std::llround(sum.x), std::llround(sum.x), std::llround(sum.y));
   }
 
  private:
@@ -35,8 +35,12 @@ class Cover {
       points[k] = {double{triangle.uv[k].x} * size_.width - 0.5, double{triangle.uv[k].y} * size_.height - 0.5};
     return points;
   }
-  void set(std::int64_t x, std::int64_t y) {
-    covered[std::size_t{wrapped(y, size_.height, wrap_v_)} * size_.width + wrapped(x, size_.width, wrap_u_)] = 1;
+  void set(std::int64_t left, std::int64_t right, std::int64_t y) {
+    std::uint8_t* const row = &covered[std::size_t{wrapped(y, size_.height, wrap_v_)} * size_.width];
+    if (left >= 0 && right < size_.width)
+      std::fill(row + left, row + right + 1, std::uint8_t{1});
+    else
+      for (std::int64_t x = left; x <= right; ++x) row[wrapped(x, size_.width, wrap_u_)] = 1;
   }
   std::size_t add_row(const std::array<TexelPoint, 3>& points, double y);
 
@@ -59,8 +63,9 @@ std::size_t Cover::add_row(const std::array<TexelPoint, 3>& points, double y) {
   }
   if (!(left <= right)) return 0;
   const auto first = static_cast<std::int64_t>(std::ceil(left)), last = static_cast<std::int64_t>(std::floor(right));
-  for (std::int64_t x = first; x <= last; ++x) set(x, static_cast<std::int64_t>(y));
-  return static_cast<std::size_t>(std::max<std::int64_t>(last - first + 1, 0));
+  if (first > last) return 0;
+  set(first, last, static_cast<std::int64_t>(y));
+  return static_cast<std::size_t>(last - first + 1);
 }
 
 std::size_t Cover::add(const ChartTriangle& triangle) {

@@ -30,19 +30,35 @@ struct ChartTriangle {
 template <class Index, class Mean>
 std::size_t extend_cover(std::span<std::uint8_t> covered, PixelSize size, std::size_t rings, const Index& index,
                          const Mean& mean) {
+  const std::size_t width = size.width, height = size.height;
   const auto neighbours = [&](std::size_t texel, const auto& body) {
-    const auto x = static_cast<std::int64_t>(texel % size.width), y = static_cast<std::int64_t>(texel / size.width);
-    for (std::int64_t j = y - 1; j <= y + 1; ++j)
-      for (std::int64_t i = x - 1; i <= x + 1; ++i)
-        if (i != x || j != y) body(static_cast<std::size_t>(index(i, j)));
+    const std::size_t y = texel / width, x = texel - y * width;
+    const bool is_inner = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
+    for (int j = -1; j <= 1; ++j)
+      for (int i = -1; i <= 1; ++i) {
+        if (i == 0 && j == 0) continue;
+        const auto to_x = static_cast<std::int64_t>(x) + i, to_y = static_cast<std::int64_t>(y) + j;
+        body(is_inner ? static_cast<std::size_t>(to_y) * width + static_cast<std::size_t>(to_x)
+                      : static_cast<std::size_t>(index(to_x, to_y)));
+      }
   };
   // Beside covered texels, each once; 2 marks them until their ring is complete.
   std::vector<std::size_t> ring, next, sources;
-  for (std::size_t texel = 0; texel < covered.size(); ++texel) {
-    if (covered[texel] != 0) continue;
-    bool beside = false;
-    neighbours(texel, [&](std::size_t other) { beside = beside || covered[other] == 1; });
-    if (beside) ring.push_back(texel);
+  std::vector<std::uint8_t> columns(width);  // 1: the texel, the one above or the one below is covered
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::uint8_t* const row = &covered[y * width];
+    const bool is_inner = y > 0 && y + 1 < height;
+    for (std::size_t x = 0; is_inner && x < width; ++x)
+      columns[x] = static_cast<std::uint8_t>(row[x] | (row - width)[x] | (row + width)[x]);
+    for (std::size_t x = 0; x < width; ++x) {
+      if (row[x] != 0) continue;
+      bool beside = false;
+      if (is_inner && x > 0 && x + 1 < width)
+        beside = (columns[x - 1] | columns[x] | columns[x + 1]) != 0;
+      else
+        neighbours(y * width + x, [&](std::size_t other) { beside = beside || covered[other] == 1; });
+      if (beside) ring.push_back(y * width + x);
+    }
   }
   std::size_t made = 0;
   for (; made < rings && !ring.empty(); ++made) {

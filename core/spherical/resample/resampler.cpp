@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -12,24 +13,6 @@
 
 namespace lodestone::spherical {
 namespace {
-
-constexpr std::size_t most_samples = 64;
-// Two points of a chart whose texture coordinates are further apart than a pixel covers, times this, are on both sides
-// of a border of the chart with itself.
-constexpr float reach = 4;
-
-Vec2f difference(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
-float extent(Vec2f a) { return std::max(std::abs(a.x), std::abs(a.y)); }
-
-// The side of a sample in the middle of the tile, from the diagonal of its neighbours; of a single one, anything.
-float side_in(const SampleTile& tile) {
-  const std::uint32_t x = tile.width / 2, y = tile.height / 2;
-  const std::size_t at = std::size_t{y} * SampleTile::side + x;
-  const std::size_t before = at - (x > 0 ? 1 : 0) - (y > 0 ? SampleTile::side : 0);
-  double square = 0;
-  for (const std::vector<double>& d : tile.direction) square += (d[at] - d[before]) * (d[at] - d[before]);
-  return static_cast<float>(std::sqrt(0.5 * square));
-}
 
 ResampleConfig checked(const ResampleConfig& config) {
   const bool sides = config.sides == 2 || config.sides == 4 || config.sides == 8;
@@ -42,29 +25,6 @@ ResampleConfig checked(const ResampleConfig& config) {
 
 }  // namespace
 
-struct Resampler::Pixel {
-  std::array<SurfacePoint, most_samples> point;  // those that have a source
-  std::array<Vec2f, most_samples> uv;
-  std::size_t count = 0;
-  float side = 0;       // of a sample on the sphere, in the middle of the tile
-  bool whole = false;   // all samples are in one part of one chart; if in one triangle, `point` is their mean alone
-  Footprint footprint;  // if whole
-};
-
-struct Resampler::Row {
-  struct Job {
-    std::size_t number = 0;  // of the pixel
-    float samples = 0;
-    std::size_t points_begin = 0, points_end = 0;  // of points
-    SurfaceTaps taps;
-  };
-  std::vector<Job> jobs;
-  std::vector<SurfacePoint> points;
-  TapList taps;
-  TextureFrame frame;
-  void clear() { jobs.clear(), points.clear(), taps.count = 0; }
-};
-
 Resampler::Resampler(const Surface& surface, std::span<const Vec3d> directions, const SurfaceSource& source,
                      const ResampleConfig& config)
     : source_(source),
@@ -76,185 +36,94 @@ Resampler::Resampler(const Surface& surface, std::span<const Vec3d> directions, 
   covered_.resize(pixels);
 }
 
-// The same as gather(), faster, if all samples are in one triangle; else returns false.
-bool Resampler::gather_single(const SampleTile& tile, std::size_t first, Pixel& pixel) const {
-  const std::size_t sides = config_.sides, right = sides - 1, below = right * SampleTile::side;
-  const std::uint32_t triangle = tile.triangle[first];
-  for (std::size_t j = 0; j < sides; ++j)
-    for (std::size_t i = 0; i < sides; ++i)
-      if (tile.triangle[first + j * SampleTile::side + i] != triangle) return false;
-  if (triangle == no_triangle || !source_.has(triangle)) return false;
-  pixel.whole = true, pixel.count = 1;
-  SurfacePoint& middle = pixel.point[0];
-  middle.triangle = triangle;
-  const float scale = 0.5f * static_cast<float>(sides) / static_cast<float>(sides - 1);
-  std::array<float, 3> by_x, by_y;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float* const w = &tile.weight[c][first];
-    float sum = 0;
-    for (std::size_t j = 0; j < sides; ++j)
-      for (std::size_t i = 0; i < sides; ++i) sum += w[j * SampleTile::side + i];
-    middle.weight[c] = sum / static_cast<float>(sides * sides);
-    by_x[c] = scale * ((w[right] - w[0]) + (w[below + right] - w[below]));
-    by_y[c] = scale * ((w[below] - w[0]) + (w[below + right] - w[right]));
+// The sums over the parts of each pixel of a row; memory is reused.
+struct Resampler::Row {
+  PixelRow pixels;
+  std::vector<Float4> mapped{}, normal{};                       // by point
+  std::array<Float4, PixelRow::most_pixels> light{}, vector{};  // by pixel
+  std::array<float, PixelRow::most_pixels> samples{};           // by pixel; 0: without a source
+};
+
+// Light and vectors are added up with the samples as weight. The first part of a pixel has its number.
+void Resampler::add_up(Row& row) const {
+  const std::span<const PixelPart> parts = row.pixels.parts();
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const PixelPart& part = parts[p];
+    if (p == part.x) row.samples[p] = 0, row.light[p] = row.vector[p] = Float4{};
+    if (part.samples == 0) continue;
+    row.samples[part.x] += part.samples;
+    if (config_.colours)
+      row.light[part.x] += all4(part.samples) * source_.colour(row.pixels.points(p), row.pixels.colour_taps(p));
   }
-  pixel.footprint = source_.footprint(middle, by_x, by_y);
-  return true;
+  if (config_.normals) add_normals(row);
 }
 
-// True if two samples are on one side of all borders of charts.
-bool Resampler::are_together(const Pixel& pixel, std::size_t k, std::size_t l) const {
-  const std::uint32_t triangle = pixel.point[k].triangle, other = pixel.point[l].triangle;
-  const float allowed = reach * source_.uv_scale(triangle) * pixel.side * static_cast<float>(config_.sides);
-  return triangle == other ||
-         (source_.chart(triangle) == source_.chart(other) && extent(difference(pixel.uv[k], pixel.uv[l])) <= allowed);
-}
-
-// False if no sample has a source.
-bool Resampler::gather(const SampleTile& tile, std::size_t first, Pixel& pixel) const {
-  if (gather_single(tile, first, pixel)) return true;
-  const std::size_t sides = config_.sides;
-  pixel.count = 0;
-  for (std::size_t j = 0; j < sides; ++j)
-    for (std::size_t i = 0; i < sides; ++i) {
-      const std::size_t sample = first + j * SampleTile::side + i;
-      const std::uint32_t triangle = tile.triangle[sample];
-      if (triangle == no_triangle || !source_.has(triangle)) continue;
-      SurfacePoint& point = pixel.point[pixel.count];
-      point = {triangle, {tile.weight[0][sample], tile.weight[1][sample], tile.weight[2][sample]}};
-      pixel.uv[pixel.count++] = source_.uv(point);
-    }
-  if (pixel.count == 0) return false;
-  pixel.whole = pixel.count == sides * sides;
-  for (std::size_t k = 1; k < pixel.count && pixel.whole; ++k) pixel.whole = are_together(pixel, 0, k);
-  if (!pixel.whole) return true;
-  // From corner to corner, means over both sides, extended by one sample.
-  const Vec2f a = pixel.uv[0], b = pixel.uv[sides - 1], c = pixel.uv[pixel.count - sides],
-              d = pixel.uv[pixel.count - 1];
-  const float scale = 0.5f * static_cast<float>(sides) / static_cast<float>(sides - 1);
-  pixel.footprint = {{0.25f * ((a.x + d.x) + (b.x + c.x)), 0.25f * ((a.y + d.y) + (b.y + c.y))},
-                     {scale * ((b.x - a.x) + (d.x - c.x)), scale * ((b.y - a.y) + (d.y - c.y))},
-                     {scale * ((c.x - a.x) + (d.x - b.x)), scale * ((c.y - a.y) + (d.y - b.y))}};
-  return true;
-}
-
-// The normal need not be of unit length.
-void Resampler::set(std::size_t number, Float4 colour, Vec3f normal) {
-  if (config_.colours)
-    for (int c = 0; c < 4; ++c) images_.colour.values[4 * number + static_cast<std::size_t>(c)] = colour[c];
-  if (!config_.normals) return;
-  const float size = length(normal);
-  if (size > 0) normal = (1 / size) * normal;
-  images_.normal.values[3 * number] = normal.x;
-  images_.normal.values[3 * number + 1] = normal.y;
-  images_.normal.values[3 * number + 2] = normal.z;
-}
-
-// Jobs of one pixel follow each other: light and vectors are added up with the samples as weight.
-void Resampler::draw_jobs(Row& row) {
-  for (std::size_t k = 0; k < row.jobs.size();) {
-    const std::size_t number = row.jobs[k].number;
-    Float4 colour{};
-    Vec3f normal{};
-    float weight = 0;
-    for (; k < row.jobs.size() && row.jobs[k].number == number; ++k) {
-      const Row::Job& job = row.jobs[k];
-      const std::span<const SurfacePoint> points(&row.points[job.points_begin], job.points_end - job.points_begin);
-      weight += job.samples;
-      if (config_.colours)
-        colour +=
-            all4(job.samples) * source_.colour(points, row.taps.between(job.taps.colour_begin, job.taps.colour_end));
-      if (config_.normals)
-        normal =
-            normal + job.samples * source_.normal(points, row.taps.between(job.taps.normal_begin, job.taps.normal_end),
-                                                  row.frame);
-    }
-    set(number, all4(1 / weight) * colour, normal);
+void Resampler::add_normals(Row& row) const {
+  const std::span<const PixelPart> parts = row.pixels.parts();
+  row.mapped.resize(row.pixels.points().size()), row.normal.resize(row.mapped.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (parts[p].samples == 0) continue;
+    const Float4 mapped = source_.mapped_normal(row.pixels.triangle(p), row.pixels.normal_taps(p));
+    for (std::uint32_t k = parts[p].points_begin; k < parts[p].points_end; ++k) row.mapped[k] = mapped;
   }
+  source_.set_normals(row.pixels.points(), row.mapped, row.normal);
+  for (const PixelPart& part : parts)
+    if (part.samples > 0)
+      for (std::uint32_t k = part.points_begin; k < part.points_end; ++k)
+        row.vector[part.x] += all4(part.samples) * row.normal[k];
 }
 
-// The samples of one part of a chart, with a footprint of their area; those in one triangle become one point.
-void Resampler::add_job(std::size_t number, std::span<const SurfacePoint> points, const Footprint& footprint,
-                        Row& row) const {
-  const std::size_t first = row.points.size();
-  const auto samples = static_cast<float>(points.size());
-  for (const SurfacePoint& point : points) {
-    const auto same = std::find_if(row.points.begin() + static_cast<std::ptrdiff_t>(first), row.points.end(),
-                                   [&](const SurfacePoint& p) { return p.triangle == point.triangle; });
-    SurfacePoint& sum = same == row.points.end() ? row.points.emplace_back(SurfacePoint{point.triangle, {}}) : *same;
-    for (std::size_t c = 0; c < 3; ++c) sum.weight[c] += point.weight[c] / samples;
+// `first` is the number of the row's first pixel.
+void Resampler::set(const Row& row, std::size_t first, std::size_t count) {
+  for (std::size_t x = 0; x < count; ++x) {
+    if (row.samples[x] == 0) continue;
+    covered_[first + x] = 1;
+    if (config_.colours) store(&images_.colour.values[4 * (first + x)], all4(1 / row.samples[x]) * row.light[x]);
+    if (!config_.normals) continue;
+    const Vec3f normal = to_vec3f(row.vector[x]);
+    const float size = length(normal), scale = size > 0 ? 1 / size : 0;
+    float* const to = &images_.normal.values[3 * (first + x)];
+    to[0] = scale * normal.x, to[1] = scale * normal.y, to[2] = scale * normal.z;
   }
-  Row::Job& job = row.jobs.emplace_back(Row::Job{number, samples, first, row.points.size(), {}});
-  job.taps = source_.add_taps(points[0].triangle, footprint, {config_.colours, config_.normals}, row.taps);
-}
-
-// Samples on both sides of a border between charts: those that belong together.
-void Resampler::add_parts(std::size_t number, Pixel& pixel, Row& row) const {
-  for (std::size_t begin = 0, end = 0; begin < pixel.count; begin = end) {
-    Vec2f centre = pixel.uv[begin];
-    end = begin + 1;
-    for (std::size_t k = end; k < pixel.count; ++k) {
-      if (!are_together(pixel, begin, k)) continue;
-      std::swap(pixel.point[k], pixel.point[end]);
-      std::swap(pixel.uv[k], pixel.uv[end]);
-      centre = {centre.x + pixel.uv[end].x, centre.y + pixel.uv[end].y};
-      ++end;
-    }
-    const auto samples = static_cast<float>(end - begin);
-    const float side = source_.uv_scale(pixel.point[begin].triangle) * pixel.side * std::sqrt(samples);
-    const Footprint footprint{{centre.x / samples, centre.y / samples}, {side, 0}, {0, side}};
-    add_job(number, std::span(pixel.point).subspan(begin, end - begin), footprint, row);
-  }
-}
-
-void Resampler::draw_row(const SampleTile& tile, std::uint32_t y, Pixel& pixel, Row& row) {
-  row.clear();
-  for (std::uint32_t x = 0; x < tile.width / config_.sides; ++x) {
-    const std::size_t first = (std::size_t{y} * SampleTile::side + x) * config_.sides,
-                      later = first + prefetch_distance;
-    if (later < tile.triangle.size() && tile.triangle[later] != no_triangle) source_.prefetch(tile.triangle[later]);
-    if (!gather(tile, first, pixel)) continue;
-    const std::size_t number = std::size_t{tile.y / config_.sides + y} * config_.size + (tile.x / config_.sides + x);
-    covered_[number] = 1;
-    if (pixel.whole) {
-      add_job(number, std::span(pixel.point).first(pixel.count), pixel.footprint, row);
-    } else {
-      add_parts(number, pixel, row);
-    }
-  }
-  draw_jobs(row);
 }
 
 void Resampler::draw(std::size_t tile, SampleTile& room) {
   raster_.cover(tile, room);
-  Pixel pixel;  // reused: larger than what is done with it
-  Row row;
-  pixel.side = side_in(room);
-  for (std::uint32_t y = 0; y < room.height / config_.sides; ++y) draw_row(room, y, pixel, row);
+  Row row{PixelRow(source_, config_.sides, {config_.colours, config_.normals})};
+  for (std::uint32_t y = 0; y < room.height / config_.sides; ++y) {
+    row.pixels.gather(room, y);
+    add_up(row);
+    set(row, std::size_t{room.y / config_.sides + y} * config_.size + room.x / config_.sides,
+        room.width / config_.sides);
+  }
 }
 
-void Resampler::fill(LinearImage& image, std::vector<std::uint8_t> covered) const {
-  if (image.values.empty() || std::ranges::count(covered, 1) == 0) return;
-  const std::size_t channels = image.channels, n = image.size.width;
+// Pixels without a source.
+void Resampler::fill() {
+  const auto n = static_cast<std::int64_t>(config_.size);
   const auto index = [n](std::int64_t x, std::int64_t y) {
-    const Texel at = continued({x, y}, static_cast<std::int64_t>(n));
-    return static_cast<std::size_t>(at.y) * n + static_cast<std::size_t>(at.x);
+    const Texel at = continued({x, y}, n);
+    return static_cast<std::size_t>(at.y * n + at.x);
   };
-  extend_cover(covered, image.size, covered.size(), index, [&](std::span<const std::size_t> from, std::size_t to) {
-    for (std::size_t c = 0; c < channels; ++c) {
+  const auto set_mean = [](std::span<const std::size_t> from, std::size_t to, LinearImage& image) {
+    for (std::size_t c = 0; c < image.channels && !image.values.empty(); ++c) {
       float sum = 0;
-      for (const std::size_t texel : from) sum += image.values[texel * channels + c];
-      image.values[to * channels + c] = sum / static_cast<float>(from.size());
+      for (const std::size_t texel : from) sum += image.values[texel * image.channels + c];
+      image.values[to * image.channels + c] = sum / static_cast<float>(from.size());
     }
-  });
+  };
+  extend_cover(covered_, {config_.size, config_.size}, covered_.size(), index,
+               [&](std::span<const std::size_t> from, std::size_t to) {
+                 set_mean(from, to, images_.colour);
+                 set_mean(from, to, images_.normal);
+               });
 }
 
 ResampledImages Resampler::finish() {
-  images_.filled = static_cast<std::uint64_t>(std::ranges::count(covered_, 0));
-  for (LinearImage* const image : {&images_.colour, &images_.normal}) {
-    fill(*image, covered_);
+  images_.filled = covered_.size() - std::accumulate(covered_.begin(), covered_.end(), std::uint64_t{0});
+  if (images_.filled > 0 && images_.filled < covered_.size()) fill();
+  for (LinearImage* const image : {&images_.colour, &images_.normal})
     if (!image->values.empty()) average_border(*image);
-  }
   return std::move(images_);
 }
 

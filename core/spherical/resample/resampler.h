@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/spherical/octahedron/sphere_raster.h"
+#include "core/spherical/resample/pixel_row.h"
 #include "core/spherical/resample/surface_source.h"
 #include "core/texture/downsample.h"
 
@@ -44,17 +45,11 @@ class Resampler {
   [[nodiscard]] ResampledImages finish();
 
  private:
-  struct Pixel;  // with its samples
-  struct Row;    // parts of pixels with a footprint each, until their texels have come
-  void draw_row(const SampleTile& tile, std::uint32_t y, Pixel& pixel, Row& row);
-  void add_job(std::size_t number, std::span<const SurfacePoint> points, const Footprint& footprint, Row& row) const;
-  void add_parts(std::size_t number, Pixel& pixel, Row& row) const;
-  void draw_jobs(Row& row);
-  void set(std::size_t number, Float4 colour, Vec3f normal);
-  [[nodiscard]] bool are_together(const Pixel& pixel, std::size_t k, std::size_t l) const;
-  [[nodiscard]] bool gather_single(const SampleTile& tile, std::size_t first, Pixel& pixel) const;
-  [[nodiscard]] bool gather(const SampleTile& tile, std::size_t first, Pixel& pixel) const;
-  void fill(LinearImage& image, std::vector<std::uint8_t> covered) const;
+  struct Row;
+  void add_up(Row& row) const;
+  void add_normals(Row& row) const;
+  void set(const Row& row, std::size_t first, std::size_t count);
+  void fill();
 
   const SurfaceSource& source_;
   ResampleConfig config_;

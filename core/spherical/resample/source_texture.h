@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,20 @@ namespace lodestone::spherical {
 // A parallelogram in texture coordinates: what a sample of another image covers.
 struct Footprint {
   Vec2f centre, along_x, along_y;
+};
+
+// Four of them, one in each lane.
+struct Footprint4 {
+  Float4 centre_u, centre_v, along_x_u, along_x_v, along_y_u, along_y_v;
+
+  [[nodiscard]] Footprint lane(std::size_t k) const {
+    return {{centre_u[k], centre_v[k]}, {along_x_u[k], along_x_v[k]}, {along_y_u[k], along_y_v[k]}};
+  }
+  // Lane k in all lanes.
+  [[nodiscard]] Footprint4 only(std::size_t k) const {
+    return {all4(centre_u[k]),  all4(centre_v[k]),  all4(along_x_u[k]),
+            all4(along_x_v[k]), all4(along_y_u[k]), all4(along_y_v[k])};
+  }
 };
 
 // A reading of a texture between four texels: a pair side by side of a row, and one of the next row.
@@ -47,10 +62,15 @@ class SourceTexture {
 
   // Colours: light times alpha, and alpha, in [0, 1]. Normals: components in [-1, 1]; the fourth means nothing.
   [[nodiscard]] Float4 filtered(const Footprint& footprint) const;
-  // The same in two steps, for many footprints at a time: the texels are asked for before they are needed.
-  void add_taps(const Footprint& footprint, TapList& taps) const;
+  // The same in two steps, for many footprints at a time: the texels are asked for before they are needed. The taps of
+  // the first `count` lanes follow each other; returns where those of each end. count: 1 to 4.
+  std::array<std::uint32_t, 4> add_taps(const Footprint4& footprints, std::size_t count, TapList& taps) const;
   void prefetch(std::span<const TextureTap> taps) const;
-  [[nodiscard]] Float4 value(std::span<const TextureTap> taps) const;
+  [[nodiscard]] Float4 value(std::span<const TextureTap> taps) const {
+    Float4 sum{};
+    for (const TextureTap& tap : taps) sum += weighted(tap);
+    return decoded(sum);
+  }
   // True if both have the same taps for any footprint.
   [[nodiscard]] bool has_taps_of(const SourceTexture& other) const {
     return levels_.front().size == other.levels_.front().size && wrap_u_ == other.wrap_u_ && wrap_v_ == other.wrap_v_;
@@ -61,9 +81,12 @@ class SourceTexture {
   using Texel = std::array<std::uint16_t, 4>;
   struct Level {
     PixelSize size;
-    std::size_t first = 0;  // of texels_
+    float width = 0, height = 0;  // the size
+    std::uint32_t first = 0;      // of texels_
     [[nodiscard]] std::size_t count() const { return std::size_t{size.width} * size.height; }
   };
+  struct Sampling4;
+  void set_finest(const PixelImage& image);
   void add_levels(std::vector<std::uint8_t> covered);
   void extend(const Level& level, std::vector<std::uint8_t>& covered);
   // Calls body(tap) for the taps whose sum is the value.
@@ -71,13 +94,34 @@ class SourceTexture {
   void for_each_tap(const Footprint& footprint, Body body) const;
   template <class Body>
   void tap(const Level& level, Vec2f uv, float weight, Body& body) const;
+  [[nodiscard]] Sampling4 sampling_of(const Footprint4& footprints) const;
+  bool add_inner_taps(const Footprint4& footprints, std::span<std::uint32_t> ends, TapList& taps) const;
   [[nodiscard]] Float4 weighted(const TextureTap& tap) const;
-  [[nodiscard]] Float4 decoded(Float4 sum) const;
+  [[nodiscard]] Float4 decoded(Float4 sum) const {
+    constexpr float scale = 1.0f / 65535;
+    return meaning_ == PixelMeaning::colours ? all4(scale) * sum : all4(2 * scale) * sum - all4(1);
+  }
 
   std::vector<Level> levels_;
   std::vector<Texel> texels_;  // of all levels; one more at the end, so that each begins a pair
   TextureWrap wrap_u_ = TextureWrap::repeat, wrap_v_ = TextureWrap::repeat;
   PixelMeaning meaning_ = PixelMeaning::colours;
 };
+
+inline Float4 SourceTexture::weighted(const TextureTap& tap) const {
+  using Short8 = std::uint16_t __attribute__((vector_size(16)));
+  const auto pair = [this](std::uint32_t first) {
+    Short8 texels;
+    std::memcpy(&texels, &texels_[first], sizeof texels);
+    return texels;
+  };
+  const auto numbers = [](Short8 v) { return __builtin_convertvector(reinterpret_cast<Int4>(v), Float4); };
+  const auto first = [&](Short8 v) { return numbers(__builtin_shufflevector(v, Short8{}, 0, 8, 1, 9, 2, 10, 3, 11)); };
+  const auto second = [&](Short8 v) { return numbers(__builtin_shufflevector(v, Short8{}, 4, 8, 5, 9, 6, 10, 7, 11)); };
+  const Short8 above = pair(tap.upper), below = pair(tap.lower);
+  const Float4 across = all4(tap.across), a = first(above), c = first(below);
+  const Float4 upper = a + across * (second(above) - a), lower = c + across * (second(below) - c);
+  return all4(tap.weight) * (upper + all4(tap.down) * (lower - upper));
+}
 
 }  // namespace lodestone::spherical

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
+#include "core/math/lanes/float4x3.h"
 #include "core/mesh/vertex_of.h"
 
 namespace lodestone::spherical {
@@ -22,11 +23,24 @@ Vec3f unit_or_zero(Vec3f v) {
 
 // A normal of tangent space: x is the direction in which u grows, made perpendicular to the normal, y is on the side
 // where v falls.
-Vec3f bent(const TextureFrame& frame, Vec3f normal, Vec3f mapped) {
-  const Vec3f t = unit_or_zero(frame.to_u - dot(normal, frame.to_u) * normal);
+Vec3f bent(Vec3f to_u, Vec3f to_v, Vec3f normal, Vec3f mapped) {
+  const Vec3f t = unit_or_zero(to_u - dot(normal, to_u) * normal);
   if (t == Vec3f{}) return normal;
   const Vec3f b = cross(normal, t);
-  return (mapped.x * t + (dot(b, frame.to_v) > 0 ? -mapped.y : mapped.y) * b) + mapped.z * normal;
+  return (mapped.x * t + (dot(b, to_v) > 0 ? -mapped.y : mapped.y) * b) + mapped.z * normal;
+}
+
+// Both in lanes.
+Float4x3 unit_or_zero(const Float4x3& v) {
+  const Float4 size = sqrt(dot(v, v));
+  return select(size > all4(0), all4(1) / size, all4(0)) * v;
+}
+Float4x3 bent(const Float4x3& to_u, const Float4x3& to_v, const Float4x3& normal, const Float4x3& mapped) {
+  const Float4x3 along = to_u - dot(normal, to_u) * normal;
+  const Float4 size = sqrt(dot(along, along));
+  const Float4x3 t = (all4(1) / size) * along, b = cross(normal, t);
+  const Float4 y = select(dot(b, to_v) > all4(0), -mapped.y, mapped.y);
+  return select(size > all4(0), (mapped.x * t + y * b) + mapped.z * normal, normal);
 }
 
 template <class Value>
@@ -67,6 +81,7 @@ void SurfaceSource::add_coordinates(const Surface& surface, std::span<const Vec3
     patch.uv = p, patch.to_b = {q.x - p.x, q.y - p.y}, patch.to_c = {r.x - p.x, r.y - p.y};
     const double mapped = double{patch.to_b.x} * patch.to_c.y - double{patch.to_c.x} * patch.to_b.y;
     if (area > 0) patch.uv_scale = static_cast<float>(std::sqrt(std::abs(mapped) / area));
+    if (source_->shade(patch.shade).normal_map != no_texture) set_frame(static_cast<std::uint32_t>(t));
   }
 }
 
@@ -102,6 +117,7 @@ void SurfaceSource::match_corners(const Surface& surface) {
 void SurfaceSource::match_part(const Surface& surface, std::uint32_t triangle) {
   const auto& wedges = mesh_.triangles[surface.source_triangle[triangle]].v;
   CornerWeights& corners = parts_[triangle];
+  patches_[triangle].is_part = 1;
   for (std::size_t k = 0; k < 3; ++k) {
     const SourceVertex vertex = surface.source_vertex[surface.triangles[triangle].v[k]];
     if (vertex == no_source) {
@@ -117,32 +133,72 @@ void SurfaceSource::match_part(const Surface& surface, std::uint32_t triangle) {
 }
 
 std::array<float, 3> SurfaceSource::weights(const SurfacePoint& point) const {
-  if (parts_.empty()) return point.weight;
-  const auto part = parts_.find(point.triangle);
-  if (part == parts_.end()) return point.weight;
+  if (patches_[point.triangle].is_part == 0) return point.weight;
+  const CornerWeights& corners = parts_.at(point.triangle);
   std::array<float, 3> sum{};
   for (std::size_t k = 0; k < 3; ++k)
-    for (std::size_t i = 0; i < 3; ++i) sum[i] += point.weight[k] * part->second[k][i];
+    for (std::size_t i = 0; i < 3; ++i) sum[i] += point.weight[k] * corners[k][i];
   return sum;
 }
 
-SurfaceTaps SurfaceSource::add_taps(std::uint32_t triangle, const Footprint& footprint, Looks looks,
-                                    TapList& taps) const {
-  const MeshSource::Shade& shade = shade_of(triangle);
+SurfaceSource::Patch4 SurfaceSource::patches(const std::array<std::uint32_t, 4>& triangles) const {
+  std::array<Float4, 4> first, rest;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Patch& patch = patches_[triangles[k]];
+    first[k] = Float4{patch.uv.x, patch.uv.y, patch.to_b.x, patch.to_b.y};
+    rest[k] = Float4{patch.to_c.x, patch.to_c.y, 0, 0};
+  }
+  const Quads<Float4> f = transposed(first[0], first[1], first[2], first[3]),
+                      r = transposed(rest[0], rest[1], rest[2], rest[3]);
+  return {{f.a, f.b}, {f.c, f.d}, {r.a, r.b}};
+}
+
+SurfaceSource::Coordinates4 SurfaceSource::along(const Patch4& patch, const Weights4& weight) {
+  return {weight.b * patch.to_b.u + weight.c * patch.to_c.u, weight.b * patch.to_b.v + weight.c * patch.to_c.v};
+}
+
+SurfaceSource::Coordinates4 SurfaceSource::uv(const std::array<std::uint32_t, 4>& triangles,
+                                              const Weights4& points) const {
+  const Patch4 patch = patches(triangles);
+  const Coordinates4 within = along(patch, points);
+  return {patch.uv.u + within.u, patch.uv.v + within.v};
+}
+
+Footprint4 SurfaceSource::footprints(const std::array<std::uint32_t, 4>& triangles, const Weights4& points,
+                                     const Weights4& by_x, const Weights4& by_y) const {
+  const Patch4 patch = patches(triangles);
+  const Coordinates4 within = along(patch, points), x = along(patch, by_x), y = along(patch, by_y);
+  return {patch.uv.u + within.u, patch.uv.v + within.v, x.u, x.v, y.u, y.v};
+}
+
+void SurfaceSource::add_taps(std::span<const std::uint32_t> triangles, const Footprint4& footprints, Looks looks,
+                             TapList& taps, std::span<SurfaceTaps> to) const {
+  const std::uint32_t number = patches_[triangles[0]].shade;
+  if (std::ranges::any_of(triangles, [&](std::uint32_t t) { return patches_[t].shade != number; })) {
+    for (std::size_t k = 0; k < triangles.size(); ++k)
+      add_taps(triangles.subspan(k, 1), footprints.only(k), looks, taps, to.subspan(k, 1));
+    return;
+  }
+  const MeshSource::Shade& shade = source_->shade(number);
   const auto image = [&](std::uint32_t map) -> const SourceTexture& { return source_->texture(map).image; };
-  SurfaceTaps ranges{taps.count, taps.count, 0, 0};
-  if (looks.colour && shade.texture != no_texture) image(shade.texture).add_taps(footprint, taps);
-  ranges.colour_end = ranges.normal_begin = ranges.normal_end = taps.count;
-  if (!looks.normal || shade.normal_map == no_texture) return ranges;
+  const auto begin = static_cast<std::uint32_t>(taps.count);
+  std::ranges::fill(to, SurfaceTaps{});
+  if (looks.colour && shade.texture != no_texture) {
+    const auto ends = image(shade.texture).add_taps(footprints, triangles.size(), taps);
+    for (std::size_t k = 0; k < to.size(); ++k)
+      to[k].colour_begin = k == 0 ? begin : ends[k - 1], to[k].colour_end = ends[k];
+  }
+  if (!looks.normal || shade.normal_map == no_texture) return;
   const SourceTexture& normals = image(shade.normal_map);
   if (looks.colour && shade.texture != no_texture && normals.has_taps_of(image(shade.texture))) {
-    ranges.normal_begin = ranges.colour_begin;
-    normals.prefetch(taps.between(ranges.colour_begin, ranges.colour_end));
+    for (SurfaceTaps& range : to) range.normal_begin = range.colour_begin, range.normal_end = range.colour_end;
+    normals.prefetch(taps.between(begin, taps.count));
   } else {
-    normals.add_taps(footprint, taps);
-    ranges.normal_end = taps.count;
+    const auto middle = static_cast<std::uint32_t>(taps.count);
+    const auto ends = normals.add_taps(footprints, triangles.size(), taps);
+    for (std::size_t k = 0; k < to.size(); ++k)
+      to[k].normal_begin = k == 0 ? middle : ends[k - 1], to[k].normal_end = ends[k];
   }
-  return ranges;
 }
 
 Float4 SurfaceSource::vertex_colour(const SurfacePoint& point) const {
@@ -175,13 +231,15 @@ Float4 SurfaceSource::colour(std::span<const SurfacePoint> points, std::span<con
   return colour * vertices;
 }
 
-TextureFrame SurfaceSource::frame_of(std::uint32_t triangle) const {
+// The triangle has a normal map.
+void SurfaceSource::set_frame(std::uint32_t triangle) {
   const auto& [i, j, k] = corners_[triangle].v;
   const Vec3f to_b = mesh_.positions[j] - mesh_.positions[i], to_c = mesh_.positions[k] - mesh_.positions[i];
   const Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
   const float bu = q.x - p.x, bv = q.y - p.y, cu = r.x - p.x, cv = r.y - p.y;
   const float turn = bu * cv - cu * bv < 0 ? -1.0f : 1.0f;
-  return {triangle, turn * (cv * to_b - bv * to_c), turn * (bu * to_c - cu * to_b)};
+  patches_[triangle].to_u = turn * (cv * to_b - bv * to_c);
+  patches_[triangle].to_v = turn * (bu * to_c - cu * to_b);
 }
 
 Vec3f SurfaceSource::smooth_normal(const SurfacePoint& point) const {
@@ -193,23 +251,64 @@ Vec3f SurfaceSource::normal(const SurfacePoint& point, const Footprint& footprin
   const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(source_->texture(map).image.filtered(footprint));
   if (mapped != Vec3f{} && source_->texture(map).object_space) return unit_or_zero(mapped);
   const Vec3f smooth = smooth_normal(point);
-  return mapped == Vec3f{} ? smooth : unit_or_zero(bent(frame_of(point.triangle), smooth, mapped));
+  const Patch& patch = patches_[point.triangle];
+  return mapped == Vec3f{} ? smooth : unit_or_zero(bent(patch.to_u, patch.to_v, smooth, mapped));
 }
 
-// The mean of the surface's normals, each bent in the same way.
-Vec3f SurfaceSource::normal(std::span<const SurfacePoint> points, std::span<const TextureTap> taps,
-                            TextureFrame& frame) const {
-  const std::uint32_t map = shade_of(points[0].triangle).normal_map;
-  const Vec3f mapped = map == no_texture ? Vec3f{} : to_vec3f(source_->texture(map).image.value(taps));
-  if (mapped != Vec3f{} && source_->texture(map).object_space) return unit_or_zero(mapped);
-  Vec3f sum{};
-  for (const SurfacePoint& point : points) {
-    const Vec3f smooth = smooth_normal(point);
-    const float share = point.weight[0] + point.weight[1] + point.weight[2];
-    if (mapped != Vec3f{} && frame.triangle != point.triangle) frame = frame_of(point.triangle);
-    sum = sum + share * (mapped == Vec3f{} ? smooth : bent(frame, smooth, mapped));
+Float4 SurfaceSource::mapped_normal(std::uint32_t triangle, std::span<const TextureTap> taps) const {
+  const std::uint32_t map = shade_of(triangle).normal_map;
+  if (map == no_texture) return Float4{};
+  Float4 value = source_->texture(map).image.value(taps);
+  value[3] = source_->texture(map).object_space ? 1 : 0;
+  return value;
+}
+
+// Four points in one triangle: its corners are loaded once.
+SurfaceSource::Frame4 SurfaceSource::frame_of(std::uint32_t triangle, const Float4x3& weight) const {
+  const auto spread = [](Vec3f v) { return Float4x3{all4(v.x), all4(v.y), all4(v.z)}; };
+  const auto normal = [&](std::size_t corner) { return spread(source_->normals()[corners_[triangle].v[corner]]); };
+  const Patch& patch = patches_[triangle];
+  return {(weight.x * normal(0) + weight.y * normal(1)) + weight.z * normal(2), spread(patch.to_u), spread(patch.to_v)};
+}
+
+SurfaceSource::Frame4 SurfaceSource::frame_of(std::span<const SurfacePoint, 4> points) const {
+  std::array<Float4, 4> normal, to_u, to_v;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::uint32_t triangle = points[k].triangle;
+    const std::array<float, 3> w = weights(points[k]);
+    const auto n = [&](std::size_t corner) { return to_float4(source_->normals()[corners_[triangle].v[corner]]); };
+    normal[k] = all4(w[0]) * n(0) + all4(w[1]) * n(1) + all4(w[2]) * n(2);
+    to_u[k] = to_float4(patches_[triangle].to_u), to_v[k] = to_float4(patches_[triangle].to_v);
   }
-  return unit_or_zero(sum);
+  const auto lanes = [](const std::array<Float4, 4>& v) {
+    const Quads<Float4> columns = transposed(v[0], v[1], v[2], v[3]);
+    return Float4x3{columns.a, columns.b, columns.c};
+  };
+  return {lanes(normal), lanes(to_u), lanes(to_v)};
+}
+
+void SurfaceSource::set_normals(std::span<const SurfacePoint> points, std::span<const Float4> mapped,
+                                std::span<Float4> to) const {
+  for (std::size_t i = 0; i < points.size(); i += 4) {
+    const std::span<const SurfacePoint, 4> four(&points[i], 4);
+    const auto lane = [&](std::size_t k) { return Float4{four[k].weight[0], four[k].weight[1], four[k].weight[2], 0}; };
+    const Quads<Float4> weight = transposed(lane(0), lane(1), lane(2), lane(3)),
+                        map = transposed(mapped[i], mapped[i + 1], mapped[i + 2], mapped[i + 3]);
+    const std::uint32_t triangle = four[0].triangle;
+    const bool is_one = four[1].triangle == triangle && four[2].triangle == triangle && four[3].triangle == triangle &&
+                        patches_[triangle].is_part == 0;
+    const Frame4 frame = is_one ? frame_of(triangle, {weight.a, weight.b, weight.c}) : frame_of(four);
+    const Float4x3 smooth = unit_or_zero(frame.normal), value{map.a, map.b, map.c};
+    const Int4 is_mapped = (value.x != all4(0)) | (value.y != all4(0)) | (value.z != all4(0));
+    Float4x3 normal = smooth;
+    if (bits(is_mapped) != 0) {
+      const Float4x3 turned = bent(frame.to_u, frame.to_v, smooth, value);
+      normal = select(is_mapped, select(map.d != all4(0), value, turned), smooth);
+    }
+    const Float4x3 result = (weight.a + weight.b + weight.c) * normal;
+    const Quads<Float4> rows = transposed(result.x, result.y, result.z, Float4{});
+    to[i] = rows.a, to[i + 1] = rows.b, to[i + 2] = rows.c, to[i + 3] = rows.d;
+  }
 }
 
 }  // namespace lodestone::spherical

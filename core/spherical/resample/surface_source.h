@@ -28,15 +28,9 @@ struct SurfacePoint {
   std::array<float, 3> weight{};
 };
 
-// The directions on a triangle in which its texture coordinates grow.
-struct TextureFrame {
-  std::uint32_t triangle = no_source;
-  Vec3f to_u, to_v;
-};
-
 // Ranges of taps: where they begin and end.
 struct SurfaceTaps {
-  std::size_t colour_begin = 0, colour_end = 0, normal_begin = 0, normal_end = 0;
+  std::uint32_t colour_begin = 0, colour_end = 0, normal_begin = 0, normal_end = 0;
 };
 
 class SurfaceSource {
@@ -59,12 +53,17 @@ class SurfaceSource {
     const Vec2f within = along(patch, point.weight);
     return {patch.uv.x + within.x, patch.uv.y + within.y};
   }
-  // Around a point, along changes of its weights, of sum 0.
-  [[nodiscard]] Footprint footprint(const SurfacePoint& point, const std::array<float, 3>& by_x,
-                                    const std::array<float, 3>& by_y) const {
-    const Patch& patch = patches_[point.triangle];
-    return {uv(point), along(patch, by_x), along(patch, by_y)};
-  }
+  // The same for four points, whose weights are those of the second and third corners.
+  struct Weights4 {
+    Float4 b, c;
+  };
+  struct Coordinates4 {
+    Float4 u, v;
+  };
+  [[nodiscard]] Coordinates4 uv(const std::array<std::uint32_t, 4>& triangles, const Weights4& points) const;
+  // And around them, along changes of their weights.
+  [[nodiscard]] Footprint4 footprints(const std::array<std::uint32_t, 4>& triangles, const Weights4& points,
+                                      const Weights4& by_x, const Weights4& by_y) const;
   // Light times alpha, and alpha. The footprint is in texture coordinates.
   [[nodiscard]] Float4 colour(const SurfacePoint& point, const Footprint& footprint) const;
   // A unit vector, or zero where nothing tells the normal.
@@ -75,20 +74,26 @@ class SurfaceSource {
   struct Looks {
     bool colour = true, normal = true;
   };
-  [[nodiscard]] SurfaceTaps add_taps(std::uint32_t triangle, const Footprint& footprint, Looks looks,
-                                     TapList& taps) const;
+  // For the first lanes: as many as there are triangles.
+  void add_taps(std::span<const std::uint32_t> triangles, const Footprint4& footprints, Looks looks, TapList& taps,
+                std::span<SurfaceTaps> to) const;
   [[nodiscard]] Float4 colour(std::span<const SurfacePoint> points, std::span<const TextureTap> taps) const;
-  // frame: that of the last call, as neighbours are often in one triangle.
-  [[nodiscard]] Vec3f normal(std::span<const SurfacePoint> points, std::span<const TextureTap> taps,
-                             TextureFrame& frame) const;
+  // The value of the normal map that bends the normals of a triangle, zero without one; the fourth component is not
+  // zero if it is the normal itself, in object space.
+  [[nodiscard]] Float4 mapped_normal(std::uint32_t triangle, std::span<const TextureTap> taps) const;
+  // normal() in lanes: for each point its normal, bent by a mapped one, times the sum of its weights. Bent normals need
+  // not be of unit length. The number of points is a multiple of 4.
+  void set_normals(std::span<const SurfacePoint> points, std::span<const Float4> mapped, std::span<Float4> to) const;
 
  private:
   // A triangle as samples need it, in one place: they come from all over the mesh.
-  struct Patch {
+  struct alignas(64) Patch {
     Vec2f uv, to_b, to_c;  // the first corner's, and from there to the others'
     float uv_scale = 0;
     std::uint32_t chart = no_source;  // no_source: without a source
     std::uint32_t shade = 0;          // of the source
+    std::uint32_t is_part = 0;        // 1: parts_ has its corners
+    Vec3f to_u, to_v;                 // in which its texture coordinates grow, in space
   };
   [[nodiscard]] const MeshSource::Shade& shade_of(std::uint32_t triangle) const {
     return source_->shade(patches_[triangle].shade);
@@ -96,6 +101,17 @@ class SurfaceSource {
   [[nodiscard]] static Vec2f along(const Patch& patch, const std::array<float, 3>& weight) {
     return {weight[1] * patch.to_b.x + weight[2] * patch.to_c.x, weight[1] * patch.to_b.y + weight[2] * patch.to_c.y};
   }
+  struct Patch4 {
+    Coordinates4 uv, to_b, to_c;
+  };
+  [[nodiscard]] Patch4 patches(const std::array<std::uint32_t, 4>& triangles) const;
+  [[nodiscard]] static Coordinates4 along(const Patch4& patch, const Weights4& weight);
+  // At four points: the smooth normal, of any length, and where the texture coordinates grow.
+  struct Frame4 {
+    Float4x3 normal, to_u, to_v;
+  };
+  [[nodiscard]] Frame4 frame_of(std::uint32_t triangle, const Float4x3& weight) const;
+  [[nodiscard]] Frame4 frame_of(std::span<const SurfacePoint, 4> points) const;
   void match_corners(const Surface& surface);
   void add_coordinates(const Surface& surface, std::span<const Vec3d> directions);
   void match_part(const Surface& surface, std::uint32_t triangle);
@@ -103,7 +119,7 @@ class SurfaceSource {
   [[nodiscard]] std::array<float, 3> weights(const SurfacePoint& point) const;
   [[nodiscard]] Float4 vertex_colour(const SurfacePoint& point) const;
   [[nodiscard]] Vec3f smooth_normal(const SurfacePoint& point) const;
-  [[nodiscard]] TextureFrame frame_of(std::uint32_t triangle) const;
+  void set_frame(std::uint32_t triangle);
 
   // The weights of the source's corners at each corner of a triangle.
   using CornerWeights = std::array<std::array<float, 3>, 3>;

@@ -10,8 +10,8 @@
 #include "core/mesh/clean.h"
 #include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/resample/image_error.h"
-#include "core/spherical/resample/resampler.h"
 #include "core/spherical/resample/octahedral_codec.h"
+#include "core/spherical/resample/resampler.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/spherical/map_to_sphere.h"
@@ -176,6 +176,45 @@ TEST(Resample, NormalMapsOfBothSpacesBendTheNormal) {
         const Vec3d along{d.x > 0 ? -1.0 : 1.0, d.y > 0 ? 1.0 : -1.0, 0};
         EXPECT_GT(dot(n, along) - dot(n, d) * dot(d, along), 0.2);
       }
+  }
+}
+
+// Four points in one triangle, or each in its own, with a map of either space or without one.
+TEST(Resample, NormalsOfFourPointsAreThoseOfEach) {
+  test::Numbers number(12);
+  for (const int map : {0, 1, 2}) {
+    test::PaintedSphere sphere = test::painted_sphere(3);
+    const auto encoded = [](double v) { return static_cast<std::uint8_t>(std::lround(127.5 * (v + 1))); };
+    sphere.mesh.wedges.textures.push_back(test::texture_of(test::atlas(
+        [&](Vec3d d) {
+          return map == 1 ? -1.0 * d : Vec3d{0.6 * d.x, 0.6 * d.y, 0.8};
+        },
+        encoded)));
+    if (map > 0) sphere.mesh.wedges.materials[0].normal_map = 1;
+    const SurfaceSource source = loaded(sphere);
+    for (int k = 0; k < 500; ++k) {
+      std::array<SurfacePoint, 4> points;
+      std::array<std::uint32_t, 4> triangles;
+      Footprint4 footprints{};
+      for (std::size_t i = 0; i < 4; ++i) {
+        const auto count = static_cast<double>(sphere.surface.triangles.size());
+        triangles[i] = k % 2 == 0 && i > 0 ? triangles[0] : static_cast<std::uint32_t>(count * number());
+        const auto b = static_cast<float>(0.5 * number()), c = static_cast<float>(0.5 * number());
+        points[i] = {triangles[i], {1 - b - c, b, c}};
+        footprints.centre_u[i] = source.uv(points[i]).x, footprints.centre_v[i] = source.uv(points[i]).y;
+      }
+      TapList taps;
+      std::array<SurfaceTaps, 4> ranges;
+      source.add_taps(triangles, footprints, {.colour = false}, taps, ranges);
+      std::array<Float4, 4> mapped, normals;
+      for (std::size_t i = 0; i < 4; ++i)
+        mapped[i] = source.mapped_normal(triangles[i], taps.between(ranges[i].normal_begin, ranges[i].normal_end));
+      source.set_normals(points, mapped, normals);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Vec3f n = to_vec3f(normals[i]), expected = source.normal(points[i], footprints.lane(i));
+        EXPECT_LT(length((1 / length(n)) * n - expected), 1e-6f) << map << ' ' << k;
+      }
+    }
   }
 }
 

@@ -148,24 +148,31 @@ TEST(SourceTexture, FootprintsAreAveraged) {
     }
 }
 
-TEST(SourceTexture, TapsOfManyFootprintsGiveTheSameValues) {
+// Lanes and plain loops, across the borders of the image and within, from a texel to all of them.
+TEST(SourceTexture, TapsOfFourFootprintsGiveTheSameValues) {
   const SourceTexture texture = half_covered(24), other = half_covered(32);
   EXPECT_TRUE(texture.has_taps_of(half_covered(24)));
   EXPECT_FALSE(texture.has_taps_of(other));
   test::Numbers number(8);
   TapList taps;
-  std::vector<Footprint> footprints;
-  std::vector<std::size_t> ends{0};
-  for (int k = 0; k < 500; ++k) {
-    const auto coordinate = [&](double scale) { return static_cast<float>(scale * (number() - 0.5)); };
-    const double side = k % 3 == 0 ? 0.01 : 2;
-    footprints.push_back({{coordinate(4), coordinate(4)}, {coordinate(side), coordinate(side)}, {coordinate(side), 0}});
-    texture.add_taps(footprints.back(), taps);
-    ends.push_back(taps.count);
-  }
-  for (std::size_t k = 0; k < footprints.size(); ++k) {
-    const Float4 value = texture.value(taps.between(ends[k], ends[k + 1])), expected = texture.filtered(footprints[k]);
-    for (int c = 0; c < 4; ++c) EXPECT_EQ(value[c], expected[c]);
+  for (int k = 0; k < 1000; ++k) {
+    const auto lanes = [&](double scale, double shift) {
+      Float4 v{};
+      for (int lane = 0; lane < 4; ++lane) v[lane] = static_cast<float>(shift + scale * (number() - 0.5));
+      return v;
+    };
+    const double around = k % 2 == 0 ? 4 : 0.5, side = k % 3 == 0 ? 0.01 : k % 3 == 1 ? 0.3 : 2;
+    const Footprint4 footprints{lanes(around, 0.5), lanes(around, 0.5), lanes(side, 0),
+                                lanes(side, 0),     lanes(side, 0),     lanes(0.1, 0)};
+    const auto count = static_cast<std::size_t>(1 + k % 4);
+    std::uint32_t begin = static_cast<std::uint32_t>(taps.count);
+    const std::array<std::uint32_t, 4> ends = texture.add_taps(footprints, count, taps);
+    for (std::size_t lane = 0; lane < count; begin = ends[lane++]) {
+      const Float4 value = texture.value(taps.between(begin, ends[lane]));
+      const Float4 expected = texture.filtered(footprints.lane(lane));
+      for (int c = 0; c < 4; ++c) EXPECT_EQ(value[c], expected[c]);
+    }
+    EXPECT_EQ(begin, taps.count);
   }
 }
 
