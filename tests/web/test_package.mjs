@@ -42,6 +42,9 @@ function testTypes() {
     export const model: Model = await code.load('');
     // The other way round: nothing public of the code is missing from the declarations.
     type Own = Exclude<keyof Awaited<ReturnType<typeof code.load>>, 'view' | 'stop' | 'time' | 'disposed'>;
+    import {MorphPlugin as DeclaredPlugin} from ${at('types/3d-tiles.js')};
+    import {MorphPlugin} from ${at('src/tiles_plugin.js')};
+    export const plugin: DeclaredPlugin = new MorphPlugin();
     export const all: Record<Own, unknown> = null as unknown as Model;
   `);
   const types = path.join(modules, '@types/three');

@@ -37,28 +37,51 @@ vec3 travelled(vec3 own, vec3 parent, float share) {
 }
 `;
 
+// In place of what three's vertex shaders read of a vertex; the declarations above read it as it is.
+const morph = `
+vec3 morphedPosition, morphedNormal;
+vec2 morphedUv;
+#if defined(USE_COLOR_ALPHA)
+  vec4 morphedColor;
+#elif defined(USE_COLOR)
+  vec3 morphedColor;
+#endif
+void morphVertex() {
+  float share = morphShare();
+  morphedPosition = travelled(position, parentPosition, share);
+  morphedNormal = normalize(travelled(normal, parentNormal, share) + vec3(1e-20));
+  morphedUv = mix(parentUv, uv, share);
+  #if defined(USE_COLOR_ALPHA)
+    morphedColor = mix(parentColor, color, share);
+  #elif defined(USE_COLOR)
+    morphedColor = mix(parentColor.rgb, color, share);
+  #endif
+}
+#define position morphedPosition
+#define normal morphedNormal
+#define uv morphedUv
+#define color morphedColor
+`;
+
+// Makes the vertices of any material of three travel. `uniforms`: viewpoint, bandBegin and bandEnd, limitBoxes, limitRange.
+export function morphTiles(material, uniforms) {
+  const {onBeforeCompile} = material, key = material.customProgramCacheKey();
+  material.onBeforeCompile = (shader, renderer) => {
+    onBeforeCompile.call(material, shader, renderer);
+    Object.assign(shader.uniforms, uniforms);
+    shader.vertexShader = declarations + morph + shader.vertexShader.replace('void main() {', 'void main() { morphVertex();');
+  };
+  material.customProgramCacheKey = () => `${key}, tiles`;
+  return material;
+}
+
 export function tileMaterial(uniforms, {unlit = false, ...parameters}) {
   const material = new THREE.MeshStandardMaterial({roughness: 0.85, metalness: 0, side: THREE.DoubleSide, ...parameters});
   material.onBeforeCompile = (shader) => {
-    Object.assign(shader.uniforms, uniforms);
-    shader.vertexShader = declarations + shader.vertexShader
-      .replace('#include <beginnormal_vertex>', 'float share = morphShare(); vec3 objectNormal = normalize(travelled(normal, parentNormal, share) + vec3(1e-20));')
-      .replace('#include <begin_vertex>', 'vec3 transformed = travelled(position, parentPosition, share);')
-      .replace('#include <uv_vertex>', `#include <uv_vertex>
-        #ifdef USE_MAP
-          vMapUv = mix(parentUv, MAP_UV, morphShare());
-        #endif
-        #ifdef USE_EMISSIVEMAP
-          vEmissiveMapUv = mix(parentUv, EMISSIVEMAP_UV, morphShare());
-        #endif`)
-      .replace('#include <color_vertex>', `#include <color_vertex>
-        #ifdef USE_COLOR_ALPHA
-          vColor = mix(parentColor, color, morphShare());
-        #endif`);
     shader.fragmentShader = withSides(unlit ? withoutLight(shader.fragmentShader) : shader.fragmentShader);
   };
-  material.customProgramCacheKey = () => (unlit ? 'tiles, unlit' : 'tiles');
-  return material;
+  material.customProgramCacheKey = () => (unlit ? 'unlit' : 'lit');
+  return morphTiles(material, uniforms);
 }
 
 // A shader without light that counts surfaces (cracks.js): red for fronts, green for backs.
@@ -69,6 +92,15 @@ export const countingTileMaterial = (uniforms) => new THREE.ShaderMaterial({
   fragmentShader: 'void main() { gl_FragColor = gl_FrontFacing ? vec4(1.0 / 255.0, 0, 0, 0) : vec4(0, 1.0 / 255.0, 0, 0); }',
   side: THREE.DoubleSide, depthTest: false, depthWrite: false, transparent: true, blending: THREE.CustomBlending,
   blendSrc: THREE.OneFactor, blendDst: THREE.OneFactor, blendSrcAlpha: THREE.OneFactor, blendDstAlpha: THREE.OneFactor});
+
+const FAR = 3e38;  // for shaders, which need not know infinity
+
+// The bands of the levels, as uniforms.
+export const makeBands = (count) => Array.from({length: count}, () => ({bandBegin: {value: 0}, bandEnd: {value: FAR}}));
+export const setBands = (bands, {begin, end}) => bands.forEach((u, l) => {
+  u.bandBegin.value = Math.min(begin[l], FAR);
+  u.bandEnd.value = Math.min(end[l], FAR);
+});
 
 // The limits of all cells of a frame, those of a cell one after the other: two texels each, low corner and radius, high
 // corner. 128 of them in a row.

@@ -4,18 +4,16 @@ import {ask, reading} from './files.js';
 import {Glb} from './glb.js';
 import {limitsNear} from './limits.js';
 import {surfaceParameters} from './morph_material.js';
+import {approached, shareOf} from './pace.js';
 import {Problem} from './problem.js';
 import {ResidentTiles} from './resident_tiles.js';
 import {showsEmission} from './surface.js';
 import {TextureCache} from './texture_cache.js';
-import {LimitTexture, countingTileMaterial, tileMaterial} from './tile_material.js';
+import {LimitTexture, countingTileMaterial, makeBands, setBands, tileMaterial} from './tile_material.js';
 import {boxDistance, loadTileset, makeRadii} from './tileset.js';
 import {turnedBox} from './turn.js';
 
 const COARSEST = 64;  // pixels of error where levels begin
-const FAR = 3e38;  // for shaders, which need not know infinity
-// The share of its excess that a limit loses in a second is all but 0.0005, in a frame at most a fifth.
-const shareOf = (seconds) => Math.min(1 - Math.exp(-7.7 * seconds), 0.2);
 
 // Anything else would draw nothing, or all over the picture, without a word.
 function checkGeometry({attributes, index}, name) {
@@ -47,7 +45,7 @@ export class TilesView {
     this.node.add(this.frame);
     this.viewpoint = {value: new THREE.Vector3()};
     this.limitBoxes = new LimitTexture();
-    this.bands = tileset.error.map(() => ({bandBegin: {value: 0}, bandEnd: {value: FAR}}));
+    this.bands = makeBands(tileset.error.length);
     const [x0, y0, z0, x1, y1, z1] = tileset.root.bounds;
     this.extent = new THREE.Box3(new THREE.Vector3(x0, y0, z0), new THREE.Vector3(x1, y1, z1));
   }
@@ -157,13 +155,9 @@ export class TilesView {
   // the camera rests: tiles are on their way, or limits move.
   approach(camera, height, pixels, seconds) {
     const share = shareOf(seconds);
-    this.pixels = this.pixels === null ? pixels : this.pixels * (pixels / this.pixels) ** share;
-    if (Math.abs(this.pixels / pixels - 1) < 0.01) this.pixels = pixels;
+    this.pixels = approached(this.pixels, pixels, share);
     const radii = makeRadii(this.tileset, {pixels: this.pixels, height, fov: THREE.MathUtils.degToRad(camera.fov), aspect: camera.aspect});
-    this.bands.forEach((u, l) => {
-      u.bandBegin.value = Math.min(radii.begin[l], FAR);
-      u.bandEnd.value = Math.min(radii.end[l], FAR);
-    });
+    setBands(this.bands, radii);
     const eye = this.frame.worldToLocal(camera.getWorldPosition(new THREE.Vector3()));
     this.viewpoint.value.copy(eye);
     const viewpoint = [eye.x, eye.y, eye.z].map(Math.fround);  // like the shader's

@@ -14,10 +14,17 @@ const isBox = (b) => Array.isArray(b) && b.length === 6 && b.every(Number.isFini
 const areFigures = ({sigma0, scale, reach, error}) => sigma0 > 0 && scale > 0 && Array.isArray(reach) && Array.isArray(error) && reach.length > 0 &&
   reach.length === error.length && reach.every((r) => Number.isFinite(r?.euclidean)) && error.every(Number.isFinite);
 
-export async function loadTileset(url, fetchJson) {
-  const json = await fetchJson(url), figures = json.extras?.lodestone;
+// The figures of the levels in a tileset's JSON.
+export function figuresOf(json, url) {
+  const figures = json.extras?.lodestone;
   if (!figures) throw new Problem(`${url}: has no figures for morphing; export it with --morph`);
   if (!areFigures(figures)) throw new Problem(`${url}: the figures of its levels contradict each other; the file is damaged`);
+  const {sigma0, scale, reach, error} = figures;
+  return {sigma0, scale, reach: reach.map((r) => r.euclidean), error, finest: reach.length - 1};
+}
+
+export async function loadTileset(url, fetchJson) {
+  const json = await fetchJson(url), figures = figuresOf(json, url), {texels = {}, thumbnails: files = {}} = json.extras.lodestone;
   const cells = [];
   // Large trees are cut into tilesets of their own, one folder below.
   const visit = async (tile, base, parent, cut = false) => {
@@ -31,7 +38,7 @@ export async function loadTileset(url, fetchJson) {
       isCount(vertices) && isCount(triangles) && cells.length < MOST_CELLS;
     if (!holds) throw new Problem(`${base.href}: level, box or counts of a tile cannot be; the file is damaged`);
     const cell = {level, bounds, vertices, triangles, parent, children: [], url: content ? new URL(content, base).href : null,
-                  textures: textures.map((uri) => [new URL(uri, url).href, textureBytes(figures.texels?.[uri] ?? 0)])};
+                  textures: textures.map((uri) => [new URL(uri, url).href, textureBytes(texels[uri] ?? 0)])};
     cells.push(cell);
     for (const child of tile.children ?? []) cell.children.push(await visit(child, base, cell));
     return cell;
@@ -39,10 +46,8 @@ export async function loadTileset(url, fetchJson) {
   const root = await visit(json.root, new URL(url), null);
   cells.sort((a, b) => a.level - b.level);  // numbered as in the .lode file: level by level
   cells.forEach((cell, index) => Object.assign(cell, {index}));
-  const thumbnails = new Map(Object.entries(figures.thumbnails ?? {}).map((pair) => pair.map((uri) => new URL(uri, url).href)));
-  const {scale} = figures, origin = json.root.transform?.slice(12, 15) ?? [0, 0, 0];  // of the model, from the unit cube
-  return {root, cells, origin, scale, thumbnails, sigma0: figures.sigma0, reach: figures.reach.map((r) => r.euclidean), error: figures.error,
-          finest: figures.reach.length - 1};
+  const thumbnails = new Map(Object.entries(files).map((pair) => pair.map((uri) => new URL(uri, url).href)));
+  return {...figures, root, cells, origin: json.root.transform?.slice(12, 15) ?? [0, 0, 0], thumbnails};  // the origin of the model
 }
 
 // Per level: r_l, and the band in which its vertices travel. Radii are 32-bit floats, as limits are made of them.
