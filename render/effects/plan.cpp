@@ -36,8 +36,8 @@ std::string effect_list() {
 
 EffectRequest parse_effects(const std::string& text) {
   if (text == "auto") return {};
-  if (text == "all") return {EffectRequest::Kind::all, {}};
-  EffectRequest request{EffectRequest::Kind::listed, {}};
+  if (text == "all") return {EffectRequest::Kind::all, {}, {}};
+  EffectRequest request{EffectRequest::Kind::listed, {}, {}};
   if (text == "none") return request;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
@@ -64,7 +64,7 @@ void plan_effects(Frame& frame, const EffectRequest& request) {
   for (ModelFrame& model : frame.models) {
     model.effects = {};
     for (const EffectInfo& info : effect_infos()) {
-      if (!asks_for(request, frame, model, info.effect)) continue;
+      if (request.without.contains(info.effect) || !asks_for(request, frame, model, info.effect)) continue;
       model.effects.insert(info.effect);
       if (info.of_picture) frame.effects.insert(info.effect);
     }

@@ -13,7 +13,8 @@ namespace lodestone {
 
 struct EffectRequest {
   enum class Kind : std::uint8_t { automatic, all, listed } kind = Kind::automatic;
-  EffectSet listed;  // switched on whether called for or not, and no others
+  EffectSet listed;   // switched on whether called for or not, and no others
+  EffectSet without;  // of any kind of request: never switched on
   friend bool operator==(const EffectRequest&, const EffectRequest&) = default;
 };
 

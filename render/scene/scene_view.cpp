@@ -15,11 +15,18 @@ namespace {
 // Wider cameras have near planes that reach far to the sides, where backs might be seen.
 constexpr double widest_culled = 2.6;  // radians
 
+const Selection no_cells;
+
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
-  return {
-      .size = size, .radii = scene.radii, .blend = scene.blend, .settings = scene.settings, .effects = scene.effects};
+  return {.size = size,
+          .radii = scene.radii,
+          .blend = scene.blend,
+          .settings = scene.settings,
+          .effects = scene.effects,
+          .towards_light = scene.towards_light,
+          .hidden = {}};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {
@@ -135,12 +142,12 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
     model.view_projection = view.projection(placed.in_picture);
     model.towards_eye = view.towards_eye(placed.in_picture);
     model.towards_light =
-        to_float(placed.placement.rotated_back((1 / length(scene_.towards_light)) * scene_.towards_light));
+        to_float(placed.placement.rotated_back((1 / length(config.towards_light)) * config.towards_light));
     model.appearance = placed.appearance;
     model.morph.blend = config.blend;
     if (frozen_) continue;
     model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
-    if (placed.open.resident) streamed = stream(placed, model, camera, beside) || streamed;
+    if (placed.open.resident && !is_hidden(m)) streamed = stream(placed, model, camera, beside) || streamed;
     model.morph.limits = placed.limits;
   }
   camera_ = camera;
@@ -155,22 +162,29 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   frame_.size = config.size;
   frame_.samples = config.samples;
   frame_.cull_occluded = config.cull_occluded;
-  frame_.select_on_device = config.select_on_device && !frozen_;
-  for (std::size_t m = 0; m < placed_.size() && !frozen_; ++m) select(frame_.models[m], placed_[m]);
+  frame_.select_on_device =
+      config.select_on_device && !frozen_ && std::ranges::find(config.hidden, true) == config.hidden.end();
+  for (std::size_t m = 0; m < placed_.size(); ++m) {
+    if (!frozen_) select(frame_.models[m], placed_[m], is_hidden(m));
+    frame_.models[m].selection = is_hidden(m) ? &no_cells : &placed_[m].selection;
+    frame_.models[m].casters = nullptr;
+  }
   if (frame_.settings.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);
   return changed_ = true;
 }
 
-void SceneView::select(ModelFrame& model, Placed& placed) {
+void SceneView::select(const ModelFrame& model, Placed& placed, bool hidden) {
+  if (hidden) {
+    placed.selection = {};  // streamed cells of it may go
+    return;
+  }
   const Frustum frustum = frustum_of(model.view_projection);
   SelectionConfig config{&frustum, false, model.morph.limits, nullptr};
   const bool backs_count = config_.settings.overdraw || camera_->vertical_fov > widest_culled;
   if (placed.open.back_faces && !backs_count)
     config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint, placed.appearance);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
-  model.selection = &placed.selection;
-  model.casters = nullptr;
 }
 
 // The shadow map covers the visible cells and the cells that may throw a shadow on them. Casters are the same morphed
@@ -194,15 +208,18 @@ void SceneView::see_from_light() {
       const std::array<Vec3d, 8> corners = corners_of(box, to);
       points.insert(points.end(), corners.begin(), corners.end());
     };
+    if (is_hidden(placements.size() - 1)) continue;
     add(casters, CellId(0), 0);
     for (const SelectedCell& cell : placed.selection.cells)
       if (cell.visible) add(receivers, cell.cell, cell.level);
   }
+  if (casters.empty()) return;  // all are hidden
   const LightView light =
-      fit_light(scene_.towards_light, receivers, casters, frame_.settings.lighting.directional.shadow_texels);
+      fit_light(config_.towards_light, receivers, casters, frame_.settings.lighting.directional.shadow_texels);
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     Placed& placed = placed_[m];
     ModelFrame& model = frame_.models[m];
+    if (is_hidden(m)) continue;
     model.light_projection = light_projection(light, placements[m]);
     const Frustum frustum = frustum_of(model.light_projection);
     select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, {&frustum, false, model.morph.limits},

@@ -31,6 +31,8 @@ struct ViewConfig {
   Blend blend = Blend::smoothstep;
   FrameSettings settings;
   EffectRequest effects;
+  Vec3d towards_light = Scene{}.towards_light;  // as Scene has it
+  std::vector<bool> hidden;  // models that are left out, shadows included; those beyond its end are shown
   bool cull_occluded = false, select_on_device = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };
@@ -84,7 +86,10 @@ class SceneView {
     Selection selection, casters;
   };
   void place_models();
-  void select(ModelFrame& model, Placed& placed);
+  [[nodiscard]] bool is_hidden(std::size_t model) const {
+    return model < config_.hidden.size() && config_.hidden[model];
+  }
+  void select(const ModelFrame& model, Placed& placed, bool hidden);
   void see_from_light();
   [[nodiscard]] bool stream(Placed& placed, const ModelFrame& model, const Camera& camera,
                             std::span<const ViewConfig> beside);

@@ -245,6 +245,7 @@ class Viewer {
     facts.device = gl_ ? gl_->device() : "";
     facts.backends = {"soft"};
     if (window_.missing_gl45().empty()) facts.backends.push_back("gl");
+    if (drawing.ready()) facts.radius = drawing.bounding_sphere().radius;
     if (drawing.ready()) facts.report = &drawing.report(state.chosen);
     if (pictures_.has(state.chosen) && drawing.ready()) facts.frame = &drawing.frame(state.chosen);
     facts.frame_milliseconds = session_.frame_times.in_order();

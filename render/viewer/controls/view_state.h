@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "render/viewer/controls/looks.h"
 #include "render/viewer/controls/measure.h"
 #include "render/viewer/controls/view_settings.h"
 
@@ -36,6 +37,7 @@ struct ViewState {
   bool panel = true;  // the panel, and notes over the pictures: legends, axes, distance
   bool probe = true;  // notes on the cell under the pointer
   Measure measure;
+  Looks looks;
   float scale = 1;  // of text and controls (controls/layout.h)
 
   [[nodiscard]] ViewSettings& current() { return settings[chosen]; }

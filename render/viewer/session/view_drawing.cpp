@@ -19,6 +19,14 @@ ViewConfig view_config(const Scene& scene, const ViewState& state, std::size_t s
   config.radii = radii_config(wanted, state.metric);
   config.radii.delta = scene.radii.delta;
   config.blend = wanted.blend;
+  const Looks looks = clamped(state.looks);
+  config.settings.lighting = looks.lighting;
+  config.settings.background = looks.background;
+  config.settings.fog = looks.fog;
+  config.settings.ambient_occlusion = looks.ambient_occlusion;
+  config.towards_light = looks.towards_light;
+  config.effects.without = looks.without;
+  config.hidden = looks.hidden;
   if (wanted.tint) config.settings.level_tint = 1;
   if (wanted.wireframe) config.settings.wireframe = wire_opacity;
   if (wanted.overdraw) config.settings.overdraw = true;

@@ -87,6 +87,7 @@ void ViewSession::show(std::unique_ptr<Model> model, double now) {
   }
   warn(model_->opened.warnings(), now);
   look_at(state, all, from);
+  state.looks = looks_of(model_->scene);
   home_ = seen_ = drawable_ = state.camera;
 }
 

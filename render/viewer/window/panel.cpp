@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "render/effects/plan.h"
+#include "render/viewer/window/looks_panel.h"
 #include "render/viewer/window/widgets.h"
 
 namespace lodestone::viewer {
@@ -131,7 +131,7 @@ class Switches {
   int column_ = 0;
 };
 
-void edit_looks(ViewState& state, PanelRequests& requests) {
+void edit_switches(ViewState& state, PanelRequests& requests) {
   ViewSettings& settings = state.current();
   Switches row;
   row("levels", settings.tint);
@@ -165,12 +165,12 @@ void show_camera(const PanelFacts& facts, const ViewState& state, PanelRequests&
   button("home", Action::go_home);
   button(facts.recording ? "end##record" : "record", Action::record);
   if (facts.has_path || facts.playing) button(facts.playing ? "end##play" : "play", Action::play);
-  button("screenshot", Action::screenshot);
+  button("picture", Action::screenshot);
   ImGui::NewLine();
 }
 
 void show_statistics(const PanelFacts& facts) {
-  if (!facts.report) return;
+  if (!facts.report || !ImGui::CollapsingHeader("statistics", ImGuiTreeNodeFlags_DefaultOpen)) return;
   const ViewReport& report = *facts.report;
   ImGui::Text("%s triangles in %s cells", count_text(report.stats.triangles).c_str(),
               count_text(report.stats.cells).c_str());
@@ -185,17 +185,6 @@ void show_statistics(const PanelFacts& facts) {
   const float highest = times.empty() ? 1 : *std::max_element(times.begin(), times.end());
   ImGui::PlotLines("##times", times.data(), static_cast<int>(times.size()), 0, text("up to %.1f ms", highest).c_str(),
                    0, 1.2f * highest, {ImGui::GetContentRegionAvail().x, scaled(60)});
-}
-
-// Which effects the frame takes, and why.
-void show_effects(const PanelFacts& facts) {
-  if (!facts.frame || !ImGui::CollapsingHeader("effects")) return;
-  for (const PlannedEffect& planned : explain_plan(*facts.frame)) {
-    if (!planned.runs) continue;
-    ImGui::Text("%s", std::string(name_of(planned.effect)).c_str());
-    ImGui::SameLine(scaled(150));
-    ImGui::TextWrapped("%s", planned.reasons.empty() ? "asked for" : planned.reasons.front().why.c_str());
-  }
 }
 
 void show_keys() {
@@ -262,6 +251,7 @@ void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& req
     ImGui::TextWrapped("Drop a mesh or a .lode file into the window.");
   } else {
     show_model(facts, requests);
+    edit_models(facts.model->scene, state.looks);
     ImGui::Separator();
     int chosen = static_cast<int>(state.chosen);
     ImGui::RadioButton("settings A", &chosen, 0);
@@ -270,12 +260,12 @@ void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& req
     state.chosen = static_cast<std::size_t>(chosen);
     edit_detail(facts, state);
     ImGui::Separator();
-    edit_looks(state, requests);
+    edit_switches(state, requests);
     ImGui::Separator();
     show_camera(facts, state, requests);
-    ImGui::Separator();
+    edit_light(state.home.up, state.looks);
+    if (facts.frame) edit_effects(*facts.frame, facts.radius, state.looks);
     show_statistics(facts);
-    show_effects(facts);
   }
   show_keys();
   ImGui::PopItemWidth();

@@ -21,6 +21,7 @@ struct PanelFacts {
   const Model* model = nullptr;        // empty: none is open yet
   std::string backend, device;         // as the renderer names them
   std::vector<std::string> backends;   // that can be chosen
+  double radius = 1;                   // of the scene
   const Frame* frame = nullptr;        // of the chosen settings
   const ViewReport* report = nullptr;  // of the chosen settings' last frame
   std::vector<float> frame_milliseconds;
