@@ -20,7 +20,7 @@ std::string lower_extension(const std::filesystem::path& path) {
 
 // Images of which there is a thumbnail come last.
 ProgressiveFileSize glb_size(const ProgressiveMesh& mesh, std::span<const Texture> thumbnails, std::size_t bytes) {
-  ProgressiveFileSize size{bytes, bytes, bytes};
+  ProgressiveFileSize size{bytes, bytes, bytes, mesh.finest_error};
   for (std::size_t k = 0; k < thumbnails.size(); ++k) {
     const std::size_t image = mesh.wedges.textures[k].bytes.size(), thumbnail = thumbnails[k].bytes.size();
     const bool has_copy = thumbnail > 0 && thumbnails[k].bytes != mesh.wedges.textures[k].bytes;
@@ -32,6 +32,12 @@ ProgressiveFileSize glb_size(const ProgressiveMesh& mesh, std::span<const Textur
 
 }  // namespace
 
+progressive::MetricKind fitting_metric(const WedgeAttributes& attributes, const std::filesystem::path& path) {
+  const bool normals = !attributes.normal.empty() && lower_extension(path) != ".lpm";
+  const bool kept = normals || !attributes.colour.empty() || !attributes.uv.empty();
+  return kept ? progressive::MetricKind::attribute_quadric : progressive::MetricKind::quadric;
+}
+
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
                                      const ProgressiveFileConfig& config) {
   const std::string extension = lower_extension(path);
@@ -40,7 +46,7 @@ ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::fil
   ProgressiveFileSize size;
   if (extension == ".lpm") {
     LpmBytes lpm = encode_lpm(mesh, config.lpm, thumbnails);
-    size = {lpm.bytes.size(), lpm.geometry, lpm.base};
+    size = {lpm.bytes.size(), lpm.geometry, lpm.base, lpm.finest_error};
     bytes = std::move(lpm.bytes);
   } else if (extension == ".glb") {
     bytes = encode_progressive_glb(mesh, config.compress_glb, thumbnails);

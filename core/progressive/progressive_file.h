@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/progressive/collapse/collapse_metric.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 
@@ -19,7 +20,14 @@ struct ProgressiveFileSize {
   std::size_t bytes = 0;
   std::size_t geometry = 0;  // the part without images and thumbnails
   std::size_t base = 0;      // the part needed before anything can be drawn
+  double finest_error = 0;   // ProgressiveMesh::finest_error of the mesh that a reader gets
 };
+
+// The metric for a mesh that becomes a file of this name: attribute_quadric if the file keeps attributes that vary over
+// the surface (normals, which .lpm does not have, colours, texture coordinates), for these slide and smear where
+// geometry alone decides; otherwise quadric, which is nearer to the surface.
+[[nodiscard]] progressive::MetricKind fitting_metric(const WedgeAttributes& attributes,
+                                                     const std::filesystem::path& path);
 
 // The extension, in upper or lower case, decides on the format. The file is written completely or not at all. Throws
 // UnsupportedError for other extensions, FileError if it cannot be written.

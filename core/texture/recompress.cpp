@@ -1,15 +1,54 @@
 #include "core/texture/recompress.h"
 
+#include <cstddef>
+#include <utility>
+
 #include "core/base/error.h"
 #include "core/texture/image_codec.h"
 
 namespace lodestone {
+namespace {
 
-Texture recompressed(const Texture& texture, int quality) {
+// The first channels of every pixel.
+void keep_channels(PixelImage& image, std::uint32_t channels) {
+  const std::size_t count = image.pixels.size() / image.channels;
+  for (std::size_t p = 0; p < count; ++p)
+    for (std::size_t c = 0; c < channels; ++c) image.pixels[p * channels + c] = image.pixels[p * image.channels + c];
+  image.pixels.resize(count * channels);
+  image.channels = channels;
+}
+
+bool is_opaque(const PixelImage& image) {
+  for (std::size_t p = 3; p < image.pixels.size(); p += 4)
+    if (image.pixels[p] != 255) return false;
+  return true;
+}
+
+bool is_grey(const PixelImage& image) {
+  for (std::size_t p = 0; p < image.pixels.size(); p += image.channels)
+    if (image.pixels[p] != image.pixels[p + 1] || image.pixels[p] != image.pixels[p + 2]) return false;
+  return true;
+}
+
+std::vector<char> encode(PixelImage image, PixelMeaning meaning, int quality, std::string& type) {
+  const bool normals = meaning == PixelMeaning::normals;
+  if (normals) quality = 100 - (100 - quality) / 2;
+  if (image.channels == 4 && (normals || is_opaque(image))) keep_channels(image, 3);
+  type = "image/webp";
+  if (meaning != PixelMeaning::colours) {
+    if (image.channels == 4) return encode_image(image, type, 100);
+    if (image.channels == 3 && is_grey(image)) keep_channels(image, 1);
+    if (image.channels == 3) type = "image/jpeg";
+  }
+  return encode_image(image, type, quality);
+}
+
+}  // namespace
+
+Texture recompressed(const Texture& texture, PixelMeaning meaning, int quality) {
   Texture out = texture;
-  out.media_type = "image/webp";
   try {
-    out.bytes = encode_image(decode_image(texture.bytes, texture.media_type), out.media_type, quality);
+    out.bytes = encode(decode_image(texture.bytes, texture.media_type), meaning, quality, out.media_type);
   } catch (const InputError&) {
     return texture;
   } catch (const UnsupportedError&) {

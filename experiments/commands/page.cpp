@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <set>
 
 #include "core/base/error.h"
@@ -25,7 +26,8 @@ namespace fs = std::filesystem;
 
 struct PageOptions {
   std::vector<std::string> inputs;
-  std::string output, metric = "quadric";
+  std::string output;
+  std::optional<std::string> metric;
   InputOptions reading;
 };
 
@@ -132,7 +134,7 @@ class PageWriter {
     const bool textured = !raw.wedges.uv.empty();
     IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler_, input);
     ProgressiveConfig config;
-    config.metric = progressive::metric_kind(options_.metric);
+    config.metric = options_.metric ? progressive::metric_kind(*options_.metric) : fitting_metric(mesh.wedges, output);
     if (config.metric == progressive::MetricKind::parametric && !textured)
       config.metric = progressive::MetricKind::quadric;
     ProgressiveReport report;
@@ -148,7 +150,7 @@ class PageWriter {
 
 void run(const PageOptions& options, const CommonOptions& common) {
   if (options.output.empty()) throw InputError("--output: the folder name is empty");
-  (void)progressive::metric_kind(options.metric);
+  if (options.metric) (void)progressive::metric_kind(*options.metric);
   std::vector<FileArgument> inputs;
   for (const std::string& input : options.inputs) inputs.push_back({"IN", input});
   check_files(common, inputs);

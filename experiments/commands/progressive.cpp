@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <optional>
+
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -11,7 +13,8 @@ namespace lodestone {
 namespace {
 
 struct ProgressiveOptions {
-  std::string input, output, metric = "quadric";
+  std::string input, output;
+  std::optional<std::string> metric;
   InputOptions reading;
   std::uint64_t triangles = 0, base_triangles = 0;
   std::uint32_t position_bits = LpmConfig{}.position_bits, uv_bits = LpmConfig{}.uv_bits;
@@ -27,7 +30,7 @@ ProgressiveJob job_of(const ProgressiveOptions& options) {
   job.reading = read_config(options.reading, {options.input});
   job.reading.attributes = !options.no_attributes;
   job.normals = !options.no_normals;
-  job.config.metric = progressive::metric_kind(options.metric);
+  if (options.metric) job.metric = progressive::metric_kind(*options.metric);
   job.config.finest_triangles = options.triangles;
   job.config.base_triangles = options.base_triangles;
   job.file.lpm.position_bits = options.position_bits;
@@ -48,7 +51,7 @@ nlohmann::json to_json(const ProgressiveResult& result, const Row& row, const Pr
   nlohmann::json json = without_nulls(row);
   json.update({{"input", options.input},
                {"output", options.output},
-               {"metric", options.metric},
+               {"metric", progressive::name_of(result.metric)},
                {"base_error", base_error(result.mesh)},
                {"collapse_rounds", result.report.rounds},
                {"repairs", to_json(result.repairs)},
@@ -62,6 +65,16 @@ void print(const ProgressiveResult& result, const Row& row, const ProgressiveOpt
              number("input_triangles"), number("base_triangles"), number("seconds"), number("ktri_per_core_second"));
   fmt::print("{} vertices, {:.2f} bytes each, {:.1f} kB to the first picture\n", number("finest_vertices"),
              number("bytes_per_vertex"), number("base_bytes") / 1000);
+  if (!options.metric)
+    fmt::print("ranked by {}{}\n", progressive::name_of(result.metric),
+               result.metric == progressive::MetricKind::quadric
+                   ? ": the file has no attributes that could slide"
+                   : ", as the file keeps attributes; --metric quadric is nearer to the surface");
+  const double images = number("file_bytes") - number("geometry_bytes");
+  if (options.texture_quality == 0 && images > number("geometry_bytes"))
+    fmt::print(
+        "textures take {:.1f} of {:.1f} MB, as they are; --texture-quality 80 makes them some ten times smaller\n",
+        images / 1e6, number("file_bytes") / 1e6);
   print_repairs(result.repairs);
   if (result.report.cut_vertices > 0)
     fmt::print("cut apart where it is not a manifold: {} edges, {} vertices copied\n", number("cut_edges"),
@@ -91,15 +104,20 @@ OptionTable declare(ProgressiveOptions& o) {
                   ".glb (every viewer shows it, nothing is lost) or .lpm (small, quantized, draws while it loads)"}
            .must(),
        {"--metric", &o.metric,
-        "quadric: geometry alone; attribute-quadric: with normals, colours and texture coordinates; parametric: the "
-        "largest distance between points of equal texture coordinates"},
+        "quadric: geometry alone, nearest to the surface; attribute-quadric: with normals, colours and texture "
+        "coordinates, which stay in place; parametric: the largest distance between points of equal texture "
+        "coordinates. "
+        "Default: attribute-quadric if the file keeps any of these (.lpm has no normals), else quadric"},
        {"--triangles", &o.triangles, "Triangles of the finest level, at most; 0: all of the mesh"},
        {"--base", &o.base_triangles, "Triangles to stop at; 0: when nothing can collapse"},
        OptionSpec{"--position-bits", &o.position_bits, ".lpm: 2 to this power steps over the model"}.between(4, 20),
        OptionSpec{"--uv-bits", &o.uv_bits, ".lpm: the same over the texture coordinates"}.between(4, 20),
        {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"},
-       OptionSpec{"--texture-quality", &o.texture_quality,
-                  "Encode textures as WebP of this quality where that is smaller; not given: they stay as they are"}
+       OptionSpec{
+           "--texture-quality", &o.texture_quality,
+           "Encode textures again where that is smaller: colours as WebP of this quality, with alpha as it is; "
+           "normals with half the loss, and other data, as JPEG of full chroma resolution, or as WebP where they "
+           "have a single channel. Not given: they remain as they are"}
            .between(1, 100),
        {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
        {"--no-normals", &o.no_normals,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/progressive/mesh/level.h"
+#include "core/progressive/mesh/texture_meanings.h"
 #include "core/texture/recompress.h"
 #include "experiments/metrics/cost/cost.h"
 #include "experiments/metrics/cracks/progressive_cracks.h"
@@ -25,8 +26,9 @@ const std::vector<Column<ProgressiveResult>>& columns() {
       {{"input_triangles", "", "triangles of the input", count}, [](R r) { return r.report.input_triangles; }},
       {{"finest_triangles", "", "triangles of the finest level", count}, [](R r) { return r.mesh.triangles.size(); }},
       {{"finest_vertices", "", "vertices of the finest level", count}, [](R r) { return r.mesh.vertex_count(); }},
-      {{"finest_error", "model units", "estimated distance of the finest level from the input", accuracy},
-       [](R r) { return r.report.finest_error; }},
+      {{"finest_error", "model units",
+        "bound of the distance of the finest level from the input, both ways, with what quantization adds", accuracy},
+       [](R r) { return (r.size ? r.size->finest_error : r.mesh.finest_error) * r.mesh.transform.scale; }},
       {{"base_triangles", "", "triangles of the base mesh", count},
        [](R r) { return LevelFinder(r.mesh).triangles_of(r.mesh.base_vertices); }},
       {{"base_vertices", "", "vertices of the base mesh", count}, [](R r) { return r.mesh.base_vertices; }},
@@ -66,14 +68,19 @@ ProgressiveResult run(const ProgressiveJob& job, Scheduler& scheduler) {
   result.warnings = std::move(raw.warnings);
   IndexedMesh mesh = prepare_mesh(std::move(raw), result.repairs, scheduler, job.input);
   job.on_phase("collapsing");
+  result.metric = job.metric.value_or(fitting_metric(mesh.wedges, job.output));
+  ProgressiveConfig config = job.config;
+  config.metric = result.metric;
   const CpuClock clock;
-  result.mesh = make_progressive(std::move(mesh), job.config, scheduler, result.report);
+  result.mesh = make_progressive(std::move(mesh), config, scheduler, result.report);
   result.time = clock.elapsed();
   if (job.texture_quality > 0) {
     job.on_phase("encoding textures");
     std::vector<Texture>& textures = result.mesh.wedges.textures;
+    const auto meanings = texture_meanings(result.mesh);
     scheduler.for_chunks(textures.size(), 1, [&](ChunkRange range) {
-      textures[range.begin] = recompressed(textures[range.begin], job.texture_quality);
+      const PixelMeaning meaning = meanings[range.begin].value_or(PixelMeaning::values);
+      textures[range.begin] = recompressed(textures[range.begin], meaning, job.texture_quality);
     });
   }
   job.on_phase("writing");

@@ -20,9 +20,10 @@ struct ProgressiveJob {
   std::string input, output;
   ReadConfig reading;
   bool normals = true;  // of the input; they make every edge a seam where faces are shaded flat
-  ProgressiveConfig config;
+  std::optional<progressive::MetricKind> metric;  // none: fitting_metric()
+  ProgressiveConfig config;                       // but for the metric
   ProgressiveFileConfig file;
-  int texture_quality = 0;  // from 1 to 100: textures become WebP where that is smaller; 0: they stay as they are
+  int texture_quality = 0;         // from 1 to 100: of core/texture/recompress.h; 0: textures remain as they are
   std::uint32_t check_levels = 0;  // number of levels whose cracks are counted
   // Called with what begins; may throw.
   std::function<void(const std::string& phase)> on_phase = [](const std::string&) {};
@@ -30,6 +31,7 @@ struct ProgressiveJob {
 
 struct ProgressiveResult {
   ProgressiveMesh mesh;
+  progressive::MetricKind metric = progressive::MetricKind::quadric;
   ProgressiveReport report;
   StageTime time;                           // of making it, without files
   std::optional<ProgressiveFileSize> size;  // of the file, if there is one

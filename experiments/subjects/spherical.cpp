@@ -68,8 +68,11 @@ std::vector<Column<SphericalResult>> cost_columns() {
       {{"geometry_image_samples", "", "samples of geometry images", count},
        [](R r) { return r.report.geometry_samples; }},
       {{"finest_triangles", "", "triangles of the finest level", count}, [](R r) { return r.mesh.triangles.size(); }},
-      {{"finest_error", "model units", "estimated distance of the finest level from the input", accuracy},
-       [](R r) { return r.report.progressive.finest_error; }},
+      {{"finest_error", "model units",
+        "bound of the distance of the finest level from the surface that was mapped, both ways, with what quantization "
+        "adds",
+        accuracy},
+       [](R r) { return r.size.finest_error * r.mesh.transform.scale; }},
       {{"finest_vertices", "", "vertices of the finest level, copies at seams included", count},
        [](R r) { return r.mesh.vertex_count(); }},
       {{"base_vertices", "", "vertices of the base mesh", count}, [](R r) { return r.mesh.base_vertices; }},

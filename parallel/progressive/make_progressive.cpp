@@ -6,6 +6,7 @@
 #include "core/progressive/mesh/assembly.h"
 #include "core/progressive/mesh/level.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/progressive/level_errors.h"
 #include "parallel/progressive/region_collapse.h"
 #include "parallel/scheduler/first_touch.h"
 
@@ -52,14 +53,15 @@ ProgressiveMesh build_fewer(const IndexedMesh& mesh, const ProgressiveConfig& co
   ProgressiveMesh fine = build(mesh, first, scheduler, report);
   fine.wedges.materials = mesh.wedges.materials;
   const LevelFinder levels(fine);
-  report.finest_error = levels.error_of(fine.base_vertices) * mesh.transform.scale;
+  const double estimate = levels.error_of(fine.base_vertices) * mesh.transform.scale;
+  report.finest_error = LevelErrors(fine, levels, scheduler).error_of(fine.base_vertices) * mesh.transform.scale;
   Repairs repairs;
   const IndexedMesh fewer = prepare_mesh(levels.level_mesh(fine.base_vertices), repairs, scheduler);
   ProgressiveReport rest;
   ProgressiveMesh out = build(fewer, config, scheduler, rest);
   report.base_triangles = rest.base_triangles;
-  const auto error = static_cast<float>(report.finest_error / fewer.transform.scale);
-  for (float& e : out.errors) e += error;
+  for (float& e : out.errors) e += static_cast<float>(estimate / fewer.transform.scale);
+  out.finest_error = report.finest_error / fewer.transform.scale;
   return out;
 }
 

@@ -23,7 +23,7 @@ struct ProgressiveReport {
   std::uint64_t cut_vertices = 0;  // copies made where the surface was cut apart
   std::uint64_t cut_edges = 0;     // of three or more triangles, or of triangles turned against each other
   std::uint64_t input_triangles = 0, base_triangles = 0;
-  double finest_error = 0;   // estimated distance of the finest level from the input, in units of the model
+  double finest_error = 0;   // bound of the distance of the finest level from the input, in units of the model
   std::uint64_t rounds = 0;  // of regions side by side, before the rest was collapsed as one
 };
 

@@ -52,6 +52,16 @@ class Progressive(CommandCase):
             self.assertLessEqual(result["error"], errors[1])
             self.assertLessEqual(result["vertices"], 500)
 
+    def test_an_error_holds_for_every_file(self):
+        for name, error in (("sphere.lpm", 0.01), ("sphere.glb", 0.01), ("sphere.lpm", 0.003)):
+            result = self.results("lod", progressive(name), "--error", error, "-o", "level.ply")
+            distance = self.results("compare", sphere(), "level.ply")
+            sampled = max(distance[way]["max"] for way in ("forward", "backward"))
+            self.assertLessEqual(sampled, result["error"])
+            self.assertLessEqual(result["error"], error)
+            self.assertGreater(sampled, error / 3)
+            self.assertLess(result["triangles"], result["finest_triangles"])
+
     def test_the_finest_level_is_the_input(self):
         self.lodestone("lod", progressive("sphere.glb"), "--triangles", 10**9, "-o", "finest.ply")
         result = self.results("compare", sphere(), "finest.ply")
@@ -158,6 +168,7 @@ class Refusals(CommandCase):
         self.refused("lod", progressive(), "-o", "a.ply", names=["--vertices", "--triangles", "--error"])
         self.refused("lod", progressive(), "--vertices", 5, "--triangles", 5, "-o", "a.ply", names=["excludes"])
         self.refused("lod", progressive(), "--vertices", 5, "-o", "a.xyz", names=["a.xyz"])
+        self.refused("lod", progressive(), "--error", 1e-7, "-o", "a.ply", names=["sphere.lpm", "within", "--position-bits"])
         self.refused("lod", sphere(), "--vertices", 5, "-o", "a.ply", names=["sphere.ply", "not a progressive mesh"])
         (self.folder / "plain.glb").write_bytes(command_case.glb([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]))
         self.refused("lod", "plain.glb", "--vertices", 5, "-o", "a.ply", names=["plain.glb", "_PARENTINDEX"])

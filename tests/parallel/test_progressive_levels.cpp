@@ -1,16 +1,20 @@
-// Levels of progressive meshes as meshes of their own: where their vertices are.
+// Levels of progressive meshes as meshes of their own: where their vertices are, and how far they are from the input.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/mesh/generate.h"
 #include "core/progressive/mesh/level.h"
+#include "core/progressive/progressive_file.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/build.h"
 #include "parallel/mesh/compare.h"
+#include "parallel/progressive/level_errors.h"
 #include "parallel/progressive/make_progressive.h"
 #include "tests/parallel/progressive_meshes.h"
 
@@ -105,6 +109,27 @@ TEST(LevelPlacement, BordersAndSeamsRemain) {
   }
 }
 
+// Texture coordinates stay with their vertices: a texture would slide.
+TEST(LevelPlacement, VerticesWithAttributesMoveAlongTheirNormals) {
+  const ProgressiveMesh mesh = progressive_of(test::textured_torus(40, 30, false, *scheduler));
+  const LevelFinder levels(mesh);
+  const RawMesh level = levels.level_mesh(levels.vertices_for_triangles(mesh.triangles.size() / 4)),
+                before = unmoved(mesh, level);
+  std::vector<Vec3d> normals(level.positions.size());
+  for (const Triangle& t : before.triangles) {
+    const auto p = [&](std::size_t k) { return before.positions[t.v[k]]; };
+    for (const std::uint32_t v : t.v) normals[v] = normals[v] + cross(p(1) - p(0), p(2) - p(0));
+  }
+  double way = 0, sideways = 0;
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    const Vec3d moved = level.positions[v] - before.positions[v];
+    way += length(moved);
+    sideways += length(cross(moved, normals[v])) / length(normals[v]);
+  }
+  EXPECT_GT(way, 0);
+  EXPECT_LT(sideways, 0.1 * way);
+}
+
 // Where the surface was cut apart, both sides have a vertex at the same place, before and after.
 TEST(LevelPlacement, CopiesStayTogether) {
   const ProgressiveMesh mesh = progressive_of(test::touching_cubes(6, *scheduler));
@@ -113,7 +138,76 @@ TEST(LevelPlacement, CopiesStayTogether) {
     const RawMesh level = levels.level_mesh(levels.vertices_for_triangles(triangles)), before = unmoved(mesh, level);
     for (std::size_t a = 0; a < level.positions.size(); ++a)
       for (std::size_t b = 0; b < a; ++b)
-        if (before.positions[a] == before.positions[b]) EXPECT_EQ(level.positions[a], level.positions[b]);
+        if (before.positions[a] == before.positions[b]) {
+          EXPECT_EQ(level.positions[a], level.positions[b]);
+        }
+  }
+}
+
+// The mesh as a reader gets it from a file of this name.
+ProgressiveMesh written(const ProgressiveMesh& mesh, const std::string& name) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / name;
+  (void)save_progressive(mesh, path);
+  ProgressiveMesh read = load_progressive(path);
+  std::filesystem::remove(path);
+  return read;
+}
+
+// Points of both surfaces are the slow twin of the bound.
+TEST(LevelErrors, HoldForEveryMetricAndQuantization) {
+  const IndexedMesh torus = test::textured_torus(32, 24, true, *scheduler);
+  for (const auto metric : {progressive::MetricKind::quadric, progressive::MetricKind::attribute_quadric,
+                            progressive::MetricKind::parametric})
+    for (const char* name : {"level_errors.lpm", "level_errors.glb"}) {
+      ProgressiveReport report;
+      const ProgressiveMesh all = make_progressive(torus, {.metric = metric}, *scheduler, report);
+      const RawMesh input = LevelFinder(all).level_mesh(all.vertex_count());
+      const ProgressiveMesh mesh = written(all, name);
+      const LevelFinder levels(mesh);
+      const LevelErrors errors(mesh, levels, *scheduler);
+      for (const double error : {0.01, 0.04}) {
+        const std::uint32_t vertices = errors.vertices_for(error);
+        const MeshDistance distance = compare_meshes(levels.level_mesh(vertices), input, {}, *scheduler);
+        const double sampled = std::max(distance.forward.max, distance.backward.max) / mesh.transform.scale;
+        EXPECT_LE(sampled, error) << name << ", " << name_of(metric);
+        EXPECT_GE(sampled, error / 3) << name << ", " << name_of(metric);
+        EXPECT_LE(sampled, errors.error_of(vertices) * (1 + 1e-6) + 1e-12);
+        EXPECT_LE(errors.error_of(vertices), 1.06 * error);
+        EXPECT_LT(vertices, mesh.vertex_count());
+      }
+      EXPECT_EQ(errors.vertices_for(0), mesh.vertex_count());
+      EXPECT_EQ(errors.vertices_for(1), mesh.base_vertices);
+    }
+}
+
+TEST(LevelErrors, CountQuantizationAndWhatWasLeftOut) {
+  const IndexedMesh sphere = generated(Shape::sphere, 3'000);
+  ProgressiveReport report;
+  const ProgressiveMesh fewer = make_progressive(sphere, {.finest_triangles = 1'000}, *scheduler, report);
+  const ProgressiveMesh all = progressive_of(sphere);
+  const RawMesh input = LevelFinder(all).level_mesh(all.vertex_count());
+  EXPECT_EQ(all.finest_error, 0);
+  EXPECT_EQ(written(all, "finest.glb").finest_error, 0);
+  for (const ProgressiveMesh& mesh : {written(all, "finest.lpm"), written(fewer, "finest.lpm"), fewer}) {
+    const MeshDistance distance =
+        compare_meshes(LevelFinder(mesh).level_mesh(mesh.vertex_count()), input, {}, *scheduler);
+    const double sampled = std::max(distance.forward.max, distance.backward.max) / mesh.transform.scale;
+    EXPECT_GT(sampled, 1e-5);
+    EXPECT_LE(sampled, mesh.finest_error);
+    EXPECT_LE(mesh.finest_error, 2.5 * sampled);
+  }
+  EXPECT_NEAR(written(fewer, "finest.glb").finest_error, fewer.finest_error, 1e-12);
+}
+
+TEST(LevelErrors, AreTheSameForAnyNumberOfThreads) {
+  const ProgressiveMesh mesh = progressive_of(generated(Shape::terrain, 6'000));
+  const LevelFinder levels(mesh);
+  const LevelErrors expected(mesh, levels, *scheduler);
+  for (const int threads : {2, 5}) {
+    const auto workers = make_tbb_scheduler(threads);
+    const LevelErrors errors(mesh, levels, *workers);
+    EXPECT_EQ(errors.error_of(500), expected.error_of(500));
+    EXPECT_EQ(errors.vertices_for(0.01), expected.vertices_for(0.01));
   }
 }
 

@@ -72,7 +72,10 @@ void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const json& at
     if (material < mesh.wedges.materials.size()) primitive["material"] = material;
     glb.root["meshes"][0]["primitives"].push_back(std::move(primitive));
   }
-  glb.root["meshes"][0]["extras"] = {{"progressive", {{"version", 1}, {"baseVertices", mesh.base_vertices}}}};
+  glb.root["meshes"][0]["extras"] = {{"progressive",
+                                      {{"version", 1},
+                                       {"baseVertices", mesh.base_vertices},
+                                       {"finestError", mesh.finest_error * mesh.transform.scale}}}};
 }
 
 // Thumbnails and images without one come first.

@@ -7,7 +7,8 @@
 // those after it are vertex splits (split_codec.h), each frame range coded for itself with models that go on; the last
 // ones are the images, one each, empty where the thumbnail is the image. Little-endian. Everything is quantized:
 // positions to 2^position_bits steps over the extent of the model, texture coordinates to 2^uv_bits over their box,
-// errors to the upper half of a float, rounded up. Normals are not in the file.
+// errors to the upper half of a float, rounded up. The header has a bound of the distance of the finest level from the
+// input, quantization included. Normals are not in the file.
 #pragma once
 
 #include <cstddef>
@@ -31,6 +32,7 @@ struct LpmBytes {
   std::vector<std::byte> bytes;
   std::size_t geometry = 0;  // the part without images and thumbnails
   std::size_t base = 0;      // header, thumbnails and base, which are needed before anything can be drawn
+  double finest_error = 0;   // of the mesh that a reader gets: what quantization adds is included
 };
 
 // Throws InputError for a mesh whose collapses cannot be undone one by one, which `lodestone progressive` never
@@ -39,8 +41,8 @@ struct LpmBytes {
                                   std::span<const Texture> thumbnails = {});
 
 // With `prefix`, a file that ends early gives the levels it holds, at least the base, with thumbnails in place of the
-// images that have not come. Otherwise, and if it is damaged, throws InputError with the place; UnsupportedError for a
-// newer version.
+// images that have not come, and an estimate as finest_error. Otherwise, and if it is damaged, throws InputError with
+// the place; UnsupportedError for a newer version.
 [[nodiscard]] ProgressiveMesh read_lpm(ByteReader& input, bool prefix = false);
 
 }  // namespace lodestone

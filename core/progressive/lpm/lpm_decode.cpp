@@ -151,6 +151,8 @@ class LpmDecoder {
       out.positions.insert(out.positions.end(), mesh_.stars[g].wedges, position);
       out.errors.insert(out.errors.end(), mesh_.stars[g].wedges, error);
     }
+    out.finest_error = header_.finest_error;
+    if (mesh_.stars.size() < header_.groups && !out.errors.empty()) out.finest_error += out.errors.back();
     const auto place = [&](std::int32_t q, std::size_t i) {
       return static_cast<float>(header_.uv_low[i] + q * header_.uv_step[i]);
     };

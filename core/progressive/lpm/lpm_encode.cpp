@@ -239,6 +239,19 @@ LatticeValues quantize(const ProgressiveMesh& mesh, const Groups& groups, const 
   return values;
 }
 
+// The distance that quantization moves a vertex, at most: no point of a triangle moves farther than its corners.
+double largest_move(const ProgressiveMesh& mesh, const Groups& groups, const LatticeValues& values,
+                    std::uint32_t bits) {
+  const double step = std::ldexp(1.0, -static_cast<int>(bits));
+  double largest = 0;
+  for (std::size_t g = 0; g < groups.start.size(); ++g) {
+    const auto& to = values.positions[g];
+    const Vec3d moved{to[0] * step, to[1] * step, to[2] * step};
+    largest = std::max(largest, length(moved - to_double(mesh.positions[groups.start[g]])));
+  }
+  return largest;
+}
+
 void append(std::vector<std::byte>& out, std::uint32_t value) {
   for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::byte>(value >> (8 * k)));
 }
@@ -255,14 +268,16 @@ void append_frame(std::vector<std::byte>& out, std::span<const std::byte> bytes,
 LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config, std::span<const Texture> thumbnails) {
   const Groups groups(mesh);
   auto [base, splits, sequence] = record(mesh, groups);
-  const LpmHeader header = make_header(mesh, groups, config, thumbnails);
+  LpmHeader header = make_header(mesh, groups, config, thumbnails);
   LatticeValues source = quantize(mesh, groups, header);
+  header.finest_error = mesh.finest_error + largest_move(mesh, groups, source, header.settings.position_bits);
   if (config.batch > 0) {
     const Renumbering renumbering(groups, order_in_batches(sequence, config.batch), mesh.vertex_count());
     renumbering.apply(splits);
     renumbering.apply(source);
   }
   LpmBytes out;
+  out.finest_error = header.finest_error;
   const std::string text = to_json(header).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (const char* c = lpm_magic; *c != 0; ++c) out.bytes.push_back(static_cast<std::byte>(*c));
   append(out.bytes, static_cast<std::uint32_t>(text.size()));

@@ -1,5 +1,7 @@
 #include "core/progressive/lpm/lpm_format.h"
 
+#include <cmath>
+
 #include "core/base/error.h"
 #include "core/formats/gltf/gltf_surface.h"
 
@@ -40,6 +42,23 @@ std::uint32_t bits_of(const JsonView& place) {
 std::uint32_t count_of(const JsonView& place) {
   if (place.integer() > 0x7fff'ffffu) place.fail("is too large");
   return static_cast<std::uint32_t>(place.integer());
+}
+
+void read_geometry(const JsonView& header, LpmHeader& h) {
+  h.vertices = count_of(header.at("vertices"));
+  h.groups = count_of(header.at("groups"));
+  h.base_groups = count_of(header.at("baseGroups"));
+  if (h.base_groups > h.groups || h.groups > h.vertices) header.fail("inconsistent counts");
+  h.settings = {bits_of(header.at("positionBits")), bits_of(header.at("uvBits")),   header.at("wedges").boolean(),
+                header.at("uv").boolean(),          header.at("colours").boolean(), header.at("materialIds").boolean()};
+  h.uv_low = header.at("uvLow").numbers<2>();
+  h.uv_step = header.at("uvStep").numbers<2>();
+  const auto origin = header.at("origin").numbers<3>();
+  h.transform = {{origin[0], origin[1], origin[2]}, header.at("scale").number()};
+  if (!(h.transform.scale > 0)) header.at("scale").fail("is not positive");
+  // Files without one have lost half a step on each axis.
+  h.finest_error = std::sqrt(3.0) * std::ldexp(0.5, -static_cast<int>(h.settings.position_bits));
+  if (const auto error = header.find("finestError")) h.finest_error = error->number();
 }
 
 }  // namespace
@@ -84,6 +103,7 @@ json to_json(const LpmHeader& h) {
               {"uvStep", h.uv_step},
               {"origin", {h.transform.origin.x, h.transform.origin.y, h.transform.origin.z}},
               {"scale", h.transform.scale},
+              {"finestError", h.finest_error},
               {"materials", materials},
               {"textures", textures}};
   return header;
@@ -93,17 +113,7 @@ LpmHeader read_header(const JsonView& json) {
   if (const std::uint64_t found = json.at("version").integer(); found != version)
     throw UnsupportedError("version " + std::to_string(found) + " of .lpm is not supported");
   LpmHeader h;
-  h.vertices = count_of(json.at("vertices"));
-  h.groups = count_of(json.at("groups"));
-  h.base_groups = count_of(json.at("baseGroups"));
-  if (h.base_groups > h.groups || h.groups > h.vertices) json.fail("inconsistent counts");
-  h.settings = {bits_of(json.at("positionBits")), bits_of(json.at("uvBits")),   json.at("wedges").boolean(),
-                json.at("uv").boolean(),          json.at("colours").boolean(), json.at("materialIds").boolean()};
-  h.uv_low = json.at("uvLow").numbers<2>();
-  h.uv_step = json.at("uvStep").numbers<2>();
-  const auto origin = json.at("origin").numbers<3>();
-  h.transform = {{origin[0], origin[1], origin[2]}, json.at("scale").number()};
-  if (!(h.transform.scale > 0)) json.at("scale").fail("is not positive");
+  read_geometry(json, h);
   const JsonView textures = json.at("textures"), materials = json.at("materials");
   for (std::size_t k = 0; k < textures.size(); ++k) {
     const JsonView t = textures.at(k), wrap = t.at("wrap");

@@ -23,6 +23,7 @@ struct LpmHeader {
   std::uint32_t vertices = 0, groups = 0, base_groups = 0;
   std::array<double, 2> uv_low{}, uv_step{};
   Transform transform;
+  double finest_error = 0;  // as in ProgressiveMesh, with what quantization adds
   std::vector<Material> materials;
   std::vector<std::uint32_t> object_normals;                // as in ProgressiveMesh
   std::vector<GeometryTexture> geometry_images;             // likewise

@@ -48,14 +48,26 @@ std::vector<Triangle> LevelFinder::compute_level(std::uint32_t vertices) const {
   return out;
 }
 
+PlacedLevel LevelFinder::placed_level(std::uint32_t vertices) const {
+  PlacedLevel level{{}, compute_level(vertices)};
+  if (vertices >= mesh_->vertex_count()) {
+    level.positions = mesh_->positions;
+    return level;
+  }
+  const std::vector<std::uint32_t> ancestors = compute_geomorph(vertices, mesh_->vertex_count());
+  level.positions = progressive::place_level(*mesh_, {groups_, ancestors, level.triangles, vertices});
+  return level;
+}
+
 RawMesh LevelFinder::level_mesh(std::uint32_t vertices) const {
   RawMesh raw;
   const auto prefix = [&](const auto& values) {
     const std::size_t count = std::min<std::size_t>(values.size(), vertices);
     return std::vector(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));
   };
-  raw.triangles = compute_level(vertices);
-  for (const Vec3f p : place(vertices, raw.triangles)) raw.positions.push_back(mesh_->transform.to_model(p));
+  PlacedLevel level = placed_level(vertices);
+  raw.triangles = std::move(level.triangles);
+  for (const Vec3f p : level.positions) raw.positions.push_back(mesh_->transform.to_model(p));
   raw.wedges.uv = prefix(mesh_->wedges.uv);
   raw.wedges.normal = prefix(mesh_->wedges.normal);
   raw.wedges.colour = prefix(mesh_->wedges.colour);
@@ -65,12 +77,6 @@ RawMesh LevelFinder::level_mesh(std::uint32_t vertices) const {
     for (const Triangle& t : raw.triangles)
       raw.wedges.material.push_back(mesh_->wedges.material.empty() ? 0 : mesh_->wedges.material[t.v[0]]);
   return raw;
-}
-
-std::vector<Vec3f> LevelFinder::place(std::uint32_t vertices, std::span<const Triangle> triangles) const {
-  if (vertices >= mesh_->vertex_count()) return mesh_->positions;
-  const std::vector<std::uint32_t> ancestors = compute_geomorph(vertices, mesh_->vertex_count());
-  return progressive::place_level(*mesh_, {groups_, ancestors, triangles, vertices});
 }
 
 std::vector<std::uint32_t> LevelFinder::compute_geomorph(std::uint32_t coarse, std::uint32_t fine) const {

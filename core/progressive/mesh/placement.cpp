@@ -17,6 +17,8 @@ constexpr double min_cosine = 0.5;  // of the angle that a triangle may turn by
 // sharp, which planes know and the vertices beside them do not.
 constexpr double max_cost_ratio = 2;
 
+constexpr double parabola_step = 1e-3;  // along a line costs are a parabola, which three points give
+
 // A *site* is a vertex with its wedges, and with its copies where the surface was cut apart; its number is that of the
 // first of them.
 class Placer {
@@ -27,7 +29,10 @@ class Placer {
         positions_(mesh.positions.begin(), mesh.positions.begin() + level.vertices),
         fixed_(level.vertices, false),
         planes_(level.vertices),
-        areas_(mesh.positions.size(), 0) {}
+        areas_(mesh.positions.size(), 0) {
+    const WedgeAttributes& a = mesh.wedges;
+    along_normals_ = !a.uv.empty() || !a.normal.empty() || !a.colour.empty();
+  }
 
   std::vector<Vec3f> run() {
     find_sites();
@@ -123,9 +128,29 @@ class Placer {
 
   [[nodiscard]] Vec3d at(std::uint32_t site) const { return to_double(positions_[site]); }
 
+  // The mean normal of the triangles around the site; zero if they have none.
+  [[nodiscard]] Vec3d normal(std::uint32_t v) const {
+    Vec3d sum;
+    for (const std::uint32_t t : star(v)) {
+      const auto [a, b] = others(t, v);
+      sum = sum + cross(at(a) - at(v), at(b) - at(v));
+    }
+    const double size = length(sum);
+    return size > 0 ? 1 / size * sum : Vec3d{};
+  }
+
+  [[nodiscard]] Vec3d nearest_to_planes(std::uint32_t v) const {
+    const Quadric& q = planes_[v];
+    if (!along_normals_) return q.minimum_near(at(v), stiffness);
+    const Vec3d step = parabola_step * normal(v);
+    const double here = q.cost(at(v)), above = q.cost(at(v) + step), below = q.cost(at(v) - step);
+    const double bend = above + below - 2 * here;
+    return bend > 0 ? at(v) + (below - above) / (2 * bend) * step : at(v);
+  }
+
   // At most as far as the longest edge: beyond that the minimum says nothing about this star.
   void move_to_planes(std::uint32_t v) {
-    const Vec3d to = planes_[v].minimum_near(at(v), stiffness);
+    const Vec3d to = nearest_to_planes(v);
     double longest = 0;
     for (const std::uint32_t t : star(v))
       for (const std::uint32_t x : others(t, v)) longest = std::max(longest, length(at(x) - at(v)));
@@ -160,7 +185,9 @@ class Placer {
   void follow_pull(std::uint32_t v) {
     const Pull& pull = pulls_[v];
     if (!(pull.weight > 0)) return;
-    const Vec3d to = at(v) + 1 / pull.weight * pull.way;
+    Vec3d way = 1 / pull.weight * pull.way;
+    if (along_normals_) way = dot(way, normal(v)) * normal(v);
+    const Vec3d to = at(v) + way;
     if (planes_[v].cost(to) <= max_cost_ratio * planes_[v].cost(at(v)) && !turns(v, to)) positions_[v] = to_float(to);
   }
 
@@ -179,6 +206,7 @@ class Placer {
   const LevelTopology& level_;
   std::vector<Vec3f> positions_;
   std::vector<std::uint32_t> sites_, star_begin_, stars_;
+  bool along_normals_ = false;
   std::vector<bool> fixed_;      // by site
   std::vector<Quadric> planes_;  // likewise
   std::vector<float> areas_;     // by vertex of the finest level: twice that of its triangles

@@ -14,6 +14,8 @@ void check_progressive(const ProgressiveMesh& mesh, const std::string& name) {
   const std::uint32_t count = mesh.vertex_count();
   if (mesh.parents.size() != count || mesh.errors.size() != count)
     fail("", "parents and errors are not one per vertex");
+  if (!(mesh.finest_error >= 0) || !std::isfinite(mesh.finest_error))
+    fail("", "the error of the finest level is not a distance");
   if (mesh.base_vertices > count) fail("", "the base has more vertices than the mesh");
   for (std::uint32_t v = 0; v < count; ++v) {
     const std::string place = "vertex " + std::to_string(v);

@@ -30,10 +30,12 @@ struct GeometryTexture {
 struct ProgressiveMesh {
   std::vector<Vec3f> positions;        // normalised, as of IndexedMesh
   std::vector<std::uint32_t> parents;  // parents[v] < v; 0 in the base, whose vertices have none
-  // Estimated distance of the mesh from the input while v is missing: normalised, the same for all of a group, never
-  // more than that of the vertex before. In the base, that of the base itself.
+  // Estimated distance of the mesh from the input while v is missing, by the metric that ranked the collapses:
+  // normalised, the same for all of a group, never more than that of the vertex before. In the base, that of the base
+  // itself. parallel/progressive/level_errors.h measures.
   std::vector<float> errors;
   std::vector<Triangle> triangles;  // of the finest level
+  double finest_error = 0;          // bound of the distance of the finest level from the input, both ways; normalised
   std::uint32_t base_vertices = 0;
   Transform transform;
   WedgeAttributes wedges{};  // by vertex; `vertex` is empty

@@ -154,10 +154,10 @@ async function progressiveMesh(glb) {
   lists.reduce((at, ids) => (triangles.set(ids, at), at + ids.length), 0);
   return checked({vertexCount, baseVertices: mesh.extras.progressive.baseVertices, positions,
           parents: Uint32Array.from(get('_PARENTINDEX')), errors: get('_ERROR').map((e) => e / scale),
-          uv: get('TEXCOORD_0'), normals: get('NORMAL'), colours: colours && srgbBytes(colours),
+          uv: get('TEXCOORD_0'), normals: get('NORMAL'), hasNormals: attributes.NORMAL !== undefined, colours: colours && srgbBytes(colours),
           materialIds: mesh.primitives.length > 1 ? materialIds : null,
           materials: (glb.json.materials ?? []).map((_, k) => glb.material(k)),
-          textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles, origin: node.translation ?? [0, 0, 0], scale}, name);
+          textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles, whole: true, origin: node.translation ?? [0, 0, 0], scale}, name);
 }
 
 // Checks the properties that levels.js relies on.

@@ -1,8 +1,10 @@
 // Levels of a progressive mesh and what moves between them: core/progressive/mesh/level.h and activation.h.
 //
 // A mesh here: {vertexCount, baseVertices, positions (Float32Array, normalised), parents (Uint32Array), errors
-// (Float32Array, normalised), triangles (Uint32Array), origin, scale, and, where it has them, normals, uv, colours,
+// (Float32Array, normalised), triangles (Uint32Array), whole (all of it has come), origin, scale, and, where it has them, normals, uv, colours,
 // materialIds, materials, textures}.
+
+import {placeLevel} from './placement.js';
 
 function groupStarts({vertexCount, baseVertices, positions, parents}) {
   const bits = new Int32Array(positions.buffer, positions.byteOffset, positions.length);
@@ -103,6 +105,14 @@ export class Levels {
     const ancestor = this.computeGeomorph(vertices, vertexCount);
     for (let k = 0; k < out.length; ++k) out[k] = ancestor[out[k]];
     return out;
+  }
+
+  // The positions of the vertices of a level, best for that level alone; those of the finest level are as they are.
+  placeLevel(vertices) {
+    const {mesh, groups} = this;
+    if (vertices >= mesh.vertexCount) return mesh.positions;
+    const ancestors = this.computeGeomorph(vertices, mesh.vertexCount);
+    return placeLevel(mesh, {groups, ancestors, triangles: this.computeLevel(vertices), vertices});
   }
 
   // For every vertex of the finer level, its ancestor in the coarser one.

@@ -52,7 +52,7 @@ export class ProgressiveView {
     const {mesh} = this, geometry = new THREE.BufferGeometry();
     const add = (name, array, size) => geometry.setAttribute(name, new THREE.BufferAttribute(array, size));
     const uv = mesh.uv ?? new Float32Array(2 * mesh.vertexCount);
-    add('position', mesh.positions, 3);
+    add('position', mesh.positions.slice(), 3);
     add('normal', mesh.normals, 3);
     add('uv', uv, 2);
     add('fromPosition', mesh.positions.slice(), 3);
@@ -135,15 +135,21 @@ export class ProgressiveView {
   }
 
   fillAncestors(coarse, fine) {
-    const ancestor = this.ladder_.levels.computeGeomorph(coarse, fine), {geometry} = this.object;
-    for (const [to, from, size] of [['fromPosition', 'position', 3], ['fromNormal', 'normal', 3], ['fromUv', 'uv', 2]]) {
-      const target = geometry.attributes[to], source = geometry.attributes[from].array;
-      for (let v = 0; v < fine; ++v)
-        for (let i = 0; i < size; ++i) target.array[size * v + i] = source[size * ancestor[v] + i];
+    const ladder = this.ladder_, ancestor = ladder.levels.computeGeomorph(coarse, fine), {attributes} = this.object.geometry;
+    const fill = (target, values) => {
+      values(target.array, target.itemSize);
       target.clearUpdateRanges();
-      target.addUpdateRange(0, size * fine);
+      target.addUpdateRange(0, target.itemSize * fine);
       target.needsUpdate = true;
-    }
+    };
+    const take = (source) => (array, size) => {
+      for (let v = 0; v < fine; ++v)
+        for (let i = 0; i < size; ++i) array[size * v + i] = source[size * ancestor[v] + i];
+    };
+    fill(attributes.position, (array) => array.set(ladder.placesOf(fine).subarray(0, 3 * fine)));
+    fill(attributes.fromPosition, take(ladder.placesOf(coarse)));
+    fill(attributes.fromNormal, take(attributes.normal.array));
+    fill(attributes.fromUv, take(attributes.uv.array));
   }
 
   // A group per material, the triangles of a level in their order.

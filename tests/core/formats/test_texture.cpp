@@ -371,7 +371,7 @@ TEST(Recompressed, IsASmallerWebpOfTheSameSizeOrTheTextureItself) {
                     .media_type = "image/png",
                     .wrap_u = TextureWrap::mirror,
                     .bytes = encode_image(picture, "image/png")};
-  const Texture webp = recompressed(png, 80);
+  const Texture webp = recompressed(png, PixelMeaning::colours, 80);
   EXPECT_EQ(webp.media_type, "image/webp");
   EXPECT_EQ(webp.name, png.name);
   EXPECT_EQ(webp.wrap_u, png.wrap_u);
@@ -383,11 +383,68 @@ TEST(Recompressed, IsASmallerWebpOfTheSameSizeOrTheTextureItself) {
     for (std::size_t c = 0; c < 3; ++c)
       sum += std::abs(double{image.pixels[k * image.channels + c]} - before.pixels[k * before.channels + c]);
   EXPECT_LT(sum, 4.0 * 3 * 90 * 70);
-  EXPECT_EQ(recompressed(webp, 100), webp);  // without loss is not smaller
+  EXPECT_EQ(recompressed(webp, PixelMeaning::colours, 100), webp);  // without loss is not smaller
   const Texture foreign{.name = "b", .media_type = "image/ktx2", .bytes = {'k', 't', 'x'}};
-  EXPECT_EQ(recompressed(foreign, 50), foreign);
+  EXPECT_EQ(recompressed(foreign, PixelMeaning::colours, 50), foreign);
   const Texture damaged{.name = "c", .media_type = "image/png", .bytes = {'p', 'n', 'g'}};
-  EXPECT_EQ(recompressed(damaged, 50), damaged);
+  EXPECT_EQ(recompressed(damaged, PixelMeaning::colours, 50), damaged);
+}
+
+// Stripes of a texel in one channel alone: half the resolution of colours would make grey of them.
+PixelImage striped(std::uint32_t channels) {
+  PixelImage image{.size = {64, 64}, .channels = channels, .pixels = {}};
+  for (std::uint32_t k = 0; k < 64 * 64; ++k)
+    for (std::uint32_t c = 0; c < channels; ++c)
+      image.pixels.push_back(static_cast<std::uint8_t>(c == 0 ? 128 : c == 1 ? 60 + 100 * (k % 2) : c == 2 ? 200 : k));
+  return image;
+}
+
+int largest_change(const PixelImage& before, const Texture& after) {
+  const PixelImage image = decode_image(after.bytes, after.media_type);
+  int largest = 0;
+  for (std::size_t k = 0; k < before.pixels.size() / before.channels; ++k)
+    for (std::size_t c = 0; c < before.channels; ++c)
+      largest = std::max(largest, std::abs(int{image.pixels[k * image.channels + (c < image.channels ? c : 0)]} -
+                                           before.pixels[k * before.channels + c]));
+  return largest;
+}
+
+TEST(Recompressed, DataKeepsItsChannelsApart) {
+  const PixelImage picture = striped(3);
+  Texture png{.name = "a", .media_type = "image/png", .bytes = encode_image(picture, "image/png")};
+  png.bytes.resize(20'000);  // what follows the end of an image counts as little as how well it is packed
+  EXPECT_GT(largest_change(picture, recompressed(png, PixelMeaning::colours, 90)), 25);
+  for (const PixelMeaning meaning : {PixelMeaning::values, PixelMeaning::normals}) {
+    const Texture data = recompressed(png, meaning, 90);
+    EXPECT_EQ(data.media_type, "image/jpeg");
+    EXPECT_LT(largest_change(picture, data), 12);
+  }
+  EXPECT_GT(recompressed(png, PixelMeaning::normals, 50).bytes.size(),
+            recompressed(png, PixelMeaning::values, 50).bytes.size());
+}
+
+TEST(Recompressed, AlphaIsAsItWas) {
+  const PixelImage picture = striped(4);
+  Texture png{.name = "a", .media_type = "image/png", .bytes = encode_image(picture, "image/png")};
+  png.bytes.resize(40'000);
+  EXPECT_EQ(largest_change(picture, recompressed(png, PixelMeaning::values, 50)), 0);
+  const Texture normals = recompressed(png, PixelMeaning::normals, 50);  // of three coordinates
+  EXPECT_EQ(normals.media_type, "image/jpeg");
+  const Texture colours = recompressed(png, PixelMeaning::colours, 50);
+  const PixelImage image = decode_image(colours.bytes, colours.media_type);
+  ASSERT_EQ(image.channels, 4u);
+  for (std::size_t k = 3; k < image.pixels.size(); k += 4) ASSERT_EQ(image.pixels[k], picture.pixels[k]);
+}
+
+TEST(Recompressed, OneChannelIsWebpWithoutColour) {
+  PixelImage picture = gradient(64, 64, 3);
+  for (std::size_t k = 0; k < picture.pixels.size(); k += 3)
+    picture.pixels[k + 1] = picture.pixels[k + 2] = picture.pixels[k];
+  Texture png{.name = "a", .media_type = "image/png", .bytes = encode_image(picture, "image/png")};
+  png.bytes.resize(20'000);
+  const Texture data = recompressed(png, PixelMeaning::values, 80);
+  EXPECT_EQ(data.media_type, "image/webp");
+  EXPECT_LT(largest_change(picture, data), 8);
 }
 
 }  // namespace
