@@ -1,4 +1,4 @@
-// Level tint: a hue for each level of the hierarchy (render/frame/shading.h).
+// Level tint: a hue for each level of the hierarchy (render/frame/shading.h), or ModelFrame::tint for all of a model.
 #pragma once
 
 #include "render/effects/effect_info.h"
@@ -42,7 +42,7 @@ inline void level_tint(const ShadingJob& job, Surface& s, Int lanes) {
   if (!(share > 0)) return;
   Points tint{};
   for (int k = 0; k < width; ++k) {
-    const Vec3f t = shading::tint_of(s.cell[k]->level);
+    const Vec3f t = s.cell[k]->model->tint.value_or(shading::tint_of(s.cell[k]->level));
     tint.x[k] = t.x, tint.y[k] = t.y, tint.z[k] = t.z;
   }
   const auto mix = [&](Float own, Float other) { return select(lanes, (1 - share) * own + share * other, own); };

@@ -247,13 +247,13 @@ bool SceneView::admissible() const {
   return std::ranges::all_of(placed_, [](const Placed& p) { return p.radii.admissible; });
 }
 
-FrameStats SceneView::draw(Renderer& renderer) {
+FrameStats SceneView::draw(Renderer& renderer, const Frame& frame) {
   if (!changed_) return {};
   for (const Placed& placed : placed_)
     if (const ResidentCells* resident = placed.open.resident)
       renderer.refresh(placed.uploaded, resident->went(), resident->came());
   changed_ = false;
-  return renderer.draw(frame_);
+  return renderer.draw(frame);
 }
 
 std::vector<Camera> camera_path(const SceneView& view) {

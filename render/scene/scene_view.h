@@ -62,7 +62,9 @@ class SceneView {
 
   // Passes the changes by streaming on to the renderer, and draws the frame, unless nothing has changed since the last
   // picture of this view: then the statistics are empty.
-  FrameStats draw(Renderer& renderer);
+  FrameStats draw(Renderer& renderer) { return draw(renderer, frame_); }
+  // The same with a frame made of frame(), such as one that draws models in parts.
+  FrameStats draw(Renderer& renderer, const Frame& frame);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] std::size_t model_count() const { return placed_.size(); }

@@ -39,7 +39,7 @@ class Notes(ViewCase):
         # Overdraw: the whole ramp stands in the lower left corner, white for 16 and more.
         for key, colours in (("o", [(26, 31, 115), (242, 217, 51), (242, 102, 26)]),
                              ("m", [(40, 110, 255), (255, 140, 30)]),
-                             ("t", [])):
+                             ("f", [(191, 191, 191), (230, 51, 38)]), ("t", [])):
             shown = viewer.press(key)
             corner = [LEFT, HEIGHT - 130, LEFT + 160, HEIGHT]
             for colour in colours:

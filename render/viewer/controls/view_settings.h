@@ -19,6 +19,7 @@ struct ViewSettings {
   int samples = 1;  // a pixel: 1 or 4
 
   bool tint = false;       // colour by level
+  bool errors = false;     // colour by the error that a cell has stored
   bool band = false;       // colour by lambda, where vertices are on their way
   bool boxes = false;      // of the cells that are drawn
   bool wireframe = false;  // the edges of the triangles

@@ -25,6 +25,7 @@ const std::vector<ActionKey>& action_keys() {
                                            {Action::choose_other, 'V', "other settings"},
                                            {Action::toggle_frozen, ' ', "freeze selection"},
                                            {Action::toggle_tint, 'T', "tint by level"},
+                                           {Action::toggle_errors, 'F', "heat map of stored errors"},
                                            {Action::toggle_band, 'M', "blending band"},
                                            {Action::toggle_boxes, 'B', "cell boxes"},
                                            {Action::toggle_wireframe, 'G', "wireframe"},
@@ -67,6 +68,9 @@ void apply(Action action, ViewState& state) {
       return;
     case Action::toggle_tint:
       state.current().tint = !state.current().tint;
+      return;
+    case Action::toggle_errors:
+      state.current().errors = !state.current().errors;
       return;
     case Action::toggle_band:
       state.current().band = !state.current().band;

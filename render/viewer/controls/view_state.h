@@ -51,6 +51,7 @@ enum class Action : std::uint8_t {
   toggle_split,
   toggle_frozen,
   toggle_tint,
+  toggle_errors,
   toggle_band,
   toggle_boxes,
   toggle_wireframe,

@@ -1,5 +1,6 @@
 #include "render/viewer/session/legend.h"
 
+#include <cstdio>
 #include <set>
 
 #include "render/frame/shading.h"
@@ -30,6 +31,17 @@ Legend overdraw_counts() {
   return legend;
 }
 
+Legend errors_in(const ErrorRange& range) {
+  Legend legend{"stored error", {{error_colour(0), "0, the input"}}};
+  if (!(range.most > 0)) return legend;
+  for (int step = 1; step <= error_steps; step += 3) {
+    char label[32];
+    std::snprintf(label, sizeof label, "%.2g", error_of_step(step, range));
+    legend.entries.push_back({error_colour(step), label});
+  }
+  return legend;
+}
+
 Legend band_shares() {
   constexpr int steps = 4;
   Legend legend{"share of the finer level", {}};
@@ -43,10 +55,13 @@ Legend band_shares() {
 
 }  // namespace
 
-std::vector<Legend> legends_of(const ViewSettings& settings, const Frame& frame) {
+std::vector<Legend> legends_of(const ViewSettings& settings, const Frame& frame, const ErrorRange& range) {
   if (settings.overdraw) return {overdraw_counts()};
   std::vector<Legend> legends;
-  if (settings.tint) legends.push_back(levels_of(frame));
+  if (settings.errors)
+    legends.push_back(errors_in(range));
+  else if (settings.tint)
+    legends.push_back(levels_of(frame));
   if (settings.band) legends.push_back(band_shares());
   return legends;
 }

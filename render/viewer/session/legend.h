@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/frame.h"
 #include "render/viewer/controls/view_settings.h"
+#include "render/viewer/session/error_map.h"
 
 namespace lodestone::viewer {
 
@@ -20,7 +20,8 @@ struct Legend {
 };
 
 // Those of a frame that was drawn with these settings, none where the surface has its own colours: the levels that are
-// drawn, triangles over a pixel, or the share of the finer level in the blending band.
-[[nodiscard]] std::vector<Legend> legends_of(const ViewSettings& settings, const Frame& frame);
+// drawn, triangles over a pixel, errors in `range`, or the share of the finer level in the blending band.
+[[nodiscard]] std::vector<Legend> legends_of(const ViewSettings& settings, const Frame& frame,
+                                             const ErrorRange& range = {});
 
 }  // namespace lodestone::viewer

@@ -27,7 +27,7 @@ ViewConfig view_config(const Scene& scene, const ViewState& state, std::size_t s
   config.towards_light = looks.towards_light;
   config.effects.without = looks.without;
   config.hidden = looks.hidden;
-  if (wanted.tint) config.settings.level_tint = 1;
+  if (wanted.tint || wanted.errors) config.settings.level_tint = 1;
   if (wanted.wireframe) config.settings.wireframe = wire_opacity;
   if (wanted.overdraw) config.settings.overdraw = true;
   return config;
@@ -55,6 +55,7 @@ void ViewDrawing::restart() {
     view = {};
     if (model_) view.scene.emplace(model_->scene, model_->opened.models());
   }
+  if (model_) errors_ = error_range(*views_.front().scene);
   if (!ready()) return;
   views_.front().scene->upload(*renderer_);
   ++counts_.uploads;
@@ -101,12 +102,15 @@ bool ViewDrawing::draw(const ViewState& state, const View& view, const std::vect
   const ViewSettings& wanted = state.settings[view.settings];
   const bool changed =
       update(per_view, state.camera, view_config(model_->scene, state, view.settings, view.size), beside);
-  if (!changed && per_view.band == wanted.band) return false;
+  if (!changed && per_view.band == wanted.band && per_view.errors == wanted.errors) return false;
   ViewReport& report = per_view.report;
   report.select_milliseconds = total.milliseconds();
+  const Frame& own = per_view.scene->frame();
+  const Frame& frame = wanted.errors ? per_view.error_map.of(own, *per_view.scene, errors_) : own;
   // The band is painted over a picture that the renderer may have no more.
-  report.stats = changed ? per_view.scene->draw(*renderer_) : renderer_->draw(per_view.scene->frame());
+  report.stats = changed ? per_view.scene->draw(*renderer_, frame) : renderer_->draw(frame);
   per_view.band = wanted.band;
+  per_view.errors = wanted.errors;
   report.selected = 0;
   for (const ModelFrame& model : per_view.scene->frame().models) report.selected += model.selection->cells.size();
   report.total_milliseconds = total.milliseconds();

@@ -9,6 +9,7 @@
 #include "render/frame/renderer.h"
 #include "render/scene/scene_view.h"
 #include "render/viewer/controls/view_state.h"
+#include "render/viewer/session/error_map.h"
 #include "render/viewer/session/model_loader.h"
 #include "render/viewer/session/projection.h"
 #include "render/viewer/session/surface_pick.h"
@@ -61,6 +62,7 @@ class ViewDrawing {
   [[nodiscard]] const ViewReport& report(std::size_t settings) const { return views_[settings].report; }
   // A sphere around all models.
   [[nodiscard]] Sphere bounding_sphere() const { return views_.front().scene->bounding_sphere(); }
+  [[nodiscard]] const ErrorRange& errors() const { return errors_; }  // of all models
   [[nodiscard]] const SceneView& scene_view() const { return *views_.front().scene; }
 
   // The surface at a point of the picture of the last draw() with these settings, shown in so many pixels.
@@ -80,7 +82,8 @@ class ViewDrawing {
  private:
   struct PerView {
     std::optional<SceneView> scene;
-    bool frozen = false, band = false;
+    bool frozen = false, band = false, errors = false;
+    ErrorMap error_map;
     std::uint64_t freezes = 0;              // that the frozen selection belongs to
     std::vector<ViewProjection> frozen_by;  // of each model, from the frozen camera
     ViewReport report;
@@ -93,6 +96,7 @@ class ViewDrawing {
   Renderer* renderer_ = nullptr;
   Model* model_ = nullptr;
   std::array<PerView, 2> views_;
+  ErrorRange errors_;
   Counts counts_;
 };
 

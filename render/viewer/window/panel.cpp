@@ -145,6 +145,7 @@ void edit_switches(ViewState& state, PanelRequests& requests) {
   bool smooth = settings.samples == 4;
   row("4 samples", smooth);
   settings.samples = smooth ? 4 : 1;
+  row("errors", settings.errors);
   row("measure", state.measure.on);
   if (const auto length = distance(state.measure)) {
     ImGui::SameLine();

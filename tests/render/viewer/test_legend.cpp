@@ -42,6 +42,20 @@ TEST(Legend, TheBandGoesFromItsBeginToItsEnd) {
   EXPECT_EQ(legends[1].entries.back().colour, band_colour(0));
 }
 
+TEST(Legend, ErrorsReplaceLevels) {
+  Selection selection;
+  ViewSettings settings;
+  settings.tint = settings.errors = true;
+  EXPECT_EQ(legends_of(settings, frame_of(selection)).front().entries.size(), 1u);  // no cell has an error
+  const ErrorRange range{0.001, 10};
+  const std::vector<Legend> legends = legends_of(settings, frame_of(selection), range);
+  ASSERT_EQ(legends.size(), 1u);
+  EXPECT_EQ(legends[0].entries.front().colour, error_colour(0));
+  for (std::size_t k = 1; k < legends[0].entries.size(); ++k)
+    EXPECT_EQ(legends[0].entries[k].colour, error_colour(error_step(std::stod(legends[0].entries[k].label), range)));
+  EXPECT_EQ(legends[0].entries.back().colour, error_colour(error_steps));
+}
+
 TEST(Legend, CountsReplaceAllElse) {
   Selection selection;
   ViewSettings settings;

@@ -54,6 +54,7 @@ TEST(ViewState, EveryKeyHasOneAction) {
 TEST(ViewState, SwitchesSwitchTheChosenSettings) {
   using Switch = bool ViewSettings::*;
   for (const auto& [action, which] : {std::pair<Action, Switch>{Action::toggle_tint, &ViewSettings::tint},
+                                      {Action::toggle_errors, &ViewSettings::errors},
                                       {Action::toggle_band, &ViewSettings::band},
                                       {Action::toggle_boxes, &ViewSettings::boxes},
                                       {Action::toggle_wireframe, &ViewSettings::wireframe},

@@ -12,8 +12,7 @@ namespace lodestone {
 namespace {
 
 std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
-  const bool blended = shows_alpha(frame, model, AlphaMode::blend),
-             masked = shows_alpha(frame, model, AlphaMode::mask);
+  const bool blended = shows_alpha(frame, model, AlphaMode::blend), masked = shows_alpha(frame, model, AlphaMode::mask);
   const bool all_layers = effects::is_transparent(frame, model), opaque_pass = pass == GlPass::picture;
   std::uint32_t bits = effects::has_one_side(model) ? leaves_out_backs : 0;
   if (blended && !all_layers) bits |= opaque_pass ? leaves_out_blended : leaves_out_others;
@@ -84,7 +83,7 @@ GlInstance instance_of(const ModelFrame& model, std::uint32_t first_material) {
   for (std::size_t l = 0; l < radii.band_begin.size(); ++l) {
     to.levels[l].band_begin = radii.band_begin[l];
     to.levels[l].band_end = radii.band_end[l];
-    set(to.levels[l].tint, shading::tint_of(static_cast<int>(l)));
+    set(to.levels[l].tint, model.tint.value_or(shading::tint_of(static_cast<int>(l))));
   }
   return to;
 }
