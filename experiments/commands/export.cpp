@@ -1,6 +1,7 @@
 // lodestone export: one level of a hierarchy as a mesh file, or all of it as a tileset.
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <optional>
 
 #include "core/base/error.h"
@@ -9,6 +10,7 @@
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
+#include "experiments/commands/tile_archive.h"
 #include "parallel/hierarchy/save.h"
 #include "parallel/hierarchy/save_tiles.h"
 #include "parallel/scheduler/clock.h"
@@ -46,8 +48,10 @@ void export_level(const ExportOptions& options, const CommonOptions& common) {
 
 void export_tiles(const ExportOptions& options, const CommonOptions& common) {
   if (options.tiles->empty()) throw InputError("--tiles: the folder name is empty");
-  check_files(common, {{"FILE", options.file}});
-  AtomicFolder folder(*options.tiles);
+  const bool packed = std::filesystem::path(*options.tiles).extension() == ".3tz";
+  check_files(common, {{"FILE", options.file}},
+              packed ? std::vector<FileArgument>{{"--tiles", *options.tiles}} : std::vector<FileArgument>{});
+  AtomicFolder folder(packed ? *options.tiles + ".files" : *options.tiles);
   const CpuClock clock;
   const auto scheduler = make_scheduler(common);
   Progress progress("writing", common.quiet);
@@ -62,12 +66,16 @@ void export_tiles(const ExportOptions& options, const CommonOptions& common) {
   for (const Level& level : hierarchy.levels) triangles += level.triangles;
   progress.phase("writing");
   progress.measure(static_cast<double>(triangles), "triangles");
-  const SavedTiles saved = save_tiles(hierarchy, folder, *scheduler, config);
+  SavedTiles saved = save_tiles(hierarchy, folder, *scheduler, config);
   check_interrupt();
-  folder.commit();
+  // Workers finish tiles in any order; files packed afterwards are in the same order always.
+  if (packed)
+    saved.bytes = write_tile_archive(folder.path(), *options.tiles, interrupt_flag());
+  else
+    folder.commit();
   progress.clear();
   const StageTime time = clock.elapsed();
-  write_result(common, {{"folder", *options.tiles},
+  write_result(common, {{packed ? "file" : "folder", *options.tiles},
                         {"tiles", saved.tiles},
                         {"tilesets", saved.tilesets},
                         {"textures", saved.textures},
@@ -97,8 +105,10 @@ OptionTable declare(ExportOptions& o) {
       OptionSpec{"FILE", &o.file, "Hierarchy (.lode)"}.must(),
       OptionSpec{"--level", &o.level, "Level, 0 is the coarsest; the finest if not given"}.between(0, max_level),
       {"-o,--output", &o.output, "Mesh to write: .ply, .obj, .stl, or .glb with all attributes"},
-      OptionSpec{"--tiles", &o.tiles,
-                 "Folder to write instead, new or empty: a 3D Tiles 1.1 tileset with a tile (.glb) per cell"}
+      OptionSpec{
+          "--tiles", &o.tiles,
+          "Folder to write instead, new or empty: a 3D Tiles 1.1 tileset with a tile (.glb) per cell; or an archive "
+          "of it, one file (.3tz) that streams from servers which give parts of files"}
           .not_with({"--output", "--level"}),
       OptionSpec{"--morph", &o.morph,
                  "With --tiles: also the attributes of every vertex's parent (_PARENT, its place, and _PARENTNORMAL, "
@@ -113,7 +123,8 @@ void add_export(CLI::App& app) {
                  {"export", "Write one level of a hierarchy as a mesh, or all of it as a tileset",
                   "  lodestone export scan.lode --level 3 -o level3.ply\n"
                   "  lodestone export scan.lode -o finest.obj\n"
-                  "  lodestone export scan.lode --tiles tileset\n"},
+                  "  lodestone export scan.lode --tiles tileset\n"
+                  "  lodestone export scan.lode --tiles scan.3tz --morph\n"},
                  declare, run);
 }
 

@@ -105,6 +105,9 @@ class PageWriter {
       copy_in(fs::is_directory(input) ? fs::path(input) : fs::path(input).parent_path(),
               folder_.path() / "models" / name);
       list(name + "/tileset.json", "tiles");
+    } else if (extension_of(input) == ".3tz") {
+      copy_in(input, folder_.path() / "models" / (name + ".3tz"));
+      list(name + ".3tz", "tiles");
     } else if (extension_of(input) == ".lode") {
       export_tiles(input, name);
       list(name + "/tileset.json", "tiles");
@@ -173,7 +176,7 @@ OptionTable declare(PageOptions& o) {
   return with_input_options(
       {OptionSpec{"IN", &o.inputs,
                   std::string("Models: progressive (.lpm, .glb), hierarchies (.lode), tilesets of `lodestone export "
-                              "--tiles --morph`, or meshes to make progressive: ") +
+                              "--tiles --morph` (folders or .3tz), or meshes to make progressive: ") +
                       mesh_formats}
            .must(),
        OptionSpec{"-o,--output", &o.output, "Folder to write, new or empty"}.must(),

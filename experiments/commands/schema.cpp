@@ -226,7 +226,7 @@ std::vector<Key> render_details() {
 }
 
 std::vector<Key> export_keys() {
-  return {{"file", "", "mesh written"},
+  return {{"file", "", "mesh or archive written"},
           {"level", "", "level written"},
           {"triangles", "", "triangles written, of all tiles"},
           {"vertices", "", "vertices written"},

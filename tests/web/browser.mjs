@@ -51,8 +51,8 @@ export async function main(makeFiles, tests, {bundle = true} = {}) {
 }
 
 // A page of the browser that fails the test on any error in its console, but for those that `expected` matches.
-export async function open(browser, name, {gate, part, slow, query = '', expected = null, prepare = null, viewport = {width: 480, height: 360}, ...more} = {}) {
-  const server = await serve(path.join(folder, name), {gate, part, slow});
+export async function open(browser, name, {gate, part, slow, ranges, sent, query = '', expected = null, prepare = null, viewport = {width: 480, height: 360}, ...more} = {}) {
+  const server = await serve(path.join(folder, name), {gate, part, slow, ranges, sent});
   const context = await browser.newContext({viewport, ...more}), page = await context.newPage(), errors = [];
   page.setDefaultTimeout(120000);
   const note = (text) => { if (!/GPU stall/.test(text) && !expected?.test(text)) errors.push(text); };

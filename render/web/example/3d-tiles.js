@@ -42,7 +42,7 @@ tiles.addEventListener('load-root-tileset', () => {
   const sphere = new THREE.Sphere();
   tiles.getBoundingSphere(sphere);
   tiles.group.updateMatrixWorld();
-  const {center, radius} = sphere.applyMatrix4(tiles.group.matrixWorld), distance = 3.2 * radius;
+  const {center, radius} = sphere.applyMatrix4(tiles.group.matrixWorld), distance = 3.2 * radius * Math.max(innerHeight / innerWidth, 1);
   camera.position.copy(center).add(new THREE.Vector3(0.3, 0.3, 1).setLength(distance));
   Object.assign(camera, {near: distance / 1000, far: 10 * distance});
   controls.target.copy(center);

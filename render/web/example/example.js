@@ -30,7 +30,7 @@ function wake() {
 
 // The camera where it sees the whole box.
 function look(box) {
-  const {center, radius} = box.getBoundingSphere(new THREE.Sphere()), distance = 3.2 * radius;
+  const {center, radius} = box.getBoundingSphere(new THREE.Sphere()), distance = 3.2 * radius * Math.max(innerHeight / innerWidth, 1);
   camera.position.copy(center).add(new THREE.Vector3(0.3, 0.3, 1).setLength(distance));
   Object.assign(camera, {near: distance / 1000, far: 10 * distance});
   controls.target.copy(center);

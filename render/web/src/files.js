@@ -3,10 +3,10 @@ import {GlbDecoder} from './glb.js';
 import {LpmDecoder} from './lpm.js';
 import {Problem} from './problem.js';
 
-export async function ask(url, signal) {
+export async function ask(url, signal, headers = {}) {
   let answer;
   try {
-    answer = await fetch(url, {signal});
+    answer = await fetch(url, {signal, headers});
   } catch (error) {
     if (error.name === 'AbortError') throw error;
     // Browsers let a page from the disk read no other file.

@@ -1,4 +1,5 @@
 // The computations of the page without the page, for tests and other programs.
+export {Archive} from './archive.js';
 export {Tally, chooseFamilies, excess} from './family_choice.js';
 export {readMesh, reading} from './files.js';
 export {Glb, GlbDecoder, readProgressiveGlb} from './glb.js';

@@ -7,11 +7,11 @@ import {openTiles} from './tiles_view.js';
 const ANISOTROPY = 8;
 
 // Resolves when there is something to draw; rejects with an Error of one line about what is wrong with the file. The
-// rest arrives while the model is drawn. A name that ends in .json is that of a tileset.
+// rest arrives while the model is drawn. A name that ends in .json or .3tz is that of a tileset.
 export async function load(url, {pixels = 1, megabytes = 512, onChange = () => {}, onError = (e) => console.error(e.message)} = {}) {
   const name = new URL(url, location.href).pathname.split('/').pop();
   const how = {name, pixels, onChange, onError};
-  return name.endsWith('.json') ? loadTiles(url, megabytes, how) : loadProgressive(url, how);
+  return /\.(json|3tz)$/i.test(name) ? loadTiles(url, megabytes, how) : loadProgressive(url, how);
 }
 
 async function loadTiles(url, megabytes, how) {

@@ -1,5 +1,6 @@
 // A hierarchical level of detail in the scene: tiles by distance, as far as they are there and memory goes.
 import * as THREE from 'three';
+import {Archive} from './archive.js';
 import {ask, reading} from './files.js';
 import {Glb} from './glb.js';
 import {limitsNear} from './limits.js';
@@ -26,8 +27,10 @@ function checkGeometry({attributes, index}, name) {
 // A view of the tileset at an address, with its coarsest tile. `budget`: bytes of memory; `say(error)` is called for tiles
 // that cannot be loaded later.
 export const openTiles = (url, name, {anisotropy, budget, say}) => reading(name, async () => {
-  const json = async (at) => (await ask(at)).json(), request = async (at, signal) => (await ask(at, signal)).arrayBuffer();
-  const view = new TilesView(name, await loadTileset(new URL(url, location.href).href, json), anisotropy, {request, say, budget});
+  const at = new URL(url, location.href).href, archive = /\.3tz$/i.test(new URL(at).pathname) ? await Archive.open(at) : null;
+  const request = archive ? (file, signal) => archive.get(file, signal) : async (file, signal) => (await ask(file, signal)).arrayBuffer();
+  const json = async (file) => JSON.parse(new TextDecoder().decode(await request(file)));
+  const view = new TilesView(name, await loadTileset(archive ? `${at}/tileset.json` : at, json), anisotropy, {request, say, budget});
   await view.start();
   return view;
 });

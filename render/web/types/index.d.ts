@@ -35,8 +35,8 @@ export interface Model {
 }
 
 /**
- * Loads a progressive mesh (`.lpm`, `.glb` of `lodestone progressive`) or a tileset (`tileset.json` of `lodestone export
- * --tiles --morph`). Resolves when there is something to draw; the rest follows. Rejects with one line that says
+ * Loads a progressive mesh (`.lpm`, `.glb` of `lodestone progressive`) or a tileset (`tileset.json` or `.3tz` of
+ * `lodestone export --tiles --morph`). Resolves when there is something to draw; the rest follows. Rejects with one line that says
  * what is wrong with the file.
  */
 export function load(url: string, options?: LoadOptions): Promise<Model>;
