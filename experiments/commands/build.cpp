@@ -131,6 +131,7 @@ void print(const BuildResult& result, const Row& row, const BuildOptions& option
                lattice.error() * hierarchy.transform.scale);
   fmt::print("{:.2f} s, {:.2f} CPU s, {:.0f} MB peak, {:.2f} M triangles per core-second\n", number("file_seconds"),
              number("file_cpu_seconds"), number("peak_bytes") * 1e-6, number("mtri_per_core_second"));
+  if (hierarchy.finest() > 0) fmt::print("errors {}\n", nature_of_errors(hierarchy));
   // A number of levels asked for may be too large for the model; one chosen by the program is not.
   print_build_notes(result, options.levels ? 0 : number("stored_ratio"));
 }

@@ -45,6 +45,13 @@ std::string describe(const KeptVertices& kept, double stored_ratio, float sigma0
       stored_ratio, percent(cause.vertices, kept.vertices), kept.level, cause.what, cause.remedy);
 }
 
+const char* nature_of_errors(const Hierarchy& hierarchy) {
+  return hierarchy.provenance.measured_errors
+             ? "measured: no point is farther from the other surface"
+             : "estimated at vertices: points may be somewhat farther (verify says by how much, build --measure-error "
+               "makes them bounds)";
+}
+
 void print_build_notes(const BuildResult& result, double stored_ratio) {
   const Hierarchy& hierarchy = result.hierarchy;
   const Level& finest = hierarchy.levels.back();

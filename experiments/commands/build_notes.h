@@ -11,6 +11,9 @@ namespace lodestone {
 // Why more triangles are stored than usual, and what to do; empty if nothing that can be named keeps them.
 [[nodiscard]] std::string describe(const KeptVertices& kept, double stored_ratio, float sigma0);
 
+// "estimated" or "measured", with the meaning of that for the errors of the hierarchy.
+[[nodiscard]] const char* nature_of_errors(const Hierarchy& hierarchy);
+
 // "note: ..." lines on standard output. `stored_ratio`: stored triangles over those of the input, if it may say
 // something about the model; else 0.
 void print_build_notes(const BuildResult& result, double stored_ratio);

@@ -9,6 +9,7 @@
 #include "core/formats/mesh_file.h"
 #include "core/mesh/edge_census.h"
 #include "core/simplify/contract/simplifier.h"
+#include "experiments/commands/build_notes.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/subjects/build.h"
@@ -146,7 +147,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
              h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");
   print_textures(h);
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, h.transform.scale);
-  fmt::print("errors {}{}\n", name_of_errors(h),
+  fmt::print("errors {}{}\n", nature_of_errors(h),
              h.provenance.refined ? "; edges of the input beyond sigma0 h were split" : "");
   fmt::print("uniform kappa0 is admissible above {:.4f} (euclidean), {:.4f} (chebyshev)\n\n",
              reach(h, DistanceMetric::euclidean), reach(h, DistanceMetric::chebyshev));

@@ -73,7 +73,8 @@ void print(const ProgressiveResult& result, const Row& row, const ProgressiveOpt
   const double images = number("file_bytes") - number("geometry_bytes");
   if (options.texture_quality == 0 && images > number("geometry_bytes"))
     fmt::print(
-        "textures take {:.1f} of {:.1f} MB, as they are; --texture-quality 80 makes them some ten times smaller\n",
+        "textures take {:.1f} of {:.1f} MB, as they are; --texture-quality 75 makes them five to fifteen times "
+        "smaller\n",
         images / 1e6, number("file_bytes") / 1e6);
   print_repairs(result.repairs);
   if (result.report.cut_vertices > 0)

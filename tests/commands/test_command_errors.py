@@ -15,7 +15,8 @@ class MeasuredErrors(CommandCase):
         self.assertGreater(result["stages"]["measure"]["cpu_seconds"], 0)
         info = self.results("info", "m.lode")
         self.assertEqual(info["errors"], "measured")
-        self.assertIn("errors measured", self.lodestone("info", "m.lode"))
+        self.assertIn("errors measured: no point is farther", self.lodestone("info", "m.lode"))
+        self.assertLessEqual(max(self.results("verify", "m.lode")["sampled_over_error"]), 1)
         self.assertTrue(self.results("verify", "m.lode", "--input", sphere())["valid"])
         for level in (0, 1):
             distance = self.results("compare", f"m.lode:{level}", "m.lode:2")
@@ -26,7 +27,11 @@ class MeasuredErrors(CommandCase):
 
     def test_errors_are_estimated_unless_asked_for(self):
         self.assertEqual(self.results("build", sphere(), "-o", "m.lode", "--levels", 2)["errors"], "estimated")
-        self.assertIn("errors estimated", self.lodestone("info", "m.lode"))
+        for said in (self.lodestone("info", "m.lode"), self.lodestone("build", sphere(), "-o", "m.lode", "--levels", 2)):
+            self.assertIn("errors estimated at vertices: points may be somewhat farther", said)
+        ratio = self.results("verify", "m.lode")["sampled_over_error"]
+        self.assertEqual((len(ratio), ratio[2]), (3, 0))
+        self.assertTrue(all(0.5 < r < 2 for r in ratio[:2]))
 
     def test_compressed_files_have_them_too(self):
         self.lodestone("build", sphere(), "-o", "m.lode", "--levels", 2, "--measure-error", "--compress", "--quiet")

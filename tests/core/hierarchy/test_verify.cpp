@@ -6,7 +6,9 @@
 #include <functional>
 #include <utility>
 
+#include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/verify/verify.h"
+#include "core/spatial/mesh_distance.h"
 #include "tests/core/hierarchy/lattice_meshes.h"
 
 namespace lodestone {
@@ -41,6 +43,31 @@ TEST(Verify, AnswersWithoutTheInputToo) {
   EXPECT_TRUE(report.valid());
   EXPECT_EQ(report.find("input"), nullptr);
   EXPECT_FALSE(VerifyReport{}.valid());
+}
+
+// Points spread over both surfaces are the slow twin of the verifier's; halved errors are exceeded twice as far.
+TEST(Verify, SaysHowFarPointsExceedTheErrors) {
+  Hierarchy h = test::naive_hierarchy(test::bumpy_sphere(4), finest, sigma0).hierarchy;
+  const std::vector<double> ratio = verify_hierarchy(h).error_ratio;
+  ASSERT_EQ(ratio.size(), 3u);
+  EXPECT_EQ(ratio[finest], 0);
+  for (int l = 0; l < finest; ++l) {
+    const MeshDistance distance = compare_meshes(level_mesh(h, l), level_mesh(h, finest), {50'000});
+    const double sampled = std::max(distance.forward.max, distance.backward.max) / h.transform.scale;
+    const double error = double{h.levels[static_cast<std::size_t>(l)].error} * cell_size(l);
+    EXPECT_GT(sampled, 0);
+    EXPECT_NEAR(ratio[static_cast<std::size_t>(l)], sampled / error, 0.1 * sampled / error) << l;
+  }
+  for (Cell& cell : h.cells) cell.error /= 2;
+  for (Level& level : h.levels) level.error /= 2;
+  const std::vector<double> doubled = verify_hierarchy(h).error_ratio;
+  for (std::size_t l = 0; l < ratio.size(); ++l) EXPECT_NEAR(doubled[l], 2 * ratio[l], 1e-5 * ratio[l]) << l;
+}
+
+TEST(Verify, HasNoRatioWithoutStructure) {
+  test::NaiveHierarchy broken = test::naive_hierarchy(test::bumpy_sphere(3), finest, sigma0);
+  broken.hierarchy.cells[0].child_count = 1000;
+  EXPECT_TRUE(verify_hierarchy(broken.hierarchy).error_ratio.empty());
 }
 
 // Places in a NaiveHierarchy that the breakages below aim at.
