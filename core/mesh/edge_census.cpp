@@ -36,10 +36,8 @@ void count_edge(std::size_t forward, std::size_t backward, EdgeCensus& census) {
   census.inconsistent += forward + backward == 2 && forward != 1;
 }
 
-// A half-edge in the list of its smaller vertex. Sorting by key brings those of one edge together.
-std::uint64_t key(std::uint32_t larger, bool forward) { return std::uint64_t{larger} << 1 | std::uint64_t{forward}; }
+}  // namespace
 
-// Counts the edges of one smaller vertex.
 void count_edges_of_vertex(std::span<std::uint64_t> keys, EdgeCensus& census) {
   std::sort(keys.begin(), keys.end());
   for (std::size_t i = 0; i < keys.size();) {
@@ -50,15 +48,13 @@ void count_edges_of_vertex(std::span<std::uint64_t> keys, EdgeCensus& census) {
   }
 }
 
-}  // namespace
-
 EdgeCensus count_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
   if (triangles.size() > std::numeric_limits<std::uint32_t>::max() / 3)
     throw ResourceError("the model has more half-edges than 32-bit numbers can count; split it");
   std::vector<std::uint32_t> next = begins(triangles, vertex_count);
   std::vector<std::uint64_t> keys(3 * triangles.size());
   for_half_edges(triangles, [&](std::uint32_t smaller, std::uint32_t larger, bool forward) {
-    keys[next[smaller]++] = key(larger, forward);
+    keys[next[smaller]++] = half_edge_key(larger, forward);
   });
   EdgeCensus census;
   std::size_t begin = 0;

@@ -23,4 +23,12 @@ struct EdgeCensus {
 // triangle. Throws ResourceError if 32 bits cannot count the half-edges.
 [[nodiscard]] EdgeCensus count_edges(std::span<const Triangle> triangles, std::size_t vertex_count);
 
+// A half-edge in the list of its smaller vertex: the other vertex, and whether it runs towards that one.
+[[nodiscard]] constexpr std::uint64_t half_edge_key(std::uint32_t larger, bool forward) {
+  return std::uint64_t{larger} << 1 | std::uint64_t{forward};
+}
+
+// Adds the edges of which one vertex is the smaller one. Sorts its keys.
+void count_edges_of_vertex(std::span<std::uint64_t> keys, EdgeCensus& census);
+
 }  // namespace lodestone

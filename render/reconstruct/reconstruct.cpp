@@ -7,13 +7,13 @@
 #include <numbers>
 
 #include "core/base/error.h"
-#include "core/mesh/edge_census.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/finish/lost_parts.h"
 #include "render/reconstruct/finish/resample_attributes.h"
 #include "render/reconstruct/finish/simplify_merged.h"
+#include "render/reconstruct/finish/survey.h"
 #include "render/reconstruct/finish/turn_normals.h"
 #include "render/reconstruct/merge/gather.h"
 #include "render/reconstruct/views/condense_map.h"
@@ -52,15 +52,6 @@ MapView view_towards(const Box3f& box, Vec3d direction, const ReconstructConfig&
   const Vec3d lo = to_double(box.lo), hi = to_double(box.hi);
   const Vec3d eye = 0.5 * (lo + hi) - (2 * length(hi - lo) / length(direction)) * direction;
   return perspective_view(box, eye, spacing);
-}
-
-// Edges by position: where wedges are apart their edges are not.
-EdgeCensus census_of(const IndexedMesh& mesh) {
-  if (mesh.wedges.vertex.empty()) return count_edges(mesh.triangles, mesh.positions.size());
-  std::vector<Triangle> welded = mesh.triangles;
-  for (Triangle& t : welded)
-    for (std::uint32_t& v : t.v) v = mesh.wedges.vertex[v];
-  return count_edges(welded, mesh.positions.size());
 }
 
 // Filled pixels may be connected with all their neighbours.
@@ -241,12 +232,12 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   check_config(config);
   if (config.merge == MergeKind::shell) return draw_even_maps(mesh, config, report, scheduler);
   const CpuClock choose_clock;
-  const EdgeCensus census = census_of(mesh);
+  const auto [census, handles] = survey(mesh);
   DrawnMaps drawn;
   drawn.closed = census.border == 0;
   drawn.oriented = census.inconsistent == 0;
   if (config.separate_parts) drawn.parts = label_parts(mesh);
-  if (census.non_manifold == 0 && drawn.oriented) drawn.most_handles = count_handles(mesh).value_or(any_number);
+  drawn.most_handles = handles.value_or(any_number);
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution, report.drawn_resolution = config.resolution;
   drawn.spacing = map_spacing(config);

@@ -10,12 +10,18 @@
 #include "core/spatial/triangle_bvh.h"
 #include "render/position_map/rasterize_map.h"
 #include "render/position_map/resolve_pixel.h"
+#include "render/reconstruct/views/coarse_copy.h"
 
 namespace lodestone {
 namespace {
 
 // Directions, spread over the sphere, that come before all of the candidates: they leave few samples for those.
 constexpr int first_candidates = 64;
+// Triangles for a pixel of a face, from which on a coarse copy of the mesh decides what is seen. Its cells are as large
+// as a pixel: there are at most so many as those of the faces that the surface meets, whatever the mesh.
+constexpr double dense = 16;
+// A ray is not blocked by the triangle that it starts on, even if that exists twice; nor by the coarse copy of it.
+constexpr double room_of_triangle = 1e-5, room_in_cells = 1.5;
 
 // Samples spread over the area: every sample represents the same share of it.
 std::vector<SurfacePoint> sample_surface(const IndexedMesh& mesh, std::uint64_t count) {
@@ -44,8 +50,9 @@ std::vector<SurfacePoint> sample_surface(const IndexedMesh& mesh, std::uint64_t 
   return points;
 }
 
-// How well a map sees a point: the cosine between surface and view; 0 when it does not.
-float cosine_in(const PositionMap& map, const SurfacePoint& sample) {
+// How well a map sees a point: the cosine between surface and view; 0 when it does not. `own`: the point's triangle in
+// the mesh of the map.
+float cosine_in(const PositionMap& map, const SurfacePoint& sample, std::uint32_t own) {
   const WindowPoint w = project(map.view, sample.point);
   if (!(w.x >= 0) || !(w.y >= 0) || !(w.x < map.view.width) || !(w.y < map.view.height)) return 0;
   const std::size_t i =
@@ -53,7 +60,7 @@ float cosine_in(const PositionMap& map, const SurfacePoint& sample) {
   if (!map.sees(i)) return 0;
   const auto cosine = static_cast<float>(std::abs(dot(to_double(sample.normal), map.view.forward)));
   const double behind = w.depth - double{map.depth[i]};
-  const bool seen = map.triangle[i] == sample.triangle || behind * std::max(double{cosine}, 0.1) < 0.7 * map.view.pixel;
+  const bool seen = map.triangle[i] == own || behind * std::max(double{cosine}, 0.1) < 0.7 * map.view.pixel;
   return seen ? cosine : 0;
 }
 
@@ -68,37 +75,43 @@ struct Sight {
 // Candidate directions in stages: each looks only at the samples that no stage before it sees well.
 class CandidateSights {
  public:
-  CandidateSights(std::span<const SurfacePoint> samples, float well)
-      : samples_(samples), well_(well), best_(samples.size()) {}
+  CandidateSights(const IndexedMesh& mesh, std::span<const SurfacePoint> samples, const ViewChoice& choice)
+      : samples_(samples), well_(choice.least_cosine), resolution_(choice.resolution), best_(samples.size()) {
+    const double pixel = 1.0 / choice.resolution;
+    if (static_cast<double>(mesh.triangles.size()) * pixel * pixel > dense)
+      copy_ = coarse_copy(mesh, pixel), room_ = room_in_cells * pixel;
+    mesh_ = copy_ ? &*copy_ : &mesh;
+  }
+  CandidateSights(const CandidateSights&) = delete;
+  CandidateSights& operator=(const CandidateSights&) = delete;
 
   // The six faces, by maps.
-  void add_maps(const IndexedMesh& mesh, int resolution, Scheduler& scheduler) {
+  void add_maps(Scheduler& scheduler) {
     Box3f box;
-    for (const Vec3f& p : mesh.positions) box.extend(p);
+    for (const Vec3f& p : mesh_->positions) box.extend(p);
     Stage& stage = begin(face_directions());
     for (std::size_t k = 0; k < stage.cosine.size(); ++k) {
-      const PositionMap map = rasterize_map(mesh, orthographic_view(box, face_directions()[k], 1.0 / resolution),
+      const PositionMap map = rasterize_map(*mesh_, orthographic_view(box, face_directions()[k], 1.0 / resolution_),
                                             {.surface = false}, scheduler);
       scheduler.for_chunks(stage.samples.size(), 4096, [&](ChunkRange range) {
         for (std::size_t s = range.begin; s < range.end; ++s)
-          stage.cosine[k][s] = cosine_in(map, samples_[stage.samples[s]]);
+          stage.cosine[k][s] =
+              cosine_in(map, samples_[stage.samples[s]], copy_ ? no_triangle : samples_[stage.samples[s]].triangle);
       });
     }
     finish(stage);
   }
 
   // By rays from the samples; the cosine is 0 where something is in between.
-  void add_rays(const IndexedMesh& mesh, const std::vector<Vec3d>& directions, Scheduler& scheduler) {
+  void add_rays(const std::vector<Vec3d>& directions, Scheduler& scheduler) {
     Stage& stage = begin(directions);
     if (stage.samples.empty() || directions.empty()) return;
-    if (!bvh_) make_tree(mesh);
-    // A ray is not blocked by the triangle that it starts on, even if that exists twice.
-    constexpr double least = 1e-5;
+    if (!bvh_) make_tree();
     scheduler.for_chunks(stage.samples.size(), 16, [&](ChunkRange range) {
       for (std::size_t s = range.begin; s < range.end; ++s) {
         const SurfacePoint& sample = samples_[stage.samples[s]];
         for (std::size_t k = 0; k < directions.size(); ++k)
-          if (std::isinf(bvh_->meet(sample.point, -1 * directions[k], least, TriangleBvh::Hit::any_will_do)))
+          if (std::isinf(bvh_->meet(sample.point, -1 * directions[k], room_, TriangleBvh::Hit::any_will_do)))
             stage.cosine[k][s] = static_cast<float>(std::abs(dot(to_double(sample.normal), directions[k])));
       }
     });
@@ -133,16 +146,20 @@ class CandidateSights {
       for (std::size_t k = 0; k < cosine.size(); ++k)
         best_[stage.samples[k]] = std::max(best_[stage.samples[k]], cosine[k]);
   }
-  void make_tree(const IndexedMesh& mesh) {
+  void make_tree() {
     std::vector<Vec3d> positions;
-    positions.reserve(mesh.positions.size());
-    for (const Vec3f& p : mesh.positions) positions.push_back(to_double(p));
-    bvh_.emplace(positions, mesh.triangles);
+    positions.reserve(mesh_->positions.size());
+    for (const Vec3f& p : mesh_->positions) positions.push_back(to_double(p));
+    bvh_.emplace(positions, mesh_->triangles);
   }
 
   std::span<const SurfacePoint> samples_;
   float well_;
-  std::vector<float> best_;  // cosine of each sample in any direction so far
+  int resolution_;
+  std::optional<IndexedMesh> copy_;    // of a dense mesh
+  const IndexedMesh* mesh_ = nullptr;  // that is looked at: the copy or the samples' own
+  double room_ = room_of_triangle;     // the way that rays go before something can be in between
+  std::vector<float> best_;            // cosine of each sample in any direction so far
   std::vector<Vec3d> directions_;
   std::deque<Stage> stages_;
   std::optional<TriangleBvh> bvh_;
@@ -237,10 +254,10 @@ std::vector<Vec3d> even_directions(int count) {
 
 ChosenViews choose_views(const IndexedMesh& mesh, const ViewChoice& choice, Scheduler& scheduler) {
   const std::vector<SurfacePoint> samples = sample_surface(mesh, choice.samples);
-  CandidateSights candidates(samples, choice.least_cosine);
-  candidates.add_maps(mesh, choice.resolution, scheduler);
-  if (choice.candidates > first_candidates) candidates.add_rays(mesh, sphere_directions(first_candidates), scheduler);
-  candidates.add_rays(mesh, sphere_directions(choice.candidates), scheduler);
+  CandidateSights candidates(mesh, samples, choice);
+  candidates.add_maps(scheduler);
+  if (choice.candidates > first_candidates) candidates.add_rays(sphere_directions(first_candidates), scheduler);
+  candidates.add_rays(sphere_directions(choice.candidates), scheduler);
   GreedyChoice greedy(choice, candidates.sights(), samples.size(), scheduler);
 
   const double whole = std::max<double>(1, static_cast<double>(samples.size()));

@@ -1,0 +1,23 @@
+// The edges and handles of the input of a reconstruction, counted in one pass.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "core/mesh/edge_census.h"
+#include "core/mesh/indexed_mesh.h"
+
+namespace lodestone {
+
+// Counts of vertices, not of their wedges, and without degenerate triangles.
+struct Survey {
+  EdgeCensus census;
+  std::optional<std::size_t> handles;  // as count_handles() has them
+};
+
+// count_edges() and count_handles() from one list of the triangles around each vertex. Linear except for the degree of
+// the vertices, of which large ones cost its square; memory: 8 bytes per vertex and 12 per triangle, and as many again
+// for copies of the triangles if there are wedges. A vertex in which fans meet leaves the handles to count_handles().
+[[nodiscard]] Survey survey(const IndexedMesh& mesh);
+
+}  // namespace lodestone
