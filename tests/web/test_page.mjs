@@ -61,11 +61,11 @@ async function testControls(browser) {
   check(half < all / 2, `dragging the slider leaves ${half}`);
   await keep(page, 'coarse');
   check(await differ(page, 'fine', 'coarse') < 0.25, 'coarse and fine look alike');
-  await page.click('label:has(#wireframe)');
+  await page.click('label:has(#edges)');
   await quiet();
   await keep(page, 'wires');
-  check(await differ(page, 'coarse', 'wires') > 0.02, 'wireframe changes the picture');
-  await page.click('label:has(#wireframe)');
+  check(await differ(page, 'coarse', 'wires') > 0.02, 'edges change the picture');
+  await page.click('label:has(#edges)');
   await quiet();
   await keep(page, 'before');
   check(await differ(page, 'coarse', 'before', 0) === 0, 'the same state gives the same picture, to the last bit');
@@ -119,8 +119,8 @@ async function testKeys(browser) {
     check([byKeys, byWheel].every((d) => d > least && d < most), `${key} and the wheel end at ${byKeys} and ${byWheel} of the distance`);
   }
   await press('h');
-  await press('w');
-  check(await page.isChecked('#wireframe'), 'w shows wires');
+  await press('e');
+  check(await page.isChecked('#edges'), 'e shows edges');
   await press('a');
   check(await page.isChecked('#automatic') && await triangles() < all, 'a takes automatic levels');
   await close();
@@ -273,7 +273,7 @@ async function testStreaming(browser) {
 async function testPhone(browser) {
   const {page, quiet, close, triangles} = await open(browser, 'two', {viewport: {width: 390, height: 844}, hasTouch: true, isMobile: true, deviceScaleFactor: 2});
   await quiet();
-  for (const id of ['#level', 'label:has(#automatic)', 'label:has(#pixels)', 'label:has(#wireframe)', '#home', 'label:has(#file)']) {
+  for (const id of ['#level', 'label:has(#automatic)', 'label:has(#pixels)', 'label:has(#edges)', '#home', 'label:has(#file)']) {
     const {x, y, width, height} = await page.locator(id).boundingBox();
     check(x >= 0 && y >= 0 && x + width <= 390 && y + height <= 844 && height >= 32, `${id} is in reach, ${Math.round(width)} x ${Math.round(height)}`);
   }
@@ -299,8 +299,8 @@ async function testPhone(browser) {
   const all = await triangles(), {x, y, width, height} = await page.locator('#level').boundingBox();
   await swipe([[x + width - 8, y + height / 2]], [[x + width / 3, y + height / 2]]);
   check(await triangles() < all / 2, `a finger on the slider leaves ${await triangles()} of ${all} triangles`);
-  await page.locator('label:has(#wireframe)').tap();
-  check(await page.isChecked('#wireframe'), 'the panel can be tapped');
+  await page.locator('label:has(#edges)').tap();
+  check(await page.isChecked('#edges'), 'the panel can be tapped');
   await close();
 }
 

@@ -50,6 +50,7 @@ export class Labels {
   make(model) {
     const button = document.createElement('button'), name = document.createElement('span'), small = document.createElement('small');
     const progress = document.createElement('progress');
+    progress.setAttribute('aria-label', `${model.name}: how much is there`);
     Object.assign(button, {type: 'button', title: `${model.name}: click to turn between y up and z up`});
     button.addEventListener('click', () => this.turn(model));
     name.textContent = model.name;

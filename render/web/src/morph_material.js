@@ -1,5 +1,6 @@
 // Materials whose vertices travel: three's standard material with a few lines of its vertex shader replaced.
 import * as THREE from 'three';
+import {look, withLook} from './look.js';
 
 // `share`: 0 at the ancestors, 1 at their own places.
 export function morphMaterial(parameters, share, unlit = false) {
@@ -7,7 +8,8 @@ export function morphMaterial(parameters, share, unlit = false) {
   material.onBeforeCompile = (shader) => {
     shader.uniforms.morphShare = share;
     shader.vertexShader = withMorph(shader.vertexShader);
-    shader.fragmentShader = withSides(unlit ? withoutLight(shader.fragmentShader) : shader.fragmentShader);
+    shader.uniforms.look = look;
+    shader.fragmentShader = withSides(withLook(shader.fragmentShader, unlit));
   };
   material.customProgramCacheKey = () => (unlit ? 'progressive, unlit' : 'progressive');
   return material;
@@ -50,10 +52,6 @@ export function surfaceParameters(colour, surface) {
           alphaTest: masked ? surface.alphaCutoff : 0, opacity: blended || masked ? colour[3] : 1,
           emissive: new THREE.Color(...light), emissiveIntensity: surface.emissiveStrength};
 }
-
-// The colour itself in place of the light that reaches the eye.
-export const withoutLight = (source) =>
-    source.replace('vec3 outgoingLight = totalDiffuse + totalSpecular + totalEmissiveRadiance;', 'vec3 outgoingLight = diffuseColor.rgb;');
 
 // A back side is lit from behind only if its normal, too, points away: slivers that have folded over remain as bright
 // as their surroundings, and the inside of an open surface is not black.

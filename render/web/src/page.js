@@ -3,8 +3,10 @@ import * as THREE from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {countCracks} from './cracks.js';
 import {ask, readMesh, streamMesh} from './files.js';
+import {LOOKS, look} from './look.js';
 import {Labels, columnsFor, layOut, seeAll} from './layout.js';
 import {ProgressiveView} from './progressive_view.js';
+import {fromHash, toHash} from './shared_view.js';
 import {openTiles} from './tiles_view.js';
 
 const $ = (id) => document.getElementById(id);
@@ -21,7 +23,7 @@ class Page {
     this.models = [];
     this.labels = new Labels($('labels'), (m) => this.turn(m));
     this.awake = false;
-    $('automatic').checked = matchMedia('(pointer: coarse)').matches;  // phones: no more triangles than their pixels ask for
+    this.byItself = $('automatic').checked = matchMedia('(pointer: coarse)').matches;  // phones: no more triangles than their pixels ask for
     this.listen();
     this.resize();
   }
@@ -55,8 +57,12 @@ class Page {
     });
     $('automatic').addEventListener('change', () => this.wake());
     $('pixels').addEventListener('input', () => this.wake());
-    $('wireframe').addEventListener('change', () => this.applyWireframe());
-    $('home').addEventListener('click', () => this.frameAll());
+    $('edges').addEventListener('change', () => this.applyLook());
+    $('look').addEventListener('change', () => this.applyLook());
+    $('view').addEventListener('dblclick', (e) => this.focus(e));
+    addEventListener('hashchange', () => this.follow(location.hash));
+    $('home').addEventListener('click', () => this.showAll());
+    this.controls.addEventListener('start', () => { this.asked = null; });
     $('full').addEventListener('click', () => this.toggleFullScreen());
     $('keys').addEventListener('click', () => $('help').showModal());
     $('full').hidden = !document.fullscreenEnabled;
@@ -65,7 +71,7 @@ class Page {
   }
 
   key(e) {
-    if (e.ctrlKey || e.metaKey || e.altKey || e.target.type === 'number' || $('help').open) return;
+    if (e.ctrlKey || e.metaKey || e.altKey || /^(number|select-one)$/.test(e.target.type) || $('help').open) return;
     if (e.target.type === 'range' && /^(Arrow|Page|Home|End)/.test(e.key)) return;
     const turn = (x, y) => () => (e.shiftKey ? this.orbit(0.1 * x, 0.1 * y) : x !== 0 && this.setSlider(this.slider + 0.02 * x));
     const keys = {
@@ -73,9 +79,10 @@ class Page {
       PageUp: () => this.setSlider(this.slider + 0.1), PageDown: () => this.setSlider(this.slider - 0.1),
       Home: () => this.setSlider(0), End: () => this.setSlider(1),
       '+': () => this.orbit(0, 0, 0.9), '-': () => this.orbit(0, 0, 1 / 0.9),
-      w: () => { $('wireframe').checked = !$('wireframe').checked; this.applyWireframe(); },
+      e: () => { $('edges').checked = !$('edges').checked; this.applyLook(); },
+      v: () => { $('look').selectedIndex = ($('look').selectedIndex + 1) % LOOKS.length; this.applyLook(); },
       a: () => { $('automatic').checked = !$('automatic').checked; this.wake(); },
-      h: () => this.frameAll(), f: () => this.toggleFullScreen(), '?': () => $('help').showModal()};
+      h: () => this.showAll(), f: () => this.toggleFullScreen(), '?': () => $('help').showModal()};
     keys[e.key.length === 1 ? e.key.toLowerCase() : e.key]?.();
   }
 
@@ -86,6 +93,7 @@ class Page {
 
   // Turns the camera around its target by angles, and scales the distance.
   orbit(around, over, nearer = 1) {
+    this.asked = null;
     const {target} = this.controls, way = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(target));
     way.theta += around;
     way.phi += over;
@@ -106,10 +114,55 @@ class Page {
     this.wake();
   }
 
-  applyWireframe() {
-    for (const m of this.models) m.setWireframe($('wireframe').checked);
+  applyLook() {
+    look.value = LOOKS.indexOf($('look').value);
+    for (const m of this.models) m.setEdges($('edges').checked);
     this.wake();
   }
+
+  // Turns around what is under the pointer from now on, and brings it closer.
+  focus(e) {
+    const {left, top, width, height} = $('view').getBoundingClientRect(), ray = new THREE.Raycaster();
+    ray.setFromCamera(new THREE.Vector2((e.clientX - left) / width * 2 - 1, 1 - (e.clientY - top) / height * 2), this.camera);
+    const objects = this.models.flatMap((m) => m.objects.filter((o) => o.visible)), [hit] = ray.intersectObjects(objects, false);
+    if (!hit) return;
+    this.asked = null;
+    const {target} = this.controls, back = this.camera.position.clone().sub(target);
+    back.setLength(Math.max(Math.min(back.length(), hit.distance) / 2, this.controls.minDistance));
+    target.copy(hit.point);
+    this.camera.position.copy(hit.point).add(back);
+    this.controls.update();
+    this.wake();
+  }
+
+  // The view that an address tells; its camera waits until all models are there.
+  follow(hash) {
+    if (hash === this.hash) return;
+    const view = fromHash(hash, LOOKS);
+    $('look').value = view.look;
+    $('edges').checked = view.edges;
+    if (view.pixels !== null) $('pixels').value = view.pixels;
+    if (view.pixels !== null || view.level !== null) $('automatic').checked = view.pixels !== null;
+    if (view.level !== null) $('level').value = Math.round(1000 * view.level);
+    this.asked = view.camera;
+    this.applyLook();
+    if (view.level !== null) this.applySlider();
+    if (this.models.length > 0) this.frameAll();
+  }
+
+  // What differs from the view by itself goes into the address.
+  tell() {
+    const pose = this.pose(), same = !this.home || pose.flat().every((x, k) => Math.abs(x - this.home[k]) < 1e-6);
+    const {automatic, byItself} = this, camera = this.asked ?? (same ? null : pose);
+    const level = !automatic && (this.slider < 1 || byItself) ? this.slider : null;
+    const pixels = automatic && !(byItself && this.pixels === 0.5) ? this.pixels : null;
+    const hash = toHash({camera, level, pixels, look: $('look').value, edges: $('edges').checked});
+    if (hash === (this.hash ?? '').slice(1)) return;
+    this.hash = hash === '' ? '' : `#${hash}`;
+    history.replaceState(null, '', this.hash || location.pathname + location.search);
+  }
+
+  pose() { return [this.camera.position.toArray(), this.controls.target.toArray()]; }
 
   // One line about what went wrong; more of them below each other.
   say(text) {
@@ -161,7 +214,7 @@ class Page {
     this.models.push(view);
     this.models.sort((a, b) => a.order - b.order);
     this.scene.add(view.node);
-    view.setWireframe($('wireframe').checked);
+    view.setEdges($('edges').checked);
     if (view.ladder && !this.automatic) view.show(this.slider * view.ladder.top);
     $('hint').hidden = true;
     this.frameAll();
@@ -169,6 +222,11 @@ class Page {
 
   turn(model) {
     model.turn();
+    this.frameAll();
+  }
+
+  showAll() {
+    this.asked = null;
     this.frameAll();
   }
 
@@ -181,6 +239,12 @@ class Page {
     const distance = this.camera.position.distanceTo(this.controls.target);
     Object.assign(this.controls, {minDistance: distance / 200, maxDistance: 8 * distance});
     this.controls.update();
+    this.home = this.pose().flat();
+    if (this.asked) {
+      this.camera.position.fromArray(this.asked[0]);
+      this.controls.target.fromArray(this.asked[1]);
+      this.controls.update();
+    }
     this.wake();
   }
 
@@ -213,6 +277,7 @@ class Page {
     this.onFrame?.();
     if (moving) requestAnimationFrame((t) => this.frame(t));
     else this.awake = false;
+    if (!moving && this.ready) this.tell();
   }
 
   // Returns whether the model changes by itself.
@@ -232,6 +297,7 @@ class Page {
   report() {
     const sum = this.models.reduce((n, m) => n + m.triangleCount, 0);
     $('count').textContent = `${sum.toLocaleString('en')} triangles`;
+    $('level').setAttribute('aria-valuetext', $('count').textContent);
     this.labels.place(this.models, this.camera, $('stage').clientWidth, $('stage').clientHeight);
   }
 
@@ -241,6 +307,7 @@ class Page {
 }
 
 async function start(page) {
+  page.follow(location.hash);
   const list = await (await ask('models.json')).json();
   const open = ({name, url, kind}, order) => (kind === 'tiles' ? page.openTiles(url, name, order) : page.openUrl(url, name, order));
   await Promise.all(list.map((model, order) => open(model, order).catch((e) => page.say(e.message))));

@@ -1,6 +1,7 @@
 // A progressive mesh in the scene: one vertex buffer, an index per rung of the ladder, ancestors as a second vertex.
 import * as THREE from 'three';
 import {Ladder} from './ladder.js';
+import {edgesOver, showEdges} from './look.js';
 import {countingMaterial, morphMaterial, surfaceParameters} from './morph_material.js';
 import {seamlessLevels} from './octahedral_image.js';
 import {Problem} from './problem.js';
@@ -21,6 +22,7 @@ export class ProgressiveView {
     this.object.frustumCulled = false;  // of one model, always in sight
     this.object.userData.counting = countingMaterial(this.share);
     this.frame.add(this.object);
+    edgesOver(this.object);
   }
 
   get ladder() { return this.ladder_; }
@@ -73,14 +75,14 @@ export class ProgressiveView {
     });
     this.extent = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
     this.object.geometry.dispose();
-    this.object.geometry = geometry;
+    this.object.geometry = this.object.userData.edges.geometry = geometry;
   }
 
   async makeMaterials() {
     const {mesh} = this, list = mesh.materials.length > 0 ? mesh.materials : [{colour: [0.8, 0.8, 0.78, 1]}];
     const materials = [];
     for (const m of list) {
-      const parameters = {vertexColors: mesh.colours !== null, wireframe: this.object.material[0].wireframe};
+      const parameters = {vertexColors: mesh.colours !== null};
       Object.assign(parameters, {color: new THREE.Color(...m.colour.slice(0, 3))}, surfaceParameters(m.colour, m.surface));
       if (mesh.uv && m.texture != null) parameters.map = await this.texture(m.texture, THREE.SRGBColorSpace, m.octahedral);
       if (mesh.uv && m.objectNormals != null) {  // right at every level, as the normals of vertices are not
@@ -94,6 +96,7 @@ export class ProgressiveView {
     }
     for (const old of [...this.object.material, ...this.outdated.splice(0)]) old.dispose();
     this.object.material = materials;
+    this.setEdges(this.object.userData.edges.visible);
   }
 
   // Made once for the thumbnail, and once for the image.
@@ -119,7 +122,7 @@ export class ProgressiveView {
   }
 
   turn() { this.frame.rotation.x = this.frame.rotation.x === 0 ? -Math.PI / 2 : 0; }
-  setWireframe(on) { this.object.material.forEach((m) => { m.wireframe = on; }); }
+  setEdges(on) { showEdges(this.object, on); }
 
   // A place on the ladder, with a fraction.
   show(place) {
@@ -198,7 +201,7 @@ export class ProgressiveView {
   // May be called again, for what has been made since.
   dispose() {
     this.object.geometry.dispose();
-    for (const m of [...this.object.material, this.object.userData.counting, ...this.outdated.splice(0)]) m.dispose();
+    for (const m of [...this.object.material, this.object.userData.counting, this.object.userData.edges.material, ...this.outdated.splice(0)]) m.dispose();
     for (const {texture} of this.images.splice(0).filter((i) => i)) {
       texture.dispose();
       texture.image.close?.();

@@ -3,7 +3,8 @@
 // that nothing pops. Distances are computed by the operations of tileset.js and limits.js, lambda is selected and not
 // clamped.
 import * as THREE from 'three';
-import {withSides, withoutLight} from './morph_material.js';
+import {look, withLook} from './look.js';
+import {withSides} from './morph_material.js';
 
 const declarations = `
 uniform vec3 viewpoint;
@@ -78,7 +79,8 @@ export function morphTiles(material, uniforms) {
 export function tileMaterial(uniforms, {unlit = false, ...parameters}) {
   const material = new THREE.MeshStandardMaterial({roughness: 0.85, metalness: 0, side: THREE.DoubleSide, ...parameters});
   material.onBeforeCompile = (shader) => {
-    shader.fragmentShader = withSides(unlit ? withoutLight(shader.fragmentShader) : shader.fragmentShader);
+    shader.uniforms.look = look;
+    shader.fragmentShader = withSides(withLook(shader.fragmentShader, unlit));
   };
   material.customProgramCacheKey = () => (unlit ? 'unlit' : 'lit');
   return morphTiles(material, uniforms);

@@ -4,6 +4,7 @@ import {Archive} from './archive.js';
 import {ask, reading} from './files.js';
 import {Glb} from './glb.js';
 import {limitsNear} from './limits.js';
+import {edgesOver, showEdges} from './look.js';
 import {surfaceParameters} from './morph_material.js';
 import {approached, shareOf} from './pace.js';
 import {Problem} from './problem.js';
@@ -38,7 +39,7 @@ export const openTiles = (url, name, {anisotropy, budget, say}) => reading(name,
 export class TilesView {
   // `request(url, signal)` resolves to bytes; `say(error)` is called for tiles that cannot be loaded.
   constructor(name, tileset, anisotropy, {request, say, budget}) {
-    Object.assign(this, {name, tileset, request, pixels: null, wireframe: false, shown: []});
+    Object.assign(this, {name, tileset, request, pixels: null, edges: false, shown: []});
     this.textures = new TextureCache(request, anisotropy, {thumbnails: tileset.thumbnails, say});
     this.residents = new ResidentTiles(tileset, {load: (cell, signal) => this.load(cell, signal), release: (cell) => this.release(cell),
                                                  failed: say}, budget);
@@ -69,9 +70,9 @@ export class TilesView {
 
   turn() { this.frame.rotation.x = this.frame.rotation.x === 0 ? -Math.PI / 2 : 0; }
 
-  setWireframe(on) {
-    this.wireframe = on;
-    for (const cell of this.tileset.cells) cell.object?.material.forEach((m) => { m.wireframe = on; });
+  setEdges(on) {
+    this.edges = on;
+    for (const {object} of this.tileset.cells) if (object) showEdges(object, on);
   }
 
   // Resolves to the bytes of the cell's arrays and of its textures. A cell without triangles has no file.
@@ -90,10 +91,12 @@ export class TilesView {
     checkGeometry(geometry, glb.name);
     const range = new THREE.Vector2();
     const uniforms = {viewpoint: this.viewpoint, limitBoxes: this.limitBoxes.uniform, limitRange: {value: range}, ...this.bands[cell.level]};
-    const common = {wireframe: this.wireframe, vertexColors: geometry.attributes.color !== undefined};
+    const common = {vertexColors: geometry.attributes.color !== undefined};
     cell.object = new THREE.Mesh(geometry, looks.map((look) => tileMaterial(uniforms, {...common, ...look})));
     Object.assign(cell.object, {frustumCulled: false, visible: false});
     Object.assign(cell.object.userData, {range, counting: countingTileMaterial(uniforms)});
+    edgesOver(cell.object);
+    showEdges(cell.object, this.edges);
     this.frame.add(cell.object);
     return {bytes: [geometry.index, ...Object.values(geometry.attributes)].reduce((sum, a) => sum + a.array.byteLength, 0),
             textures: [...new Set(cell.taken)].map((url) => [url, this.textures.bytesOf(url)])};
@@ -145,7 +148,7 @@ export class TilesView {
     if (!cell.object) return;
     this.frame.remove(cell.object);
     cell.object.geometry.dispose();
-    for (const m of [...cell.object.material, cell.object.userData.counting]) m.dispose();
+    for (const m of [...cell.object.material, cell.object.userData.counting, cell.object.userData.edges.material]) m.dispose();
     cell.object = null;
   }
 
