@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/progressive/mesh/activation.h"
 #include "core/progressive/mesh/assembly.h"
 #include "core/progressive/mesh/level.h"
 #include "parallel/clean/prepare.h"
@@ -61,6 +62,7 @@ ProgressiveMesh build_fewer(const IndexedMesh& mesh, const ProgressiveConfig& co
   ProgressiveMesh out = build(fewer, config, scheduler, rest);
   report.base_triangles = rest.base_triangles;
   for (float& e : out.errors) e += static_cast<float>(estimate / fewer.transform.scale);
+  progressive::sort_by_activation(out);  // flaps come in by errors
   out.finest_error = report.finest_error / fewer.transform.scale;
   return out;
 }

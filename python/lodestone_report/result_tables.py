@@ -106,7 +106,7 @@ PAGES = [
                ("residual edges", "residual_edges")],
               "`attribute-quadric` and `parametric` keep texture coordinates in place, which RMS does not see."),
     ], "`bytes / vertex` are those of the `.lpm` of the whole ladder; `base` is what is left when nothing can collapse. Edges of "
-       "more than two triangles are cut apart, and every flap keeps triangles of its own, which a base of the dragon shows."),
+       "more than two triangles are cut apart, and flaps are in the levels finer than they are."),
     Page("spherical", [
         Table("Models", ("models",),
               [DATA, ("input", "input_triangles"), ("components", "components"), ("handles", "handles"), ("holes", "holes"),

@@ -144,6 +144,28 @@ TEST(LevelPlacement, CopiesStayTogether) {
   }
 }
 
+// Triangles on edges of the surface are cut off, and do not collapse: coarse levels are for the surface.
+TEST(Flaps, AreOnlyInLevelsFinerThanThey) {
+  RawMesh raw = test::raw_of(test::sphere_mesh(5));
+  const std::size_t surface = raw.triangles.size();
+  Repairs repairs;
+  const ProgressiveMesh plain = progressive_of(prepare_mesh(RawMesh(raw), repairs, *scheduler));
+  for (std::size_t t = 0; t + 2 < surface; t += 20)
+    raw.triangles.push_back({{raw.triangles[t].v[0], raw.triangles[t].v[1], raw.triangles[t + 2].v[2]}});
+  const std::size_t all = raw.triangles.size();
+  const ProgressiveMesh mesh = progressive_of(prepare_mesh(std::move(raw), repairs, *scheduler));
+  const LevelFinder levels(mesh);
+  EXPECT_EQ(levels.compute_level(mesh.vertex_count()).size(), all);
+  ASSERT_GT(all - surface, 300u);
+  const std::uint32_t vertices = levels.vertices_for_triangles(150);
+  EXPECT_GT(levels.triangles_of(vertices), 140u);
+  const LevelFinder plain_levels(plain);
+  const RawMesh level = levels.level_mesh(vertices);
+  const RawMesh without = plain_levels.level_mesh(plain_levels.vertices_for_triangles(150));
+  const RawMesh bare = plain_levels.level_mesh(plain.vertex_count());
+  EXPECT_LT(rms(level, bare), 1.5 * rms(without, bare));
+}
+
 // The mesh as a reader gets it from a file of this name.
 ProgressiveMesh written(const ProgressiveMesh& mesh, const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / name;

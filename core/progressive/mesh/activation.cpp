@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/progressive/mesh/flaps.h"
+
 namespace lodestone::progressive {
 namespace {
 
@@ -51,6 +53,7 @@ void sort_by_activation(ProgressiveMesh& mesh) {
   std::vector<std::uint32_t> activations;
   for (const Triangle& t : mesh.triangles) activations.push_back(activation_of(t, mesh, groups));
   const std::vector<Triangle> unsorted = mesh.triangles;
+  delay_flaps(mesh, groups, unsorted, activations);
   sort_by_activation(unsorted, activations, mesh.positions.size(), mesh.triangles.data());
 }
 

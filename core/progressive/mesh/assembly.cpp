@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/progressive/mesh/activation.h"
+#include "core/progressive/mesh/flaps.h"
 
 namespace lodestone::progressive {
 
@@ -156,6 +157,7 @@ void Assembly::map_triangles(std::size_t begin, std::size_t end) {
 }
 
 ProgressiveMesh Assembly::finish() {
+  delay_flaps(out_, groups_, {mapped_.get(), out_.triangles.size()}, {activations_.get(), out_.triangles.size()});
   sort_by_activation({mapped_.get(), out_.triangles.size()}, {activations_.get(), out_.triangles.size()},
                      vertex_count(), out_.triangles.data());
   return std::move(out_);

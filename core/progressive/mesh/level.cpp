@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/progressive/mesh/activation.h"
+#include "core/progressive/mesh/flaps.h"
 #include "core/progressive/mesh/placement.h"
 
 namespace lodestone {
@@ -10,6 +11,7 @@ namespace lodestone {
 LevelFinder::LevelFinder(const ProgressiveMesh& mesh) : mesh_(&mesh), groups_(progressive::group_starts(mesh)) {
   activations_.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) activations_.push_back(progressive::activation_of(t, mesh, groups_));
+  progressive::delay_flaps(mesh, groups_, mesh.triangles, activations_);
 }
 
 std::uint32_t LevelFinder::vertices_for(std::uint32_t most) const {

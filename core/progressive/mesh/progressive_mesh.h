@@ -25,8 +25,8 @@ struct GeometryTexture {
 // every corner followed through its parents until it is among them, degenerate ones dropped. A vertex of the surface is
 // a *group* of consecutive vertices of equal position, one per wedge, which come in together.
 //
-// Triangles are stored in the order in which they come in, too: the first so many of them are those of a level that are
-// not degenerate.
+// Triangles are stored in the order in which they come in, too: the first so many of them are those of a level, which
+// are not degenerate, nor of flaps smaller than its error (flaps.h).
 struct ProgressiveMesh {
   std::vector<Vec3f> positions;        // normalised, as of IndexedMesh
   std::vector<std::uint32_t> parents;  // parents[v] < v; 0 in the base, whose vertices have none

@@ -4,6 +4,7 @@
 // (Float32Array, normalised), triangles (Uint32Array), whole (all of it has come), origin, scale, and, where it has them, normals, uv, colours,
 // materialIds, materials, textures}.
 
+import {delayFlaps} from './flaps.js';
 import {placeLevel} from './placement.js';
 
 function groupStarts({vertexCount, baseVertices, positions, parents}) {
@@ -43,8 +44,9 @@ function sortByBirth(mesh, groups) {
       }
     }
     births[t] = born;
-    ++place[born + 1];
   }
+  delayFlaps(mesh, groups, births);
+  for (const born of births) ++place[born + 1];
   for (let v = 1; v < place.length; ++v) place[v] += place[v - 1];
   const sorted = new Uint32Array(triangles.length), sortedBirths = new Uint32Array(count);
   for (let t = 0; t < count; ++t) {

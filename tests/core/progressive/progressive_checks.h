@@ -7,9 +7,11 @@
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "core/math/box3.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 
 namespace lodestone::test {
@@ -30,11 +32,49 @@ inline std::uint32_t obvious_ancestor(const ProgressiveMesh& mesh, std::uint32_t
   return v;
 }
 
+// By vertex: how far the flap that it is on may reach, as core/progressive/mesh/flaps.h has it; 0 if it is on none.
+inline std::vector<double> obvious_flaps(const ProgressiveMesh& mesh) {
+  const std::vector<std::uint32_t> group = obvious_groups(mesh);
+  std::vector<std::uint32_t> part = group;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Triangle& t : mesh.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t &a = part[group[t.v[k]]], &b = part[group[t.v[(k + 1) % 3]]];
+        changed = changed || a != b;
+        a = b = std::min(a, b);
+      }
+  }
+  for (std::uint32_t v = 0; v < part.size(); ++v) part[v] = part[group[v]];
+  std::set<std::uint32_t> collapsing;
+  for (std::uint32_t v = mesh.base_vertices; v < part.size(); ++v) {
+    collapsing.insert(part[v]);
+    collapsing.insert(part[obvious_ancestor(mesh, v, mesh.base_vertices)]);
+  }
+  using Key = std::tuple<float, float, float>;
+  const auto key = [&](std::uint32_t v) { return Key(mesh.positions[v].x, mesh.positions[v].y, mesh.positions[v].z); };
+  std::set<Key> others;
+  for (std::uint32_t v = 0; v < part.size(); ++v)
+    if (collapsing.contains(part[v])) others.insert(key(v));
+  std::map<std::uint32_t, Box3f> flaps;
+  std::set<std::uint32_t> touching, loose;
+  for (std::uint32_t v = 0; v < part.size(); ++v)
+    if (!collapsing.contains(part[v])) flaps[part[v]].extend(mesh.positions[v]);
+  for (std::uint32_t v = 0; v < part.size(); ++v) (others.contains(key(v)) ? touching : loose).insert(part[v]);
+  std::vector<double> extents(part.size(), 0);
+  for (std::uint32_t v = 0; v < part.size(); ++v)
+    if (const auto at = flaps.find(part[v]); at != flaps.end() && touching.contains(part[v]))
+      extents[v] = (loose.contains(part[v]) ? 1 : 0.5) * length(to_double(at->second.hi) - to_double(at->second.lo));
+  return extents;
+}
+
 // A level as it is defined, in the order of the triangles of the mesh.
 inline std::vector<Triangle> obvious_level(const ProgressiveMesh& mesh, std::uint32_t count) {
   const std::vector<std::uint32_t> group = obvious_groups(mesh);
+  const std::vector<double> flaps = obvious_flaps(mesh);
   std::vector<Triangle> out;
   for (const Triangle& t : mesh.triangles) {
+    if (count < mesh.vertex_count() && flaps[t.v[0]] > 0 && mesh.errors[count] >= flaps[t.v[0]]) continue;
     Triangle image, ends;
     for (std::size_t k = 0; k < 3; ++k) {
       image.v[k] = obvious_ancestor(mesh, t.v[k], count);
