@@ -37,8 +37,6 @@ Rgba8 mean(Rgba8 a, Rgba8 b) {
   return {half(a.r, b.r), half(a.g, b.g), half(a.b, b.b), half(a.a, b.a)};
 }
 
-double squared_length(Vec3d v) { return dot(v, v); }
-
 // The three corners of a triangle: numbers of vertices, or their places.
 template <class Corner>
 using Corners = std::array<Corner, 3>;
@@ -85,7 +83,7 @@ bool split_once(const Corners<Corner>& v, Mesh& mesh, std::vector<Corners<Corner
 // Corners that are places, as exact as those of EdgeSplitter.
 struct Places {
   double limit2;
-  [[nodiscard]] static double distance2(Vec3d a, Vec3d b) { return squared_length(a - b); }
+  [[nodiscard]] static double distance2(Vec3d a, Vec3d b) { return dot(a - b, a - b); }
   [[nodiscard]] bool is_long(Vec3d a, Vec3d b) const { return distance2(a, b) > limit2; }
   [[nodiscard]] static Vec3d middle(Vec3d a, Vec3d b) { return 0.5 * (a + b); }
 };
@@ -142,7 +140,7 @@ EdgeSplitter::EdgeSplitter(IndexedMesh& mesh, double longest)
 }
 
 bool EdgeSplitter::is_long(std::uint32_t a, std::uint32_t b) const {
-  return squared_length(place(a) - place(b)) > limit2_;
+  return Places::distance2(place(a), place(b)) > limit2_;
 }
 
 std::vector<std::uint32_t> EdgeSplitter::long_triangles(std::size_t begin, std::size_t end) const {
@@ -179,7 +177,7 @@ void EdgeSplitter::split(std::span<const std::uint32_t> triangles) {
   struct Numbers {
     EdgeSplitter& of;
     [[nodiscard]] double distance2(std::uint32_t a, std::uint32_t b) const {
-      return squared_length(of.place(a) - of.place(b));
+      return Places::distance2(of.place(a), of.place(b));
     }
     [[nodiscard]] bool is_long(std::uint32_t a, std::uint32_t b) const { return of.is_long(a, b); }
     [[nodiscard]] std::uint32_t middle(std::uint32_t a, std::uint32_t b) const { return of.middle(a, b); }

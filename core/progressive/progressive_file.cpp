@@ -39,9 +39,9 @@ progressive::MetricKind fitting_metric(const WedgeAttributes& attributes, const 
 }
 
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
-                                     const ProgressiveFileConfig& config) {
+                                     const ProgressiveFileConfig& config, const Runner& runner) {
   const std::string extension = lower_extension(path);
-  const std::vector<Texture> thumbnails = make_thumbnails(mesh);
+  const std::vector<Texture> thumbnails = make_thumbnails(mesh, runner);
   std::vector<std::byte> bytes;
   ProgressiveFileSize size;
   if (extension == ".lpm") {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/base/runner.h"
 #include "core/progressive/collapse/collapse_metric.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/mesh/progressive_mesh.h"
@@ -30,9 +31,9 @@ struct ProgressiveFileSize {
                                                      const std::filesystem::path& path);
 
 // The extension, in upper or lower case, decides on the format. The file is written completely or not at all. Throws
-// UnsupportedError for other extensions, FileError if it cannot be written.
+// UnsupportedError for other extensions, FileError if it cannot be written. The runner makes the thumbnails.
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,
-                                     const ProgressiveFileConfig& config = {});
+                                     const ProgressiveFileConfig& config = {}, const Runner& runner = {});
 
 // The first bytes decide on the format. `prefix`: as in read_lpm(). Throws FileError, and InputError with the place.
 [[nodiscard]] ProgressiveMesh load_progressive(const std::filesystem::path& path, bool prefix = false);

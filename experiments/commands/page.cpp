@@ -18,6 +18,7 @@
 #include "parallel/hierarchy/save_tiles.h"
 #include "parallel/mesh/load.h"
 #include "parallel/progressive/make_progressive.h"
+#include "parallel/scheduler/runner.h"
 
 namespace lodestone {
 namespace {
@@ -141,7 +142,8 @@ class PageWriter {
     if (config.metric == progressive::MetricKind::parametric && !textured)
       config.metric = progressive::MetricKind::quadric;
     ProgressiveReport report;
-    (void)save_progressive(make_progressive(std::move(mesh), config, scheduler_, report), output);
+    (void)save_progressive(make_progressive(std::move(mesh), config, scheduler_, report), output, {},
+                           runner_over(scheduler_));
   }
 
   const PageOptions& options_;

@@ -10,6 +10,7 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/scheduler/clock.h"
+#include "parallel/scheduler/runner.h"
 
 namespace lodestone {
 namespace {
@@ -84,7 +85,7 @@ ProgressiveResult run(const ProgressiveJob& job, Scheduler& scheduler) {
     });
   }
   job.on_phase("writing");
-  result.size = save_progressive(result.mesh, job.output, job.file);
+  result.size = save_progressive(result.mesh, job.output, job.file, runner_over(scheduler));
   if (job.check_levels > 0) result.residual_edges = residual_edges_of_levels(result.mesh, job.check_levels);
   result.peak_bytes = peak_resident_bytes();
   return result;

@@ -7,6 +7,7 @@
 #include "experiments/metrics/cost/cost.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
+#include "parallel/scheduler/runner.h"
 
 namespace lodestone {
 namespace {
@@ -143,7 +144,7 @@ SphericalResult run(const SphericalJob& job, Scheduler& scheduler) {
   ProgressiveFileConfig file;
   file.compress_glb = job.compress;
   file.lpm.uv_bits = uv_bits(job.config.texture);
-  result.size = save_progressive(result.mesh, job.output, file);
+  result.size = save_progressive(result.mesh, job.output, file, runner_over(scheduler));
   result.peak_bytes = peak_resident_bytes();
   return result;
 }

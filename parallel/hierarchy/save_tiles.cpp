@@ -75,21 +75,27 @@ class Saver {
 
   // Writes those of base colours and light, which the page draws.
   void save_thumbnails() {
-    for (const auto& [path, image] : linked_) {
-      const std::uint32_t texture = image.first;
-      const auto is_drawn = [texture](const Material& m) {
+    std::set<std::uint32_t> linked;
+    for (const auto& [path, image] : linked_) linked.insert(image.first);
+    std::erase_if(linked, [&](std::uint32_t texture) {
+      return std::ranges::none_of(hierarchy_.materials, [texture](const Material& m) {
         return m.texture == texture || m.emissive_map.texture == texture;
-      };
-      if (tileset_.thumbnails.contains(texture) || std::ranges::none_of(hierarchy_.materials, is_drawn)) continue;
+      });
+    });
+    const std::vector<std::uint32_t> numbers(linked.begin(), linked.end());
+    std::vector<Texture> made(numbers.size());
+    scheduler_.for_chunks(numbers.size(), 1, [&](ChunkRange range) {
       try {
-        const Texture small = thumbnail_of(hierarchy_.textures[texture], PixelMeaning::colours);
-        if (small.bytes.size() >= hierarchy_.textures[texture].bytes.size()) continue;
-        const std::string thumbnail = "textures/" + std::to_string(texture) + "_thumbnail.webp";
-        bytes_ += write_file(folder_.path() / thumbnail, std::as_bytes(std::span(small.bytes)));
-        tileset_.thumbnails[texture] = thumbnail;
+        made[range.begin] = thumbnail_of(hierarchy_.textures[numbers[range.begin]], PixelMeaning::colours);
       } catch (const InputError&) {  // tiles link images as they are
       } catch (const UnsupportedError&) {
       }
+    });
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      if (made[k].bytes.empty() || made[k].bytes.size() >= hierarchy_.textures[numbers[k]].bytes.size()) continue;
+      const std::string thumbnail = "textures/" + std::to_string(numbers[k]) + "_thumbnail.webp";
+      bytes_ += write_file(folder_.path() / thumbnail, std::as_bytes(std::span(made[k].bytes)));
+      tileset_.thumbnails[numbers[k]] = thumbnail;
     }
   }
 

@@ -7,6 +7,7 @@
 #include "core/spherical/assemble.h"
 #include "core/spherical/octahedron/cut_choice.h"
 #include "parallel/clean/prepare.h"
+#include "parallel/scheduler/runner.h"
 #include "parallel/spherical/component_images.h"
 
 namespace lodestone {
@@ -15,16 +16,6 @@ namespace {
 using namespace spherical;
 
 constexpr std::size_t small_component = 8192;  // triangles; the map to the sphere uses one worker for so few
-
-Runner runner_over(Scheduler& scheduler) {
-  Runner runner;
-  runner.workers = static_cast<std::size_t>(scheduler.workers());
-  runner.run = [&scheduler](std::size_t count, const Runner::Body& body) {
-    scheduler.for_chunks(
-        count, 1, [&](ChunkRange range) { body(range.begin, static_cast<std::size_t>(scheduler.worker_index())); });
-  };
-  return runner;
-}
 
 double area_of(const Surface& surface) {
   double area = 0;

@@ -1,6 +1,7 @@
 // Files of progressive meshes: back bit for bit or within the quantization, whole and in part, damaged and foreign.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstring>
 #include <random>
 
@@ -15,6 +16,7 @@
 #include "core/texture/downsample.h"
 #include "core/texture/image_codec.h"
 #include "parallel/progressive/make_progressive.h"
+#include "parallel/scheduler/runner.h"
 #include "tests/core/progressive/progressive_checks.h"
 #include "tests/expect_error.h"
 #include "tests/parallel/progressive_meshes.h"
@@ -171,6 +173,18 @@ TEST(Thumbnails, AreSmallPicturesOfWhatIsDrawn) {
     return sum / static_cast<double>(image.values.size());
   };
   EXPECT_NEAR(mean(thumbnails[0]), mean(textures[0]), 0.02);
+}
+
+TEST(Thumbnails, AreTheSameSideBySide) {
+  const ProgressiveMesh mesh = pictured_mesh();
+  const auto scheduler = make_tbb_scheduler(3);
+  Runner runner = runner_over(*scheduler);
+  std::atomic<std::size_t> items = 0;
+  runner.run = [&items, run = runner.run](std::size_t count, const Runner::Body& body) {
+    run(count, [&](std::size_t item, std::size_t worker) { body(count - 1 - item, worker), ++items; });
+  };
+  EXPECT_EQ(make_thumbnails(mesh, runner), make_thumbnails(mesh));
+  EXPECT_EQ(items, mesh.wedges.textures.size());
 }
 
 TEST(Lpm, ThumbnailsStandInForImagesThatHaveNotCome) {

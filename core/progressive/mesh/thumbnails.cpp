@@ -7,17 +7,18 @@
 #include "core/texture/thumbnail.h"
 
 namespace lodestone {
-std::vector<Texture> make_thumbnails(const ProgressiveMesh& mesh) {
+
+std::vector<Texture> make_thumbnails(const ProgressiveMesh& mesh, const Runner& runner) {
   const std::vector<std::optional<PixelMeaning>> meanings = texture_meanings(mesh);
   std::vector<Texture> out(mesh.wedges.textures.size());
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    if (!meanings[k]) continue;
+  runner.run(out.size(), [&](std::size_t k, std::size_t) {
+    if (!meanings[k]) return;
     try {
       out[k] = thumbnail_of(mesh.wedges.textures[k], *meanings[k]);
     } catch (const InputError&) {  // a file keeps images that are damaged or foreign as they are
     } catch (const UnsupportedError&) {
     }
-  }
+  });
   return out;
 }
 

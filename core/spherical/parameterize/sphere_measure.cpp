@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/spatial/point_triangle.h"
 #include "core/spherical/parameterize/orientation.h"
 
 namespace lodestone::spherical {
@@ -14,14 +15,12 @@ using Corners = std::array<Vec3d, 3>;
 
 double area(const Corners& c) { return length(cross(c[1] - c[0], c[2] - c[0])) / 2; }
 
-double squared(Vec3d a) { return dot(a, a); }
-
 // Area of the surface times half the trace of J^T J, for the linear map from a flat triangle to one of the surface.
 double flat_stretch(const Corners& surface, const Corners& flat) {
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d &p = surface[k], &q = surface[(k + 1) % 3], &r = surface[(k + 2) % 3];
-    sum += dot(q - p, r - p) * squared(flat[(k + 1) % 3] - flat[(k + 2) % 3]);
+    sum += dot(q - p, r - p) * squared_length(flat[(k + 1) % 3] - flat[(k + 2) % 3]);
   }
   const double size = area(flat), on_surface = area(surface);
   if (on_surface == 0) return 0;
@@ -32,7 +31,8 @@ double flat_stretch(const Corners& surface, const Corners& flat) {
 std::array<std::size_t, 3> longest_first(const Corners& c) {
   std::size_t last = 0;
   for (std::size_t k = 1; k < 3; ++k)
-    if (squared(c[(k + 1) % 3] - c[(k + 2) % 3]) > squared(c[(last + 1) % 3] - c[(last + 2) % 3])) last = k;
+    if (squared_length(c[(k + 1) % 3] - c[(k + 2) % 3]) > squared_length(c[(last + 1) % 3] - c[(last + 2) % 3]))
+      last = k;
   return {(last + 1) % 3, (last + 2) % 3, last};
 }
 
@@ -40,9 +40,9 @@ double split_stretch(const Corners& surface, const Corners& sphere) {
   const auto [i, j, k] = longest_first(sphere);
   const Vec3d a = sphere[i], b = sphere[j], c = sphere[k], normal = cross(a, b);
   // The foot s a + t b has s, t >= 0 as long as the edge is the longest and shorter than a quarter turn.
-  const Vec3d foot = c - (dot(c, normal) / squared(normal)) * normal;
+  const Vec3d foot = c - (dot(c, normal) / squared_length(normal)) * normal;
   const double s = dot(cross(foot, b), normal), t = dot(cross(a, foot), normal);
-  const bool inside = s > 0 && t > 0 && squared(foot) > 0;
+  const bool inside = s > 0 && t > 0 && squared_length(foot) > 0;
   if (!inside) return flat_stretch(surface, sphere);
   const Vec3d on_sphere = (1 / length(foot)) * foot;
   const Vec3d on_surface = (1 / (s + t)) * (s * surface[i] + t * surface[j]);
@@ -53,7 +53,7 @@ double split_stretch(const Corners& surface, const Corners& sphere) {
 bool is_sliver(const Corners& c) {
   constexpr double least = 0.01;
   const auto [i, j, k] = longest_first(c);
-  return 2 * area(c) < least * squared(c[i] - c[j]);
+  return 2 * area(c) < least * squared_length(c[i] - c[j]);
 }
 
 }  // namespace

@@ -6,23 +6,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
+#include "core/base/runner.h"
 #include "core/spherical/surface.h"
 #include "core/spherical/topology/ball_search.h"
 
 namespace lodestone::spherical {
-
-// Runs body(item, worker) for the items [0, count), in any order, perhaps side by side; worker < workers, and no two
-// bodies of one worker at the same time unless one is within the other. Results do not depend on it.
-struct Runner {
-  std::size_t workers = 1;
-  using Body = std::function<void(std::size_t item, std::size_t worker)>;
-  std::function<void(std::size_t count, const Body& body)> run = [](std::size_t count, const Body& body) {
-    for (std::size_t item = 0; item < count; ++item) body(item, 0);
-  };
-};
 
 struct HandleConfig {
   // Distance of a loop from the centre of the nearest ball, as a share of the ball's radius, 0 to 1. With 0 balls grow
