@@ -52,6 +52,16 @@ Frustum frustum_of(const ViewProjection& vp) {
   return planes;
 }
 
+int side_of(const Plane& plane, const Box3f& box) {
+  const auto corner = [&](bool farthest) {
+    const auto pick = [farthest](float n, float lo, float hi) { return (n > 0) == farthest ? hi : lo; };
+    return Vec3f{pick(plane.n.x, box.lo.x, box.hi.x), pick(plane.n.y, box.lo.y, box.hi.y),
+                 pick(plane.n.z, box.lo.z, box.hi.z)};
+  };
+  if (distance_from(plane, corner(true)) < 0) return -1;
+  return distance_from(plane, corner(false)) > 0 ? 1 : 0;
+}
+
 bool outside(const Frustum& frustum, const Box3f& box, float margin) {
   for (const Plane& plane : frustum) {
     // The corner farthest along the plane's normal.

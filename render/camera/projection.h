@@ -32,6 +32,11 @@ struct Plane {
   Vec3f n;
   float d = 0;
 };
+[[nodiscard]] inline float distance_from(const Plane& plane, Vec3f p) { return dot(plane.n, p) + plane.d; }
+
+// Negative if all of the box is behind the plane, positive if all of it is before it, else 0.
+[[nodiscard]] int side_of(const Plane& plane, const Box3f& box);
+
 using Frustum = std::array<Plane, 6>;
 
 [[nodiscard]] Frustum frustum_of(const ViewProjection& vp);

@@ -35,6 +35,8 @@ void check_frame(const Frame& frame, int largest_side) {
     if (!finite(model.view_projection) || !finite(model.light_projection) || !is_finite(model.morph.viewpoint) ||
         !is_finite(model.towards_eye) || !is_finite(model.towards_light))
       throw InputError(describe("", "the frame", "matrices, viewpoints and lights must be finite numbers"));
+    if (model.clip && !(is_finite(model.clip->n) && std::isfinite(model.clip->d)))
+      throw InputError(describe("", "the frame", "a clipping plane must have finite numbers"));
     check_share("opacity", model.appearance.opacity);
   }
   const FrameSettings& settings = frame.settings;

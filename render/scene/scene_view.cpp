@@ -17,6 +17,14 @@ constexpr double widest_culled = 2.6;  // radians
 
 const Selection no_cells;
 
+// In units of the model's normalised space.
+Plane in_model_space(const ClipPlane& plane, const Similarity& placement) {
+  const double unit = length(plane.normal) * placement.scale;
+  const double offset = dot(plane.normal, placement.translation) - plane.offset;
+  return {to_float((1 / length(plane.normal)) * placement.rotated_back(plane.normal)),
+          static_cast<float>(offset / unit)};
+}
+
 }  // namespace
 
 ViewConfig view_config(const Scene& scene, ImageSize size) {
@@ -26,7 +34,8 @@ ViewConfig view_config(const Scene& scene, ImageSize size) {
           .settings = scene.settings,
           .effects = scene.effects,
           .towards_light = scene.towards_light,
-          .hidden = {}};
+          .hidden = {},
+          .clip = {}};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {
@@ -144,6 +153,8 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
     model.towards_light =
         to_float(placed.placement.rotated_back((1 / length(config.towards_light)) * config.towards_light));
     model.appearance = placed.appearance;
+    model.clip.reset();
+    if (config.clip) model.clip = in_model_space(*config.clip, placed.placement);
     model.morph.blend = config.blend;
     if (frozen_) continue;
     model.morph = {placed.open.hierarchy, &placed.radii, config.blend, view.viewpoint(placed.in_picture)};
@@ -181,7 +192,7 @@ void SceneView::select(const ModelFrame& model, Placed& placed, bool hidden) {
   }
   const Frustum frustum = frustum_of(model.view_projection);
   SelectionConfig config{&frustum, false, model.morph.limits, nullptr};
-  const bool backs_count = config_.settings.overdraw || camera_->vertical_fov > widest_culled;
+  const bool backs_count = config_.settings.overdraw || config_.clip || camera_->vertical_fov > widest_culled;
   if (placed.open.back_faces && !backs_count)
     config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint, placed.appearance);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);

@@ -23,6 +23,13 @@ struct OpenModel {
   const BackFaces* back_faces = nullptr;  // to cull cells that turn their backs, if backs cannot be seen
 };
 
+// The surface is drawn where dot(normal, point) >= offset, in the scene.
+struct ClipPlane {
+  Vec3d normal{0, 0, 1};
+  double offset = 0;
+  friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
+};
+
 // The parameters of a view of a scene, besides the camera.
 struct ViewConfig {
   ImageSize size;
@@ -33,6 +40,7 @@ struct ViewConfig {
   EffectRequest effects;
   Vec3d towards_light = Scene{}.towards_light;  // as Scene has it
   std::vector<bool> hidden;  // models that are left out, shadows included; those beyond its end are shown
+  std::optional<ClipPlane> clip;
   bool cull_occluded = false, select_on_device = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };

@@ -1,4 +1,4 @@
-"""What the panel of the viewer changes about the whole scene: light, effects, visible models.
+"""What the panel of the viewer changes about the whole scene: light, effects, clipping plane, visible models.
 
 usage: test_command_view_looks.py PROGRAM. What the window shows is read from the memory of the X server.
 """
@@ -22,12 +22,18 @@ class Looks(ViewCase):
         return self.beside_panel(viewer.settled())
 
     def click(self, viewer, x, y):
-        """A click as a hand does it: the panel sees the pointer come first."""
-        self.display.drag((x, y), (x, y), steps=1, rest=0.4)
-        return self.shown(viewer)
+        return self.drag(viewer, (x, y), (x, y))
 
     def drag(self, viewer, start, end):
-        self.display.drag(start, end, rest=0.4)
+        """As a hand does it, however slow the machine: the panel sees the pointer come, then the button, then the way."""
+        self.display.move(*start)
+        viewer.settled()
+        self.display.button(1, True)
+        viewer.settled()
+        if end != start:
+            self.display.move(*end)
+            viewer.settled()
+        self.display.button(1, False)
         return self.shown(viewer)
 
     def mean(self, picture):
@@ -51,6 +57,18 @@ class Looks(ViewCase):
         self.assertNotEqual(flat, plain)
         self.assertEqual(self.click(viewer, 18, FIRST_HEADER + 115), plain)
         self.assertNotEqual(self.drag(viewer, (12, FIRST_HEADER + 69), (100, FIRST_HEADER + 69)), plain)  # fog
+        viewer.closed()
+
+    def test_a_plane_clips(self):
+        viewer = self.with_panel()
+        whole = self.shown(viewer)
+        viewer.press("k")  # across x, through the middle
+        cut = self.shown(viewer)
+        self.assertNotEqual(cut, whole)
+        self.assertEqual(self.click(viewer, 100, FIRST_HEADER + 46), cut)  # opens the part of the panel
+        self.assertNotEqual(self.drag(viewer, (93, FIRST_HEADER + 92), (30, FIRST_HEADER + 92)), cut)
+        viewer.press("k")
+        self.assertEqual(self.shown(viewer), whole)
         viewer.closed()
 
     def test_models_are_hidden_by_mouse(self):

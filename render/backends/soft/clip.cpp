@@ -8,20 +8,21 @@ namespace {
 // Signed distance from a plane, in units of w; not negative inside.
 using PlaneDistance = float (*)(const ClipVertex&, const Viewport&);
 
-constexpr std::array<PlaneDistance, 6> planes{
+constexpr std::array<PlaneDistance, 7> planes{
     [](const ClipVertex& v, const Viewport&) { return v.z + v.w; },
     [](const ClipVertex& v, const Viewport&) { return v.w - v.z; },
     [](const ClipVertex& v, const Viewport& p) { return p.guard_x() * v.w + v.x; },
     [](const ClipVertex& v, const Viewport& p) { return p.guard_x() * v.w - v.x; },
     [](const ClipVertex& v, const Viewport& p) { return p.guard_y() * v.w + v.y; },
     [](const ClipVertex& v, const Viewport& p) { return p.guard_y() * v.w - v.y; },
+    [](const ClipVertex& v, const Viewport&) { return v.kept; },
 };
 
 // Always from the inner end to the outer one, whichever way the polygon runs: neighbours agree on the point.
 ClipVertex crossing(const ClipVertex& in, const ClipVertex& out, float distance_in, float distance_out) {
   const float t = distance_in / (distance_in - distance_out);
   const auto mix = [t](float a, float b) { return a + t * (b - a); };
-  return {mix(in.x, out.x), mix(in.y, out.y), mix(in.z, out.z), mix(in.w, out.w)};
+  return {mix(in.x, out.x), mix(in.y, out.y), mix(in.z, out.z), mix(in.w, out.w), mix(in.kept, out.kept)};
 }
 
 ClippedPolygon clip_to(const ClippedPolygon& polygon, PlaneDistance distance, const Viewport& viewport) {
@@ -56,6 +57,7 @@ std::array<ClipVertex, 3> clip_corners(const ViewProjection& projection, const D
     const Vec3f p =
         cell.morphing ? morph_vertex(cell.model->morph, cell.cell, VertexId(v[k])).position : cell.own->positions[v[k]];
     corners[k] = to_clip(projection, p);
+    if (cell.model->clip) corners[k].kept = distance_from(*cell.model->clip, p);
   }
   return corners;
 }

@@ -10,15 +10,15 @@
 
 namespace lodestone::soft {
 
-// A convex polygon: each of the six planes adds at most one corner to the triangle.
+// A convex polygon: each of the six planes, and one of the user's, adds at most one corner to the triangle.
 struct ClippedPolygon {
-  std::array<ClipVertex, 9> corners;
+  std::array<ClipVertex, 10> corners;
   int count = 0;
   [[nodiscard]] std::span<const ClipVertex> view() const { return {corners.data(), static_cast<std::size_t>(count)}; }
 };
 
-// The part of the triangle inside -w <= z <= w and the viewport's guard band; fewer than three corners: nothing.
-// The point where an edge leaves is the same bits from both triangles that share the edge.
+// The part of the triangle inside -w <= z <= w, the viewport's guard band and the clipping plane; fewer than three
+// corners: nothing. The point where an edge leaves is the same bits from both triangles that share the edge.
 [[nodiscard]] ClippedPolygon clip(const std::array<ClipVertex, 3>& triangle, const Viewport& viewport);
 
 // Weights of the corners at a point in subpixels, perspective-correct, each in [0, 1], sum 1: interpolation in

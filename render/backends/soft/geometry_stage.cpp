@@ -24,6 +24,18 @@ bool shows_back(const ViewProjection& projection, const DrawnCell& drawn, const 
   return minor(p, q) * r.w + minor(q, r) * p.w + minor(r, p) * q.w < 0;
 }
 
+// Vertices behind the plane wait to be clipped, as those outside the near plane do.
+void mark_clipped(const Plane& plane, const DrawnCell& drawn, std::vector<WindowVertex>& vertices) {
+  for (std::uint32_t v = 0; v < drawn.own->positions.size(); ++v) {
+    const Vec3f p =
+        drawn.morphing ? morph_vertex(drawn.model->morph, drawn.cell, VertexId(v)).position : drawn.positions[v];
+    if (!(distance_from(plane, p) < 0)) continue;
+    WindowVertex& vertex = vertices[v];
+    const std::uint32_t outside = vertex.inverse_w == 0 ? static_cast<std::uint32_t>(vertex.x) : 0;
+    vertex = {static_cast<std::int32_t>(outside | Outside::clip), 0, 0, 0};
+  }
+}
+
 }  // namespace
 
 void GeometryStage::process(const GeometryPass& pass, int samples, std::span<const std::uint32_t> cells) {
@@ -113,8 +125,12 @@ void GeometryStage::process_cells(const GeometryPass& pass, std::span<const std:
       const DrawnCell& drawn = cells_[cells[k]];
       const Cell& cell = *drawn.own;
       if (w.vertices.size() < cell.positions.size()) w.vertices.resize(cell.positions.size());
+      const auto& clip = drawn.model->clip;
+      const int side = clip ? side_of(*clip, drawn_bounds(*drawn.model->morph.hierarchy, drawn.cell, drawn.level)) : 1;
+      if (side < 0) continue;
       const VertexJob job = vertex_job(context, drawn, w);
       kernels_.transform(job);
+      if (side == 0) mark_clipped(*clip, drawn, w.vertices);
       setup_cell(context, kernels_.of<Samples>(), drawn, {triangles_of(pass, cells[k], w), w.vertices.data()}, *w.lists,
                  w.bins);
     }

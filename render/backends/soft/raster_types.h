@@ -49,9 +49,9 @@ struct alignas(16) WindowVertex {
   float inverse_w = 0;        // 1 / clip w, for perspective-correct interpolation
 };
 
-// Bits of an outcode: outside the left, right, bottom, top, near, far plane.
+// Bits of an outcode: outside the left, right, bottom, top, near, far plane; behind the clipping plane.
 struct Outside {
-  static constexpr std::uint32_t left = 1, right = 2, bottom = 4, top = 8, near = 16, far = 32;
+  static constexpr std::uint32_t left = 1, right = 2, bottom = 4, top = 8, near = 16, far = 32, clip = 64;
 };
 
 // The drawn cells, by the numbers of their triangles.

@@ -50,7 +50,7 @@ class CellSetup {
   void for_each_part(std::uint32_t triangle, const Visit& visit) const {
     const ClippedPolygon polygon =
         clip(clip_corners(cell_.model->*context_.projection, cell_, triangles_[triangle].v), *context_.viewport);
-    std::array<WindowVertex, 9> corners;
+    std::array<WindowVertex, 10> corners;
     for (std::size_t k = 0; k < polygon.view().size(); ++k) {
       if (!(polygon.corners[k].w > 0)) return;  // only with a matrix that is not a camera's
       corners[k] = context_.viewport->snap(polygon.corners[k]);

@@ -10,6 +10,7 @@ namespace lodestone::soft {
 // Before the division by w.
 struct ClipVertex {
   float x = 0, y = 0, z = 0, w = 1;
+  float kept = 1;  // distance from ModelFrame::clip, not negative on the side that is drawn
 };
 
 [[nodiscard]] ClipVertex to_clip(const ViewProjection& vp, Vec3f position);

@@ -15,6 +15,36 @@ void scale_detail(ViewSettings& settings, float factor) {
   settings = clamped(settings);
 }
 
+// The switch that an action only turns on and off; null for other actions.
+bool* switch_of(Action action, ViewState& state) {
+  switch (action) {
+    case Action::toggle_panel:
+      return &state.panel;
+    case Action::toggle_split:
+      return &state.split;
+    case Action::toggle_tint:
+      return &state.current().tint;
+    case Action::toggle_errors:
+      return &state.current().errors;
+    case Action::toggle_band:
+      return &state.current().band;
+    case Action::toggle_boxes:
+      return &state.current().boxes;
+    case Action::toggle_wireframe:
+      return &state.current().wireframe;
+    case Action::toggle_overdraw:
+      return &state.current().overdraw;
+    case Action::toggle_probe:
+      return &state.probe;
+    case Action::toggle_measure:
+      return &state.measure.on;
+    case Action::toggle_clip:
+      return &state.clip.on;
+    default:
+      return nullptr;
+  }
+}
+
 }  // namespace
 
 const std::vector<ActionKey>& action_keys() {
@@ -32,6 +62,7 @@ const std::vector<ActionKey>& action_keys() {
                                            {Action::toggle_overdraw, 'O', "overdraw"},
                                            {Action::toggle_probe, 'I', "cell under the pointer"},
                                            {Action::toggle_measure, 'L', "measure a length"},
+                                           {Action::toggle_clip, 'K', "clipping plane"},
                                            {Action::coarser, '-', "coarser"},
                                            {Action::finer, '+', "finer"},
                                            {Action::screenshot, 'C', "screenshot"},
@@ -49,15 +80,13 @@ std::optional<Action> action_of(char key) {
 }
 
 void apply(Action action, ViewState& state) {
+  if (bool* const on = switch_of(action, state)) {
+    *on = !*on;
+    return;
+  }
   switch (action) {
-    case Action::toggle_panel:
-      state.panel = !state.panel;
-      return;
     case Action::toggle_steering:
       state.steering = state.steering == Steering::orbit ? Steering::fly : Steering::orbit;
-      return;
-    case Action::toggle_split:
-      state.split = !state.split;
       return;
     case Action::toggle_frozen:
       state.frozen = !state.frozen;
@@ -65,30 +94,6 @@ void apply(Action action, ViewState& state) {
         state.frozen_from = state.camera;
         ++state.freezes;
       }
-      return;
-    case Action::toggle_tint:
-      state.current().tint = !state.current().tint;
-      return;
-    case Action::toggle_errors:
-      state.current().errors = !state.current().errors;
-      return;
-    case Action::toggle_band:
-      state.current().band = !state.current().band;
-      return;
-    case Action::toggle_boxes:
-      state.current().boxes = !state.current().boxes;
-      return;
-    case Action::toggle_wireframe:
-      state.current().wireframe = !state.current().wireframe;
-      return;
-    case Action::toggle_overdraw:
-      state.current().overdraw = !state.current().overdraw;
-      return;
-    case Action::toggle_probe:
-      state.probe = !state.probe;
-      return;
-    case Action::toggle_measure:
-      state.measure.on = !state.measure.on;
       return;
     case Action::choose_other:
       state.chosen = 1 - state.chosen;
@@ -99,12 +104,7 @@ void apply(Action action, ViewState& state) {
     case Action::finer:
       scale_detail(state.current(), 1 / std::numbers::sqrt2_v<float>);
       return;
-    case Action::go_home:
-    case Action::screenshot:
-    case Action::record:
-    case Action::play:
-    case Action::stop:
-    case Action::quit:
+    default:
       return;
   }
 }
@@ -114,6 +114,7 @@ void look_at(ViewState& state, const Sphere& all, const Camera& from) {
   state.fly_speed = 0.5 * all.radius;
   state.frozen = false;
   state.measure.points.clear();
+  state.clip = {};
 }
 
 }  // namespace lodestone::viewer

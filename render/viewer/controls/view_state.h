@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "render/viewer/controls/clip_choice.h"
 #include "render/viewer/controls/looks.h"
 #include "render/viewer/controls/measure.h"
 #include "render/viewer/controls/view_settings.h"
@@ -38,6 +39,7 @@ struct ViewState {
   bool probe = true;  // notes on the cell under the pointer
   Measure measure;
   Looks looks;
+  ClipChoice clip;
   float scale = 1;  // of text and controls (controls/layout.h)
 
   [[nodiscard]] ViewSettings& current() { return settings[chosen]; }
@@ -58,6 +60,7 @@ enum class Action : std::uint8_t {
   toggle_overdraw,
   toggle_probe,
   toggle_measure,
+  toggle_clip,
   choose_other,  // of the two settings
   coarser,       // tolerance or radius by a factor of 2^(1/2)
   finer,

@@ -92,6 +92,7 @@ class DrawnModel {
       const auto& v = cell.triangles[t].v;
       const auto met = crossing(sight_, positions[v[0]], positions[v[1]], positions[v[2]]);
       if (!met || met->way < 0 || met->way > (nearest ? nearest->way : 1)) continue;
+      if (model_.clip && distance_from(*model_.clip, to_float(sight_.from + met->way * sight_.along)) < 0) continue;
       if (!met->front && one_side_ && is_one_sided(cell, v[0])) continue;
       nearest = SurfacePoint{number,  selected.cell, selected.level, morphing, t, sight_.from + met->way * sight_.along,
                              met->way};

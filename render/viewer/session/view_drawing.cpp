@@ -61,6 +61,12 @@ void ViewDrawing::restart() {
   ++counts_.uploads;
 }
 
+ViewConfig ViewDrawing::config_of(const ViewState& state, std::size_t settings, ImageSize size) const {
+  ViewConfig config = view_config(model_->scene, state, settings, size);
+  config.clip = plane_of(state.clip, bounding_sphere());
+  return config;
+}
+
 bool ViewDrawing::update(PerView& per_view, const Camera& camera, const ViewConfig& config,
                          const std::vector<ViewConfig>& beside) {
   const bool changed = per_view.scene->update(camera, config, beside);
@@ -75,7 +81,7 @@ void ViewDrawing::freeze(PerView& per_view, const ViewState& state, const View& 
   const PerView& other = &per_view == &views_[0] ? views_[1] : views_[0];
   const bool alike = model_->opened.streamed() && other.frozen && other.freezes == state.freezes;
   const std::size_t settings = alike ? 1 - view.settings : view.settings;
-  const ViewConfig config = view_config(model_->scene, state, settings, view.full_size);
+  const ViewConfig config = config_of(state, settings, view.full_size);
   // The renderer is told of loaded and removed cells when it draws.
   if (update(per_view, state.frozen_from, config, beside)) (void)per_view.scene->draw(*renderer_);
   per_view.scene->freeze(true);
@@ -90,8 +96,7 @@ bool ViewDrawing::draw(const ViewState& state, const View& view, const std::vect
   PerView& per_view = views_[view.settings];
   std::vector<ViewConfig> beside;
   for (const View& other : together)
-    if (other.settings != view.settings)
-      beside.push_back(view_config(model_->scene, state, other.settings, other.size));
+    if (other.settings != view.settings) beside.push_back(config_of(state, other.settings, other.size));
   if (per_view.frozen && (!state.frozen || per_view.freezes != state.freezes)) {
     per_view.scene->freeze(false);
     per_view.frozen = false;
@@ -100,8 +105,7 @@ bool ViewDrawing::draw(const ViewState& state, const View& view, const std::vect
   if (state.frozen && !per_view.frozen) freeze(per_view, state, view, beside);
 
   const ViewSettings& wanted = state.settings[view.settings];
-  const bool changed =
-      update(per_view, state.camera, view_config(model_->scene, state, view.settings, view.size), beside);
+  const bool changed = update(per_view, state.camera, config_of(state, view.settings, view.size), beside);
   if (!changed && per_view.band == wanted.band && per_view.errors == wanted.errors) return false;
   ViewReport& report = per_view.report;
   report.select_milliseconds = total.milliseconds();

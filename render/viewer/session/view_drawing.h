@@ -89,6 +89,7 @@ class ViewDrawing {
     ViewReport report;
   };
   void restart();
+  [[nodiscard]] ViewConfig config_of(const ViewState& state, std::size_t settings, ImageSize size) const;
   bool update(PerView& per_view, const Camera& camera, const ViewConfig& config, const std::vector<ViewConfig>& beside);
   void freeze(PerView& per_view, const ViewState& state, const View& view, const std::vector<ViewConfig>& beside);
 

@@ -43,6 +43,19 @@ void edit_light(Vec3d up, Looks& looks) {
   edit_colour("background", looks.background);
 }
 
+void edit_clip(ClipChoice& clip) {
+  if (!ImGui::CollapsingHeader("clipping plane")) return;
+  ImGui::Checkbox("on", &clip.on);
+  for (int axis = 0; axis < 3; ++axis) {
+    ImGui::SameLine();
+    const char letter[2]{static_cast<char>('x' + axis), 0};
+    ImGui::RadioButton(letter, &clip.axis, axis);
+  }
+  ImGui::SameLine();
+  ImGui::Checkbox("other side", &clip.other);
+  if (ImGui::SliderFloat("place", &clip.place, -1, 1, "%.3f")) clip.on = true;
+}
+
 void edit_effects(const Frame& frame, double radius, Looks& looks) {
   if (!ImGui::CollapsingHeader("effects")) return;
   AmbientOcclusion& occlusion = looks.ambient_occlusion;

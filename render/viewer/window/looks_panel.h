@@ -11,6 +11,8 @@ void edit_models(const Scene& scene, Looks& looks);
 // `up` is the axis that the light turns about.
 void edit_light(Vec3d up, Looks& looks);
 
+void edit_clip(ClipChoice& clip);
+
 // Effects of the last frame, each with a switch; `radius` is that of the scene.
 void edit_effects(const Frame& frame, double radius, Looks& looks);
 

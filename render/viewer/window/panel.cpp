@@ -266,6 +266,7 @@ void show_settings(const PanelFacts& facts, ViewState& state, PanelRequests& req
     show_camera(facts, state, requests);
     edit_light(state.home.up, state.looks);
     if (facts.frame) edit_effects(*facts.frame, facts.radius, state.looks);
+    edit_clip(state.clip);
     show_statistics(facts);
   }
   show_keys();

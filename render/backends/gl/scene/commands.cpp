@@ -102,13 +102,17 @@ void GlCommands::draw(const GlScene& scene, const std::function<void(const GlPip
   sent_limits_.bind(GL_SHADER_STORAGE_BUFFER, limits_block);
   const GlPipeline* in_use = nullptr;
   for (const GlMultiDraw& multi : multi_draws_) {
-    if (const GlPipeline* next = &pipelines_[multi.pipeline]; next != in_use) use(*(in_use = next));
+    if (const GlPipeline* next = &pipelines_[multi.pipeline]; next != in_use) {
+      use(*(in_use = next));
+      if (next->variant.clipped) glEnable(GL_CLIP_DISTANCE0);
+    }
     scene.bind(multi.group, sent_records_);
     const std::uintptr_t offset = static_cast<std::uintptr_t>(sent_commands_.offset) +
                                   std::uintptr_t{multi.first_command} * sizeof(GlDrawCommand);
     glMultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, reinterpret_cast<const void*>(offset),
                                 static_cast<GLsizei>(multi.command_count), 0);
   }
+  if (in_use && in_use->variant.clipped) glDisable(GL_CLIP_DISTANCE0);  // all models of a frame are, or none
 }
 
 }  // namespace lodestone

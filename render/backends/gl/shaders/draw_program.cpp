@@ -184,6 +184,11 @@ void main() {
     clip[i] = ((row.x * p.x + row.y * p.y) + row.z * p.z) + row.w;
   }
   gl_Position = clip;
+#ifdef CLIPPED
+  vec3 clip_normal =
+      vec3(instances[instance].viewpoint.w, instances[instance].towards_eye.w, instances[instance].towards_light.w);
+  gl_ClipDistance[0] = dot(clip_normal, p) + uintBitsToFloat(instances[instance].flags.w);
+#endif
 #ifdef LEFT_OUT_MODES
   if ((LEFT_OUT_MODES >> materials[material].flags.x & 1u) != 0u) gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
 #endif
@@ -340,13 +345,14 @@ std::string morph_source(GlVariant variant) {
 GlProgram make_draw_program(GlVariant variant) {
   std::vector<GlStage> stages;
   const EffectSource source = effect_source(variant.effects, variant.material_bits);
-  const std::string head =
-      define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") + define(variant.limited, "LIMITED") +
-      define(variant.effects.contains(Effect::geomorph), "GEOMORPH") + define(variant.face_normals, "FACE_NORMALS") +
-      define(variant.material_bits & leaves_out_blended, "LEFT_OUT_MODES 4u") +
-      define(variant.material_bits & leaves_out_others, "LEFT_OUT_MODES 3u") +
-      define(variant.material_bits & reads_alpha, "READS_ALPHA") +
-      define(variant.material_bits & leaves_out_backs, "LEAVES_OUT_BACKS") + frame_block_source();
+  const std::string head = define(variant.pass == GlPass::layers_4x, "MULTISAMPLED") +
+                           define(variant.limited, "LIMITED") +
+                           define(variant.effects.contains(Effect::geomorph), "GEOMORPH") +
+                           define(variant.clipped, "CLIPPED") + define(variant.face_normals, "FACE_NORMALS") +
+                           define(variant.material_bits & leaves_out_blended, "LEFT_OUT_MODES 4u") +
+                           define(variant.material_bits & leaves_out_others, "LEFT_OUT_MODES 3u") +
+                           define(variant.material_bits & reads_alpha, "READS_ALPHA") +
+                           define(variant.material_bits & leaves_out_backs, "LEAVES_OUT_BACKS") + frame_block_source();
   std::string vertex = vertex_head + source.vertex +
                        replaced(replaced(vertex_main, "EFFECTS", source.vertex_calls), "CLIP_ROWS",
                                 variant.pass == GlPass::shadow ? "light_rows" : "clip_rows");

@@ -26,6 +26,7 @@ struct GlVariant {
   EffectSet effects;
   GlPass pass = GlPass::picture;
   std::uint32_t material_bits = 0;  // what it does with materials besides their colours
+  bool clipped = false;             // by ModelFrame::clip
   friend auto operator<=>(const GlVariant&, const GlVariant&) = default;
 };
 // Triangles of blended materials are left out; or those of all others; alpha is looked at; the models' vertices have
@@ -74,6 +75,7 @@ struct GlLevel {
 struct GlInstance {
   float clip_rows[4][4] = {};   // of the view projection
   float light_rows[4][4] = {};  // of the light projection
+  // Beside each of these in w: the normal of the clipping plane; its distance, as bits, in flags.
   float viewpoint[4] = {};
   float towards_eye[4] = {};
   float towards_light[4] = {};

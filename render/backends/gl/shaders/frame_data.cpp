@@ -1,4 +1,6 @@
 // The parts of a frame that are sent to the device, and the variants of the programs that draw it.
+#include <bit>
+
 #include "render/backends/gl/shaders/draw_program.h"
 #include "render/camera/projection.h"
 #include "render/effects/effect_info.h"
@@ -26,6 +28,7 @@ std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPa
 
 GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
   GlVariant variant{model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(), false, {}, pass};
+  variant.clipped = model.clip.has_value();
   if (pass == GlPass::shadow || pass == GlPass::count) {
     variant.effects = model.effects & EffectSet{Effect::geomorph};
     return variant;
@@ -67,6 +70,12 @@ GlInstance instance_of(const ModelFrame& model, std::uint32_t first_material) {
   set(to.viewpoint, model.morph.viewpoint);
   set(to.towards_eye, model.towards_eye);
   set(to.towards_light, model.towards_light);
+  if (model.clip) {
+    to.viewpoint[3] = model.clip->n.x;
+    to.towards_eye[3] = model.clip->n.y;
+    to.towards_light[3] = model.clip->n.z;
+    to.flags[3] = std::bit_cast<std::uint32_t>(model.clip->d);
+  }
   const Eye eye = eye_of(model.view_projection);
   set(to.eye, eye.at);
   to.eye[3] = eye.w;

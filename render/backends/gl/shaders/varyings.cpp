@@ -60,7 +60,9 @@ std::string geometry_source(const std::vector<GlVarying>& from_vertices, const s
   }
   return "layout(triangles) in;\nlayout(triangle_strip, max_vertices = 3) out;\ninvariant gl_Position;\n" + in + out +
          with_locations(declarations, "out", order) + "void main() {\n  for (int i = 0; i < 3; ++i) {\n" + copies +
-         std::string(calls) + "    gl_Position = gl_in[i].gl_Position;\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n";
+         std::string(calls) +
+         "    gl_Position = gl_in[i].gl_Position;\n#ifdef CLIPPED\n    gl_ClipDistance[0] = "
+         "gl_in[i].gl_ClipDistance[0];\n#endif\n    EmitVertex();\n  }\n  EndPrimitive();\n}\n";
 }
 
 }  // namespace lodestone
