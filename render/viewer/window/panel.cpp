@@ -152,7 +152,7 @@ void edit_switches(ViewState& state, PanelRequests& requests) {
     ImGui::Text("%.6g", *length);
   } else if (state.measure.on) {
     ImGui::SameLine();
-    ImGui::TextDisabled("click two points");
+    ImGui::TextDisabled("two clicks");
   }
   if (state.frozen) ImGui::TextDisabled("frozen: tolerance and radii wait");
 }
