@@ -16,6 +16,7 @@
 #include "core/base/error.h"
 #include "core/mesh/generate.h"
 #include "core/progressive/mesh/level.h"
+#include "experiments/metrics/geometry/level_on_texture.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/progressive/make_progressive.h"
@@ -77,64 +78,17 @@ const IndexedMesh& mesh_of(const std::string& name) {
   return at->second = prepare_mesh(std::move(raw), repairs, *scheduler);
 }
 
-// The triangles of a level by cells of the texture.
-class TextureGrid {
- public:
-  TextureGrid(const ProgressiveMesh& mesh, std::vector<Triangle> level) : mesh_(mesh), level_(std::move(level)) {
-    cells_.resize(std::size_t{side} * side);
-    for (std::size_t t = 0; t < level_.size(); ++t) {
-      Vec2f low{1e9f, 1e9f}, high{-1e9f, -1e9f};
-      for (const std::uint32_t v : level_[t].v) {
-        const Vec2f p = mesh.wedges.uv[v];
-        low = {std::min(low.x, p.x), std::min(low.y, p.y)}, high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-      }
-      for (int y = cell(low.y); y <= cell(high.y); ++y)
-        for (int x = cell(low.x); x <= cell(high.x); ++x)
-          cells_[static_cast<std::size_t>(y * side + x)].push_back(static_cast<std::uint32_t>(t));
-    }
-  }
-  // From a vertex to the closest point of its texture coordinates on the level; negative if there is none.
-  [[nodiscard]] double distance(std::uint32_t vertex) const {
-    const Vec2f p = mesh_.wedges.uv[vertex];
-    double best = -1;
-    for (const std::uint32_t t : cells_[static_cast<std::size_t>(cell(p.y) * side + cell(p.x))]) {
-      double weights[3];
-      if (!find(level_[t], p, weights)) continue;
-      Vec3d at{};
-      for (std::size_t k = 0; k < 3; ++k) at = at + weights[k] * to_double(mesh_.positions[level_[t].v[k]]);
-      const double far = length(at - to_double(mesh_.positions[vertex]));
-      best = best < 0 ? far : std::min(best, far);
-    }
-    return best;
-  }
-
- private:
-  static constexpr int side = 256;
-  static int cell(float x) { return std::clamp(static_cast<int>(x * side), 0, side - 1); }
-
-  [[nodiscard]] bool find(const Triangle& t, Vec2f p, double (&weights)[3]) const {
-    const auto area = [](Vec2f a, Vec2f b, Vec2f c) {
-      return (double{b.x} - a.x) * (double{c.y} - a.y) - (double{b.y} - a.y) * (double{c.x} - a.x);
-    };
-    const Vec2f a = mesh_.wedges.uv[t.v[0]], b = mesh_.wedges.uv[t.v[1]], c = mesh_.wedges.uv[t.v[2]];
-    const double whole = area(a, b, c);
-    weights[0] = area(p, b, c) / whole, weights[1] = area(a, p, c) / whole, weights[2] = area(a, b, p) / whole;
-    return std::abs(whole) > 0 && std::min({weights[0], weights[1], weights[2]}) > -1e-9;
-  }
-
-  const ProgressiveMesh& mesh_;
-  std::vector<Triangle> level_;
-  std::vector<std::vector<std::uint32_t>> cells_;
-};
-
 void count_deviation(benchmark::State& state, const ProgressiveMesh& mesh) {
   const LevelFinder levels(mesh);
   for (const std::size_t part : {std::size_t{4}, std::size_t{16}, std::size_t{64}}) {
     const std::uint32_t vertices = levels.vertices_for_triangles(mesh.triangles.size() / part);
-    const TextureGrid grid(mesh, levels.compute_level(vertices));
+    const std::vector<Triangle> triangles = levels.compute_level(vertices);
+    const LevelOnTexture level(mesh, triangles);
     std::vector<double> found;
     for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
-      if (const double far = grid.distance(v); far >= 0) found.push_back(far);
+      if (const double far = level.distance(to_double(mesh.positions[v]), on_texture(mesh, VertexId(v)));
+          std::isfinite(far))
+        found.push_back(far);
     double squares = 0;
     for (const double far : found) squares += far * far;
     const auto high = found.begin() + static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(found.size() - 1));

@@ -8,84 +8,15 @@
 
 #include "core/base/error.h"
 #include "core/progressive/mesh/level.h"
-#include "core/spatial/box_tree.h"
 #include "core/spatial/mesh_distance.h"
+#include "core/spatial/point_triangle.h"
 #include "core/texture/image_codec.h"
+#include "experiments/metrics/geometry/level_on_texture.h"
 
 namespace lodestone {
 namespace {
 
-constexpr float rounding = 1e-6f;  // of texture coordinates and barycentric ones
-
-Vec3d place(const ProgressiveMesh& mesh, std::uint32_t v) { return to_double(mesh.positions[v]); }
-
-// The texture coordinates and the number of the material as the third one.
-Vec3d on_texture(const ProgressiveMesh& mesh, const Triangle& t, std::size_t corner) {
-  const Vec2f uv = mesh.wedges.uv[t.v[corner]];
-  const std::uint32_t material = mesh.wedges.material.empty() ? 0 : mesh.wedges.material[t.v[0]];
-  return {uv.x, uv.y, static_cast<double>(material)};
-}
-
 double doubled_area(const std::array<Vec3d, 3>& p) { return length(cross(p[1] - p[0], p[2] - p[0])); }
-
-std::array<Vec3d, 3> corners_on_texture(const ProgressiveMesh& mesh, const Triangle& t) {
-  return {on_texture(mesh, t, 0), on_texture(mesh, t, 1), on_texture(mesh, t, 2)};
-}
-
-// The weights of the corners at p; without meaning for a triangle without area.
-std::array<double, 3> barycentric(Vec3d p, const std::array<Vec3d, 3>& corner) {
-  const Vec3d normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-  const double whole = dot(normal, normal);
-  const double b = dot(cross(p - corner[0], corner[2] - corner[0]), normal) / whole;
-  const double c = dot(cross(corner[1] - corner[0], p - corner[0]), normal) / whole;
-  return {1 - b - c, b, c};
-}
-
-Vec3d weighted(const std::array<double, 3>& w, const std::array<Vec3d, 3>& p) {
-  return w[0] * p[0] + w[1] * p[1] + w[2] * p[2];
-}
-
-// Finds points of a level by texture coordinates.
-class LevelOnTexture {
- public:
-  LevelOnTexture(const ProgressiveMesh& mesh, const std::vector<Triangle>& triangles)
-      : mesh_(&mesh), triangles_(&triangles), tree_(items(mesh, triangles), 4) {}
-
-  // The distance of the nearest point with the coordinates q; infinity if there is none.
-  [[nodiscard]] double distance(Vec3d from, Vec3d q) const {
-    double best = std::numeric_limits<double>::infinity();
-    const auto near = [&](const Box3f& box) { return squared_distance(q, box) <= double{rounding} * rounding; };
-    tree_.walk(near, [&](BoxTree::Slots slots) {
-      for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot)
-        best = std::min(best, distance(from, q, (*triangles_)[tree_.items()[slot]]));
-      return false;
-    });
-    return best;
-  }
-
- private:
-  static std::vector<BoxTree::Item> items(const ProgressiveMesh& mesh, const std::vector<Triangle>& triangles) {
-    std::vector<BoxTree::Item> out(triangles.size());
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-      for (const Vec3d corner : corners_on_texture(mesh, triangles[t])) out[t].box.extend(to_float(corner));
-      out[t].number = t;
-    }
-    return out;
-  }
-
-  [[nodiscard]] double distance(Vec3d from, Vec3d q, const Triangle& t) const {
-    const std::array<Vec3d, 3> corner = corners_on_texture(*mesh_, t);
-    const double none = std::numeric_limits<double>::infinity();
-    if (corner[0].z != q.z || !(doubled_area(corner) > 0)) return none;
-    const std::array<double, 3> w = barycentric(q, corner);
-    if (!(std::min({w[0], w[1], w[2]}) >= -rounding)) return none;
-    return length(from - weighted(w, {place(*mesh_, t.v[0]), place(*mesh_, t.v[1]), place(*mesh_, t.v[2])}));
-  }
-
-  const ProgressiveMesh* mesh_;
-  const std::vector<Triangle>* triangles_;
-  BoxTree tree_;
-};
 
 // Texels of the image of each material.
 std::vector<double> texels_of(const ProgressiveMesh& mesh, const SlidingConfig& config) {
@@ -147,7 +78,7 @@ TextureSliding texture_sliding(const ProgressiveMesh& mesh, std::uint32_t coarse
   const std::vector<Triangle> from = levels.compute_level(fine), to = levels.compute_level(coarse);
   if (from.empty() || to.empty()) return {};
   std::vector<Vec3d> positions;
-  for (std::uint32_t v = 0; v < fine; ++v) positions.push_back(place(mesh, v));
+  for (std::uint32_t v = 0; v < fine; ++v) positions.push_back(to_double(mesh.positions[v]));
   const SurfaceSamples samples(positions, from, config.points);
   std::vector<Vec3d> points;
   std::vector<std::uint32_t> at;
@@ -163,7 +94,8 @@ TextureSliding texture_sliding(const ProgressiveMesh& mesh, std::uint32_t coarse
     const std::size_t material = std::min(static_cast<std::size_t>(uv[0].z), texels.size() - 1);
     const double covered = doubled_area(uv) * texels[material];
     const double texel = covered > 0 ? std::sqrt(doubled_area(corner) / covered) : 0;
-    sums.add(level.distance(points[k], weighted(barycentric(points[k], corner), uv)), texel, pixel);
+    const std::array<double, 3> w = barycentric(points[k], corner[0], corner[1], corner[2]);
+    sums.add(level.distance(points[k], w[0] * uv[0] + w[1] * uv[1] + w[2] * uv[2]), texel, pixel);
   }
   return sums.result();
 }
