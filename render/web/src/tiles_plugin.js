@@ -28,6 +28,7 @@ export class MorphPlugin {
   constructor() {
     this.name = 'LODESTONE_MORPH_PLUGIN';
     this.cellOf = new WeakMap();
+    this.above = new WeakMap();  // of tiles that stand for tilesets: the cell of their parent, with which they are in view
     this.update = () => this.choose();
     this.learn = ({tileset, url}) => this.begin(tileset, url);
   }
@@ -40,7 +41,7 @@ export class MorphPlugin {
     Object.assign(tiles, {loadAncestors: true, autoDisableRendererCulling: false});
     const {calculateTileViewError} = tiles;
     tiles.calculateTileViewError = (tile, target) => {
-      const cell = this.cellOf.get(tile);
+      const cell = this.cellOf.get(tile) ?? this.above.get(tile);
       if (cell && this.figures) this.judge(cell, target);
       else calculateTileViewError.call(tiles, tile, target);
     };
@@ -57,7 +58,10 @@ export class MorphPlugin {
   }
 
   preprocessNode(tile, folder, parent) {
-    if (tile.extras?.bounds === undefined) return;
+    if (tile.extras?.bounds === undefined) {
+      if (this.cellOf.has(parent)) this.above.set(tile, this.cellOf.get(parent));
+      return;
+    }
     this.cellOf.set(tile, new Cell(tile, this.cellOf.get(parent) ?? this.cellOf.get(parent?.parent) ?? null, this.cellOf));
     // Children whose error is not below their parent's would always be refined.
     tile.geometricError = 2 ** -tile.extras.level;
