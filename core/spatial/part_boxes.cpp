@@ -57,7 +57,8 @@ struct Part {
 
 }  // namespace
 
-void divide_boxes(std::vector<BoxTree::Item>& items, const std::vector<std::array<Vec3d, 3>>& triangles) {
+void divide_boxes(std::vector<BoxTree::Item>& items, const std::vector<std::array<Vec3d, 3>>& triangles,
+                  std::size_t most) {
   const std::size_t count = triangles.size();
   Box3f whole;
   for (const BoxTree::Item& item : items) whole.extend(item.box);
@@ -69,7 +70,7 @@ void divide_boxes(std::vector<BoxTree::Item>& items, const std::vector<std::arra
     if (part.area > share && part.area > over_triangle * area) large.push(part);
   };
   for (std::uint32_t i = 0; i < count; ++i) add({half_area(items[i].box), i, i});
-  for (std::size_t added = 0; added < 2 * count && !large.empty();) {
+  for (std::size_t added = 0; added < most && !large.empty();) {
     const Part part = large.top();
     large.pop();
     const Needle needle(triangles[part.triangle]);

@@ -14,7 +14,8 @@ namespace lodestone {
 
 // Adds items to those of a BoxTree, one for each of `triangles` in their order: where one box is much larger than the
 // triangle and than a fair share of the whole, the item gets the box of a part and new items of the same number get the
-// others. At most twice as many items as triangles are added, the largest boxes divided first.
-void divide_boxes(std::vector<BoxTree::Item>& items, const std::vector<std::array<Vec3d, 3>>& triangles);
+// others. At most `most` items are added, the largest boxes divided first.
+void divide_boxes(std::vector<BoxTree::Item>& items, const std::vector<std::array<Vec3d, 3>>& triangles,
+                  std::size_t most);
 
 }  // namespace lodestone

@@ -32,6 +32,27 @@ struct NearestPoint {
   return {q, squared_length(p - q)};
 }
 
+// The foot of the perpendicular, if it is in the triangle, for slivers: by the longest edge and the height over it,
+// which keep their digits where the cross product of two edges has lost them. `best` is replaced by what is nearer.
+inline void consider_inside(Vec3d p, std::array<Vec3d, 3> corners, NearestPoint& best) {
+  const auto length2 = [&](std::size_t k) { return squared_length(corners[(k + 1) % 3] - corners[k]); };
+  const std::size_t base = length2(0) >= length2(1)   ? (length2(0) >= length2(2) ? 0 : 2)
+                           : length2(1) >= length2(2) ? 1
+                                                      : 2;
+  const Vec3d a = corners[base], ab = corners[(base + 1) % 3] - a, ac = corners[(base + 2) % 3] - a, ap = p - a;
+  const double whole = dot(ab, ab);
+  if (!(whole > 0)) return;
+  const double top = dot(ac, ab) / whole;
+  Vec3d height = ac - top * ab;
+  height = height - (dot(height, ab) / whole) * ab;
+  const double height2 = dot(height, height);
+  if (!(height2 > 0)) return;
+  const double along = dot(ap, ab) / whole, up = dot(ap, height) / height2;
+  if (!(up >= 0 && up <= 1 && along >= top * up && along <= 1 - (1 - top) * up)) return;
+  const Vec3d q = a + along * ab + up * height;
+  if (const double distance2 = squared_length(p - q); distance2 < best.squared_distance) best = {q, distance2};
+}
+
 // The distance is always that of `point`, which lies on the triangle within rounding: the inaccurate normal of a sliver
 // never leads to less than the true distance. All three edges of a sliver are examined; of any other triangle only
 // those that the point lies outside of, since the nearest point is on one of them.
@@ -56,6 +77,7 @@ struct NearestPoint {
   if (sliver || wc < 0) consider(a, b);
   if (sliver || wa < 0) consider(b, c);
   if (sliver || wb < 0) consider(c, a);
+  if (sliver) consider_inside(p, {a, b, c}, best);
   return best;
 }
 

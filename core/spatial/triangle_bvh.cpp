@@ -4,8 +4,17 @@
 #include <cassert>
 #include <limits>
 
+#include "core/spatial/part_boxes.h"
+
 namespace lodestone {
 namespace {
+
+// Long triangles in fans and strips overlap each other's boxes: as many parts as memory allows.
+constexpr std::size_t parts_per_triangle = 12;
+
+// Squared distance of what coincides but for the rounding of coordinates near 1. Where thousands of triangles cover a
+// point, all of them would be searched for a smaller one.
+constexpr double rounding2 = 1e-31;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -28,7 +37,7 @@ std::uint64_t spread21(std::uint64_t v) {
   return (v | v << 2) & 0x1249'2492'4924'9249ull;
 }
 
-// Morton codes of the centres of the triangles' boxes on a lattice over all positions.
+// Morton codes of the centres of boxes on a lattice over all positions.
 class CentreLattice {
  public:
   explicit CentreLattice(std::span<const Vec3d> positions) {
@@ -40,12 +49,12 @@ class CentreLattice {
     const double extent = std::max({hi_.x - lo_.x, hi_.y - lo_.y, hi_.z - lo_.z});
     scale_ = extent > 0 ? last / extent : 0;
   }
-  [[nodiscard]] std::uint64_t code(Vec3d a, Vec3d b, Vec3d c) const {
-    const auto slot = [&](double u, double v, double w, double lo) {
-      const double twice = std::min({u, v, w}) + std::max({u, v, w}) - 2 * lo;
-      return spread21(static_cast<std::uint64_t>(std::clamp(0.5 * twice * scale_, 0.0, last)));
+  [[nodiscard]] std::uint64_t code(const Box3f& box) const {
+    const auto slot = [&](double a, double b, double lo) {
+      return spread21(static_cast<std::uint64_t>(std::clamp(0.5 * (a + b - 2 * lo) * scale_, 0.0, last)));
     };
-    return slot(a.x, b.x, c.x, lo_.x) | slot(a.y, b.y, c.y, lo_.y) << 1 | slot(a.z, b.z, c.z, lo_.z) << 2;
+    return slot(box.lo.x, box.hi.x, lo_.x) | slot(box.lo.y, box.hi.y, lo_.y) << 1 |
+           slot(box.lo.z, box.hi.z, lo_.z) << 2;
   }
 
  private:
@@ -58,24 +67,26 @@ class CentreLattice {
 
 TriangleBvh::TriangleBvh(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   assert(!triangles.empty());
-  const CentreLattice lattice(positions);
-  std::vector<BoxTree::Code> codes(triangles.size());
-  for (std::uint32_t i = 0; i < codes.size(); ++i) {
-    const auto& v = triangles[i].v;
-    codes[i] = {lattice.code(positions[v[0]], positions[v[1]], positions[v[2]]), i};
+  std::vector<BoxTree::Item> parts(triangles.size());
+  std::vector<std::array<Vec3d, 3>> corners(triangles.size());
+  for (std::uint32_t i = 0; i < parts.size(); ++i) {
+    parts[i].number = i;
+    for (std::size_t k = 0; k < 3; ++k) extend(parts[i].box, corners[i][k] = positions[triangles[i].v[k]]);
   }
+  divide_boxes(parts, corners, parts_per_triangle * triangles.size());
+  const CentreLattice lattice(positions);
+  std::vector<BoxTree::Code> codes(parts.size());
+  for (std::uint32_t i = 0; i < codes.size(); ++i) codes[i] = {lattice.code(parts[i].box), i};
   std::sort(codes.begin(), codes.end(), [](const BoxTree::Code& a, const BoxTree::Code& b) {
     return a.morton != b.morton ? a.morton < b.morton : a.number < b.number;
   });
 
   std::vector<std::uint32_t> renumbered(positions.size(), no_hint);
   slots_.reserve(codes.size());
-  for (const BoxTree::Code& code : codes) add_slot(triangles[code.number], positions, renumbered);
-  tree_ = BoxTree(codes, [this](std::uint32_t slot) {
-    Box3f box;
-    for (const std::uint32_t v : slots_[slot].v) extend(box, positions_[v]);
-    return box;
-  });
+  for (const BoxTree::Code& code : codes) add_slot(triangles[parts[code.number].number], positions, renumbered);
+  tree_ = BoxTree(codes, [&](std::uint32_t slot) { return parts[codes[slot].number].box; });
+  triangle_of_.reserve(codes.size());
+  for (const BoxTree::Code& code : codes) triangle_of_.push_back(parts[code.number].number);
 }
 
 // Vertices get the order in which slots first use them: those of a leaf are close together in memory.
@@ -102,9 +113,10 @@ void TriangleBvh::take_slot(std::uint32_t slot, Vec3d p, Nearest& best) const {
 TriangleBvh::Nearest TriangleBvh::nearest(Vec3d p, std::uint32_t hint) const {
   Nearest best{{}, infinity, 0};
   if (hint != no_hint) take_slot(hint, p, best);
+  if (best.squared_distance <= rounding2) return best;
   tree_.search(p, best.squared_distance, [&](BoxTree::Slots slots) {
     for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) take_slot(slot, p, best);
-    return false;
+    return best.squared_distance <= rounding2;
   });
   return best;
 }

@@ -15,7 +15,8 @@ namespace {
 constexpr double negligible_ratio = 1e-5;  // of the cell size: no error below it makes a difference
 constexpr std::size_t tree_grain = 4;      // cells
 
-constexpr double rounding = 1e-15;  // of distances in the unit cube, in double precision
+// Rounding of distances in the unit cube. Those from thin triangles lose four of the sixteen digits of a double.
+constexpr double rounding = 1e-12;
 
 // Rounded up.
 float up(double v) { return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity()); }

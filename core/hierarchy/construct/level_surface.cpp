@@ -57,7 +57,7 @@ void LevelSurface::build_cell(CellRank cell) {
     if (!used[v]) items.push_back({box_of(cell, triangles + v), triangles + v});
   const std::size_t undivided = items.size();
   std::vector<BoxTree::Item> parts = items;
-  divide_boxes(parts, triangle_corners);
+  divide_boxes(parts, triangle_corners, 2 * triangle_corners.size());
   trees_[cell] = BoxTree(std::move(items), leaf_items);
   if (parts.size() > undivided) parts_[cell] = BoxTree(std::move(parts), leaf_items);
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "core/hierarchy/verify/verify_checks.h"
@@ -11,6 +13,13 @@
 
 namespace lodestone::verify {
 namespace {
+
+// Six digits, however small the number.
+std::string in_digits(double number) {
+  std::ostringstream text;
+  text << number;
+  return text.str();
+}
 
 // The builder's errors are bounds; this is the rounding of distances in double precision, here and there.
 constexpr double relative_slack = 1e-6, absolute_slack = 1e-10;
@@ -186,8 +195,9 @@ std::vector<double> check_errors(const Hierarchy& hierarchy, Finding& errors) {
       const double error = hierarchy.cells[cell].error;
       if (measured)
         errors.require(distance <= error * (1 + relative_slack), [&] {
-          return place(l, cell) + ": a point is " + std::to_string(distance / cell_size(l)) +
-                 " h from the other surface, the error stored is " + std::to_string(error / cell_size(l)) + " h";
+          const auto in_cells = [l](double d) { return in_digits(d / cell_size(l)) + " h"; };
+          return place(l, cell) + ": a point is " + in_cells(distance) +
+                 " from the other surface, the error stored is " + in_cells(error);
         });
     });
     if (farthest > absolute_slack) ratio[static_cast<std::size_t>(l)] = farthest / std::max(largest, absolute_slack);

@@ -45,6 +45,19 @@ TEST(NearestOnTriangle, TakesSegmentsPointsAndSlivers) {
   EXPECT_NEAR(std::sqrt(nearest_on_triangle(off, p, q, middle).squared_distance), std::sqrt(0.5), 1e-12);
 }
 
+// Points in a sliver are at no distance from it, however thin it is; its edges are farther.
+TEST(NearestOnTriangle, SliversHaveAnInside) {
+  const Vec3d p{0.1, 0.2, 0.3}, q{0.9, 0.5, 0.6}, across{-0.3, 0.8, 0};
+  for (const double height : {1e-5, 1e-6, 1e-8, 1e-10, 1e-11}) {
+    const Vec3d r = 0.4 * p + 0.6 * q + height * across;
+    for (const Vec3d weights : {Vec3d{0.3, 0.3, 0.4}, Vec3d{0.2, 0.4, 0.4}, Vec3d{0.01, 0.02, 0.97}}) {
+      const Vec3d inside = weights.x * p + weights.y * q + weights.z * r;
+      EXPECT_LT(std::sqrt(nearest_on_triangle(inside, p, q, r).squared_distance), 3e-16) << height;
+      EXPECT_LT(std::sqrt(nearest_on_triangle(inside, r, p, q).squared_distance), 3e-16) << height;
+    }
+  }
+}
+
 std::mt19937 generator(unsigned seed) { return std::mt19937(seed); }
 Vec3d random_point(std::mt19937& random, double extent = 1) {
   const auto next = [&] { return extent * (static_cast<double>(random()) / 4294967295.0); };
