@@ -45,6 +45,12 @@ double map_spacing(const ReconstructConfig& config) {
   return 1 / (config.resolution * (config.merge == MergeKind::concatenate ? 1 : config.detail));
 }
 
+// At which no picture of the unit cube is too large, seen from any side.
+double finest_resolution(const ReconstructConfig& config) {
+  const double sample = map_spacing(config) * config.resolution;  // width of one, in pixels
+  return (largest_map_side - 8) * sample / (std::sqrt(3.0) * (config.condense ? 2 : 1));
+}
+
 MapView view_towards(const Box3f& box, Vec3d direction, const ReconstructConfig& config) {
   const double spacing = map_spacing(config);
   if (config.projection == Projection::orthographic) return orthographic_view(box, direction, spacing);
@@ -333,11 +339,16 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
                 c = to_double(mesh.positions[t.v[2]]);
     area += 0.5 * length(cross(b - a, c - a));
   }
+  // Surfaces of less, in a unit cube, are wires and specks: pictures that give them as many triangles are too large.
+  constexpr double least_area = 2e-3;
   const auto wanted = static_cast<double>(triangles);
   const bool simplifies = config.merge == MergeKind::shell || (config.merge == MergeKind::stitch && config.detail > 1);
   if (simplifies) config.triangles = triangles;
   // Two triangles a pixel, on surfaces that are tilted by a third on the average.
-  config.resolution = std::clamp(std::sqrt(wanted * 1.25 / (2 * std::max(area, 1e-9))), 4.0, 8192.0);
+  const double finest = finest_resolution(config);
+  config.resolution = std::clamp(std::sqrt(wanted * 1.25 / (2 * std::max(area, least_area))), 4.0, finest);
+  // Scattered parts give fewer triangles than pixels promise, however fine these are.
+  const double most = std::min(2 * config.resolution, finest);
   Reconstruction best;
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0; round < 4; ++round) {
@@ -349,7 +360,9 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
     const double finer = simplifies ? sampled / (wanted * excess_of(config, config.detail)) : made / wanted;
     if (least < 0.02 && (!simplifies || (finer > 0.6 && finer < 2.5))) break;
     if (simplifies) least = std::numeric_limits<double>::infinity();
-    config.resolution = std::clamp(config.resolution / std::sqrt(finer), 2.0, double{largest_map_side} / 2);
+    const double next = std::clamp(config.resolution / std::sqrt(finer), 2.0, most);
+    if (next == config.resolution) break;
+    config.resolution = next;
   }
   return best;
 }
