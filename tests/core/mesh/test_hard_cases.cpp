@@ -1,0 +1,72 @@
+// The catalogue of hard surfaces: files of it are read, and have what they are named after.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+#include "core/base/error.h"
+#include "core/files/byte_reader.h"
+#include "core/formats/ply/ply.h"
+#include "core/mesh/clean.h"
+#include "core/mesh/edge_census.h"
+#include "core/mesh/hard/hard_cases.h"
+#include "tests/expect_error.h"
+
+namespace lodestone {
+namespace {
+
+RawMesh read_case(const HardCase& hard) {
+  const std::string file = hard_ply(hard.make(std::min<std::uint64_t>(hard.size, 2'000)));
+  ByteReader input({file.data(), file.size()}, std::string(hard.name));
+  return read_ply(input);
+}
+
+struct Cleaned {
+  IndexedMesh mesh;
+  Repairs repairs;
+  EdgeCensus edges;
+};
+Cleaned cleaned(std::string_view name) {
+  Cleaned result;
+  result.mesh = clean_mesh(read_case(hard_case(name)), result.repairs);
+  result.edges = count_edges(result.mesh.triangles, result.mesh.positions.size());
+  return result;
+}
+
+TEST(HardCases, AreReadAndAreAsLargeAsTheySay) {
+  std::set<std::string_view> names;
+  for (const HardCase& hard : hard_cases()) {
+    EXPECT_TRUE(names.insert(hard.name).second) << hard.name;
+    const RawMesh mesh = read_case(hard);
+    const auto size = static_cast<double>(std::min<std::uint64_t>(hard.size, 2'000));
+    EXPECT_LE(static_cast<double>(mesh.triangles.size()), 2 * size) << hard.name;
+    EXPECT_GE(static_cast<double>(mesh.triangles.size()), 0.4 * size) << hard.name;
+    Repairs repairs;
+    if (!hard.refusal.empty() || hard.name == "nothing") continue;
+    EXPECT_GT(clean_mesh(read_case(hard), repairs).triangles.size(), 0u) << hard.name;
+  }
+  expect_error_of<InputError>([] { return hard_case("needle"); }, {"'needle'", "known are", "needles"});
+}
+
+TEST(HardCases, HaveWhatTheyAreNamedAfter) {
+  EXPECT_GT(cleaned("not-finite").repairs.non_finite_triangles, 10u);
+  EXPECT_GT(cleaned("zero-area").repairs.degenerate_triangles, 100u);
+  EXPECT_GT(cleaned("duplicate-faces").repairs.duplicate_triangles, 1000u);
+  EXPECT_GT(cleaned("unused-vertices").repairs.unreferenced_vertices, 500u);
+  EXPECT_GT(cleaned("soup").repairs.welded_vertices, 3000u);
+  EXPECT_GT(cleaned("misoriented").edges.inconsistent, 500u);
+  EXPECT_GT(cleaned("fins").edges.non_manifold, 100u);
+  for (const char* closed : {"inside-out", "klein", "crossing", "tiny", "huge", "denormal", "far-away", "negative"})
+    EXPECT_EQ(cleaned(closed).edges.border, 0u) << closed;
+  for (const char* open : {"holes", "moebius", "plane", "cylinder", "crease", "cone", "confetti"})
+    EXPECT_GT(cleaned(open).edges.border, 10u) << open;
+  EXPECT_GT(cleaned("moebius").edges.inconsistent, 0u) << "it has one side";
+  std::map<std::uint32_t, std::size_t> valence;
+  std::size_t most = 0;
+  for (const Triangle& t : cleaned("wheel").mesh.triangles)
+    for (const std::uint32_t v : t.v) most = std::max(most, ++valence[v]);
+  EXPECT_EQ(most, 2'000u);
+}
+
+}  // namespace
+}  // namespace lodestone
