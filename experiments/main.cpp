@@ -12,6 +12,7 @@
 #include <new>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "experiments/command_line/version.h"
 #include "experiments/commands/command.h"
 #include "experiments/commit.h"
@@ -26,17 +27,30 @@ void print_error(std::string message) {
   fmt::print(stderr, "lodestone: {}\n", message);
 }
 
+std::vector<std::string> names_in(const CLI::App& app, bool options) {
+  std::vector<std::string> names;
+  if (options)
+    for (const CLI::Option* option : app.get_options())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  else
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
 // An unknown word is reported before a missing one: `lodestone biuld` is not a call without a subcommand.
 std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
   const auto given = app.get_subcommands();
   const std::string command = given.empty() ? "lodestone" : "lodestone " + given.front()->get_name();
   const std::vector<std::string> unknown = app.remaining(true);
-  std::string what = error.what();
+  std::string what = error.what(), meant;
   if (!unknown.empty()) {
-    const char* kind = unknown.front().starts_with('-') ? "option" : given.empty() ? "subcommand" : "argument";
+    const bool is_option = unknown.front().starts_with('-');
+    const char* kind = is_option ? "option" : given.empty() ? "subcommand" : "argument";
     what = fmt::format("unknown {} '{}'", kind, unknown.front());
+    if (given.empty() || is_option)
+      meant = did_you_mean(unknown.front(), names_in(given.empty() ? app : *given.front(), is_option));
   }
-  return fmt::format("{}; see {} --help", what, command);
+  return fmt::format("{}; see {} --help{}", what, command, meant);
 }
 
 int run(CLI::App& app, int argc, char** argv) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 
 namespace lodestone {
 namespace {
@@ -60,7 +61,7 @@ Shape shape(std::string_view name) {
   constexpr std::array<std::string_view, 5> names{"sphere", "terrain", "torus", "box", "pile"};
   for (std::size_t i = 0; i < names.size(); ++i)
     if (name == names[i]) return static_cast<Shape>(i);
-  throw InputError("unknown shape '" + std::string(name) + "'; known are sphere, terrain, torus, box, pile");
+  throw InputError("unknown shape '" + std::string(name) + "'; " + known_names(name, {names.begin(), names.end()}));
 }
 
 GeneratedSurface::GeneratedSurface(const GenerateConfig& config) : shape_(config.shape), seed_(config.seed) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 
 namespace lodestone {
 
@@ -21,12 +22,12 @@ const std::vector<Experiment>& experiments() {
 }
 
 const Experiment& find_experiment(const std::string& name) {
-  std::string known;
+  std::vector<std::string> known;
   for (const Experiment& experiment : experiments()) {
     if (experiment.name == name) return experiment;
-    known += (known.empty() ? "" : ", ") + experiment.name;
+    known.push_back(experiment.name);
   }
-  throw InputError("unknown experiment '" + name + "'; known are " + known);
+  throw InputError("unknown experiment '" + name + "'; " + known_names(name, known));
 }
 
 }  // namespace lodestone

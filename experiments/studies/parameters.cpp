@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 
 namespace lodestone {
 namespace {
@@ -82,7 +83,7 @@ Parameters::Parameters(const std::vector<ParameterInfo>& known, const nlohmann::
   }
   for (const auto& [name, value] : given.items())
     if (!values_.contains(name))
-      throw InputError(fmt::format("unknown parameter '{}'; known are {}", name, list(names)));
+      throw InputError(fmt::format("unknown parameter '{}'; {}", name, known_names(name, names)));
 }
 
 }  // namespace lodestone

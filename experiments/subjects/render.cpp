@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "experiments/metrics/drawn/screen_error.h"
 #include "parallel/scheduler/clock.h"
 #include "render/lod/selection.h"
@@ -111,9 +112,9 @@ FlightTimes times_of(const std::vector<FrameResult>& frames) {
 
 RadiiConfig radii_config(const std::string& rule, const std::string& metric) {
   if (rule != "per-level" && rule != "uniform")
-    throw InputError("--radii " + rule + ": unknown; known are per-level, uniform");
+    throw InputError("--radii " + rule + ": unknown; " + known_names(rule, {"per-level", "uniform"}));
   if (metric != "euclidean" && metric != "chebyshev")
-    throw InputError("--metric " + metric + ": unknown; known are euclidean, chebyshev");
+    throw InputError("--metric " + metric + ": unknown; " + known_names(metric, {"euclidean", "chebyshev"}));
   RadiiConfig config;
   if (rule == "uniform") config.rule = RadiiRule::uniform;
   if (metric == "chebyshev") config.metric = DistanceMetric::chebyshev;

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <set>
 
+#include "core/base/known_names.h"
+
 namespace lodestone {
 namespace {
 
@@ -14,12 +16,12 @@ using Values = std::vector<ParameterValue>;
 
 const ParameterInfo& info_of(const std::vector<ParameterInfo>& known, const std::string& name, const toml::node& at,
                              const TomlTable& table) {
-  std::string names;
+  std::vector<std::string> names;
   for (const ParameterInfo& info : known) {
     if (info.name == name) return info;
-    names += (names.empty() ? "" : ", ") + info.name;
+    names.push_back(info.name);
   }
-  table.fail_at(at.source(), fmt::format("unknown parameter '{}'; known are {}", name, names));
+  table.fail_at(at.source(), fmt::format("unknown parameter '{}'; {}", name, known_names(name, names)));
 }
 
 void look_into(const ParameterInfo& info, const ParameterValue& value, const toml::node& at, const TomlTable& table) {

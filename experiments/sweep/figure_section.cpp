@@ -10,6 +10,7 @@
 #include <regex>
 #include <set>
 
+#include "core/base/known_names.h"
 #include "experiments/sweep/column_presence.h"
 #include "experiments/sweep/name_lists.h"
 
@@ -25,8 +26,8 @@ void check_names(TomlTable& table, const char* key, const std::vector<std::strin
     for (const std::string& name : given) {
       if (!known.contains(name))
         table.fail(*table.find(key), key,
-                   fmt::format("'{}' is neither a parameter nor a column of {} (sweep {}); known are {}", name,
-                               sweep.experiment->name, sweep.name, joined({known.begin(), known.end()})));
+                   fmt::format("'{}' is neither a parameter nor a column of {} (sweep {}); {}", name,
+                               sweep.experiment->name, sweep.name, known_names(name, {known.begin(), known.end()})));
       if (measured) check_presence(table, key, name, sweep, "figure '" + figure.title + "'", file);
     }
   }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <set>
 
+#include "core/base/known_names.h"
 #include "experiments/sweep/column_presence.h"
 #include "experiments/sweep/contradictions.h"
 #include "experiments/sweep/design.h"
@@ -98,7 +99,7 @@ struct SweepReader {
     for (const DataSource& source : file.data) known.push_back(source.name);
     for (const std::string& name : names)
       if (std::find(known.begin(), known.end(), name) == known.end())
-        table.fail(*table.find("data"), "data", fmt::format("'{}' is unknown; known are {}", name, joined(known)));
+        table.fail(*table.find("data"), "data", fmt::format("'{}' is unknown; {}", name, known_names(name, known)));
     return names;
   }
 
@@ -161,8 +162,8 @@ std::vector<std::string> read_metrics(TomlTable& table, const SweepSection& swee
   for (const std::string& name : metrics) {
     if (!known.contains(name))
       table.fail(*table.find("metrics"), "metrics",
-                 fmt::format("'{}' is not a column of {}; known are {}", name, sweep.experiment->name,
-                             joined({known.begin(), known.end()})));
+                 fmt::format("'{}' is not a column of {}; {}", name, sweep.experiment->name,
+                             known_names(name, {known.begin(), known.end()})));
     check_presence(table, "metrics", name, sweep, "sweep '" + sweep.name + "'", file);
   }
   return metrics;

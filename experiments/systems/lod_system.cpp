@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "core/hierarchy/model/distance_metric.h"
 
 namespace lodestone {
@@ -26,12 +27,12 @@ constexpr std::array<LodSystem, 5> systems{LodSystem::morph, LodSystem::step, Lo
 }  // namespace
 
 LodSystem lod_system(std::string_view name) {
-  std::string known;
+  std::vector<std::string> known;
   for (const Named& named : names) {
     if (named.name == name) return named.system;
-    known += (known.empty() ? "" : ", ") + std::string(named.name);
+    known.emplace_back(named.name);
   }
-  throw InputError("unknown LOD system '" + std::string(name) + "'; known are " + known);
+  throw InputError("unknown LOD system '" + std::string(name) + "'; " + known_names(name, known));
 }
 
 std::string_view name_of(LodSystem system) {

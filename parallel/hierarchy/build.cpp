@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "core/hierarchy/construct/cell_order.h"
 #include "parallel/hierarchy/build_blocks.h"
 #include "parallel/hierarchy/finest_level.h"
@@ -115,7 +116,7 @@ void partition_finest(IndexedMesh&& mesh, int finest, Build& build, Hierarchy& o
 Strategy strategy(std::string_view name) {
   for (const Strategy s : {Strategy::serial, Strategy::levels, Strategy::graph})
     if (name == name_of(s)) return s;
-  throw InputError("unknown strategy '" + std::string(name) + "'; known are serial, levels, graph");
+  throw InputError("unknown strategy '" + std::string(name) + "'; " + known_names(name, {"serial", "levels", "graph"}));
 }
 
 std::string_view name_of(Strategy strategy) {

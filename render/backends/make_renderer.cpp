@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "render/position_map/rasterize_map.h"
 #if LODESTONE_GL
@@ -74,7 +75,7 @@ std::unique_ptr<Renderer> make_renderer(std::string_view backend, Scheduler& sch
     throw UnsupportedError("the gl backend was left out of this build; configure with LODESTONE_GL=ON, or use soft");
 #endif
   }
-  throw InputError("unknown backend '" + std::string(backend) + "'; known are soft, gl, null");
+  throw InputError("unknown backend '" + std::string(backend) + "'; " + known_names(backend, {"soft", "gl", "null"}));
 }
 
 std::unique_ptr<MapRenderer> make_map_renderer(std::string_view backend, const IndexedMesh& mesh,

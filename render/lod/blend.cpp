@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 
 namespace lodestone {
 namespace {
@@ -33,9 +34,8 @@ std::string_view name_of(Blend blend) { return names[static_cast<std::size_t>(bl
 Blend blend(std::string_view name) {
   for (const Blend candidate : blends)
     if (name == name_of(candidate)) return candidate;
-  std::string known;
-  for (const std::string_view n : names) known += (known.empty() ? "" : ", ") + std::string(n);
-  throw InputError("unknown blending function '" + std::string(name) + "'; known are " + known);
+  throw InputError("unknown blending function '" + std::string(name) + "'; " +
+                   known_names(name, {names.begin(), names.end()}));
 }
 
 float blend_share(Blend blend, float t) {

@@ -13,8 +13,10 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {
@@ -25,7 +27,19 @@ class TomlTable {
   TomlTable(const toml::table& table, std::string file, std::string name)
       : table_(table), file_(std::move(file)), name_(std::move(name)) {}
 
-  [[nodiscard]] bool has(std::string_view key) const { return table_.contains(key); }
+  // True if the table has the key, which is then known to be one.
+  [[nodiscard]] bool has(std::string_view key) {
+    read_.emplace(key);
+    return table_.contains(key);
+  }
+  // For keys without one of which the table means nothing. One that is misspelt is named as it is in the file.
+  [[noreturn]] void fail_missing(const toml::node& at, const std::vector<std::string>& keys,
+                                 const std::string& what) const {
+    for (const auto& [key, node] : table_)
+      if (!read_.contains(std::string(key.str())) && !nearest_name(key.str(), keys).empty())
+        refuse(key, known_names(key.str(), keys));
+    fail(at, keys.front(), what);
+  }
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const toml::source_region& source() const { return table_.source(); }
 
@@ -112,15 +126,17 @@ class TomlTable {
   void refuse_others() const {
     for (const auto& [key, node] : table_) {
       if (read_.contains(std::string(key.str()))) continue;
-      std::string known;
-      for (const std::string& k : read_) known += (known.empty() ? "" : ", ") + k;
-      throw InputError(describe(file_, "line " + std::to_string(key.source().begin.line),
-                                "unknown key '" + std::string(key.str()) + "'" + (name_.empty() ? "" : " in " + name_),
-                                "known are " + known));
+      refuse(key, known_names(key.str(), {read_.begin(), read_.end()}));
     }
   }
 
  private:
+  [[noreturn]] void refuse(const toml::key& key, const std::string& remedy) const {
+    throw InputError(describe(file_, "line " + std::to_string(key.source().begin.line),
+                              "unknown key '" + std::string(key.str()) + "'" + (name_.empty() ? "" : " in " + name_),
+                              remedy));
+  }
+
   double number_of(const toml::node& node, const char* key, double least, double largest) const {
     const std::optional<double> value = node.value<double>();
     if (!node.is_number() || !value || !std::isfinite(*value) || *value < least || *value > largest) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 
 namespace lodestone {
 namespace {
@@ -14,13 +15,10 @@ constexpr std::array<std::string_view, 2> placement_names{"optimal", "endpoint"}
 
 template <std::size_t N>
 std::uint32_t index_of(std::string_view name, const std::array<std::string_view, N>& known, const char* what) {
-  std::string list;
-  for (std::uint32_t k = 0; k < N; ++k) {
+  for (std::uint32_t k = 0; k < N; ++k)
     if (name == known[k]) return k;
-    list += (k == 0 ? "" : ", ") + std::string(known[k]);
-  }
-  throw InputError(
-      describe("", "", std::string("unknown ") + what + " '" + std::string(name) + "'", "known are " + list));
+  throw InputError(describe("", "", std::string("unknown ") + what + " '" + std::string(name) + "'",
+                            known_names(name, {known.begin(), known.end()})));
 }
 
 }  // namespace
