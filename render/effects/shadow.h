@@ -1,6 +1,10 @@
 // Shadow of the directional light: a map of depths seen from the light (williams1978) of the same morphed surface,
 // looked up with percentage-closer filtering (reeves1987) over 4x4 texels, as the mean of 3x3 bilinear lookups.
 //
+// Casters that are not opaque hold back what they do not let through: the map has the depth of the first of them, and
+// the product of their shares. A point behind the first is behind all of them: between two layers of glass it is as
+// dark as behind both. Masked materials cast the shadow of what is there.
+//
 // Against false shadows a point is moved off its triangle, towards the light, before it is looked up. A plane at an
 // angle t to the light needs k sin(t) of that to remain clear of itself k texels sideways: no bias grows without bound.
 // Points outside the map are lit. With several samples a pixel a triangle is looked up once in a pixel, as all of its
@@ -50,13 +54,23 @@ inline constexpr EffectInfo shadow{
         {
             .fragment = R"(
 layout(binding = 8) uniform sampler2D shadow_map;
+layout(binding = 12) uniform sampler2D shadow_first;  // one texel where all casters are opaque
+layout(binding = 13) uniform sampler2D shadow_through;
 const float shadow_offset = 2.5, shadow_bias_texels = 0.5, shadow_bias = 2e-6;
 
-// Weights of the texels b - 1 to b + 2 that lie before p, for two rows of them.
+// What four texels hold back of the light at the depth p.
+vec4 shadow_texels(vec2 at, float p) {
+  vec4 hidden = vec4(lessThan(textureGather(shadow_map, at), vec4(p)));
+  if (textureSize(shadow_first, 0).x == 1) return hidden;
+  vec4 layers = vec4(lessThan(textureGather(shadow_first, at), vec4(p))) * (1.0 - textureGather(shadow_through, at));
+  return max(hidden, layers);
+}
+
+// Weights of what the texels b - 1 to b + 2 hold back at p, for two rows of them.
 float shadow_rows(vec2 corner, float size, float p, vec2 across, vec2 along) {
-  vec4 left = textureGather(shadow_map, corner / size), right = textureGather(shadow_map, (corner + vec2(2.0, 0.0)) / size);
-  vec2 lower = vec2(left.w < p, left.z < p) * vec2(across.x, 1.0) + vec2(right.w < p, right.z < p) * vec2(1.0, across.y);
-  vec2 upper = vec2(left.x < p, left.y < p) * vec2(across.x, 1.0) + vec2(right.x < p, right.y < p) * vec2(1.0, across.y);
+  vec4 left = shadow_texels(corner / size, p), right = shadow_texels((corner + vec2(2.0, 0.0)) / size, p);
+  vec2 lower = left.wz * vec2(across.x, 1.0) + right.wz * vec2(1.0, across.y);
+  vec2 upper = left.xy * vec2(across.x, 1.0) + right.xy * vec2(1.0, across.y);
   return along.x * (lower.x + lower.y) + along.y * (upper.x + upper.y);
 }
 
@@ -104,7 +118,7 @@ inline Float floors(Float v) {
   return toward_zero - select(toward_zero > v, all(1.0f), all(0.0f));
 }
 
-// The share of 4x4 texels around (u, v) that are nearer than `depth`, in the lanes of `lanes`.
+// The share of the light that 4x4 texels around (u, v) hold back from `depth`, in the lanes of `lanes`.
 inline Float hidden_shares(const ShadowView& map, Float u, Float v, Float depth, Int lanes) {
   const float most = static_cast<float>(map.texels) + 2;  // beyond that all texels are those of the border
   u = min(max(u, all(-3.0f)), all(most)), v = min(max(v, all(-3.0f)), all(most));
@@ -118,13 +132,17 @@ inline Float hidden_shares(const ShadowView& map, Float u, Float v, Float depth,
     Float in_row = all(0.0f);
     for (int i = 0; i < 4; ++i) {
       const Int column = inside(left + i);
-      const Float stored = as_float(gathered([&](int k) {
-        if (!lanes[k]) return 0;
-        const std::size_t at = static_cast<std::size_t>(row[k]) * static_cast<std::size_t>(map.texels) +
-                               static_cast<std::size_t>(column[k]);
-        return std::bit_cast<std::int32_t>(map.depth[at]);
-      }));
-      in_row += select(stored < depth, weight(i, part_u), all(0.0f));
+      const auto stored = [&](const float* plane) {
+        return as_float(gathered([&](int k) {
+          if (!lanes[k]) return 0;
+          const std::size_t at = static_cast<std::size_t>(row[k]) * static_cast<std::size_t>(map.texels) +
+                                 static_cast<std::size_t>(column[k]);
+          return std::bit_cast<std::int32_t>(plane[at]);
+        }));
+      };
+      Float hidden = select(stored(map.depth) < depth, all(1.0f), all(0.0f));
+      if (map.first) hidden = max(hidden, select(stored(map.first) < depth, 1.0f - stored(map.through), all(0.0f)));
+      in_row += hidden * weight(i, part_u);
     }
     sum += weight(j, part_v) * in_row;
   }

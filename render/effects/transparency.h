@@ -7,7 +7,7 @@
 // A surface of a masked material (AlphaMode::mask) is opaque where its alpha reaches the material's cutoff, and not
 // there elsewhere. `gl` discards such pixels; `soft`, whose visibility comes before shading, takes these surfaces as
 // layers of opacity 0 or 1. Alpha is the base colour's, times that of its texture and of the vertices, once a triangle
-// in a pixel. Shadows are those of whole triangles.
+// in a pixel. Shadows are as light (render/effects/shadow.h).
 //
 // The picture's depth remains that of the opaque surfaces, masked ones included. With several samples a pixel layers
 // are sorted at each sample, and shaded once a triangle.

@@ -40,10 +40,13 @@ struct DrawnCell {
   float* lambdas = nullptr;  // of the vertices where it morphs, as the vertex stage has left them
 };
 
-// The map of the directional light, rows from the top; depth is null where there is none.
+// The map of the directional light, rows from the top; depth is null where there is none. `first` is the depth of the
+// first caster that is not opaque, `through` the share of the light that all of these let through; null where there are
+// none.
 struct ShadowView {
   const float* depth = nullptr;
   int texels = 0;  // a side
+  const float *first = nullptr, *through = nullptr;
 };
 
 // The parts of a frame that the stages of shading read.

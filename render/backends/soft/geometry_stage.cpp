@@ -38,6 +38,30 @@ void mark_clipped(const Plane& plane, const DrawnCell& drawn, std::vector<Window
 
 }  // namespace
 
+GeometryPass opaque_pass(const Frame& frame, const SurfaceTextures& materials) {
+  GeometryPass pass;
+  for (const ModelFrame& model : frame.models)
+    if (!effects::is_transparent(frame, model))
+      pass.models.push_back({&model, shows_alpha(frame, model) ? MaterialShare::opaque : MaterialShare::all});
+  pass.materials = &materials;
+  pass.size = frame.size;
+  return pass;
+}
+
+GeometryPass layers_pass(const Frame& frame, const SurfaceTextures& materials) {
+  GeometryPass pass;
+  for (const ModelFrame& model : frame.models) {
+    if (effects::is_transparent(frame, model)) {
+      pass.models.push_back({&model});
+    } else if (shows_alpha(frame, model)) {
+      pass.models.push_back({&model, MaterialShare::layers});
+    }
+  }
+  pass.materials = &materials;
+  pass.size = frame.size;
+  return pass;
+}
+
 void GeometryStage::process(const GeometryPass& pass, int samples, std::span<const std::uint32_t> cells) {
   if (samples == 1) {
     process_cells<1>(pass, cells);
@@ -144,7 +168,7 @@ std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, 
   const DrawnCell& drawn = cells_[number];
   const Cell& cell = *drawn.own;
   const MaterialShare share = shares_[number];
-  const bool one_side = pass.materials != nullptr && effects::has_one_side(*drawn.model);
+  const bool one_side = pass.materials != nullptr && !pass.both_sides && effects::has_one_side(*drawn.model);
   if (share == MaterialShare::all && !one_side) return cell.triangles;
   const std::span<const SurfaceMaterial> materials = pass.materials->materials(drawn.model->model);
   w.sifted.clear();

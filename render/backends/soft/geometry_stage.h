@@ -24,10 +24,15 @@ struct PassModel {
 struct GeometryPass {
   std::vector<PassModel> models;
   const SurfaceTextures* materials = nullptr;  // null: of no interest, all triangles are drawn from both sides
+  bool both_sides = false;                     // single-sided materials, too
   ViewProjection ModelFrame::*projection = &ModelFrame::view_projection;
   const Selection* ModelFrame::*selection = &ModelFrame::selection;  // its visible cells
   ImageSize size;
 };
+
+// The opaque surfaces of the frame, and those that are drawn as layers.
+[[nodiscard]] GeometryPass opaque_pass(const Frame& frame, const SurfaceTextures& materials);
+[[nodiscard]] GeometryPass layers_pass(const Frame& frame, const SurfaceTextures& materials);
 
 class GeometryStage {
  public:

@@ -80,10 +80,10 @@ struct LayerList {
 };
 
 // Light that the layers over the samples of a tile add, and the share that they let through; the depth of what is
-// opaque, masked layers included, and the share of that which is seen.
+// opaque, masked layers included, and the share of that which is seen; the depth of the first layer that is not opaque.
 struct LayerLight {
   float *red = nullptr, *green = nullptr, *blue = nullptr, *through = nullptr;
-  float *seen = nullptr, *depth = nullptr;
+  float *seen = nullptr, *depth = nullptr, *first = nullptr;
 };
 
 // Stage 4: the visible surfaces of a tile become colour and depth of the picture.

@@ -18,11 +18,12 @@ const LayerLight* TileLayers<Samples>::draw(const Kernels& kernels, std::span<co
   collect(kernels, workers, number, job.rect, opaque);
   if (found_.count == 0) return nullptr;
   const std::size_t layers = sort();
-  planes_.assign(6 * samples, 0);
+  planes_.assign(7 * samples, 0);
   const auto plane = [&](std::size_t k) { return &planes_[k * samples]; };
-  light_ = {plane(0), plane(1), plane(2), plane(3), plane(4), plane(5)};
+  light_ = {plane(0), plane(1), plane(2), plane(3), plane(4), plane(5), plane(6)};
   std::fill_n(light_.through, samples, 1.0f);
   std::fill_n(light_.seen, samples, 1.0f);
+  std::fill_n(light_.first, samples, 1.0f);
   std::ranges::copy(opaque.depth, light_.depth);
   for (std::size_t rank = 0; rank < layers; ++rank) {
     put_layer(rank);

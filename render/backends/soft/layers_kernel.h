@@ -81,6 +81,8 @@ void shade_layer(const ResolveJob& job, const TileBuffer<Samples>& layer, const 
           };
           set(light.seen, here & ~solid, light.through);
           set(light.depth, here & solid, layer.depth.data());
+          const Float own = load<Float>(layer.depth.data() + place), before = load<Float>(light.first + place);
+          store(light.first + place, select(here & ~solid & (opacity > 0.0f) & (own < before), own, before));
         }
       });
     }

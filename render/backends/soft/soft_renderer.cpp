@@ -53,13 +53,13 @@ class SoftRenderer final : public Renderer {
     const bool overdraw = effects::counts_overdraw(frame);
     if (!overdraw && effects::has_shadow_pass(frame)) {
       if (!shadow_map_) shadow_map_.emplace(scheduler_, kernels_);
-      shadow_map_->draw(frame);
+      shadow_map_->draw(frame, textures_);
       stats.work["shadow triangles"] = shadow_map_->triangles();
       stats.milliseconds["shadow"] = stage.lap();
     }
     has_layers_ = false;
     const bool layered = !overdraw && run_layers(frame);
-    geometry_.gather(overdraw ? count_pass(frame) : picture_pass(frame));
+    geometry_.gather(overdraw ? count_pass(frame) : opaque_pass(frame, textures_));
     stats.cells = geometry_.cells();
     stats.triangles = geometry_.triangles();
     if (layered) {
@@ -117,19 +117,6 @@ class SoftRenderer final : public Renderer {
     }
   };
 
-  // The opaque surfaces.
-  [[nodiscard]] GeometryPass picture_pass(const Frame& frame) const {
-    GeometryPass pass;
-    for (const ModelFrame& model : frame.models) {
-      if (effects::is_transparent(frame, model)) continue;
-      const bool has_layers = shows_alpha(frame, model);
-      pass.models.push_back({&model, has_layers ? MaterialShare::opaque : MaterialShare::all});
-    }
-    pass.materials = &textures_;
-    pass.size = frame.size;
-    return pass;
-  }
-
   // All triangles, from both sides.
   [[nodiscard]] static GeometryPass count_pass(const Frame& frame) {
     GeometryPass pass;
@@ -140,16 +127,7 @@ class SoftRenderer final : public Renderer {
 
   // Draws the surfaces that are not opaque into lists; true if there may be any.
   bool run_layers(const Frame& frame) {
-    GeometryPass pass;
-    for (const ModelFrame& model : frame.models) {
-      if (effects::is_transparent(frame, model)) {
-        pass.models.push_back({&model});
-      } else if (shows_alpha(frame, model)) {
-        pass.models.push_back({&model, MaterialShare::layers});
-      }
-    }
-    pass.materials = &textures_;
-    pass.size = frame.size;
+    const GeometryPass pass = layers_pass(frame, textures_);
     has_layers_ = !pass.models.empty();
     if (!has_layers_) return false;
     if (!layers_) layers_.emplace(scheduler_, kernels_);
@@ -176,7 +154,7 @@ class SoftRenderer final : public Renderer {
                   bool again = false) {
     const std::size_t tiles = TileGrid(frame.size).count();
     if (again) touched_.mark(geometry_.workers(), tiles);
-    geometry_.process(picture_pass(frame), frame.samples, cells);
+    geometry_.process(opaque_pass(frame, textures_), frame.samples, cells);
     stats.milliseconds["geometry"] += stage.lap();
     tiles_.resize(tiles);
     std::iota(tiles_.begin(), tiles_.end(), 0u);

@@ -59,6 +59,38 @@ TEST(Shadows, AreThoseOfRays) {
   EXPECT_LE(wrong, (in_shadow + in_light) / 50) << "of " << in_shadow << " and " << in_light;  // at their borders
 }
 
+// Glass holds back of the light what it does not let through, once for each of its surfaces on the way.
+TEST(Shadows, OfLayersAreAsDarkAsTheseAreOpaque) {
+  EffectScene scene = small("transparency");
+  scene.models[1].appearance.opacity = 0.2f;
+  scene.models[2].appearance.opacity = 0.45f;
+  scene.size = {160, 120};
+  const std::vector<WorldTriangle> triangles = drawn_triangles(scene);
+  EffectScene lit = scene, dark = scene;
+  lit.of_picture = {Effect::transparency};
+  dark.settings.lighting.directional.strength = 0;
+  const Image shaded = draw_soft(scene).image, full = draw_soft(lit).image, none = draw_soft(dark).image;
+  const Vec3d towards = detail::unit(scene.towards_light);
+  int in_shadow = 0, wrong = 0;
+  for (int y = 0; y < scene.size.height; ++y)
+    for (int x = 0; x < scene.size.width; ++x) {
+      const std::size_t at = 4 * static_cast<std::size_t>(y * scene.size.width + x);
+      const int light = full.rgba[at] - none.rgba[at];
+      const Hits seen = hits_of(scene, triangles, x, y);
+      if (light < 50 || seen.empty() || seen.front().second->model != 0) continue;  // ground alone, well lit
+      const Vec3d point = scene.eye + seen.front().first * ray(scene, x, y);
+      double through = 1;
+      for (const WorldTriangle& t : triangles)
+        if (const auto way = hit(t, point, towards); way && *way > 0.01)
+          through *= 1 - scene.models[t.model].appearance.opacity;
+      const double share = static_cast<double>(full.rgba[at] - shaded.rgba[at]) / light;
+      in_shadow += through < 1;
+      wrong += std::abs(share - (1 - through)) > 0.08;
+    }
+  EXPECT_GT(in_shadow, 200);
+  EXPECT_LE(wrong, in_shadow / 5) << "of " << in_shadow;  // at their borders, which are blurred
+}
+
 // A plane in the light of any angle throws no shadow on itself.
 TEST(Shadows, LeaveOpenGroundAlone) {
   for (const double height : {1.0, 0.3, 0.1, 0.03}) {

@@ -271,6 +271,24 @@ layout(location = 0) out float count;
 void main() { count = 1.0; }
 )";
 constexpr const char* depth_source = "void main() {}\n";
+constexpr const char* light_outputs = R"(
+layout(location = 0) out vec4 through;  // multiplied by 1 less its alpha
+layout(location = 1) out float first;   // the smallest one is kept
+)";
+// Seen from the light: masked materials, and layers.
+constexpr const char* light_main = R"(
+void main() {
+  instance = drawn_instance;
+  float opacity = instances[instance].base_colour.w;
+#ifdef READS_ALPHA
+  map_texture();
+  opacity *= opacity_of_material();
+#endif
+  if (!(opacity > 0.0)) discard;
+  OUTPUT
+}
+)";
+constexpr const char* store_light = "through = vec4(opacity);\n  first = gl_FragCoord.z;";
 
 std::string replaced(std::string text, std::string_view what, std::string_view by) {
   for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
@@ -353,17 +371,21 @@ GlProgram make_draw_program(GlVariant variant) {
                            define(variant.material_bits & leaves_out_others, "LEFT_OUT_MODES 3u") +
                            define(variant.material_bits & reads_alpha, "READS_ALPHA") +
                            define(variant.material_bits & leaves_out_backs, "LEAVES_OUT_BACKS") + frame_block_source();
+  const bool through = variant.pass == GlPass::shadow_layers, from_light = variant.pass == GlPass::shadow || through;
   std::string vertex = vertex_head + source.vertex +
                        replaced(replaced(vertex_main, "EFFECTS", source.vertex_calls), "CLIP_ROWS",
-                                variant.pass == GlPass::shadow ? "light_rows" : "clip_rows");
+                                from_light ? "light_rows" : "clip_rows");
   const bool layers = variant.pass == GlPass::layers || variant.pass == GlPass::layers_4x;
   const std::string main = replaced(replaced(replaced(fragment_main, "EFFECTS_BEFORE_LIGHT", source.calls_before_light),
                                              "EFFECTS_AFTER_LIGHT", source.calls_after_light),
                                     "OUTPUT", layers ? store_layer : store_picture);
-  std::string fragment = variant.pass == GlPass::shadow  ? depth_source
-                         : variant.pass == GlPass::count ? count_source
-                                                         : (layers ? layers_output : picture_output) +
-                                                               std::string(fragment_head) + source.fragment + main;
+  std::string fragment =
+      (layers ? layers_output : picture_output) + std::string(fragment_head) + source.fragment + main;
+  if (variant.pass == GlPass::count) fragment = count_source;
+  if (from_light)
+    fragment = (through ? light_outputs : "") + std::string(fragment_head) + source.fragment +
+               replaced(light_main, "OUTPUT", through ? store_light : "");
+  if (variant.pass == GlPass::shadow && !(variant.material_bits & reads_alpha)) fragment = depth_source;
   if (!source.geometry.empty()) {
     // Feedback would have to come from the geometry stage; the output of these programs is never captured.
     vertex = replaced(vertex, "layout(xfb_buffer = 0, xfb_stride = 12, xfb_offset = 0) ", "");

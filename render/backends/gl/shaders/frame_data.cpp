@@ -15,8 +15,10 @@ namespace {
 
 std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
   const bool blended = shows_alpha(frame, model, AlphaMode::blend), masked = shows_alpha(frame, model, AlphaMode::mask);
-  const bool all_layers = effects::is_transparent(frame, model), opaque_pass = pass == GlPass::picture;
-  std::uint32_t bits = effects::has_one_side(model) ? leaves_out_backs : 0;
+  const bool all_layers = effects::is_transparent(frame, model),
+             from_light = pass == GlPass::shadow || pass == GlPass::shadow_layers,
+             opaque_pass = pass == GlPass::picture || pass == GlPass::shadow;
+  std::uint32_t bits = effects::has_one_side(model) && !from_light ? leaves_out_backs : 0;
   if (blended && !all_layers) bits |= opaque_pass ? leaves_out_blended : leaves_out_others;
   const bool alpha = opaque_pass ? masked : blended || (masked && all_layers);
   if (alpha) bits |= reads_alpha;
@@ -29,19 +31,23 @@ std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPa
 GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
   GlVariant variant{model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(), false, {}, pass};
   variant.clipped = model.clip.has_value();
-  if (pass == GlPass::shadow || pass == GlPass::count) {
+  if (pass == GlPass::shadow || pass == GlPass::shadow_layers || pass == GlPass::count) {
     variant.effects = model.effects & EffectSet{Effect::geomorph};
+    if (pass != GlPass::count) variant.material_bits = material_bits_of(frame, model, pass);
     return variant;
   }
+  // Effects without code in the programs need no programs of their own, and neither do those that find nothing to show:
+  // compilers round the same formula differently beside other code, and a picture must not depend on what it does not
+  // show.
+  EffectSet shown{Effect::geomorph};
+  for (const EffectInfo& info : effect_infos()) {
+    const bool coded = !info.of_picture && !(info.glsl.vertex.empty() && info.glsl.fragment.empty());
+    if (coded && !info.called_for(frame, model).empty()) shown.insert(info.effect);
+  }
+  variant.effects = model.effects & shown;
   const EffectSet lights{Effect::head_light, Effect::directional_light};
-  const bool smooth = model.appearance.smooth && model.effects.contains(Effect::smooth_normals);
-  // Effects without code in the programs need no programs of their own.
-  EffectSet coded{Effect::geomorph};
-  for (const EffectInfo& info : effect_infos())
-    if (!info.of_picture && !(info.glsl.vertex.empty() && info.glsl.fragment.empty())) coded.insert(info.effect);
-  variant.face_normals = model.effects.contains_any(lights) && !smooth;
-  variant.effects = model.effects & coded;
-  // Neither do those that find nothing to show.
+  const bool smooth = model.appearance.smooth && variant.effects.contains(Effect::smooth_normals);
+  variant.face_normals = variant.effects.contains_any(lights) && !smooth;
   variant.effects.set(Effect::vertex_colours, variant.effects.contains(Effect::vertex_colours) &&
                                                   model.appearance.vertex_colours &&
                                                   model.morph.hierarchy->attributes.colours);
@@ -51,7 +57,7 @@ GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
   variant.effects.set(Effect::unlit, shows_unlit(model));
   variant.effects.set(Effect::emission, shows_emission(model));
   variant.effects.set(Effect::shadow,
-                      model.effects.contains(Effect::directional_light) && effects::has_shadow_pass(frame));
+                      variant.effects.contains(Effect::directional_light) && effects::has_shadow_pass(frame));
   variant.material_bits = material_bits_of(frame, model, pass);
   return variant;
 }
