@@ -3,9 +3,14 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 
 namespace lodestone {
 namespace {
+
+// Over the radius of the scene, and at a distance of it: at that of a camera that sees the whole scene some 60 % of the
+// colour is left.
+constexpr double usual_occlusion_radius = 0.1, usual_fog = 0.2;
 
 std::string reason(const Frame& frame, const ModelFrame& model, Effect effect) {
   // A picture of counts shows no surface.
@@ -43,7 +48,11 @@ EffectRequest parse_effects(const std::string& text) {
     const std::size_t comma = std::min(text.find(',', begin), text.size());
     const std::string name = text.substr(begin, comma - begin);
     const std::optional<Effect> effect = effect_named(name);
-    if (!effect) throw InputError("unknown effect '" + name + "'; known are auto, all, none, " + effect_list());
+    if (!effect) {
+      std::vector<std::string> known{"auto", "all", "none"};
+      known.insert(known.end(), effect_names.begin(), effect_names.end());
+      throw InputError("unknown effect '" + name + "'; " + known_names(name, known));
+    }
     request.listed.insert(*effect);
     begin = comma + 1;
   }
@@ -57,6 +66,29 @@ std::string to_text(const EffectRequest& request) {
   for (const EffectInfo& info : effect_infos())
     if (request.listed.contains(info.effect)) names.append(names.empty() ? "" : ",").append(name_of(info.effect));
   return names.empty() ? "none" : names;
+}
+
+FrameSettings complete_settings(const FrameSettings& settings, const EffectRequest& request, double scene_radius) {
+  FrameSettings complete = settings;
+  const auto unset = [&](Effect effect, float strength) {
+    return request.kind == EffectRequest::Kind::listed && request.listed.contains(effect) &&
+           !request.without.contains(effect) && strength == 0;
+  };
+  if (unset(Effect::head_light, settings.lighting.head)) complete.lighting.head = 1;
+  if (unset(Effect::directional_light, settings.lighting.directional.strength))
+    complete.lighting.directional.strength = 1;
+  if (unset(Effect::shadow, settings.lighting.directional.shadows ? 1 : 0))
+    complete.lighting.directional.shadows = true;
+  if (unset(Effect::level_tint, settings.level_tint)) complete.level_tint = 1;
+  if (unset(Effect::wireframe, settings.wireframe)) complete.wireframe = shading::wire_opacity;
+  if (unset(Effect::overdraw, settings.overdraw ? 1 : 0)) complete.overdraw = true;
+  AmbientOcclusion& occlusion = complete.ambient_occlusion;
+  if (unset(Effect::ambient_occlusion, occlusion.strength)) occlusion.strength = 1;
+  if (unset(Effect::ambient_occlusion, occlusion.radius) || occlusion.radius == by_scene_size)
+    occlusion.radius = static_cast<float>(usual_occlusion_radius * scene_radius);
+  if (unset(Effect::fog, settings.fog.density) || settings.fog.density == by_scene_size)
+    complete.fog.density = static_cast<float>(usual_fog / scene_radius);
+  return complete;
 }
 
 void plan_effects(Frame& frame, const EffectRequest& request) {

@@ -27,6 +27,11 @@ struct EffectRequest {
 // The text of it, names in the order of the effects.
 [[nodiscard]] std::string to_text(const EffectRequest& request);
 
+// The settings with nothing left open, in units of the scene: an effect that is listed by its name and has no strength
+// gets a usual one, and a density or radius by the size of the scene follows from the radius of the sphere around it.
+[[nodiscard]] FrameSettings complete_settings(const FrameSettings& settings, const EffectRequest& request,
+                                              double scene_radius);
+
 // Sets the effects of the frame and of its models, whose selections have been made.
 void plan_effects(Frame& frame, const EffectRequest& request);
 

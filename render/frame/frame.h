@@ -29,17 +29,21 @@ struct Lighting {
   friend bool operator==(const Lighting&, const Lighting&) = default;
 };
 
+// Of a density or radius: as the size of the scene has it (complete_settings in render/effects/plan.h). A frame to be
+// drawn has none of these.
+inline constexpr float by_scene_size = -1;
+
 // A point at a distance d from the eye keeps a share exp(-density d) of its colour.
 struct Fog {
   Vec3f colour{0.7f, 0.75f, 0.8f};
-  float density = 0;  // per unit of clip w, at least 0; 0: none
+  float density = 0;  // per unit of clip w, at least 0, or by_scene_size; 0: none
   friend bool operator==(const Fog&, const Fog&) = default;
 };
 
 // Darkening of creases, from the depth of the picture.
 struct AmbientOcclusion {
   float strength = 0;  // in [0, 1]; 0: none
-  float radius = 0;    // units of clip w
+  float radius = 0;    // units of clip w, or by_scene_size
   friend bool operator==(const AmbientOcclusion&, const AmbientOcclusion&) = default;
 };
 

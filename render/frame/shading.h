@@ -30,6 +30,7 @@ inline constexpr std::array<std::uint8_t, 4> background_bytes{24, 26, 30, 255};
 // Edges of triangles with the effect wireframe: colour, and half their width in pixels.
 inline constexpr Vec3f wire_colour{0.05f, 0.06f, 0.08f};
 inline constexpr float wire_half_width = 0.75f;
+inline constexpr float wire_opacity = 0.6f;  // where none is given
 
 // Hues of the levels with the effect level_tint, from the root on, repeating after the last. Neighbours differ in hue.
 inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},

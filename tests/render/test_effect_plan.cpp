@@ -135,6 +135,56 @@ TEST(EffectPlan, PicturesOfAutoAndAllAreTheSame) {
   }
 }
 
+// On gl as well: what a program has no use for does not make another one of it.
+TEST(EffectPlan, PicturesOfAutoAndAllAreTheSameOnGl) {
+  const auto scheduler = make_serial_scheduler();
+  std::string why;
+  const auto renderer = renderer_if_possible("gl", *scheduler, why);
+  if (!renderer) GTEST_SKIP() << why;
+  for (const Wish& wish : wishes()) {
+    TwoModels models;
+    wish.apply(models.scene);
+    const Image planned = draw(models, *renderer).image;
+    models.scene.effects.kind = EffectRequest::Kind::all;
+    EXPECT_TRUE(planned.rgba == draw(models, *renderer).image.rgba) << wish.name;
+  }
+}
+
+// An effect that is named is seen, though the scene gives it no strength.
+TEST(EffectPlan, EffectsThatAreNamedAreSeen) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  const auto drawn_with = [&](const std::string& names) {
+    TwoModels models;
+    models.scene.effects = parse_effects(names);
+    return draw(models, *renderer).image.rgba;
+  };
+  const std::string usual = "geomorph,smooth-normals,head-light";
+  std::vector<std::vector<std::uint8_t>> pictures{drawn_with(usual)};
+  for (const char* name : {"level-tint", "wireframe", "overdraw", "ambient-occlusion", "fog", "directional-light",
+                           "directional-light,shadow"}) {
+    pictures.push_back(drawn_with(usual + "," + name));
+    for (std::size_t k = 0; k + 1 < pictures.size(); ++k) EXPECT_FALSE(pictures[k] == pictures.back()) << name;
+  }
+}
+
+TEST(EffectPlan, LengthsFollowFromTheSizeOfTheScene) {
+  FrameSettings open;
+  open.fog.density = by_scene_size;
+  open.ambient_occlusion = {0.5f, by_scene_size};
+  const FrameSettings small = complete_settings(open, {}, 1), large = complete_settings(open, {}, 100);
+  EXPECT_GT(small.fog.density, 0);
+  EXPECT_FLOAT_EQ(large.fog.density, small.fog.density / 100);
+  EXPECT_FLOAT_EQ(large.ambient_occlusion.radius, 100 * small.ambient_occlusion.radius);
+  EXPECT_EQ(large.ambient_occlusion.strength, 0.5f);
+  // What is given remains; `all` adds nothing.
+  FrameSettings given;
+  given.wireframe = 0.3f;
+  EXPECT_EQ(complete_settings(given, parse_effects("wireframe"), 1), given);
+  EXPECT_EQ(complete_settings({}, parse_effects("all"), 1), FrameSettings{});
+  EXPECT_EQ(complete_settings({}, parse_effects("auto"), 1), FrameSettings{});
+}
+
 // The count of a pass, if an effect is one; else the points that it shades.
 std::string work_of(Effect effect) {
   switch (effect) {
@@ -180,15 +230,16 @@ TEST(EffectPlan, PlansEachModelByItself) {
 
 TEST(EffectPlan, ListsAreTakenAtTheirWord) {
   TwoModels models;
-  models.scene.effects = parse_effects("fog,head-light");
+  models.scene.effects = parse_effects("fog,head-light,texture");
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);
   const Drawn drawn = draw(models, *renderer);
   for (const ModelFrame& model : drawn.frame.models)
-    EXPECT_EQ(model.effects, (EffectSet{Effect::head_light, Effect::fog}));
-  EXPECT_EQ(drawn.stats.work.size(), 2u);
+    EXPECT_EQ(model.effects, (EffectSet{Effect::head_light, Effect::fog, Effect::texture}));
+  EXPECT_EQ(drawn.stats.work.size(), 3u);
   const std::string text = to_text(explain_plan(drawn.frame), {"torus", "hills"});
-  EXPECT_NE(text.find("fog                 runs  asked for, though nothing calls for it"), std::string::npos) << text;
+  EXPECT_NE(text.find("fog                 runs  the scene has fog"), std::string::npos) << text;  // of usual density
+  EXPECT_NE(text.find("texture             runs  asked for, though nothing calls for it"), std::string::npos) << text;
   EXPECT_NE(text.find("smooth-normals      -     left out, though called for"), std::string::npos) << text;
 }
 
