@@ -35,7 +35,7 @@ struct Subject {
     SceneView view(scene, {{&hierarchy}});
     view.upload(*renderer);
     SystemPictures pictures(view, *renderer);
-    const std::vector<Camera> path = orbit_path(view.bounding_sphere(), 200);
+    const std::vector<Camera> path = orbit_path(view.bounding_sphere(), 200, {view.up(), 1});
     for (int i = 0; i < 2; ++i) {
       drawn[i] = pictures.draw(LodSystem::discrete, path[static_cast<std::size_t>(i)], view_config(scene, size));
       full[i] = pictures.draw(LodSystem::full, path[static_cast<std::size_t>(i)], view_config(scene, size));

@@ -1,4 +1,4 @@
-// What messages say of a name that is not known: those that are, and which of them was probably meant.
+// Messages about an unknown name list the known ones, and say which of them was probably meant.
 #pragma once
 
 #include <string>

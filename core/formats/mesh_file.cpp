@@ -85,6 +85,7 @@ RawMesh read_folder(const std::filesystem::path& folder, const ReadConfig& confi
                                     "give a file of a mesh, or a folder of tiles"));
   try {
     RawMesh mesh = read_srtm_folder(folder, config);
+    mesh.up = up_of(MeshFormat::hgt, config);
     require_triangles(mesh, folder.string());
     return mesh;
   } catch (const std::bad_alloc&) {
@@ -104,6 +105,28 @@ MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input, con
   if (config.raw_grid) return MeshFormat::raw_grid;
   if (const auto format = format_of_content(input)) return *format;
   fail_unknown(input);
+}
+
+Up up_of(MeshFormat format, const ReadConfig& config) {
+  using enum MeshFormat;
+  if (config.up) return {*config.up, false};
+  switch (format) {
+    case gltf:
+      return {UpAxis::y, false};
+    case tileset:
+    case hgt:
+    case ascii_grid:
+    case raw_grid:
+      return {UpAxis::z, false};
+    case obj:
+      return {UpAxis::y, true};
+    case ply:
+    case stl:
+    case off:
+    case draco:
+      break;
+  }
+  return {UpAxis::z, true};
 }
 
 RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config) {
@@ -135,6 +158,7 @@ RawMesh read_mesh(ByteReader& input, MeshFormat format, const ReadConfig& config
       return read_raw_grid(input, config);
     }();
     require_triangles(mesh, input.name());
+    if (format != MeshFormat::tileset || config.up) mesh.up = up_of(format, config);
     return mesh;
   } catch (const std::bad_alloc&) {
     throw_out_of_memory(input.name());

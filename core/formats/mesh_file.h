@@ -24,6 +24,10 @@ enum class MeshFormat : std::uint8_t { ply, obj, stl, off, draco, gltf, tileset,
 [[nodiscard]] MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input,
                                      const ReadConfig& config = {});
 
+// The up axis of a mesh of this format: asked for, as the format has it, or guessed. That of a tileset depends on where
+// it lies (core/formats/tiles/tileset.h), too.
+[[nodiscard]] Up up_of(MeshFormat format, const ReadConfig& config);
+
 // Reads a whole mesh; every index it returns is in range. A folder is a tileset when it holds a tileset.json, or else
 // the SRTM tiles (.hgt) in it. Throws what the readers throw (core/formats/common/read_config.h), also InputError for
 // an empty file or one without a triangle, UnsupportedError for a folder without either, ResourceError when memory does

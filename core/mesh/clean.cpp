@@ -80,6 +80,7 @@ IndexedMesh clean_mesh(const RawMesh& raw, Repairs& repairs, const std::string& 
   require_survivors({{}, triangles, {}}, repairs, name);
   mesh.transform = normalising_transform(box_of(raw, triangles), name);
   mesh.transform.lattice = resolve_lattice(lattice, raw.positions, raw.triangles, mesh.transform.scale);
+  mesh.transform.up = raw.up;
 
   // Weld the vertices in use, each into the first at its position.
   std::vector<bool> used(raw.positions.size(), false);

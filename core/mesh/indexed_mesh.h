@@ -14,12 +14,14 @@
 #include "core/math/triangle.h"
 #include "core/math/vec3.h"
 #include "core/mesh/attributes.h"
+#include "core/mesh/up_axis.h"
 
 namespace lodestone {
 
 struct RawMesh {
   std::vector<Vec3d> positions;
   std::vector<Triangle> triangles;
+  Up up{};
   // Repairs of the reader.
   std::uint64_t polygons_triangulated = 0;  // faces of more than three corners
   std::uint64_t faces_dropped = 0;          // faces of fewer than three corners
@@ -44,6 +46,7 @@ struct Transform {
   Vec3d origin;
   double scale = 1;
   Lattice lattice = {};  // that every normalised vertex is on, if any
+  Up up = {};            // of the model's space
   [[nodiscard]] Vec3d to_model(Vec3f p) const { return origin + scale * to_double(p); }
   [[nodiscard]] Vec3f to_normalised(Vec3d p) const { return to_float((1 / scale) * (p - origin)); }
   friend bool operator==(const Transform&, const Transform&) = default;

@@ -102,6 +102,7 @@ void transform_mesh(RawMesh& mesh, const Affine3d& map) {
 
 RawMesh in_model_space(const IndexedMesh& mesh) {
   RawMesh raw;
+  raw.up = mesh.transform.up;
   raw.positions.reserve(mesh.positions.size());
   for (const Vec3f& p : mesh.positions) raw.positions.push_back(mesh.transform.to_model(p));
   raw.triangles = mesh.triangles;

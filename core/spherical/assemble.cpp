@@ -109,6 +109,7 @@ class Assembly {
       }
     }
     const Transform& t = input_.transform;
+    out_.up = t.up;
     out_.positions.reserve(places_.size());
     for (const Vec3d p : places_) out_.positions.push_back(t.origin + t.scale * p);
     out_.wedges = make_wedges(out_.triangles, out_.positions.size(), attributes_);

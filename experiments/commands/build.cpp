@@ -92,6 +92,8 @@ nlohmann::json to_json(const BuildResult& result, const Row& row, const BuildOpt
                 {{"split_triangles", refined.split},
                  {"triangles_before", refined.triangles_before},
                  {"triangles_after", refined.triangles_after}}},
+               {"up", name_of(hierarchy.transform.up.axis)},
+               {"up_guessed", hierarchy.transform.up.guessed},
                {"errors", options.measure ? "measured" : "estimated"},
                {"stages", stages},
                {"threads", threads},
@@ -160,6 +162,7 @@ OptionTable declare(BuildOptions& o) {
   return with_input_options(
       {OptionSpec{"IN", &o.input, std::string("Mesh: ") + mesh_formats}.must(),
        OptionSpec{"-o,--output", &o.output, "Hierarchy to write (.lode)"}.must(),
+       up_option(o.reading.up),
        {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
        {"--sigma0", &o.sigma0, "Displacement bound: a vertex of level l moves at most sigma0 h_l / 2 to its parent"},
        OptionSpec{"--cell-triangles", &o.cell_triangles,

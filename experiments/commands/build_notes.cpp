@@ -56,6 +56,7 @@ void print_build_notes(const BuildResult& result, double stored_ratio) {
   const Hierarchy& hierarchy = result.hierarchy;
   const Level& finest = hierarchy.levels.back();
   print_warnings(result.warnings);
+  print_up_note(hierarchy.transform.up);
   print_repairs(hierarchy.provenance.repairs);
   if (finest.long_edges > 0)
     fmt::print(

@@ -20,15 +20,21 @@ namespace {
 
 struct ExportOptions {
   std::string file;
-  std::optional<std::string> output, tiles;
+  std::optional<std::string> output, tiles, up;
   std::optional<int> level;
   bool morph = false;
 };
 
+Hierarchy load(const ExportOptions& options, Scheduler& scheduler) {
+  Hierarchy hierarchy = load_lode(options.file, scheduler);
+  if (options.up) hierarchy.transform.up = {up_axis(*options.up), false};
+  return hierarchy;
+}
+
 void export_level(const ExportOptions& options, const CommonOptions& common) {
   check_files(common, {{"FILE", options.file}}, {{"--output", *options.output}});
   const auto scheduler = make_scheduler(common);
-  const Hierarchy hierarchy = load_lode(options.file, *scheduler);
+  const Hierarchy hierarchy = load(options, *scheduler);
   const int level = options.level.value_or(hierarchy.finest());
   if (level > hierarchy.finest())
     throw InputError(describe(options.file, "", fmt::format("there is no level {}", level),
@@ -60,7 +66,7 @@ void export_tiles(const ExportOptions& options, const CommonOptions& common) {
   config.cancel = &interrupt_flag();
   config.progress = [&](double share) { progress.update(share); };
   progress.phase("reading");
-  const Hierarchy hierarchy = load_lode(options.file, *scheduler);
+  const Hierarchy hierarchy = load(options, *scheduler);
   check_interrupt();
   std::uint64_t triangles = 0;
   for (const Level& level : hierarchy.levels) triangles += level.triangles;
@@ -110,6 +116,7 @@ OptionTable declare(ExportOptions& o) {
           "Folder to write instead, new or empty: a 3D Tiles 1.1 tileset with a tile (.glb) per cell; or an archive "
           "of it, one file (.3tz) that streams from servers which give parts of files"}
           .not_with({"--output", "--level"}),
+      up_option(o.up),
       OptionSpec{"--morph", &o.morph,
                  "With --tiles: also the attributes of every vertex's parent (_PARENT, its place, and _PARENTNORMAL, "
                  "_PARENTTEXCOORD, _PARENTCOLOR), and the figures for morphing in extras"}

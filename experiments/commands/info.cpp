@@ -96,6 +96,8 @@ void describe_mesh(const InfoOptions& options, Scheduler& scheduler, const Commo
                         {"vertices", mesh.positions.size()},
                         {"origin", {o.x, o.y, o.z}},
                         {"scale", mesh.transform.scale},
+                        {"up", name_of(mesh.transform.up.axis)},
+                        {"up_guessed", mesh.transform.up.guessed},
                         {"repairs", to_json(repairs)},
                         {"warnings", warnings},
                         {"edges", edges.edges},
@@ -104,7 +106,8 @@ void describe_mesh(const InfoOptions& options, Scheduler& scheduler, const Commo
                         {"inconsistent_edges", edges.inconsistent}});
   if (!common.prints()) return;
   fmt::print("{}: {} triangles, {} vertices\n", file, mesh.triangles.size(), mesh.positions.size());
-  fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, mesh.transform.scale);
+  fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}, up {}\n", o.x, o.y, o.z, mesh.transform.scale,
+             up_text(mesh.transform.up));
   print_warnings(warnings);
   print_repairs(repairs);
   print_edges(edges);
@@ -125,6 +128,8 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"cell_triangles", h.provenance.cell_triangles},
       {"origin", {o.x, o.y, o.z}},
       {"scale", h.transform.scale},
+      {"up", name_of(h.transform.up.axis)},
+      {"up_guessed", h.transform.up.guessed},
       {"kappa0_admissible_above",
        {{"euclidean", reach(h, DistanceMetric::euclidean)}, {"chebyshev", reach(h, DistanceMetric::chebyshev)}}},
       {"errors", name_of_errors(h)},
@@ -146,7 +151,8 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
              stored.vertices, stored.bytes, stored.bytes_per_triangle(),
              h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");
   print_textures(h);
-  fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}\n", o.x, o.y, o.z, h.transform.scale);
+  fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}, up {}\n", o.x, o.y, o.z, h.transform.scale,
+             up_text(h.transform.up));
   fmt::print("errors {}{}\n", nature_of_errors(h),
              h.provenance.refined ? "; edges of the input beyond sigma0 h were split" : "");
   fmt::print("uniform kappa0 is admissible above {:.4f} (euclidean), {:.4f} (chebyshev)\n\n",

@@ -77,8 +77,21 @@ OptionTable with_input_options(OptionTable table, InputOptions& options) {
   return table;
 }
 
+OptionSpec up_option(std::optional<std::string>& up) {
+  return {"--up", &up,
+          "The axis that is up: x, y, z, -x, -y or -z. Otherwise as the format has it (glTF y, tilesets and terrain z, "
+          "on the Earth away from its middle), or guessed: y of OBJ, z of the others"};
+}
+
+std::string up_text(Up up) { return std::string(name_of(up.axis)) + (up.guessed ? ", guessed by the format" : ""); }
+
+void print_up_note(Up up) {
+  if (up.guessed) fmt::print("note: up is {}; --up AXIS gives another\n", up_text(up));
+}
+
 ReadConfig read_config(const InputOptions& options, const std::vector<std::string>& files) {
   ReadConfig config{.allow_outside = options.allow_outside, .fill_voids = options.fill_voids};
+  if (options.up) config.up = up_axis(*options.up);
   if (options.grid.empty()) return config;
   config.raw_grid = parse_raw_grid(options.grid);
   if (std::all_of(files.begin(), files.end(), [](const std::string& file) { return has_mesh_extension(file); }))

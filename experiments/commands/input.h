@@ -1,6 +1,7 @@
 // Meshes given to the subcommands: their options, reading them, what is said about them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,19 @@ inline constexpr const char* mesh_formats =
 
 struct InputOptions {
   bool fill_voids = false, allow_outside = false;
-  std::string grid;  // as given by --grid; empty: none
+  std::string grid;               // as given by --grid; empty: none
+  std::optional<std::string> up;  // as given by --up
 };
 
 // The options with those of InputOptions after them.
 [[nodiscard]] OptionTable with_input_options(OptionTable table, InputOptions& options);
+
+// The option --up, for commands to which it makes a difference.
+[[nodiscard]] OptionSpec up_option(std::optional<std::string>& up);
+// "y" or "y, a guess by the format".
+[[nodiscard]] std::string up_text(Up up);
+// A note on standard output if it is a guess.
+void print_up_note(Up up);
 
 // Throws InputError when --grid is given, but every file is of a format that its name tells.
 [[nodiscard]] ReadConfig read_config(const InputOptions& options, const std::vector<std::string>& files);

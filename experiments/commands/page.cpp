@@ -123,7 +123,8 @@ class PageWriter {
   }
 
   void export_tiles(const std::string& input, const std::string& name) {
-    const Hierarchy hierarchy = load_lode(input, scheduler_);
+    Hierarchy hierarchy = load_lode(input, scheduler_);
+    if (options_.reading.up) hierarchy.transform.up = {up_axis(*options_.reading.up), false};
     AtomicFolder tiles(folder_.path() / "models" / name);
     SaveTilesConfig config;
     config.tileset.morph = true;
@@ -182,6 +183,7 @@ OptionTable declare(PageOptions& o) {
                       mesh_formats}
            .must(),
        OptionSpec{"-o,--output", &o.output, "Folder to write, new or empty"}.must(),
+       up_option(o.reading.up),
        {"--metric", &o.metric, "Metric for meshes that are made progressive, as for `lodestone progressive`"}},
       o.reading);
 }

@@ -76,6 +76,7 @@ void print(const ProgressiveResult& result, const Row& row, const ProgressiveOpt
         "textures take {:.1f} of {:.1f} MB, as they are; --texture-quality 75 makes them five to fifteen times "
         "smaller\n",
         images / 1e6, number("file_bytes") / 1e6);
+  print_up_note(result.mesh.transform.up);
   print_repairs(result.repairs);
   if (result.report.cut_vertices > 0)
     fmt::print("cut apart where it is not a manifold: {} edges, {} vertices copied\n", number("cut_edges"),
@@ -123,6 +124,7 @@ OptionTable declare(ProgressiveOptions& o) {
        {"--no-attributes", &o.no_attributes, "Leave out what the mesh has besides its shape"},
        {"--no-normals", &o.no_normals,
         "Leave out its normals, which make every edge a seam where faces are shaded flat"},
+       up_option(o.reading.up),
        OptionSpec{"--check-levels", &o.check_levels, "Number of levels at which cracks (residual edges) are counted"}
            .between(0, 1000)},
       o.reading);

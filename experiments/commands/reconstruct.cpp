@@ -219,6 +219,7 @@ OptionTable declare_surface(ReconstructOptions& o) {
       {"!--no-small-parts", &config.lost_parts, "Leave out parts of the mesh that no three pixels see"},
       {"--attributes", &config.attributes,
        "Resample texture coordinates, colours and normals, too; .glb keeps all of them"},
+      up_option(o.reading.up),
       {"--maps", &o.maps, "Folder to write the position maps to, with a views.json"},
       OptionSpec{"--map-format", &o.map_format, "exr (all channels) or pfm (positions)"}.only_with({"--maps"}),
       {"--measure", &o.measure, "Measure the distance from the input, both ways"}};

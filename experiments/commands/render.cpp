@@ -26,7 +26,7 @@ namespace {
 struct RenderOptions {
   std::string file, backend = "soft", radii = "per-level", metric = "euclidean", size = "1280x720", output;
   // Instead of what the scene says.
-  std::optional<std::string> camera, blend_name, effects;
+  std::optional<std::string> camera, blend_name, effects, up;
   std::optional<int> frames;
   std::optional<float> kappa0, pixel_error;
   int samples = 1;
@@ -49,12 +49,13 @@ RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) 
 }
 
 // Cameras at adversarial viewpoints, each looking at the vertex that cracks there if anything does.
-std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiConfig& config, int frames) {
+std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiConfig& config, int frames, Vec3d up) {
   if (!config.kappa0) throw InputError("--camera adversarial needs --kappa0: its viewpoints are made for one");
   const AdversaryConfig adversary{.count = static_cast<std::size_t>(frames)};
   std::vector<Camera> cameras;
   for (const AdversarialView& view : adversarial_views(hierarchy, make_radii(hierarchy, config), adversary)) {
     Camera camera;
+    camera.up = up;
     camera.position = hierarchy.transform.to_model(view.viewpoint);
     camera.target = hierarchy.transform.to_model(hierarchy.cells[view.cell].positions[view.vertex]);
     cameras.push_back(camera);
@@ -84,13 +85,14 @@ void apply(const RenderOptions& options, Scene& scene) {
   if (options.tint) scene.settings.level_tint = 1;
   if (options.frames) scene.camera.frames = *options.frames;
   if (options.camera) scene.camera.path = *options.camera;
+  if (options.up) scene.up = up_axis(*options.up);
 }
 
-std::vector<Camera> cameras(const SceneView& view, const Hierarchy& whole) {
+std::vector<Camera> cameras(const SceneView& view, const Hierarchy& whole, ImageSize size) {
   const Scene& scene = view.scene();
-  if (scene.camera.path != "adversarial") return camera_path(view);
+  if (scene.camera.path != "adversarial") return camera_path(view, size);
   if (view.model_count() > 1) throw InputError("--camera adversarial is made for one model; this scene has several");
-  return adversarial_cameras(whole, scene.radii, scene.camera.frames);
+  return adversarial_cameras(whole, scene.radii, scene.camera.frames, view.up());
 }
 
 void refuse_inadmissible(const RenderOptions& options, const SceneView& view) {
@@ -168,6 +170,7 @@ class Flight {
     job_.cancel = &interrupt_flag();
     OpenSceneConfig opening;
     opening.memory_budget = options_.memory_budget.count;
+    if (options_.up) opening.reading.up = up_axis(*options_.up);
     opening.whole_too = needs_wholes();
     opening.cancel = job_.cancel;
     opening.progress = [&](const std::string& phase, const SceneModel& model, std::optional<double> share) {
@@ -197,7 +200,7 @@ class Flight {
     job_.view.samples = options_.samples;
     job_.view.cull_occluded = options_.cull_occluded;
     job_.view.select_on_device = options_.select_on_device;
-    job_.cameras = cameras(*view_, needs_wholes() ? *opened_->wholes().front() : view_->hierarchy(0));
+    job_.cameras = cameras(*view_, needs_wholes() ? *opened_->wholes().front() : view_->hierarchy(0), job_.view.size);
     renderer_ = renderer_or_soft(options_.backend, *scheduler_, fallback_);
     if (!fallback_.empty()) {
       progress_.clear();
@@ -245,6 +248,7 @@ class Flight {
   }
 
   void print(const RenderResult& result, const Row& row) const {
+    if (!scene_.up) print_up_note(opened_->models().front().hierarchy->transform.up);
     fmt::print("{} frames on {}: median {:.2f} ms{}\n", result.frames.size(), renderer_->name(),
                number_in(row, "frame_ms_median").value_or(0), writes_ ? ", pictures in " + options_.output : "");
     if (job_.measure_screen)
@@ -305,6 +309,7 @@ OptionTable declare_view(RenderOptions& o) {
       {"--camera", &o.camera,
        "fly-in, orbit, adversarial, or a path file (.json); fly-in unless the scene says otherwise"},
       OptionSpec{"--frames", &o.frames, "Number of frames; 120 unless the scene says otherwise"}.between(1, 1e6),
+      up_option(o.up),
       {"--size", &o.size, "Picture size"},
       OptionSpec{"--samples", &o.samples, "Samples per pixel; 4 smooths edges"}.one_of({"1", "4"}),
       {"--backend", &o.backend, "soft, gl (soft where there is no OpenGL 4.5) or null"},

@@ -81,6 +81,7 @@ void print(const SphericalResult& result, const Row& row, const SphericalOptions
   if (!row.at("tangent_angle").is_null())
     fmt::print("normals in other viewers: {:.1f} degrees off, by a map of {:.0f} kB\n", number("tangent_angle"),
                number("tangent_bytes") / 1000);
+  print_up_note(result.mesh.transform.up);
   print_repairs(result.repairs);
   print_warnings(result.warnings);
 }
@@ -116,6 +117,7 @@ OptionTable declare(SphericalOptions& o) {
        OptionSpec{"--quality", &o.quality,
                   "Of webp and jpeg, of normals in webp 65 % of it; webp of 100 is without loss"}
            .between(1, 100),
+       up_option(o.reading.up),
        {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"}},
       o.reading);
 }

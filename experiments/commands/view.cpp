@@ -51,7 +51,7 @@ void run(const ViewOptions& options, const CommonOptions& common) {
   config.size = parse_image_size("--size", options.size);
   config.state = first_state(options);
   config.folder = options.folder;
-  if (!options.camera.empty()) config.path = read_camera_keys(options.camera);
+  if (!options.camera.empty()) config.path = read_camera_keys(options.camera, {});
   config.cancel = &interrupt_flag();
   if (!common.quiet) config.say = [](const std::string& line) { fmt::print(stderr, "lodestone: {}\n", line); };
 
@@ -80,6 +80,7 @@ OptionTable declare(ViewOptions& o) {
        OptionSpec{"--backend", &o.backend,
                   "soft, gl, or auto: gl on a graphics card, soft where a processor would do its work"}
            .one_of({"auto", "soft", "gl"}),
+       up_option(o.reading.up),
        {"--camera", &o.camera, "A path file (.json): the camera is at its beginning, P plays it"},
        {"--pixel-error", &o.settings.pixel_error, "Tolerance in pixels"},
        {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},

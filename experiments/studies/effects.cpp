@@ -149,8 +149,8 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   opening.cancel = context.cancel;
   const OpenScene opened(scene, opening, *scheduler);
   SceneView view(scene, opened.models());
-  const std::vector<Camera> cameras = camera_path(view);
   ViewConfig config = view_config(scene, {parameters.integer("width"), parameters.integer("height")});
+  const std::vector<Camera> cameras = camera_path(view, config.size);
   config.samples = parameters.integer("samples");
   const auto renderer = make_renderer(parameters.text("backend"), *scheduler);
   view.upload(*renderer);

@@ -75,7 +75,7 @@ class RasterJob : public ScalingJob {
       : hierarchy_(build_hierarchy(IndexedMesh(mesh), config, scheduler)),
         view_(scene_of("input"), {{&hierarchy_}}),
         renderer_(make_renderer("soft", scheduler)),
-        cameras_(orbit_path(view_.bounding_sphere(), frames)) {
+        cameras_(orbit_path(view_.bounding_sphere(), frames, {view_.up(), aspect_of(size)})) {
     config_ = view_config(view_.scene(), size);
     view_.upload(*renderer_);
   }

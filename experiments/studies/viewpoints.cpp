@@ -41,6 +41,7 @@ std::vector<Shot> random_pairs(const Hierarchy& hierarchy, int frames, double st
   while (static_cast<int>(shots.size()) + 1 < frames) {
     const double distance = sphere.radius * 1.1 * std::pow(8 / 1.1, random.share());
     Camera camera;
+    camera.up = up_of(hierarchy);
     camera.position = sphere.centre + distance * random.direction();
     camera.target = sphere.centre + 0.5 * sphere.radius * std::cbrt(random.share()) * random.direction();
     shots.push_back({camera, false});
@@ -55,6 +56,7 @@ std::vector<Shot> adversarial_pairs(const Hierarchy& hierarchy, const Radii& rad
   std::vector<Shot> shots;
   for (const AdversarialView& view : adversarial_views(hierarchy, radii, config)) {
     Camera camera;
+    camera.up = up_of(hierarchy);
     camera.target = hierarchy.transform.to_model(hierarchy.cells[view.cell].positions[view.vertex]);
     camera.position = hierarchy.transform.to_model(view.viewpoint);
     shots.push_back({camera, false});
@@ -69,7 +71,7 @@ std::vector<Shot> adversarial_pairs(const Hierarchy& hierarchy, const Radii& rad
 std::vector<Camera> whole_path(const Hierarchy& hierarchy, const std::string& camera, int frames) {
   if (camera == "orbit") return orbit_path(hierarchy, frames);
   if (camera == "fly-in") return fly_in_path(hierarchy, frames);
-  return read_camera_path(camera, frames);
+  return read_camera_path(camera, frames, up_of(hierarchy));
 }
 
 }  // namespace

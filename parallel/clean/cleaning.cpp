@@ -70,7 +70,9 @@ void Cleaning::normalise(Lattice lattice) {
     box_ = reduce_box([&](ChunkRange range, std::span<const Vec3d> positions, Box3d& box) {
       extend_box(positions, part(states_, range), box);
     });
+  const Up up = transform_.up;
   transform_ = normalising_transform(box_, name_);
+  transform_.up = up;
   transform_.lattice = lattice.bits == Lattice::automatic ? choose_lattice() : resolve_lattice(lattice, {}, {}, 1);
   resize_in_parallel(positions_, vertex_count_, scheduler_);
   scheduler_.for_chunks(vertex_count_, grain, [&](ChunkRange range) {

@@ -91,7 +91,7 @@ class Cleaning {
   std::vector<VertexState> states_;
   // By vertex: its representative, then its number in the result. Empty as long as each is its own.
   std::vector<std::uint32_t> numbers_;
-  Transform transform_;
+  Transform transform_;  // its up axis is set by the derived class
   Repairs repairs_;
   std::uint64_t dropped_ = 0;                  // triangles
   std::size_t working_bytes_ = all_in_memory;  // for finding equal vertices and triangles

@@ -90,6 +90,7 @@ class MeshCleaning final : public Cleaning {
     repairs_.faces_dropped = raw_.faces_dropped;
     repairs_.void_posts = raw_.void_posts;
     repairs_.filled_posts = raw_.filled_posts;
+    transform_.up = raw_.up;
   }
 
   [[nodiscard]] IndexedMesh result(Repairs& repairs) && {

@@ -18,6 +18,7 @@ class StreamCleaning final : public Cleaning {
         dropped_triangles_(stream.triangle_count()) {
     working_bytes_ = working_bytes;
     shrink_ratio_ = 4;  // both copies then fit where the states and numbers are
+    transform_.up = stream.up();
   }
 
   [[nodiscard]] CleanStream result() && {

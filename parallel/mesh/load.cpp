@@ -40,6 +40,7 @@ std::optional<RawMesh> drain(const MeshStream& stream, Scheduler& scheduler) {
     return std::nullopt;
   }
   mesh.warnings = stream.warnings();
+  mesh.up = stream.up();
   return mesh;
 }
 
@@ -66,6 +67,7 @@ RawMesh load_tileset(ByteReader& head, const ReadConfig& config, Scheduler& sche
       if (error) std::rethrow_exception(error);
     for (RawMesh& part : parts) append_mesh(mesh, std::move(part), head.name());
   }
+  mesh.up = config.up ? up_of(MeshFormat::tileset, config) : up_of_tiles(mesh);
   return mesh;
 }
 

@@ -34,7 +34,7 @@ bool readable(const Records& records, const InputFile& file) {
 
 class FileStream : public MeshStream {
  public:
-  explicit FileStream(const std::filesystem::path& path) : file_(path), path_(path) {}
+  FileStream(const std::filesystem::path& path, Up up) : file_(path), path_(path) { up_ = up; }
   [[nodiscard]] const std::string& name() const override { return file_.name(); }
 
   [[nodiscard]] std::uint64_t identity() const override {
@@ -79,9 +79,9 @@ class FileStream : public MeshStream {
 
 class PlyStream final : public FileStream {
  public:
-  PlyStream(const std::filesystem::path& path, const PlyHeader& header, const PlyFixedLayout& layout,
+  PlyStream(const std::filesystem::path& path, Up up, const PlyHeader& header, const PlyFixedLayout& layout,
             const ReadConfig& config)
-      : FileStream(path),
+      : FileStream(path, up),
         layout_(layout),
         vertex_records_{layout.vertex_offset, layout.vertex_count, layout.vertices.stride},
         triangle_records_{layout.triangle_offset, layout.triangle_count, layout.triangles.stride} {
@@ -124,8 +124,8 @@ class PlyStream final : public FileStream {
 // Three vertices for each facet.
 class StlStream final : public FileStream {
  public:
-  StlStream(const std::filesystem::path& path, std::uint64_t facets)
-      : FileStream(path), records_{stl_header_bytes, facets, stl_facet_bytes} {
+  StlStream(const std::filesystem::path& path, Up up, std::uint64_t facets)
+      : FileStream(path, up), records_{stl_header_bytes, facets, stl_facet_bytes} {
     vertices_ = 3 * facets;
     triangles_ = facets;
   }
@@ -151,8 +151,8 @@ class StlStream final : public FileStream {
 };
 
 template <class Stream, class... Arguments>
-std::unique_ptr<MeshStream> if_complete(const std::filesystem::path& path, const Arguments&... arguments) {
-  auto stream = std::make_unique<Stream>(path, arguments...);
+std::unique_ptr<MeshStream> if_complete(const std::filesystem::path& path, Up up, const Arguments&... arguments) {
+  auto stream = std::make_unique<Stream>(path, up, arguments...);
   return stream->complete() && stream->triangle_count() > 0 ? std::move(stream) : nullptr;
 }
 
@@ -164,17 +164,19 @@ std::unique_ptr<MeshStream> open_mesh_stream(const std::filesystem::path& given,
   if (std::filesystem::is_directory(path, ignored)) return nullptr;
   ByteReader head(path);
   if (head.size() == 0) return nullptr;
-  switch (mesh_format(path, head, config)) {
+  const MeshFormat format = mesh_format(path, head, config);
+  const Up up = up_of(format, config);
+  switch (format) {
     case MeshFormat::ply: {
       const PlyHeader header = read_ply_header(head);
       if (config.attributes && (header.has_textured_faces() || !header.textures.empty())) return nullptr;
       const std::optional<PlyFixedLayout> layout = fixed_layout(header);
-      return layout ? if_complete<PlyStream>(path, header, *layout, config) : nullptr;
+      return layout ? if_complete<PlyStream>(path, up, header, *layout, config) : nullptr;
     }
     case MeshFormat::stl: {
       const std::string_view bytes = head.window(stl_header_bytes);
       if (bytes.size() < stl_header_bytes || !is_binary_stl(bytes, head.size())) return nullptr;
-      return if_complete<StlStream>(path, declared_stl_facets(bytes));
+      return if_complete<StlStream>(path, up, declared_stl_facets(bytes));
     }
     default:
       return nullptr;

@@ -35,6 +35,7 @@ class MeshStream {
 
   // Those that read_mesh (core/formats/mesh_file.h) gives.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] Up up() const { return up_; }
 
   // Tells files apart: by size, time of the last change, and bytes here and there.
   [[nodiscard]] virtual std::uint64_t identity() const = 0;
@@ -43,6 +44,7 @@ class MeshStream {
   std::uint64_t vertices_ = 0, triangles_ = 0;
   bool has_attributes_ = false;
   std::vector<std::string> warnings_;
+  Up up_;
 };
 
 // Binary PLY of the common layout (vertices of fixed size, all faces triangles with 32-bit indices) and binary STL;

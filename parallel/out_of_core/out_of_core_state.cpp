@@ -24,6 +24,7 @@ std::vector<std::byte> identity_of(const MeshStream& stream, const ModelConfig& 
   out.put(stream.identity());
   out.put(stream.vertex_count());
   out.put(stream.triangle_count());
+  out.put(stream.up());
   out.put(build.sigma0);
   out.put(build.finest_level);
   out.put(build.finest_level < 0 ? build.cell_triangles : 0u);
@@ -49,6 +50,7 @@ void visit_head(AnyMesh& mesh, const Value& value, const List& list) {
   value(mesh.transform.origin);
   value(mesh.transform.scale);
   value(mesh.transform.lattice.bits);
+  value(mesh.transform.up);
   value(mesh.repairs);
   value(mesh.cells.fingerprint);
   list(mesh.cells.codes);

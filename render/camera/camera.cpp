@@ -114,7 +114,7 @@ View::View(const Camera& camera, std::span<const PlacedBounds> models, ImageSize
   // Not from normalised positions: the difference of two far points would lose the direction.
   const glm::dvec3 forward = direction(camera.position, camera.target);
   forward_ = {forward.x, forward.y, forward.z};
-  aspect_ = static_cast<double>(size.width) / size.height;
+  aspect_ = aspect_of(size);
   const double tan_half = std::tan(vertical_fov_ / 2);
   const DepthRange depth = depth_range(models, eye_, forward_, tan_half * std::sqrt(1 + aspect_ * aspect_));
   near_ = depth.near;

@@ -54,14 +54,18 @@ class View {
 // The projection of a single model; clip w is in units of its normalised space.
 [[nodiscard]] ViewProjection view_projection(const Camera& camera, const Hierarchy& hierarchy, ImageSize size);
 
+// The camera between key frames, at a place from 0 to their number less one: smooth, through the keys, and never beyond
+// them where the path turns back. Between equal keys it is the same camera, bit for bit. There is a key at least.
+[[nodiscard]] Camera camera_at(std::span<const Camera> keys, double place);
 // The path through key frames, at equal steps of the key parameter. Throws InputError, naming `keys_of`, if there are
 // no keys or the path passes through its target.
 [[nodiscard]] std::vector<Camera> resample_path(std::span<const Camera> keys, int frames, const std::string& keys_of);
 // Key frames of a JSON file ({"frames": [{"position": [x,y,z], "target": [...], "up": [...], "fov_degrees": 45}]});
-// the path is resampled to `frames` cameras at equal steps of the key parameter. Throws FileError / InputError.
-[[nodiscard]] std::vector<Camera> read_camera_path(const std::string& file, int frames);
+// the path is resampled to `frames` cameras at equal steps of the key parameter. `up` is that of keys without one.
+// Throws FileError / InputError.
+[[nodiscard]] std::vector<Camera> read_camera_path(const std::string& file, int frames, Vec3d up = {0, 0, 1});
 // The key frames alone.
-[[nodiscard]] std::vector<Camera> read_camera_keys(const std::string& file);
+[[nodiscard]] std::vector<Camera> read_camera_keys(const std::string& file, Vec3d up = {0, 0, 1});
 void write_camera_path(const std::string& file, std::span<const Camera> path);
 
 struct Sphere {
@@ -70,10 +74,25 @@ struct Sphere {
 };
 [[nodiscard]] Sphere bounding_sphere(const Hierarchy& hierarchy);  // of the root's bounds, model space
 
-// Once around the sphere at two radii, level with z.
-[[nodiscard]] std::vector<Camera> orbit_path(const Sphere& sphere, int frames);
-[[nodiscard]] std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames);
-// From six bounding-sphere radii, along a curve, down to just above the surface.
-[[nodiscard]] std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames);
+// Where a model's up axis points, in its own space.
+[[nodiscard]] Vec3d up_of(const Hierarchy& hierarchy);
+
+// The up axis of a path of cameras, and the aspect of its pictures.
+struct Framing {
+  Vec3d up{0, 0, 1};  // a unit vector
+  double aspect = 1;  // width over height
+};
+// The distance at which a sphere just fits into a picture: its radius over the sine of half the smaller field of view,
+// 2.61 radii at 45 degrees.
+[[nodiscard]] double distance_to_see(double radius, double vertical_fov, double aspect);
+
+// Once around the sphere, 20 degrees above its middle, so far away that it is in sight as a whole.
+[[nodiscard]] std::vector<Camera> orbit_path(const Sphere& sphere, int frames, const Framing& framing = {});
+// From where the bounding sphere is well in sight, at least six radii away, along a curve, down to just above the
+// surface.
+[[nodiscard]] std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames, const Framing& framing);
+// The same paths of a model by itself, by its own up axis.
+[[nodiscard]] std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames, double aspect = 1);
+[[nodiscard]] std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames, double aspect = 1);
 
 }  // namespace lodestone

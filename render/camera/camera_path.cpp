@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "core/files/atomic_file.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "render/camera/camera.h"
@@ -40,10 +41,20 @@ Vec3d vector(const json& value, const std::string& file, const std::string& plac
   return {number(value[0], file, place), number(value[1], file, place), number(value[2], file, place)};
 }
 
-Camera camera_from(const json& key, const std::string& file, std::size_t index) {
+// Keys that are not known would be ignored, as misspelt ones are.
+void refuse_others(const json& object, const std::string& file, const std::string& place,
+                   const std::vector<std::string>& known) {
+  for (const auto& [key, value] : object.items())
+    if (std::ranges::find(known, key) == known.end())
+      throw InputError(describe(file, place, "unknown key \"" + key + "\"", known_names(key, known)));
+}
+
+Camera camera_from(const json& key, const std::string& file, std::size_t index, Vec3d up) {
   const std::string place = "frame " + std::to_string(index);
   if (!key.is_object()) throw InputError(describe(file, place, "is not an object"));
+  refuse_others(key, file, place, {"position", "target", "up", "fov_degrees"});
   Camera camera;
+  camera.up = up;
   for (const char* required : {"position", "target"})
     if (!key.contains(required)) throw InputError(describe(file, place, std::string("has no \"") + required + "\""));
   camera.position = vector(key["position"], file, place + ", position");
@@ -71,10 +82,32 @@ json parse(const std::string& file) {
   }
 }
 
-Camera between(const Camera& a, const Camera& b, double t) {
-  const auto mix = [t](Vec3d from, Vec3d to) { return (1 - t) * from + t * to; };
-  return {mix(a.position, b.position), mix(a.target, b.target), mix(a.up, b.up),
-          (1 - t) * a.vertical_fov + t * b.vertical_fov};
+// ---- between keys ----
+
+double size_of(double v) { return std::abs(v); }
+double size_of(Vec3d v) { return length(v); }
+
+// Way per key at a key between two steps: their mean, the shorter one weighing more. On a line that is the harmonic
+// mean of fritsch1984, and 0 where the path turns back, so that nothing is beyond the keys; beside a key that stands it
+// is 0.
+template <class V>
+V speed_between(V before, V after) {
+  const double a = size_of(before), b = size_of(after);
+  if (!(a > 0 && b > 0)) return {};
+  return (b / (a + b)) * before + (a / (a + b)) * after;
+}
+
+// A cubic between the keys k and k + 1 (Hermite); values(i) are those of the keys, t the share of the way.
+template <class V, class Values>
+V cubic_at(const Values& values, std::size_t keys, std::size_t k, double t) {
+  const auto step = [&](std::size_t i) -> V { return values(i + 1) + -1.0 * values(i); };
+  const V here = step(k);
+  const bool first = k == 0, last = k + 2 == keys;
+  V from = first ? here : speed_between(step(k - 1), here), to = last ? here : speed_between(here, step(k + 1));
+  // At an end of the path the curve is bent evenly.
+  if (first && !last) from = 1.5 * here + -0.5 * to;
+  if (last && !first) to = 1.5 * here + -0.5 * from;
+  return values(k) + (t * t * (3 - 2 * t)) * here + (t * (1 - t) * (1 - t)) * from + (t * t * (t - 1)) * to;
 }
 
 // ---- where to look and where to land ----
@@ -171,35 +204,45 @@ Vec3d on_sphere(double azimuth, double elevation) {
 
 }  // namespace
 
+Camera camera_at(std::span<const Camera> keys, double place) {
+  const std::size_t last = keys.size() - 1;
+  const auto k = static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(last)));
+  const double t = place - static_cast<double>(k);
+  if (k == last || !(t > 0)) return keys[k];
+  const auto at = [&]<class V>(V Camera::*member) {
+    return cubic_at<V>([&](std::size_t i) { return keys[i].*member; }, keys.size(), k, t);
+  };
+  return {at(&Camera::position), at(&Camera::target), at(&Camera::up), at(&Camera::vertical_fov)};
+}
+
 std::vector<Camera> resample_path(std::span<const Camera> keys, int frames, const std::string& keys_of) {
   check_frames(frames);
   if (keys.empty()) throw InputError(describe(keys_of, {}, "holds no camera"));
   std::vector<Camera> path;
   for (int i = 0; i < frames; ++i) {
     const double at = frames == 1 ? 0 : static_cast<double>(i) * static_cast<double>(keys.size() - 1) / (frames - 1);
-    const auto key = std::min(static_cast<std::size_t>(at), keys.size() - 1);
-    const double t = at - static_cast<double>(key);
-    path.push_back(t == 0 ? keys[key] : between(keys[key], keys[key + 1], t));
-    if (path.back().position == path.back().target)
+    path.push_back(camera_at(keys, at));
+    if (const auto key = static_cast<std::size_t>(at); path.back().position == path.back().target)
       throw InputError(describe(keys_of, "between frames " + std::to_string(key) + " and " + std::to_string(key + 1),
                                 "the position passes through the target", "add a frame between them"));
   }
   return path;
 }
 
-std::vector<Camera> read_camera_keys(const std::string& file) {
+std::vector<Camera> read_camera_keys(const std::string& file, Vec3d up) {
   const json document = parse(file);
+  if (document.is_object()) refuse_others(document, file, {}, {"frames"});
   if (!document.is_object() || !document.contains("frames") || !document["frames"].is_array())
     throw InputError(describe(file, {}, "has no array \"frames\""));
   std::vector<Camera> keys;
-  for (const json& key : document["frames"]) keys.push_back(camera_from(key, file, keys.size()));
+  for (const json& key : document["frames"]) keys.push_back(camera_from(key, file, keys.size(), up));
   if (keys.empty()) throw InputError(describe(file, {}, "\"frames\" is empty", "give at least one camera"));
   return keys;
 }
 
-std::vector<Camera> read_camera_path(const std::string& file, int frames) {
+std::vector<Camera> read_camera_path(const std::string& file, int frames, Vec3d up) {
   check_frames(frames);
-  return resample_path(read_camera_keys(file), frames, file);
+  return resample_path(read_camera_keys(file, up), frames, file);
 }
 
 void write_camera_path(const std::string& file, std::span<const Camera> path) {
@@ -223,43 +266,60 @@ Sphere bounding_sphere(const Hierarchy& hierarchy) {
   return {0.5 * (lo + hi), std::max(0.5 * length(hi - lo), 1e-6 * hierarchy.transform.scale)};
 }
 
-std::vector<Camera> orbit_path(const Sphere& sphere, int frames) {
+Vec3d up_of(const Hierarchy& hierarchy) {
+  return direction_of(hierarchy.transform.up.axis, bounding_sphere(hierarchy).centre);
+}
+
+double distance_to_see(double radius, double vertical_fov, double aspect) {
+  const double half = std::atan(std::tan(vertical_fov / 2) * std::min(aspect, 1.0));
+  return radius / std::sin(half);
+}
+
+std::vector<Camera> orbit_path(const Sphere& sphere, int frames, const Framing& framing) {
   check_frames(frames);
   constexpr double elevation = 20 * degree;
+  const Affine3d upright = turn_between({0, 0, 1}, framing.up);
+  const double distance = distance_to_see(sphere.radius, Camera{}.vertical_fov, framing.aspect);
   std::vector<Camera> path;
   for (int i = 0; i < frames; ++i) {
     const double azimuth = 2 * std::numbers::pi * i / frames;
-    path.push_back({sphere.centre + 2 * sphere.radius * on_sphere(azimuth, elevation), sphere.centre});
+    path.push_back(
+        {sphere.centre + distance * upright.vector(on_sphere(azimuth, elevation)), sphere.centre, framing.up});
   }
   return path;
 }
 
-std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames) {
-  return orbit_path(bounding_sphere(hierarchy), frames);
+std::vector<Camera> orbit_path(const Hierarchy& hierarchy, int frames, double aspect) {
+  return orbit_path(bounding_sphere(hierarchy), frames, {up_of(hierarchy), aspect});
 }
 
 // The distance to the landing point falls by the same factor in every frame. The curve is flown while the camera is
 // still outside the bounding sphere; the rest is the straight, free way down.
-std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames) {
+std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames, const Framing& framing) {
   check_frames(frames);
   constexpr double landing_azimuth = -65 * degree, landing_elevation = 40 * degree;
   constexpr double turn = 75 * degree, climb = 15 * degree;
   constexpr double last_height = 0.02;  // over the sphere's radius
   const Sphere sphere = bounding_sphere(hierarchy);
-  const Vec3d down = on_sphere(landing_azimuth, landing_elevation);
+  const Affine3d upright = turn_between({0, 0, 1}, framing.up);
+  const Vec3d down = upright.vector(on_sphere(landing_azimuth, landing_elevation));
   const Vec3d landing = landing_point(hierarchy, {down.x, down.y, down.z});
 
   // Any distance beyond two radii from a point of the sphere is outside it.
-  const double first = 6, straight_from = 2;
+  const double first = std::max(6.0, 1 + distance_to_see(1, Camera{}.vertical_fov, framing.aspect)), straight_from = 2;
   std::vector<Camera> path;
   for (int i = 0; i < frames; ++i) {
     const double t = frames == 1 ? 0 : static_cast<double>(i) / (frames - 1);
     const double distance = first * std::pow(last_height / first, t);
     const double curve = smooth(std::log(distance / straight_from) / std::log(first / straight_from));
-    const Vec3d away = on_sphere(landing_azimuth - turn * curve, landing_elevation - climb * curve);
-    path.push_back({landing + distance * sphere.radius * away, landing});
+    const Vec3d away = upright.vector(on_sphere(landing_azimuth - turn * curve, landing_elevation - climb * curve));
+    path.push_back({landing + distance * sphere.radius * away, landing, framing.up});
   }
   return path;
+}
+
+std::vector<Camera> fly_in_path(const Hierarchy& hierarchy, int frames, double aspect) {
+  return fly_in_path(hierarchy, frames, Framing{up_of(hierarchy), aspect});
 }
 
 }  // namespace lodestone

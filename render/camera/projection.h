@@ -12,6 +12,7 @@ struct ImageSize {
   int width = 1280, height = 720;
   friend bool operator==(const ImageSize&, const ImageSize&) = default;
 };
+[[nodiscard]] constexpr double aspect_of(ImageSize size) { return static_cast<double>(size.width) / size.height; }
 
 // Row-major 4x4 from normalised model space (column vectors) to clip space; depth in [-1, 1], near and far chosen from
 // the hierarchy's bounds and the camera.

@@ -58,7 +58,7 @@ layout(binding = 12) uniform sampler2D shadow_first;  // one texel where all cas
 layout(binding = 13) uniform sampler2D shadow_through;
 const float shadow_offset = 2.5, shadow_bias_texels = 0.5, shadow_bias = 2e-6;
 
-// What four texels hold back of the light at the depth p.
+// Shares of the light that four texels hold back at the depth p.
 vec4 shadow_texels(vec2 at, float p) {
   vec4 hidden = vec4(lessThan(textureGather(shadow_map, at), vec4(p)));
   if (textureSize(shadow_first, 0).x == 1) return hidden;

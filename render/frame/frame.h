@@ -29,8 +29,8 @@ struct Lighting {
   friend bool operator==(const Lighting&, const Lighting&) = default;
 };
 
-// Of a density or radius: as the size of the scene has it (complete_settings in render/effects/plan.h). A frame to be
-// drawn has none of these.
+// A density or radius of this value follows from the size of the scene (complete_settings in render/effects/plan.h). A
+// frame to be drawn has none of these.
 inline constexpr float by_scene_size = -1;
 
 // A point at a distance d from the eye keeps a share exp(-density d) of its colour.

@@ -225,6 +225,7 @@ SimplifyMergedConfig simplify_config(const MergedMesh& merged, double spacing, c
 }
 
 void put_mesh(const MergedMesh& merged, const Transform& transform, RawMesh& raw) {
+  raw.up = transform.up;
   raw.positions.clear();
   raw.positions.reserve(merged.position.size());
   for (const Vec3f& p : merged.position) raw.positions.push_back(transform.to_model(p));

@@ -47,6 +47,7 @@ struct SceneCamera {
 
 struct Scene {
   std::vector<SceneModel> models;
+  std::optional<UpAxis> up;  // empty: that of the first model
   FrameSettings settings;
   Vec3d towards_light{0.4, -0.5, 0.8};  // the directional light; any length but zero
   SceneCamera camera;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/known_names.h"
 #include "render/scene/toml_table.h"
 
 namespace lodestone {
@@ -20,15 +21,17 @@ void choice(TomlTable& table, const char* key, T& to, const std::array<std::pair
   const toml::node* node = table.find(key);
   if (!node) return;
   const std::string text = node->value_or(std::string());
-  std::string known;
+  std::vector<std::string> known;
+  std::string list;
   for (const auto& [name, value] : choices) {
     if (text == name) {
       to = value;
       return;
     }
-    known += (known.empty() ? "" : ", ") + std::string(name);
+    known.emplace_back(name);
+    list += (list.empty() ? "" : ", ") + known.back();
   }
-  table.fail(*node, key, "must be one of " + known);
+  table.fail(*node, key, "must be one of " + list + did_you_mean(text, known));
 }
 
 void read_source(TomlTable& table, const toml::node& at, SceneModel& model) {
@@ -39,7 +42,7 @@ void read_source(TomlTable& table, const toml::node& at, SceneModel& model) {
   table.integer("triangles", triangles, 12, 2'000'000'000);
   table.integer("seed", seed, 0, std::numeric_limits<std::int64_t>::max());
   if (model.file.empty() == shape_name.empty())
-    table.fail(at, "file", "or generate is needed, one of them, to define the model");
+    table.fail_missing(at, {"file", "generate"}, "or generate is needed, one of them, to define the model");
   if (shape_name.empty()) {
     if (table.has("triangles") || table.has("seed")) table.fail(at, "triangles", "and seed need generate");
     model.file = beside(table.file(), model.file);
@@ -109,7 +112,7 @@ void read_camera(TomlTable& table, Scene& scene) {
   table.tables("key", [&](TomlTable& key, const toml::node& at) {
     Camera c;
     for (const char* needed : {"position", "target"})
-      if (!key.has(needed)) key.fail(at, needed, "is missing");
+      if (!key.has(needed)) key.fail_missing(at, {needed}, "is missing");
     key.vector("position", c.position, -any, any);
     key.vector("target", c.target, -any, any);
     key.vector("up", c.up, -any, any);
@@ -169,16 +172,18 @@ Scene read_scene(const std::string& file) {
   const toml::table root = parse_toml(file);
   TomlTable table(root, file, "");
   Scene scene;
+  scene.up = UpAxis::z;
   table.tables("model", [&](TomlTable& model, const toml::node& at) { read_model(model, at, scene); });
   if (scene.models.empty()) throw InputError(describe(file, {}, "has no models", "add a [[model]] with a file"));
   table.colour("background", scene.settings.background);
   table.sub_table("lighting", [&](TomlTable& t) { read_lighting(t, scene); });
   table.sub_table("fog", [&](TomlTable& t) {
+    scene.settings.fog.density = by_scene_size;
     t.colour("colour", scene.settings.fog.colour);
     t.number("density", scene.settings.fog.density, 0, any);
   });
   table.sub_table("ambient_occlusion", [&](TomlTable& t) {
-    scene.settings.ambient_occlusion.strength = 1;
+    scene.settings.ambient_occlusion = {1, by_scene_size};
     t.number("strength", scene.settings.ambient_occlusion.strength, 0, 1);
     t.number("radius", scene.settings.ambient_occlusion.radius, 0, any);
   });

@@ -95,6 +95,12 @@ Sphere SceneView::bounding_sphere() const {
   return all;
 }
 
+Vec3d SceneView::up() const {
+  if (scene_.up) return direction_of(*scene_.up, bounding_sphere().centre);
+  const Placed& first = placed_.front();
+  return first.placement.rotated(up_of(*first.open.hierarchy));
+}
+
 void SceneView::upload(Renderer& renderer) const {
   std::vector<const Hierarchy*> models;
   for (const Placed& placed : placed_)
@@ -163,12 +169,12 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   }
   camera_ = camera;
   if (rests && !streamed) return false;
-  frame_.settings = config.settings;
+  frame_.settings = complete_settings(config.settings, config.effects, bounding_sphere().radius);
   // In double: the unit may be beyond the range of float, and a density of 0 is 0 then, too.
   constexpr double longest_radius = std::numeric_limits<float>::max();
-  frame_.settings.fog.density = static_cast<float>(double{config.settings.fog.density} * unit_);
-  frame_.settings.ambient_occlusion.radius =
-      static_cast<float>(std::min(double{config.settings.ambient_occlusion.radius} / unit_, longest_radius));
+  float &density = frame_.settings.fog.density, &radius = frame_.settings.ambient_occlusion.radius;
+  density = static_cast<float>(double{density} * unit_);
+  radius = static_cast<float>(std::min(double{radius} / unit_, longest_radius));
   frame_.lens = view.lens();
   frame_.size = config.size;
   frame_.samples = config.samples;
@@ -192,7 +198,7 @@ void SceneView::select(const ModelFrame& model, Placed& placed, bool hidden) {
   }
   const Frustum frustum = frustum_of(model.view_projection);
   SelectionConfig config{&frustum, false, model.morph.limits, nullptr};
-  const bool backs_count = config_.settings.overdraw || config_.clip || camera_->vertical_fov > widest_culled;
+  const bool backs_count = frame_.settings.overdraw || config_.clip || camera_->vertical_fov > widest_culled;
   if (placed.open.back_faces && !backs_count)
     config.cones = placed.open.back_faces->cones_from(model.morph.viewpoint, placed.appearance);
   select_cells(*placed.open.hierarchy, placed.radii, model.morph.viewpoint, config, placed.selection);
@@ -267,17 +273,20 @@ FrameStats SceneView::draw(Renderer& renderer, const Frame& frame) {
   return renderer.draw(frame);
 }
 
-std::vector<Camera> camera_path(const SceneView& view) {
+std::vector<Camera> camera_path(const SceneView& view, ImageSize size) {
   const SceneCamera& way = view.scene().camera;
+  const Framing framing{view.up(), aspect_of(size)};
   if (way.path.empty()) return resample_path(way.keys, way.frames, "the camera's keys");
-  if (way.path == "orbit") return orbit_path(view.bounding_sphere(), way.frames);
-  if (way.path != "fly-in") return read_camera_path(way.path, way.frames);
+  if (way.path == "orbit") return orbit_path(view.bounding_sphere(), way.frames, framing);
+  if (way.path != "fly-in") return read_camera_path(way.path, way.frames, framing.up);
   std::size_t to = 0;
   while (!way.fly_to.empty() && view.scene().models[to].name != way.fly_to) ++to;
   // The model's own path, moved to its placement.
   const Similarity own = to_similarity(view.hierarchy(to).transform);
-  std::vector<Camera> path = fly_in_path(view.hierarchy(to), way.frames);
+  const Vec3d up = view.placement(to).rotated_back(framing.up);
+  std::vector<Camera> path = fly_in_path(view.hierarchy(to), way.frames, Framing{up, framing.aspect});
   for (Camera& camera : path) {
+    camera.up = framing.up;
     camera.position = view.placement(to)(own.inverse(camera.position));
     camera.target = view.placement(to)(own.inverse(camera.target));
   }

@@ -81,6 +81,7 @@ class SceneView {
   [[nodiscard]] const Radii& radii(std::size_t model) const { return placed_[model].radii; }
   [[nodiscard]] bool admissible() const;
   [[nodiscard]] Sphere bounding_sphere() const;        // of all models
+  [[nodiscard]] Vec3d up() const;                      // a unit vector
   [[nodiscard]] double unit() const { return unit_; }  // scene lengths of one unit of clip w
 
  private:
@@ -116,7 +117,7 @@ class SceneView {
   bool frozen_ = false;
 };
 
-// The camera path of the scene. Throws as read_camera_path does.
-[[nodiscard]] std::vector<Camera> camera_path(const SceneView& view);
+// The camera path of the scene, for pictures of this size. Throws as read_camera_path does.
+[[nodiscard]] std::vector<Camera> camera_path(const SceneView& view, ImageSize size);
 
 }  // namespace lodestone

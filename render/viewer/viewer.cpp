@@ -35,7 +35,7 @@ class Viewer {
         scheduler_(scheduler),
         window_("Lodestone", config.size),
         gui_(window_.handle()),
-        session_({config.load, config.folder, Window::wake, config.say}, scheduler) {
+        session_({config.load, config.folder, Window::wake, config.say, config.size}, scheduler) {
     session_.state = config.state;
     choose_backend(config.backend);
     on_display_lost([this] {

@@ -31,7 +31,7 @@ def far_box():
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     path = command_case._models / "far.obj"
     path.write_text(obj(corners, faces))
-    return model("far.lode", "build", path, "--levels", 1)
+    return model("far.lode", "build", path, "--levels", 1, "--up", "z")
 
 
 class Tiles(CommandCase):

@@ -178,17 +178,57 @@ TEST(CameraPath, KeysAreResampledAtEqualSteps) {
     {"position": [0, 0, 0], "target": [0, 0, 9]},
     {"position": [2, 0, 0], "target": [0, 0, 9], "up": [1, 0, 0], "fov_degrees": 60},
     {"position": [2, 8, 0], "target": [0, 0, 9], "up": [1, 0, 0], "fov_degrees": 90}]})");
-  const std::vector<Camera> path = read_camera_path(file, 5);
+  const std::vector<Camera> path = read_camera_path(file, 5), keys = read_camera_keys(file);
   ASSERT_EQ(path.size(), 5u);
   EXPECT_EQ(path[0].position, (Vec3d{0, 0, 0}));
-  EXPECT_EQ(path[1].position, (Vec3d{1, 0, 0}));
+  EXPECT_EQ(path[1].position, camera_at(keys, 0.5).position);
   EXPECT_EQ(path[2].position, (Vec3d{2, 0, 0}));
-  EXPECT_EQ(path[3].position, (Vec3d{2, 4, 0}));
+  EXPECT_EQ(path[3].position, camera_at(keys, 1.5).position);
   EXPECT_EQ(path[4].position, (Vec3d{2, 8, 0}));
   EXPECT_EQ(path[0].up, (Vec3d{0, 0, 1}));
   EXPECT_EQ(path[0].vertical_fov, Camera{}.vertical_fov);
-  EXPECT_NEAR(path[3].vertical_fov, 75 * std::numbers::pi / 180, 1e-12);
+  EXPECT_NEAR(path[3].vertical_fov, 75 * std::numbers::pi / 180, 0.05);
+  EXPECT_NEAR(path[4].vertical_fov, 90 * std::numbers::pi / 180, 1e-12);
   EXPECT_EQ(read_camera_path(file, 1)[0], path[0]);
+}
+
+std::vector<Camera> keys_at(const std::vector<Vec3d>& positions) {
+  std::vector<Camera> keys;
+  for (const Vec3d p : positions) keys.push_back({p, {0, 0, 9}});
+  return keys;
+}
+
+TEST(CameraPath, IsSmoothThroughItsKeys) {
+  const std::vector<Camera> keys = keys_at({{0, 0, 0}, {2, 0, 0}, {3, 4, 0}, {-1, 5, 2}, {-1, 0, 1}});
+  constexpr double step = 1e-5;
+  for (std::size_t k = 1; k + 1 < keys.size(); ++k) {
+    const auto at = [&](double t) { return camera_at(keys, static_cast<double>(k) + t).position; };
+    EXPECT_EQ(at(0), keys[k].position);
+    const Vec3d before = (1 / step) * (at(0) - at(-step)), after = (1 / step) * (at(step) - at(0));
+    EXPECT_LT(length(after - before), 1e-3) << k;  // between straight lines it is 2 and more
+    EXPECT_GT(length(after), 0.5) << k;
+  }
+}
+
+TEST(CameraPath, NeverGoesBeyondKeysWhereItTurnsBackOrStands) {
+  const std::vector<Camera> there_and_back = keys_at({{0, 0, 0}, {5, 0, 0}, {4, 0, 0}, {9, 0, 0}});
+  const std::vector<Camera> standing = keys_at({{0, 0, 0}, {5, 0, 0}, {5, 0, 0}, {5, 0, 0}, {9, 3, 0}});
+  for (int i = 0; i <= 300; ++i) {
+    const double place = i / 100.0, x = camera_at(there_and_back, place).position.x;
+    const auto k = std::min<std::size_t>(static_cast<std::size_t>(place), 2);
+    const auto [low, high] = std::minmax(there_and_back[k].position.x, there_and_back[k + 1].position.x);
+    EXPECT_TRUE(x >= low - 1e-12 && x <= high + 1e-12) << place;
+    // The same bits: a renderer draws nothing again.
+    if (place >= 1) EXPECT_EQ(camera_at(standing, place), standing[1]) << place;
+  }
+}
+
+TEST(CameraPath, KeysWithoutAnUpHaveThatOfTheModel) {
+  const std::string file = written("up.json", R"({"frames": [
+    {"position": [0, 0, 5], "target": [0, 0, 0]}, {"position": [0, 0, 5], "target": [0, 0, 0], "up": [1, 0, 0]}]})");
+  const std::vector<Camera> keys = read_camera_keys(file, {0, 1, 0});
+  EXPECT_EQ(keys[0].up, (Vec3d{0, 1, 0}));
+  EXPECT_EQ(keys[1].up, (Vec3d{1, 0, 0}));
 }
 
 TEST(CameraPath, BadFilesAreRefusedWithTheirPlace) {
@@ -208,6 +248,11 @@ TEST(CameraPath, BadFilesAreRefusedWithTheirPlace) {
   refused("same.json", R"({"frames": [{"position": [1, 1, 1], "target": [1, 1, 1]}]})", "frame 0");
   refused("fov.json", R"({"frames": [{"position": [0, 0, 0], "target": [1, 1, 1], "fov_degrees": 180}]})", "frame 0");
   refused("huge.json", R"({"frames": [{"position": [0, 0, 1e999], "target": [1, 1, 1]}]})", "");
+  refused("key.json", R"({"frames": [{"position": [0, 0, 0], "target": [1, 1, 1], "fov": 30}]})",
+          "frame 0: unknown key \"fov\"; known are position, target, up, fov_degrees; did you mean fov_degrees?");
+  refused("misspelt.json", R"({"frames": [{"positon": [0, 0, 0], "target": [1, 1, 1]}]})", "did you mean position?");
+  refused("top.json", R"({"frames": [{"position": [0, 0, 0], "target": [1, 1, 1]}], "frame_rate": 30})",
+          "unknown key \"frame_rate\"");
   refused("through.json", R"({"frames": [{"position": [0, 0, 0], "target": [1, 0, 0]},
                                          {"position": [2, 0, 0], "target": [1, 0, 0]}]})",
           "between frames 0 and 1");
@@ -219,20 +264,45 @@ TEST(CameraPath, UnwritableTargetIsAFileError) {
   EXPECT_THROW(write_camera_path("/nonexistent/path.json", {}), FileError);
 }
 
-TEST(CameraPath, OrbitGoesOnceAroundAtTwoRadii) {
+TEST(CameraPath, OrbitSeesTheWholeSphereWhateverTheAspect) {
   const Hierarchy h = moved_torus();
-  const Box3f& box = h.cells[0].bounds;
-  const Vec3d lo = h.transform.to_model(box.lo), hi = h.transform.to_model(box.hi), centre = 0.5 * (lo + hi);
-  const std::vector<Camera> path = orbit_path(h, 12);
-  ASSERT_EQ(path.size(), 12u);
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    EXPECT_NEAR(length(path[i].position - centre), length(hi - lo), 1e-6 * length(hi - lo));
-    EXPECT_EQ(path[i].target, centre);
-    const double step = length(path[(i + 1) % 12].position - path[i].position);
-    EXPECT_NEAR(step, length(path[1].position - path[0].position), 1e-6 * step);
+  const Sphere sphere = bounding_sphere(h);
+  for (const double aspect : {0.5, 1.0, 2.0}) {
+    const std::vector<Camera> path = orbit_path(sphere, 12, {{0, 0, 1}, aspect});
+    ASSERT_EQ(path.size(), 12u);
+    const double distance = length(path[0].position - sphere.centre);
+    const double tangent = std::tan(std::asin(sphere.radius / distance));  // of the cone around the sphere
+    const double tan_y = std::tan(path[0].vertical_fov / 2), smaller = std::min(tan_y, tan_y * aspect);
+    EXPECT_NEAR(tangent, smaller, 1e-9) << aspect;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      EXPECT_NEAR(length(path[i].position - sphere.centre), distance, 1e-6 * distance);
+      EXPECT_EQ(path[i].target, sphere.centre);
+      const double step = length(path[(i + 1) % 12].position - path[i].position);
+      EXPECT_NEAR(step, length(path[1].position - path[0].position), 1e-6 * step);
+    }
   }
+  EXPECT_NEAR(distance_to_see(1, std::numbers::pi / 4, 1.5), 2.613, 5e-4);
   EXPECT_THROW((void)orbit_path(h, 0), InputError);
   EXPECT_THROW((void)orbit_path(Hierarchy{}, 3), InputError);
+}
+
+TEST(CameraPath, StandsUprightByTheModel) {
+  Hierarchy h = moved_torus();
+  const Sphere sphere = bounding_sphere(h);
+  const std::vector<Camera> flat = orbit_path(h, 8), down = fly_in_path(h, 8);
+  for (const UpAxis axis : {UpAxis::y, UpAxis::x, UpAxis::minus_z, UpAxis::minus_y, UpAxis::minus_x}) {
+    h.transform.up = {axis, false};
+    const Vec3d up = direction_of(axis, {});
+    const std::vector<Camera> turned = orbit_path(h, 8), flown = fly_in_path(h, 8);
+    for (std::size_t i = 0; i < 8; ++i) {
+      EXPECT_EQ(turned[i].up, up);
+      EXPECT_EQ(flown[i].up, up);
+      // As far above the middle, seen along the up axis, as with z up.
+      EXPECT_NEAR(dot(turned[i].position - sphere.centre, up), flat[i].position.z - sphere.centre.z,
+                  1e-9 * sphere.radius);
+    }
+    EXPECT_GT(dot(flown[0].position - sphere.centre, up), 0);
+  }
 }
 
 TEST(CameraPath, FlyInDescendsEvenlyAndNeverMeetsTheSurface) {

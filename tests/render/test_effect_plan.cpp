@@ -177,7 +177,7 @@ TEST(EffectPlan, LengthsFollowFromTheSizeOfTheScene) {
   EXPECT_FLOAT_EQ(large.fog.density, small.fog.density / 100);
   EXPECT_FLOAT_EQ(large.ambient_occlusion.radius, 100 * small.ambient_occlusion.radius);
   EXPECT_EQ(large.ambient_occlusion.strength, 0.5f);
-  // What is given remains; `all` adds nothing.
+  // Given values are kept; `all` adds nothing.
   FrameSettings given;
   given.wireframe = 0.3f;
   EXPECT_EQ(complete_settings(given, parse_effects("wireframe"), 1), given);

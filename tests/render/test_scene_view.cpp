@@ -174,14 +174,43 @@ TEST(SceneView, RefusesWhatCannotBeSeen) {
   EXPECT_EQ(view.frame().only().view_projection.m, matrix);
 }
 
+TEST(SceneView, StandsByItsFirstModelUnlessItSaysOtherwise) {
+  Hierarchy model = torus();
+  model.transform.up = {UpAxis::y, false};
+  Scene scene = scene_of_one();
+  const auto up_of_scene = [&] { return SceneView(scene, {{&model}}).up(); };
+  EXPECT_EQ(up_of_scene(), (Vec3d{0, 1, 0}));
+  scene.models[0].rotation = {90, 0, 0};
+  EXPECT_EQ(up_of_scene(), (Vec3d{0, 0, 1}));
+  scene.up = UpAxis::minus_x;
+  EXPECT_EQ(up_of_scene(), (Vec3d{-1, 0, 0}));
+}
+
+// The frames of a path on which the camera stands are drawn once.
+TEST(CameraPathOfAScene, DrawsNothingAgainWhereTheCameraStands) {
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  Scene scene = scene_of_one();
+  const Camera next{{-0.4, -0.9, 0.7}, {0.3, 0.1, 0.7}};
+  scene.camera = {"", "", {camera, camera, camera, next}, 10};
+  SceneView view(scene, {{&torus()}});
+  view.upload(*renderer);
+  std::vector<int> drawn;
+  for (const Camera& c : camera_path(view, size)) {
+    (void)view.update(c, view_config(scene, size));
+    drawn.push_back(view.draw(*renderer).triangles > 0 ? 1 : 0);
+  }
+  EXPECT_EQ(drawn, (std::vector{1, 0, 0, 0, 0, 0, 0, 1, 1, 1}));
+}
+
 TEST(CameraPathOfAScene, FollowsWhatTheSceneSays) {
   Scene scene = scene_of_one();
   scene.models[0].position = {100, 0, 0};
   scene.camera = {"orbit", "", {}, 8};
-  const auto path_of = [&] { return camera_path(SceneView(scene, {{&torus()}})); };
+  const auto path_of = [&] { return camera_path(SceneView(scene, {{&torus()}}), size); };
   for (const Camera& c : path_of()) EXPECT_NEAR(c.target.x - 100, bounding_sphere(torus()).centre.x, 1e-6);
   scene.camera.path = "fly-in";
-  const std::vector<Camera> there = path_of(), here = fly_in_path(torus(), 8);
+  const std::vector<Camera> there = path_of(), here = fly_in_path(torus(), 8, aspect_of(size));
   ASSERT_EQ(there.size(), here.size());
   for (std::size_t k = 0; k < here.size(); ++k)
     EXPECT_LE(length(there[k].position - here[k].position - Vec3d{100, 0, 0}), 1e-9);

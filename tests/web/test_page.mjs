@@ -18,6 +18,11 @@ function makeFiles() {
   run('progressive', 'sphere.ply', '-o', 'sphere.glb');
   run('page', 'sphere.lpm', 'torus.obj', '-o', 'two');
   run('page', 'sphere.lpm', '-o', 'one');
+  for (const up of ['y', 'z']) {
+    run('build', 'torus.obj', '-o', `${up}.lode`, '--up', up);
+    run('progressive', 'torus.obj', '-o', `${up}.glb`, '--up', up);
+    run('page', 'torus.obj', `${up}.lode`, `${up}.glb`, '--up', up, '-o', `up_${up}`);
+  }
   run('page', 'sphere.glb', '-o', 'glb');
   run('progressive', 'torus.obj', '-o', 'torus.glb', '--metric', 'attribute-quadric');
   run('page', 'torus.glb', '-o', 'torus');
@@ -175,6 +180,19 @@ async function testSideBySide(browser) {
   await close();
 }
 
+// Meshes, hierarchies and glTF stand as their files say.
+async function testUp(browser) {
+  const heights = [];
+  for (const up of ['y', 'z']) {
+    const {page, quiet, close} = await open(browser, `up_${up}`);
+    await quiet();
+    heights.push(await page.evaluate(() => window.lodestone.models.map(({box: {min, max}}) => max.y - min.y)));
+    await close();
+  }
+  const [flat, high] = heights, all = flat.length === 3 && high.length === 3;
+  check(all && Math.min(...high) > 2 * Math.max(...flat), `up is y: ${flat.map((h) => h.toFixed(2))} high, z: ${high.map((h) => h.toFixed(2))}`);
+}
+
 async function testCracks(browser) {
   const {page, quiet, close} = await open(browser, 'two');
   await quiet();
@@ -304,4 +322,4 @@ async function testPhone(browser) {
   await close();
 }
 
-await main(makeFiles, [testControls, testKeys, testHelp, testSideBySide, testCracks, testGeomorphs, testTexture, testStackedNormals, testFormats, testStreaming, testPhone]);
+await main(makeFiles, [testControls, testKeys, testHelp, testSideBySide, testUp, testCracks, testGeomorphs, testTexture, testStackedNormals, testFormats, testStreaming, testPhone]);

@@ -21,14 +21,23 @@ std::string plain_name(std::string name) {
 }  // namespace
 
 MeshView view_of(const RawMesh& mesh) {
-  return {mesh.positions.size(), [&mesh](std::size_t i) { return mesh.positions[i]; },
-          mesh.triangles,        mesh.wedges.corners.empty() ? &mesh.wedges : nullptr,
-          mesh.materials,        mesh.textures};
+  return {mesh.positions.size(),
+          [&mesh](std::size_t i) { return mesh.positions[i]; },
+          mesh.triangles,
+          mesh.wedges.corners.empty() ? &mesh.wedges : nullptr,
+          mesh.materials,
+          mesh.textures,
+          mesh.up};
 }
 
 MeshView view_of(const IndexedMesh& mesh) {
-  return {mesh.positions.size(), [&mesh](std::size_t i) { return mesh.transform.to_model(mesh.positions[i]); },
-          mesh.triangles};
+  return {mesh.positions.size(),
+          [&mesh](std::size_t i) { return mesh.transform.to_model(mesh.positions[i]); },
+          mesh.triangles,
+          nullptr,
+          {},
+          {},
+          mesh.transform.up};
 }
 
 Box3d box_of(const MeshView& mesh) {

@@ -24,6 +24,7 @@ struct MeshView {
   const RawWedges* wedges = nullptr;
   std::span<const Material> materials{};
   std::span<const Texture> textures{};
+  Up up{};  // of the space of the file
 };
 
 // The mesh has to outlive its view. Wedges that are not the vertices are left out.

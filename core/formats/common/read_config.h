@@ -17,6 +17,7 @@
 #include <optional>
 
 #include "core/files/scalar.h"
+#include "core/mesh/up_axis.h"
 
 namespace lodestone {
 
@@ -34,6 +35,7 @@ struct ReadConfig {
   bool allow_outside = false;
   bool fill_voids = false;                     // of height grids; false: voids remain open
   std::optional<RawGridFormat> raw_grid = {};  // the file has this format if its extension names no other
+  std::optional<UpAxis> up = {};               // instead of what the format says, or is guessed of it
 };
 
 }  // namespace lodestone

@@ -46,6 +46,17 @@ std::vector<std::byte> pack(const json& root, std::span<const std::byte> binary)
 
 }  // namespace
 
+void GlbBuilder::add_node(Vec3d place, double scale, UpAxis up) {
+  const Vec3d from = direction_of(up, place), to = direction_of(UpAxis::y, {}),
+              at = turn_between(from, to).vector(place);
+  root["scene"] = 0;
+  root["scenes"] = {{{"nodes", {0}}}};
+  json node{{"mesh", 0}, {"translation", {at.x, at.y, at.z}}};
+  if (from != to) node["rotation"] = turn_quaternion(from, to);
+  if (scale != 1) node["scale"] = {scale, scale, scale};
+  root["nodes"] = {std::move(node)};
+}
+
 std::size_t GlbBuilder::add_view(std::span<const std::byte> bytes, GltfTarget target) {
   const std::size_t offset = binary_.size();
   binary_.resize(offset + (bytes.size() + 3) / 4 * 4);

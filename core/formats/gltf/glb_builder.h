@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/mesh/attributes.h"
+#include "core/mesh/up_axis.h"
 
 namespace lodestone {
 
@@ -21,6 +22,9 @@ class GlbBuilder {
   GlbBuilder() { root["asset"] = {{"version", "2.0"}, {"generator", "Lodestone"}}; }
 
   nlohmann::json root;  // the document; the caller adds what is not added below
+
+  // The document has one node and one mesh, at this place: a point of the model, turned y up as glTF has it.
+  void add_node(Vec3d place, double scale, UpAxis up);
 
   // Adds the bytes of a buffer view, at a multiple of four; returns its number.
   std::size_t add_view(std::span<const std::byte> bytes, GltfTarget target);

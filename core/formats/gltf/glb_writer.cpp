@@ -10,12 +10,6 @@ namespace {
 
 using nlohmann::json;
 
-void add_node(GlbBuilder& glb, Vec3d middle) {
-  glb.root["scene"] = 0;
-  glb.root["scenes"] = {{{"nodes", {0}}}};
-  glb.root["nodes"] = {{{"mesh", 0}, {"translation", {middle.x, middle.y, middle.z}}}};
-}
-
 // Colours are sRGB in files of meshes and linear in glTF.
 std::vector<std::array<float, 4>> linear_colours(const std::vector<Rgba8>& colours) {
   const std::array<float, 256>& linear = linear_of_srgb();
@@ -65,7 +59,7 @@ std::vector<std::byte> encode_glb(const MeshView& mesh) {
   const auto [lo, hi] = box_of(mesh);
   const Vec3d middle = 0.5 * (lo + hi);
   GlbBuilder glb;
-  add_node(glb, middle);
+  glb.add_node(middle, 1, mesh.up.axis);
   add_primitives(glb, mesh, add_vertices(glb, mesh, middle));
   for (const Material& m : mesh.materials) glb.add_material(m, mesh.textures.size());
   glb.complete_materials();

@@ -14,6 +14,7 @@
 #include "core/formats/common/companion_files.h"
 #include "core/formats/gltf/gltf.h"
 #include "core/formats/gltf/gltf_document.h"
+#include "core/math/box3.h"
 #include "core/mesh/raw_mesh.h"
 
 namespace lodestone {
@@ -194,11 +195,21 @@ RawMesh read_tile(const Tile& tile, const ReadConfig& config) {
   return mesh;
 }
 
+Up up_of_tiles(const RawMesh& mesh) {
+  constexpr double lowest = 6.3e6, highest = 6.4e6;  // metres from the middle of the Earth
+  Box3d box;
+  for (const Vec3d p : mesh.positions)
+    if (is_finite(p)) box.extend(p);
+  const double height = mesh.positions.empty() ? 0 : length(0.5 * (box.lo + box.hi));
+  return {height > lowest && height < highest ? UpAxis::earth : UpAxis::z, false};
+}
+
 RawMesh read_tileset(ByteReader& input, const ReadConfig& config) {
   TileList list = list_tiles(input);
   RawMesh mesh;
   mesh.warnings = std::move(list.warnings);
   for (const Tile& tile : list.tiles) append_mesh(mesh, read_tile(tile, config), input.name());
+  mesh.up = up_of_tiles(mesh);
   return mesh;
 }
 

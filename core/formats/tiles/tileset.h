@@ -31,6 +31,10 @@ struct TileList {
 // UnsupportedError for implicit tiling. Point clouds, instanced models and composites are left out with a warning.
 [[nodiscard]] TileList list_tiles(ByteReader& input);
 
+// The up axis of tiles that are put together as a mesh: where it lies on the Earth, away from the middle of that;
+// elsewhere z, in the coordinates of the root's parent.
+[[nodiscard]] Up up_of_tiles(const RawMesh& mesh);
+
 // All of them as one mesh, in the coordinates of the root, usually on the Earth.
 [[nodiscard]] RawMesh read_tileset(ByteReader& input, const ReadConfig& config = {});
 

@@ -47,7 +47,9 @@ LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file
       "record sizes do not match the version");
   if ((h.features & ~lode_known_features) != 0)
     throw UnsupportedError(describe(file, "header", "features that this program does not know", "use a newer one"));
-  say(h.reserved == 0 && h.lattice_bits <= Lattice::most_bits, "the lattice is out of range");
+  say(h.lattice_bits <= Lattice::most_bits, "the lattice is out of range");
+  say(h.features & lode_up ? (h.up & ~lode_guessed_up) <= static_cast<int>(UpAxis::earth) : h.up == 0,
+      "the up axis is out of range");
   say(!(h.features & lode_compressed) || h.lattice_bits != 0, "the file is compressed, but has no lattice");
   say(h.level_count >= 1 && h.level_count <= max_level + 1, "the number of levels is out of range");
   say(h.cell_count >= 1 && h.cell_count < no_cell, "the number of cells is out of range");
@@ -71,6 +73,8 @@ void check_table_checksum(std::span<const std::byte> bytes, const LodeHeader& he
 
 void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   hierarchy.transform = {{h.origin[0], h.origin[1], h.origin[2]}, h.scale, {h.lattice_bits}};
+  if (h.features & lode_up)
+    hierarchy.transform.up = {static_cast<UpAxis>(h.up & ~lode_guessed_up), (h.up & lode_guessed_up) != 0};
   hierarchy.sigma0 = h.sigma0;
   const auto has = [&](LodeFeatures feature) { return (h.features & feature) != 0; };
   hierarchy.attributes = {

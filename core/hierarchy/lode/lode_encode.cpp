@@ -27,7 +27,8 @@ std::uint16_t features_of(const Hierarchy& hierarchy, LodeForm form) {
       (form == LodeForm::compressed ? lode_compressed : 0) | (a.wedges ? lode_wedges : 0) | (a.uv ? lode_uv : 0) |
       (a.colours ? lode_colours : 0) | (a.materials ? lode_materials : 0) |
       (p.measured_errors ? lode_measured_errors : 0) | (p.refined ? lode_refined : 0) |
-      (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies) | (has_surfaces(hierarchy) ? lode_surfaces : 0));
+      (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies) | (has_surfaces(hierarchy) ? lode_surfaces : 0) |
+      (hierarchy.transform.up == Up{} ? 0 : lode_up));
 }
 
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
@@ -35,6 +36,8 @@ LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   h.magic = lode_magic;
   h.features = features_of(hierarchy, layout.form);
   h.lattice_bits = static_cast<std::uint8_t>(hierarchy.transform.lattice.bits);
+  if (const Up up = hierarchy.transform.up; up != Up{})
+    h.up = static_cast<std::uint8_t>(static_cast<std::uint8_t>(up.axis) | (up.guessed ? lode_guessed_up : 0));
   h.version = lode_version;
   h.byte_order = lode_byte_order;
   h.header_bytes = sizeof(LodeHeader);

@@ -48,8 +48,11 @@ enum LodeFeatures : std::uint16_t {
   lode_refined = 64,          // Provenance::refined
   lode_texture_copies = 128,  // Hierarchy::texture_copies
   lode_surfaces = 256,        // the assets have an object of surfaces
-  lode_known_features = 511,
+  lode_up = 512,              // the header says which axis is up; without it z is, as a guess
+  lode_known_features = 1023,
 };
+
+inline constexpr std::uint8_t lode_guessed_up = 128;
 
 struct LodeHeader {
   std::array<char, 8> magic{};
@@ -66,7 +69,8 @@ struct LodeHeader {
   std::uint32_t simplifier = 0;  // SimplifierKind in the lower half, Placement in the upper one
   std::uint32_t cell_triangles = 0;
   std::uint16_t features = 0;  // LodeFeatures
-  std::uint8_t lattice_bits = 0, reserved = 0;
+  std::uint8_t lattice_bits = 0;
+  std::uint8_t up = 0;  // UpAxis, plus lode_guessed_up; 0 without the feature
   std::uint64_t input_vertices = 0, input_triangles = 0, fingerprint = 0;
   std::array<std::uint64_t, 9> repairs{};  // in the order of struct Repairs
 };

@@ -46,6 +46,7 @@ PixelMeaning meaning_of(const Hierarchy& hierarchy, std::uint32_t texture) {
 RawMesh level_mesh(const Hierarchy& hierarchy, int level) {
   const Level& found = level_or_throw(hierarchy, level);
   RawMesh mesh;
+  mesh.up = hierarchy.transform.up;
   mesh.triangles.reserve(found.triangles);
   mesh.materials = hierarchy.materials;
   mesh.textures = level_textures(hierarchy, level);

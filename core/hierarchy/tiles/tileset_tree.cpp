@@ -92,15 +92,25 @@ class TreeEncoder {
   }
 
   std::vector<TilesetFile> encode() {
-    const Vec3d o = hierarchy_.transform.origin;
     json root = tile(CellId(0), 0);
-    root["transform"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, o.x, o.y, o.z, 1};
+    root["transform"] = place_of_root();
     add_file("tileset.json", std::move(root), CellId(0));
     std::reverse(files_.begin(), files_.end());
     return std::move(files_);
   }
 
  private:
+  // The model's origin, and its up axis turned to z. On the Earth tilesets have up where it is.
+  [[nodiscard]] json place_of_root() const {
+    const UpAxis up = hierarchy_.transform.up.axis;
+    const Vec3d z = direction_of(UpAxis::z, {});
+    const Affine3d turn = turn_between(up == UpAxis::earth ? z : direction_of(up, {}), z);
+    const auto [x_axis, y_axis, z_axis] = turn.axes;
+    const Vec3d o = turn.vector(hierarchy_.transform.origin);
+    return {x_axis.x, x_axis.y, x_axis.z, 0, y_axis.x, y_axis.y, y_axis.z, 0,
+            z_axis.x, z_axis.y, z_axis.z, 0, o.x,      o.y,      o.z,      1};
+  }
+
   // True at levels finest - n, finest - 2 n, ... of a large tree.
   [[nodiscard]] bool is_cut(int level) const {
     if (hierarchy_.cells.size() <= config_.max_tiles || level == 0 || level == hierarchy_.finest()) return false;
@@ -175,8 +185,11 @@ class TreeEncoder {
       reach.push_back({{"euclidean", level.reach[0]}, {"chebyshev", level.reach[1]}});
       error.push_back(level.error);
     }
+    const Vec3d origin = hierarchy_.transform.origin;
     return {{"sigma0", hierarchy_.sigma0},
             {"scale", hierarchy_.transform.scale},
+            {"up", name_of(hierarchy_.transform.up.axis)},
+            {"origin", {origin.x, origin.y, origin.z}},
             {"reach", reach},
             {"error", error},
             {"texels", texels_},

@@ -59,7 +59,7 @@ class TileErrors {
 
 // The tileset.json, followed by those it refers to. `errors` has one value per cell; the values written do not decrease
 // towards the root. Boxes contain those of their children, grown by rounding errors. The root's transform is the origin
-// of the model.
+// of the model, and turns it z up, as 3D Tiles have it.
 [[nodiscard]] std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,
                                                        const TilesetConfig& config = {});
 

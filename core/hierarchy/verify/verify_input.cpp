@@ -225,7 +225,9 @@ void check_fingerprint(const Hierarchy& hierarchy, const LevelIdentity& finest, 
 }
 
 void check_input(const Hierarchy& hierarchy, const IndexedMesh& input, Finding& same) {
-  same.require(hierarchy.transform == input.transform, [] { return "origin or scale differ from the input's"; });
+  Transform transform = input.transform;
+  transform.up = hierarchy.transform.up;  // may have been given
+  same.require(hierarchy.transform == transform, [] { return "origin or scale differ from the input's"; });
   const FinestTriangles kept(hierarchy);
   const std::uint64_t kept_count = hierarchy.levels.back().triangles;
   if (!hierarchy.provenance.refined) {

@@ -14,11 +14,10 @@ namespace {
 
 using nlohmann::json;
 
-void add_node(GlbBuilder& glb, const Transform& t) {
-  glb.root["scene"] = 0;
-  glb.root["scenes"] = {{{"nodes", {0}}}};
-  glb.root["nodes"] = {
-      {{"mesh", 0}, {"translation", {t.origin.x, t.origin.y, t.origin.z}}, {"scale", {t.scale, t.scale, t.scale}}}};
+// Extras say where the model lies before it is turned y up.
+void add_place(GlbBuilder& glb, const Transform& t) {
+  glb.add_node(t.origin, t.scale, t.up.axis);
+  glb.root["nodes"][0]["extras"] = {{"up", name_of(t.up.axis)}, {"origin", {t.origin.x, t.origin.y, t.origin.z}}};
 }
 
 // glTF has no attributes of 32-bit unsigned integers: 16 bits where they suffice, else floats, exact up to 2^24.
@@ -114,7 +113,7 @@ std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool 
                                               std::span<const Texture> thumbnails) {
   require_gltf_range({mesh.transform.to_model({0, 0, 0}), mesh.transform.to_model({1, 1, 1})}, "", "write a .lpm file");
   GlbBuilder glb;
-  add_node(glb, mesh.transform);
+  add_place(glb, mesh.transform);
   add_primitives(glb, mesh, add_vertices(glb, mesh));
   for (const Material& m : mesh.wedges.materials) glb.add_material(m, mesh.wedges.textures.size());
   add_extras(glb, mesh);

@@ -50,7 +50,12 @@ class ProgressiveReader {
     const auto origin = node.numbers_or<3>("translation", {0, 0, 0});
     const auto scale = node.numbers_or<3>("scale", {1, 1, 1});
     if (!(scale[0] > 0) || scale[0] != scale[1] || scale[1] != scale[2]) node.fail("the scale is not uniform");
-    out_.transform.origin = {origin[0], origin[1], origin[2]};
+    const std::optional<JsonView> extras = node.find("extras");  // the place before the turn to y up
+    const auto own = extras ? extras->numbers_or<3>("origin", origin) : origin;
+    const std::optional<UpAxis> up = up_axis_named(extras ? extras->string_or("up", "y") : "y");
+    if (!up) extras->fail("unknown up axis");
+    out_.transform.origin = {own[0], own[1], own[2]};
+    out_.transform.up = {*up, false};
     out_.transform.scale = scale[0];
   }
 

@@ -56,6 +56,9 @@ void read_geometry(const JsonView& header, LpmHeader& h) {
   const auto origin = header.at("origin").numbers<3>();
   h.transform = {{origin[0], origin[1], origin[2]}, header.at("scale").number()};
   if (!(h.transform.scale > 0)) header.at("scale").fail("is not positive");
+  const std::optional<UpAxis> up = up_axis_named(header.string_or("up", "y"));
+  if (!up) header.at("up").fail("unknown up axis");
+  h.transform.up = {*up, false};
   // Files without one have lost half a step on each axis.
   h.finest_error = std::sqrt(3.0) * std::ldexp(0.5, -static_cast<int>(h.settings.position_bits));
   if (const auto error = header.find("finestError")) h.finest_error = error->number();
@@ -104,6 +107,7 @@ json to_json(const LpmHeader& h) {
               {"origin", {h.transform.origin.x, h.transform.origin.y, h.transform.origin.z}},
               {"scale", h.transform.scale},
               {"finestError", h.finest_error},
+              {"up", name_of(h.transform.up.axis)},
               {"materials", materials},
               {"textures", textures}};
   return header;

@@ -63,6 +63,7 @@ PlacedLevel LevelFinder::placed_level(std::uint32_t vertices) const {
 
 RawMesh LevelFinder::level_mesh(std::uint32_t vertices) const {
   RawMesh raw;
+  raw.up = mesh_->transform.up;
   const auto prefix = [&](const auto& values) {
     const std::size_t count = std::min<std::size_t>(values.size(), vertices);
     return std::vector(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count));

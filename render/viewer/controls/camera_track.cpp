@@ -54,8 +54,8 @@ std::optional<Camera> CameraPlayer::advance(double now) {
     stop();
     return last;
   }
-  const auto key = static_cast<std::size_t>(at);
-  return between(keys_[key], keys_[key + 1], at - static_cast<double>(key));
+  const Camera camera = camera_at(keys_, at);
+  return is_valid(camera) ? camera : keys_[static_cast<std::size_t>(at)];
 }
 
 void CameraTransition::start(double now, const Camera& from, const Camera& to) {

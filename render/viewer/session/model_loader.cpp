@@ -57,6 +57,7 @@ void ModelLoader::work() {
   for (const std::filesystem::path& path : config_.paths) files.push_back(path.string());
   model_->is_scene_file = is_scene_file(files.front());
   model_->scene = OpenScene::read(files);
+  if (config_.reading.up) model_->scene.up = config_.reading.up;
   OpenSceneConfig opening;
   opening.memory_budget = config_.memory_budget;
   opening.stream_if_larger = true;

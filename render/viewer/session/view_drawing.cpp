@@ -6,11 +6,7 @@
 #include "render/viewer/session/band_tint.h"
 
 namespace lodestone::viewer {
-namespace {
-
-constexpr float wire_opacity = 0.6f;
-
-}  // namespace
+namespace {}  // namespace
 
 ViewConfig view_config(const Scene& scene, const ViewState& state, std::size_t settings, ImageSize size) {
   const ViewSettings& wanted = state.settings[settings];
@@ -28,7 +24,7 @@ ViewConfig view_config(const Scene& scene, const ViewState& state, std::size_t s
   config.effects.without = looks.without;
   config.hidden = looks.hidden;
   if (wanted.tint || wanted.errors) config.settings.level_tint = 1;
-  if (wanted.wireframe) config.settings.wireframe = wire_opacity;
+  if (wanted.wireframe) config.settings.wireframe = shading::wire_opacity;
   if (wanted.overdraw) config.settings.overdraw = true;
   return config;
 }

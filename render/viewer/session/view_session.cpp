@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "render/effects/plan.h"
 #include "render/viewer/controls/camera_control.h"
 #include "render/viewer/controls/layout.h"
 
@@ -34,9 +35,9 @@ void take_settings(const Scene& scene, ViewState& state) {
 
 // The way of a scene, to be played. One that flies down to a surface has to know the surface, which a streamed model
 // does not.
-std::vector<Camera> way_through(const SceneView& scene, bool streamed) {
+std::vector<Camera> way_through(const SceneView& scene, bool streamed, ImageSize size) {
   if (streamed && scene.scene().camera.path == "fly-in") return {};
-  return camera_path(scene);
+  return camera_path(scene, size);
 }
 
 }  // namespace
@@ -48,7 +49,7 @@ void ViewSession::open(const std::vector<fs::path>& files, double now) {
   if (files.empty()) return;
   try {
     if (is_camera_path(files.front())) {
-      play(read_camera_keys(files.front().string()), now);
+      play(read_camera_keys(files.front().string(), {}), now);
       return;
     }
   } catch (const Error& error) {
@@ -79,15 +80,17 @@ void ViewSession::show(std::unique_ptr<Model> model, double now) {
   stop_moving();
   path_.clear();
   const Sphere all = drawing_.bounding_sphere();
-  Camera from = orbit_path(all, 1).front();
+  Camera from = orbit_path(all, 1, {drawing_.scene_view().up(), aspect_of(config_.window)}).front();
   if (model_->is_scene_file) {
     take_settings(model_->scene, state);
-    path_ = way_through(drawing_.scene_view(), model_->opened.streamed());
+    path_ = way_through(drawing_.scene_view(), model_->opened.streamed(), config_.window);
     if (!path_.empty()) from = path_.front();
   }
   warn(model_->opened.warnings(), now);
   look_at(state, all, from);
-  state.looks = looks_of(model_->scene);
+  Scene scene = model_->scene;
+  scene.settings = complete_settings(scene.settings, scene.effects, all.radius);
+  state.looks = looks_of(scene);
   home_ = seen_ = drawable_ = state.camera;
 }
 
@@ -128,16 +131,24 @@ void ViewSession::act(Action action, double now) {
   }
 }
 
+// Keys without an up axis have that of the model.
+std::vector<Camera> ViewSession::upright(std::vector<Camera> path) const {
+  const Vec3d up = model_ ? drawing_.scene_view().up() : Vec3d{0, 0, 1};
+  for (Camera& camera : path)
+    if (camera.up == Vec3d{}) camera.up = up;
+  return path;
+}
+
 void ViewSession::play(std::vector<Camera> path, double now) {
   if (path.empty()) return;
   transition_.stop();
-  path_ = std::move(path);
+  path_ = upright(std::move(path));
   player_.start(now, path_);
 }
 
 void ViewSession::offer_path(std::vector<Camera> path) {
   if (path.empty()) return;
-  path_ = std::move(path);
+  path_ = upright(std::move(path));
   state.camera = seen_ = path_.front();
 }
 

@@ -30,6 +30,7 @@ struct SessionConfig {
   std::filesystem::path folder = ".";
   std::function<void()> wake;                   // ModelLoader's
   std::function<void(const std::string&)> say;  // may be empty
+  ImageSize window{};                           // which the first camera is made for
 };
 
 class ViewSession {
@@ -95,6 +96,7 @@ class ViewSession {
   void show(std::unique_ptr<Model> model, double now);
   void toggle_recording(double now);
   void stop_moving();
+  [[nodiscard]] std::vector<Camera> upright(std::vector<Camera> path) const;
 
   SessionConfig config_;
   ViewDrawing drawing_;

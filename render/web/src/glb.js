@@ -157,7 +157,8 @@ async function progressiveMesh(glb) {
           uv: get('TEXCOORD_0'), normals: get('NORMAL'), hasNormals: attributes.NORMAL !== undefined, colours: colours && srgbBytes(colours),
           materialIds: mesh.primitives.length > 1 ? materialIds : null,
           materials: (glb.json.materials ?? []).map((_, k) => glb.material(k)),
-          textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles, whole: true, origin: node.translation ?? [0, 0, 0], scale}, name);
+          textures: (glb.json.images ?? []).map((_, k) => glb.image(k)), triangles, whole: true, scale,
+          origin: node.extras?.origin ?? node.translation ?? [0, 0, 0], up: node.extras?.up ?? 'y'}, name);
 }
 
 // Checks the properties that levels.js relies on.

@@ -17,7 +17,6 @@ export async function load(url, {pixels = 1, megabytes = 512, onChange = () => {
 async function loadTiles(url, megabytes, how) {
   const budget = Math.floor(2 ** 20 * megabytes);
   const view = await openTiles(url, how.name, {anisotropy: ANISOTROPY, budget, say: how.onError});
-  view.frame.rotation.x = 0;
   return new Model(view, view.tileset, how, () => {});
 }
 

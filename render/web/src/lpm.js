@@ -166,8 +166,8 @@ export class LpmDecoder {
     this.made = {vertexCount: count, baseVertices: this.baseVertices, positions, parents, errors, uv,
             colours: header.colours ? Uint8Array.from(values.colours.flat()) : null, normals: null,
             materialIds: header.materialIds ? Int32Array.from(values.materials) : null, materials: header.materials.map(withSurface),
-            textures: this.textureList(), triangles: splits.triangles(),
-            whole: splits.stars.length === header.groups, origin: header.origin, scale: header.scale};
+            textures: this.textureList(), triangles: splits.triangles(), whole: splits.stars.length === header.groups,
+            origin: header.origin, scale: header.scale, up: header.up ?? 'y'};
     return this.made;
   }
 }

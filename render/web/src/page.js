@@ -8,6 +8,7 @@ import {Labels, columnsFor, layOut, seeAll} from './layout.js';
 import {ProgressiveView} from './progressive_view.js';
 import {fromHash, toHash} from './shared_view.js';
 import {openTiles} from './tiles_view.js';
+import {standUp, turnOver} from './turn.js';
 
 const $ = (id) => document.getElementById(id);
 
@@ -211,6 +212,7 @@ class Page {
   // `order`: models with a smaller one are placed before it, whichever arrived first.
   add(view, order) {
     view.order = order;
+    standUp(view.frame, view.tileset ?? view.mesh);
     this.models.push(view);
     this.models.sort((a, b) => a.order - b.order);
     this.scene.add(view.node);
@@ -221,7 +223,7 @@ class Page {
   }
 
   turn(model) {
-    model.turn();
+    turnOver(model.frame);
     this.frameAll();
   }
 

@@ -16,7 +16,7 @@ export class ProgressiveView {
     Object.assign(this, {name, anisotropy, place: 0, wanted: null, drawn: null, mesh: null, images: [], outdated: []});
     this.share = {value: 1};
     this.node = new THREE.Group();
-    this.frame = new THREE.Group();  // turned to z up or not
+    this.frame = new THREE.Group();  // turned upright, or not
     this.node.add(this.frame);
     this.object = new THREE.Mesh(new THREE.BufferGeometry(), [morphMaterial({}, this.share)]);
     this.object.frustumCulled = false;  // of one model, always in sight
@@ -121,7 +121,6 @@ export class ProgressiveView {
     }
   }
 
-  turn() { this.frame.rotation.x = this.frame.rotation.x === 0 ? -Math.PI / 2 : 0; }
   setEdges(on) { showEdges(this.object, on); }
 
   // A place on the ladder, with a fraction.

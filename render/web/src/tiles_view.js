@@ -44,8 +44,7 @@ export class TilesView {
     this.residents = new ResidentTiles(tileset, {load: (cell, signal) => this.load(cell, signal), release: (cell) => this.release(cell),
                                                  failed: say}, budget);
     this.node = new THREE.Group();
-    this.frame = new THREE.Group();  // z up to y up
-    this.frame.rotation.x = -Math.PI / 2;
+    this.frame = new THREE.Group();  // turned upright, or not
     this.node.add(this.frame);
     this.viewpoint = {value: new THREE.Vector3()};
     this.limitBoxes = new LimitTexture();
@@ -67,8 +66,6 @@ export class TilesView {
     await this.residents.start();
     this.show(this.drawn);
   }
-
-  turn() { this.frame.rotation.x = this.frame.rotation.x === 0 ? -Math.PI / 2 : 0; }
 
   setEdges(on) {
     this.edges = on;

@@ -47,7 +47,9 @@ export async function loadTileset(url, fetchJson) {
   cells.sort((a, b) => a.level - b.level);  // numbered as in the .lode file: level by level
   cells.forEach((cell, index) => Object.assign(cell, {index}));
   const thumbnails = new Map(Object.entries(files).map((pair) => pair.map((uri) => new URL(uri, url).href)));
-  return {...figures, root, cells, origin: json.root.transform?.slice(12, 15) ?? [0, 0, 0], thumbnails};  // the origin of the model
+  // The model's; older files have z up, and no turn in the transform.
+  const {up = 'z', origin = json.root.transform?.slice(12, 15) ?? [0, 0, 0]} = json.extras.lodestone;
+  return {...figures, root, cells, origin, up, thumbnails};
 }
 
 // Per level: r_l, and the band in which its vertices travel. Radii are 32-bit floats, as limits are made of them.

@@ -52,6 +52,7 @@ Glb parse(const std::vector<std::byte>& bytes) {
 
 RawMesh far_square() {
   RawMesh mesh;
+  mesh.up = {UpAxis::y, false};
   mesh.positions = {{1e7, 0, 5}, {1e7 + 1, 0, 5}, {1e7 + 1, 1, 5}, {1e7, 1, 5}};
   mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
   return mesh;

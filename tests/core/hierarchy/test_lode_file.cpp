@@ -237,6 +237,24 @@ Bytes with_header(Bytes bytes, const Change& change) {
   return bytes;
 }
 
+// Files whose up axis is what older ones have are the same bytes as theirs.
+TEST_F(LodeFile, KeepsTheUpAxis) {
+  Hierarchy model = small_model();
+  write_lode(model, path());
+  const Bytes plain = read_bytes(path());
+  LodeHeader header;
+  std::memcpy(&header, plain.data(), sizeof(header));
+  EXPECT_EQ(header.features & lode_up, 0);
+  EXPECT_EQ(open_lode(path()).transform.up, Up{});
+  for (const UpAxis axis : {UpAxis::z, UpAxis::y, UpAxis::minus_x, UpAxis::earth})
+    for (const bool guessed : {false, true}) {
+      model.transform.up = {axis, guessed};
+      write_lode(model, path());
+      expect_equal(open_lode(path()), model);
+      EXPECT_EQ(read_bytes(path()).size(), plain.size());
+    }
+}
+
 TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {
   write_lode(lattice_model(), path(), LodeForm::compressed);
   const Bytes whole = read_bytes(path());
@@ -253,7 +271,9 @@ TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 0; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 25; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 12; }), InputError);  // vertices beyond the cube
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.reserved = 1; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.up = 1; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 7; }), InputError);
+  EXPECT_NO_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 6; }));
 }
 
 // Counts that would take more memory than any payload of that size can fill are refused before it is asked for.

@@ -1,0 +1,45 @@
+// The direction that is up in the space of a model: what cameras stand upright by, and what formats with an up axis of
+// their own (glTF, 3D Tiles) are turned by.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/math/affine.h"
+#include "core/math/vec3.h"
+
+namespace lodestone {
+
+// The numbers are those of .lode files. `earth`: away from the origin, which is the middle of the Earth.
+enum class UpAxis : std::uint8_t { z, y, x, minus_z, minus_y, minus_x, earth };
+inline constexpr std::array<std::string_view, 7> up_axis_names{"z", "y", "x", "-z", "-y", "-x", "earth"};
+
+// Formats that do not say which axis is up leave it to be guessed: y for OBJ, whose exporters turn models so by
+// default, z for all others.
+struct Up {
+  UpAxis axis = UpAxis::z;
+  bool guessed = true;
+  friend bool operator==(const Up&, const Up&) = default;
+};
+
+[[nodiscard]] constexpr std::string_view name_of(UpAxis axis) { return up_axis_names[static_cast<std::size_t>(axis)]; }
+// Empty for an unknown name.
+[[nodiscard]] std::optional<UpAxis> up_axis_named(std::string_view name);
+// One of the six axes, as --up names it. Throws InputError for other names.
+[[nodiscard]] UpAxis up_axis(const std::string& name);
+
+// The unit vector of it at a place in the space of the model.
+[[nodiscard]] Vec3d direction_of(UpAxis axis, Vec3d place);
+
+// The axis that is nearest to a direction.
+[[nodiscard]] UpAxis nearest_axis(Vec3d direction);
+
+// The smallest turn that takes one unit vector to another: exact between axes.
+[[nodiscard]] Affine3d turn_between(Vec3d from, Vec3d to);
+// The same as a unit quaternion (x, y, z, w).
+[[nodiscard]] std::array<double, 4> turn_quaternion(Vec3d from, Vec3d to);
+
+}  // namespace lodestone
