@@ -51,10 +51,11 @@ class Render(CommandCase):
         for camera in ("fly-in", "orbit"):
             for metric in ("euclidean", "chebyshev"):
                 uniform = ("--radii", "uniform", "--kappa0", 1.1 * self.rho(metric))
-                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 2), uniform):
+                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 1), uniform):
                     result = self.fly("--camera", camera, "--metric", metric, *rule)
                     self.assert_seamless(result)
-                    self.assertGreater(result["jump_max"], 0)
+                    if camera == "fly-in":  # the orbit, seeing all, may keep clear of every band
+                        self.assertGreater(result["jump_max"], 0)
 
     def test_blending_functions(self):
         for blend in BLENDS:
