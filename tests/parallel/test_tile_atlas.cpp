@@ -30,6 +30,12 @@ Texture texture_of(const PixelImage& image, TextureWrap u, TextureWrap v) {
   return {"", "image/png", u, v, encode_image(image, "image/png")};
 }
 
+Material textured_material() {
+  Material material;
+  material.texture = 0;
+  return material;
+}
+
 // Each strip shows its texture on a range of coordinates of its own.
 Hierarchy striped(const std::vector<Material>& materials, const std::vector<Texture>& textures, double repeats = 1.3) {
   RawMesh raw = generate_mesh({Shape::terrain, 3000, 3});
@@ -162,7 +168,7 @@ TEST_F(TileAtlases, PartsDoNotBleedIntoEachOtherInThreeMipLevels) {
 TEST_F(TileAtlases, KeepApartWhatDiffers) {
   std::vector<Texture> textures{texture_of(patterned({16, 16}, 1), TextureWrap::repeat, TextureWrap::repeat),
                                 texture_of(patterned({32, 32}, 2), TextureWrap::repeat, TextureWrap::repeat)};
-  std::vector<Material> materials(strips, Material{.texture = 0});
+  std::vector<Material> materials(strips, textured_material());
   materials[1].alpha_mode = materials[3].alpha_mode = AlphaMode::mask;
   materials[2].roughness = 0.5f;
   materials[4].normal_map = materials[5].normal_map = 1;
@@ -185,10 +191,8 @@ TEST_F(TileAtlases, KeepApartWhatDiffers) {
 
 TEST_F(TileAtlases, FewMaterialsAreLeftAsTheyAre) {
   const std::vector<Texture> textures{texture_of(patterned({16, 16}, 1), TextureWrap::repeat, TextureWrap::repeat)};
-  EXPECT_TRUE(
-      atlas_of(striped(std::vector<Material>(4, Material{.texture = 0}), textures), CellId(0)).materials.empty());
-  EXPECT_FALSE(
-      atlas_of(striped(std::vector<Material>(5, Material{.texture = 0}), textures), CellId(0)).materials.empty());
+  EXPECT_TRUE(atlas_of(striped(std::vector<Material>(4, textured_material()), textures), CellId(0)).materials.empty());
+  EXPECT_FALSE(atlas_of(striped(std::vector<Material>(5, textured_material()), textures), CellId(0)).materials.empty());
 }
 
 // Colours that differ go into the pixels; a material without a texture is a patch of its colour.
@@ -196,7 +200,7 @@ TEST_F(TileAtlases, BaseColoursAreMultipliedIn) {
   const PixelImage grey{
       .size = {8, 8}, .channels = 3, .pixels = std::vector<std::uint8_t>(8 * 8 * 3, 188)};  // 0.5 light
   const std::vector<Texture> textures{texture_of(grey, TextureWrap::repeat, TextureWrap::repeat)};
-  std::vector<Material> materials(strips, Material{.texture = 0});
+  std::vector<Material> materials(strips, textured_material());
   for (std::uint32_t k = 0; k < strips; ++k) {
     materials[k].base_colour = {1, 0.125f * static_cast<float>(k), 0.25f, 1};
     if (k % 2) materials[k].texture = no_texture;

@@ -104,7 +104,7 @@ TEST_F(SceneFile, EveryKey) {
   settings.level_tint = 0.5f, settings.wireframe = 0.25f, settings.overdraw = true;
   EXPECT_EQ(scene.settings, settings);
   EXPECT_EQ(scene.towards_light, (Vec3d{0, 0, 2}));
-  EXPECT_EQ(scene.effects, (EffectRequest{EffectRequest::Kind::listed, {Effect::fog, Effect::wireframe}}));
+  EXPECT_EQ(scene.effects, (EffectRequest{EffectRequest::Kind::listed, {Effect::fog, Effect::wireframe}, {}}));
   EXPECT_EQ(scene.radii.pixel_error, 2);
   EXPECT_EQ(scene.blend, Blend::cosine);
   EXPECT_EQ(scene.camera.frames, 9);

@@ -149,7 +149,8 @@ std::string why_no_adversary(const Hierarchy& hierarchy) {
                     "a hierarchy of one or two levels draws cells of one level only: it cannot crack, and no viewpoint "
                     "is adversarial",
                     remedy);
-  return describe("", "", "no vertex of this hierarchy is shared between cells: it cannot crack", remedy);
+  return describe("", "", "no vertex that cells of this hierarchy share moves between its levels: it cannot crack",
+                  remedy);
 }
 
 }  // namespace lodestone

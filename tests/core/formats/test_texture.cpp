@@ -381,7 +381,7 @@ TEST(Recompressed, IsASmallerWebpOfTheSameSizeOrTheTextureItself) {
   double sum = 0;
   for (std::size_t k = 0; k < image.pixels.size() / image.channels; ++k)
     for (std::size_t c = 0; c < 3; ++c)
-      sum += std::abs(double{image.pixels[k * image.channels + c]} - before.pixels[k * before.channels + c]);
+      sum += std::abs(int{image.pixels[k * image.channels + c]} - int{before.pixels[k * before.channels + c]});
   EXPECT_LT(sum, 4.0 * 3 * 90 * 70);
   EXPECT_EQ(recompressed(webp, PixelMeaning::colours, 100), webp);  // without loss is not smaller
   const Texture foreign{.name = "b", .media_type = "image/ktx2", .bytes = {'k', 't', 'x'}};

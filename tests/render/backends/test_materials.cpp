@@ -117,7 +117,7 @@ TEST_P(MaterialScenes, GlAgreesWithSoft) {
 }
 
 TEST_P(MaterialScenes, AllEffectsGiveThePictureOfThoseCalledFor) {
-  TexturedFrame planned(scene()), all(scene(), {EffectRequest::Kind::all, {}});
+  TexturedFrame planned(scene()), all(scene(), {EffectRequest::Kind::all, {}, {}});
   const auto soft = make_renderer("soft", *scheduler_);
   const Image image = planned.draw(*soft);
   EXPECT_TRUE(image.rgba == all.draw(*soft).rgba);

@@ -13,7 +13,7 @@ namespace {
 
 using namespace lodestone::test;
 
-const EffectRequest all_effects{EffectRequest::Kind::all, {}};
+const EffectRequest all_effects{EffectRequest::Kind::all, {}, {}};
 
 std::vector<TexturedScene> textured_scenes() {
   static const auto torus = textured_torus(), coloured = textured_torus(true);

@@ -208,10 +208,10 @@ TEST(BackFaces, AreDrawnWhereTheyCanBeSeen) {
 
   NaiveHierarchy inward = test::naive_hierarchy(turned_over(test::sphere_mesh(5)), 2, 0.5f);
   EXPECT_NE(BackFaces(inward.hierarchy, *scheduler).cones_from(away, {}), nullptr);
-  inward.hierarchy.materials = {{.double_sided = false}};
+  inward.hierarchy.materials.emplace_back().double_sided = false;
   EXPECT_EQ(BackFaces(inward.hierarchy, *scheduler).cones_from(away, {}), nullptr) << "its outer side is not drawn";
   Hierarchy lace = sphere();
-  lace.materials = {{.alpha_mode = AlphaMode::mask}};
+  lace.materials.emplace_back().alpha_mode = AlphaMode::mask;
   EXPECT_EQ(BackFaces(lace, *scheduler).cones_from(away, {}), nullptr) << "through the holes";
   EXPECT_NE(BackFaces(lace, *scheduler).cones_from(away, {.textures = false}), nullptr);
 }
