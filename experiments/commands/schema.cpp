@@ -39,6 +39,11 @@ std::vector<Key> repairs(const std::string& prefix = "repairs") {
           {prefix + ".filled_posts", "", "posts whose height was interpolated"}};
 }
 
+std::vector<Key> up_keys() {
+  return {{"up", "", "axis that points up: x, y, z, -x, -y, -z, or earth: away from its middle"},
+          {"up_guessed", "", "by the format; neither the file nor --up says it"}};
+}
+
 std::vector<Key> level_keys() {
   return {{"level_table[].level", "", "0 is the coarsest"},
           {"level_table[].cells", "", "cells of the level"},
@@ -98,6 +103,7 @@ std::vector<Key> build_details() {
                   {"scratch.blocks", "", "blocks built"},
                   {"scratch.blocks_resumed", "", "blocks that an earlier build had left"},
                   {"trace", "", "file of --trace"}},
+                 up_keys(),
                  level_keys(),
                  repairs()});
 }
@@ -131,6 +137,7 @@ std::vector<Key> info_keys() {
                   {"non_manifold_edges", "", "edges of more than two triangles"},
                   {"inconsistent_edges", "", "edges whose two triangles face against each other"},
                   {"warnings[]", "", "what is wrong with the file"}},
+                 up_keys(),
                  level_keys(),
                  repairs()});
 }

@@ -34,7 +34,7 @@ class RecordedPaths(SweepCase):
                 ("flight", 'kappa0 = 1.5, image = true, backend = "soft", effects = "head-light,geomorph"'),
                 ("systems", 'effects = ["auto", "none"]'),
                 ("raster", 'measured_frames = 2, effects = "all"')):
-            self.sweep(self.text(experiment, parameters, '"paths/walk.json", "orbit"'), output=experiment)
+            self.sweep(self.text(experiment, parameters, '"paths/walk.json", "fly-in"'), output=experiment)
             for run, parameters, _ in self.runs(experiment):
                 (row,) = self.rows(run, 0, experiment)
                 if experiment != "raster":
@@ -44,7 +44,7 @@ class RecordedPaths(SweepCase):
                     self.assertLessEqual(row["jump_over_bound"], 1)
             column = "hash" if experiment == "raster" else "jump_max"
             flown = {p["camera"]: self.rows(run, 0, experiment)[0][column] for run, p, _ in self.runs(experiment)}
-            self.assertNotEqual(flown["paths/walk.json"], flown["orbit"])
+            self.assertNotEqual(flown["paths/walk.json"], flown["fly-in"])
 
     def test_content_decides_and_not_the_name(self):
         flight = self.text("flight", "rounds = 1")

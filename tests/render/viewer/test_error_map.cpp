@@ -47,7 +47,7 @@ TEST_P(ErrorMapDrawn, EveryPixelTellsTheErrorOfItsCell) {
   }
   drawing_.set_renderer(renderer.get());
   state_.looks.lighting.ambient = 1;
-  state_.current().kappa0 = 1.5f;
+  state_.current().kappa0 = 2.5f;
   (void)drawing_.draw(state_, 0, size);
   const Image plain = renderer->read_back();
   apply(Action::toggle_errors, state_);

@@ -58,8 +58,8 @@ TEST_F(SurfacePick, FindsWhatThePictureShows) {
   const Image image = draw();
   const Frame& frame = drawing_.frame(0);
   int hits = 0, second = 0, morphing = 0, other = 0;
-  for (int y = 0; y < size.height; y += 7)
-    for (int x = 0; x < size.width; x += 7) {
+  for (int y = 0; y < size.height; y += 5)
+    for (int x = 0; x < size.width; x += 5) {
       const auto surface = drawing_.surface_at(0, size, x + 0.5, y + 0.5);
       const float depth = image.depth[static_cast<std::size_t>(y * size.width + x)];
       const auto slow = slow_surface_at(frame, x + 0.5, y + 0.5);
