@@ -23,6 +23,9 @@ async function load(file) {
   return decoder.mesh();
 }
 
+// In the space of the model, which the node turns y up if z is.
+const middleOf = ({translation: [x, y, z], rotation}) => rotation ? [x, -z, y] : [x, y, z];
+
 // By definition: follow the parents.
 const ancestor = (mesh, v, count) => {
   while (v >= count) v = mesh.parents[v];
@@ -45,7 +48,7 @@ for (const file of files) {
     if (triangles.length !== 3 * told.triangles) fail(`${file}: ${count} vertices: ${triangles.length / 3} triangles`);
     if (Math.abs(levels.errorOf(count) * mesh.scale - told.estimate) > 1e-6 * (told.estimate + 1e-9)) fail(`${file}: other error`);
     const positions = levels.placeLevel(count);
-    const places = glb.accessor(primitive.attributes.POSITION), middle = glb.json.nodes[0].translation;
+    const places = glb.accessor(primitive.attributes.POSITION), middle = middleOf(glb.json.nodes[0]);
     for (let k = 0; k < 3 * count; ++k) {
       const here = mesh.origin[k % 3] + mesh.scale * positions[k] - middle[k % 3];
       if (Math.abs(here - places[k]) > 1e-6 * mesh.scale) fail(`${file}: vertex ${Math.floor(k / 3)} stands elsewhere`);
