@@ -42,9 +42,9 @@ function makeFiles() {
     run('page', name, '-o', path.extname(name).slice(1));
   }
   writeBlob('blob.ply', 120, 60);
-  run('spherical', 'blob.ply', '-o', 'blob.glb', '--texture', '256', '--images', 'png');
-  run('progressive', 'blob.ply', '-o', 'plain.glb');
-  run('spherical', 'blob.ply', '-o', 'blob.lpm', '--texture', '256');
+  run('spherical', 'blob.ply', '-o', 'blob.glb', '--up', 'y', '--texture', '256', '--images', 'png');
+  run('progressive', 'blob.ply', '-o', 'plain.glb', '--up', 'y');
+  run('spherical', 'blob.ply', '-o', 'blob.lpm', '--up', 'y', '--texture', '256');
   run('page', 'blob.glb', '-o', 'blob');
   run('page', 'plain.glb', '-o', 'plain');
   run('page', 'blob.lpm', '-o', 'small');

@@ -15,7 +15,7 @@ function makeFiles() {
   writeTorus(80, 50);
   run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250');
   run('page', 'torus.lode', '-o', 'torus');
-  run('build', 'torus.obj', '-o', 'charts.lode', '--cell-triangles', '60');
+  run('build', 'torus.obj', '-o', 'charts.lode', '--cell-triangles', '60', '--up', 'z');
   run('page', 'charts.lode', '-o', 'charts');
 }
 
