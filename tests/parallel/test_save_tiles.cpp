@@ -231,7 +231,7 @@ json json_of_glb(const std::string& glb) {
 TEST_F(SaveTiles, FiguresForViewersAreThoseOfTheFiles) {
   Hierarchy h = built(surface(), *scheduler_);
   h.texture_copies = {{0, 1, 64, 32, {'\xff', '\xd8', '\xff', '2'}}};
-  (void)save(h, {.tileset = {.morph = true}});
+  (void)save(h, {.tileset = {.morph = true}, .progress = {}});
   const auto found = files();
   const json tileset = json::parse(found.at("tileset.json"));
   EXPECT_EQ(tileset["extras"]["lodestone"]["texels"], (json{{"textures/0.jpg", 0}, {"textures/0_1.jpg", 2048}}));
@@ -262,7 +262,7 @@ TEST_F(SaveTiles, ViewersHaveThumbnails) {
   const PixelImage large{{256, 128}, 3, std::vector<std::uint8_t>(std::size_t{256} * 128 * 3, 90)};
   for (const bool is_large : {false, true}) {
     if (is_large) h.textures[1].bytes = encode_image(large, "image/png");
-    (void)save(h, {.tileset = {.morph = true}});
+    (void)save(h, {.tileset = {.morph = true}, .progress = {}});
     const auto found = files();
     const json figures = json::parse(found.at("tileset.json"))["extras"]["lodestone"];
     EXPECT_EQ(figures["thumbnails"],

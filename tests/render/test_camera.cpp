@@ -219,7 +219,9 @@ TEST(CameraPath, NeverGoesBeyondKeysWhereItTurnsBackOrStands) {
     const auto [low, high] = std::minmax(there_and_back[k].position.x, there_and_back[k + 1].position.x);
     EXPECT_TRUE(x >= low - 1e-12 && x <= high + 1e-12) << place;
     // The same bits: a renderer draws nothing again.
-    if (place >= 1) EXPECT_EQ(camera_at(standing, place), standing[1]) << place;
+    if (place >= 1) {
+      EXPECT_EQ(camera_at(standing, place), standing[1]) << place;
+    }
   }
 }
 
