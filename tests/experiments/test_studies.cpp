@@ -13,6 +13,7 @@
 #include "parallel/scheduler/processors.h"
 #include "tests/expect_error.h"
 #include "tests/experiments/study_case.h"
+#include "tests/test_data.h"
 
 namespace lodestone {
 namespace {
@@ -167,8 +168,7 @@ TEST(StudyList, NamesAreUniqueAndExplained) {
 
 TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
   std::size_t files = 0;
-  for (const auto& file :
-       std::filesystem::directory_iterator(std::string(LODESTONE_SOURCE_DIR) + "/experiments/studies/standard")) {
+  for (const auto& file : std::filesystem::directory_iterator(source_folder() / "experiments/studies/standard")) {
     const SweepFile standard = load_sweep_file(file.path().string(), SweepForm::standard);
     const SweepFile full = load_sweep_file(file.path().string(), SweepForm::full);
     const SweepFile small = load_sweep_file(file.path().string(), SweepForm::small);
@@ -190,7 +190,7 @@ TEST(SweepFiles, TheStandardOnesAreWithoutMistake) {
 
 // A run is one system: times of two are comparable by repetitions alone, which take turns.
 TEST(SweepFiles, SystemsTakeTurns) {
-  const std::string file = std::string(LODESTONE_SOURCE_DIR) + "/experiments/studies/standard/systems.toml";
+  const std::string file = (source_folder() / "experiments/studies/standard/systems.toml").string();
   for (const SweepForm form : {SweepForm::standard, SweepForm::full})
     for (const SweepSection& sweep : load_sweep_file(file, form).sweeps) {
       EXPECT_GE(sweep.repetitions, 3) << sweep.name;

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "render/scene/scene_file.h"
+#include "tests/test_data.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -188,7 +189,7 @@ TEST_F(SceneFile, WhatIsWrongIsNamedWithItsLine) {
 // The scenes that come with the sources; their models are data, which need not be there.
 TEST_F(SceneFile, ExamplesAreRead) {
   std::size_t count = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(LODESTONE_SOURCE_DIR "/experiments/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(source_folder() / "experiments/scenes")) {
     EXPECT_NO_THROW((void)read_scene(entry.path().string())) << entry.path();
     ++count;
   }
