@@ -1,6 +1,7 @@
 """The documents tell the truth about the tree. usage: test_docs.py SOURCE_DIR [PROGRAM]"""
 
 import pathlib
+import re
 import sys
 import tempfile
 import unittest
@@ -49,6 +50,12 @@ class Documents(unittest.TestCase):
 
     def test_changelog_has_unreleased(self):
         self.assertRegex((SOURCE_DIR / "CHANGELOG.md").read_text(), r"(?m)^## Unreleased$")
+
+    def test_one_version(self):
+        pattern = {"CMakeLists.txt": r"project\(lodestone VERSION ([\d.]+)", "CITATION.cff": r"(?m)^version: ([\d.]+)$",
+                   "render/web/package.json": r'"version": "([\d.]+)"'}
+        found = {name: re.search(text, (SOURCE_DIR / name).read_text())[1] for name, text in pattern.items()}
+        self.assertEqual(len(set(found.values())), 1, found)
 
     def test_files_have_their_size(self):
         for lines, path in docs.long_files(SOURCE_DIR):
