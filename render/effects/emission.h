@@ -21,8 +21,8 @@ inline constexpr EffectInfo emission{
 void emission(inout Surface s) {
   if (!instance_flag(textures_flag)) return;
   vec3 own = materials[material].emission.rgb;
-  uvec4 map = materials[material].emission_map;
-  if (map.x != no_texture) own *= texel_of(map);
+  PlacedMap placed = materials[material].emission_map;
+  if (placed.map.x != no_texture) own *= texel_of(placed);
   s.colour = min(s.colour + own, vec3(1.0));
 }
 )",
@@ -44,7 +44,9 @@ inline void emission(const ShadingJob& job, Surface& s, Int lanes) {
   const Int textured = lanes & find_textures(
                                    job, [&](int k) { return material[k]->emission_map; }, bits(lanes), of_lane);
   if (bits(textured) != 0) {
-    const Points map = scaled(all(1.0f / 255), texels(of_lane, mapping_of(job, s)));
+    Mapping room;
+    const Mapping& m = mapping_of(job, s, material, &SurfaceMaterial::emission_place, room);
+    const Points map = scaled(all(1.0f / 255), texels(of_lane, m));
     own = select(textured, {own.x * map.x, own.y * map.y, own.z * map.z}, own);
   }
   const auto add = [](Float to, Float what) { return min(to + what, all(1.0f)); };

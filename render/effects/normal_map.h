@@ -3,8 +3,9 @@
 // An object-space map holds them as they are, in the axes of the model. A tangent-space map holds them in the frame of
 // the surface: z is its normal, x the direction in which u grows, made perpendicular to the normal, y right-angled to
 // both, on the side where v falls (images are stored from the top); the material's scale multiplies x and y. Directions
-// of u and v are those of the triangle as it is drawn, the same for every pixel of it: no tangents are stored
-// (schueler2006). The normal of a flat-shaded surface is the one towards the eye.
+// of u and v, those of the map if it has a place of its own, are those of the triangle as it is drawn, the same for
+// every pixel of it: no tangents are stored (schueler2006). The normal of a flat-shaded surface is the one
+// towards the eye.
 #pragma once
 
 #include "render/effects/texture_mapping.h"
@@ -26,17 +27,18 @@ inline constexpr EffectInfo normal_map{
             .fragment = R"(
 void normal_map(inout Surface s) {
   vec3 along_x = dFdx(drawn_position), along_y = dFdy(drawn_position);
-  uvec4 map = materials[material].normals;
-  if (!instance_flag(normal_maps_flag) || map.x == no_texture) return;
-  vec3 mapped = texel_of(map) * (255.0 / 127.5) - 1.0;
-  if (map.w != 0u) {
+  PlacedMap placed = materials[material].normals;
+  if (!instance_flag(normal_maps_flag) || placed.map.x == no_texture) return;
+  vec3 mapped = texel_of(placed) * (255.0 / 127.5) - 1.0;
+  if (placed.map.w != 0u) {
     s.normal = mapped;
     return;
   }
   mapped.xy *= materials[material].emission.w;
-  float turn = uv_along_x.x * uv_along_y.y - uv_along_x.y * uv_along_y.x < 0.0 ? -1.0 : 1.0;
-  vec3 to_u = turn * (uv_along_y.y * along_x - uv_along_x.y * along_y);
-  vec3 to_v = turn * (uv_along_x.x * along_y - uv_along_y.x * along_x);
+  vec2 t_along_x = turned(placed, uv_along_x), t_along_y = turned(placed, uv_along_y);
+  float turn = t_along_x.x * t_along_y.y - t_along_x.y * t_along_y.x < 0.0 ? -1.0 : 1.0;
+  vec3 to_u = turn * (t_along_y.y * along_x - t_along_x.y * along_y);
+  vec3 to_v = turn * (t_along_x.x * along_y - t_along_y.x * along_x);
   vec3 n = s.normal / sqrt(max(dot(s.normal, s.normal), least_norm2));
   vec3 t = to_u - dot(n, to_u) * n;
   vec3 b = cross(n, t);
@@ -76,7 +78,8 @@ inline void normal_map(const ShadingJob& job, Surface& s, Int lanes) {
   lanes &= find_textures(
       job, [&](int k) { return material[k]->normal_map; }, bits(lanes), of_lane);
   if (bits(lanes) == 0) return;
-  const Mapping& m = mapping_of(job, s);
+  Mapping room;
+  const Mapping& m = mapping_of(job, s, material, &SurfaceMaterial::normal_place, room);
   const Points texel = texels(of_lane, m);
   const auto component = [](Float byte) { return byte / 127.5f - 1.0f; };
   const Points mapped{component(texel.x), component(texel.y), component(texel.z)};

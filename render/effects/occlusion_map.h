@@ -19,9 +19,9 @@ inline constexpr EffectInfo occlusion_map{
         {
             .fragment = R"(
 void occlusion_map(inout Surface s) {
-  uvec4 map = materials[material].occlusion;
-  if (instance_flag(textures_flag) && map.x != no_texture)
-    s.ambient *= 1.0 - materials[material].factors.x * (1.0 - texel_of(map).r);
+  PlacedMap placed = materials[material].occlusion;
+  if (instance_flag(textures_flag) && placed.map.x != no_texture)
+    s.ambient *= 1.0 - materials[material].factors.x * (1.0 - texel_of(placed).r);
 }
 )",
         },
@@ -41,7 +41,9 @@ inline void occlusion_map(const ShadingJob& job, Surface& s, Int lanes) {
   lanes &= find_textures(
       job, [&](int k) { return material[k]->occlusion_map; }, bits(lanes), of_lane);
   if (bits(lanes) == 0) return;
-  const Float open = sampled<0, 1>(of_lane, mapping_of(job, s))[0] * (1.0f / 255);
+  Mapping room;
+  const Mapping& m = mapping_of(job, s, material, &SurfaceMaterial::occlusion_place, room);
+  const Float open = sampled<0, 1>(of_lane, m)[0] * (1.0f / 255);
   const Float strength = of_materials(material, [](const SurfaceMaterial& m) { return m.occlusion_strength; });
   s.ambient = select(lanes, s.ambient * (1.0f - strength * (1.0f - open)), s.ambient);
 }

@@ -1,4 +1,5 @@
-// Texture coordinates of a surface, and lookups there: shared by all effects of materials.
+// Texture coordinates of a surface, and lookups there: shared by all effects of materials. Maps other than that of the
+// base colour may have a place of their own on them (KHR_texture_transform).
 //
 // Texture coordinates morph as positions do. The differences of u and v between a pixel and its neighbours tell how
 // much of a texture it covers, and with that the level of detail:
@@ -26,9 +27,15 @@ namespace lodestone::effects {
 // Declared before either of the others.
 inline constexpr std::string_view material_source = R"(
 // A texture: its first level, how many more there are, wrap modes, is it in object space.
+struct PlacedMap {
+  uvec4 map;
+  vec4 turn;  // two rows
+  vec4 move;  // x and y
+};
 struct Material {
   vec4 base_colour;  // and alpha
-  uvec4 colours, normals, occlusion, emission_map;
+  uvec4 colours;
+  PlacedMap normals, occlusion, emission_map;
   vec4 emission;  // and scale of the normal map
   vec4 factors;   // strength of the occlusion, cutoff of alpha
   uvec4 flags;    // alpha mode, seen from one side, unlit
@@ -86,18 +93,23 @@ vec4 texel(uint level, vec2 at) {
   return textureLod(texture_pages, vec3((l.place.xy + at * l.place.zw) * l.page.yz, l.page.x), 0.0);
 }
 
-vec4 texel_and_alpha_of(uvec4 map) {
-  vec2 size = texture_levels[map.x].place.zw, along_x = uv_along_x * size, along_y = uv_along_y * size;
+vec4 texel_at(uvec4 map, vec2 t, vec2 t_along_x, vec2 t_along_y) {
+  vec2 size = texture_levels[map.x].place.zw, along_x = t_along_x * size, along_y = t_along_y * size;
   float extent2 = max(max(dot(along_x, along_x), dot(along_y, along_y)), 1.0);
   float lod = float(floatBitsToInt(extent2) - 0x3f800000) * (0.5 / 8388608.0);
   lod = min(lod, float(map.y));
   uint level = uint(lod);
   float share = lod - float(level);
-  vec2 at = vec2(wrapped(uv.x, map.z & 3u), wrapped(uv.y, map.z >> 2));
+  vec2 at = vec2(wrapped(t.x, map.z & 3u), wrapped(t.y, map.z >> 2));
   vec4 finer = texel(map.x + level, at);
   return share > 0.0 ? mix(finer, texel(map.x + level + 1u, at), share) : finer;
 }
+vec4 texel_and_alpha_of(uvec4 map) { return texel_at(map, uv, uv_along_x, uv_along_y); }
 vec3 texel_of(uvec4 map) { return texel_and_alpha_of(map).rgb; }
+vec2 turned(PlacedMap m, vec2 t) { return vec2(dot(m.turn.xy, t), dot(m.turn.zw, t)); }
+vec3 texel_of(PlacedMap m) {
+  return texel_at(m.map, turned(m, uv) + m.move.xy, turned(m, uv_along_x), turned(m, uv_along_y)).rgb;
+}
 )";
 
 }  // namespace lodestone::effects
@@ -284,6 +296,26 @@ inline const Mapping& mapping_of(const ShadingJob& job, Surface& s) {
   if (!s.is_mapped) s.mapping = find_mapping(job, s);
   s.is_mapped = true;
   return s.mapping;
+}
+
+// The mapping of maps that have a place of their own; computed into `room` where any has.
+inline const Mapping& mapping_of(const ShadingJob& job, Surface& s, const Materials& material,
+                                 MapPlace SurfaceMaterial::*place, Mapping& room) {
+  const Mapping& m = mapping_of(job, s);
+  if (!job.textures->moves_maps()) return m;
+  const auto number = [&](float MapPlace::*n) {
+    return of_materials(material, [&](const SurfaceMaterial& of) { return of.*place.*n; });
+  };
+  const Float a = number(&MapPlace::a), b = number(&MapPlace::b), c = number(&MapPlace::c), d = number(&MapPlace::d);
+  room = m;
+  room.u = a * m.u + b * m.v + number(&MapPlace::x), room.v = c * m.u + d * m.v + number(&MapPlace::y);
+  room.u_x = a * m.u_x + b * m.v_x, room.v_x = c * m.u_x + d * m.v_x;
+  room.u_y = a * m.u_y + b * m.v_y, room.v_y = c * m.u_y + d * m.v_y;
+  const auto sum = [](Float k, Points p, Float n, Points q) -> Points {
+    return {k * p.x + n * q.x, k * p.y + n * q.y, k * p.z + n * q.z};
+  };
+  room.along_u = sum(a, m.along_u, b, m.along_v), room.along_v = sum(c, m.along_u, d, m.along_v);
+  return room;
 }
 
 // Textures of the lanes, by number_of(lane), which may be no_texture; returns the lanes that have one. The other lanes,

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/formats/common/colour.h"
 #include "core/formats/gltf/gltf_surface.h"
+#include "core/mesh/uv_map.h"
 #include "core/texture/image_codec.h"
 #include "core/texture/normal_space.h"
 #include "render/frame/appearance.h"
@@ -68,6 +69,15 @@ SurfaceMaterial SurfaceTextures::surface_of(const Hierarchy& hierarchy, const Ma
   to.one_sided = !m.double_sided;
   to.unlit = m.unlit;
   if (!hierarchy.attributes.uv) return to;
+  const auto place = [&](const UvTransform& transform) {
+    moves_maps_ = moves_maps_ || transform != UvTransform{};
+    const UvMap map = map_of(transform);
+    const auto n = [&](std::size_t k) { return static_cast<float>(map[k]); };
+    return MapPlace{n(0), n(1), n(2), n(3), n(4), n(5)};
+  };
+  to.normal_place = place(m.normal_transform);
+  to.occlusion_place = place(m.occlusion.transform);
+  to.emission_place = place(m.emissive_map.transform);
   const auto source = [&](std::uint32_t texture, PixelMeaning meaning) {
     return texture == no_texture ? no_texture : source_of(hierarchy, texture, meaning);
   };

@@ -29,6 +29,12 @@ struct SurfaceTexture {
   bool object_space = false;  // of a normal map
 };
 
+// (u, v) -> (a u + b v + x, c u + d v + y): where a map lies on the coordinates of the mesh.
+struct MapPlace {
+  float a = 1, b = 0, c = 0, d = 1, x = 0, y = 0;
+  friend bool operator==(const MapPlace&, const MapPlace&) = default;
+};
+
 struct SurfaceMaterial {
   Vec3f base_colour{1, 1, 1};                                   // as the picture has it: in the sRGB encoding
   std::uint32_t texture = no_texture, normal_map = no_texture;  // of SurfaceTextures
@@ -37,6 +43,7 @@ struct SurfaceMaterial {
   float occlusion_strength = 1;
   Vec3f emission{};  // encoded as the base colour is
   std::uint32_t emission_map = no_texture;
+  MapPlace normal_place{}, occlusion_place{}, emission_place{};
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha = 1, alpha_cutoff = 0;  // alpha: times that of the texture and of the vertices
   bool one_sided = false, unlit = false;
@@ -53,6 +60,8 @@ class SurfaceTextures {
   // Materials of an uploaded model: the first for triangles without a material, then those of its hierarchy.
   [[nodiscard]] std::span<const SurfaceMaterial> materials(std::uint32_t model) const { return materials_[model]; }
   [[nodiscard]] std::span<const SurfaceTexture> textures() const { return textures_; }
+  // True if a map of any material has a place of its own.
+  [[nodiscard]] bool moves_maps() const { return moves_maps_; }
   // Room for any texture, those included that are not shown yet.
   [[nodiscard]] PixelSize largest() const;
   // Frees the texels of a texture that lies elsewhere now.
@@ -83,6 +92,7 @@ class SurfaceTextures {
   std::vector<std::vector<SurfaceMaterial>> materials_;
   std::vector<Source> sources_;  // of textures_
   std::vector<SurfaceTexture> textures_;
+  bool moves_maps_ = false;
   std::vector<std::string> warnings_;
 };
 

@@ -113,10 +113,12 @@ export function crc32(bytes) {
 }
 
 // A PNG of coloured squares.
-export function squares(size) {
+export const squares = (size) => png(size, (x, y) => ((x >> 4) + (y >> 4) & 1 ? [220, 60, 40] : [240, 220 - y, 90 + x]));
+
+// A PNG of size x size pixels with these bytes.
+export function png(size, bytesAt) {
   const rows = Buffer.alloc(size * (1 + 3 * size));
-  for (let y = 0; y < size; ++y)
-    for (let x = 0; x < size; ++x) rows.set((x >> 4) + (y >> 4) & 1 ? [220, 60, 40] : [240, 220 - y, 90 + x], y * (1 + 3 * size) + 1 + 3 * x);
+  for (let y = 0; y < size; ++y) for (let x = 0; x < size; ++x) rows.set(bytesAt(x, y), y * (1 + 3 * size) + 1 + 3 * x);
   const chunk = (type, data) => {
     const out = Buffer.alloc(12 + data.length);
     out.writeUInt32BE(data.length, 0);

@@ -40,35 +40,6 @@ std::uint64_t uv_set_of(const JsonView& info) {
   return transform ? transform->integer_or("texCoord", set) : set;
 }
 
-UvMap map_of(const UvTransform& t) {
-  const double c = std::cos(double{t.rotation}), s = std::sin(double{t.rotation});
-  return {c * t.scale[0], s * t.scale[1], -s * t.scale[0], c * t.scale[1], t.offset[0], t.offset[1]};
-}
-
-// The map that follows `first` to have the effect of `whole`; empty if it skews or exceeds a float, which a textureInfo
-// cannot say.
-std::optional<UvTransform> after(const UvMap& first, const UvMap& whole) {
-  if (first == whole) return UvTransform{};
-  const auto& [a, b, c, d, x, y] = first;
-  const double area = a * d - b * c;
-  if (!(std::abs(area) > 0)) return std::nullopt;
-  const auto row = [&](double u, double v, double move) {
-    const double along = (u * d - v * c) / area, across = (v * a - u * b) / area;
-    return std::array{along, across, move - along * x - across * y};
-  };
-  const auto top = row(whole[0], whole[1], whole[4]), bottom = row(whole[2], whole[3], whole[5]);
-  const double wide = std::hypot(top[0], bottom[0]), high = std::hypot(top[1], bottom[1]);
-  if (!(std::abs(top[0] * top[1] + bottom[0] * bottom[1]) <= 1e-6 * wide * high)) return std::nullopt;
-  const double largest = std::max({wide, high, std::abs(top[2]), std::abs(bottom[2])});
-  if (!(largest <= double{std::numeric_limits<float>::max()})) return std::nullopt;
-  const double turned = top[0] * bottom[1] - top[1] * bottom[0];  // negative: mirrored
-  UvTransform out;
-  out.rotation = static_cast<float>(std::atan2(-bottom[0], top[0]));
-  out.scale = {static_cast<float>(wide), static_cast<float>(turned < 0 ? -high : high)};
-  out.offset = {static_cast<float>(top[2]), static_cast<float>(bottom[2])};
-  return out;
-}
-
 // The textureInfo whose coordinates the mesh gets.
 std::optional<JsonView> first_texture(const JsonView& source) {
   const BaseColour colour = base_colour_of(source);
@@ -137,7 +108,7 @@ PlacedTexture GltfMaterials::place(const JsonView& info, const GltfMaterial& pla
   }
   const UvTransform own = read_uv_transform(info);
   const std::optional<UvTransform> transform =
-      placement.uv_map == map_of({}) ? own : after(placement.uv_map, map_of(own));
+      placement.uv_map == map_of({}) ? own : transform_after(placement.uv_map, map_of(own));
   if (!transform) {
     ++left_out_["textures are skewed against the first texture of their material and are left out"];
     return {};

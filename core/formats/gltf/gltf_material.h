@@ -12,11 +12,9 @@
 #include "core/formats/gltf/gltf_document.h"
 #include "core/math/vec2.h"
 #include "core/mesh/indexed_mesh.h"
+#include "core/mesh/uv_map.h"
 
 namespace lodestone {
-
-// (u, v) -> (a u + b v + x, c u + d v + y), in the order a, b, c, d, x, y.
-using UvMap = std::array<double, 6>;
 
 // A material with the texture coordinates that its textures use: those of its first texture, base colour before the
 // others.

@@ -3,11 +3,13 @@ import * as THREE from 'three';
 import {look, withLook} from './look.js';
 
 // `share`: 0 at the ancestors, 1 at their own places.
-export function morphMaterial(parameters, share, unlit = false) {
+export function morphMaterial(parameters, share, surface = null) {
+  const unlit = surface?.unlit ?? false;
   const material = new THREE.MeshStandardMaterial({roughness: 0.85, metalness: 0, side: THREE.DoubleSide, ...parameters});
   material.onBeforeCompile = (shader) => {
     shader.uniforms.morphShare = share;
     shader.vertexShader = withMorph(shader.vertexShader);
+    placeMaps(shader, surface);
     shader.uniforms.look = look;
     shader.fragmentShader = withSides(withLook(shader.fragmentShader, unlit));
   };
@@ -41,6 +43,20 @@ export function withMorph(source) {
       #endif`)
     .replace('#include <beginnormal_vertex>', `vec3 objectNormal = normalize(${between('fromNormal', 'normal')} + vec3(1e-20));`)
     .replace('#include <begin_vertex>', `vec3 transformed = ${between('fromPosition', 'position')};`);
+}
+
+// Puts maps where the surface has them; those of three have no transforms of their own here, so that images are shared.
+export function placeMaps(shader, surface) {
+  const matrix = (rows = [1, 0, 0, 0, 1, 0, 0, 0, 1]) => ({value: new THREE.Matrix3().set(...rows)});
+  Object.assign(shader.uniforms, {normalPlace: matrix(surface?.normalPlace), emissivePlace: matrix(surface?.emissivePlace)});
+  shader.vertexShader = `uniform mat3 normalPlace, emissivePlace;\n${shader.vertexShader.replace('#include <color_vertex>', `
+    #ifdef USE_NORMALMAP
+      vNormalMapUv = (normalPlace * vec3(vNormalMapUv, 1)).xy;
+    #endif
+    #ifdef USE_EMISSIVEMAP
+      vEmissiveMapUv = (emissivePlace * vec3(vEmissiveMapUv, 1)).xy;
+    #endif
+    #include <color_vertex>`)}`;
 }
 
 // Parameters of three's standard material for a surface (surface.js). A material without one is drawn from both sides.

@@ -92,7 +92,7 @@ export class ProgressiveView {
         parameters.normalMap = await this.texture(m.normalMap, THREE.NoColorSpace, m.octahedral);
       }
       if (mesh.uv && showsEmission(m.surface)) parameters.emissiveMap = await this.texture(m.surface.emissiveMap, THREE.SRGBColorSpace, m.octahedral);
-      materials.push(morphMaterial(parameters, this.share, m.surface?.unlit));
+      materials.push(morphMaterial(parameters, this.share, m.surface));
     }
     for (const old of [...this.object.material, ...this.outdated.splice(0)]) old.dispose();
     this.object.material = materials;

@@ -4,7 +4,7 @@
 // clamped.
 import * as THREE from 'three';
 import {look, withLook} from './look.js';
-import {withSides} from './morph_material.js';
+import {placeMaps, withSides} from './morph_material.js';
 
 const declarations = `
 uniform vec3 viewpoint;
@@ -76,10 +76,12 @@ export function morphTiles(material, uniforms) {
   return material;
 }
 
-export function tileMaterial(uniforms, {unlit = false, ...parameters}) {
+export function tileMaterial(uniforms, {surface = null, ...parameters}) {
+  const unlit = surface?.unlit ?? false;
   const material = new THREE.MeshStandardMaterial({roughness: 0.85, metalness: 0, side: THREE.DoubleSide, ...parameters});
   material.onBeforeCompile = (shader) => {
     shader.uniforms.look = look;
+    placeMaps(shader, surface);
     shader.fragmentShader = withSides(withLook(shader.fragmentShader, unlit));
   };
   material.customProgramCacheKey = () => (unlit ? 'unlit' : 'lit');

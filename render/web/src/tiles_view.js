@@ -128,7 +128,7 @@ export class TilesView {
   async lookOf(cell, glb, index) {
     const m = index === undefined ? null : glb.material(index);
     if (!m) return {color: new THREE.Color(0.8, 0.8, 0.78)};
-    const look = {color: new THREE.Color(...m.colour.slice(0, 3)), unlit: m.surface.unlit, ...surfaceParameters(m.colour, m.surface)};
+    const look = {color: new THREE.Color(...m.colour.slice(0, 3)), surface: m.surface, ...surfaceParameters(m.colour, m.surface)};
     const take = (image) => {
       const url = new URL(glb.image(image).uri, cell.url).href;
       cell.taken.push(url);

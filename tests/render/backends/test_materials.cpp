@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "core/formats/common/colour.h"
+#include "core/mesh/uv_map.h"
 #include "render/backends/make_renderer.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "tests/render/rays.h"
@@ -64,12 +65,24 @@ Material glowing() {
 }
 Material unlit() { return {.name = "unlit", .texture = motley_texture, .unlit = true}; }
 
+// Every map at a place of its own, with a base colour that has none.
+constexpr UvTransform elsewhere{{0.3f, -0.2f}, {1.7f, -2.2f}, 0.6f};
+Material moved() {
+  Material m = glowing();
+  m.texture = motley_texture;
+  m.normal_transform = elsewhere;
+  m.occlusion.transform = {{0.5f, 0}, {2, 2}, 0};
+  m.emissive_map.transform = {{0, 0.25f}, {3, 1}, -1.2f};
+  return m;
+}
+
 std::vector<TexturedScene> material_scenes() {
   static const auto lacy = torus_of({masked(), blended(), one_sided(), glowing()}),
                     flat = torus_of({unlit(), one_sided(), blended(), masked()}),
                     coloured = torus_of({masked(), blended(), unlit(), glowing()}, true),
                     sided = torus_of({one_sided(), one_sided(), glowing(), masked()}),
-                    opaque = torus_of({unlit(), glowing(), unlit(), glowing()});
+                    opaque = torus_of({unlit(), glowing(), unlit(), glowing()}),
+                    places = torus_of({moved(), glowing(), moved(), masked()});
   const Appearance own = appearance_of(*lacy);
   Appearance glass = own;
   glass.opacity = 0.6f;
@@ -80,6 +93,7 @@ std::vector<TexturedScene> material_scenes() {
   scenes.push_back({"coloured", {{coloured, {}, own}}});
   scenes.push_back({"sided", {{sided, {}, own}}});
   scenes.push_back({"opaque", {{opaque, {}, own}}});
+  scenes.push_back({"places", {{places, {}, own}}});
   scenes.push_back({"glass", {{lacy, {}, glass}}});
   scenes.push_back({"together", {{lacy, {}, own}, {coloured, apart, glass}, {textured_torus(), -1.0f * apart, own}}});
   TexturedScene inside{"near_plane", {{sided, {}, own}}};
@@ -300,6 +314,35 @@ TEST(Materials, OcclusionTakesAmbientLightAlone) {
   };
   EXPECT_NEAR(flat(1), 0.4 * 127.5, 2);
   EXPECT_NEAR(flat(0.5f), 0.7 * 127.5, 2);
+}
+
+// Maps at a place of their own are those of a mesh whose coordinates are there.
+TEST(Materials, MapsLieWhereTheirTransformsPutThem) {
+  Material m = glowing();
+  const auto model = torus_of({m, m, m, m});
+  m.normal_transform = m.occlusion.transform = m.emissive_map.transform = elsewhere;
+  const auto placed = torus_of({m, m, m, m});
+  auto mapped = std::make_shared<Hierarchy>(*model);
+  std::vector<std::vector<Vec2f>> uv;
+  const auto [a, b, c, d, x, y] = map_of(elsewhere);
+  for (Cell& cell : mapped->cells) {
+    for (std::vector<Vec2f>& own = uv.emplace_back(); const Vec2f t : cell.attributes.uv)
+      own.push_back({static_cast<float>(a * t.x + b * t.y + x), static_cast<float>(c * t.x + d * t.y + y)});
+    cell.attributes.uv = uv.back();
+  }
+  const auto scheduler = make_serial_scheduler();
+  const auto soft = make_soft_renderer(*scheduler);
+  const auto draw = [&](const std::shared_ptr<const Hierarchy>& of) {
+    return TexturedFrame({"", {{of, {}, appearance_of(*of)}}}).draw(*soft).rgba;
+  };
+  const auto picture = draw(placed), expected = draw(mapped);
+  const auto far = [](const auto& p, const auto& q) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < p.size(); ++k) count += std::abs(int{p[k]} - int{q[k]}) > 2;
+    return count;
+  };
+  EXPECT_LE(far(picture, expected), picture.size() / 1000) << "rounding, where a texture has edges";
+  EXPECT_GT(far(picture, draw(model)), picture.size() / 20) << "the places matter";
 }
 
 }  // namespace

@@ -103,6 +103,10 @@ GlTextures::Map GlTextures::map_of(std::uint32_t texture) const {
           static_cast<std::uint32_t>(t.wrap_u) | static_cast<std::uint32_t>(t.wrap_v) << 2, t.object_space ? 1u : 0u};
 }
 
+GlTextures::Placed GlTextures::placed(std::uint32_t texture, const MapPlace& at) const {
+  return {map_of(texture), {at.a, at.b, at.c, at.d}, {at.x, at.y}};
+}
+
 void GlTextures::send_tables() {
   std::vector<Entry> entries;
   for (std::uint32_t m = 0; m < models_; ++m)
@@ -110,9 +114,9 @@ void GlTextures::send_tables() {
       const Vec3f c = material.base_colour, e = material.emission;
       entries.push_back({{c.x, c.y, c.z, material.alpha},
                          map_of(material.texture),
-                         map_of(material.normal_map),
-                         map_of(material.occlusion_map),
-                         map_of(material.emission_map),
+                         placed(material.normal_map, material.normal_place),
+                         placed(material.occlusion_map, material.occlusion_place),
+                         placed(material.emission_map, material.emission_place),
                          {e.x, e.y, e.z, material.normal_scale},
                          {material.occlusion_strength, material.alpha_cutoff},
                          {static_cast<std::uint32_t>(material.alpha_mode), material.one_sided, material.unlit}});

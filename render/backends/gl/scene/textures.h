@@ -41,14 +41,20 @@ class GlTextures {
   struct Map {
     std::uint32_t first_level = no_texture, more_levels = 0, wraps = 0, object_space = 0;
   };
+  struct Placed {
+    Map map;
+    float turn[4] = {}, move[4] = {};
+  };
   struct Entry {
     float base_colour[4] = {};  // and alpha
-    Map colours, normals, occlusion, emission_map;
+    Map colours;
+    Placed normals, occlusion, emission_map;
     float emission[4] = {};       // and the scale of the normal map
     float factors[4] = {};        // strength of the occlusion, cutoff of alpha
     std::uint32_t flags[4] = {};  // alpha mode, seen from one side, unlit
   };
   [[nodiscard]] Map map_of(std::uint32_t texture) const;
+  [[nodiscard]] Placed placed(std::uint32_t texture, const MapPlace& at) const;
 
   SurfaceTextures textures_;
   std::uint32_t models_ = 0;

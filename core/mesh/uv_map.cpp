@@ -1,0 +1,36 @@
+#include "core/mesh/uv_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lodestone {
+
+UvMap map_of(const UvTransform& t) {
+  const double c = std::cos(double{t.rotation}), s = std::sin(double{t.rotation});
+  return {c * t.scale[0], s * t.scale[1], -s * t.scale[0], c * t.scale[1], t.offset[0], t.offset[1]};
+}
+
+std::optional<UvTransform> transform_after(const UvMap& first, const UvMap& whole) {
+  if (first == whole) return UvTransform{};
+  const auto& [a, b, c, d, x, y] = first;
+  const double area = a * d - b * c;
+  if (!(std::abs(area) > 0)) return std::nullopt;
+  const auto row = [&](double u, double v, double move) {
+    const double along = (u * d - v * c) / area, across = (v * a - u * b) / area;
+    return std::array{along, across, move - along * x - across * y};
+  };
+  const auto top = row(whole[0], whole[1], whole[4]), bottom = row(whole[2], whole[3], whole[5]);
+  const double wide = std::hypot(top[0], bottom[0]), high = std::hypot(top[1], bottom[1]);
+  if (!(std::abs(top[0] * top[1] + bottom[0] * bottom[1]) <= 1e-6 * wide * high)) return std::nullopt;
+  const double largest = std::max({wide, high, std::abs(top[2]), std::abs(bottom[2])});
+  if (!(largest <= double{std::numeric_limits<float>::max()})) return std::nullopt;
+  const double turned = top[0] * bottom[1] - top[1] * bottom[0];  // negative: mirrored
+  UvTransform out;
+  out.rotation = static_cast<float>(std::atan2(-bottom[0], top[0]));
+  out.scale = {static_cast<float>(wide), static_cast<float>(turned < 0 ? -high : high)};
+  out.offset = {static_cast<float>(top[2]), static_cast<float>(bottom[2])};
+  return out;
+}
+
+}  // namespace lodestone
