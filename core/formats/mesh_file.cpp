@@ -6,6 +6,7 @@
 #include <new>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -50,6 +51,60 @@ std::optional<MeshFormat> format_of_content(ByteReader& input) {
     return MeshFormat::obj;
   }
   return std::nullopt;
+}
+
+// Files of other programs, told by how they begin or, where that says nothing, by their extension. Several hold zeros
+// early on, or the word `solid`, and would pass for an STL.
+struct ForeignFormat {
+  std::string_view beginning, extension, name, remedy;
+};
+constexpr std::string_view from_program = "export a .glb, .obj or .ply from the program that wrote it";
+constexpr std::string_view from_cad = "mesh its surfaces in a CAD program and export a .stl or .ply";
+constexpr std::string_view from_points = "it holds points; make a surface of them and give that as a .ply";
+constexpr std::string_view from_raster =
+    "convert its heights to an ESRI ASCII grid (.asc), say by gdal_translate -of AAIGrid";
+constexpr std::string_view from_archive = "unpack it and give the mesh that it holds";
+constexpr ForeignFormat foreign_formats[] = {
+    {"Kaydara FBX", ".fbx", "FBX", from_program},
+    {"BLENDER", ".blend", "Blender", from_program},
+    {"PXR-USDC", ".usdc", "USD", from_program},
+    {"#usda", ".usda", "USD", from_program},
+    {"#VRML", ".wrl", "VRML", from_program},
+    {"", ".3ds", "3DS", from_program},
+    {"", ".dae", "COLLADA", from_program},
+    {"", ".dxf", "DXF", from_program},
+    {"", ".x3d", "X3D", from_program},
+    {"ISO-10303-21", ".step", "STEP", from_cad},
+    {"", ".stp", "STEP", from_cad},
+    {"", ".iges", "IGES", from_cad},
+    {"LASF", ".las", "LAS", from_points},
+    {"", ".laz", "LAZ", from_points},
+    {"", ".xyz", "XYZ", from_points},
+    {"ASTM-E57", ".e57", "E57", from_points},
+    {{"II*\0", 4}, ".tif", "TIFF", from_raster},
+    {{"MM\0*", 4}, ".tiff", "TIFF", from_raster},
+    {"\x89HDF", ".h5", "HDF5", from_raster},
+    {"CDF", ".nc", "NetCDF", from_raster},
+    {"PK\3\4", ".zip", "ZIP", from_archive},
+    {"\x1f\x8b", ".gz", "gzip", from_archive},
+    {"\xfd\x37zXZ", ".xz", "xz", from_archive},
+    {"7z\xbc\xaf", ".7z", "7z", from_archive},
+};
+
+[[noreturn]] void fail_foreign(const ByteReader& input, const ForeignFormat& format) {
+  const std::string what = "is a file of format " + std::string(format.name) + ", which is not read";
+  throw UnsupportedError(describe(input.name(), "", what, std::string(format.remedy)));
+}
+
+void refuse_foreign_content(ByteReader& input) {
+  const std::string_view head = input.window(16);
+  for (const ForeignFormat& format : foreign_formats)
+    if (!format.beginning.empty() && head.starts_with(format.beginning)) fail_foreign(input, format);
+}
+
+void refuse_foreign_extension(const std::filesystem::path& path, const ByteReader& input) {
+  for (const ForeignFormat& format : foreign_formats)
+    if (extension_of(path) == format.extension) fail_foreign(input, format);
 }
 
 // Bare heights of tiles that are known by their size: SRTM under another name, SRTM30 and GTOPO30 (.dem).
@@ -103,7 +158,9 @@ MeshFormat mesh_format(const std::filesystem::path& path, ByteReader& input, con
     throw UnsupportedError(
         describe(input.name(), "", "is a hierarchy (.lode), not a mesh", "give the mesh that it was built from"));
   if (config.raw_grid) return MeshFormat::raw_grid;
+  refuse_foreign_content(input);
   if (const auto format = format_of_content(input)) return *format;
+  refuse_foreign_extension(path, input);
   fail_unknown(input);
 }
 

@@ -247,6 +247,30 @@ TEST(MeshFile, ChoosesByExtensionThenByContent) {
         {name + ": is a hierarchy (.lode), not a mesh; give the mesh that it was built from"});
 }
 
+// Told by their first bytes whatever they are called, else by their name; a known content goes before a foreign name.
+TEST(MeshFile, FilesOfOtherProgramsAreNamed) {
+  const auto format = [](const std::string& name, std::string bytes) {
+    bytes.resize(200);  // with zeros, as in a binary STL
+    ByteReader input({bytes.data(), bytes.size()}, name);
+    return mesh_format(name, input);
+  };
+  const auto refused = [&](const std::string& name, const std::string& bytes, const std::string& says) {
+    expect_error_of<UnsupportedError>([&] { return format(name, bytes); }, {name + ": is a file of format " + says});
+  };
+  refused("a.FBX", "Kaydara FBX Binary  ", "FBX, which is not read; export a .glb, .obj or .ply");
+  refused("a", "Kaydara FBX Binary  ", "FBX");
+  refused("a.fbx", "; FBX 7.4.0 project file", "FBX");
+  refused("cloud.las", "LASF", "LAS, which is not read; it holds points");
+  refused("dem.tif", std::string("II*\0", 4), "TIFF, which is not read; convert its heights");
+  refused("dem", std::string("MM\0*", 4), "TIFF");
+  refused("part.stp", "text", "STEP, which is not read; mesh its surfaces");
+  refused("a.stl.gz", "\x1f\x8b", "gzip, which is not read; unpack it");
+  refused("a.xz", "\xfd\x37zXZ", "xz");
+  const std::string_view text = "v 0 0 0\nv 1 0 0\n";
+  ByteReader input({text.data(), text.size()}, "points.xyz");
+  EXPECT_EQ(mesh_format("points.xyz", input), MeshFormat::obj);
+}
+
 // Numbers alone pass for the facets of a damaged STL; their count tells some of them.
 TEST(MeshFile, BareHeightsOfAnUnknownNameNeedTheirGrid) {
   std::string heights(2 * 1201 * 1201, '\0');
