@@ -73,7 +73,7 @@ void FreeSpace::find_holes(Scheduler& scheduler) {
     for (std::size_t i = 0; i < map.view.pixels(); ++i) {
       if (sides_[range.index][i] != Side::back) continue;
       const auto [fronts, backs] = pixels[place_of(map.position[i])];
-      if (backs <= inside_out * (double{fronts} + backs)) sides_[range.index][i] = Side::back_through_hole;
+      if (backs <= inside_out * (static_cast<double>(fronts) + backs)) sides_[range.index][i] = Side::back_through_hole;
     }
   });
 }
