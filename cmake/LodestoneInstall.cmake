@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(package_layers core parallel render experiments)
 
-# The libraries are static: a program that links them links their dependencies, too, also PRIVATE ones. This table says
+# The libraries may be static: a program that links them links their dependencies, too, also PRIVATE ones. This table says
 # which package provides a target; linking to one that is missing here stops the configuration, so that the installed
 # package can never lack a dependency.
 set(lodestone_provider_TBB::tbb "find_dependency(TBB)")
@@ -69,7 +69,8 @@ function(lodestone_dependencies out)
 endfunction()
 
 foreach(layer ${package_layers})
-  install(TARGETS lodestone_${layer} EXPORT lodestoneTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(TARGETS lodestone_${layer} EXPORT lodestoneTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${layer} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lodestone FILES_MATCHING PATTERN "*.h")
 endforeach()
 if(TARGET lodestone)

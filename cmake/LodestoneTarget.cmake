@@ -29,11 +29,11 @@ function(lodestone_properties target)
   endif()
 endfunction()
 
-# One folder, one library: lodestone_core is lodestone::core, and so on.
+# One folder, one library: lodestone_core is lodestone::core, and so on; shared if BUILD_SHARED_LIBS is on.
 function(lodestone_library name)
-  add_library(lodestone_${name} STATIC)
+  add_library(lodestone_${name})
   add_library(lodestone::${name} ALIAS lodestone_${name})
-  set_target_properties(lodestone_${name} PROPERTIES EXPORT_NAME ${name})
+  set_target_properties(lodestone_${name} PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "")
   target_include_directories(lodestone_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                       $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lodestone>)
   lodestone_properties(lodestone_${name})
