@@ -100,6 +100,6 @@ int main(int argc, char** argv) {
   add_sweep(app);
   add_merge(app);
   add_experiments(app);
-  install_interrupt_handler();
+  install_signal_handlers();
   return run(app, argc, argv);
 }

@@ -1,4 +1,4 @@
-// A checksum that detects damaged, truncated or missing bytes.
+// Checksums that detect damaged, truncated or missing bytes.
 #pragma once
 
 #include <cstddef>
@@ -8,5 +8,8 @@
 namespace lodestone {
 
 [[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes);  // XXH3, 64 bits
+
+// The polynomial of zlib, ZIP and PNG (ISO 3309).
+[[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes);
 
 }  // namespace lodestone

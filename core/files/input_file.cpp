@@ -1,16 +1,37 @@
 #include "core/files/input_file.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <functional>
+#include <vector>
 
 #include "core/base/error.h"
 
 namespace lodestone {
+namespace {
+
+// All mapped files, under a lock that a signal handler may wait for: nobody touches mapped bytes while holding it.
+std::atomic_flag mapped_locked;
+std::vector<const MappedFile*> mapped;
+
+class MappedLock {
+ public:
+  MappedLock() {
+    while (mapped_locked.test_and_set(std::memory_order_acquire)) sched_yield();
+  }
+  ~MappedLock() { mapped_locked.clear(std::memory_order_release); }
+  MappedLock(const MappedLock&) = delete;
+  MappedLock& operator=(const MappedLock&) = delete;
+};
+
+}  // namespace
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
   // Without O_NONBLOCK, opening a pipe without a writer would hang.
@@ -42,17 +63,33 @@ std::size_t InputFile::read_at(std::uint64_t offset, std::span<char> bytes) cons
   return done;
 }
 
-MappedFile::MappedFile(const std::filesystem::path& path) {
+MappedFile::MappedFile(const std::filesystem::path& path) : name_(path.string()) {
   const InputFile file(path);
   if (file.size() == 0) return;
+  const MappedLock lock;
+  mapped.push_back(this);
   void* const address = mmap(nullptr, file.size(), PROT_READ, MAP_PRIVATE, file.descriptor_, 0);
-  if (address == MAP_FAILED)
-    throw FileError(describe(file.name(), "", std::string("cannot map into memory: ") + std::strerror(errno)));
+  if (address == MAP_FAILED) {
+    mapped.pop_back();
+    throw FileError(describe(name_, "", std::string("cannot map into memory: ") + std::strerror(errno)));
+  }
   bytes_ = {static_cast<const std::byte*>(address), file.size()};
 }
 
 MappedFile::~MappedFile() {
-  if (!bytes_.empty()) munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+  if (bytes_.empty()) return;
+  const MappedLock lock;
+  std::erase(mapped, this);
+  munmap(const_cast<std::byte*>(bytes_.data()), bytes_.size());
+}
+
+const char* mapped_file_at(const void* address) noexcept {
+  const MappedLock lock;
+  for (const MappedFile* file : mapped)
+    if (std::less_equal<>()(file->bytes_.data(), address) &&
+        std::less<>()(address, static_cast<const void*>(file->bytes_.data() + file->bytes_.size())))
+      return file->name_.c_str();
+  return nullptr;
 }
 
 void MappedFile::forget(std::span<const std::byte> part) const {

@@ -41,14 +41,20 @@ class MappedFile {
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
 
-  // Page-aligned. The file must not be shortened while it is in use.
+  // Page-aligned. Touching a page that the file no longer has, or that the disk cannot read, raises SIGBUS.
   [[nodiscard]] std::span<const std::byte> bytes() const { return bytes_; }
 
   // Releases the memory of the whole pages of `part`; they are read again when touched.
   void forget(std::span<const std::byte> part) const;
 
  private:
+  friend const char* mapped_file_at(const void* address) noexcept;
+  std::string name_;
   std::span<const std::byte> bytes_;
 };
+
+// Name of the file whose mapped bytes hold this address, null if none do. For the handler of SIGBUS: safe to call there
+// on the thread that touched them, while others map and release files.
+[[nodiscard]] const char* mapped_file_at(const void* address) noexcept;
 
 }  // namespace lodestone

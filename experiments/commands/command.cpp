@@ -15,6 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/input_file.h"
 
 namespace lodestone {
 namespace {
@@ -26,14 +27,32 @@ static_assert(std::atomic<const char*>::is_always_lock_free && CancelFlag::is_al
                   std::atomic<int>::is_always_lock_free,
               "the signal handler may only touch lock-free atomics");
 
-// Only what POSIX allows in a handler.
+// Only what POSIX allows in a handler, here and below.
+void say(std::string_view text) {
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+}
+
 void on_interrupt(int signal) {
   received = signal;
   if (!interrupted.exchange(true) && polled) return;
   remove_temporaries();
-  const std::string_view line = line_when_interrupted.load();
-  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, line.data(), line.size());
+  say(line_when_interrupted.load());
   std::_Exit(128 + signal);
+}
+
+// A mapped file that became shorter, or lies on a disk that fails. What else raises the signal is a mistake of the
+// program's own, which ends as it would without this handler.
+void on_bus_error(int signal, siginfo_t* info, void*) {
+  const char* const file = mapped_file_at(info->si_addr);
+  if (!file) {
+    std::signal(signal, SIG_DFL);
+    return;
+  }
+  remove_temporaries();
+  say("lodestone: ");
+  say(file);
+  say(": became shorter, or its disk failed, while it was read; leave it as it is until the command has ended\n");
+  std::_Exit(1);
 }
 
 namespace fs = std::filesystem;
@@ -93,10 +112,14 @@ const char* interrupt_line() { return line_when_interrupted; }
 
 int interrupt_status() { return 128 + received; }
 
-void install_interrupt_handler() {
+void install_signal_handlers() {
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the shell's limit is an error of the write that made it so
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
+  struct sigaction bus {};
+  bus.sa_sigaction = on_bus_error;
+  bus.sa_flags = SA_SIGINFO;
+  sigaction(SIGBUS, &bus, nullptr);
 }
 
 void check_interrupt() {

@@ -31,8 +31,9 @@ void check_files(const CommonOptions& common, const std::vector<FileArgument>& i
 // Ctrl-C and SIGTERM end the process at once, with one line, a status of 128 + signal and no temporary left. A command
 // that has more to clean up, or ends more tidily, takes the flag and looks at it often: then the first signal only sets
 // it, and the second one ends the process.
-// A write beyond the shell's limit of file sizes becomes an error of that write.
-void install_interrupt_handler();
+// A write beyond the shell's limit of file sizes becomes an error of that write; a mapped file that becomes shorter while
+// it is read ends the process with a line that names it and status 1.
+void install_signal_handlers();
 [[nodiscard]] const CancelFlag& interrupt_flag();
 // Throws Cancelled when the flag is set.
 void check_interrupt();

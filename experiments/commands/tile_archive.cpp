@@ -12,8 +12,8 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/checksum.h"
 #include "core/files/input_file.h"
-#include "core/progressive/lpm/lpm_format.h"
 
 namespace lodestone {
 namespace {
@@ -79,7 +79,7 @@ class ArchiveWriter {
     if (bytes.size() >= narrow)
       throw ResourceError(describe(name_, path, "a file of 4 GiB does not fit into the format",
                                    "write a folder, or build with smaller --cell-triangles"));
-    const Entry entry{path, file_.position(), static_cast<std::uint32_t>(bytes.size()), progressive::crc32(bytes)};
+    const Entry entry{path, file_.position(), static_cast<std::uint32_t>(bytes.size()), crc32(bytes)};
     Record local;
     local.u32(0x0403'4b50).u16(version).u16(0).u16(0).u16(0).u16(first_of_1980);
     local.u32(entry.crc).u32(entry.size).u32(entry.size).u16(path.size()).u16(0).text(path);

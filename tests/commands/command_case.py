@@ -41,6 +41,11 @@ def call(*arguments, cwd=None, timeout=120, environment=None, preexec=None):
                           env={**os.environ, **environment} if environment else None, preexec_fn=preexec)
 
 
+def on_disk(**disk):
+    """The environment in which a program has a disk of this kind (failing_disk.cpp)."""
+    return {"LD_PRELOAD": SHIM} | {name: str(value) for name, value in disk.items()}
+
+
 def until(condition, what, timeout=30.0):
     """The first true value of a condition; an error after so many seconds."""
     end = time.monotonic() + timeout
@@ -95,7 +100,7 @@ class CommandCase(FolderCase):
 
     def fails_on_disk(self, *arguments, names, **disk):
         """Expects a refusal on a disk of this kind (failing_disk.cpp)."""
-        self.refused(*arguments, names=names, environment={"LD_PRELOAD": SHIM} | {k: str(v) for k, v in disk.items()})
+        self.refused(*arguments, names=names, environment=on_disk(**disk))
 
     def interrupt(self, *arguments, after=None, sign="*", signal_number=signal.SIGINT):
         """Expects a prompt end with one line, and nothing left, from a signal after so many seconds or at a new file."""

@@ -1,13 +1,20 @@
 // A disk that fails in the middle of work, for LD_PRELOAD: the reads (writes) at offsets succeed for so many bytes in
 // all and fail from then on, with the error of a broken medium (a full disk). DISK_READS and DISK_WRITES are numbers of
-// bytes; what is not set never fails. DISK_ENDS cuts all files short instead, as if they were shortened meanwhile.
+// bytes; what is not set never fails. DISK_ENDS cuts all files short instead, as if they were shortened meanwhile, and
+// DISK_CUTS those that are mapped, to so many bytes. DISK_BREAKS gives writes, too, the error of a broken medium.
+// DISK_PIECES moves at most so many bytes at a time.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
 
 namespace {
 
@@ -21,8 +28,20 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
+size_t piece_of(size_t count) {
+  static const long long most = left_of("DISK_PIECES");
+  return std::min(count, static_cast<size_t>(most));
+}
+
 // True if `bytes` more may pass.
 bool passes(std::atomic<long long>& left, size_t bytes) { return (left -= static_cast<long long>(bytes)) >= 0; }
+
+// Leaves files alone that are not in the working folder: libraries, and what they map.
+void cut_short(const std::string& name, long long bytes) {
+  std::error_code ignored;
+  const auto file = std::filesystem::read_symlink(name, ignored);
+  if (file.parent_path() == std::filesystem::current_path(ignored)) std::filesystem::resize_file(file, bytes, ignored);
+}
 
 }  // namespace
 
@@ -30,7 +49,7 @@ extern "C" ssize_t pread64(int descriptor, void* bytes, size_t count, off64_t of
   static auto* const real = next<ssize_t(int, void*, size_t, off64_t)>("pread64");
   static std::atomic<long long> left{left_of("DISK_READS")};
   static const bool ends = std::getenv("DISK_ENDS") != nullptr;
-  if (passes(left, count)) return real(descriptor, bytes, count, offset);
+  if (passes(left, count)) return real(descriptor, bytes, piece_of(count), offset);
   if (ends) return 0;
   errno = EIO;
   return -1;
@@ -42,10 +61,19 @@ extern "C" ssize_t pread(int descriptor, void* bytes, size_t count, off_t offset
 extern "C" ssize_t pwrite64(int descriptor, const void* bytes, size_t count, off64_t offset) {
   static auto* const real = next<ssize_t(int, const void*, size_t, off64_t)>("pwrite64");
   static std::atomic<long long> left{left_of("DISK_WRITES")};
-  if (passes(left, count)) return real(descriptor, bytes, count, offset);
-  errno = ENOSPC;
+  static const bool breaks = std::getenv("DISK_BREAKS") != nullptr;
+  if (passes(left, count)) return real(descriptor, bytes, piece_of(count), offset);
+  errno = breaks ? EIO : ENOSPC;
   return -1;
 }
 extern "C" ssize_t pwrite(int descriptor, const void* bytes, size_t count, off_t offset) {
   return pwrite64(descriptor, bytes, count, offset);
+}
+
+extern "C" void* mmap(void* at, size_t bytes, int protection, int flags, int descriptor, off_t offset) noexcept {
+  static auto* const real = next<void*(void*, size_t, int, int, int, off_t)>("mmap");
+  static const char* const cut = std::getenv("DISK_CUTS");
+  void* const mapped = real(at, bytes, protection, flags, descriptor, offset);
+  if (cut && descriptor >= 0) cut_short("/proc/self/fd/" + std::to_string(descriptor), std::atoll(cut));
+  return mapped;
 }

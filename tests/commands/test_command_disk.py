@@ -3,7 +3,7 @@
 import resource
 
 import command_case
-from command_case import CommandCase, hierarchy, needs_failing_disk, obj, sphere
+from command_case import CommandCase, hierarchy, needs_failing_disk, obj, on_disk, sphere
 
 
 @needs_failing_disk
@@ -27,6 +27,35 @@ class BrokenMedium(CommandCase):
                                DISK_ENDS=1)
 
 
+    def test_mapped_file_that_becomes_shorter(self):
+        whole = hierarchy().read_bytes()
+        for command in (("verify", "m.lode"), ("export", "m.lode", "-o", "m.ply"),
+                        ("render", "m.lode", "--backend", "soft", "--size", "64x64", "-o", "frames")):
+            for share in (0, 0.4, 0.9):
+                (self.folder / "m.lode").write_bytes(whole)
+                with self.subTest(command=command, share=share):
+                    self.failing(*command, names=["lodestone: m.lode: became shorter, or its disk failed"],
+                                 environment=on_disk(DISK_CUTS=int(share * len(whole))))
+                    self.assertEqual(set(self.listing()), {"m.lode"})
+
+
+@needs_failing_disk
+class ShortPieces(CommandCase):
+    def test_reads_and_writes_that_move_less_than_asked(self):
+        for command in (("build", sphere(), "-o", "m.lode", "--levels", 3), ("build", sphere(), "-o", "n.lode", "--compress"),
+                        ("export", hierarchy(), "-o", "m.glb"), ("progressive", sphere(), "-o", "m.lpm")):
+            with self.subTest(command=command):
+                self.lodestone(*command)
+                expected = self.listing()
+                for name in expected:
+                    (self.folder / name).unlink()
+                done = command_case.call(*command, cwd=self.folder, environment=on_disk(DISK_PIECES=4093))
+                self.assertEqual((done.returncode, done.stderr), (0, b""))
+                self.assertEqual(self.listing(), expected)
+                for name in expected:
+                    (self.folder / name).unlink()
+
+
 @needs_failing_disk
 class FullDisk(CommandCase):
     def test_build(self):
@@ -45,6 +74,10 @@ class FullDisk(CommandCase):
         self.fails_on_disk("render", hierarchy(), "--backend", "soft", "--size", "64x64", "--frames", 3, "-o", "frames",
                            names=["frames", "No space left"], DISK_WRITES=100)
         self.fails_on_disk("info", hierarchy(), "--json", "m.json", names=["m.json", "No space left"], DISK_WRITES=10)
+
+    def test_medium_that_takes_no_writes(self):
+        self.fails_on_disk("build", sphere(), "-o", "m.lode", names=["m.lode", "Input/output error"], DISK_WRITES=100000,
+                           DISK_BREAKS=1)
 
     def test_what_was_there_stays(self):
         self.write("m.lode", "mine")

@@ -9,7 +9,7 @@ import subprocess
 import time
 
 import command_case
-from command_case import SHIM, needs_failing_disk, until
+from command_case import needs_failing_disk, on_disk, until
 from sweep_case import HEAD, SweepCase, children_in, end_quietly, kill, section, start
 
 INTERRUPTED = "lodestone: interrupted; finished runs were kept, --resume continues\n"
@@ -145,7 +145,7 @@ class FullDisk(SweepCase):
         failed = 0
         for room in range(0, 40000, 1500):
             done = command_case.call("sweep", "sweep.toml", "-o", "out", "--resume", "--quiet", cwd=self.folder,
-                                     environment={"LD_PRELOAD": SHIM, "DISK_WRITES": str(room)})
+                                     environment=on_disk(DISK_WRITES=room))
             line = done.stderr.decode()
             if done.returncode == 0:
                 continue

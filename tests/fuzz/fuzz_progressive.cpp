@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/files/checksum.h"
 #include "core/progressive/lpm/lpm_format.h"
 #include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
@@ -22,7 +23,7 @@ void mend_checksums(std::vector<char>& bytes) {
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + length_at, 4);
     if (length > bytes.size() - at) return;
-    set_word(bytes, crc_at, lodestone::progressive::crc32(std::as_bytes(std::span(bytes).subspan(at, length))));
+    set_word(bytes, crc_at, lodestone::crc32(std::as_bytes(std::span(bytes).subspan(at, length))));
     at += length;
     if (bytes.size() - at < 12) return;
     length_at = at, crc_at = at + 4, at += 12;

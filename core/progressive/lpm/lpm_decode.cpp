@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "core/base/error.h"
+#include "core/files/checksum.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/lpm/lpm_format.h"
 #include "core/progressive/mesh/activation.h"

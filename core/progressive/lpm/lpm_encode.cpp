@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/files/checksum.h"
 #include "core/progressive/collapse/ring_mesh.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/lpm/lpm_format.h"

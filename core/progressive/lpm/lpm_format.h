@@ -35,9 +35,6 @@ struct LpmHeader {
 [[nodiscard]] nlohmann::json to_json(const LpmHeader& header);
 [[nodiscard]] LpmHeader read_header(const JsonView& json);
 
-// The polynomial of zlib and PNG (ISO 3309).
-[[nodiscard]] std::uint32_t crc32(std::span<const std::byte> bytes);
-
 // Frames grow with the mesh: what is on the screen gets finer by a share each time.
 [[nodiscard]] inline std::uint32_t splits_in_frame(std::uint32_t groups) {
   return std::min(std::max(groups / 2, 256u), 16384u);
