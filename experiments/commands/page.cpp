@@ -39,7 +39,7 @@ fs::path page_folder() {
   for (const char* name : {"page.js", "index.html", "page.css"})
     if (!fs::exists(folder / name))
       throw FileError(describe((folder / name).string(), "", "the bundled page is not there",
-                               "run scripts/setup and build, or set LODESTONE_PAGE to its folder"));
+                               "run scripts/setup page and build, or set LODESTONE_PAGE to its folder"));
   return folder;
 }
 

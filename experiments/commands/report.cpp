@@ -65,7 +65,7 @@ void run(const ReportOptions& options, const CommonOptions& common) {
   if (chosen == nullptr) execute("/usr/bin/python3", arguments);
   throw FileError(describe(chosen != nullptr ? chosen : "python3", "",
                            std::string("the report needs Python, which cannot be started: ") + std::strerror(errno),
-                           "apt-get install python3 python3-jinja2 python3-matplotlib (scripts/setup does)"));
+                           "apt-get install python3 python3-jinja2 python3-matplotlib (scripts/setup report does)"));
 }
 
 OptionTable declare(ReportOptions& o) {

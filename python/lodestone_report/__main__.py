@@ -37,7 +37,7 @@ def find_modules():
         import jinja2  # noqa: F401
     except ImportError:
         raise ImportError(f"{sys.executable}: the report needs the module jinja2, which is missing; "
-                          "apt-get install python3-jinja2 python3-matplotlib (scripts/setup does)") from None
+                          "apt-get install python3-jinja2 python3-matplotlib (scripts/setup report does)") from None
 
 
 def print_summary(studies, output, note):

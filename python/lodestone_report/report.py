@@ -9,7 +9,7 @@ from .reading import load
 from .study import Study
 from .writing import write_all
 
-WITHOUT_PLOTS = "without plots: there is no python3 with matplotlib (scripts/setup installs python3-matplotlib)"
+WITHOUT_PLOTS = "without plots: there is no python3 with matplotlib (scripts/setup report installs python3-matplotlib)"
 
 
 def draw(figures):
