@@ -108,10 +108,8 @@ class Assembly {
             normal_at(input_, normals_, input_.triangles[sources_[t]], places_[out_.triangles[t].v[k]]));
       }
     }
-    const Transform& t = input_.transform;
-    out_.up = t.up;
-    out_.positions.reserve(places_.size());
-    for (const Vec3d p : places_) out_.positions.push_back(t.origin + t.scale * p);
+    out_.up = input_.transform.up;
+    out_.positions = std::move(places_);
     out_.wedges = make_wedges(out_.triangles, out_.positions.size(), attributes_);
     out_.wedges.material = std::move(materials_);
     return std::move(out_);

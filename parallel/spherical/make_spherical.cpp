@@ -147,6 +147,9 @@ class Maker {
     raw.textures = std::move(images_.textures);
     Repairs repairs;
     IndexedMesh whole = prepare_mesh(std::move(raw), repairs, scheduler_);
+    const Transform& model = mesh_.transform;  // the box of `whole` may be smaller: components may be left out
+    whole.transform.origin = model.origin + model.scale * whole.transform.origin;
+    whole.transform.scale *= model.scale;
     ProgressiveMesh out = make_progressive(std::move(whole), config_.progressive, scheduler_, report_.progressive);
     if (config_.maps.normal) out.object_normals = std::move(images_.object_normals);
     out.geometry_images = std::move(images_.geometry_images);

@@ -11,29 +11,11 @@
 #include "core/mesh/clean.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/build.h"
-#include "tests/test_bytes.h"
+#include "tests/hierarchy_bytes.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
 namespace {
-
-// Everything a hierarchy holds, in order.
-std::string bytes(const Hierarchy& h) {
-  std::string out;
-  test::append_bytes(out, h.levels);
-  for (const Cell& c : h.cells) {
-    test::append_bytes(out, std::span<const std::uint64_t>(&c.code.morton, 1));
-    test::append_bytes(out, std::array<std::uint32_t, 3>{c.parent, c.first_child, c.child_count});
-    test::append_bytes(out, std::span<const Box3f>(&c.bounds, 1));
-    test::append_bytes(out, std::span<const float>(&c.max_displacement, 2));
-    test::append_bytes(out, c.positions);
-    test::append_bytes(out, c.normals);
-    test::append_bytes(out, c.parents);
-    test::append_bytes(out, c.shared_ids);
-    test::append_bytes(out, c.triangles);
-  }
-  return out;
-}
 
 BuildConfig small_cells(SimplifierKind kind, Strategy strategy) {
   BuildConfig config;
@@ -49,12 +31,12 @@ class BuildStrategies : public testing::TestWithParam<SimplifierKind> {};
 TEST_P(BuildStrategies, SameBytesForAnyThreadsAndStrategy) {
   const auto serial = make_serial_scheduler();
   const std::string expected =
-      bytes(build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), Strategy::serial), *serial));
+      test::hierarchy_bytes(build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), Strategy::serial), *serial));
   for (const int threads : {1, 2, 3, 7, 16}) {
     const auto scheduler = make_tbb_scheduler(threads);
     for (const Strategy strategy : {Strategy::serial, Strategy::levels, Strategy::graph})
-      EXPECT_TRUE(expected ==
-                  bytes(build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), strategy), *scheduler)))
+      EXPECT_TRUE(expected == test::hierarchy_bytes(
+                                  build_hierarchy(test::sphere_mesh(6), small_cells(GetParam(), strategy), *scheduler)))
           << threads << " threads, " << name_of(strategy);
   }
 }
@@ -65,7 +47,8 @@ TEST(Build, TwoHundredTimesTheSameBytes) {
   const auto built = [&](Scheduler& scheduler, Strategy strategy) {
     Repairs repairs;
     IndexedMesh mesh = prepare_mesh(RawMesh(raw), repairs, scheduler);
-    return bytes(build_hierarchy(std::move(mesh), small_cells(SimplifierKind::quadric, strategy), scheduler));
+    return test::hierarchy_bytes(
+        build_hierarchy(std::move(mesh), small_cells(SimplifierKind::quadric, strategy), scheduler));
   };
   const auto serial = make_serial_scheduler();
   const std::string expected = built(*serial, Strategy::serial);
@@ -91,11 +74,12 @@ TEST_P(BuildStrategies, SameBytesInTheOrderForCompression) {
   const IndexedMesh mesh = on_lattice(test::sphere_mesh(6), 16);
   BuildConfig config = small_cells(GetParam(), Strategy::serial);
   config.order_cells = true;
-  const std::string expected = bytes(build_hierarchy(IndexedMesh(mesh), config, *serial));
+  const std::string expected = test::hierarchy_bytes(build_hierarchy(IndexedMesh(mesh), config, *serial));
   for (const int threads : {1, 2, 7}) {
     const auto scheduler = make_tbb_scheduler(threads);
     config.strategy = Strategy::graph;
-    EXPECT_TRUE(expected == bytes(build_hierarchy(IndexedMesh(mesh), config, *scheduler))) << threads << " threads";
+    EXPECT_TRUE(expected == test::hierarchy_bytes(build_hierarchy(IndexedMesh(mesh), config, *scheduler)))
+        << threads << " threads";
   }
 }
 

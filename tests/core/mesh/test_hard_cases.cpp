@@ -5,21 +5,15 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "core/files/byte_reader.h"
-#include "core/formats/ply/ply.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/edge_census.h"
-#include "core/mesh/hard/hard_cases.h"
 #include "tests/expect_error.h"
+#include "tests/hard_mesh.h"
 
 namespace lodestone {
 namespace {
 
-RawMesh read_case(const HardCase& hard) {
-  const std::string file = hard_ply(hard.make(std::min<std::uint64_t>(hard.size, 2'000)));
-  ByteReader input({file.data(), file.size()}, std::string(hard.name));
-  return read_ply(input);
-}
+constexpr std::uint64_t most = 2'000;  // triangles of a case
 
 struct Cleaned {
   IndexedMesh mesh;
@@ -28,7 +22,7 @@ struct Cleaned {
 };
 Cleaned cleaned(std::string_view name) {
   Cleaned result;
-  result.mesh = clean_mesh(read_case(hard_case(name)), result.repairs);
+  result.mesh = clean_mesh(test::hard_mesh(hard_case(name), most), result.repairs);
   result.edges = count_edges(result.mesh.triangles, result.mesh.positions.size());
   return result;
 }
@@ -37,13 +31,13 @@ TEST(HardCases, AreReadAndAreAsLargeAsTheySay) {
   std::set<std::string_view> names;
   for (const HardCase& hard : hard_cases()) {
     EXPECT_TRUE(names.insert(hard.name).second) << hard.name;
-    const RawMesh mesh = read_case(hard);
-    const auto size = static_cast<double>(std::min<std::uint64_t>(hard.size, 2'000));
+    const RawMesh mesh = test::hard_mesh(hard, most);
+    const auto size = static_cast<double>(std::min(hard.size, most));
     EXPECT_LE(static_cast<double>(mesh.triangles.size()), 2 * size) << hard.name;
     EXPECT_GE(static_cast<double>(mesh.triangles.size()), 0.4 * size) << hard.name;
     Repairs repairs;
     if (!hard.refusal.empty() || hard.name == "nothing") continue;
-    EXPECT_GT(clean_mesh(read_case(hard), repairs).triangles.size(), 0u) << hard.name;
+    EXPECT_GT(clean_mesh(test::hard_mesh(hard, most), repairs).triangles.size(), 0u) << hard.name;
   }
   expect_error_of<InputError>([] { return hard_case("needle"); }, {"'needle'", "known are", "needles"});
 }
@@ -62,10 +56,10 @@ TEST(HardCases, HaveWhatTheyAreNamedAfter) {
     EXPECT_GT(cleaned(open).edges.border, 10u) << open;
   EXPECT_GT(cleaned("moebius").edges.inconsistent, 0u) << "it has one side";
   std::map<std::uint32_t, std::size_t> valence;
-  std::size_t most = 0;
+  std::size_t highest = 0;
   for (const Triangle& t : cleaned("wheel").mesh.triangles)
-    for (const std::uint32_t v : t.v) most = std::max(most, ++valence[v]);
-  EXPECT_EQ(most, 2'000u);
+    for (const std::uint32_t v : t.v) highest = std::max(highest, ++valence[v]);
+  EXPECT_EQ(highest, 2'000u);
 }
 
 }  // namespace

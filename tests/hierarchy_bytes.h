@@ -1,0 +1,29 @@
+// Everything that a hierarchy of vertices without attributes holds, in order, except its transform.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "core/hierarchy/model/hierarchy.h"
+#include "tests/test_bytes.h"
+
+namespace lodestone::test {
+
+inline std::string hierarchy_bytes(const Hierarchy& h) {
+  std::string out;
+  append_bytes(out, h.levels);
+  for (const Cell& c : h.cells) {
+    append_bytes(out, std::span<const std::uint64_t>(&c.code.morton, 1));
+    append_bytes(out, std::array<std::uint32_t, 3>{c.parent, c.first_child, c.child_count});
+    append_bytes(out, std::span<const Box3f>(&c.bounds, 1));
+    append_bytes(out, std::span<const float>(&c.max_displacement, 2));
+    append_bytes(out, c.positions);
+    append_bytes(out, c.normals);
+    append_bytes(out, c.parents);
+    append_bytes(out, c.shared_ids);
+    append_bytes(out, c.triangles);
+  }
+  return out;
+}
+
+}  // namespace lodestone::test
