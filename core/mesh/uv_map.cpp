@@ -11,6 +11,20 @@ UvMap map_of(const UvTransform& t) {
   return {c * t.scale[0], s * t.scale[1], -s * t.scale[0], c * t.scale[1], t.offset[0], t.offset[1]};
 }
 
+std::optional<UvMap> map_between(const PlaneTriangle& from, const PlaneTriangle& to) {
+  const double x1 = from[1][0] - from[0][0], y1 = from[1][1] - from[0][1], x2 = from[2][0] - from[0][0],
+               y2 = from[2][1] - from[0][1], area = x1 * y2 - x2 * y1;
+  if (area == 0) return std::nullopt;
+  UvMap map{};
+  for (std::size_t row = 0; row < 2; ++row) {
+    const double a = to[1][row] - to[0][row], b = to[2][row] - to[0][row];
+    const double along = (a * y2 - b * y1) / area, across = (b * x1 - a * x2) / area;
+    map[2 * row] = along, map[2 * row + 1] = across;
+    map[4 + row] = to[0][row] - along * from[0][0] - across * from[0][1];
+  }
+  return map;
+}
+
 std::optional<UvTransform> transform_after(const UvMap& first, const UvMap& whole) {
   if (first == whole) return UvTransform{};
   const auto& [a, b, c, d, x, y] = first;

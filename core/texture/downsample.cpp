@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "core/formats/common/colour.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
 #include "core/formats/gltf/gltf_surface.h"
 #include "core/mesh/uv_map.h"
+#include "core/texture/colour.h"
 #include "core/texture/image_codec.h"
 #include "core/texture/normal_space.h"
 #include "render/frame/appearance.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <functional>
 
-#include "core/formats/common/colour.h"
 #include "core/hierarchy/tiles/tile_atlas.h"
 #include "core/mesh/generate.h"
+#include "core/texture/colour.h"
 #include "core/texture/downsample.h"
 #include "core/texture/texel_wrap.h"
 #include "parallel/clean/prepare.h"

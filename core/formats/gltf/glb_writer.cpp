@@ -1,9 +1,9 @@
 // Writer of whole meshes as binary glTF.
 #include <map>
 
-#include "core/formats/common/colour.h"
 #include "core/formats/gltf/glb_builder.h"
 #include "core/formats/gltf/gltf.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {

@@ -52,6 +52,14 @@ std::optional<JsonView> first_texture(const JsonView& source) {
   return std::nullopt;
 }
 
+// Told from the name of the textureInfo.
+PixelMeaning meaning_of(const JsonView& info) {
+  const std::string& name = info.place();
+  if (name.ends_with("ormalTexture")) return PixelMeaning::normals;
+  if (name.ends_with("olorTexture") || name.ends_with("missiveTexture")) return PixelMeaning::colours;
+  return PixelMeaning::values;
+}
+
 }  // namespace
 
 Vec2f GltfMaterial::map(double u, double v) const {
@@ -91,7 +99,7 @@ GltfMaterial GltfMaterials::read(const JsonView& source) {
   return result;
 }
 
-void GltfMaterials::read_base_colour(const JsonView& source, const GltfMaterial& placement, Material& material) {
+void GltfMaterials::read_base_colour(const JsonView& source, GltfMaterial& placement, Material& material) {
   const BaseColour from = base_colour_of(source);
   if (!from.source) return;
   const std::array<double, 4> colour = from.source->numbers_or<4>(from.factor, {1, 1, 1, 1});
@@ -101,25 +109,24 @@ void GltfMaterials::read_base_colour(const JsonView& source, const GltfMaterial&
     set_colour_texture(material, place(*info, placement).texture);
 }
 
-PlacedTexture GltfMaterials::place(const JsonView& info, const GltfMaterial& placement) {
-  if ("TEXCOORD_" + std::to_string(uv_set_of(info)) != placement.uv_attribute) {
-    ++left_out_["textures use other texture coordinates than the first texture of their material and are left out"];
-    return {};
-  }
+PlacedTexture GltfMaterials::place(const JsonView& info, GltfMaterial& placement) {
+  const std::string attribute = "TEXCOORD_" + std::to_string(uv_set_of(info));
   const UvTransform own = read_uv_transform(info);
-  const std::optional<UvTransform> transform =
-      placement.uv_map == map_of({}) ? own : transform_after(placement.uv_map, map_of(own));
-  if (!transform) {
-    ++left_out_["textures are skewed against the first texture of their material and are left out"];
-    return {};
-  }
-  return {read_texture(info), *transform};
+  std::optional<UvTransform> transform;
+  if (attribute == placement.uv_attribute)
+    transform = placement.uv_map == map_of({}) ? own : transform_after(placement.uv_map, map_of(own));
+  const std::uint32_t texture = read_texture(info);
+  if (transform || texture == no_texture) return {texture, transform.value_or(UvTransform{})};
+  placement.misplaced.push_back(misplaced_.maps().size());
+  const auto material = static_cast<std::uint32_t>(mesh_->materials.size());  // it will be
+  return {
+      misplaced_.add(*mesh_, texture, {material, no_texture, no_texture, attribute, map_of(own), meaning_of(info)})};
 }
 
-std::vector<std::string> GltfMaterials::notes() const {
-  std::vector<std::string> lines;
-  for (const auto& [what, count] : left_out_)
-    lines.push_back(describe(document_->file(), "", std::to_string(count) + " " + what));
+std::vector<std::string> GltfMaterials::finish() {
+  std::vector<std::string> lines = misplaced_.finish(*mesh_);
+  for (const auto& [what, count] : left_out_) lines.push_back(std::to_string(count) + " " + what);
+  for (std::string& line : lines) line = describe(document_->file(), "", line);
   return lines;
 }
 

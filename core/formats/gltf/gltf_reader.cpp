@@ -1,12 +1,13 @@
 // Reader of glTF: the triangles of the meshes that a scene shows, primitive by primitive.
 #include <algorithm>
 #include <memory>
+#include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
 #include "core/formats/gltf/gltf.h"
 #include "core/formats/gltf/gltf_accessor.h"
 #include "core/formats/gltf/gltf_document.h"
@@ -14,6 +15,7 @@
 #include "core/formats/gltf/gltf_nodes.h"
 #include "core/formats/plain/draco.h"
 #include "core/mesh/raw_mesh.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {
@@ -144,7 +146,7 @@ class GltfReader {
     if (left_out_ > 0) warn(std::to_string(left_out_) + " primitives of points or lines are left out");
     if (deformed_ > 0)
       warn(std::to_string(deformed_) + " nodes with a skin or morph targets are read in their pose at rest");
-    for (std::string& note : materials_.notes()) mesh_.warnings.push_back(std::move(note));
+    for (std::string& note : materials_.finish()) mesh_.warnings.push_back(std::move(note));
     name_other_features();
     return std::move(mesh_);
   }
@@ -241,9 +243,28 @@ class GltfReader {
         if (id >= mesh.positions.size())
           primitive.json().fail("index " + std::to_string(id) + " is out of range", damaged);
     mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
+    add_to_misplaced(mesh, triangles, primitive, material);
     if (material.index == no_material && mesh.wedges.material.empty()) return;
     mesh.wedges.material.resize(mesh.triangles.size() - triangles.size(), no_material);
     mesh.wedges.material.resize(mesh.triangles.size(), material.index);
+  }
+
+  // Once for each primitive, however many nodes show it.
+  void add_to_misplaced(const RawMesh& mesh, std::span<const Triangle> triangles, const Primitive& primitive,
+                        const GltfMaterial& material) {
+    if (material.misplaced.empty() || mesh.wedges.uv.empty() || !redrawn_.insert(primitive.json().place()).second)
+      return;
+    for (const std::size_t number : material.misplaced) {
+      MisplacedMaps::Map& map = materials_.misplaced().maps()[number];
+      const std::vector<Vec2f> from = read_uv(primitive, {.uv_attribute = map.uv_attribute, .uv_map = map.uv_map});
+      if (from.size() != mesh.wedges.uv.size()) continue;
+      for (const Triangle& t : triangles) {
+        RedrawTriangle& to = map.triangles.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k)
+          to.from[k] = from[t.v[k]], to.to[k] = mesh.wedges.uv[t.v[k]],
+          to.positions[k] = to_float(mesh.positions[t.v[k]]);
+      }
+    }
   }
 
   void warn(const std::string& what) { mesh_.warnings.push_back(describe(document_.file(), "", what)); }
@@ -252,6 +273,7 @@ class GltfReader {
   ReadConfig config_;
   RawMesh mesh_;
   GltfMaterials materials_;
+  std::set<std::string> redrawn_;  // primitives whose triangles misplaced maps have
   std::uint64_t left_out_ = 0, deformed_ = 0;
 };
 

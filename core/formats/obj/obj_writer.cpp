@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/key_numbers.h"
-#include "core/formats/common/colour.h"
+#include "core/formats/common/lower_left.h"
 #include "core/formats/obj/obj.h"
 
 namespace lodestone {

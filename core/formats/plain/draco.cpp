@@ -8,8 +8,9 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
+#include "core/formats/common/lower_left.h"
 #include "core/mesh/raw_mesh.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 

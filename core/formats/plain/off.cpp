@@ -13,9 +13,10 @@
 
 #include "core/base/error.h"
 #include "core/files/text_scanner.h"
-#include "core/formats/common/colour.h"
+#include "core/formats/common/lower_left.h"
 #include "core/formats/common/polygon_fan.h"
 #include "core/mesh/raw_mesh.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {

@@ -4,8 +4,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "core/formats/common/colour.h"
+#include "core/formats/common/lower_left.h"
 #include "core/mesh/raw_mesh.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {

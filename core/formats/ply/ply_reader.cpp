@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
 #include "core/formats/common/companion_files.h"
+#include "core/formats/common/lower_left.h"
 #include "core/formats/common/polygon_fan.h"
 #include "core/formats/ply/ply.h"
 #include "core/formats/ply/ply_header.h"

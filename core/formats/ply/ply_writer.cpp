@@ -4,7 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "core/formats/common/colour.h"
+#include "core/formats/common/lower_left.h"
 #include "core/formats/ply/ply.h"
 
 namespace lodestone {

@@ -1,10 +1,10 @@
 // One cell as binary glTF.
 #include <map>
 
-#include "core/formats/common/colour.h"
 #include "core/formats/gltf/glb_builder.h"
 #include "core/hierarchy/model/material_of.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/base/disjoint_sets.h"
-#include "core/formats/common/colour.h"
+#include "core/texture/colour.h"
 #include "core/texture/page_packer.h"
 #include "core/texture/texel_wrap.h"
 

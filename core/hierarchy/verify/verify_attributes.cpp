@@ -6,9 +6,9 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
 #include "core/hierarchy/verify/verify_checks.h"
 #include "core/math/vec3.h"
+#include "core/texture/colour.h"
 #include "core/texture/image_codec.h"
 
 namespace lodestone::verify {

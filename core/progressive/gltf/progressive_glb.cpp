@@ -5,9 +5,9 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
 #include "core/formats/common/float_range.h"
 #include "core/formats/gltf/glb_builder.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {

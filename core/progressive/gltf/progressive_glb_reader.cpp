@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/formats/common/colour.h"
 #include "core/formats/gltf/gltf_accessor.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/activation.h"
+#include "core/texture/colour.h"
 
 namespace lodestone {
 namespace {

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <vector>
 
-#include "core/formats/common/colour.h"
 #include "core/spatial/point_triangle.h"
 #include "core/spherical/octahedron/octahedral_image.h"
+#include "core/texture/colour.h"
 
 namespace lodestone::spherical {
 namespace {

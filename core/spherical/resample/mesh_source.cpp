@@ -6,7 +6,7 @@
 #include "core/base/disjoint_sets.h"
 #include "core/base/error.h"
 #include "core/mesh/vertex_of.h"
-#include "core/spherical/resample/chart_cover.h"
+#include "core/texture/chart_cover.h"
 #include "core/texture/normal_space.h"
 
 namespace lodestone::spherical {

@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/spherical/octahedron/octahedral_image.h"
-#include "core/spherical/resample/chart_cover.h"
+#include "core/texture/chart_cover.h"
 
 namespace lodestone::spherical {
 namespace {

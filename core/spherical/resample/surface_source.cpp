@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
 #include "core/math/lanes/float4x3.h"
 #include "core/mesh/vertex_of.h"
+#include "core/texture/colour.h"
 
 namespace lodestone::spherical {
 namespace {

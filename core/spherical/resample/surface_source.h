@@ -17,8 +17,8 @@
 #include "core/math/lanes/float4.h"
 #include "core/mesh/indexed_mesh.h"
 #include "core/spherical/resample/mesh_source.h"
-#include "core/spherical/resample/source_texture.h"
 #include "core/spherical/surface.h"
+#include "core/texture/source_texture.h"
 
 namespace lodestone::spherical {
 

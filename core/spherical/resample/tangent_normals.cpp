@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/spherical/octahedron/octahedral_image.h"
-#include "core/spherical/resample/chart_cover.h"
+#include "core/texture/chart_cover.h"
 
 namespace lodestone::spherical {
 namespace {

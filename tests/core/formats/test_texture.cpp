@@ -6,9 +6,9 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "core/formats/common/colour.h"
 #include "core/hierarchy/lode/lode_format.h"
 #include "core/hierarchy/model/level_mesh.h"
+#include "core/texture/colour.h"
 #include "core/texture/downsample.h"
 #include "core/texture/recompress.h"
 #include "tests/expect_error.h"

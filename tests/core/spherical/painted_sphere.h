@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/formats/common/colour.h"
 #include "core/spherical/surface.h"
+#include "core/texture/colour.h"
 #include "core/texture/image_codec.h"
 #include "tests/core/spherical/sphere_checks.h"
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/formats/common/colour.h"
-#include "core/spherical/resample/chart_cover.h"
-#include "core/spherical/resample/source_texture.h"
+#include "core/texture/chart_cover.h"
+#include "core/texture/colour.h"
+#include "core/texture/source_texture.h"
 #include "tests/core/spherical/sphere_checks.h"
 
 namespace lodestone::spherical {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <functional>
 
-#include "core/formats/common/colour.h"
 #include "core/mesh/uv_map.h"
+#include "core/texture/colour.h"
 #include "render/backends/make_renderer.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "tests/render/rays.h"

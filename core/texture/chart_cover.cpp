@@ -1,19 +1,13 @@
-#include "core/spherical/resample/chart_cover.h"
+#include "core/texture/chart_cover.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 
 #include "core/texture/texel_wrap.h"
 
-namespace lodestone::spherical {
+namespace lodestone {
 namespace {
-
-// Coordinates in which the centres of texels are whole numbers.
-struct TexelPoint {
-  double x = 0, y = 0;
-};
 
 class Cover {
  public:
@@ -24,17 +18,11 @@ class Cover {
   std::size_t add(const ChartTriangle& triangle);
   void add_barycentre(const ChartTriangle& triangle) {
     TexelPoint sum;
-    for (const TexelPoint p : texel_points(triangle)) sum = {sum.x + p.x / 3, sum.y + p.y / 3};
+    for (const TexelPoint p : texel_points(triangle.uv, size_)) sum = {sum.x + p.x / 3, sum.y + p.y / 3};
     set(std::llround(sum.x), std::llround(sum.x), std::llround(sum.y));
   }
 
  private:
-  [[nodiscard]] std::array<TexelPoint, 3> texel_points(const ChartTriangle& triangle) const {
-    std::array<TexelPoint, 3> points;
-    for (std::size_t k = 0; k < 3; ++k)
-      points[k] = {double{triangle.uv[k].x} * size_.width - 0.5, double{triangle.uv[k].y} * size_.height - 0.5};
-    return points;
-  }
   void set(std::int64_t left, std::int64_t right, std::int64_t y) {
     std::uint8_t* const row = &covered[std::size_t{wrapped(y, size_.height, wrap_v_)} * size_.width];
     if (left >= 0 && right < size_.width)
@@ -42,7 +30,6 @@ class Cover {
     else
       for (std::int64_t x = left; x <= right; ++x) row[wrapped(x, size_.width, wrap_u_)] = 1;
   }
-  std::size_t add_row(const std::array<TexelPoint, 3>& points, double y);
 
   PixelSize size_;
   TextureWrap wrap_u_, wrap_v_;
@@ -51,25 +38,8 @@ class Cover {
   std::vector<std::uint8_t> covered;
 };
 
-// The centres between the edges that the row y meets.
-std::size_t Cover::add_row(const std::array<TexelPoint, 3>& points, double y) {
-  double left = std::numeric_limits<double>::infinity(), right = -left;
-  for (std::size_t k = 0; k < 3; ++k) {
-    TexelPoint a = points[k], b = points[(k + 1) % 3];
-    if (a.y > b.y) std::swap(a, b);
-    if (!(a.y <= y && y <= b.y)) continue;
-    const double x = a.y < b.y ? a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)) : a.x;
-    left = std::min({left, x, a.y < b.y ? x : b.x}), right = std::max({right, x, a.y < b.y ? x : b.x});
-  }
-  if (!(left <= right)) return 0;
-  const auto first = static_cast<std::int64_t>(std::ceil(left)), last = static_cast<std::int64_t>(std::floor(right));
-  if (first > last) return 0;
-  set(first, last, static_cast<std::int64_t>(y));
-  return static_cast<std::size_t>(last - first + 1);
-}
-
 std::size_t Cover::add(const ChartTriangle& triangle) {
-  const std::array<TexelPoint, 3> p = texel_points(triangle);
+  const std::array<TexelPoint, 3> p = texel_points(triangle.uv, size_);
   const auto [left, right] = std::minmax({p[0].x, p[1].x, p[2].x});
   const auto [top, bottom] = std::minmax({p[0].y, p[1].y, p[2].y});
   // A triangle over several repetitions of the image: it uses all of it, or nearly so.
@@ -78,7 +48,10 @@ std::size_t Cover::add(const ChartTriangle& triangle) {
     return covered.size();
   }
   std::size_t count = 0;
-  for (double y = std::ceil(top); y <= bottom; ++y) count += add_row(p, y);
+  for_each_row(p, [&](std::int64_t first, std::int64_t last, std::int64_t y) {
+    set(first, last, y);
+    count += static_cast<std::size_t>(last - first + 1);
+  });
   return count;
 }
 
@@ -94,4 +67,4 @@ std::vector<std::uint8_t> chart_cover(std::span<const ChartTriangle> triangles, 
   return std::move(cover.covered);
 }
 
-}  // namespace lodestone::spherical
+}  // namespace lodestone

@@ -1,4 +1,4 @@
-// Converts colours and texture coordinates from the conventions of mesh formats to those of core/mesh/attributes.h.
+// Colours as light, as bytes in the sRGB encoding, and as other numbers that files have.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/math/vec2.h"
 #include "core/mesh/attributes.h"
 
 namespace lodestone {
@@ -49,17 +48,6 @@ using LinearColour = std::array<std::uint16_t, 4>;
 [[nodiscard]] inline Rgba8 colour_of_linear(double r, double g, double b, double a) {
   return {unit_to_byte(linear_to_srgb(r)), unit_to_byte(linear_to_srgb(g)), unit_to_byte(linear_to_srgb(b)),
           unit_to_byte(a)};
-}
-
-// Texture coordinates that count from the lower left corner of the image, as in OBJ, PLY and bare Draco files.
-[[nodiscard]] inline Vec2f from_lower_left(double u, double v) {
-  return {static_cast<float>(u), static_cast<float>(1 - v)};
-}
-
-// The inverse, for writing them.
-template <class Scalar>
-[[nodiscard]] std::array<Scalar, 2> to_lower_left(Vec2f uv) {
-  return {static_cast<Scalar>(uv.x), static_cast<Scalar>(1 - static_cast<double>(uv.y))};
 }
 
 }  // namespace lodestone

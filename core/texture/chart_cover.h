@@ -1,22 +1,56 @@
 // Which texels of an image a surface uses, and values for those that it does not use.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/math/vec2.h"
 #include "core/mesh/attributes.h"
 #include "core/texture/image_codec.h"
 
-namespace lodestone::spherical {
+namespace lodestone {
 
 struct ChartTriangle {
   std::array<Vec2f, 3> uv;  // as in RawWedges, of either orientation
   std::uint32_t chart = 0;  // any number that triangles of one chart share
 };
+
+// Coordinates in which the centres of texels are whole numbers.
+struct TexelPoint {
+  double x = 0, y = 0;
+};
+[[nodiscard]] inline std::array<TexelPoint, 3> texel_points(const std::array<Vec2f, 3>& uv, PixelSize size) {
+  std::array<TexelPoint, 3> points;
+  for (std::size_t k = 0; k < 3; ++k)
+    points[k] = {double{uv[k].x} * size.width - 0.5, double{uv[k].y} * size.height - 0.5};
+  return points;
+}
+
+// Calls body(first, last, y) for the rows of centres that are in the triangle or on its edges.
+template <class Body>
+void for_each_row(const std::array<TexelPoint, 3>& points, const Body& body) {
+  const auto [top, bottom] = std::minmax({points[0].y, points[1].y, points[2].y});
+  for (double y = std::ceil(top); y <= bottom; ++y) {
+    double left = std::numeric_limits<double>::infinity(), right = -left;
+    for (std::size_t k = 0; k < 3; ++k) {
+      TexelPoint a = points[k], b = points[(k + 1) % 3];
+      if (a.y > b.y) std::swap(a, b);
+      if (!(a.y <= y && y <= b.y)) continue;
+      const double x = a.y < b.y ? a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)) : a.x;
+      left = std::min({left, x, a.y < b.y ? x : b.x}), right = std::max({right, x, a.y < b.y ? x : b.x});
+    }
+    if (!(left <= right)) continue;
+    const auto first = static_cast<std::int64_t>(std::ceil(left)), last = static_cast<std::int64_t>(std::floor(right));
+    if (first <= last) body(first, last, static_cast<std::int64_t>(y));
+  }
+}
 
 // One byte per texel, row by row: 1 if the centre of the texel is in a triangle, else 0. A chart without any centre
 // gets the texels that the barycentres of its triangles are in. Other texels at the border of a chart are left out,
@@ -83,4 +117,4 @@ std::size_t extend_cover(std::span<std::uint8_t> covered, PixelSize size, std::s
   return made;
 }
 
-}  // namespace lodestone::spherical
+}  // namespace lodestone

@@ -1,4 +1,4 @@
-#include "core/spherical/resample/source_texture.h"
+#include "core/texture/source_texture.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "core/base/prefetch.h"
-#include "core/formats/common/colour.h"
 #include "core/math/lanes/float8.h"
-#include "core/spherical/resample/chart_cover.h"
+#include "core/texture/chart_cover.h"
+#include "core/texture/colour.h"
 #include "core/texture/texel_wrap.h"
 
-namespace lodestone::spherical {
+namespace lodestone {
 namespace {
 
 constexpr std::size_t rings = 3;        // texels that filters may find outside of a chart
@@ -278,4 +278,4 @@ void SourceTexture::prefetch(std::span<const TextureTap> taps) const {
   }
 }
 
-}  // namespace lodestone::spherical
+}  // namespace lodestone

@@ -16,7 +16,7 @@
 #include "core/mesh/attributes.h"
 #include "core/texture/downsample.h"
 
-namespace lodestone::spherical {
+namespace lodestone {
 
 // A parallelogram in texture coordinates: what a sample of another image covers.
 struct Footprint {
@@ -60,7 +60,8 @@ class SourceTexture {
   SourceTexture(const PixelImage& image, PixelMeaning meaning, TextureWrap wrap_u, TextureWrap wrap_v,
                 std::vector<std::uint8_t> covered);
 
-  // Colours: light times alpha, and alpha, in [0, 1]. Normals: components in [-1, 1]; the fourth means nothing.
+  // Colours: light times alpha, and alpha, in [0, 1]. Normals: components in [-1, 1]; the fourth means nothing. Values:
+  // in [0, 1].
   [[nodiscard]] Float4 filtered(const Footprint& footprint) const;
   // The same in two steps, for many footprints at a time: the texels are asked for before they are needed. The taps of
   // the first `count` lanes follow each other; returns where those of each end. count: 1 to 4.
@@ -99,7 +100,7 @@ class SourceTexture {
   [[nodiscard]] Float4 weighted(const TextureTap& tap) const;
   [[nodiscard]] Float4 decoded(Float4 sum) const {
     constexpr float scale = 1.0f / 65535;
-    return meaning_ == PixelMeaning::colours ? all4(scale) * sum : all4(2 * scale) * sum - all4(1);
+    return meaning_ != PixelMeaning::normals ? all4(scale) * sum : all4(2 * scale) * sum - all4(1);
   }
 
   std::vector<Level> levels_;
@@ -124,4 +125,4 @@ inline Float4 SourceTexture::weighted(const TextureTap& tap) const {
   return all4(tap.weight) * (upper + all4(tap.down) * (lower - upper));
 }
 
-}  // namespace lodestone::spherical
+}  // namespace lodestone
