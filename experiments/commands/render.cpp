@@ -24,9 +24,10 @@ namespace lodestone {
 namespace {
 
 struct RenderOptions {
+  InputOptions reading;
   std::string file, backend = "soft", radii = "per-level", metric = "euclidean", size = "1280x720", output;
   // Instead of what the scene says.
-  std::optional<std::string> camera, blend_name, effects, up;
+  std::optional<std::string> camera, blend_name, effects;
   std::optional<int> frames;
   std::optional<float> kappa0, pixel_error;
   int samples = 1;
@@ -85,7 +86,7 @@ void apply(const RenderOptions& options, Scene& scene) {
   if (options.tint) scene.settings.level_tint = 1;
   if (options.frames) scene.camera.frames = *options.frames;
   if (options.camera) scene.camera.path = *options.camera;
-  if (options.up) scene.up = up_axis(*options.up);
+  if (options.reading.up) scene.up = up_axis(*options.reading.up);
 }
 
 std::vector<Camera> cameras(const SceneView& view, const Hierarchy& whole, ImageSize size) {
@@ -170,7 +171,7 @@ class Flight {
     job_.cancel = &interrupt_flag();
     OpenSceneConfig opening;
     opening.memory_budget = options_.memory_budget.count;
-    if (options_.up) opening.reading.up = up_axis(*options_.up);
+    opening.reading = read_config(options_.reading, {options_.file});
     opening.whole_too = needs_wholes();
     opening.cancel = job_.cancel;
     opening.progress = [&](const std::string& phase, const SceneModel& model, std::optional<double> share) {
@@ -309,7 +310,7 @@ OptionTable declare_view(RenderOptions& o) {
       {"--camera", &o.camera,
        "fly-in, orbit, adversarial, or a path file (.json); fly-in unless the scene says otherwise"},
       OptionSpec{"--frames", &o.frames, "Number of frames; 120 unless the scene says otherwise"}.between(1, 1e6),
-      up_option(o.up),
+      up_option(o.reading.up),
       {"--size", &o.size, "Picture size"},
       OptionSpec{"--samples", &o.samples, "Samples per pixel; 4 smooths edges"}.one_of({"1", "4"}),
       {"--backend", &o.backend, "soft, gl (soft where there is no OpenGL 4.5) or null"},
@@ -347,7 +348,7 @@ OptionTable declare_levels(RenderOptions& o) {
 OptionTable declare(RenderOptions& o) {
   OptionTable table = declare_view(o);
   for (OptionSpec& option : declare_levels(o)) table.push_back(std::move(option));
-  return table;
+  return with_input_options(std::move(table), o.reading);
 }
 
 }  // namespace

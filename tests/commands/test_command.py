@@ -156,6 +156,8 @@ class Build(CommandCase):
         self.assertTrue(self.results("verify", "filled.lode", "--input", "m.raw", *grid, "--fill-voids")["valid"])
         self.assertTrue(self.results("verify", "open.lode", "--input", "m.asc")["valid"])
         self.assertEqual(self.results("info", "m.raw", *grid)["triangles"], 4)
+        for more in ((), ("--fill-voids",)):
+            self.lodestone("render", "m.raw", *grid, *more, "--frames", 1, "--size", "32x24", "--quiet")
         self.write("m.raw", struct.pack(">12h", *heights))
         self.assertEqual(self.results("build", "m.raw", "--grid", "4x3:i16be", "-o", "m.lode")["input_triangles"], 4)
 
