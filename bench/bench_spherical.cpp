@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/math/orientation.h"
 #include "core/mesh/generate.h"
-#include "core/spherical/parameterize/orientation.h"
 #include "parallel/mesh/load.h"
 #include "parallel/spherical/map_to_sphere.h"
 
@@ -100,7 +100,7 @@ void run_threads(benchmark::State& state, const std::string& name) {
 void run_orientation(benchmark::State& state, bool in_a_plane) {
   const Vec3d a{0.6, 0.8, 0}, b{0, 0.6, 0.8};
   const Vec3d c = in_a_plane ? Vec3d{0.6, 1.4, 0.8} : Vec3d{0.1, 0.3, 0.9};
-  for (auto _ : state) benchmark::DoNotOptimize(spherical::orientation(a, b, c));
+  for (auto _ : state) benchmark::DoNotOptimize(orientation(a, b, c));
 }
 
 void register_all() {

@@ -8,7 +8,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import matrix  # noqa: E402
 
 PROGRAM = sys.argv.pop()
-LONG = {"wheel", "comb", "confetti", "uneven", "crossing"}
+LONG = {"wheel", "confetti", "uneven", "crossing"}
 STEPS = {"build, small cells", "verify", "build, measured", "verify it  ", "render", "export .ply", "and back", "progressive .lpm",
          "reconstruct", "spherical"}
 

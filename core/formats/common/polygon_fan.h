@@ -1,14 +1,17 @@
 // Turns polygons of mesh files, corner by corner, into triangles.
 //
-// A fan around the first corner: exact for convex polygons, and the same for every format and attribute. Nothing is
-// stored but the first and the latest corner, so that a polygon may have any number of them.
+// First each becomes a fan around its first corner, the same for every format and attribute. Fans are right for convex
+// polygons; the others are cut anew once all positions are known (core/mesh/polygons.h), as vertices may come after
+// faces.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
+#include "core/mesh/polygons.h"
 
 namespace lodestone {
 
@@ -32,7 +35,8 @@ class TriangleFan {
   std::uint32_t first_ = 0, latest_ = 0;
 };
 
-// Corners are vertices of a mesh; counts the faces that were dropped or triangulated.
+// Corners are vertices of a mesh; counts the faces that were dropped or triangulated. One object for all faces of a
+// file.
 class PolygonFan {
  public:
   explicit PolygonFan(RawMesh& mesh) : mesh_(&mesh), fan_(mesh.triangles) {}
@@ -41,12 +45,25 @@ class PolygonFan {
   void close() {
     const std::uint64_t corners = fan_.close();
     if (corners < 3) ++mesh_->faces_dropped;
-    if (corners > 3) ++mesh_->polygons_triangulated;
+    if (corners > 3) keep(corners);
+  }
+  // After the last face. `values`: of the same corners, also as fans, one for each triangle of the mesh.
+  void cut(std::span<const std::span<Triangle>> values = {}) {
+    cut_fans(mesh_->positions, runs_, mesh_->triangles, values);
   }
 
  private:
+  void keep(std::uint64_t corners) {
+    ++mesh_->polygons_triangulated;
+    const std::size_t first = mesh_->triangles.size() - (corners - 2);
+    const bool continues = !runs_.empty() && runs_.back().corners == corners && runs_.back().end() == first;
+    if (!continues) runs_.push_back({first, 0, corners});
+    ++runs_.back().polygons;
+  }
+
   RawMesh* mesh_;
   TriangleFan fan_;
+  std::vector<FanRun> runs_;
 };
 
 }  // namespace lodestone

@@ -33,7 +33,7 @@ struct Corner {
 class ObjReader {
  public:
   ObjReader(ByteReader& input, const ReadConfig& config)
-      : input_(&input), scan_(input), with_attributes_(config.attributes), materials_(mesh_, input) {}
+      : input_(&input), scan_(input), with_attributes_(config.attributes), fan_(mesh_), materials_(mesh_, input) {}
 
   RawMesh read() {
     do {
@@ -47,6 +47,7 @@ class ObjReader {
       }
     } while (scan_.next_line());
     check_vertex_indices();
+    cut_polygons();
     if (with_attributes_) {
       finish_attributes();
       materials_.add_notes();
@@ -121,9 +122,8 @@ class ObjReader {
     for (std::string_view token = scan_.token(); !token.empty(); token = scan_.token())
       face_.push_back(read_corner(token));
     const std::size_t before = mesh_.triangles.size();
-    PolygonFan fan(mesh_);
-    for (const Corner& corner : face_) fan.add(corner.vertex);
-    fan.close();
+    for (const Corner& corner : face_) fan_.add(corner.vertex);
+    fan_.close();
     if (!with_attributes_ || mesh_.triangles.size() == before) return;
     if (face_has_uv_ || !attributes_.uv_of.empty()) add_values(attributes_.uv_of, &Corner::uv, before);
     if (face_has_normal_ || !attributes_.normal_of.empty()) add_values(attributes_.normal_of, &Corner::normal, before);
@@ -188,12 +188,20 @@ class ObjReader {
                               "the file is damaged or truncated"));
   }
 
+  void cut_polygons() {
+    std::vector<std::span<Triangle>> values;
+    for (auto* list : {&attributes_.uv_of, &attributes_.normal_of}) {
+      if (list->empty()) continue;
+      list->resize(mesh_.triangles.size(), no_values);
+      values.push_back(*list);
+    }
+    fan_.cut(values);
+  }
+
   void finish_attributes() {
     drop_out_of_range(attributes_.uv_of, attributes_.uv.size(), furthest_uv_, "texture coordinate");
     drop_out_of_range(attributes_.normal_of, attributes_.normal.size(), furthest_normal_, "normal");
     if (!attributes_.colour.empty()) attributes_.colour.resize(mesh_.positions.size());
-    for (auto* values : {&attributes_.uv_of, &attributes_.normal_of})
-      if (!values->empty()) values->resize(mesh_.triangles.size(), no_values);
     if (attributes_.uv_of.empty() && attributes_.normal_of.empty()) {
       mesh_.wedges.colour = std::move(attributes_.colour);  // one wedge per vertex
       return;
@@ -221,6 +229,7 @@ class ObjReader {
   TextScanner scan_;
   bool with_attributes_;
   RawMesh mesh_;
+  PolygonFan fan_;
   ObjMaterials materials_;
   std::uint32_t material_ = no_material;
   CornerAttributes attributes_;

@@ -187,6 +187,7 @@ RawMesh read_off(ByteReader& input, const ReadConfig& config) {
   PolygonFan fan(mesh);
   std::uint64_t coloured = 0;
   for (std::uint64_t i = 0; i < faces; ++i) coloured += read_face(scan, vertices, fan);
+  fan.cut();
   if (coloured > 0 && config.attributes)
     mesh.warnings.push_back(
         describe(input.name(), "", "the colours of " + std::to_string(coloured) + " faces are left out"));

@@ -96,10 +96,10 @@ class AsciiStl {
         scan_.next_line();  // a name of any number of words
       } else if (keyword == "endsolid") {
         in_solid_ = false;
-        if (!scan_.next_line()) return std::move(mesh_);
+        if (!scan_.next_line()) return finished();
       } else if (keyword.empty()) {
         if (in_solid_) scan_.fail("the file ends without 'endsolid'", truncated);
-        return std::move(mesh_);
+        return finished();
       } else if (in_solid_ && keyword == "facet") {
         read_facet();
       } else {
@@ -109,6 +109,11 @@ class AsciiStl {
   }
 
  private:
+  RawMesh finished() {
+    fan_.cut();
+    return std::move(mesh_);
+  }
+
   void read_facet() {
     expect("normal");
     for (int i = 0; i < 3; ++i) (void)scan_.number(scan_.token_across_lines(), "a normal");

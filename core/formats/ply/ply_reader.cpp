@@ -125,8 +125,7 @@ std::uint32_t checked_index(Source& source, std::int64_t index, std::uint64_t ve
 }
 
 template <class Source>
-void read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertex_count, RawMesh& mesh) {
-  PolygonFan fan(mesh);
+void read_polygon(Source& source, const PlyProperty& list, std::uint64_t vertex_count, PolygonFan& fan) {
   const std::uint64_t corners = list_length(source, list);
   for (std::uint64_t i = 0; i < corners; ++i) fan.add(checked_index(source, source.integer(list), vertex_count));
   fan.close();
@@ -175,7 +174,7 @@ void read_lists(Source& source, const PlyElement& element, std::uint64_t first, 
 }
 
 template <class Source>
-void read_faces(Source& source, const PlyHeader& header, const PlyElement& element, RawMesh& mesh) {
+void read_faces(Source& source, const PlyHeader& header, const PlyElement& element, RawMesh& mesh, PolygonFan& fan) {
   const std::uint64_t vertex_count = header.vertex_count();
   (void)index_list(source, element);  // before memory is reserved for elements that may have no size
   mesh.triangles.reserve(mesh.triangles.size() + element.count);
@@ -193,7 +192,7 @@ void read_faces(Source& source, const PlyHeader& header, const PlyElement& eleme
       });
     }
   }
-  read_lists(source, element, done, [&](const PlyProperty& list) { read_polygon(source, list, vertex_count, mesh); });
+  read_lists(source, element, done, [&](const PlyProperty& list) { read_polygon(source, list, vertex_count, fan); });
 }
 
 // Texture coordinates at the corners of faces, collected until vertices and faces are complete, in either order.
@@ -207,12 +206,13 @@ struct FaceCoordinates {
 template <class Source>
 class TexturedFaces {
  public:
-  TexturedFaces(Source& source, const PlyHeader& header, const PlyElement& element, RawMesh& mesh,
+  TexturedFaces(Source& source, const PlyHeader& header, const PlyElement& element, RawMesh& mesh, PolygonFan& fan,
                 FaceCoordinates& coordinates)
       : source_(&source),
         element_(&element),
         vertex_count_(header.vertex_count()),
         mesh_(&mesh),
+        fan_(&fan),
         coordinates_(&coordinates),
         indices_(index_list(source, element)),
         uv_(element.texture_coordinate_list()),
@@ -246,9 +246,8 @@ class TexturedFaces {
         skip_property(*source_, property);
       }
     }
-    PolygonFan fan(*mesh_);
-    for (const std::uint32_t corner : corners_) fan.add(corner);
-    fan.close();
+    for (const std::uint32_t corner : corners_) fan_->add(corner);
+    fan_->close();
     if (uv_) add_coordinates();
     const bool known = texture >= 0 && static_cast<std::uint64_t>(texture) < mesh_->materials.size();
     if (texture_)
@@ -272,6 +271,7 @@ class TexturedFaces {
   const PlyElement* element_;
   std::uint64_t vertex_count_;
   RawMesh* mesh_;
+  PolygonFan* fan_;
   FaceCoordinates* coordinates_;
   const PlyProperty *indices_, *uv_, *texture_;
   std::vector<std::uint32_t> corners_;  // of the latest face
@@ -286,7 +286,6 @@ void share_corners(RawMesh& mesh, FaceCoordinates&& coordinates) {
                               .uv_of = std::move(coordinates.uv_of),
                               .normal_of = {},
                               .colour = std::move(vertices.colour)};
-  attributes.uv_of.resize(mesh.triangles.size(), no_values);
   if (!attributes.normal.empty()) attributes.normal_of = mesh.triangles;
   std::vector<std::uint32_t> material = std::move(vertices.material);
   mesh.wedges = make_wedges(mesh.triangles, mesh.positions.size(), attributes);
@@ -315,6 +314,7 @@ void skip_element(Source& source, const PlyElement& element) {
 template <class Source>
 RawMesh read_body(Source source, const PlyHeader& header, const ByteReader& input, const ReadConfig& config) {
   RawMesh mesh;
+  PolygonFan fan(mesh);
   FaceCoordinates coordinates;
   if (config.attributes) add_materials(header, input, mesh);
   for (const PlyElement& element : header.elements) {
@@ -323,9 +323,9 @@ RawMesh read_body(Source source, const PlyHeader& header, const ByteReader& inpu
     if (element.name == "vertex") {
       read_vertices(source, header, element, config, mesh);
     } else if (element.name == "face" && config.attributes && header.has_textured_faces()) {
-      TexturedFaces<Source>(source, header, element, mesh, coordinates).read();
+      TexturedFaces<Source>(source, header, element, mesh, fan, coordinates).read();
     } else if (element.name == "face") {
-      read_faces(source, header, element, mesh);
+      read_faces(source, header, element, mesh, fan);
     } else if (element.name == "tristrips") {
       read_lists(source, element, 0,
                  [&](const PlyProperty& list) { read_strip(source, list, header.vertex_count(), mesh); });
@@ -333,7 +333,13 @@ RawMesh read_body(Source source, const PlyHeader& header, const ByteReader& inpu
       skip_element(source, element);
     }
   }
-  if (!coordinates.uv_of.empty()) share_corners(mesh, std::move(coordinates));
+  if (coordinates.uv_of.empty()) {
+    fan.cut();
+  } else {
+    coordinates.uv_of.resize(mesh.triangles.size(), no_values);
+    fan.cut(std::array{std::span(coordinates.uv_of)});
+    share_corners(mesh, std::move(coordinates));
+  }
   if (coordinates.faces_without > 0)
     mesh.warnings.push_back(describe(
         input.name(), "",

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/math/orientation.h"
 #include "core/spatial/point_triangle.h"
-#include "core/spherical/parameterize/orientation.h"
 
 namespace lodestone::spherical {
 namespace {

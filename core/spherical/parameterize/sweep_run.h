@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/base/prefetch.h"
-#include "core/spherical/parameterize/orientation.h"
+#include "core/math/orientation.h"
 #include "core/spherical/parameterize/sweep_build.h"
 
 namespace lodestone::spherical {

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/math/orientation.h"
 #include "core/progressive/collapse/rank_heap.h"
-#include "core/spherical/parameterize/orientation.h"
 
 namespace lodestone::spherical {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "core/spherical/parameterize/orientation.h"
+#include "core/math/orientation.h"
 
 namespace lodestone::spherical {
 namespace {

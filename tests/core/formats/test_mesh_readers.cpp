@@ -11,6 +11,7 @@ namespace lodestone {
 namespace {
 
 constexpr auto obj = MeshFormat::obj;
+constexpr auto ply = MeshFormat::ply;
 constexpr auto off = MeshFormat::off;
 constexpr auto stl = MeshFormat::stl;
 
@@ -188,6 +189,32 @@ TEST(Stl, SeveralSolidsAndPolygons) {
   EXPECT_EQ(quad.triangles, (std::vector<Triangle>{{{0, 1, 2}}, {{0, 2, 3}}}));
   EXPECT_EQ(quad.polygons_triangulated, 1u);
   EXPECT_EQ(quad.faces_dropped, 1u);
+}
+
+TEST(MeshReaders, CutPolygonsWithinThemselves) {
+  // An arrow, of which the fan from its first corner would leave the outline; then a square.
+  const std::vector<Triangle> cut{{{3, 0, 1}}, {{3, 1, 2}}, {{0, 1, 2}}, {{0, 2, 3}}};
+  const std::string vertices = "4 3 0\n0 0 0\n4 -3 0\n2 0 0\n9 0 0\n9 9 0\n0 9 0\n";
+  const auto expect_cut = [&](const RawMesh& mesh) {
+    std::vector<Triangle> triangles = mesh.triangles;
+    ASSERT_EQ(triangles.size(), 4u);
+    for (std::size_t t = 2; t < 4; ++t)
+      for (std::uint32_t& v : triangles[t].v) v = v == 1 ? 0 : v - 3;
+    EXPECT_EQ(triangles, cut);
+    EXPECT_EQ(mesh.polygons_triangulated, 2u);
+  };
+  expect_cut(read_bytes("OFF 7 2 0\n" + vertices + "4 0 1 2 3\n4 1 4 5 6\n", off));
+  expect_cut(read_bytes("f 1 2 3 4\nf 2 5 6 7\nv 4 3 0\nv 0 0 0\nv 4 -3 0\nv 2 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\n", obj));
+  const std::string header = "ply\nformat ascii 1.0\n", last = "end_header\n";
+  const std::string vertex = "element vertex 7\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string face = "element face 2\nproperty list uchar int vertex_indices\n", faces = "4 0 1 2 3\n4 1 4 5 6\n";
+  expect_cut(read_bytes(header + vertex + face + last + vertices + faces, ply));
+  expect_cut(read_bytes(header + face + vertex + last + faces + vertices, ply));
+  const RawMesh mesh = read_bytes(
+      "solid\nfacet normal 0 0 1 outer loop vertex 4 3 0 vertex 0 0 0 vertex 4 -3 0 vertex 2 0 0 endloop endfacet\n"
+      "endsolid",
+      stl);
+  EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{cut[0], cut[1]}));
 }
 
 TEST(Stl, Errors) {

@@ -41,6 +41,21 @@ TEST(ObjAttributes, PolygonsKeepTheValuesOfTheirCorners) {
   EXPECT_EQ(values_at(mesh, 3, 2).normal, Vec3f{});
 }
 
+TEST(ObjAttributes, FollowTheCutOfAPolygonThatIsNotConvex) {
+  const RawMesh mesh = read_bytes(
+      "v 0.5 0.5 0\nv 0 0 0\nv 0.5 -0.5 0\nv 0.25 0 0\nvt 0 0\nvt 0.5 -0.5\nvt 0.25 0\nvt 0.5 0.5\nvn 0 1 0\n"
+      "f 1 2 3\nf 1/4 2/1 3/2/1 4/3\n",
+      obj);
+  ASSERT_EQ(mesh.triangles.size(), 3u);
+  EXPECT_EQ(mesh.triangles[1], (Triangle{{3, 0, 1}}));
+  for (std::size_t t = 1; t < 3; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d p = mesh.positions[mesh.triangles[t].v[k]];
+      EXPECT_EQ(values_at(mesh, t, k).uv, (Vec2f{static_cast<float>(p.x), static_cast<float>(1 - p.y)}));
+      EXPECT_EQ(values_at(mesh, t, k).normal, (p.y < 0 ? Vec3f{0, 1, 0} : Vec3f{}));
+    }
+}
+
 TEST(ObjAttributes, ColoursBehindPositions) {
   const RawMesh mesh = read_bytes("v 0 0 0 1 0 0.5\nv 1 0 0\nv 0 1 0 1.0 0 2 -1\nv 5 5 5 1.0\nf 1 2 3\n", obj);
   EXPECT_EQ(mesh.wedges.colour, (std::vector<Rgba8>{{255, 0, 128, 255}, {}, {0, 255, 0, 255}, {}}));

@@ -108,6 +108,19 @@ class PlyTextures : public testing::Test {
   TestFolder folder_;
 };
 
+TEST_F(PlyTextures, CoordinatesFollowTheCutOfAPolygonThatIsNotConvex) {
+  const RawMesh mesh = read(textured("property list uchar float texcoord\n",
+                                     "4 0 1 2 3 8 0.5 0.5 0 0 0.5 -0.5 0.25 0\n3 0 1 2 0\n4 3 2 1 0 0\n", "",
+                                     "0.5 0.5 0\n0 0 0\n0.5 -0.5 0\n0.25 0 0\n"));
+  ASSERT_EQ(mesh.triangles.size(), 5u);
+  EXPECT_EQ(mesh.triangles[0], (Triangle{{3, 0, 1}}));
+  for (std::size_t t = 0; t < 2; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d p = mesh.positions[mesh.triangles[t].v[k]];
+      EXPECT_EQ(values_at(mesh, t, k).uv, (Vec2f{static_cast<float>(p.x), static_cast<float>(1 - p.y)}));
+    }
+}
+
 TEST_F(PlyTextures, CoordinatesAndNumbersOfFaces) {
   const RawMesh mesh = read(textured("property list uchar float texcoord\nproperty int texnumber\n",
                                      "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 6 0.5 0.5 1 1 0 1 1\n4 0 1 2 3 0 7\n",

@@ -1,12 +1,13 @@
 // The exact predicate against whole numbers of any length.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
 
-#include "core/spherical/parameterize/orientation.h"
+#include "core/math/orientation.h"
 
 namespace lodestone::spherical {
 namespace {
@@ -131,6 +132,24 @@ TEST(Orientation, IsExactForDirectionsNearlyInAPlane) {
   }
   EXPECT_GT(positive, 100);
   EXPECT_GT(negative, 100);
+}
+
+TEST(Orientation, IsExactInThePlane) {
+  Directions directions;
+  int zero = 0, positive = 0, negative = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const Vec3d p = directions.any(), q = directions.any();
+    const double s = k % 2 == 0 ? 0.5 : directions.share(), offset = k % 3 == 0 ? 1e7 : 0;
+    const Vec2d a{p.x + offset, p.y}, b{q.x + offset, k % 5 == 0 ? p.y : q.y};
+    Vec2d c{s * a.x + (1 - s) * b.x, s * a.y + (1 - s) * b.y};
+    if (k % 7 != 0) c = {directions.ulps(c.x), c.y};
+    const int expected = orientation_in_whole_numbers({a.x, a.y, 1}, {b.x, b.y, 1}, {c.x, c.y, 1});
+    ASSERT_EQ(orientation(a, b, c), expected);
+    ASSERT_EQ(orientation(b, c, a), expected);
+    ASSERT_EQ(orientation(b, a, c), -expected);
+    zero += expected == 0, positive += expected > 0, negative += expected < 0;
+  }
+  EXPECT_GT(std::min({zero, positive, negative}), 100);
 }
 
 TEST(Orientation, FindsExactZerosAndTheSmallestDifferences) {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "core/spherical/parameterize/orientation.h"
+#include "core/math/orientation.h"
 #include "core/spherical/parameterize/sphere_kernel.h"
 #include "core/spherical/parameterize/vertex_placement.h"
 #include "tests/core/spherical/ring_surface.h"

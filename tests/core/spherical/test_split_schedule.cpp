@@ -4,7 +4,7 @@
 #include <numeric>
 #include <set>
 
-#include "core/spherical/parameterize/orientation.h"
+#include "core/math/orientation.h"
 #include "core/spherical/parameterize/tetrahedron.h"
 #include "tests/core/spherical/ring_surface.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "core/base/error.h"
-#include "core/spherical/parameterize/orientation.h"
+#include "core/math/orientation.h"
 #include "parallel/mesh/load.h"
 #include "parallel/spherical/map_to_sphere.h"
 #include "tests/parallel/spherical/sphere_meshes.h"
@@ -38,7 +38,7 @@ void expect_valid(const RawMesh& mesh, const std::vector<Vec3d>& d) {
   double covered = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a = d[t.v[0]], b = d[t.v[1]], c = d[t.v[2]];
-    ASSERT_EQ(spherical::orientation(a, b, c), 1);
+    ASSERT_EQ(orientation(a, b, c), 1);
     covered += 2 * std::atan2(dot(a, cross(b - a, c - a)), 1 + dot(a, b) + dot(b, c) + dot(c, a));
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3d p = d[t.v[k]], q = d[t.v[(k + 1) % 3]] - p, r = d[t.v[(k + 2) % 3]] - p;

@@ -1,10 +1,10 @@
-#include "core/spherical/parameterize/orientation.h"
+#include "core/math/orientation.h"
 
 #include <array>
 #include <cmath>
 #include <cstddef>
 
-namespace lodestone::spherical {
+namespace lodestone {
 namespace {
 
 // A sum of doubles that do not overlap, in ascending order of magnitude: its sign is that of the last one.
@@ -45,6 +45,9 @@ int exact_orientation(Vec3d a, Vec3d b, Vec3d c) {
   return sum.sign();
 }
 
+constexpr double rounding = 0x1p-53;
+constexpr double smallest = 1e-250;  // sums of products below it may have lost digits
+
 }  // namespace
 
 int orientation(Vec3d a, Vec3d b, Vec3d c) {
@@ -53,9 +56,16 @@ int orientation(Vec3d a, Vec3d b, Vec3d c) {
   const double size = std::abs(a.x) * (std::abs(b.y * c.z) + std::abs(b.z * c.y)) +
                       std::abs(a.y) * (std::abs(b.z * c.x) + std::abs(b.x * c.z)) +
                       std::abs(a.z) * (std::abs(b.x * c.y) + std::abs(b.y * c.x));
-  constexpr double rounding = 0x1p-53, smallest = 1e-250;
   if (size > smallest && std::abs(det) > 8 * rounding * size) return det > 0 ? 1 : -1;
   return exact_orientation(a, b, c);
 }
 
-}  // namespace lodestone::spherical
+int orientation(Vec2d a, Vec2d b, Vec2d c) {
+  const double left = (a.x - c.x) * (b.y - c.y), right = (a.y - c.y) * (b.x - c.x);
+  const double det = left - right, size = std::abs(left) + std::abs(right);
+  // Differences, products and their difference are rounded: little more than three times each (shewchuk1997).
+  if (size > smallest && std::abs(det) > 4 * rounding * size) return det > 0 ? 1 : -1;
+  return exact_orientation({a.x, a.y, 1}, {b.x, b.y, 1}, {c.x, c.y, 1});
+}
+
+}  // namespace lodestone
