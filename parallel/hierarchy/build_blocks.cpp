@@ -121,7 +121,7 @@ class BlockBuilder {
     Lane& lane = lanes_[lease.lane];
     work_.storage.load(block, lease.lane);
     build_block({block, work_.plan.levels[level - 1], work_.cells[level], work_.cells[level - 1], config_.sigma0,
-                 work_.attributes, work_.lattice, block.level < finest_of(work_.plan)},
+                 work_.attributes, work_.lattice},
                 *lane.simplifier, lane.block);
     work_.storage.store(index);
     report_progress(lane.block.triangles.size());

@@ -13,11 +13,11 @@
 namespace lodestone {
 namespace {
 
-Hierarchy build(RawMesh raw) {
+Hierarchy build(RawMesh raw, int finest_level = 4) {
   const auto scheduler = make_serial_scheduler();
   Repairs repairs;
   BuildConfig config;
-  config.finest_level = 4;
+  config.finest_level = finest_level;
   return build_hierarchy(prepare_mesh(std::move(raw), repairs, *scheduler), config, *scheduler);
 }
 
@@ -81,6 +81,11 @@ TEST(BuildNormals, FollowTheSurfaceThatIsLeft) {
     EXPECT_GT(h.cells[0].triangles.size(), 20u);
     EXPECT_LE(largest_angle(h), 20.1);
   }
+}
+
+// The finest level's normals come from all its triangles, so that some of the first coarse level's are out of date.
+TEST(BuildNormals, FollowTheSurfaceOnTheFirstCoarseLevelToo) {
+  for (const bool charts : {false, true}) EXPECT_LE(largest_angle(build(rough(charts), 1)), 20.1);
 }
 
 // At seams of texture coordinates alone a vertex has one normal on every level, as on the finest.

@@ -45,7 +45,6 @@ class BlockBuilder {
         sigma0_(input.sigma0),
         attributes_(input.attributes),
         lattice_(input.lattice),
-        turn_normals_(input.turn_normals),
         s_(scratch) {}
 
   void merge() {
@@ -76,14 +75,11 @@ class BlockBuilder {
     if (search_) index_images(result);
     gather_members(result);
     if (attributes_.wedges) join_uses();
-    if (turn_normals_) begin_normals();
+    begin_normals();
     std::size_t vertex = 0;
-    for (std::size_t i = 0; i < block_.parents.size(); ++i) {
+    for (std::size_t i = 0; i < block_.parents.size(); ++i)
       make_parent(result, block_.parents[i], members_of(i), vertex);
-      if (turn_normals_) add_to_normals(parents_[block_.parents[i]], members_of(i));
-    }
-    for (std::size_t i = 0; turn_normals_ && i < block_.parents.size(); ++i)
-      turn_normals(parents_[block_.parents[i]], members_of(i));
+    s_.coarse_normals.finish();
   }
 
  private:
@@ -262,13 +258,17 @@ class BlockBuilder {
       parent.bounds.extend(child.bounds);
       child.release_transient();
     });
-    measure_cell(parent, block_.level - 1, sigma0_);
+    s_.normal_sums.assign(members.size(), Float4{});
+    measure_cell(parent, block_.level - 1, sigma0_, s_.normal_sums);
+    s_.coarse_normals.add({parent.slab.normals, s_.normal_sums, s_.local_vertex, s_.shared_members});
   }
 
   // Local ids of the members: in their order, shared ones last. Returns the number of those.
   std::size_t number_members(std::span<const std::uint32_t> members) {
-    std::size_t shared = 0;
-    for (const std::uint32_t p : members) shared += becomes_shared(p);
+    s_.shared_members.clear();
+    for (const std::uint32_t p : members)
+      if (becomes_shared(p)) s_.shared_members.push_back(p);
+    const std::size_t shared = s_.shared_members.size();
     std::uint32_t next_own = 0, next_shared = static_cast<std::uint32_t>(members.size() - shared);
     for (const std::uint32_t p : members) s_.local[p] = becomes_shared(p) ? next_shared++ : next_own++;
     if (attributes_.wedges) {
@@ -344,23 +344,11 @@ class BlockBuilder {
     }
   }
 
+  // Normals of locked vertices remain: other blocks have triangles at them, too. Their turn comes on the next level.
   void begin_normals() {
-    BlockNormals::Block block;
-    block.survivors = std::span(s_.members).first(member_end_[block_.parents.size() - 1]);
-    block.normals = s_.normals;
+    BlockNormals::Block block{s_.locked, {}, 0};
     if (attributes_.wedges) block.vertex = s_.wedges.vertex(), block.vertices = s_.wedges.vertices();
     s_.coarse_normals.begin(block);
-  }
-  void add_to_normals(const CellBuild& parent, std::span<const std::uint32_t> members) {
-    s_.coarse_normals.add({members, s_.local, parent.slab.positions, parent.triangles});
-  }
-  // Not of locked vertices: other blocks have triangles at them, too. Their turn comes on the next level.
-  void turn_normals(CellBuild& parent, std::span<const std::uint32_t> members) {
-    std::size_t own = 0, shared = parent.first_shared();
-    for (const std::uint32_t p : members) {
-      PackedNormal& normal = parent.slab.normals[becomes_shared(p) ? shared++ : own++];
-      if (!s_.locked[p]) normal = s_.coarse_normals.turned(p);
-    }
   }
 
   // Groups triangles by material, for drawing.
@@ -382,7 +370,6 @@ class BlockBuilder {
   float sigma0_;
   AttributeSet attributes_;
   Lattice lattice_;
-  bool turn_normals_;
   BlockScratch& s_;
   std::array<std::size_t, 8> member_end_{};  // of each parent's members
   bool search_ = false;                      // distances are searched for, not those of the simplifier

@@ -44,6 +44,8 @@ struct BlockScratch {
   std::vector<std::uint32_t> usage_of;  // index in `usage` of a locked vertex
   std::vector<Triangle> kept;           // of the parent being made; may be longer
   BlockNormals coarse_normals;
+  std::vector<Float4> normal_sums;            // of the triangles at each vertex of the parent being made
+  std::vector<std::uint32_t> shared_members;  // survivors that the parent being made shares, by local id
   // For simplifiers that do not measure distances.
   std::vector<Triangle> images;  // of the triangles under P, degenerate ones included
   StarDistance surface;          // of the images
@@ -56,8 +58,6 @@ struct BlockInput {
   float sigma0 = 0;
   AttributeSet attributes = {};
   Lattice lattice = {};  // vertices remain on it, if there is one
-  // Normals of the coarser level are turned towards its triangles; otherwise its vertices keep those that they have.
-  bool turn_normals = false;
 };
 
 // Fills the parents of the block and the `parents` arrays and displacement statistics of its cells, whose transient

@@ -1,6 +1,9 @@
 #include "core/hierarchy/construct/block_normals.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 namespace lodestone {
@@ -9,49 +12,135 @@ namespace {
 constexpr float kept_cosine = 0.9396926f, kept_sine = 0.3420201f;  // 20 degrees
 constexpr std::uint32_t none = 0xffff'ffffu;
 
+// Unpacks octahedral normals, as unpack_normal does, but not to unit length.
+Float4x3 unpacked(const PackedNormal* normals) {
+  Int4 uv;
+  std::memcpy(&uv, normals, sizeof uv);
+  const Float4 u = __builtin_convertvector(uv << 16 >> 16, Float4), v = __builtin_convertvector(uv >> 16, Float4);
+  const Float4 one = all4(32767), z = one - abs(u) - abs(v);
+  const Int4 below = z < 0.0f;
+  return {below ? copysign(one - abs(v), u) : u, below ? copysign(one - abs(u), v) : v, z};
+}
+
+Float4 dot(const Float4x3& a, const Float4x3& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
+
+// Four vertices. The sums have their components in the order z, x, y.
+struct Four {
+  Float4x3 normal, towards;  // of any length
+  Float4 squared, along;     // of `towards`; the normals along it
+  Int4 far;
+};
+
+Four compare(const PackedNormal* normals, Float4 a, Float4 b, Float4 c, Float4 d) {
+  const auto [z, x, y, unused] = transposed(a, b, c, d);
+  Four f;
+  f.normal = unpacked(normals);
+  f.towards = {x, y, z};
+  f.squared = dot(f.towards, f.towards);
+  f.along = dot(f.normal, f.towards);
+  const Float4 kept = kept_cosine * kept_cosine * f.squared * dot(f.normal, f.normal);
+  f.far = (f.squared > 0.0f) & ((f.along <= 0.0f) | (f.along * f.along < kept));
+  return f;
+}
+
+Four compare_at(const std::array<std::uint32_t, 4>& i, std::span<const PackedNormal> normals,
+                std::span<const Float4> sums) {
+  const std::array four{normals[i[0]], normals[i[1]], normals[i[2]], normals[i[3]]};
+  return compare(four.data(), sums[i[0]], sums[i[1]], sums[i[2]], sums[i[3]]);
+}
+
+// The directions at 20 degrees from the sums, on the sides of the normals.
+std::array<PackedNormal, 4> turned(const Four& f) {
+  const auto& [n, towards, squared, along, far] = f;
+  const Float4 share = along / squared;
+  const Float4x3 aside{n.x - share * towards.x, n.y - share * towards.y, n.z - share * towards.z};
+  const Float4 width2 = dot(aside, aside), ratio2 = select(width2 > 1e-6f * dot(n, n), squared / width2, Float4{});
+  Float4 scale;
+  for (int k = 0; k < 4; ++k) scale[k] = kept_sine / kept_cosine * std::sqrt(ratio2[k]);
+  const auto rows =
+      transposed(towards.x + scale * aside.x, towards.y + scale * aside.y, towards.z + scale * aside.z, Float4{});
+  std::array<PackedNormal, 4> packed;
+  pack_normals(std::array{rows.a, rows.b, rows.c, rows.d}, packed);
+  return packed;
+}
+
 }  // namespace
 
 void BlockNormals::begin(const Block& block) {
   block_ = block;
-  sums_.resize(block.normals.size());
-  for (const std::uint32_t p : block.survivors) sums_[p] = Float4{};
-  if (!block.vertex.empty()) group_wedges();
+  const std::size_t vertices = block.vertex.empty() ? block.locked.size() : block.vertices;
+  if (first_.size() < vertices) first_.resize(vertices, none);
+  shared_vertices_.clear(), shared_normals_.clear(), shared_sums_.clear(), places_.clear();
 }
 
-void BlockNormals::group_wedges() {
-  same_normal_.resize(block_.normals.size());
-  next_normal_.resize(block_.normals.size());
-  first_normal_.assign(block_.vertices, none);
-  for (const std::uint32_t p : block_.survivors) same_normal_[p] = none;
-  for (const std::uint32_t p : block_.survivors) {
-    if (same_normal_[p] != none) continue;
-    std::uint32_t& first = first_normal_[block_.vertex[p]];
-    std::uint32_t same = first;
-    while (same != none && block_.normals[same] != block_.normals[p]) same = next_normal_[same];
-    same_normal_[p] = same != none ? same : p;
-    if (same == none) next_normal_[p] = std::exchange(first, p);
+void BlockNormals::turn(std::span<const std::uint32_t> vertex, std::span<PackedNormal> normals,
+                        std::span<Float4> sums) {
+  join(vertex, normals, sums);
+  find_far(normals, sums);
+  for (std::size_t first = 0; first < far_.size(); first += 4) {
+    std::array<std::uint32_t, 4> i;
+    for (std::size_t k = 0; k < 4; ++k) i[k] = far_[std::min(first + k, far_.size() - 1)];
+    const Four f = compare_at(i, normals, sums);
+    const std::array<PackedNormal, 4> packed = turned(f);
+    for (std::size_t k = 0; k < 4; ++k)
+      if (f.far[k]) normals[i[k]] = packed[k];
   }
+}
+
+void BlockNormals::find_far(std::span<const PackedNormal> normals, std::span<const Float4> sums) {
+  far_.resize(normals.size() + 1);  // one is written beyond those that are counted
+  std::size_t count = 0;
+  std::uint32_t i = 0;
+  const auto list = [&](const Int4& far, std::size_t lanes) {
+    for (std::size_t k = 0; k < lanes && !equal(far, Int4{}); ++k) {
+      far_[count] = i + static_cast<std::uint32_t>(k);
+      count += far[k] != 0;
+    }
+    i += 4;
+  };
+  const auto end = static_cast<std::uint32_t>(normals.size());
+  while (i + 4 <= end) list(compare(&normals[i], sums[i], sums[i + 1], sums[i + 2], sums[i + 3]).far, 4);
+  if (i < end)
+    list(compare_at({i, std::min(i + 1, end - 1), std::min(i + 2, end - 1), end - 1}, normals, sums).far, end - i);
+  far_.resize(count);
+}
+
+// Gives wedges of one vertex that have one normal the sum of all of them.
+void BlockNormals::join(std::span<const std::uint32_t> vertex, std::span<const PackedNormal> normals,
+                        std::span<Float4> sums) {
+  next_.resize(std::max(next_.size(), vertex.size()));
+  same_.clear();
+  for (std::uint32_t i = 0; i < vertex.size(); ++i) {
+    std::uint32_t& first = first_[vertex[i]];
+    std::uint32_t same = first;
+    while (same != none && normals[same] != normals[i]) same = next_[same];
+    if (same == none) {
+      next_[i] = std::exchange(first, i);
+    } else {
+      sums[same] += sums[i];
+      same_.emplace_back(i, same);
+    }
+  }
+  for (const auto& [i, same] : same_) sums[i] = sums[same];
+  for (const std::uint32_t v : vertex) first_[v] = none;
 }
 
 void BlockNormals::add(const CoarseCell& cell) {
-  cell_sums_.assign(cell.survivors.size(), Float4{});
-  const Vec3f* const at = cell.positions.data();
-  Float4* const sums = cell_sums_.data();
-  for (const Triangle& t : cell.triangles) {
-    const Float4 normal = to_float4(cross(at[t.v[1]] - at[t.v[0]], at[t.v[2]] - at[t.v[0]]));
-    for (const std::uint32_t v : t.v) sums[v] += normal;
+  const std::size_t own = cell.normals.size() - cell.shared.size();
+  turn(cell.vertex.first(cell.vertex.empty() ? 0 : own), cell.normals.first(own), cell.sums.first(own));
+  for (std::size_t k = 0; k < cell.shared.size(); ++k) {
+    const std::uint32_t p = cell.shared[k];
+    if (block_.locked[p]) continue;
+    shared_vertices_.push_back(block_.vertex.empty() ? p : block_.vertex[p]);
+    shared_normals_.push_back(cell.normals[own + k]);
+    shared_sums_.push_back(cell.sums[own + k]);
+    places_.push_back(&cell.normals[own + k]);
   }
-  for (const std::uint32_t p : cell.survivors) sums_[first_with_normal(p)] += sums[cell.local[p]];
 }
 
-PackedNormal BlockNormals::turned(std::uint32_t survivor) const {
-  const Vec3f towards = to_vec3f(sums_[first_with_normal(survivor)]), normal = unpack_normal(block_.normals[survivor]);
-  const float squared = dot(towards, towards), along = dot(normal, towards);
-  const bool near = along > 0 && along * along >= kept_cosine * kept_cosine * squared;
-  if (near || !(squared > 0)) return block_.normals[survivor];
-  const Vec3f mean = (1 / std::sqrt(squared)) * towards, aside = normal - dot(normal, mean) * mean;
-  const float width = length(aside);
-  return pack_normal(width > 1e-3f ? kept_cosine * mean + (kept_sine / width) * aside : mean);
+void BlockNormals::finish() {
+  turn(shared_vertices_, shared_normals_, shared_sums_);
+  for (std::size_t i = 0; i < places_.size(); ++i) *places_[i] = shared_normals_[i];
 }
 
 }  // namespace lodestone

@@ -5,10 +5,14 @@
 // it is within 20 degrees of their mean, weighted by area: not all the way, since models may bring normals of their
 // own. One normal of a vertex remains one normal, whatever wedges the vertex has: a seam of texture coordinates does
 // not show. Different normals of a vertex, at a crease, are turned separately, each by the triangles of its wedges.
+//
+// Most vertices belong to one cell: they are done when it is, while it is in the cache, four at a time, and the sums of
+// its triangles come with its other figures (measure_cell).
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
@@ -16,43 +20,44 @@
 
 namespace lodestone {
 
-// Working memory of one worker, reused between blocks. Survivors have ids of the block.
+// Working memory of one worker, reused between blocks.
 class BlockNormals {
  public:
   struct Block {
-    std::span<const std::uint32_t> survivors;  // may occur several times
-    std::span<const PackedNormal> normals;     // of all ids, as they are
-    std::span<const std::uint32_t> vertex;     // of all ids, with wedges; empty: each is a vertex
-    std::size_t vertices = 0;                  // with wedges
+    std::span<const std::uint8_t> locked;   // of each survivor, an id of the block; non-zero: its normal remains
+    std::span<const std::uint32_t> vertex;  // of each survivor, with wedges; empty: each is a vertex
+    std::size_t vertices = 0;
   };
   // The spans must outlive the calls below.
   void begin(const Block& block);
 
-  // A cell of the coarser level; `local` of each of its survivors is the index that positions and triangles have for
-  // it.
+  // A cell of the coarser level. Its survivors have local ids, those that other cells use too behind its own.
   struct CoarseCell {
-    std::span<const std::uint32_t> survivors;
-    std::span<const std::uint32_t> local;
-    std::span<const Vec3f> positions;
-    std::span<const Triangle> triangles;
+    std::span<PackedNormal> normals;        // turned where they have to be
+    std::span<Float4> sums;                 // of the triangles at each, as measure_cell adds them up
+    std::span<const std::uint32_t> vertex;  // of each, with wedges; empty: each is a vertex
+    std::span<const std::uint32_t> shared;  // ids in the block of those that other cells use too
   };
+  // Turns the normals of the cell's own survivors, and keeps what is needed of the others.
   void add(const CoarseCell& cell);
-
-  // After all cells that have triangles at the survivor.
-  [[nodiscard]] PackedNormal turned(std::uint32_t survivor) const;
+  // Turns the others' normals, in the arrays of their cells. After all cells of the block.
+  void finish();
 
  private:
-  void group_wedges();
-  [[nodiscard]] std::uint32_t first_with_normal(std::uint32_t survivor) const {
-    return block_.vertex.empty() ? survivor : same_normal_[survivor];
-  }
+  void turn(std::span<const std::uint32_t> vertex, std::span<PackedNormal> normals, std::span<Float4> sums);
+  void find_far(std::span<const PackedNormal> normals, std::span<const Float4> sums);
+  void join(std::span<const std::uint32_t> vertex, std::span<const PackedNormal> normals, std::span<Float4> sums);
 
+  std::vector<std::uint32_t> far_;    // to be turned, or to be compared once more
+  std::vector<std::uint32_t> first_;  // of each vertex of the block; set while wedges are joined
+  std::vector<std::uint32_t> next_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> same_;
   Block block_;
-  std::vector<Float4> sums_;       // by survivor: normals of triangles times twice their areas
-  std::vector<Float4> cell_sums_;  // of one cell
-  // With wedges: of each survivor the first of its vertex with the same normal, which has the sum of all of them; of
-  // each vertex, and from there on, the wedges with different normals.
-  std::vector<std::uint32_t> same_normal_, first_normal_, next_normal_;
+  // Survivors that several cells use, once for each of these.
+  std::vector<std::uint32_t> shared_vertices_;
+  std::vector<PackedNormal> shared_normals_;
+  std::vector<Float4> shared_sums_;
+  std::vector<PackedNormal*> places_;
 };
 
 }  // namespace lodestone

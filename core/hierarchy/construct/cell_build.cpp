@@ -112,12 +112,16 @@ void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths)
   cell.long_edges = lengths.over();
 }
 
-void measure_cell(CellBuild& cell, int level, float sigma0) {
+void measure_cell(CellBuild& cell, int level, float sigma0, std::span<Float4> normals) {
   EdgeLengths lengths(sigma0 * cell_size(level));
   for (const Triangle& t : cell.triangles) {
     const Float4 a = to_float4(cell.slab.positions[t.v[0]]), b = to_float4(cell.slab.positions[t.v[1]]),
                  c = to_float4(cell.slab.positions[t.v[2]]);
-    lengths.add(b - a, c - b, a - c);
+    const Float4 ab = b - a, ca = a - c;
+    lengths.add(ab, c - b, ca);
+    if (normals.empty()) continue;
+    const Float4 normal = cross_zxy(ca, ab);
+    for (const std::uint32_t v : t.v) normals[v] += normal;
   }
   set_edge_statistics(cell, level, lengths);
   set_box_statistics(cell, level);
