@@ -16,6 +16,10 @@ bool are_opposite(double cosine) { return cosine < -1 + 1e-12; }
 
 }  // namespace
 
+std::string text_of(Up up) { return std::string(name_of(up.axis)) + (up.guessed ? ", guessed by the format" : ""); }
+
+std::string guess_note(Up up) { return up.guessed ? "up is " + text_of(up) + "; --up AXIS gives another" : ""; }
+
 std::optional<UpAxis> up_axis_named(std::string_view name) {
   const auto found = std::ranges::find(up_axis_names, name);
   if (found == up_axis_names.end()) return {};
@@ -47,15 +51,6 @@ Vec3d direction_of(UpAxis axis, Vec3d place) {
   }
   const double distance = length(place);
   return distance > 0 && std::isfinite(distance) ? (1 / distance) * place : Vec3d{0, 0, 1};
-}
-
-UpAxis nearest_axis(Vec3d direction) {
-  auto nearest = UpAxis::z;
-  for (std::uint8_t k = 0; k < static_cast<std::uint8_t>(UpAxis::earth); ++k)
-    if (const auto axis = static_cast<UpAxis>(k);
-        dot(direction, direction_of(axis, {})) > dot(direction, direction_of(nearest, {})))
-      nearest = axis;
-  return nearest;
 }
 
 // v -> v + k x v + k x (k x v) / (1 + cosine), k the cross product of the two (Rodrigues 1840).

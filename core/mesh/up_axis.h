@@ -26,6 +26,10 @@ struct Up {
 };
 
 [[nodiscard]] constexpr std::string_view name_of(UpAxis axis) { return up_axis_names[static_cast<std::size_t>(axis)]; }
+// The name, and that it is guessed.
+[[nodiscard]] std::string text_of(Up up);
+// A line for people whose model has an axis that nobody gave; empty for others.
+[[nodiscard]] std::string guess_note(Up up);
 // Empty for an unknown name.
 [[nodiscard]] std::optional<UpAxis> up_axis_named(std::string_view name);
 // One of the six axes, as --up names it. Throws InputError for other names.
@@ -33,9 +37,6 @@ struct Up {
 
 // The unit vector of it at a place in the space of the model.
 [[nodiscard]] Vec3d direction_of(UpAxis axis, Vec3d place);
-
-// The axis that is nearest to a direction.
-[[nodiscard]] UpAxis nearest_axis(Vec3d direction);
 
 // The smallest turn that takes one unit vector to another: exact between axes.
 [[nodiscard]] Affine3d turn_between(Vec3d from, Vec3d to);

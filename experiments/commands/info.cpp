@@ -107,7 +107,7 @@ void describe_mesh(const InfoOptions& options, Scheduler& scheduler, const Commo
   if (!common.prints()) return;
   fmt::print("{}: {} triangles, {} vertices\n", file, mesh.triangles.size(), mesh.positions.size());
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}, up {}\n", o.x, o.y, o.z, mesh.transform.scale,
-             up_text(mesh.transform.up));
+             text_of(mesh.transform.up));
   print_warnings(warnings);
   print_repairs(repairs);
   print_edges(edges);
@@ -152,7 +152,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
              h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");
   print_textures(h);
   fmt::print("origin ({:g}, {:g}, {:g}), longest extent {:g}, up {}\n", o.x, o.y, o.z, h.transform.scale,
-             up_text(h.transform.up));
+             text_of(h.transform.up));
   fmt::print("errors {}{}\n", nature_of_errors(h),
              h.provenance.refined ? "; edges of the input beyond sigma0 h were split" : "");
   fmt::print("uniform kappa0 is admissible above {:.4f} (euclidean), {:.4f} (chebyshev)\n\n",

@@ -83,10 +83,8 @@ OptionSpec up_option(std::optional<std::string>& up) {
           "on the Earth away from its middle), or guessed: y of OBJ, z of the others"};
 }
 
-std::string up_text(Up up) { return std::string(name_of(up.axis)) + (up.guessed ? ", guessed by the format" : ""); }
-
 void print_up_note(Up up) {
-  if (up.guessed) fmt::print("note: up is {}; --up AXIS gives another\n", up_text(up));
+  if (const std::string note = guess_note(up); !note.empty()) fmt::print("note: {}\n", note);
 }
 
 ReadConfig read_config(const InputOptions& options, const std::vector<std::string>& files) {

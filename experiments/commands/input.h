@@ -25,8 +25,6 @@ struct InputOptions {
 
 // The option --up, for commands to which it makes a difference.
 [[nodiscard]] OptionSpec up_option(std::optional<std::string>& up);
-// "y" or "y, a guess by the format".
-[[nodiscard]] std::string up_text(Up up);
 // A note on standard output if it is a guess.
 void print_up_note(Up up);
 

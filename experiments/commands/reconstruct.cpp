@@ -161,6 +161,7 @@ void run(const ReconstructOptions& options, const CommonOptions& common) {
   };
   const ReconstructResults results = run(job, *make_scheduler(common));
   progress.clear();
+  if (common.prints()) print_up_note(results.up);
   nlohmann::json levels = nlohmann::json::array();
   for (const ReconstructResult& result : results.levels) levels.push_back(to_json(result));
   nlohmann::json json{{"input", options.input},

@@ -44,6 +44,7 @@ class ReconstructRun {
     const CpuClock clock;
     mesh_ = prepare_mesh(load_mesh(job_.input, scheduler_, reading), results_.repairs, scheduler_, job_.input);
     results_.input_triangles = mesh_.triangles.size();
+    results_.up = mesh_.transform.up;
     results_.read = clock.elapsed();
   }
 
@@ -56,7 +57,10 @@ class ReconstructRun {
     const CpuClock clock;
     Reconstruction made;
     DrawnMaps drawn = drawn_maps(read_map_set(job_.input), made.report);
+    if (job_.reading.up)
+      for (PositionMap& map : drawn.maps) map.transform.up = {*job_.reading.up, false};
     const Transform transform = drawn.maps.front().transform;
+    results_.up = transform.up;
     if (job_.map_resolution > 0) sample_maps_at(job_.map_resolution, drawn, made.report);
     config_.triangles = job_.triangles;
     job_.on_phase("reconstructing");

@@ -57,6 +57,7 @@ struct ReconstructJob {
 struct ReconstructResults {
   std::vector<ReconstructResult> levels;
   std::uint64_t input_triangles = 0;  // 0: not known, from maps
+  Up up;
   Repairs repairs;
   StageTime read;
 };

@@ -57,6 +57,12 @@ Transform transform_of(const json& list) {
   transform.scale = list.at("transform").at("scale").get<double>();
   if (!is_finite(transform.origin) || !(transform.scale > 0) || !std::isfinite(transform.scale))
     throw std::runtime_error("the transform is not finite or has no scale");
+  if (const json& from = list.at("transform"); from.contains("up")) {
+    const auto axis = up_axis_named(from.at("up").get<std::string>());
+    if (!axis)
+      throw std::runtime_error("up '" + from.at("up").get<std::string>() + "' is none of x, y, z, -x, -y, -z, earth");
+    transform.up = {*axis, false};
+  }
   return transform;
 }
 
@@ -110,10 +116,12 @@ void write_map_set(const std::filesystem::path& folder, std::span<const Position
     views.push_back(to_json(maps[k].view, name));
   }
   const Transform transform = maps.empty() ? Transform{} : maps.front().transform;
-  const json list = {{"transform", {{"origin", to_json(transform.origin)}, {"scale", transform.scale}}},
-                     {"closed", surface.closed},
-                     {"oriented", surface.oriented},
-                     {"views", views}};
+  const json list = {
+      {"transform",
+       {{"origin", to_json(transform.origin)}, {"scale", transform.scale}, {"up", name_of(transform.up.axis)}}},
+      {"closed", surface.closed},
+      {"oriented", surface.oriented},
+      {"views", views}};
   AtomicFile file(folder / "views.json");
   const std::string text = list.dump(1) + "\n";
   file.write(std::as_bytes(std::span(text)));

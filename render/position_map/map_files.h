@@ -4,13 +4,14 @@
 // views.json names, for each view, its file and the geometry of MapView, in the space of the positions; and once, the
 // transform from there to the model's space:
 //
-//     {"transform": {"origin": [x, y, z], "scale": s}, "closed": true, "oriented": true,
+//     {"transform": {"origin": [x, y, z], "scale": s, "up": "y"}, "closed": true, "oriented": true,
 //      "views": [{"file": "view000.exr", "projection": "orthographic", "eye": [..], "right": [..], "up": [..],
 //                 "forward": [..], "pixel": p, "nearest": d}, ...]}
 //
-// Everything but "views" may be left out: no transform, an open surface whose sides are not distinguished; of a view,
-// "nearest". An EXR file has channels X, Y, Z (float), and, where there are any: triangle (uint), depth, NX, NY, NZ, U,
-// V (float), R, G, B, A (as bytes / 255). A PFM file has X, Y, Z. X, Y and Z are NaN in pixels that see nothing.
+// Everything but "views" may be left out: no transform, an open surface whose sides are not distinguished; of a
+// transform, "up" (z is guessed); of a view, "nearest". An EXR file has channels X, Y, Z (float), and, where there are
+// any: triangle (uint), depth, NX, NY, NZ, U, V (float), R, G, B, A (as bytes / 255). A PFM file has X, Y, Z. X, Y and
+// Z are NaN in pixels that see nothing.
 #pragma once
 
 #include <filesystem>

@@ -59,6 +59,19 @@ class Up(CommandCase):
             self.assertEqual(tileset["extras"]["lodestone"]["up"], up)
             self.assertEqual(self.up_of(up), ("z", False))
 
+    def test_is_that_of_position_maps(self):
+        note = "note: up is y, guessed by the format; --up AXIS gives another\n"
+        self.assertIn(note, self.lodestone("reconstruct", "tent.obj", "-o", "a.ply", "--resolution", 16))
+        self.assertNotIn("note: up", self.lodestone("reconstruct", "tent.obj", "-o", "x.glb", "--resolution", 16,
+                                                    "--up", "x", "--maps", "maps"))
+        def turn(name):
+            return glb_json(self.folder / name)["nodes"][0].get("rotation")
+        self.assertIsNotNone(turn("x.glb"))
+        self.assertNotIn("note: up", self.lodestone("reconstruct", "maps", "-o", "again.glb"))
+        self.assertEqual(turn("again.glb"), turn("x.glb"))
+        self.lodestone("reconstruct", "maps", "-o", "y.glb", "--up", "y")
+        self.assertIsNone(turn("y.glb"))
+
     def test_is_kept_in_progressive_files(self):
         for up in ("y", "-z"):
             self.lodestone("progressive", "tent.obj", "-o", "tent.lpm", "--up", up)

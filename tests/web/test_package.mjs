@@ -12,8 +12,8 @@ const example = 'node_modules/lodestone-web/example/index.html';
 function makeFiles() {
   mkdirSync(home);
   writeTorus(80, 50);
-  run('progressive', 'torus.obj', '-o', 'home/torus.lpm');
-  run('progressive', 'torus.obj', '-o', 'home/torus.glb');
+  run('progressive', 'torus.obj', '-o', 'home/torus.lpm', '--up=-z');
+  run('progressive', 'torus.obj', '-o', 'home/torus.glb', '--up=-z');
   run('build', 'torus.obj', '-o', 'torus.lode', '--cell-triangles', '250');
   run('export', 'torus.lode', '--tiles', 'home/tiles', '--morph');
 }
@@ -63,7 +63,7 @@ function testTypes() {
 
 const state = (page) => page.evaluate(() => {
   const {model, renderer} = window.example, {memory, programs} = renderer.info;
-  return {triangles: model.triangleCount, low: model.box.min.toArray(), high: model.box.max.toArray(), ...memory, programs: programs.length};
+  return {up: model.up.toArray(), triangles: model.triangleCount, low: model.box.min.toArray(), high: model.box.max.toArray(), ...memory, programs: programs.length};
 });
 const rest = (page) => page.waitForFunction(() => window.example?.rests);
 
@@ -76,6 +76,7 @@ async function testExample(browser) {
     // y of the file is up in tiles, too: coordinates are those of the file.
     const box = [-1.43, -0.4, -1.43, 1.43, 0.4, 1.43], near = [...first.low, ...first.high].every((x, k) => Math.abs(x - box[k]) < 0.07);
     check(near, `${name}: ${first.triangles} triangles from ${first.low.map((x) => x.toFixed(2))} to ${first.high.map((x) => x.toFixed(2))}`);
+    check(first.up.join() === (name.endsWith('.json') ? '0,1,0' : '0,0,-1'), `${name}: up is ${first.up}`);
     check(first.geometries > 0 && first.textures > 0 && first.programs > 0, `${first.geometries} geometries, ${first.textures} textures, ${first.programs} programs`);
     const found = await page.evaluate(async () => {
       const {model, camera, controls, scene, wake} = window.example;

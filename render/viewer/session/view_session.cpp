@@ -86,12 +86,20 @@ void ViewSession::show(std::unique_ptr<Model> model, double now) {
     path_ = way_through(drawing_.scene_view(), model_->opened.streamed(), config_.window);
     if (!path_.empty()) from = path_.front();
   }
+  say_guess();
   warn(model_->opened.warnings(), now);
   look_at(state, all, from);
   Scene scene = model_->scene;
   scene.settings = complete_settings(scene.settings, scene.effects, all.radius);
   state.looks = looks_of(scene);
   home_ = seen_ = drawable_ = state.camera;
+}
+
+// In the terminal only, as it comes with most models.
+void ViewSession::say_guess() const {
+  if (model_->scene.up || !config_.say) return;
+  const std::string note = guess_note(model_->opened.models().front().hierarchy->transform.up);
+  if (!note.empty()) config_.say(note);
 }
 
 void ViewSession::stop_moving() {

@@ -94,6 +94,7 @@ class ViewSession {
   [[nodiscard]] std::string free_name(const std::string& stem, const std::string& extension) const;
   [[nodiscard]] std::optional<Vec3d> point_at(Point at, ImageSize window) const;  // of the surface
   void show(std::unique_ptr<Model> model, double now);
+  void say_guess() const;
   void toggle_recording(double now);
   void stop_moving();
   [[nodiscard]] std::vector<Camera> upright(std::vector<Camera> path) const;

@@ -40,8 +40,11 @@ function look(box) {
 controls.addEventListener('change', wake);
 addEventListener('resize', wake);
 model = await load(new URLSearchParams(location.search).get('url') ?? 'model.lpm', {onChange: wake});
-scene.add(model.object);
-look(model.box);
+const upright = new THREE.Group().add(model.object);  // three.js has y up
+upright.quaternion.setFromUnitVectors(model.up, camera.up);
+upright.updateMatrix();
+scene.add(upright);
+look(model.box.applyMatrix4(upright.matrix));
 wake();
 
 window.example = {renderer, scene, camera, controls, get model() { return model; }, wake, get rests() { return !waiting && model.arrived === null; }};

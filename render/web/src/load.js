@@ -3,6 +3,7 @@ import * as THREE from 'three';
 import {streamMesh} from './files.js';
 import {ProgressiveView} from './progressive_view.js';
 import {openTiles} from './tiles_view.js';
+import {directionOf} from './turn.js';
 
 const ANISOTROPY = 8;
 
@@ -63,6 +64,7 @@ class Model {
     const move = (corner) => corner.multiplyScalar(scale).add(new THREE.Vector3().fromArray(origin));
     return new THREE.Box3(move(min), move(max));
   }
+  get up() { return directionOf(this.view.tileset ?? this.view.mesh); }
   get triangleCount() { return this.view.triangleCount; }
   get arrived() { return this.view.arrived ?? null; }
 

@@ -1,4 +1,4 @@
-import type {Box3, Group, PerspectiveCamera} from 'three';
+import type {Box3, Group, PerspectiveCamera, Vector3} from 'three';
 
 export interface LoadOptions {
   /** Error on the screen that levels may have, in pixels; 1 by default. */
@@ -17,6 +17,8 @@ export interface Model {
   readonly object: Group;
   /** The model's box in its coordinates; it may grow while the model arrives. */
   readonly box: Box3;
+  /** The direction that is up in the model's coordinates, of unit length. */
+  readonly up: Vector3;
   /** Triangles that are drawn now. */
   readonly triangleCount: number;
   /** What has come of what is on its way, in bytes; `all` is 0 if unknown. Null if nothing is on its way. */

@@ -20,6 +20,7 @@ class MapFiles : public FolderTest {
  protected:
   void SetUp() override {
     IndexedMesh mesh = sphere_mesh(3);
+    mesh.transform.up = {UpAxis::minus_x, false};
     for (const Vec3f& p : mesh.positions) {
       mesh.wedges.uv.push_back({p.x, p.y});
       mesh.wedges.colour.push_back({1, 2, static_cast<std::uint8_t>(200 * p.z), 255});
@@ -95,6 +96,8 @@ TEST_F(MapFiles, WhatIsNoMapIsRefused) {
   write("bad.json", "{"), refused("bad.json", list);
   write("none.json", "{\"views\": []}"), refused("none.json", list);
   write("eye.json", "{\"views\": [{\"file\": \"good.exr\"}]}"), refused("eye.json", list);
+  write("up.json", R"({"transform": {"origin": [0, 0, 0], "scale": 1, "up": "w"}, "views": []})"),
+      refused("up.json", list);
   EXPECT_THROW((void)exr(folder_ / "missing.exr"), FileError);
   EXPECT_THROW((void)pfm(folder_ / "missing.pfm"), FileError);
   EXPECT_THROW((void)list(folder_ / "missing.json"), FileError);
