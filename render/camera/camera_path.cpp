@@ -38,7 +38,11 @@ double number(const json& value, const std::string& file, const std::string& pla
 Vec3d vector(const json& value, const std::string& file, const std::string& place) {
   if (!value.is_array() || value.size() != 3)
     throw InputError(describe(file, place, "is not an array of three numbers", "write [x, y, z]"));
-  return {number(value[0], file, place), number(value[1], file, place), number(value[2], file, place)};
+  const Vec3d v{number(value[0], file, place), number(value[1], file, place), number(value[2], file, place)};
+  constexpr double most = 1e100;  // squares of lengths, and curves between keys, remain finite
+  if (std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) > most)
+    throw InputError(describe(file, place, "has a coordinate beyond 1e100"));
+  return v;
 }
 
 // Keys that are not known would be ignored, as misspelt ones are.

@@ -9,7 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace lodestone;
   const std::span<const char> bytes(reinterpret_cast<const char*>(data), size);
   try {
-    if (const PixelSize size = image_size(bytes, "image/png"); std::uint64_t{size.width} * size.height <= 1u << 20) {
+    if (const PixelSize png = image_size(bytes, "image/png"); std::uint64_t{png.width} * png.height <= 1u << 20) {
       const WideImage wide = decode_wide_png(bytes);
       if (decode_wide_png(encode_wide_png(wide)) != wide) std::abort();
     }

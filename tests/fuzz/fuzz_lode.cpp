@@ -1,44 +1,43 @@
-// libFuzzer: any bytes are either refused with an Error or give a hierarchy whose every index may be followed.
-//
-// Plain and compressed files alike. Checksums would keep a fuzzer out, so they are made to fit first: `repair` copies
-// what the checks expect into place. Start from a corpus of small files: `lodestone build`, with and without
-// --compress.
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
+// .lode, plain and compressed: any bytes are either refused with an Error or give a hierarchy whose every index may be
+// followed.
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
-#include <vector>
 
 #include "core/base/error.h"
+#include "core/files/checksum.h"
 #include "core/hierarchy/lode/lode_format.h"
 
 namespace {
 
 using namespace lodestone;
 
+// Sets sizes and checksums, so that they do not keep the fuzzer out.
 void repair(std::byte* bytes, std::size_t size) {
-  if (size < sizeof(LodeHeader)) return;
   LodeHeader header;
+  if (size < sizeof(header)) return;
   std::memcpy(&header, bytes, sizeof(header));
   header.magic = lode_magic;
-  header.table_checksum = 0;
-  std::memcpy(bytes, &header, sizeof(header));
   if (header.payload_offset > size || header.level_count > 16) return;
-  std::size_t at = sizeof(LodeHeader) + header.level_count * sizeof(LodeLevel);
-  for (; at + sizeof(LodeCell) <= header.payload_offset; at += sizeof(LodeCell)) {
+  header.asset_bytes = std::min<std::uint64_t>(header.asset_bytes, size - header.payload_offset);
+  header.payload_bytes = size - header.payload_offset - header.asset_bytes;
+  const std::uint64_t assets = size - header.asset_bytes;
+  header.asset_checksum = checksum({bytes + assets, header.asset_bytes});
+  for (std::size_t at = sizeof(header) + header.level_count * sizeof(LodeLevel);
+       at + sizeof(LodeCell) <= header.payload_offset; at += sizeof(LodeCell)) {
     LodeCell cell, next;
     std::memcpy(&cell, bytes + at, sizeof(cell));
-    std::uint64_t end = size;
-    if (at + 2 * sizeof(LodeCell) <= header.payload_offset) {
+    next.offset = assets;
+    if (at + 2 * sizeof(LodeCell) <= header.payload_offset)
       std::memcpy(&next, bytes + at + sizeof(LodeCell), sizeof(next));
-      end = next.offset;
-    }
-    if (cell.offset <= end && end <= size) cell.checksum = XXH3_64bits(bytes + cell.offset, end - cell.offset);
+    if (cell.offset <= next.offset && next.offset <= size)
+      cell.checksum = checksum({bytes + cell.offset, next.offset - cell.offset});
     std::memcpy(bytes + at, &cell, sizeof(cell));
   }
-  header.table_checksum = XXH3_64bits(bytes, header.payload_offset);
+  header.table_checksum = 0;
+  std::memcpy(bytes, &header, sizeof(header));
+  header.table_checksum = checksum({bytes, header.payload_offset});
   std::memcpy(bytes, &header, sizeof(header));
 }
 

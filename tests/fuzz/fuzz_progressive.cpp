@@ -10,6 +10,12 @@
 #include "core/progressive/lpm/lpm_format.h"
 #include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
+#include "tests/fuzz/json_mutator.h"
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                                               unsigned int seed) {
+  return lodestone::mutate_json(data, size, max_size, seed);
+}
 
 namespace {
 

@@ -250,6 +250,8 @@ TEST(CameraPath, BadFilesAreRefusedWithTheirPlace) {
   refused("same.json", R"({"frames": [{"position": [1, 1, 1], "target": [1, 1, 1]}]})", "frame 0");
   refused("fov.json", R"({"frames": [{"position": [0, 0, 0], "target": [1, 1, 1], "fov_degrees": 180}]})", "frame 0");
   refused("huge.json", R"({"frames": [{"position": [0, 0, 1e999], "target": [1, 1, 1]}]})", "");
+  refused("far.json", R"({"frames": [{"position": [0, 0, -1e300], "target": [1, 1, 1]}]})",
+          "frame 0, position: has a coordinate beyond 1e100");
   refused("key.json", R"({"frames": [{"position": [0, 0, 0], "target": [1, 1, 1], "fov": 30}]})",
           "frame 0: unknown key \"fov\"; known are position, target, up, fov_degrees; did you mean fov_degrees?");
   refused("misspelt.json", R"({"frames": [{"positon": [0, 0, 0], "target": [1, 1, 1]}]})", "did you mean position?");
