@@ -50,7 +50,7 @@ void append(InputFiles& files, const InputFiles& more) {
   throw InputError(describe(file.file, source.place, source.name + ": " + what, remedy));
 }
 
-// Our models come from an archive; where anybody else's are to be had, we do not know.
+// Where our models are to be had is known (scripts/models.toml), of anybody else's it is not.
 bool is_ours(const fs::path& path) {
   return fs::absolute(path).lexically_normal().generic_string().find("/build/data/") != std::string::npos;
 }
@@ -59,7 +59,7 @@ void expect(const SweepFile& file, const DataSource& source, const std::string& 
   std::error_code ignored;
   if (fs::exists(path, ignored)) return;
   fail(file, source, path + " is missing",
-       is_ours(path) ? "unpack the models with scripts/data" : "correct the path, or put the file there");
+       is_ours(path) ? "get the models by scripts/data" : "correct the path, or put the file there");
 }
 
 // Files that are read besides the one that is named.
@@ -79,7 +79,7 @@ SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHas
   SweepInput input = hashes.of(source.path);
   if (!source.sha256.empty() && input.sha256 != source.sha256)
     fail(file, source, fmt::format("{} has the sha256 {}, not {}", source.path, input.sha256, source.sha256),
-         is_ours(source.path) ? "unpack the models with scripts/data, or correct the sha256"
+         is_ours(source.path) ? "get the models by scripts/data, or correct the sha256"
                               : "take the right file, or correct the sha256");
   const std::vector<std::string> companions = companions_of(source);
   if (companions.empty()) return input;

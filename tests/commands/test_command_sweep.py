@@ -293,7 +293,7 @@ class Failures(SweepCase):
                      names=["sweep.toml: line 3: tiny", "none.ply is missing; correct the path"])
         self.failing_sweep("sweep.toml", "-o", "out", names=["none.ply is missing; correct the path"])
         self.write("ours.toml", 'name = "test"\n[data]\ntiny = { path = "build/data/none.ply" }\n' + section("x = 1"))
-        self.failing_sweep("ours.toml", "-o", "out3", names=["build/data/none.ply is missing; unpack", "scripts/data"])
+        self.failing_sweep("ours.toml", "-o", "out3", names=["build/data/none.ply is missing; get the models by scripts/data"])
         self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
         text = f'name = "test"\n[data]\ntiny = {{ path = "m.ply", sha256 = "{"0" * 64}" }}\n' + section("x = 1")
         self.write("sweep.toml", text)
