@@ -8,11 +8,6 @@
 #include <cstdio>
 
 namespace lodestone {
-namespace {
-
-constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
-
-}  // namespace
 
 std::optional<std::uint64_t> parse_byte_size(std::string_view text) {
   double number = 0;

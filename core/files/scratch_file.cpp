@@ -15,7 +15,7 @@
 namespace lodestone {
 namespace {
 
-const char* remedy_for(int error) {
+const char* scratch_remedy(int error) {
   switch (error) {
     case ENOENT:
     case ENOTDIR:
@@ -34,7 +34,7 @@ const char* remedy_for(int error) {
 }
 
 [[noreturn]] void fail_with(const std::string& name, const std::string& what, int error) {
-  throw FileError(describe(name, "", what + ": " + std::strerror(error), remedy_for(error)));
+  throw FileError(describe(name, "", what + ": " + std::strerror(error), scratch_remedy(error)));
 }
 
 // Not all file systems support files without a name.

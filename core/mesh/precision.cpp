@@ -12,12 +12,12 @@ namespace {
 constexpr std::size_t sample_size = 4096;
 constexpr double enough_steps = 65536;
 
-struct Interval {
+struct MiddleRange {
   float low = 0, high = 0;
 };
 
 // The interval that holds all values but half a percent at each end.
-Interval middle_of(std::vector<float>& values) {
+MiddleRange middle_of(std::vector<float>& values) {
   const auto place = [&](double share) {
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
     std::nth_element(values.begin(), at, values.end());
@@ -38,7 +38,7 @@ double component(Vec3f p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y :
 std::optional<CrowdedModel> find_crowded(std::span<const Vec3f> positions, const Transform& transform) {
   if (positions.empty()) return std::nullopt;
   const std::size_t stride = 1 + (positions.size() - 1) / sample_size;
-  std::array<Interval, 3> box;
+  std::array<MiddleRange, 3> box;
   CrowdedModel crowded;
   double step = 0;
   std::vector<float> values;
@@ -46,7 +46,7 @@ std::optional<CrowdedModel> find_crowded(std::span<const Vec3f> positions, const
     values.clear();
     for (std::size_t i = 0; i < positions.size(); i += stride)
       values.push_back(static_cast<float>(component(positions[i], axis)));
-    const Interval middle = box[static_cast<std::size_t>(axis)] = middle_of(values);
+    const MiddleRange middle = box[static_cast<std::size_t>(axis)] = middle_of(values);
     crowded.share = std::max(crowded.share, double{middle.high} - double{middle.low});
     step = std::max(step, step_at(middle.high, transform.lattice));
   }
@@ -58,7 +58,7 @@ std::optional<CrowdedModel> find_crowded(std::span<const Vec3f> positions, const
   for (const Vec3f& p : positions) {
     double squared = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      const Interval& side = box[static_cast<std::size_t>(axis)];
+      const MiddleRange& side = box[static_cast<std::size_t>(axis)];
       const double away = component(p, axis) - 0.5 * (double{side.low} + double{side.high});
       squared += away * away;
     }

@@ -15,7 +15,7 @@
 namespace lodestone {
 namespace {
 
-using Corners = std::array<std::uint32_t, 4>;
+using FourCorners = std::array<std::uint32_t, 4>;
 
 // The surface of the part of the unit cube where a field is below 0: each of n^3 cubes is six tetrahedra.
 class MarchingTetrahedra {
@@ -45,14 +45,14 @@ class MarchingTetrahedra {
         {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}}};  // three even, three odd ones
     const std::array<std::uint32_t, 3> steps{1, n_ + 1, (n_ + 1) * (n_ + 1)};
     for (std::size_t order = 0; order < 6; ++order) {
-      Corners corners{first};
+      FourCorners corners{first};
       for (std::size_t k = 0; k < 3; ++k) corners[k + 1] = corners[k] + steps[orders[order][k]];
       if (order >= 3) std::swap(corners[2], corners[3]);
       add_tetrahedron(corners);
     }
   }
 
-  void add_tetrahedron(Corners c) {
+  void add_tetrahedron(FourCorners c) {
     // Those inside come first, by an even number of swaps.
     bool odd = false;
     for (int round = 0; round < 3; ++round)

@@ -7,16 +7,16 @@
 namespace lodestone {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float float_infinity = std::numeric_limits<float>::infinity();
 
 float round_down(double v) {
   const auto f = static_cast<float>(v);
-  return f > v ? std::nextafter(f, -infinity) : f;
+  return f > v ? std::nextafter(f, -float_infinity) : f;
 }
 
 float round_up(double v) {
   const auto f = static_cast<float>(v);
-  return f < v ? std::nextafter(f, infinity) : f;
+  return f < v ? std::nextafter(f, float_infinity) : f;
 }
 
 Vec3f twice_centre(const Box3f& box) { return box.lo + box.hi; }

@@ -18,7 +18,7 @@
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {
-namespace {
+namespace build_study {
 
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{threads_parameter(), rounds_parameter(3)};
@@ -176,9 +176,10 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace build_study
 
 Experiment build_experiment() {
+  using namespace build_study;
   return {"build",   "What does a hierarchy cost to build, and how far are its levels from the input?",
           true,      parameters(),
           columns(), rows_of,

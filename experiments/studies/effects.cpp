@@ -17,7 +17,7 @@
 #include "render/scene/open_scene.h"
 
 namespace lodestone {
-namespace {
+namespace effects_study {
 
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
@@ -194,12 +194,13 @@ std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows)
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace effects_study
 
 Experiment effects_experiment() {
+  using namespace effects_study;
   return {"effects", "What does each effect cost in a scene, and what does the planner save?",
           true,      parameters(),
-          columns(), run,
+          columns(), effects_study::run,
           verify,    check};
 }
 

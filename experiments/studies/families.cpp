@@ -23,7 +23,7 @@
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {
-namespace {
+namespace families_study {
 
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
@@ -220,9 +220,10 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace families_study
 
 Experiment families_experiment() {
+  using namespace families_study;
   return {
       "families",
       "At equal numbers of triangles, which is nearest to the input, and what does each cost: hierarchy, progressive "

@@ -17,7 +17,7 @@
 #include "experiments/subjects/render.h"
 
 namespace lodestone {
-namespace {
+namespace flight_study {
 
 std::vector<std::string> blend_names() {
   std::vector<std::string> names;
@@ -179,9 +179,10 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace flight_study
 
 Experiment flight_experiment() {
+  using namespace flight_study;
   return {"flight",  "What does a morphing hierarchy draw along a path, where does it crack, and how far does it pop?",
           true,      parameters(),
           columns(), rows_of,

@@ -13,7 +13,7 @@
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {
-namespace {
+namespace probe_study {
 
 void wait(double seconds, const RunContext& context) {
   const Stopwatch waited;
@@ -65,9 +65,10 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return wrong;
 }
 
-}  // namespace
+}  // namespace probe_study
 
 Experiment probe_experiment() {
+  using namespace probe_study;
   Experiment probe;
   probe.name = "probe";
   probe.question = "Does a sweep work here? (Measures nothing: known numbers, and failures on request.)";
@@ -86,7 +87,7 @@ Experiment probe_experiment() {
   probe.columns = {{"number", "", "of the row, from 0", ColumnInfo::Kind::label},
                    {"multiple", "", "x times the number of the row, counted from 1", ColumnInfo::Kind::accuracy},
                    {"bytes", "bytes", "size of the input", ColumnInfo::Kind::count}};
-  probe.run = run;
+  probe.run = probe_study::run;
   probe.verify = verify;
   return probe;
 }

@@ -17,7 +17,7 @@
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {
-namespace {
+namespace progressive_study {
 
 std::vector<ParameterInfo> parameters() {
   return {
@@ -139,9 +139,10 @@ std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows)
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace progressive_study
 
 Experiment progressive_experiment() {
+  using namespace progressive_study;
   return {"progressive", "What does a progressive mesh cost, and how far are its levels from the input?",
           true,          parameters(),
           columns(),     rows_of,

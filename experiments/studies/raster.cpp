@@ -14,7 +14,7 @@
 #include "experiments/subjects/result_hash.h"
 
 namespace lodestone {
-namespace {
+namespace raster_study {
 
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
@@ -155,12 +155,13 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace raster_study
 
 Experiment raster_experiment() {
+  using namespace raster_study;
   return {"raster",  "What does a frame cost, and how near is it to the picture of the full model?",
           true,      parameters(),
-          columns(), run,
+          columns(), raster_study::run,
           verify,    check};
 }
 

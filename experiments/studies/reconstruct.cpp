@@ -14,7 +14,7 @@
 #include "render/position_map/map_view.h"
 
 namespace lodestone {
-namespace {
+namespace reconstruct_study {
 
 std::vector<ParameterInfo> parameters() {
   return {
@@ -108,9 +108,10 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace reconstruct_study
 
 Experiment reconstruct_experiment() {
+  using namespace reconstruct_study;
   return {"reconstruct", "What do levels from position maps cost, and how much of the surface do they keep?",
           true,          parameters(),
           columns(),     rows_of,

@@ -21,7 +21,7 @@
 #include "render/position_map/map_view.h"
 
 namespace lodestone {
-namespace {
+namespace scaling_study {
 
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
@@ -192,12 +192,13 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace scaling_study
 
 Experiment scaling_experiment() {
+  using namespace scaling_study;
   return {"scaling", "What do more workers bring, for the same work and for as much work each?",
           true,      parameters(),
-          columns(), run,
+          columns(), scaling_study::run,
           verify,    check};
 }
 

@@ -16,9 +16,9 @@
 namespace lodestone {
 namespace {
 
-class BuildJob : public ScalingJob {
+class BuildScaling : public ScalingJob {
  public:
-  BuildJob(IndexedMesh mesh, const BuildConfig& config, Scheduler& scheduler)
+  BuildScaling(IndexedMesh mesh, const BuildConfig& config, Scheduler& scheduler)
       : mesh_(std::move(mesh)), config_(config), scheduler_(scheduler) {}
   void prepare() override {
     hierarchy_ = {};
@@ -126,8 +126,8 @@ std::unique_ptr<ScalingJob> make_scaling_job(const IndexedMesh& mesh, const Para
   const double side = std::sqrt(times);  // of pictures with so many times the pixels
   const auto pixels = [&](const char* name) { return static_cast<int>(std::lround(side * parameters.number(name))); };
   if (task == "build")
-    return std::make_unique<BuildJob>(side_by_side(mesh, times, scheduler), build_config(parameters, context),
-                                      scheduler);
+    return std::make_unique<BuildScaling>(side_by_side(mesh, times, scheduler), build_config(parameters, context),
+                                          scheduler);
   if (task == "progressive") return std::make_unique<ProgressiveJob>(side_by_side(mesh, times, scheduler), scheduler);
   if (task == "reconstruct")
     return std::make_unique<ReconstructJob>(mesh, side * parameters.number("resolution"), scheduler);

@@ -22,7 +22,7 @@
 #include "render/reconstruct/reconstruct.h"
 
 namespace lodestone {
-namespace {
+namespace shells_study {
 
 constexpr int most_voxels = 256;  // of meshoptimizer's remesher, along the longest side
 
@@ -190,9 +190,10 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace shells_study
 
 Experiment shells_experiment() {
+  using namespace shells_study;
   return {"shells",
           "At equal numbers of triangles, how near is a closed shell to what can be seen of a model, and simplifiers "
           "beside "

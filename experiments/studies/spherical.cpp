@@ -11,7 +11,7 @@
 #include "experiments/subjects/result_hash.h"
 
 namespace lodestone {
-namespace {
+namespace spherical_study {
 
 constexpr std::uint32_t checked_levels = 5;
 
@@ -115,9 +115,10 @@ std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows)
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace spherical_study
 
 Experiment spherical_experiment() {
+  using namespace spherical_study;
   return {"spherical", "What does a seamless texture over the sphere cost in time and bytes, and how right is it?",
           true,        parameters(),
           columns(),   rows_of,

@@ -22,7 +22,7 @@
 #include "render/backends/make_renderer.h"
 
 namespace lodestone {
-namespace {
+namespace systems_study {
 
 std::vector<std::string> system_names() {
   std::vector<std::string> names;
@@ -151,12 +151,13 @@ std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows)
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace systems_study
 
 Experiment systems_experiment() {
+  using namespace systems_study;
   return {"systems", "On the same path, what cracks and what pops under which system of levels of detail?",
           true,      parameters(),
-          columns(), run,
+          columns(), systems_study::run,
           verify,    check};
 }
 

@@ -12,7 +12,7 @@
 #include "parallel/hierarchy/save.h"
 
 namespace lodestone {
-namespace {
+namespace table_study {
 
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
@@ -100,9 +100,10 @@ std::vector<std::string> verify(const Parameters& parameters, const std::vector<
   return std::move(verdict).messages();
 }
 
-}  // namespace
+}  // namespace table_study
 
 Experiment table_experiment() {
+  using namespace table_study;
   return {"table",   "What do hierarchies of the published sizes take, in triangles, seconds and memory?",
           true,      parameters(),
           columns(), rows_of,

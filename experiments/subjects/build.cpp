@@ -152,7 +152,7 @@ Columns time_columns() {
   };
 }
 
-const Columns& columns() {
+const Columns& all_build_columns() {
   static const Columns list = [] {
     Columns all = size_columns();
     std::ranges::copy(time_columns(), std::back_inserter(all));
@@ -199,9 +199,9 @@ BuildResult run(const BuildJob& job, Scheduler& scheduler) {
   return result;
 }
 
-std::vector<ColumnInfo> build_columns() { return infos_of(columns()); }
+std::vector<ColumnInfo> build_columns() { return infos_of(all_build_columns()); }
 
-Row to_row(const BuildResult& result) { return row_of(columns(), result); }
+Row to_row(const BuildResult& result) { return row_of(all_build_columns(), result); }
 
 nlohmann::json to_json(const AttributeCounts& counts) {
   return {{"wedges", counts.wedges},       {"normals", counts.normals},

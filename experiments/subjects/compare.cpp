@@ -51,7 +51,7 @@ std::function<Row(const MeshDistance&)> percent_of(double DirectedDistance::*dis
   };
 }
 
-const std::vector<Column<MeshDistance>>& columns() {
+const std::vector<Column<MeshDistance>>& all_distance_columns() {
   static const std::string percent = "% of the diagonal";
   static const std::vector<Column<MeshDistance>> list{
       {{"rms", percent, "distance, root of the mean square, the larger of both directions", accuracy},
@@ -87,9 +87,9 @@ CompareResult run(const CompareJob& job, Scheduler& scheduler) {
   return result;
 }
 
-std::vector<ColumnInfo> distance_columns() { return infos_of(columns()); }
+std::vector<ColumnInfo> distance_columns() { return infos_of(all_distance_columns()); }
 
-Row to_row(const MeshDistance& distance) { return row_of(columns(), distance); }
+Row to_row(const MeshDistance& distance) { return row_of(all_distance_columns(), distance); }
 
 std::vector<ColumnInfo> geometry_columns() {
   std::vector<ColumnInfo> list = distance_columns();

@@ -21,7 +21,7 @@ Row size_of(const ProgressiveResult& result, std::size_t ProgressiveFileSize::*p
   return result.size ? Row((*result.size).*part) : Row();
 }
 
-const std::vector<Column<ProgressiveResult>>& columns() {
+const std::vector<Column<ProgressiveResult>>& all_progressive_columns() {
   using R = const ProgressiveResult&;
   static const std::vector<Column<ProgressiveResult>> list{
       {{"input_triangles", "", "triangles of the input", count}, [](R r) { return r.report.input_triangles; }},
@@ -91,8 +91,8 @@ ProgressiveResult run(const ProgressiveJob& job, Scheduler& scheduler) {
   return result;
 }
 
-std::vector<ColumnInfo> progressive_columns() { return infos_of(columns()); }
+std::vector<ColumnInfo> progressive_columns() { return infos_of(all_progressive_columns()); }
 
-Row to_row(const ProgressiveResult& result) { return row_of(columns(), result); }
+Row to_row(const ProgressiveResult& result) { return row_of(all_progressive_columns(), result); }
 
 }  // namespace lodestone

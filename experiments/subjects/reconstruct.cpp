@@ -137,7 +137,7 @@ Row rms_of(const ReconstructResult& result, const std::optional<SurfaceCoverage>
   return 100 * resolved(coverage->rms * result.scale / result.error->distance.diagonal);
 }
 
-const std::vector<Column<ReconstructResult>>& columns() {
+const std::vector<Column<ReconstructResult>>& all_reconstruct_columns() {
   using R = const ReconstructResult&;
   static const std::vector<Column<ReconstructResult>> list{
       {{"input_triangles", "", "triangles of the input", count},
@@ -236,13 +236,13 @@ void measure(ReconstructResult& result, const Reconstruction& made, const Indexe
 }
 
 std::vector<ColumnInfo> reconstruct_columns() {
-  std::vector<ColumnInfo> list = infos_of(columns());
+  std::vector<ColumnInfo> list = infos_of(all_reconstruct_columns());
   append(list, geometry_columns());
   return list;
 }
 
 Row to_row(const ReconstructResult& result) {
-  Row row = row_of(columns(), result);
+  Row row = row_of(all_reconstruct_columns(), result);
   if (result.error) row.update(to_row(*result.error));
   row["slivers"] = 100 * result.quality.sliver_share();
   return row;

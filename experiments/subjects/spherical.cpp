@@ -104,7 +104,7 @@ std::vector<Column<SphericalResult>> cost_columns() {
       {{"peak_bytes", "bytes", "largest resident set", cost}, [](R r) { return r.peak_bytes; }}};
 }
 
-const std::vector<Column<SphericalResult>>& columns() {
+const std::vector<Column<SphericalResult>>& all_spherical_columns() {
   static const auto list = [] {
     std::vector<Column<SphericalResult>> all = surface_columns();
     for (Column<SphericalResult>& column : cost_columns()) all.push_back(std::move(column));
@@ -149,8 +149,8 @@ SphericalResult run(const SphericalJob& job, Scheduler& scheduler) {
   return result;
 }
 
-std::vector<ColumnInfo> spherical_columns() { return infos_of(columns()); }
+std::vector<ColumnInfo> spherical_columns() { return infos_of(all_spherical_columns()); }
 
-Row to_row(const SphericalResult& result) { return row_of(columns(), result); }
+Row to_row(const SphericalResult& result) { return row_of(all_spherical_columns(), result); }
 
 }  // namespace lodestone

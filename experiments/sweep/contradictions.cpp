@@ -6,10 +6,10 @@
 namespace lodestone {
 namespace {
 
-class Checker {
+class ContradictionFinder {
  public:
-  Checker(const Design& design, const std::vector<nlohmann::json>& settings, const Experiment& experiment,
-          const TomlTable& table)
+  ContradictionFinder(const Design& design, const std::vector<nlohmann::json>& settings, const Experiment& experiment,
+                      const TomlTable& table)
       : design_(design), settings_(settings), experiment_(experiment), table_(table) {}
 
   void run() {
@@ -77,7 +77,7 @@ class Checker {
 
 void refuse_contradictions(const Design& design, const std::vector<nlohmann::json>& settings,
                            const Experiment& experiment, const TomlTable& table) {
-  if (experiment.check) Checker(design, settings, experiment, table).run();
+  if (experiment.check) ContradictionFinder(design, settings, experiment, table).run();
 }
 
 }  // namespace lodestone

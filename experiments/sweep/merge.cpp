@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The sheet that all folders have.
-SweepSheet common_sheet(const MergeConfig& config) {
+SweepSheet common_sheet(const SweepMergeConfig& config) {
   std::optional<SweepSheet> common;
   for (const std::string& folder : config.from) {
     std::optional<SweepSheet> sheet = read_sheet(folder);
@@ -78,7 +78,7 @@ void take_repetition(const RunFolder& from, const RunFolder& to, int repetition)
 }
 
 // One run, whose lock is held unless nothing is to be written.
-void merge_run(const SheetRun& run, const MergeConfig& config, MergeResult& result) {
+void merge_run(const SheetRun& run, const SweepMergeConfig& config, MergeResult& result) {
   const RunFolder target(config.to, run.id);
   std::vector<Outcome> outcomes;
   for (int i = 0; i < run.repetitions; ++i) outcomes.push_back(outcome_of(target, i));
@@ -103,7 +103,7 @@ void merge_run(const SheetRun& run, const MergeConfig& config, MergeResult& resu
 
 }  // namespace
 
-MergeResult merge_sweeps(const MergeConfig& config) {
+MergeResult merge_sweeps(const SweepMergeConfig& config) {
   const SweepSheet sheet = common_sheet(config);
   MergeResult result;
   result.name = sheet.name;

@@ -8,7 +8,7 @@
 
 namespace lodestone {
 
-struct MergeConfig {
+struct SweepMergeConfig {
   std::vector<std::string> from;
   std::filesystem::path to;
   bool dry_run = false;  // counts, and writes nothing
@@ -26,6 +26,6 @@ struct MergeResult {
 
 // Copies what `to` lacks of finished repetitions from the other folders, which stay as they are; what is in `to` stays,
 // too. All must hold the same sweep, run by the same program on the same data. Throws InputError, FileError.
-[[nodiscard]] MergeResult merge_sweeps(const MergeConfig& config);
+[[nodiscard]] MergeResult merge_sweeps(const SweepMergeConfig& config);
 
 }  // namespace lodestone

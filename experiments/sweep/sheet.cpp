@@ -12,9 +12,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 // Checks of a file that a person may have changed.
-class Checker {
+class SheetChecker {
  public:
-  explicit Checker(fs::path path) : path_(std::move(path)) {}
+  explicit SheetChecker(fs::path path) : path_(std::move(path)) {}
 
   void require(bool holds, const std::string& what) const {
     if (!holds)
@@ -65,7 +65,7 @@ std::optional<SweepSheet> read_sheet(const fs::path& folder) {
   const fs::path path = folder / "sweep.json";
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return {};
-  const Checker check(path);
+  const SheetChecker check(path);
   SweepSheet sheet;
   sheet.content = json::parse(read_text(path), nullptr, false);
   check.require(sheet.content.is_object(), "is not a JSON object");

@@ -16,7 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "records are copied as they stand in memory");
 
-constexpr std::size_t grain = 1 << 16;
+constexpr std::size_t entry_grain = 1 << 16;
 constexpr std::size_t vertex_bytes = 3 * sizeof(float);
 
 }  // namespace
@@ -40,13 +40,13 @@ GenerateResult generate_ply(const GenerateConfig& config, const std::filesystem:
     if (const std::unique_lock lock(reporting, std::try_to_lock); lock && progress)
       progress(static_cast<double>(now) / static_cast<double>(records));
   };
-  scheduler.for_chunks(surface.vertex_count(), grain, [&](ChunkRange range) {
+  scheduler.for_chunks(surface.vertex_count(), entry_grain, [&](ChunkRange range) {
     std::vector<Vec3f> vertices;
     vertices.reserve(range.end - range.begin);
     for (std::size_t i = range.begin; i < range.end; ++i) vertices.push_back(surface.vertex(i));
     write_chunk(head.size() + range.begin * vertex_bytes, std::as_bytes(std::span(vertices)), vertices.size());
   });
-  scheduler.for_chunks(surface.triangle_count(), grain, [&](ChunkRange range) {
+  scheduler.for_chunks(surface.triangle_count(), entry_grain, [&](ChunkRange range) {
     std::vector<Triangle> triangles;
     triangles.reserve(range.end - range.begin);
     for (std::size_t i = range.begin; i < range.end; ++i) triangles.push_back(surface.triangle(i));

@@ -5,13 +5,14 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t grain = std::size_t{1} << 16;
+constexpr std::size_t refine_grain = std::size_t{1} << 16;
 
 // Joins the results of find(begin, end) for all chunks, in order.
 template <class T, class Find>
 std::vector<T> gathered(std::size_t count, Scheduler& scheduler, const Find& find) {
-  std::vector<std::vector<T>> chunks(chunk_count(count, grain));
-  scheduler.for_chunks(count, grain, [&](ChunkRange range) { chunks[range.index] = find(range.begin, range.end); });
+  std::vector<std::vector<T>> chunks(chunk_count(count, refine_grain));
+  scheduler.for_chunks(count, refine_grain,
+                       [&](ChunkRange range) { chunks[range.index] = find(range.begin, range.end); });
   std::vector<T> all;
   for (const std::vector<T>& chunk : chunks) all.insert(all.end(), chunk.begin(), chunk.end());
   return all;

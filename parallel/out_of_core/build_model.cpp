@@ -20,8 +20,6 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
-
 // `how`: about or at least.
 [[noreturn]] void fail_beyond(const std::filesystem::path& input, const std::string& how, std::uint64_t need,
                               std::uint64_t limit) {

@@ -23,7 +23,6 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint64_t mebibyte = std::uint64_t{1} << 20;
 constexpr std::uint64_t process_bytes = 24 * mebibyte;       // program, libraries, what the allocator keeps
 constexpr std::uint64_t worker_bytes = 6 * mebibyte;         // pieces of the stream and of the output
 constexpr std::uint64_t most_part = std::uint64_t{1} << 24;  // triangles

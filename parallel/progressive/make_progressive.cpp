@@ -14,7 +14,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t vertex_grain = 4096;
+constexpr std::size_t assembly_grain = 4096;
 
 ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
                       ProgressiveReport& report) {
@@ -37,10 +37,11 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
                                   .base_triangles = config.base_triangles},
                                  std::move(room));
   assembly.order();
-  scheduler.for_chunks(assembly.collapse_count(), vertex_grain, [&](ChunkRange c) { assembly.number(c.begin, c.end); });
-  scheduler.for_chunks(assembly.vertex_count(), vertex_grain, [&](ChunkRange c) { assembly.gather(c.begin, c.end); });
+  scheduler.for_chunks(assembly.collapse_count(), assembly_grain,
+                       [&](ChunkRange c) { assembly.number(c.begin, c.end); });
+  scheduler.for_chunks(assembly.vertex_count(), assembly_grain, [&](ChunkRange c) { assembly.gather(c.begin, c.end); });
   assembly.find_groups();
-  scheduler.for_chunks(mesh.triangles.size(), vertex_grain,
+  scheduler.for_chunks(mesh.triangles.size(), assembly_grain,
                        [&](ChunkRange c) { assembly.map_triangles(c.begin, c.end); });
   return assembly.finish();
 }

@@ -12,7 +12,6 @@ namespace lodestone {
 namespace {
 
 using progressive::CollapseRecord;
-using progressive::Id;
 
 constexpr std::size_t vertex_grain = 4096;
 constexpr std::size_t region_vertices = 1500;  // of a region, about
@@ -88,7 +87,7 @@ void RegionCollapse::make_rings() {
 }
 
 void RegionCollapse::list_vertices() {
-  for (Id v = 0; v < rings_.vertex_count(); ++v)
+  for (progressive::Id v = 0; v < rings_.vertex_count(); ++v)
     if (rings_.is_used(v)) live_.push_back(v);
 }
 
@@ -123,14 +122,14 @@ void RegionCollapse::collapse_regions(std::size_t round) {
   std::stable_sort(turn.begin(), turn.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
   scheduler_.for_chunks(regions_.size(), 1, [&](ChunkRange c) {
     const std::size_t r = turn[c.index];
-    std::vector<Id> free;
+    std::vector<progressive::Id> free;
     for (std::size_t k = regions_[r].first; k < regions_[r].second; ++k)
       if (is_inside(sorted_[k])) free.push_back(sorted_[k]);
     records[r] = collapser_->run({.vertices = free, .max_rank = limit}, arenas_[first_arena + r]);
     const auto begin = sorted_.begin() + static_cast<std::ptrdiff_t>(regions_[r].first),
                end = begin + static_cast<std::ptrdiff_t>(size(r));
-    regions_[r].second = static_cast<std::size_t>(std::remove_if(begin, end, [&](Id v) { return !rings_.is_used(v); }) -
-                                                  sorted_.begin());
+    regions_[r].second = static_cast<std::size_t>(
+        std::remove_if(begin, end, [&](progressive::Id v) { return !rings_.is_used(v); }) - sorted_.begin());
   });
   const std::size_t before = records_.size();
   merge_records(records, records_, scheduler_);
@@ -141,8 +140,8 @@ void RegionCollapse::collapse_regions(std::size_t round) {
                  sorted_.begin() + static_cast<std::ptrdiff_t>(last));
 }
 
-bool RegionCollapse::is_inside(Id v) const {
-  for (const Id x : rings_.ring(v).neighbours())
+bool RegionCollapse::is_inside(progressive::Id v) const {
+  for (const progressive::Id x : rings_.ring(v).neighbours())
     if (cube_[x] != cube_[v]) return false;
   return true;
 }
@@ -150,13 +149,13 @@ bool RegionCollapse::is_inside(Id v) const {
 // By a counting sort; regions_ are the ranges of the cubes that have vertices.
 void RegionCollapse::sort_by_cube(std::uint32_t cubes) {
   std::vector<std::uint32_t> first(cubes + 1, 0);
-  for (const Id v : live_) ++first[cube_[v] + 1];
+  for (const progressive::Id v : live_) ++first[cube_[v] + 1];
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
   regions_.clear();
   for (std::size_t k = 0; k < cubes; ++k)
     if (first[k] < first[k + 1]) regions_.emplace_back(first[k], first[k + 1]);
   sorted_.resize(live_.size());
-  for (const Id v : live_) sorted_[first[cube_[v]]++] = v;
+  for (const progressive::Id v : live_) sorted_[first[cube_[v]]++] = v;
 }
 
 void RegionCollapse::collapse_rest() {

@@ -13,7 +13,6 @@
 namespace lodestone {
 namespace {
 
-using progressive::Id;
 using progressive::Ring;
 
 constexpr std::size_t vertex_grain = 8192;
@@ -73,7 +72,7 @@ bool has_twice(const Ring& ring) {
       if (std::find(ring.ids, ring.ids + k, ring.ids[k]) != ring.ids + k) return true;
     return false;
   }
-  std::vector<Id> sorted(ring.ids, ring.ids + ring.size);
+  std::vector<progressive::Id> sorted(ring.ids, ring.ids + ring.size);
   std::sort(sorted.begin(), sorted.end());
   return std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end();
 }
@@ -135,7 +134,7 @@ void SurfaceCollapse::check_rings(std::span<const Vec3d> positions, std::span<co
   std::atomic<bool> sound = rings().cut_vertices() == 0 && rings().cut_edges() == 0;
   scheduler_.for_chunks(positions.size(), vertex_grain, [&](ChunkRange c) {
     for (std::size_t v = c.begin; v < c.end; ++v) {
-      const Ring& ring = rings().ring(static_cast<Id>(v));
+      const Ring& ring = rings().ring(static_cast<progressive::Id>(v));
       if (ring.open != 0 || ring.size < 3 || has_twice(ring)) sound = false;
     }
   });

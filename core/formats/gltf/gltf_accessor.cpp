@@ -12,21 +12,19 @@
 namespace lodestone {
 namespace {
 
-constexpr const char* damaged = "the file is damaged";
-
 ScalarType component_type(const JsonView& value) {
   // In the order of ScalarType; 5124, signed integers of 32 bits, is not used in glTF.
   constexpr std::uint64_t first = 5120, unused = 5124, last = 5126;
   const std::uint64_t number = value.integer();
   if (number < first || number > last || number == unused)
-    value.fail("unknown component type " + std::to_string(number), damaged);
+    value.fail("unknown component type " + std::to_string(number), damaged_file);
   return static_cast<ScalarType>(number - first);
 }
 
 int component_count(const JsonView& value) {
   constexpr std::array<std::string_view, 4> names{"SCALAR", "VEC2", "VEC3", "VEC4"};
   const auto found = std::find(names.begin(), names.end(), value.string());
-  if (found == names.end()) value.fail("unknown type " + quote(value.string()), damaged);
+  if (found == names.end()) value.fail("unknown type " + quote(value.string()), damaged_file);
   return static_cast<int>(found - names.begin()) + 1;
 }
 
@@ -38,7 +36,7 @@ std::span<const char> elements(const JsonView& place, std::span<const char> view
   if (count > 0 && (room < size || count - 1 > (room - size) / stride))
     place.fail("reaches beyond its buffer view: " + std::to_string(count) + " elements of " + std::to_string(size) +
                    " bytes from byte " + std::to_string(offset) + " of " + std::to_string(view.size()),
-               damaged);
+               damaged_file);
   return view.subspan(static_cast<std::size_t>(std::min<std::uint64_t>(offset, view.size())));
 }
 
@@ -118,7 +116,7 @@ std::vector<double> read_values(const GltfAccessor& accessor, int components) {
 std::vector<std::uint32_t> read_indices(const GltfAccessor& accessor, std::uint64_t limit, const JsonView& place) {
   if (accessor.components != 1 || accessor.type == ScalarType::float32 || accessor.type == ScalarType::int8 ||
       accessor.type == ScalarType::int16)
-    place.fail("indices are not unsigned numbers", damaged);
+    place.fail("indices are not unsigned numbers", damaged_file);
   std::vector<std::uint32_t> indices(accessor.count);
   for (std::size_t i = 0; i < indices.size(); ++i) {
     indices[i] = static_cast<std::uint32_t>(
@@ -126,7 +124,7 @@ std::vector<std::uint32_t> read_indices(const GltfAccessor& accessor, std::uint6
     if (indices[i] >= limit)
       place.fail("index " + std::to_string(indices[i]) + " at " + std::to_string(i) + " is out of range, there are " +
                      std::to_string(limit),
-                 damaged);
+                 damaged_file);
   }
   return indices;
 }

@@ -17,6 +17,8 @@
 
 namespace lodestone {
 
+inline constexpr const char* damaged_file = "the file is damaged";  // what messages advise
+
 struct GltfView {
   std::span<const char> bytes;  // decompressed
   std::size_t stride = 0;       // distance of the elements in bytes; 0: they are adjacent

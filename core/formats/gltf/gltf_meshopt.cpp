@@ -8,11 +8,11 @@
 #include <string>
 
 #include "core/files/text_scanner.h"
+#include "core/formats/gltf/gltf_document.h"
 
 namespace lodestone {
 namespace {
 
-constexpr const char* damaged = "the file is damaged";
 // The codec of vertices stores 16 equal bytes in 2 bits; that of triangles at least a byte for three indices.
 constexpr std::uint64_t densest = 64;
 
@@ -21,13 +21,13 @@ void check_layout(const JsonView& extension, const std::string& mode, std::uint6
   if (mode == "ATTRIBUTES") {
     if (stride == 0 || stride > 256 || stride % 4 != 0)
       extension.fail("vertices of " + std::to_string(stride) + " bytes; the size has to be a multiple of 4 up to 256",
-                     damaged);
+                     damaged_file);
   } else if (mode == "TRIANGLES" || mode == "INDICES") {
-    if (stride != 2 && stride != 4) extension.fail("indices of " + std::to_string(stride) + " bytes", damaged);
+    if (stride != 2 && stride != 4) extension.fail("indices of " + std::to_string(stride) + " bytes", damaged_file);
     if (mode == "TRIANGLES" && count % 3 != 0)
-      extension.fail(std::to_string(count) + " indices do not make triangles", damaged);
+      extension.fail(std::to_string(count) + " indices do not make triangles", damaged_file);
   } else {
-    extension.fail("unknown mode " + quote(mode), damaged);
+    extension.fail("unknown mode " + quote(mode), damaged_file);
   }
 }
 
@@ -41,7 +41,7 @@ void unfilter(const JsonView& extension, const std::string& filter, std::vector<
   } else if (filter == "EXPONENTIAL") {
     meshopt_decodeFilterExp(bytes.data(), count, stride);
   } else {
-    extension.fail("filter " + quote(filter) + " of " + std::to_string(stride) + " bytes", damaged);
+    extension.fail("filter " + quote(filter) + " of " + std::to_string(stride) + " bytes", damaged_file);
   }
 }
 
@@ -54,7 +54,7 @@ std::vector<char> decompress_meshopt(const JsonView& extension, std::span<const 
   if (count * stride > densest * packed.size() + 4096 || count > (std::uint64_t{1} << 40))
     extension.fail("declares " + std::to_string(count) + " elements, more than " + std::to_string(packed.size()) +
                        " bytes can hold",
-                   damaged);
+                   damaged_file);
   std::vector<char> bytes(count * stride);
   const auto* input = reinterpret_cast<const unsigned char*>(packed.data());
   int error = 0;
@@ -65,7 +65,7 @@ std::vector<char> decompress_meshopt(const JsonView& extension, std::span<const 
   } else {
     error = meshopt_decodeIndexSequence(bytes.data(), count, stride, input, packed.size());
   }
-  if (error != 0) extension.fail("cannot be decoded", damaged);
+  if (error != 0) extension.fail("cannot be decoded", damaged_file);
   if (mode == "ATTRIBUTES") unfilter(extension, extension.string_or("filter", "NONE"), bytes, count, stride);
   return bytes;
 }

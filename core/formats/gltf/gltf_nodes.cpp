@@ -122,7 +122,7 @@ std::vector<Affine3d> instances_of(GltfDocument& document, const JsonView& node)
     if (!reference) return std::vector<double>{};
     const GltfAccessor accessor = open_accessor(document, *reference);
     if (accessor.components != components || (count && *count != accessor.count))
-      reference->fail("does not match the other attributes of the instances", "the file is damaged");
+      reference->fail("does not match the other attributes of the instances", damaged_file);
     count = accessor.count;
     return read_values(accessor, components);
   };

@@ -20,8 +20,6 @@
 namespace lodestone {
 namespace {
 
-constexpr const char* damaged = "the file is damaged";
-
 // A primitive and the source of its attributes: accessors, or a Draco mesh.
 class Primitive {
  public:
@@ -44,7 +42,7 @@ class Primitive {
       if (const std::optional<JsonView> id = draco_ids_->find(name)) return draco_values(*id, *reference, components);
     const GltfAccessor accessor = open_accessor(*document_, *reference);
     if (accessor.components < std::min(components, 3))  // a colour may lack its alpha
-      reference->fail("values of " + std::to_string(accessor.components) + " components", damaged);
+      reference->fail("values of " + std::to_string(accessor.components) + " components", damaged_file);
     return read_values(accessor, components);
   }
   [[nodiscard]] int components(const char* name) const {
@@ -73,7 +71,7 @@ class Primitive {
   // Integers of a Draco mesh stand for fractions when the accessor says so.
   [[nodiscard]] std::vector<double> draco_values(const JsonView& id, const JsonView& accessor, int components) const {
     const auto attribute = draco_->find(static_cast<std::uint32_t>(id.integer()));
-    if (!attribute) id.fail("the Draco mesh has no attribute " + std::to_string(id.integer()), damaged);
+    if (!attribute) id.fail("the Draco mesh has no attribute " + std::to_string(id.integer()), damaged_file);
     std::vector<double> values = draco_->values(*attribute, components);
     const bool normalised = describe_accessor(document_->item("accessors", accessor)).normalised;
     if (normalised && !attribute->floating)
@@ -85,7 +83,7 @@ class Primitive {
     const std::uint64_t mode = json_.integer_or("mode", 4);
     std::vector<Triangle> triangles;
     if (mode == 4) {
-      if (ids.size() % 3 != 0) json_.fail(std::to_string(ids.size()) + " indices do not make triangles", damaged);
+      if (ids.size() % 3 != 0) json_.fail(std::to_string(ids.size()) + " indices do not make triangles", damaged_file);
       for (std::size_t i = 0; i + 2 < ids.size(); i += 3) triangles.push_back({{ids[i], ids[i + 1], ids[i + 2]}});
     } else if (mode == 5) {  // a strip: every other triangle is turned
       for (std::size_t i = 0; i + 2 < ids.size(); ++i)
@@ -93,7 +91,7 @@ class Primitive {
     } else if (mode == 6) {  // a fan
       for (std::size_t i = 1; i + 1 < ids.size(); ++i) triangles.push_back({{ids[0], ids[i], ids[i + 1]}});
     } else {
-      json_.fail("unknown mode " + std::to_string(mode), damaged);
+      json_.fail("unknown mode " + std::to_string(mode), damaged_file);
     }
     return triangles;
   }
@@ -231,7 +229,7 @@ class GltfReader {
       if (count != 0 && count != mesh.positions.size())
         primitive.json().fail("has " + std::to_string(mesh.positions.size()) + " positions, but " +
                                   std::to_string(count) + " values of another attribute",
-                              damaged);
+                              damaged_file);
     return mesh;
   }
 
@@ -241,7 +239,7 @@ class GltfReader {
     for (const Triangle& t : triangles)
       for (const std::uint32_t id : t.v)
         if (id >= mesh.positions.size())
-          primitive.json().fail("index " + std::to_string(id) + " is out of range", damaged);
+          primitive.json().fail("index " + std::to_string(id) + " is out of range", damaged_file);
     mesh.triangles.insert(mesh.triangles.end(), triangles.begin(), triangles.end());
     add_to_misplaced(mesh, triangles, primitive, material);
     if (material.index == no_material && mesh.wedges.material.empty()) return;

@@ -47,7 +47,7 @@ std::optional<UvTransform> common_transform(std::span<const RedrawTriangle> tria
       if (!(std::abs(a * u + b * v + x - t.from[k].x) < 1.0 / 4096)) return std::nullopt;
       if (!(std::abs(c * u + d * v + y - t.from[k].y) < 1.0 / 4096)) return std::nullopt;
     }
-  return transform_after(map_of({}), *map);
+  return transform_after(map_of(UvTransform{}), *map);
 }
 
 // False for maps of extensions.
@@ -57,8 +57,7 @@ bool place(Material& m, const MisplacedMaps::Map& map, const UvTransform& transf
     if (texture == map.texture) texture = map.source, at = transform, found = true;
   };
   set(m.normal_map, m.normal_transform);
-  for (PlacedTexture* placed : {&m.metallic_roughness, &m.occlusion, &m.emissive_map})
-    set(placed->texture, placed->transform);
+  for (PlacedTexture* use : {&m.metallic_roughness, &m.occlusion, &m.emissive_map}) set(use->texture, use->transform);
   return found;
 }
 

@@ -21,7 +21,7 @@
 namespace lodestone {
 namespace {
 
-constexpr const char* truncated = "the file is truncated, or its header is damaged";
+constexpr const char* cut_short = "the file is truncated, or its header is damaged";
 
 // Attributes that follow the position on the line of a vertex.
 struct OffForm {
@@ -55,7 +55,7 @@ std::uint64_t read_count(TextScanner& scan, const char* what) {
   if (token == "BINARY")
     throw UnsupportedError(describe(scan.name(), scan.place(), "binary OFF", "convert it to a text OFF file"));
   const std::int64_t count = scan.integer(token, what);
-  if (count < 0) scan.fail(std::string(what) + " is negative", truncated);
+  if (count < 0) scan.fail(std::string(what) + " is negative", cut_short);
   return static_cast<std::uint64_t>(count);
 }
 
@@ -64,7 +64,7 @@ void check_counts(const TextScanner& scan, std::uint64_t vertices, std::uint64_t
   if (vertices > (bytes + 1) / 6 || faces > (bytes + 1 - 6 * vertices) / 2)
     scan.fail("declares " + std::to_string(vertices) + " vertices and " + std::to_string(faces) + " faces, but only " +
                   std::to_string(bytes) + " bytes follow",
-              truncated);
+              cut_short);
   if (vertices > std::numeric_limits<std::uint32_t>::max())
     throw ResourceError(describe(scan.name(), scan.place(), "more vertices than 32-bit indices reach",
                                  "split the model into several files"));

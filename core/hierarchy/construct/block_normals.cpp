@@ -10,7 +10,7 @@ namespace lodestone {
 namespace {
 
 constexpr float kept_cosine = 0.9396926f, kept_sine = 0.3420201f;  // 20 degrees
-constexpr std::uint32_t none = 0xffff'ffffu;
+constexpr std::uint32_t no_normal = 0xffff'ffffu;
 
 // Unpacks octahedral normals, as unpack_normal does, but not to unit length.
 Float4x3 unpacked(const PackedNormal* normals) {
@@ -69,7 +69,7 @@ std::array<PackedNormal, 4> turned(const Four& f) {
 void BlockNormals::begin(const Block& block) {
   block_ = block;
   const std::size_t vertices = block.vertex.empty() ? block.locked.size() : block.vertices;
-  if (first_.size() < vertices) first_.resize(vertices, none);
+  if (first_.size() < vertices) first_.resize(vertices, no_normal);
   shared_vertices_.clear(), shared_normals_.clear(), shared_sums_.clear(), places_.clear();
 }
 
@@ -113,8 +113,8 @@ void BlockNormals::join(std::span<const std::uint32_t> vertex, std::span<const P
   for (std::uint32_t i = 0; i < vertex.size(); ++i) {
     std::uint32_t& first = first_[vertex[i]];
     std::uint32_t same = first;
-    while (same != none && normals[same] != normals[i]) same = next_[same];
-    if (same == none) {
+    while (same != no_normal && normals[same] != normals[i]) same = next_[same];
+    if (same == no_normal) {
       next_[i] = std::exchange(first, i);
     } else {
       sums[same] += sums[i];
@@ -122,7 +122,7 @@ void BlockNormals::join(std::span<const std::uint32_t> vertex, std::span<const P
     }
   }
   for (const auto& [i, same] : same_) sums[i] = sums[same];
-  for (const std::uint32_t v : vertex) first_[v] = none;
+  for (const std::uint32_t v : vertex) first_[v] = no_normal;
 }
 
 void BlockNormals::add(const CoarseCell& cell) {

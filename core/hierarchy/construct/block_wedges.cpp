@@ -9,7 +9,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t none = 0xffff'ffffu;
+constexpr std::uint32_t no_wedge = 0xffff'ffffu;
 
 // The point of a triangle nearest to p, as weights of its corners that add up to 1. A triangle without area
 // gives its corner nearest to p.
@@ -38,12 +38,12 @@ void BlockWedges::weld(std::span<const std::uint32_t> vertex_ids, std::span<cons
   vertex_.resize(vertex_ids.size());
   vertices_.number(vertex_ids, vertex_.data());
   next_wedge_.resize(vertex_ids.size());
-  first_wedge_.assign(vertices_.size(), none);
+  first_wedge_.assign(vertices_.size(), no_wedge);
   positions_.resize(vertices_.size());
   locked_.assign(vertices_.size(), 0);
   for (std::uint32_t w = 0; w < vertex_ids.size(); ++w) {
     const std::uint32_t v = vertex_[w];
-    if (first_wedge_[v] == none) positions_[v] = positions[w];
+    if (first_wedge_[v] == no_wedge) positions_[v] = positions[w];
     locked_[v] |= locked[w];
     next_wedge_[w] = std::exchange(first_wedge_[v], w);
   }
@@ -88,7 +88,7 @@ void BlockWedges::label_charts() {
   std::uint32_t next = static_cast<std::uint32_t>(vertex_.size());  // behind the charts, which are wedges
   for (std::size_t v = 0; v < positions_.size(); ++v) {
     charts.clear();
-    for (std::uint32_t w = first_wedge_[v]; w != none; w = next_wedge_[w]) charts.push_back(charts_.find(w));
+    for (std::uint32_t w = first_wedge_[v]; w != no_wedge; w = next_wedge_[w]) charts.push_back(charts_.find(w));
     std::sort(charts.begin(), charts.end());
     if (charts.size() == 1) {
       labels_[v] = charts.front();
@@ -110,7 +110,7 @@ void BlockWedges::resolve_by_chart(const SimplifyResult& by_vertex) {
     const std::uint32_t v = vertex_[w], u = by_vertex.parent[v];
     by_wedge_.parent[w] = w;
     if (u == v) continue;
-    for (std::uint32_t x = first_wedge_[u]; x != none; x = next_wedge_[x])
+    for (std::uint32_t x = first_wedge_[u]; x != no_wedge; x = next_wedge_[x])
       if (charts_.find(x) == charts_.find(w)) by_wedge_.parent[w] = x;
   }
 }

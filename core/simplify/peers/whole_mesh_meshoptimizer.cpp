@@ -8,7 +8,7 @@
 namespace lodestone {
 namespace {
 
-constexpr float any_error = 1e9f;
+constexpr float no_error_limit = 1e9f;
 
 PeerMesh with_indices(const PeerMesh& mesh, const std::vector<unsigned>& indices, std::size_t count) {
   PeerMesh left{mesh.positions, {}, mesh.locked};
@@ -23,7 +23,7 @@ PeerMesh simplify_with_meshoptimizer(const PeerMesh& mesh, std::size_t triangles
   const bool locks = std::ranges::count(mesh.locked, 0) != static_cast<std::ptrdiff_t>(mesh.locked.size());
   const std::size_t count =
       meshopt_simplify(out.data(), mesh.triangles[0].v.data(), out.size(), &mesh.positions[0].x, mesh.positions.size(),
-                       sizeof(Vec3f), 3 * triangles, any_error, locks ? meshopt_SimplifyLockBorder : 0, nullptr);
+                       sizeof(Vec3f), 3 * triangles, no_error_limit, locks ? meshopt_SimplifyLockBorder : 0, nullptr);
   return with_indices(mesh, out, count);
 }
 
@@ -31,7 +31,7 @@ PeerMesh cluster_with_meshoptimizer(const PeerMesh& mesh, std::size_t triangles)
   std::vector<unsigned> out(3 * mesh.triangles.size());
   const std::size_t count =
       meshopt_simplifySloppy(out.data(), mesh.triangles[0].v.data(), out.size(), &mesh.positions[0].x,
-                             mesh.positions.size(), sizeof(Vec3f), 3 * triangles, any_error, nullptr);
+                             mesh.positions.size(), sizeof(Vec3f), 3 * triangles, no_error_limit, nullptr);
   return with_indices(mesh, out, count);
 }
 

@@ -9,7 +9,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t cells_per_chunk = 16;
+constexpr std::size_t basis_cells_per_chunk = 16;
 
 // Boundaries of single cells; keeps its working memory from cell to cell.
 class BoundaryFinder {
@@ -75,10 +75,10 @@ void find_leaves(const Hierarchy& hierarchy, CrackBasis& basis) {
 
 void find_boundaries(const Hierarchy& hierarchy, Scheduler& scheduler, CrackBasis& basis) {
   const std::size_t cells = hierarchy.cells.size();
-  std::vector<std::vector<LocalEdge>> parts(chunk_count(cells, cells_per_chunk));
+  std::vector<std::vector<LocalEdge>> parts(chunk_count(cells, basis_cells_per_chunk));
   std::vector<BoundaryFinder> finders(static_cast<std::size_t>(scheduler.workers()));
   basis.boundary_begin.assign(cells + 1, 0);
-  scheduler.for_chunks(cells, cells_per_chunk, [&](ChunkRange chunk) {
+  scheduler.for_chunks(cells, basis_cells_per_chunk, [&](ChunkRange chunk) {
     BoundaryFinder& finder = finders[static_cast<std::size_t>(scheduler.worker_index())];
     std::vector<LocalEdge>& part = parts[chunk.index];
     for (std::size_t c = chunk.begin; c < chunk.end; ++c) {

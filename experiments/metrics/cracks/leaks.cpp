@@ -14,9 +14,9 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t vertices_per_chunk = 1 << 14;
+constexpr std::size_t leak_vertices_per_chunk = 1 << 14;
 constexpr int band_rows = 32;
-constexpr std::int32_t subpixels = 256, half = subpixels / 2;
+constexpr std::int32_t subpixels = 256, half_pixel = subpixels / 2;
 // Pixels from the centre of the picture, within what exact edge functions can hold.
 constexpr double guard_pixels = 1 << 19;
 constexpr double least_w = 1e-9;
@@ -107,7 +107,7 @@ class WindowTriangles {
                   Scheduler& scheduler)
       : triangles_(triangles), window_(positions.size()), inside_(positions.size()) {
     const ClipPlanes planes(screen.size());
-    scheduler.for_chunks(positions.size(), vertices_per_chunk, [&](ChunkRange chunk) {
+    scheduler.for_chunks(positions.size(), leak_vertices_per_chunk, [&](ChunkRange chunk) {
       for (std::size_t v = chunk.begin; v < chunk.end; ++v) {
         const Clip c = screen.to_clip(positions[v]);
         inside_[v] = planes.inside(c) ? 1 : 0;
@@ -161,10 +161,11 @@ struct Band {
   // `turned`: the mesh calls the inside its outside.
   void draw(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c, bool turned) {
     const auto [y_lo, y_hi] = std::minmax({a.y, b.y, c.y});
-    const int y0 = std::max((y_lo + half - 1) >> 8, first_row), y1 = std::min((y_hi - half) >> 8, first_row + rows - 1);
+    const int y0 = std::max((y_lo + half_pixel - 1) >> 8, first_row),
+              y1 = std::min((y_hi - half_pixel) >> 8, first_row + rows - 1);
     if (y0 > y1) return;
     const auto [x_lo, x_hi] = std::minmax({a.x, b.x, c.x});
-    const int x0 = std::max((x_lo + half - 1) >> 8, 0), x1 = std::min((x_hi - half) >> 8, width - 1);
+    const int x0 = std::max((x_lo + half_pixel - 1) >> 8, 0), x1 = std::min((x_hi - half_pixel) >> 8, width - 1);
     if (x0 > x1) return;
     // Counterclockwise as seen is clockwise where y points down.
     const std::int64_t clockwise = std::int64_t{b.x - a.x} * (c.y - a.y) - std::int64_t{b.y - a.y} * (c.x - a.x);
@@ -174,7 +175,7 @@ struct Band {
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         double z = 0;
-        if (!coverage.at(x * subpixels + half, y * subpixels + half, z)) continue;
+        if (!coverage.at(x * subpixels + half_pixel, y * subpixels + half_pixel, z)) continue;
         const std::size_t i =
             static_cast<std::size_t>(y - first_row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
         sum[i] += shows_face ? 1 : -1;

@@ -13,7 +13,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::size_t rows_per_chunk = 8;
+constexpr std::size_t flip_rows_per_chunk = 8;
 
 // Planes of a picture in the opponent space, filled where filters read them.
 struct Opponent {
@@ -25,7 +25,7 @@ struct Opponent {
     for (auto& p : plane) p.resize(image.rgba.size() / 4);
     const std::array<float, 256> linear = flip::linear_of_srgb();
     const auto width = static_cast<std::size_t>(size.width);
-    scheduler.for_chunks(static_cast<std::size_t>(size.height), rows_per_chunk, [&](ChunkRange rows) {
+    scheduler.for_chunks(static_cast<std::size_t>(size.height), flip_rows_per_chunk, [&](ChunkRange rows) {
       for (std::size_t y = rows.begin; y < rows.end; ++y) {
         const Columns columns = differing.near(y, 2 * reach, 2 * reach);
         for (std::size_t i = y * width + columns.begin; i < y * width + columns.end; ++i) convert(image, linear, i);
@@ -135,7 +135,7 @@ ErrorMap flip_error(const Image& reference, const Image& test, Scheduler& schedu
   const Opponent a(reference, differing, reach, scheduler), b(test, differing, reach, scheduler);
   ErrorMap map{reference.size, std::vector<float>(a.plane[0].size())};
   const auto width = static_cast<std::size_t>(map.size.width);
-  scheduler.for_chunks(static_cast<std::size_t>(map.size.height), rows_per_chunk, [&](ChunkRange rows) {
+  scheduler.for_chunks(static_cast<std::size_t>(map.size.height), flip_rows_per_chunk, [&](ChunkRange rows) {
     SeenRow seen_a, seen_b;
     Row padded;
     for (std::size_t y = rows.begin; y < rows.end; ++y) {

@@ -29,7 +29,7 @@ std::array<double, window> gaussian() {
 
 // Values averaged over the window: both lumas, their squares and their product.
 enum Moment : std::size_t { of_a, of_b, of_aa, of_bb, of_ab, moments };
-using Row = std::array<std::vector<double>, moments>;
+using MomentRow = std::array<std::vector<double>, moments>;
 
 double luma(const Image& image, std::size_t pixel) {
   const std::uint8_t* c = &image.rgba[4 * pixel];
@@ -37,7 +37,7 @@ double luma(const Image& image, std::size_t pixel) {
 }
 
 // Moments of row y at each of its pixels, from the place of one window to the end of another.
-void fill_moments(const Image& a, const Image& b, std::size_t y, Columns places, Row& row) {
+void fill_moments(const Image& a, const Image& b, std::size_t y, Columns places, MomentRow& row) {
   const auto width = static_cast<std::size_t>(a.size.width);
   for (std::vector<double>& moment : row) moment.resize(width);
   for (std::size_t x = places.begin; x < places.end + window - 1; ++x) {
@@ -49,7 +49,7 @@ void fill_moments(const Image& a, const Image& b, std::size_t y, Columns places,
 }
 
 // Weighted over columns, for some places of the window: entry x is that of columns x .. x + window - 1.
-void average_row(const Row& from, Columns places, const std::array<double, window>& weights, Row& out) {
+void average_row(const MomentRow& from, Columns places, const std::array<double, window>& weights, MomentRow& out) {
   for (std::size_t m = 0; m < moments; ++m) {
     out[m].assign(from[m].size(), 0);
     for (std::size_t k = 0; k < window; ++k)
@@ -84,8 +84,8 @@ double ssim(const Image& a, const Image& b, Scheduler& scheduler) {
   std::vector<double> sums(chunk_count(rows, rows_per_chunk), 0);
   scheduler.for_chunks(rows, rows_per_chunk, [&](ChunkRange chunk) {
     // The last `window` rows, averaged over columns, row y at y mod window.
-    std::array<Row, window> averaged;
-    Row scratch;
+    std::array<MomentRow, window> averaged;
+    MomentRow scratch;
     std::array<std::vector<double>, moments> total;
     for (std::size_t y = chunk.begin; y < chunk.end + window - 1; ++y) {
       const Columns seen = places_over(differing.near(y, window - 1, 0), places);

@@ -18,16 +18,6 @@
 namespace lodestone {
 namespace {
 
-struct TextureKind {
-  static GLuint make() {
-    GLuint name = 0;
-    glCreateTextures(GL_TEXTURE_2D, 1, &name);
-    return name;
-  }
-  static void free(GLuint name) { glDeleteTextures(1, &name); }
-};
-using GlTexture = GlObject<TextureKind>;
-
 // Two pictures: triangles with depth, and the float targets.
 struct MapTargets {
   MapTargets(int width, int height) {

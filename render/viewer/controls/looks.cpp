@@ -5,14 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/viewer/controls/in_range.h"
+
 namespace lodestone::viewer {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-
-float in_range(float value, float least, float most, float fallback) {
-  return std::isfinite(value) ? std::clamp(value, least, most) : fallback;
-}
 
 void clamp_colour(Vec3f& colour, Vec3f fallback) {
   colour = {in_range(colour.x, 0, 1, fallback.x), in_range(colour.y, 0, 1, fallback.y),

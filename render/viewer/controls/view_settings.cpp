@@ -4,12 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/viewer/controls/in_range.h"
+
 namespace lodestone::viewer {
 namespace {
-
-float in_range(float value, float least, float most, float fallback) {
-  return std::isfinite(value) ? std::clamp(value, least, most) : fallback;
-}
 
 std::string inadmissible(float kappa0, float least) {
   char text[160];

@@ -9,7 +9,7 @@ namespace lodestone {
 namespace {
 
 // As render/backends/soft/occlusion_kernel.h has it; rows are counted from the top here, too.
-constexpr const char* occlusion_source = R"(
+constexpr const char* occlusion_body = R"(
 layout(binding = 9) uniform sampler2D picture;
 layout(binding = 10) uniform sampler2D depths;
 layout(location = 0) uniform vec4 lens;       // tan_x, tan_y, near, far
@@ -65,19 +65,19 @@ std::string number(float v) {
   return text.data();
 }
 
-std::string source() {
+std::string occlusion_source() {
   std::string points;
   for (const auto& [x, y] : effects::occlusion_pattern())
     points += (points.empty() ? "vec2(" : ", vec2(") + number(x) + ", " + number(y) + ")";
   const std::string count = std::to_string(effects::occlusion_points);
   return "#define POINTS " + count + "\n#define REACH " + number(effects::occlusion_reach) + "\n#define BIAS " +
          number(effects::occlusion_bias) + "\n#define EPSILON " + number(effects::occlusion_epsilon) +
-         "\nconst vec2 pattern[" + count + "] = vec2[" + count + "](" + points + ");\n" + occlusion_source;
+         "\nconst vec2 pattern[" + count + "] = vec2[" + count + "](" + points + ");\n" + occlusion_body;
 }
 
 }  // namespace
 
-GlOcclusion::GlOcclusion() : program_(make_screen_program(source())) {}
+GlOcclusion::GlOcclusion() : program_(make_screen_program(occlusion_source())) {}
 
 // Each pixel of the picture is read by the one fragment that writes it.
 void GlOcclusion::draw(const Frame& frame, const GlTarget& target) {

@@ -17,7 +17,7 @@ constexpr GLint size_location = 0;
 
 // A block a work group, a pixel an invocation. Rows of blocks count from the top of the picture, those of the texture
 // from the bottom.
-constexpr const char* source = R"(
+constexpr const char* pyramid_source = R"(
 layout(local_size_x = 8, local_size_y = 8) in;
 #ifdef SEVERAL
 layout(binding = 11) uniform sampler2DMS depth;
@@ -55,7 +55,7 @@ GlProgram make_program(bool several) {
   const GlStage stage{
       GL_COMPUTE_SHADER,
       std::string(several ? "#extension GL_ARB_shader_texture_image_samples : require\n#define SEVERAL\n" : "") +
-          source};
+          pyramid_source};
   return link_program(std::span(&stage, 1));
 }
 

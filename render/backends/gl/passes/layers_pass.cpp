@@ -71,7 +71,7 @@ void main() {
 
 constexpr std::uint64_t words(int samples) { return samples == 1 ? 4 : 7; }
 
-std::string source(int samples) {
+std::string layers_source(int samples) {
   return "#define NODE " + std::to_string(words(samples)) + "u\n" + (samples > 1 ? "#define MULTISAMPLED\n" : "") +
          over_source;
 }
@@ -83,7 +83,7 @@ GlLayers::GlLayers(ImageSize size, int samples, std::size_t max_bytes)
       samples_(samples),
       node_bytes_(words(samples) * sizeof(std::uint32_t)),
       max_bytes_(max_bytes),
-      over_(make_screen_program(source(samples))) {
+      over_(make_screen_program(layers_source(samples))) {
   GLint blocks = 0;
   glGetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &blocks);
   if (blocks <= static_cast<GLint>(layer_nodes_block))

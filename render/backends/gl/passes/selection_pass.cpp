@@ -11,10 +11,10 @@
 namespace lodestone {
 namespace {
 
-constexpr GLuint nodes_block = 0, decisions_block = 1, limits_block = 2, view_block = 0;
+constexpr GLuint nodes_block = 0, decisions_block = 1, radii_block = 2, view_block = 0;
 constexpr unsigned group_size = 64;
 constexpr std::uint32_t level_shift = 28;
-constexpr std::uint32_t drawn_bit = 1, morphs_bit = 2;
+constexpr std::uint32_t drawn_bit = 1, morphing_bit = 2;
 
 // std140. By level: threshold of r_l, threshold of a_l, margin of culling; finest: 1 where every cell is drawn.
 struct ViewUniforms {
@@ -32,7 +32,7 @@ struct LimitUniforms {
 };
 
 // selection.cpp, limits.cpp and distance_metric.h, operation by operation. `squared` is the radicand.
-constexpr const char* source = R"(
+constexpr const char* selection_source = R"(
 layout(local_size_x = 64) in;
 struct Node { float lo_x, lo_y, lo_z, hi_x, hi_y, hi_z; uint parent, cell_and_level; };
 struct Limit { vec4 lo, hi; vec2 thresholds[LEVELS]; };
@@ -194,7 +194,7 @@ const GlProgram& GlSelector::program(DistanceMetric metric) {
   if (!program) {
     std::string text = "#define LEVELS " + std::to_string(max_level + 1) + "\n";
     if (metric == DistanceMetric::chebyshev) text += "#define CHEBYSHEV\n";
-    const GlStage stage{GL_COMPUTE_SHADER, text + source};
+    const GlStage stage{GL_COMPUTE_SHADER, text + selection_source};
     program = link_program(std::span(&stage, 1));
   }
   return *program;
@@ -209,7 +209,7 @@ void GlSelector::select(const ModelFrame& model, GlStream& stream, Selection& ou
   const std::vector<LimitUniforms> limits = limit_uniforms(model.morph);
   glUseProgram(program(model.morph.radii->metric).name());
   stream.write(std::span(&view, 1)).bind(GL_UNIFORM_BUFFER, view_block);
-  stream.write(std::span<const LimitUniforms>(limits)).bind(GL_SHADER_STORAGE_BUFFER, limits_block);
+  stream.write(std::span<const LimitUniforms>(limits)).bind(GL_SHADER_STORAGE_BUFFER, radii_block);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, nodes_block, own.nodes.name());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, decisions_block, own.decisions.name());
   glDispatchCompute(static_cast<GLuint>((own.cells.size() + group_size - 1) / group_size), 1, 1);
@@ -218,7 +218,7 @@ void GlSelector::select(const ModelFrame& model, GlStream& stream, Selection& ou
   glGetNamedBufferSubData(own.decisions.name(), 0, static_cast<GLsizeiptr>(decisions_.size() * 4), decisions_.data());
   for (std::size_t n = 0; n < decisions_.size(); ++n)
     if (decisions_[n] & drawn_bit)
-      out.cells.push_back({own.cells[n], own.levels[n], true, (decisions_[n] & morphs_bit) != 0});
+      out.cells.push_back({own.cells[n], own.levels[n], true, (decisions_[n] & morphing_bit) != 0});
 }
 
 }  // namespace lodestone
