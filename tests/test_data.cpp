@@ -13,8 +13,8 @@ const std::filesystem::path& source_folder() {
 }
 
 std::optional<std::filesystem::path> model(std::string_view name) {
-  std::filesystem::path path = data_folder() / name;
-  if (std::filesystem::exists(path)) return path;
+  for (const std::filesystem::path& folder : {data_folder(), source_folder() / "examples/models"})
+    if (std::filesystem::exists(folder / name)) return folder / name;
   return std::nullopt;
 }
 

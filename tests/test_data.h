@@ -1,4 +1,4 @@
-// The real models, unpacked by scripts/data, which are not part of the repository, and the sources themselves.
+// The real models, unpacked by scripts/data, and the sources, which hold one of them (examples/models).
 // The two folders are known to one object alone, so that a compiler cache serves every checkout for all others.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace lodestone {
 [[nodiscard]] const std::filesystem::path& data_folder();
 [[nodiscard]] const std::filesystem::path& source_folder();
 
-// The path of, say, "scans/armadillo.obj"; empty when the models are not there.
+// The path of, say, "scans/armadillo.obj", in that folder or in examples/models; empty when it is in neither.
 [[nodiscard]] std::optional<std::filesystem::path> model(std::string_view name);
 
 }  // namespace lodestone

@@ -21,6 +21,8 @@ needs_failing_disk = unittest.skipUnless(SHIM, "the failing disk is not built fo
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 MODULES = SOURCE / "build/npm/node_modules"
 HERMES = SOURCE / "build/data/textured/Hermes/Hermes.obj"
+# Hermes, or the scan of the repository where the models are not unpacked.
+TEXTURED = HERMES if HERMES.exists() else SOURCE / "examples/models/textured/Gutenberg/Gutenberg.obj"
 
 
 def main(document):

@@ -5,7 +5,7 @@ import json
 import os
 
 import command_case
-from command_case import HERMES, SOURCE, CommandCase, model, ply_counts, sphere
+from command_case import HERMES, SOURCE, TEXTURED, CommandCase, model, ply_counts, sphere
 
 BUNNY = SOURCE / "build/data/scans/stanford-bunny.obj"
 
@@ -88,14 +88,12 @@ class Progressive(CommandCase):
         self.assertLess(self.results("progressive", "flat.obj", "-o", "b.lpm", "--no-normals")["base_triangles"], 10)
 
     def test_textured_models_and_the_validator(self):
-        if not HERMES.exists():
-            self.skipTest("no models: run scripts/data")
         for metric in ("quadric", "attribute-quadric", "parametric"):
-            result = self.results("progressive", HERMES, "-o", f"{metric}.lpm", "--metric", metric)
+            result = self.results("progressive", TEXTURED, "-o", f"{metric}.lpm", "--metric", metric)
             self.assertLessEqual(result["bytes_per_vertex"], 6)
             self.assertLess(result["base_triangles"], 400)
-        self.lodestone("progressive", HERMES, "-o", "plain.glb")
-        self.lodestone("progressive", HERMES, "-o", "packed.glb", "--compress")
+        self.lodestone("progressive", TEXTURED, "-o", "plain.glb")
+        self.lodestone("progressive", TEXTURED, "-o", "packed.glb", "--compress")
         self.lodestone("lod", "packed.glb", "--triangles", 3000, "-o", "level.glb")
         self.assertEqual(self.validate(self.folder, known="MESH_PRIMITIVE_GENERATED_TANGENT_SPACE"), 3)
 

@@ -11,7 +11,7 @@ import unittest
 
 import command_case
 import tileset_checker
-from command_case import HERMES, MODULES, SOURCE, CommandCase, hierarchy, model, obj
+from command_case import MODULES, SOURCE, TEXTURED, CommandCase, hierarchy, model, obj
 
 KOMABA = SOURCE / "build/data/textured/komaba_tiles_022"
 
@@ -178,10 +178,9 @@ class Validators(CommandCase):
         self.lodestone("export", lode, "--level", 1, "-o", "level/m.glb")
         self.validate(self.folder / "level")
 
-    @unittest.skipUnless(HERMES.is_file(), "the textured models are not unpacked: scripts/data")
     def test_normal_maps_leave_tangents_to_viewers(self):
         """Which glTF allows, and the validator warns of."""
-        self.validate(tileset("hermes.tiles", model("hermes.lode", "build", HERMES, "--levels", 1, "--texture-levels")),
+        self.validate(tileset("bust.tiles", model("bust.lode", "build", TEXTURED, "--levels", 1, "--texture-levels")),
                       known="MESH_PRIMITIVE_GENERATED_TANGENT_SPACE")
 
     def test_3d_tiles_validator_accepts_the_tileset(self):

@@ -75,8 +75,8 @@ TEST_P(RealScan, SameFileForAnyThreadsAndStrategyAndItVerifies) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scans, RealScan,
-                         ::testing::Values("scans/armadillo.obj", "scans/dragon_vrip_res2.ply",
-                                           "scans/rangemap_lato315.ply"),
+                         ::testing::Values("textured/Gutenberg/Gutenberg.obj", "scans/armadillo.obj",
+                                           "scans/dragon_vrip_res2.ply", "scans/rangemap_lato315.ply"),
                          [](const auto& param) { return std::to_string(param.index); });
 
 class CompressedScan : public ::testing::TestWithParam<const char*> {};
@@ -127,7 +127,8 @@ TEST_P(TexturedModel, KeepsItsChartsAndDoesNotCrack) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, TexturedModel,
-                         ::testing::Values("textured/Nymph/Nymph.obj", "textured/meshroom_esp32cam/texturedMesh.obj",
+                         ::testing::Values("textured/Gutenberg/Gutenberg.obj", "textured/Nymph/Nymph.obj",
+                                           "textured/meshroom_esp32cam/texturedMesh.obj",
                                            "textured/ycb_Banana/textured_simple_reoriented.obj",
                                            "textured/komaba_tiles_022"),
                          [](const auto& param) { return std::to_string(param.index); });

@@ -163,8 +163,9 @@ TEST_F(LoadTest, DamagedFilesGiveTheErrorOfTheGeneralReader) {
 }
 
 TEST_F(LoadTest, RealModels) {
-  for (const char* name : {"scans/igea.ply", "scans/rangemap_lato315.ply", "scans/lucy100k.ply", "cad/gears.stl",
-                           "cad/thingi_73416.stl", "cad/block.off", "textured/spot/spot_triangulated.obj"}) {
+  for (const char* name :
+       {"textured/Gutenberg/Gutenberg.obj", "scans/igea.ply", "scans/rangemap_lato315.ply", "scans/lucy100k.ply",
+        "cad/gears.stl", "cad/thingi_73416.stl", "cad/block.off", "textured/spot/spot_triangulated.obj"}) {
     LODESTONE_MODEL_OR_SKIP(path, name);
     expect_same_as_read(path);
   }

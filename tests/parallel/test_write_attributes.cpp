@@ -199,8 +199,9 @@ TEST(WriteObj, MaterialsKeepTheirNames) {
 // Every level of a built model, as `export` writes it.
 TEST_P(WriteAttributes, LevelsOfTexturedModels) {
   const auto scheduler = make_tbb_scheduler(2);
-  for (const char* name : {"textured/spot/spot_triangulated.obj", "textured/Hermes/Hermes.obj",
-                           "textured/komaba_tiles_022", "textured/WaterBottle/WaterBottle.obj"}) {
+  for (const char* name :
+       {"textured/Gutenberg/Gutenberg.obj", "textured/spot/spot_triangulated.obj", "textured/Hermes/Hermes.obj",
+        "textured/komaba_tiles_022", "textured/WaterBottle/WaterBottle.obj"}) {
     SCOPED_TRACE(name);
     LODESTONE_MODEL_OR_SKIP(path, name);
     Repairs repairs;
