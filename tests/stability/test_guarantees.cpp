@@ -1,0 +1,171 @@
+// The guarantees by force: random small models, parameters and viewpoints. RC_PARAMS="max_success=10000" in the
+// environment tries ten thousand instead of a hundred (scripts/stability); a counterexample is shrunk, printed as the
+// braces of a RandomModel, and belongs into the named cases below.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <optional>
+
+#include "core/hierarchy/model/level_mesh.h"
+#include "core/hierarchy/verify/verify.h"
+#include "core/mesh/edge_census.h"
+#include "experiments/metrics/cracks/adversary.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/pops/pops.h"
+#include "parallel/clean/prepare.h"
+#include "tests/stability/random_models.h"
+
+namespace lodestone::test {
+namespace {
+
+struct Topology {
+  bool closed = false;  // each edge has two triangles, in opposite directions
+  std::int64_t euler = 0;
+};
+
+// Vertices that no triangle uses do not count.
+Topology topology_of(std::span<const Triangle> triangles, std::size_t vertices) {
+  std::vector<char> used(vertices, 0);
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t v : t.v) used[v] = 1;
+  const EdgeCensus edges = count_edges(triangles, vertices);
+  return {edges.border == 0 && edges.non_manifold == 0 && edges.inconsistent == 0,
+          std::count(used.begin(), used.end(), 1) - static_cast<std::int64_t>(edges.edges) +
+              static_cast<std::int64_t>(triangles.size())};
+}
+
+class Trial {
+ public:
+  // Nothing if no triangle is left.
+  static std::optional<Trial> of(const RandomModel& model) {
+    RawMesh mesh = mesh_of(model);
+    std::optional<Trial> trial;
+    try {
+      Repairs repairs;
+      const auto scheduler = make_serial_scheduler();
+      trial.emplace(Trial(model, prepare_mesh(std::move(mesh), repairs, *scheduler, {}, lattice_of(model))));
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
+    return trial;
+  }
+
+  // An empty text if all guarantees hold.
+  [[nodiscard]] std::string fault() {
+    if (const VerifyReport report = verify_hierarchy(hierarchy_, &input_); !report.valid()) {
+      for (const VerifyCheck& check : report.checks)
+        if (!check.passed) return "verify: " + check.name + ": " + check.detail;
+    }
+    if (const std::string text = topology_fault(); !text.empty()) return text;
+    return view_fault();
+  }
+
+  // The adversary at 0.99 times the largest reach of a vertex that it knows: some view must be cracked. Nothing if no
+  // shared vertex moves.
+  [[nodiscard]] std::optional<double> widest_crack() {
+    RadiiConfig config;
+    config.rule = RadiiRule::uniform;
+    config.metric = metric_of(model_);
+    config.kappa0 = 1.0f;
+    float largest = 0;
+    for (const AdversarialView& view : adversarial_views(hierarchy_, make_radii(hierarchy_, config)))
+      largest = std::max(largest, view.reach);
+    if (!(largest > 0)) return std::nullopt;
+    config.kappa0 = 0.99f * largest;
+    const Radii radii = make_radii(hierarchy_, config);
+    double widest = 0;
+    for (const AdversarialView& view : adversarial_views(hierarchy_, radii)) {
+      const Drawn drawn(hierarchy_, radii, blend(), view.viewpoint);
+      widest = std::max(widest, vertex_gaps(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).gap_max);
+    }
+    return widest;
+  }
+
+ private:
+  struct Drawn {
+    Drawn(const Hierarchy& hierarchy, const Radii& radii, Blend blend, Vec3f viewpoint)
+        : context{&hierarchy, &radii, blend, viewpoint} {
+      select_cells(hierarchy, radii, viewpoint, {}, selection);
+    }
+    MorphContext context;
+    Selection selection;
+  };
+
+  Trial(const RandomModel& model, IndexedMesh input)
+      : model_(model),
+        input_(std::move(input)),
+        scheduler_(make_serial_scheduler()),
+        hierarchy_(build_hierarchy(IndexedMesh(input_), build_config(model), *scheduler_)),
+        basis_(make_crack_basis(hierarchy_, *scheduler_)) {}
+
+  [[nodiscard]] Blend blend() const { return all_blends()[static_cast<std::size_t>(model_.blend)]; }
+
+  // A closed surface remains one at every level. Clustering may pinch, and turn two triangles onto each other.
+  [[nodiscard]] std::string topology_fault() const {
+    const Topology before = topology_of(input_.triangles, input_.positions.size());
+    if (!before.closed || build_config(model_).simplifier == SimplifierKind::cluster) return {};
+    for (int l = 0; l <= hierarchy_.finest(); ++l) {
+      const RawMesh level = level_mesh(hierarchy_, l);
+      const Topology here = topology_of(level.triangles, level.positions.size());
+      if (!here.closed) return "level " + std::to_string(l) + " is not closed";
+      if (here.euler != before.euler)
+        return "level " + std::to_string(l) + " has the Euler number " + std::to_string(here.euler) + ", not " +
+               std::to_string(before.euler);
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string view_fault() {
+    const Radii radii = radii_of(model_, hierarchy_);
+    if (!radii.admissible) return "the radii are not admissible";
+    const std::vector<Vec3f> views = viewpoints_of(model_, hierarchy_, 6);
+    std::optional<Drawn> before;
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      const std::string where = " at view " + std::to_string(k);
+      Drawn now(hierarchy_, radii, blend(), views[k]);
+      const CrackReport cracks = residual_edges(now.context, now.selection, basis_, *scheduler_, scratch_);
+      if (cracks.uncovered_leaves > 0) return "the selection is not a partition" + where;
+      if (cracks.open_edges > 0) return std::to_string(cracks.open_edges) + " residual edges" + where;
+      if (const double gap = vertex_gaps(now.context, now.selection, basis_, *scheduler_, scratch_).gap_max; gap > 0)
+        return "a gap of " + std::to_string(gap) + where;
+      if (before && blend() != Blend::step) {
+        const PopReport pops =
+            largest_jump(before->context, before->selection, now.context, now.selection, *scheduler_);
+        if (!pops.bounded && hierarchy_.finest() > 0) return "no bound of the jumps" + where;
+        if (!(pops.jump_over_bound <= 1))
+          return "a jump of " + std::to_string(pops.jump_over_bound) + " times its bound" + where;
+      }
+      before.emplace(std::move(now));
+    }
+    return {};
+  }
+
+  RandomModel model_;
+  IndexedMesh input_;
+  std::unique_ptr<Scheduler> scheduler_;
+  Hierarchy hierarchy_;
+  CrackBasis basis_;
+  CrackScratch scratch_;
+};
+
+RC_GTEST_PROP(Guarantees, HoldForRandomModels, ()) {
+  const RandomModel model = *random_model();
+  std::optional<Trial> trial = Trial::of(model);
+  RC_CLASSIFY(!trial, "no triangle");
+  if (!trial) return;
+  const std::string fault = trial->fault();
+  RC_LOG() << fault;
+  RC_ASSERT(fault.empty());
+}
+
+// A search that finds nothing below the reach would say nothing above it either.
+RC_GTEST_PROP(Guarantees, AreLostBelowTheReach, ()) {
+  const RandomModel model = *random_model();
+  std::optional<Trial> trial = Trial::of(model);
+  const std::optional<double> crack = trial ? trial->widest_crack() : std::nullopt;
+  RC_CLASSIFY(!crack, "nothing can crack");
+  RC_ASSERT(!crack || *crack > 0);
+}
+
+}  // namespace
+}  // namespace lodestone::test
