@@ -1,23 +1,11 @@
 #include "core/spatial/box_tree.h"
 
 #include <bit>
-#include <cmath>
-#include <limits>
+
+#include "core/math/round_up.h"
 
 namespace lodestone {
 namespace {
-
-constexpr float float_infinity = std::numeric_limits<float>::infinity();
-
-float round_down(double v) {
-  const auto f = static_cast<float>(v);
-  return f > v ? std::nextafter(f, -float_infinity) : f;
-}
-
-float round_up(double v) {
-  const auto f = static_cast<float>(v);
-  return f < v ? std::nextafter(f, float_infinity) : f;
-}
 
 Vec3f twice_centre(const Box3f& box) { return box.lo + box.hi; }
 
@@ -31,7 +19,7 @@ int longest_side(Vec3f extent) {
 }  // namespace
 
 void extend(Box3f& box, Vec3d p) {
-  box.extend(Box3f{{round_down(p.x), round_down(p.y), round_down(p.z)}, {round_up(p.x), round_up(p.y), round_up(p.z)}});
+  box.extend(Box3f{{float_down(p.x), float_down(p.y), float_down(p.z)}, {float_up(p.x), float_up(p.y), float_up(p.z)}});
 }
 
 BoxTree::BoxTree(std::vector<Item> items, std::uint32_t in_leaf) {

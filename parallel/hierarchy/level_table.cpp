@@ -1,8 +1,6 @@
 #include "parallel/hierarchy/level_table.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace lodestone {
 
@@ -32,8 +30,7 @@ void append_level(const BlockPlan& plan, std::size_t l, const std::function<Leve
     level.diameter = std::max(level.diameter, from.diameter);
     level.max_edge = std::max(level.max_edge, from.max_edge);
     level.long_edges += from.long_edges;
-    if (from.error > 0)
-      level.error = std::max(level.error, std::nextafter(from.error / h, std::numeric_limits<float>::max()));
+    level.error = std::max(level.error, from.error / h);  // exact, as h is a power of two
     out.cells.push_back(cell);
   }
   out.levels.push_back(level);

@@ -3,23 +3,17 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <mutex>
 #include <vector>
 
 #include "core/hierarchy/construct/image_bound.h"
+#include "core/math/round_up.h"
 
 namespace lodestone {
 namespace {
 
 constexpr double negligible_ratio = 1e-5;  // of the cell size: no error below it makes a difference
 constexpr std::size_t tree_grain = 4;      // cells
-
-// Rounding of distances in the unit cube. Those from thin triangles lose four of the sixteen digits of a double.
-constexpr double rounding = 1e-12;
-
-// Rounded up.
-float up(double v) { return std::nextafter(static_cast<float>(v), std::numeric_limits<float>::infinity()); }
 
 // Cells of the finest level.
 struct CellRange {
@@ -125,10 +119,10 @@ class ErrorMeasurement {
       Level& level = hierarchy_.levels[l];
       float largest = 0;
       for (CellId c = level.first_cell; c < level.end_cell(); ++c) {
-        hierarchy_.cells[c].error = up(moved + errors_[c].bound * (1 + 1e-9) + rounding);
+        hierarchy_.cells[c].error = float_above(moved + errors_[c].bound + distance_rounding);
         largest = std::max(largest, hierarchy_.cells[c].error);
       }
-      level.error = up(double{largest} / cell_size(static_cast<int>(l)));
+      level.error = largest / cell_size(static_cast<int>(l));
     }
     hierarchy_.provenance.measured_errors = true;
   }

@@ -7,6 +7,7 @@
 
 #include "core/hierarchy/construct/cell_error.h"
 #include "core/hierarchy/model/cell_code.h"
+#include "core/math/round_up.h"
 
 namespace lodestone {
 namespace {
@@ -16,7 +17,6 @@ constexpr std::size_t triangle_grain = 4096;
 constexpr int curve_level = 10;              // of the cells along the Morton curve
 constexpr double negligible = 1e-6;          // some sixteen times the rounding of positions
 constexpr double tests_per_triangle = 1200;  // at most, as of MeasureConfig; needles need a limit
-constexpr double rounding = 1e-15;           // of distances in the unit cube, in double precision
 
 // Neighbours on the surface are mostly neighbours in the order.
 std::vector<Triangle> along_curve(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
@@ -91,7 +91,7 @@ double distance_bound(const BoundedSurface& a, const BoundedSurface& b, double e
                  .tests = static_cast<std::uint64_t>(std::ceil(tests_per_triangle * static_cast<double>(triangles)))})
             .bound;
   });
-  return *std::max_element(bounds.begin(), bounds.end()) * (1 + 1e-9) + rounding;
+  return sum_up(*std::max_element(bounds.begin(), bounds.end()), distance_rounding);
 }
 
 }  // namespace lodestone

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/round_up.h"
+
 namespace lodestone {
 
 LevelErrors::LevelErrors(const ProgressiveMesh& mesh, const LevelFinder& levels, Scheduler& scheduler)
@@ -16,7 +18,7 @@ double LevelErrors::bound_of(std::uint32_t vertices, double enough) const {
   return distance_bound(BoundedSurface(level.positions, level.triangles, scheduler_), finest_, enough, scheduler_);
 }
 
-double LevelErrors::error_of(std::uint32_t vertices) const { return bound_of(vertices, 0) + mesh_.finest_error; }
+double LevelErrors::error_of(std::uint32_t vertices) const { return sum_up(bound_of(vertices, 0), mesh_.finest_error); }
 
 // Errors nearly always fall as vertices come in, and the metric's estimate is seldom wrong by more than a factor of
 // three: from there in steps that grow, then by halving the interval in proportion.
@@ -30,7 +32,8 @@ std::uint32_t LevelErrors::vertices_for(double error) const {
   double step = 1.5;
   double next = std::max(levels_.vertices_for_error(static_cast<float>(error)), far + 1);
   while (near - far > 1 && near > 1.01 * far) {
-    const std::uint32_t at = levels_.vertices_for(static_cast<std::uint32_t>(std::clamp(next, 1.0 + far, static_cast<double>(near) - 1)));
+    const std::uint32_t at =
+        levels_.vertices_for(static_cast<std::uint32_t>(std::clamp(next, 1.0 + far, static_cast<double>(near) - 1)));
     if (at <= far) break;  // a vertex of several wedges
     const bool found = is_near(at);
     (found ? near : far) = at;

@@ -1,8 +1,11 @@
 #include "parallel/progressive/make_progressive.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
+#include "core/math/round_up.h"
 #include "core/progressive/mesh/activation.h"
 #include "core/progressive/mesh/assembly.h"
 #include "core/progressive/mesh/level.h"
@@ -46,6 +49,14 @@ ProgressiveMesh build(const IndexedMesh& mesh, const ProgressiveConfig& config, 
   return assembly.finish();
 }
 
+// A bound of how far vertices move that are taken to the model's space and normalised anew: rounded to float32 inside
+// the unit cube, and before that four times in double, beside the model's origin.
+double moved_by_normalising(const Transform& from, const Transform& to) {
+  const Vec3d o = from.origin;
+  const double farthest = std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + from.scale;
+  return std::numbers::sqrt3 * (0x1p-25 + 0x1p-50 * (1 + farthest / to.scale));
+}
+
 // The surface collapsed to so many triangles, made progressive anew: it is cut apart where it has become nonmanifold by
 // then, which a prefix of the collapses is not.
 ProgressiveMesh build_fewer(const IndexedMesh& mesh, const ProgressiveConfig& config, Scheduler& scheduler,
@@ -56,7 +67,7 @@ ProgressiveMesh build_fewer(const IndexedMesh& mesh, const ProgressiveConfig& co
   fine.wedges.materials = mesh.wedges.materials;
   const LevelFinder levels(fine);
   const double estimate = levels.error_of(fine.base_vertices) * mesh.transform.scale;
-  report.finest_error = LevelErrors(fine, levels, scheduler).error_of(fine.base_vertices) * mesh.transform.scale;
+  const double left_out = LevelErrors(fine, levels, scheduler).error_of(fine.base_vertices);
   Repairs repairs;
   const IndexedMesh fewer = prepare_mesh(levels.level_mesh(fine.base_vertices), repairs, scheduler);
   ProgressiveReport rest;
@@ -64,7 +75,9 @@ ProgressiveMesh build_fewer(const IndexedMesh& mesh, const ProgressiveConfig& co
   report.base_triangles = rest.base_triangles;
   for (float& e : out.errors) e += static_cast<float>(estimate / fewer.transform.scale);
   progressive::sort_by_activation(out);  // flaps come in by errors
-  out.finest_error = report.finest_error / fewer.transform.scale;
+  out.finest_error = sum_up(quotient_up(product_up(left_out, mesh.transform.scale), fewer.transform.scale),
+                            moved_by_normalising(mesh.transform, fewer.transform));
+  report.finest_error = product_up(out.finest_error, fewer.transform.scale);
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/math/round_up.h"
 
 namespace lodestone {
 namespace {
@@ -24,11 +25,19 @@ void check(const RadiiConfig& config) {
 }
 
 // Least r_l / h_l that keeps an error of e_l h_l below tau pixels anywhere in the image: one pixel of a pinhole camera
-// subtends 2 tan(phi/2) / H at the centre, less by cos^2 of the angle towards the corner.
+// subtends 2 tan(phi/2) / H at the centre, less by cos^2 of the angle towards the corner. A bound for every angle and
+// aspect that round to those of the configuration: it grows with the aspect, and its largest values over an interval of
+// angles are at the ends, since 1 / t + c t is convex.
 float radius_for_pixels(float error_ratio, const RadiiConfig& config) {
-  const float half = std::tan(config.vertical_fov / 2);
-  const float corner_tan2 = half * half * (1 + config.aspect * config.aspect);  // tan^2; 1 / cos^2 = 1 + tan^2
-  return error_ratio * static_cast<float>(config.image_height) / (2 * config.pixel_error * half) * (1 + corner_tan2);
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  const double aspect = std::nextafter(config.aspect, infinity);
+  const auto radius = [&](double fov) {
+    const double half = std::tan(fov / 2);
+    const double corner_tan2 = half * half * (1 + aspect * aspect);  // tan^2; 1 / cos^2 = 1 + tan^2
+    return double{error_ratio} * config.image_height / (2 * double{config.pixel_error} * half) * (1 + corner_tan2);
+  };
+  return float_above(std::max(radius(std::nextafter(config.vertical_fov, 0.0f)),
+                              radius(std::nextafter(config.vertical_fov, infinity))));
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 
 #include <rapidcheck.h>
 
-#include <array>
 #include <cmath>
+#include <ios>
 #include <ostream>
 #include <random>
 #include <string>
@@ -39,13 +39,16 @@ struct RandomModel {
   unsigned views = 0;  // seed of the viewpoints
 };
 
+// As the initializer of one, for the named cases of test_guarantees.cpp.
 inline void showValue(const RandomModel& m, std::ostream& out) {
-  const auto flag = [](bool on) { return on ? "true" : "false"; };
-  out << "{" << m.shape << ", " << m.squares << ", " << m.amplitude << ", " << m.seed << ", {";
+  out << "{.shape = " << m.shape << ", .squares = " << m.squares << ", .amplitude = " << m.amplitude
+      << ", .seed = " << m.seed << ", .soup = {";
   for (std::size_t k = 0; k < m.soup.size(); ++k) out << (k > 0 ? ", " : "") << m.soup[k];
-  out << "}, " << m.sigma0 << ", " << m.levels << ", " << m.simplifier << ", " << flag(m.endpoint) << ", "
-      << flag(m.lattice) << ", " << flag(m.uniform) << ", " << flag(m.chebyshev) << ", " << m.blend << ", " << m.kappa
-      << ", " << m.beta << ", " << m.delta << ", " << m.views << "}";
+  out << std::boolalpha << "}, .sigma0 = " << m.sigma0 << ", .levels = " << m.levels
+      << ", .simplifier = " << m.simplifier << ", .endpoint = " << m.endpoint << ", .lattice = " << m.lattice
+      << ", .uniform = " << m.uniform << ", .chebyshev = " << m.chebyshev << ", .blend = " << m.blend
+      << ", .kappa = " << m.kappa << ", .beta = " << m.beta << ", .delta = " << m.delta << ", .views = " << m.views
+      << "}";
 }
 
 // Wrapping grids need three squares a side.

@@ -9,9 +9,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "core/hierarchy/construct/moved_attributes.h"
+#include "core/math/round_up.h"
 
 namespace lodestone {
 namespace {
@@ -27,13 +27,7 @@ constexpr double min_share = 0.2;
 // times the mean is measured again where it matters. Smooth scans remain below.
 constexpr float doubtful_ratio = 16;
 
-// Rounded towards larger values, except that zero stays zero.
-float root_up(double squared) {
-  return squared > 0 ? std::nextafter(static_cast<float>(std::sqrt(squared)), std::numeric_limits<float>::infinity())
-                     : 0.0f;
-}
 double square(double v) { return v * v; }
-float sum_up(float a, float b) { return b > 0 ? std::nextafter(a + b, std::numeric_limits<float>::infinity()) : a; }
 
 class BlockBuilder {
  public:
@@ -289,9 +283,9 @@ class BlockBuilder {
       farthest2 = std::max(farthest2, dot(moved, moved));
       if (!result.distance.empty()) distance = std::max(distance, result.distance[v]);
     }
-    child.max_displacement = root_up(farthest2);
+    child.max_displacement = float_above(std::sqrt(farthest2));
     if (search_) distance = search_distance(result, child, first_vertex);
-    parent.error = std::max(parent.error, sum_up(child.error, std::min(distance, child.max_displacement)));
+    parent.error = std::max(parent.error, float_up(double{child.error} + std::min(distance, child.max_displacement)));
   }
 
   // Distances below three quarters of the block's largest so far are not distinguished: most vertices are done quickly,
@@ -307,7 +301,7 @@ class BlockBuilder {
       if (bound > squared) squared = s_.surface.farther(squared, from, VertexId(p));
     }
     off_surface2_ = std::max(off_surface2_, squared);
-    return root_up(squared);
+    return float_above(std::sqrt(squared));
   }
 
   // Appends the child's triangles under P, by the parent's local ids, to the `kept` ones; degenerate ones are dropped,

@@ -4,11 +4,18 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/round_up.h"
+
 namespace lodestone {
 namespace {
 
-// Stored ratios are bounds: one step up covers the rounding of the few operations that made them.
-float round_up(float v) { return std::nextafter(v * (1 + 4e-7f), std::numeric_limits<float>::max()); }
+// A bound of a length whose square was computed in single precision: of differences, three squares and two sums, which
+// are off by 5 times 2^-24 at most, 2.5 times once the root is taken; the root and the product here add one each. Below
+// the least normal float squares are off by half of the least float each, whatever their size.
+float length_above(float squared, float scale) {
+  constexpr float rounding = 1 + 0x3p-23f, vanished = 2 * std::numeric_limits<float>::denorm_min();
+  return float_above(std::sqrt(squared + vanished) * scale * rounding);
+}
 
 template <class T>
 std::span<T> carve(std::byte*& at, std::size_t count) {
@@ -102,13 +109,14 @@ void set_box_statistics(CellBuild& cell, int level) {
     far_axis = max(max(max(x, y), z), far_axis);
   }
   const auto highest = [](Float4 v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); };
-  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = round_up(std::sqrt(highest(far2)) * per_h);
-  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = round_up(highest(far_axis) * per_h);
-  cell.diameter = round_up(length(cell.bounds.hi - cell.bounds.lo) * per_h);
+  cell.reach[static_cast<std::size_t>(DistanceMetric::euclidean)] = length_above(highest(far2), per_h);
+  cell.reach[static_cast<std::size_t>(DistanceMetric::chebyshev)] = float_above(highest(far_axis) * per_h);
+  const Vec3f diagonal = cell.bounds.hi - cell.bounds.lo;
+  cell.diameter = length_above(dot(diagonal, diagonal), per_h);
 }
 
 void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths) {
-  cell.max_edge = round_up(std::sqrt(lengths.longest2()) / cell_size(level));
+  cell.max_edge = length_above(lengths.longest2(), 1 / cell_size(level));
   cell.long_edges = lengths.over();
 }
 

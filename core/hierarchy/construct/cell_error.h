@@ -23,6 +23,11 @@
 
 namespace lodestone {
 
+// Added to a bound in the unit cube, it covers the rounding of the distances that the bound was computed from. A point
+// found on a triangle, or cut from an edge, is off by at most sqrt(3) 6 2^-53; a piece results from at most 64 cuts,
+// one after the other, and its distance adds 3.5 2^-53 of itself: 1e-13 together (tests/stability/test_rounding.cpp).
+inline constexpr double distance_rounding = 1e-12;
+
 struct CellErrorConfig {
   // The bound may be larger than the largest distance by this share. Above 0; smaller takes longer.
   double tolerance = 0.05;

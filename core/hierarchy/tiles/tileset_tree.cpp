@@ -10,6 +10,7 @@
 #include "core/formats/common/mesh_output.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/model/material_of.h"
+#include "core/math/round_up.h"
 #include "core/texture/image_codec.h"
 
 namespace lodestone {
@@ -201,7 +202,7 @@ class TreeEncoder {
     // If nothing is drawn, the error is the size of the model.
     if (cell == 0) {
       const auto [lo, hi] = hierarchy_.cells[0].bounds;
-      const double size = hierarchy_.transform.scale * length(to_double(hi) - to_double(lo));
+      const double size = product_up(hierarchy_.transform.scale, length_up(to_double(hi) - to_double(lo)));
       tileset["geometricError"] = std::max(size, errors_[0]);
       tileset["asset"]["extras"] = {{"generator", "Lodestone"}};
       if (config_.morph) tileset["extras"]["lodestone"] = morph_of_levels();
@@ -243,7 +244,7 @@ double TileErrors::of(CellId cell) const {
   if (level == hierarchy_.finest()) return 0;
   const Cell& at = hierarchy_.cells[cell];
   const double texel = texel_size(hierarchy_, at, coarsest_[static_cast<std::size_t>(level)]);
-  return hierarchy_.transform.scale * std::max(double{at.error}, texel);
+  return product_up(hierarchy_.transform.scale, std::max(double{at.error}, texel));
 }
 
 std::vector<TilesetFile> encode_tilesets(const Hierarchy& hierarchy, std::span<const double> errors,

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/formats/common/float_range.h"
 #include "core/formats/gltf/glb_builder.h"
+#include "core/math/round_up.h"
 #include "core/texture/colour.h"
 
 namespace lodestone {
@@ -74,7 +75,7 @@ void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const json& at
   glb.root["meshes"][0]["extras"] = {{"progressive",
                                       {{"version", 1},
                                        {"baseVertices", mesh.base_vertices},
-                                       {"finestError", mesh.finest_error * mesh.transform.scale}}}};
+                                       {"finestError", product_up(mesh.finest_error, mesh.transform.scale)}}}};
 }
 
 // Thumbnails and images without one come first.

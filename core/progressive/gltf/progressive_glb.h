@@ -25,7 +25,8 @@ namespace lodestone {
 [[nodiscard]] std::vector<std::byte> encode_progressive_glb(const ProgressiveMesh& mesh, bool compressed,
                                                             std::span<const Texture> thumbnails = {});
 
-// Reads what encode_progressive_glb() wrote, bit for bit, without the thumbnails. Throws InputError with the place for
+// Reads what encode_progressive_glb() wrote, bit for bit, without the thumbnails; the error of the finest level, which
+// is stored in units of the model, may be rounded up. Throws InputError with the place for
 // anything else, also for glTF without parents.
 [[nodiscard]] ProgressiveMesh read_progressive_glb(ByteReader& input);
 

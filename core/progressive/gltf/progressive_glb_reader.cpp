@@ -6,6 +6,7 @@
 #include "core/formats/gltf/gltf_accessor.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"
+#include "core/math/round_up.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/activation.h"
 #include "core/texture/colour.h"
@@ -32,7 +33,8 @@ class ProgressiveReader {
     const std::uint64_t base = extras.at("baseVertices").integer();
     if (base > out_.positions.size()) mesh.at("extras").fail("the base has more vertices than the model");
     out_.base_vertices = static_cast<std::uint32_t>(base);
-    if (const auto error = extras.find("finestError")) out_.finest_error = error->number() / out_.transform.scale;
+    if (const auto error = extras.find("finestError"))
+      out_.finest_error = quotient_up(error->number(), out_.transform.scale);
     for (std::size_t k = 0; k < primitives.size(); ++k) read_primitive(primitives.at(k), attributes);
     out_.wedges.materials = std::move(assets_.materials);
     out_.wedges.textures = std::move(assets_.textures);

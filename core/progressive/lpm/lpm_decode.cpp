@@ -3,6 +3,7 @@
 
 #include "core/base/error.h"
 #include "core/files/checksum.h"
+#include "core/math/round_up.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/lpm/lpm_format.h"
 #include "core/progressive/mesh/activation.h"
@@ -153,7 +154,8 @@ class LpmDecoder {
       out.errors.insert(out.errors.end(), mesh_.stars[g].wedges, error);
     }
     out.finest_error = header_.finest_error;
-    if (mesh_.stars.size() < header_.groups && !out.errors.empty()) out.finest_error += out.errors.back();
+    if (mesh_.stars.size() < header_.groups && !out.errors.empty())
+      out.finest_error = sum_up(out.finest_error, out.errors.back());
     const auto place = [&](std::int32_t q, std::size_t i) {
       return static_cast<float>(header_.uv_low[i] + q * header_.uv_step[i]);
     };

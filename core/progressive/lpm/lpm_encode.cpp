@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/files/checksum.h"
+#include "core/math/round_up.h"
 #include "core/progressive/collapse/ring_mesh.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/lpm/lpm_format.h"
@@ -240,7 +241,7 @@ LatticeValues quantize(const ProgressiveMesh& mesh, const Groups& groups, const 
   return values;
 }
 
-// The distance that quantization moves a vertex, at most: no point of a triangle moves farther than its corners.
+// A bound of how far quantization moves a vertex: no point of a triangle moves farther than its corners.
 double largest_move(const ProgressiveMesh& mesh, const Groups& groups, const LatticeValues& values,
                     std::uint32_t bits) {
   const double step = std::ldexp(1.0, -static_cast<int>(bits));
@@ -248,7 +249,7 @@ double largest_move(const ProgressiveMesh& mesh, const Groups& groups, const Lat
   for (std::size_t g = 0; g < groups.start.size(); ++g) {
     const auto& to = values.positions[g];
     const Vec3d moved{to[0] * step, to[1] * step, to[2] * step};
-    largest = std::max(largest, length(moved - to_double(mesh.positions[groups.start[g]])));
+    largest = std::max(largest, length_up(moved - to_double(mesh.positions[groups.start[g]])));
   }
   return largest;
 }
@@ -271,7 +272,7 @@ LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config, std::s
   auto [base, splits, sequence] = record(mesh, groups);
   LpmHeader header = make_header(mesh, groups, config, thumbnails);
   LatticeValues source = quantize(mesh, groups, header);
-  header.finest_error = mesh.finest_error + largest_move(mesh, groups, source, header.settings.position_bits);
+  header.finest_error = sum_up(mesh.finest_error, largest_move(mesh, groups, source, header.settings.position_bits));
   if (config.batch > 0) {
     const Renumbering renumbering(groups, order_in_batches(sequence, config.batch), mesh.vertex_count());
     renumbering.apply(splits);

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "core/formats/gltf/gltf_surface.h"
+#include "core/math/round_up.h"
 
 namespace lodestone::progressive {
 namespace {
@@ -60,7 +61,7 @@ void read_geometry(const JsonView& header, LpmHeader& h) {
   if (!up) header.at("up").fail("unknown up axis");
   h.transform.up = {*up, false};
   // Files without one have lost half a step on each axis.
-  h.finest_error = std::sqrt(3.0) * std::ldexp(0.5, -static_cast<int>(h.settings.position_bits));
+  h.finest_error = std::ldexp(root_up(3), -1 - static_cast<int>(h.settings.position_bits));
   if (const auto error = header.find("finestError")) h.finest_error = error->number();
 }
 

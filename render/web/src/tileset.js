@@ -52,14 +52,15 @@ export async function loadTileset(url, fetchJson) {
   return {...figures, root, cells, origin, up, thumbnails};
 }
 
-// Per level: r_l, and the band in which its vertices travel. Radii are 32-bit floats, as limits are made of them.
+// Per level: r_l, and the band in which its vertices travel. Radii are 32-bit floats, as limits are made of them, rounded
+// up so that the tolerance holds.
 export function makeRadii({reach, error, finest}, {pixels, height, fov, aspect, beta = 0.5}) {
   const half = Math.tan(fov / 2), corner = 1 + half * half * (1 + aspect * aspect);
   const wanted = (l) => 2 ** -l * error[l] * height / (2 * pixels * half) * corner;
   const select = new Array(finest + 1).fill(0), begin = new Array(finest + 1).fill(0), end = new Array(finest + 1).fill(Infinity);
   for (let l = finest; l >= 1; --l) {
     const h = 2 ** -l, last = l === finest, from = last ? 0 : (select[l] + reach[l] * h) * (1 + GUARD);
-    select[l - 1] = Math.fround(Math.max(wanted(l - 1), (from + beta * h) / (1 - GUARD) * (1 + GUARD)));
+    select[l - 1] = Math.fround(Math.max(wanted(l - 1), (from + beta * h) / (1 - GUARD) * (1 + GUARD)) * (1 + 2 ** -23));
     end[l] = select[l - 1] * (1 - GUARD);
     begin[l] = last ? Math.max(0, Math.min(end[l] - beta * h, (select[l - 1] / 2 + reach[l] * h) * (1 + GUARD))) : from;
   }
