@@ -22,6 +22,9 @@ constexpr double least_near = 1e-4;
 constexpr double least_near_of_all = 1e-6;  // over the extent of all models
 // The bounds are float32 and so is the matrix: far is this much, relatively, beyond the last corner.
 constexpr double far_guard = 1e-3;
+// From far away depths lie at most this many extents of a model before and beyond it: the resolution of a depth buffer
+// is spent on the model, not on the way to it.
+constexpr double most_room = 1;
 
 glm::dvec3 to_glm(Vec3d v) { return {v.x, v.y, v.z}; }
 
@@ -36,6 +39,12 @@ void check(const Camera& camera) {
 
 InputError too_far() {
   return InputError(describe({}, "camera", "it is too far away for single precision", "move it towards the model"));
+}
+
+// Distances from the viewpoint must have squares.
+Vec3f in_range(Vec3f viewpoint) {
+  if (!std::isfinite(dot(viewpoint, viewpoint))) throw too_far();
+  return viewpoint;
 }
 
 // Unit vector from one point to another; the largest component goes out first, so that no square over- or underflows.
@@ -87,13 +96,15 @@ DepthRange depth_range(std::span<const PlacedBounds> models, Vec3d eye, Vec3d fo
   for (const PlacedBounds& model : models) {
     const Reach reach = reach_of(model, eye, forward);
     if (reach.to_farthest_corner < 0 && models.size() > 1) continue;  // behind the eye
-    range.near = std::min(range.near, std::max(0.5 * reach.to_box * cos_corner, least_near * reach.extent));
-    range.far = std::max(range.far, reach.to_farthest_corner * (1 + far_guard) + far_guard * reach.extent);
+    const double nearest = reach.to_box * cos_corner, room = most_room * reach.extent;
+    range.near = std::min(range.near, std::max({0.5 * nearest, nearest - room, least_near * reach.extent}));
+    range.far = std::max(range.far, reach.to_farthest_corner + std::min(far_guard * reach.to_farthest_corner, room) +
+                                        far_guard * reach.extent);
     largest = std::max(largest, reach.extent);
   }
   if (!(range.near < std::numeric_limits<double>::infinity())) range.near = 1;  // nothing before the eye
   range.near = std::max(range.near, least_near_of_all * std::max(largest, range.far));
-  range.far = std::max(range.far, 2 * range.near);
+  if (!(range.far > range.near)) range.far = 2 * range.near;
   return range;
 }
 
@@ -102,9 +113,7 @@ DepthRange depth_range(std::span<const PlacedBounds> models, Vec3d eye, Vec3d fo
 Vec3f viewpoint(const Camera& camera, const Transform& transform) {
   if (!is_finite(camera.position))
     throw InputError(describe({}, "camera", "position, target and up must be finite numbers"));
-  const Vec3f p = transform.to_normalised(camera.position);
-  if (!is_finite(p)) throw too_far();
-  return p;
+  return in_range(transform.to_normalised(camera.position));
 }
 
 View::View(const Camera& camera, std::span<const PlacedBounds> models, ImageSize size)
@@ -145,11 +154,7 @@ ViewProjection View::projection(const Similarity& placement) const {
   return vp;
 }
 
-Vec3f View::viewpoint(const Similarity& placement) const {
-  const Vec3f p = to_float(placement.inverse(eye_));
-  if (!is_finite(p)) throw too_far();
-  return p;
-}
+Vec3f View::viewpoint(const Similarity& placement) const { return in_range(to_float(placement.inverse(eye_))); }
 
 Vec3f View::towards_eye(const Similarity& placement) const { return to_float(placement.rotated_back(-1 * forward_)); }
 

@@ -1,0 +1,353 @@
+// Views that break renderers: from a vertex, from inside, from a face of a cell, from nearly infinitely far away, with
+// the near plane through triangles, with very narrow and very wide fields of view, camera jumps, kappa0 beside the
+// reach, and models of very different size. On every backend: finite pictures without holes, the same as those of
+// `soft`.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "experiments/metrics/cracks/adversary.h"
+#include "experiments/metrics/cracks/cracks.h"
+#include "experiments/metrics/pops/pops.h"
+#include "render/scene/scene_view.h"
+#include "tests/render/conformance.h"
+
+namespace lodestone::test {
+namespace {
+
+constexpr double degree = 0.017453292519943295;
+constexpr const char* backends[] = {"soft", "gl", "null"};
+
+// A closed surface with several levels, whose extent is not 1 and whose origin is not 0.
+std::shared_ptr<const Hierarchy> model() {
+  static const std::shared_ptr<const Hierarchy> made = [] {
+    const auto scheduler = make_serial_scheduler();
+    RawMesh mesh = generate_mesh({Shape::sphere, 12'000, 1});
+    for (Vec3d& p : mesh.positions) p = 3.0 * p + Vec3d{10, -7, 2};
+    Repairs repairs;
+    BuildConfig config;
+    config.cell_triangles = 200;
+    config.strategy = Strategy::serial;
+    return std::make_shared<Hierarchy>(
+        build_hierarchy(prepare_mesh(std::move(mesh), repairs, *scheduler), config, *scheduler));
+  }();
+  return made;
+}
+
+struct ViewCase : ConformanceScene {
+  bool inside = false;  // every pixel sees the model
+};
+
+// Cameras are given in normalised space; radii ask for one pixel.
+ViewCase view_case(const char* name, Vec3d from, Vec3d to, double fov = 0.785) {
+  ViewCase view{{.name = name, .hierarchy = model(), .camera = detail::camera(*model(), from, to, fov), .radii = {}}};
+  view.size = {160, 120};
+  view.radii = for_picture({}, view.size, fov);
+  return view;
+}
+
+constexpr Vec3d middle{0.5, 0.5, 0.5};
+
+// The field of view in which the model fills most of the picture, as far from it.
+double fov_at(double distance) { return 2 * std::atan(0.65 / distance); }
+
+std::vector<ViewCase> view_cases() {
+  const Cell& leaf = model()->cells_of(model()->finest()).front();
+  const Vec3d vertex = to_double(leaf.positions.front());
+  std::vector<ViewCase> views;
+  views.push_back(view_case("on_a_vertex_outwards", vertex, vertex + (vertex - middle)));
+  views.push_back(view_case("on_a_vertex_inwards", vertex, middle));
+  views.push_back(view_case("inside", middle, {1, 0.7, 0.6}));
+  views.back().inside = true;
+  views.push_back(view_case("on_a_face_of_cells_inside", {0.5, 0.5, 0.25 + 0.125}, {0.9, 0.8, 0.4}));
+  views.back().inside = true;
+  views.push_back(view_case("on_a_corner_of_the_root", {1, 1, 1}, middle));
+  views.push_back(view_case("on_a_face_of_the_root", {0, 0.5, 0.5}, {0.5, 0.5, 0.625}));
+  views.push_back(view_case("one_degree", {0.5, -20, 0.5}, middle, degree));
+  views.push_back(view_case("one_degree_nearby", {0.5, -0.2, 0.5}, middle, degree));
+  views.push_back(view_case("170_degrees", {0.5, -0.05, 0.5}, middle, 170 * degree));
+  views.push_back(view_case("170_degrees_inside", middle, {0.5, 1, 0.5}, 170 * degree));
+  views.back().inside = true;
+  for (const double closer : {1e-2, 1e-4, 1e-6})
+    views.push_back(view_case(("near_plane_" + std::to_string(views.size())).c_str(),
+                              vertex + closer * (vertex - middle), vertex + Vec3d{0.1, 0.07, -0.05}, 1.2));
+  for (const double far : {1e2, 1e4, 1e6, 1e8, 1e12})
+    views.push_back(view_case(("far_" + std::to_string(views.size())).c_str(), middle + far * Vec3d{0.36, -0.8, 0.48},
+                              middle, fov_at(far)));
+  return views;
+}
+
+class ViewCases : public ::testing::TestWithParam<std::tuple<std::size_t, const char*>> {
+ protected:
+  void SetUp() override {
+    std::string why;
+    renderer_ = renderer_if_possible(std::get<1>(GetParam()), *scheduler_, why);
+    if (!renderer_) GTEST_SKIP() << why;
+  }
+  [[nodiscard]] static ViewCase view() { return view_cases()[std::get<0>(GetParam())]; }
+
+  std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
+  std::unique_ptr<Renderer> renderer_;
+};
+
+void expect_finite(const Image& image) {
+  std::size_t faults = 0;
+  for (const float d : image.depth) faults += !(d >= 0 && d <= 1);
+  EXPECT_EQ(faults, 0u);
+}
+
+// Pixels without a surface that are well inside the silhouette of another picture.
+std::size_t holes(const Image& image, const Image& full, int tolerance) {
+  const auto [width, height] = image.size;
+  const auto covered = [width = width](const Image& of, int x, int y) {
+    return of.depth[static_cast<std::size_t>(y * width + x)] < 1;
+  };
+  std::size_t count = 0;
+  for (int y = tolerance; y + tolerance < height; ++y)
+    for (int x = tolerance; x + tolerance < width; ++x) {
+      if (covered(image, x, y)) continue;
+      bool well_inside = true;
+      for (int dy = -tolerance; dy <= tolerance; ++dy)
+        for (int dx = -tolerance; dx <= tolerance; ++dx) well_inside &= covered(full, x + dx, y + dy);
+      count += well_inside;
+    }
+  return count;
+}
+
+TEST_P(ViewCases, ArePicturesWithoutHoles) {
+  const ViewCase scene = view();
+  const DrawnScene drawn = draw_scene(scene, *renderer_),
+                   reference = draw_scene(scene, *make_renderer("soft", *scheduler_));
+  EXPECT_EQ(drawn.stats.cells, reference.stats.cells);
+  EXPECT_EQ(drawn.stats.triangles, reference.stats.triangles);
+  EXPECT_GT(drawn.stats.triangles, 0u);
+  if (drawn.image.rgba.empty()) return;
+  expect_finite(drawn.image);
+  expect_conformance(drawn.image, reference.image);
+  keep_picture("view_" + scene.name + "_" + std::get<1>(GetParam()), drawn.image);
+  ViewCase finest = scene;
+  finest.radii.kappa0 = 1e6f;
+  const Image full = draw_scene(finest, *renderer_).image;
+  EXPECT_EQ(holes(drawn.image, full, 3), 0u);
+  const auto seen = std::ranges::count_if(drawn.image.depth, [](float d) { return d < 1; });
+  if (scene.inside) {
+    EXPECT_EQ(seen, 160 * 120);
+  } else if (scene.name != "on_a_vertex_outwards") {
+    EXPECT_GT(seen, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Views, ViewCases,
+                         ::testing::Combine(::testing::Range(std::size_t{0}, view_cases().size()),
+                                            ::testing::ValuesIn(backends)),
+                         [](const auto& instance) {
+                           return view_cases()[std::get<0>(instance.param)].name + "_" + std::get<1>(instance.param);
+                         });
+
+class ViewsOnBackend : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    std::string why;
+    renderer_ = renderer_if_possible(GetParam(), *scheduler_, why);
+    if (!renderer_) GTEST_SKIP() << why;
+  }
+  std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
+  std::unique_ptr<Renderer> renderer_;
+};
+
+// From twice as far with half the field of view a model looks nearly the same; from beyond that it is a parallel
+// projection, the same from everywhere.
+TEST_P(ViewsOnBackend, FromFarAwayAreAlike) {
+  const auto at = [&](double distance) {
+    return draw_scene(view_case("far", middle + distance * Vec3d{0.36, -0.8, 0.48}, middle, fov_at(distance)),
+                      *renderer_)
+        .image;
+  };
+  const Image reference = at(1e4);
+  for (const double distance : {1e5, 1e6, 1e8, 1e10, 1e12}) {
+    SCOPED_TRACE(distance);
+    const Image image = at(distance);
+    ASSERT_EQ(image.rgba.size(), reference.rgba.size());
+    if (image.rgba.empty()) continue;
+    expect_finite(image);
+    const ImageDifference d = difference(image, reference, ConformanceTolerance{}.threshold);
+    EXPECT_LE(d.differing_share, ConformanceTolerance{}.differing_share);
+  }
+}
+
+TEST_P(ViewsOnBackend, BeyondSinglePrecisionAreRefused) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  const auto throws = [&](Vec3d position, const char* words) {
+    ViewCase scene = view_case("refused", {0.5, -1, 0.5}, middle);
+    scene.camera.position = position;
+    try {
+      (void)draw_scene(scene, *renderer_);
+      ADD_FAILURE() << position.x;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  };
+  for (const double coordinate : {nan, infinity, -infinity}) {
+    throws({coordinate, 0, 0}, "must be finite numbers");
+    throws({0, 0, coordinate}, "must be finite numbers");
+  }
+  throws({1e21, 0, 0}, "too far away for single precision");  // its square has no float
+  throws({1e300, 0, 0}, "too far away for single precision");
+  throws({0, -1e60, 0}, "too far away for single precision");
+}
+
+// Every picture is that of its camera alone, whatever came before.
+TEST_P(ViewsOnBackend, AfterAJumpAreThoseOfANewRenderer) {
+  for (const ViewCase& scene : view_cases()) {
+    const Image after = draw_scene(scene, *renderer_).image;
+    const Image anew = draw_scene(scene, *make_renderer(GetParam(), *scheduler_)).image;
+    EXPECT_TRUE(after.rgba == anew.rgba) << scene.name;
+    EXPECT_TRUE(after.depth == anew.depth) << scene.name;
+  }
+}
+
+// A model of a million units with one of a thousandth on it, and the camera before the small one, then before both.
+TEST_P(ViewsOnBackend, OfHugeAndTinyModelsTogether) {
+  Scene scene;
+  const Vec3d tiny{0, -4e6, 0};
+  scene.models.resize(2);
+  scene.models[0].name = "huge", scene.models[1].name = "tiny";
+  scene.models[0].scale = 1e6, scene.models[1].scale = 1e-3;
+  scene.models[0].anchor = scene.models[1].anchor = Anchor::centre;
+  scene.models[1].position = tiny;
+  const OpenModel open{model().get()};
+  const double size = model()->transform.scale;
+  struct Place {
+    Vec3d position, target;
+  };
+  // Before both, before the small one with the huge one behind it, between the two, and far from both.
+  for (const Place& place :
+       {Place{tiny + Vec3d{1e-3 * size, -2e-3 * size, 5e-4}, tiny}, Place{tiny + Vec3d{0, -1e-3 * size, 0}, {0, 0, 0}},
+        Place{tiny + Vec3d{0, 2e-3 * size, 0}, tiny}, Place{{1e6, -9e6 * size, 3e6}, {0, 0, 0}}}) {
+    const auto draw = [&](Renderer& renderer) {
+      SceneView view(scene, {open, open});
+      view.upload(renderer);
+      EXPECT_TRUE(view.update({place.position, place.target}, view_config(scene, {160, 120})));
+      const FrameStats stats = view.draw(renderer);
+      EXPECT_GT(stats.triangles, 0u);
+      return renderer.read_back();
+    };
+    const Image image = draw(*renderer_);
+    if (image.rgba.empty()) continue;
+    expect_finite(image);
+    expect_conformance(image, draw(*make_renderer("soft", *scheduler_)));
+    keep_picture(std::string("view_huge_tiny_") + std::to_string(place.position.x) + GetParam(), image);
+    EXPECT_GT(std::ranges::count_if(image.depth, [](float d) { return d < 1; }), 100);
+  }
+}
+
+// A uniform kappa0 at the reach, a hair below and a hair above it.
+TEST_P(ViewsOnBackend, BesideTheReachAreFinite) {
+  const float rho = reach(*model(), DistanceMetric::euclidean);
+  for (const float kappa0 : {rho, std::nextafter(rho, 0.0f), std::nextafter(rho, 9.0f), 0.9999f * rho, 1.0001f * rho}) {
+    ViewCase scene = view_case("beside", {0.4, -0.5, 0.6}, middle);
+    scene.radii.rule = RadiiRule::uniform;
+    scene.radii.kappa0 = kappa0;
+    const DrawnScene drawn = draw_scene(scene, *renderer_),
+                     reference = draw_scene(scene, *make_renderer("soft", *scheduler_));
+    EXPECT_EQ(drawn.stats.triangles, reference.stats.triangles);
+    if (drawn.image.rgba.empty()) continue;
+    expect_finite(drawn.image);
+    expect_conformance(drawn.image, reference.image);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Backends, ViewsOnBackend, ::testing::ValuesIn(backends),
+                         [](const auto& instance) { return std::string(instance.param); });
+
+// ---- what does not depend on a backend ----
+
+struct Drawn {
+  Drawn(const Radii& radii, Blend blend, Vec3f from) : context{model().get(), &radii, blend, from} {
+    select_cells(*model(), radii, from, {}, selection);
+  }
+  MorphContext context;
+  Selection selection;
+};
+
+class ViewGuarantees : public ::testing::Test {
+ protected:
+  void expect_no_crack(const Drawn& drawn) {
+    EXPECT_EQ(residual_edges(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).open_edges, 0u);
+    EXPECT_EQ(vertex_gaps(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).gap_max, 0);
+  }
+  [[nodiscard]] double gap(const Drawn& drawn) {
+    return vertex_gaps(drawn.context, drawn.selection, basis_, *scheduler_, scratch_).gap_max;
+  }
+  std::unique_ptr<Scheduler> scheduler_ = make_serial_scheduler();
+  CrackBasis basis_ = make_crack_basis(*model(), *scheduler_);
+  CrackScratch scratch_;
+};
+
+// From each of the views to the next: the largest jumps there are.
+TEST_F(ViewGuarantees, NeitherCracksNorPops) {
+  for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev})
+    for (const Blend blend : {Blend::linear, Blend::smoothstep, Blend::late}) {
+      std::optional<Drawn> before;
+      RadiiConfig config;
+      config.metric = metric;
+      config.kappa0 = 1.0f;
+      const Radii radii = make_radii(*model(), config);
+      for (const ViewCase& view : view_cases()) {
+        SCOPED_TRACE(view.name);
+        Drawn now(radii, blend, viewpoint(view.camera, model()->transform));
+        expect_no_crack(now);
+        if (before) {
+          EXPECT_LE(
+              largest_jump(before->context, before->selection, now.context, now.selection, *scheduler_).jump_over_bound,
+              1);
+        }
+        before.emplace(std::move(now));
+      }
+    }
+}
+
+// Radii are admissible above the reach and its guard. Where they say so nothing cracks, the adversary included, and
+// just below the largest reach of a vertex that the adversary knows it finds a crack.
+TEST_F(ViewGuarantees, EndJustBelowTheReach) {
+  for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev}) {
+    RadiiConfig config;
+    config.rule = RadiiRule::uniform;
+    config.metric = metric;
+    const float rho = reach(*model(), metric);
+    std::vector<float> around{rho, std::nextafter(rho, 0.0f), std::nextafter(rho, 9.0f)};
+    for (const float by : {1e-6f, 4e-6f, 1e-5f, 2e-5f, 1e-4f})
+      around.insert(around.end(), {rho * (1 - by), rho * (1 + by)});
+    std::size_t admissible = 0;
+    for (const float kappa0 : around) {
+      config.kappa0 = kappa0;
+      const Radii radii = make_radii(*model(), config);
+      admissible += radii.admissible;
+      EXPECT_TRUE(!radii.admissible || kappa0 > rho);
+      EXPECT_TRUE(radii.admissible || kappa0 < 1.00005f * rho);
+      if (!radii.admissible) continue;
+      for (const AdversarialView& view : adversarial_views(*model(), radii))
+        for (const Vec3f from : {view.viewpoint, view.across}) expect_no_crack(Drawn(radii, Blend::smoothstep, from));
+    }
+    EXPECT_GE(admissible, 1u);
+    config.kappa0 = rho;
+    float known = 0;
+    for (const AdversarialView& view : adversarial_views(*model(), make_radii(*model(), config)))
+      known = std::max(known, view.reach);
+    EXPECT_LE(known, rho);
+    EXPECT_GT(known, 0.5f * rho);
+    for (const float below : {0.9999f, 0.99f, 0.9f, 0.5f}) {
+      config.kappa0 = below * known;
+      const Radii radii = make_radii(*model(), config);
+      double widest = 0;
+      for (const AdversarialView& view : adversarial_views(*model(), radii))
+        widest = std::max(widest, gap(Drawn(radii, Blend::smoothstep, view.viewpoint)));
+      EXPECT_GT(widest, 0) << below;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lodestone::test
