@@ -1,5 +1,5 @@
 # Fewer, larger objects: most of the time of a compiler goes into headers, which the files of a folder share, and into
-# optimising code that is never waited for (docs/decisions/0049-compile-time.md).
+# optimising code that is never waited for (docs/decisions/0051-compile-time.md).
 option(LODESTONE_MERGE "Compile the files of a folder together" OFF)
 
 # lodestone_cold_sources(TARGET): optimises the sources of this folder for size. For code without loops over a mesh or

@@ -44,7 +44,7 @@ inline void occlusion_map(const ShadingJob& job, Surface& s, Int lanes) {
   Mapping room;
   const Mapping& m = mapping_of(job, s, material, &SurfaceMaterial::occlusion_place, room);
   const Float open = sampled<0, 1>(of_lane, m)[0] * (1.0f / 255);
-  const Float strength = of_materials(material, [](const SurfaceMaterial& m) { return m.occlusion_strength; });
+  const Float strength = of_materials(material, [](const SurfaceMaterial& one) { return one.occlusion_strength; });
   s.ambient = select(lanes, s.ambient * (1.0f - strength * (1.0f - open)), s.ambient);
 }
 
