@@ -1,5 +1,7 @@
 #include "experiments/command_line/version.h"
 
+#include "core/base/version.h"
+
 namespace lodestone {
 namespace {
 

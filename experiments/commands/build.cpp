@@ -216,8 +216,8 @@ OptionTable declare(BuildOptions& o) {
 
 }  // namespace
 
-void add_build(CLI::App& app) {
-  define_command(app,
+void add_build(CommandTable& commands) {
+  define_command(commands,
                  {"build", "Build the hierarchical level of detail of a mesh",
                   "  lodestone build scan.ply -o scan.lode\n"
                   "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"

@@ -16,6 +16,7 @@
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
 #include "core/files/input_file.h"
+#include "experiments/command_line/exit_status.h"
 
 namespace lodestone {
 namespace {
@@ -52,7 +53,7 @@ void on_bus_error(int signal, siginfo_t* info, void*) {
   say("lodestone: ");
   say(file);
   say(": became shorter, or its disk failed, while it was read; leave it as it is until the command has ended\n");
-  std::_Exit(1);
+  std::_Exit(static_cast<int>(ExitStatus::file));
 }
 
 namespace fs = std::filesystem;
@@ -75,12 +76,12 @@ void check_output(const FileArgument& output) {
   if (is_stream(output.path)) return;
   AtomicFile probe(output.path);  // never committed: the temporary goes, and a file of that name is kept
   if (!output.extension.empty() && fs::path(output.path).extension() != output.extension)
-    throw InputError(describe(output.path, "", output.option + " must name a " + output.extension + " file"));
+    throw UsageError(describe(output.path, "", output.option + " must name a " + output.extension + " file"));
 }
 
 void refuse_same(const FileArgument& a, const FileArgument& b) {
   if (is_stream(a.path) || !same_file(a.path, b.path)) return;
-  throw InputError(describe(a.path, "", "is given as " + a.option + " and as " + b.option,
+  throw UsageError(describe(a.path, "", "is given as " + a.option + " and as " + b.option,
                             "the one would destroy the other; choose two names"));
 }
 
@@ -93,7 +94,7 @@ void check_files(const CommonOptions& common, const std::vector<FileArgument>& i
   if (!common.json.empty() && common.json != "-") outputs.push_back({"--json", common.json});
   for (const auto* list : std::initializer_list<const std::vector<FileArgument>*>{&inputs, &outputs})
     for (const FileArgument& file : *list)
-      if (file.path.empty()) throw InputError(file.option + ": the file name is empty");
+      if (file.path.empty()) throw UsageError(file.option + ": the file name is empty");
   for (auto output = outputs.begin(); output != outputs.end(); ++output) {
     for (const FileArgument& input : inputs) refuse_same(input, *output);
     for (auto other = outputs.begin(); other != output; ++other) refuse_same(*other, *output);

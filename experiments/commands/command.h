@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
-#include "experiments/commands/options.h"
+#include "experiments/command_line/options.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 
@@ -22,7 +22,7 @@ struct FileArgument {
 };
 
 // Looks at the file names of a command line, the file of --json included, before any work: a typing error costs a line,
-// not a night or a model. Throws InputError when a name is empty or has another extension than asked for, or when an
+// not a night or a model. Throws UsageError when a name is empty or has another extension than asked for, or when an
 // output would replace an input or another output; FileError when an output cannot be created. Leaves no trace in any
 // folder. Inputs are not opened. Pipes and devices may be outputs under any name.
 void check_files(const CommonOptions& common, const std::vector<FileArgument>& inputs,
@@ -31,8 +31,8 @@ void check_files(const CommonOptions& common, const std::vector<FileArgument>& i
 // Ctrl-C and SIGTERM end the process at once, with one line, a status of 128 + signal and no temporary left. A command
 // that has more to clean up, or ends more tidily, takes the flag and looks at it often: then the first signal only sets
 // it, and the second one ends the process.
-// A write beyond the shell's limit of file sizes becomes an error of that write; a mapped file that becomes shorter while
-// it is read ends the process with a line that names it and status 1.
+// A write beyond the shell's limit of file sizes becomes an error of that write; a mapped file that becomes shorter
+// while it is read ends the process with a line that names it and ExitStatus::file.
 void install_signal_handlers();
 [[nodiscard]] const CancelFlag& interrupt_flag();
 // Throws Cancelled when the flag is set.
@@ -50,22 +50,25 @@ void write_result(const CommonOptions& common, const nlohmann::json& result);
 [[nodiscard]] nlohmann::json to_json(const Repairs& repairs);
 void print_repairs(const Repairs& repairs);  // a line for each kind that there was
 
-void add_generate(CLI::App& app);
-void add_build(CLI::App& app);
-void add_info(CLI::App& app);
-void add_verify(CLI::App& app);
-void add_compare(CLI::App& app);
-void add_render(CLI::App& app);
-void add_export(CLI::App& app);
-void add_view(CLI::App& app);
-void add_reconstruct(CLI::App& app);
-void add_progressive(CLI::App& app);
-void add_spherical(CLI::App& app);
-void add_lod(CLI::App& app);
-void add_page(CLI::App& app);
-void add_report(CLI::App& app);
-void add_sweep(CLI::App& app);  // and the subcommand of its children, which no help mentions
-void add_merge(CLI::App& app);
-void add_experiments(CLI::App& app);
+void add_generate(CommandTable& commands);
+void add_build(CommandTable& commands);
+void add_info(CommandTable& commands);
+void add_verify(CommandTable& commands);
+void add_compare(CommandTable& commands);
+void add_render(CommandTable& commands);
+void add_export(CommandTable& commands);
+void add_view(CommandTable& commands);
+void add_reconstruct(CommandTable& commands);
+void add_progressive(CommandTable& commands);
+void add_spherical(CommandTable& commands);
+void add_lod(CommandTable& commands);
+void add_page(CommandTable& commands);
+void add_report(CommandTable& commands);
+void add_sweep(CommandTable& commands);  // and the subcommand of its children, which is hidden
+void add_merge(CommandTable& commands);
+void add_experiments(CommandTable& commands);
+// They describe all subcommands of the table when they are called; it must outlive that.
+void add_completion(CommandTable& commands);
+void add_manual(CommandTable& commands);
 
 }  // namespace lodestone

@@ -59,8 +59,8 @@ OptionTable declare(CompareOptions& o) {
 
 }  // namespace
 
-void add_compare(CLI::App& app) {
-  define_command(app,
+void add_compare(CommandTable& commands) {
+  define_command(commands,
                  {"compare", "Distances between two surfaces, in both directions",
                   "  lodestone compare scan.ply scan.lode:3\n"
                   "  lodestone compare a.obj b.obj --json distance.json\n"},

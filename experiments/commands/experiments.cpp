@@ -98,8 +98,8 @@ OptionTable declare(ExperimentsOptions& o) {
 
 }  // namespace
 
-void add_experiments(CLI::App& app) {
-  define_command(app,
+void add_experiments(CommandTable& commands) {
+  define_command(commands,
                  {"experiments", "List the experiments of sweeps with their questions",
                   "  lodestone experiments\n"
                   "  lodestone experiments probe\n"

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
 #include "core/hierarchy/model/level_mesh.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -53,7 +54,7 @@ void export_level(const ExportOptions& options, const CommonOptions& common) {
 }
 
 void export_tiles(const ExportOptions& options, const CommonOptions& common) {
-  if (options.tiles->empty()) throw InputError("--tiles: the folder name is empty");
+  if (options.tiles->empty()) throw UsageError("--tiles: the folder name is empty");
   const bool packed = std::filesystem::path(*options.tiles).extension() == ".3tz";
   check_files(common, {{"FILE", options.file}},
               packed ? std::vector<FileArgument>{{"--tiles", *options.tiles}} : std::vector<FileArgument>{});
@@ -102,7 +103,7 @@ void export_tiles(const ExportOptions& options, const CommonOptions& common) {
 
 void run(const ExportOptions& options, const CommonOptions& common) {
   if (!options.output && !options.tiles)
-    throw InputError("--output or --tiles is required; see lodestone export --help");
+    throw UsageError("--output or --tiles is required; see lodestone export --help");
   options.tiles ? export_tiles(options, common) : export_level(options, common);
 }
 
@@ -125,8 +126,8 @@ OptionTable declare(ExportOptions& o) {
 
 }  // namespace
 
-void add_export(CLI::App& app) {
-  define_command(app,
+void add_export(CommandTable& commands) {
+  define_command(commands,
                  {"export", "Write one level of a hierarchy as a mesh, or all of it as a tileset",
                   "  lodestone export scan.lode --level 3 -o level3.ply\n"
                   "  lodestone export scan.lode -o finest.obj\n"

@@ -80,8 +80,8 @@ OptionTable declare(GenerateOptions& o) {
 
 }  // namespace
 
-void add_generate(CLI::App& app) {
-  define_command(app,
+void add_generate(CommandTable& commands) {
+  define_command(commands,
                  {"generate", "Write a generated surface as binary PLY",
                   "  lodestone generate sphere --triangles 1000000 --seed 1 -o sphere.ply\n"
                   "  lodestone generate terrain --triangles 64000000 -o terrain.ply\n"

@@ -179,9 +179,9 @@ OptionTable declare(InfoOptions& o) {
 
 }  // namespace
 
-void add_info(CLI::App& app) {
+void add_info(CommandTable& commands) {
   define_command(
-      app,
+      commands,
       {"info", "Show the levels of a .lode file and the figures the guarantee rests on, or the edges of a mesh",
        "  lodestone info scan.lode\n"
        "  lodestone info scan.lode --json -\n"

@@ -11,12 +11,13 @@
 
 #include "core/base/error.h"
 #include "core/formats/mesh_file.h"
+#include "experiments/command_line/exit_status.h"
 
 namespace lodestone {
 namespace {
 
 [[noreturn]] void fail_grid(const std::string& text) {
-  throw InputError(describe("--grid", "", "'" + text + "' is not the size and type of a grid",
+  throw UsageError(describe("--grid", "", "'" + text + "' is not the size and type of a grid",
                             "give WIDTHxHEIGHT[:TYPE[:SPACING]], TYPE one of i16, u16, i32, f32, f64, with 'be' for "
                             "big-endian, such as 1197x643:i16:30"));
 }
@@ -93,7 +94,7 @@ ReadConfig read_config(const InputOptions& options, const std::vector<std::strin
   if (options.grid.empty()) return config;
   config.raw_grid = parse_raw_grid(options.grid);
   if (std::all_of(files.begin(), files.end(), [](const std::string& file) { return has_mesh_extension(file); }))
-    throw InputError(describe("--grid", "", "'" + files.front() + "' is read by its extension",
+    throw UsageError(describe("--grid", "", "'" + files.front() + "' is read by its extension",
                               "leave --grid out, or give the file another name"));
   return config;
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/formats/common/read_config.h"
-#include "experiments/commands/options.h"
+#include "experiments/command_line/options.h"
 
 namespace lodestone {
 

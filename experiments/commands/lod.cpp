@@ -9,6 +9,7 @@
 #include "core/formats/mesh_file.h"
 #include "core/progressive/mesh/level.h"
 #include "core/progressive/progressive_file.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "parallel/progressive/level_errors.h"
@@ -39,7 +40,7 @@ std::uint32_t choose(const LodOptions& options, const LevelFinder& levels, const
 
 void run(const LodOptions& options, const CommonOptions& common) {
   if (!options.vertices && !options.triangles && !options.error)
-    throw InputError("--vertices, --triangles or --error is required; see lodestone lod --help");
+    throw UsageError("--vertices, --triangles or --error is required; see lodestone lod --help");
   check_files(common, {{"IN", options.input}}, {{"--output", options.output}});
   const ProgressiveMesh mesh = load_progressive(options.input, options.prefix);
   if (mesh.triangles.empty()) throw InputError(describe(options.input, "", "the model has no triangles"));
@@ -89,8 +90,8 @@ OptionTable declare(LodOptions& o) {
 
 }  // namespace
 
-void add_lod(CLI::App& app) {
-  define_command(app,
+void add_lod(CommandTable& commands) {
+  define_command(commands,
                  {"lod", "Take a level of a progressive mesh",
                   "  lodestone lod statue.glb --triangles 5000 -o statue5k.ply\n"
                   "  lodestone lod scan.lpm --error 0.5 -o coarse.obj\n"},

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/commands/command.h"
 
 namespace lodestone {
@@ -29,8 +30,8 @@ void run(const MergeOptions& options, const CommonOptions& common) {
                result.taken, result.all, options.dry_run ? "would be " : "", result.done, result.failed,
                result.missing);
   if (result.failed + result.missing > 0 && !options.dry_run)
-    throw InputError(fmt::format("{}: of {} repetitions, {} failed and {} are missing", options.directory, result.all,
-                                 result.failed, result.missing));
+    throw NegativeResult(fmt::format("{}: of {} repetitions, {} failed and {} are missing", options.directory,
+                                     result.all, result.failed, result.missing));
 }
 
 OptionTable declare(MergeOptions& o) {
@@ -41,8 +42,8 @@ OptionTable declare(MergeOptions& o) {
 
 }  // namespace
 
-void add_merge(CLI::App& app) {
-  define_command(app,
+void add_merge(CommandTable& commands) {
+  define_command(commands,
                  {"merge", "Bring the shards of a sweep together; status 1 when repetitions failed or are missing",
                   "  lodestone merge part1 part2 -o ablation\n"},
                  declare, run);

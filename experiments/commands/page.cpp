@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
 #include "core/progressive/progressive_file.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -155,7 +156,7 @@ class PageWriter {
 };
 
 void run(const PageOptions& options, const CommonOptions& common) {
-  if (options.output.empty()) throw InputError("--output: the folder name is empty");
+  if (options.output.empty()) throw UsageError("--output: the folder name is empty");
   if (options.metric) (void)progressive::metric_kind(*options.metric);
   std::vector<FileArgument> inputs;
   for (const std::string& input : options.inputs) inputs.push_back({"IN", input});
@@ -190,8 +191,8 @@ OptionTable declare(PageOptions& o) {
 
 }  // namespace
 
-void add_page(CLI::App& app) {
-  define_command(app,
+void add_page(CommandTable& commands) {
+  define_command(commands,
                  {"page", "Write a static web page that shows models at any level",
                   "  lodestone page scan.ply statue.obj -o page\n"
                   "  lodestone page scan.lpm city.lode tileset -o page\n"},

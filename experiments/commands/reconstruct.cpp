@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -34,7 +35,7 @@ ViewChoice view_choice(const std::string& text) {
   }
   if (text.empty() || text.size() > 3 || text.find_first_not_of("0123456789") != std::string::npos ||
       std::stoi(text) < 1)
-    throw InputError("--views: '" + text + "' is not faces, auto or a number from 1 to 999");
+    throw UsageError("--views: '" + text + "' is not faces, auto or a number from 1 to 999");
   choice.most = choice.least = std::stoi(text);
   return choice;
 }
@@ -51,7 +52,7 @@ ReconstructJob job_of(const ReconstructOptions& options) {
   job.config.merge = options.outside_only ? MergeKind::shell : merge_kind(options.merge);
   job.config.projection = projection_kind(options.projection);
   if (options.map_format != "exr" && options.map_format != "pfm")
-    throw InputError("--map-format: '" + options.map_format + "' is neither exr nor pfm");
+    throw UsageError("--map-format: '" + options.map_format + "' is neither exr nor pfm");
   job.map_format = options.map_format == "exr" ? MapFormat::exr : MapFormat::pfm;
   job.distance = options.distance.value_or(0);
   job.triangles = options.triangles.value_or(0);
@@ -234,9 +235,9 @@ OptionTable declare(ReconstructOptions& o) {
 
 }  // namespace
 
-void add_reconstruct(CLI::App& app) {
+void add_reconstruct(CommandTable& commands) {
   define_command(
-      app,
+      commands,
       {"reconstruct", "Make LOD meshes from rendered position maps",
        "  lodestone reconstruct scan.ply -o lod.ply --resolution 256 --measure\n"
        "  lodestone reconstruct scan.ply -o lod.ply --triangles 20000 --json report.json\n"

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/picture_writer.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/command_line/sizes.h"
@@ -40,7 +41,7 @@ struct RenderOptions {
 // A tolerance that is not given is the scene's.
 RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) {
   if (options.kappa0 && options.pixel_error)
-    throw InputError("--kappa0 and --pixel-error exclude each other; give one of them");
+    throw UsageError("--kappa0 and --pixel-error exclude each other; give one of them");
   RadiiConfig config = radii_config(options.radii, options.metric);
   config.kappa0 = options.kappa0;
   config.pixel_error = options.pixel_error.value_or(of_scene.pixel_error);
@@ -51,7 +52,7 @@ RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) 
 
 // Cameras at adversarial viewpoints, each looking at the vertex that cracks there if anything does.
 std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiConfig& config, int frames, Vec3d up) {
-  if (!config.kappa0) throw InputError("--camera adversarial needs --kappa0: its viewpoints are made for one");
+  if (!config.kappa0) throw UsageError("--camera adversarial needs --kappa0: its viewpoints are made for one");
   const AdversaryConfig adversary{.count = static_cast<std::size_t>(frames)};
   std::vector<Camera> cameras;
   for (const AdversarialView& view : adversarial_views(hierarchy, make_radii(hierarchy, config), adversary)) {
@@ -297,7 +298,7 @@ class Flight {
 void run(const RenderOptions& options, const CommonOptions& common) {
   check_files(common, input_files(options));
   if (options.cull_back_faces && options.memory_budget.count > 0)
-    throw InputError("--cull-back-faces needs whole models, --memory-budget loads parts of them; give one of them");
+    throw UsageError("--cull-back-faces needs whole models, --memory-budget loads parts of them; give one of them");
   Flight(options, common).run();
 }
 
@@ -353,8 +354,8 @@ OptionTable declare(RenderOptions& o) {
 
 }  // namespace
 
-void add_render(CLI::App& app) {
-  define_command(app,
+void add_render(CommandTable& commands) {
+  define_command(commands,
                  {"render", "Draw a camera path; with --json, prove every frame free of cracks and pops",
                   "  lodestone render scan.lode --camera fly-in --frames 60 -o frames\n"
                   "  lodestone render experiments/scenes/museum.toml --explain -o frames\n"

@@ -63,9 +63,10 @@ void run(const ReportOptions& options, const CommonOptions& common) {
   const char* chosen = std::getenv("LODESTONE_PYTHON");
   execute(chosen != nullptr ? chosen : "python3", arguments);
   if (chosen == nullptr) execute("/usr/bin/python3", arguments);
-  throw FileError(describe(chosen != nullptr ? chosen : "python3", "",
-                           std::string("the report needs Python, which cannot be started: ") + std::strerror(errno),
-                           "apt-get install python3 python3-jinja2 python3-matplotlib (scripts/setup report does)"));
+  throw UnsupportedError(
+      describe(chosen != nullptr ? chosen : "python3", "",
+               std::string("the report needs Python, which cannot be started: ") + std::strerror(errno),
+               "apt-get install python3 python3-jinja2 python3-matplotlib (scripts/setup report does)"));
 }
 
 OptionTable declare(ReportOptions& o) {
@@ -80,8 +81,8 @@ OptionTable declare(ReportOptions& o) {
 
 }  // namespace
 
-void add_report(CLI::App& app) {
-  define_command(app,
+void add_report(CommandTable& commands) {
+  define_command(commands,
                  {"report", "Write what sweeps have found as one web page that opens from disk",
                   "  lodestone report ablation -o ablation.html\n"
                   "  lodestone report scaling accuracy -o report.html --csv rows.csv --json report.json\n"

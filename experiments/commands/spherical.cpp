@@ -124,8 +124,8 @@ OptionTable declare(SphericalOptions& o) {
 
 }  // namespace
 
-void add_spherical(CLI::App& app) {
-  define_command(app,
+void add_spherical(CommandTable& commands) {
+  define_command(commands,
                  {"spherical", "Map a scan to the sphere: seamless textures, levels that change freely",
                   "  lodestone spherical statue.obj -o statue.glb\n"
                   "  lodestone spherical scan.ply -o scan.lpm --effort best --texture 2048 --quality 80\n"},

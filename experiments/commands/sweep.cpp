@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/sweep/directory.h"
@@ -16,7 +17,7 @@ namespace {
 struct SweepOptions {
   std::string file, directory, shard;
   int jobs = 1;
-  bool resume = false, prepare = false, dry_run = false, small = false, full = false;
+  bool resume = false, prepare = false, dry_run = false, small = false, full = false, leave_out_missing = false;
 };
 
 SweepForm form_of(const SweepOptions& options) {
@@ -53,14 +54,22 @@ void print_notes(const SweepFile& file) {
   for (const std::string& note : file.notes) fmt::print("note: {}: {}\n", file.file, note);
 }
 
+void print_left_out(const SweepPlan& plan) {
+  for (const auto& [name, path] : plan.left_out)
+    fmt::print("note: {}: {} is missing, and its runs are left out; {}\n", name, path,
+               remedy_for_missing(path, "put the file there"));
+}
+
 void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOptions& common) {
-  const auto inputs = find_inputs(file, data_names(file), {.directory = options.directory, .make = false});
+  const auto inputs =
+      find_inputs(file, data_names(file),
+                  {.directory = options.directory, .make = false, .leave_out_missing = options.leave_out_missing});
   const SweepPlan plan = make_plan(file, inputs);
   std::vector<std::string> unmade;
   for (const auto& [name, input] : inputs)
     if (input.sha256.empty()) unmade.push_back(name);
   if (!unmade.empty() && !options.shard.empty())
-    throw InputError("--dry-run --shard: runs are shared out by what their data holds, and '" + unmade.front() +
+    throw UsageError("--dry-run --shard: runs are shared out by what their data holds, and '" + unmade.front() +
                      "' has yet to be generated; leave --shard out");
   nlohmann::json json = nlohmann::json::array();
   const bool printed = common.prints();
@@ -80,6 +89,7 @@ void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOpt
   }
   if (printed) {
     print_notes(file);
+    print_left_out(plan);
     fmt::print("{} runs, {} repetitions, {} done\n", json.size(), repetitions, done);
     for (const std::string& name : unmade) fmt::print("{} has yet to be generated; its runs have no id before\n", name);
   }
@@ -92,6 +102,7 @@ SweepPlan prepare(const SweepFile& file, const SweepOptions& options, const Comm
   InputConfig config;
   config.directory = options.directory;
   config.threads = common.threads;
+  config.leave_out_missing = options.leave_out_missing;
   config.cancel = &interrupt_flag();
   std::string shown;
   config.progress = [&](const std::string& name, double share) {
@@ -146,6 +157,7 @@ void run(const SweepOptions& options, const CommonOptions& common) {
   if (printed && options.jobs > 1)
     fmt::print("note: {} runs at a time share the machine; their times are not comparable\n", options.jobs);
   const SweepPlan plan = prepare(file, options, common);
+  if (printed) print_left_out(plan);
   const std::vector<SweepRun> runs = runs_of(plan, shard);
   if (options.prepare) return write_result(common, {{"name", file.name}, {"runs", runs.size()}});
   const RunnerResult result = run_all(file, runs, options, common);
@@ -155,9 +167,9 @@ void run(const SweepOptions& options, const CommonOptions& common) {
                result.all, result.before, result.ran, result.failures.size());
   if (result.failures.empty()) return;
   const RunnerFailure& first = result.failures.front();
-  throw InputError(fmt::format("{} of {} repetitions failed, the first one, {}/runs/{}, repetition {}, with {}",
-                               result.failures.size(), result.all, options.directory, first.id, first.repetition,
-                               failure_text(first.fault)));
+  throw NegativeResult(fmt::format("{} of {} repetitions failed, the first one, {}/runs/{}, repetition {}, with {}",
+                                   result.failures.size(), result.all, options.directory, first.id, first.repetition,
+                                   failure_text(first.fault)));
 }
 
 // One repetition, for a sweep that started this process.
@@ -179,13 +191,15 @@ OptionTable declare(SweepOptions& o) {
       OptionSpec{"--prepare", &o.prepare, "Make the data and list the runs in sweep.json, and run none"}.not_with(
           {"--dry-run"}),
       {"--small", &o.small, "Apply the overrides that the file has under 'small'"},
-      OptionSpec{"--full", &o.full, "Apply the overrides that the file has under 'full'"}.not_with({"--small"})};
+      OptionSpec{"--full", &o.full, "Apply the overrides that the file has under 'full'"}.not_with({"--small"}),
+      {"--leave-out-missing", &o.leave_out_missing,
+       "Leave out the data whose files are missing, with a note; without it they are an error"}};
 }
 
 }  // namespace
 
-void add_sweep(CLI::App& app) {
-  define_command(app,
+void add_sweep(CommandTable& commands) {
+  define_command(commands,
                  {"sweep", "Run an experiment over parameters and data; status 1 when a run failed",
                   "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --dry-run\n"
                   "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --small\n"
@@ -193,9 +207,10 @@ void add_sweep(CLI::App& app) {
                   "Threads that make data; those of a run are a parameter of its experiment"},
                  declare, run);
   const auto child = std::make_shared<ChildOptions>();
-  add_hidden_command(app, "sweep-run",
-                     {OptionSpec{"FOLDER", &child->folder}.must(), OptionSpec{"--report", &child->report}.must()},
-                     [child] { run_child(child->folder, child->report, interrupt_flag()); });
+  commands.push_back({{"sweep-run", "", ""},
+                      {OptionSpec{"FOLDER", &child->folder}.must(), OptionSpec{"--report", &child->report}.must()},
+                      [child] { run_child(child->folder, child->report, interrupt_flag()); },
+                      true});
 }
 
 }  // namespace lodestone

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -76,7 +77,7 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
     fmt::print("{}: {}\n", file, valid ? "valid" : "NOT VALID");
   }
   if (!valid)
-    throw InputError(
+    throw NegativeResult(
         describe(file, "", "the hierarchy does not hold what it promises", "build it again from its input"));
 }
 
@@ -89,8 +90,8 @@ OptionTable declare(VerifyOptions& o) {
 
 }  // namespace
 
-void add_verify(CLI::App& app) {
-  define_command(app,
+void add_verify(CommandTable& commands) {
+  define_command(commands,
                  {"verify", "Check every invariant of a hierarchy, independently of the builder",
                   "  lodestone verify scan.lode\n"
                   "  lodestone verify scan.lode --input scan.ply --json verify.json\n"},

@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/sizes.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
@@ -32,7 +33,7 @@ viewer::ViewState first_state(const ViewOptions& options) {
   state.metric = radii.metric;
   // Out of range is an error here, where a user wrote it; in the window it is brought into range.
   if (viewer::clamped(settings) != settings)
-    throw InputError("--pixel-error must lie between 0.05 and 1000, --kappa0 between 0.01 and 1000");
+    throw UsageError("--pixel-error must lie between 0.05 and 1000, --kappa0 between 0.01 and 1000");
   state.settings = {settings, settings};
   return state;
 }
@@ -98,8 +99,8 @@ OptionTable declare(ViewOptions& o) {
 
 }  // namespace
 
-void add_view(CLI::App& app) {
-  define_command(app,
+void add_view(CommandTable& commands) {
+  define_command(commands,
                  {"view", "Look at a model in a window; a mesh is built for it, in memory",
                   "  lodestone view scan.lode\n"
                   "  lodestone view scan.ply --size 1600x900\n"

@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "core/base/error.h"
+#include "experiments/command_line/exit_status.h"
 
 namespace lodestone {
 namespace {
@@ -64,7 +65,10 @@ class SignalsHeld {
 
 bool ChildEnd::succeeded() const { return WIFEXITED(status) && WEXITSTATUS(status) == 0; }
 
-bool ChildEnd::failed() const { return WIFEXITED(status) && WEXITSTATUS(status) == 1; }
+bool ChildEnd::failed() const {
+  return WIFEXITED(status) && WEXITSTATUS(status) >= static_cast<int>(ExitStatus::negative) &&
+         WEXITSTATUS(status) <= static_cast<int>(ExitStatus::internal);
+}
 
 bool ChildEnd::interrupted() const {
   const auto is_interrupt = [](int number) { return number == SIGINT || number == SIGTERM; };

@@ -15,7 +15,7 @@ struct ChildEnd {
   int status = 0;  // as of waitpid()
   double cpu_seconds = 0;
   [[nodiscard]] bool succeeded() const;
-  [[nodiscard]] bool failed() const;         // with status 1, and one line that says why
+  [[nodiscard]] bool failed() const;         // with the status of an error, and one line that says why
   [[nodiscard]] bool interrupted() const;    // by SIGINT or SIGTERM, on its own or in good order
   [[nodiscard]] std::string reason() const;  // "ended by signal 11 (Segmentation fault)"
 };

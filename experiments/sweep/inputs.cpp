@@ -55,13 +55,6 @@ bool is_ours(const fs::path& path) {
   return fs::absolute(path).lexically_normal().generic_string().find("/build/data/") != std::string::npos;
 }
 
-void expect(const SweepFile& file, const DataSource& source, const std::string& path) {
-  std::error_code ignored;
-  if (fs::exists(path, ignored)) return;
-  fail(file, source, path + " is missing",
-       is_ours(path) ? "get the models by scripts/data" : "correct the path, or put the file there");
-}
-
 // Files that are read besides the one that is named.
 std::vector<std::string> companions_of(const DataSource& source) {
   std::vector<std::string> files = source.with;
@@ -75,18 +68,17 @@ std::vector<std::string> companions_of(const DataSource& source) {
 }
 
 SweepInput find_file(const SweepFile& file, const DataSource& source, ContentHashes& hashes) {
-  expect(file, source, source.path);
+  if (const std::optional<std::string> path = missing_file(source))
+    fail(file, source, *path + " is missing", remedy_for_missing(*path, "correct the path, or put the file there"));
   SweepInput input = hashes.of(source.path);
   if (!source.sha256.empty() && input.sha256 != source.sha256)
     fail(file, source, fmt::format("{} has the sha256 {}, not {}", source.path, input.sha256, source.sha256),
-         is_ours(source.path) ? "get the models by scripts/data, or correct the sha256"
-                              : "take the right file, or correct the sha256");
+         remedy_for_missing(source.path, "take the right file") + ", or correct the sha256");
   const std::vector<std::string> companions = companions_of(source);
   if (companions.empty()) return input;
   std::string hashes_of_all = input.sha256 + "\n";
   InputFiles files = *input.hashed;
   for (const std::string& companion : companions) {
-    expect(file, source, companion);
     const SweepInput part = hashes.of(companion);
     hashes_of_all += part.sha256 + "\n";
     input.bytes += part.bytes;
@@ -168,6 +160,19 @@ void ContentHashes::save() const {
   if (changed_) write_aside(memory_, known_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
 }
 
+std::string remedy_for_missing(const fs::path& path, const std::string& otherwise) {
+  return is_ours(path) ? "get the models by scripts/data" : otherwise;
+}
+
+std::optional<std::string> missing_file(const DataSource& source) {
+  std::error_code ignored;
+  if (source.generate) return {};
+  if (!fs::exists(source.path, ignored)) return source.path;
+  for (const std::string& companion : companions_of(source))
+    if (!fs::exists(companion, ignored)) return companion;
+  return {};
+}
+
 std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::set<std::string>& names,
                                               const InputConfig& config) {
   ContentHashes hashes(config.directory / "data" / "hashes.json");
@@ -178,6 +183,7 @@ std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::
   std::map<std::string, SweepInput> inputs;
   for (const DataSource& source : file.data) {
     if (!names.contains(source.name)) continue;
+    if (config.leave_out_missing && missing_file(source)) continue;
     inputs[source.name] = source.generate ? find_generated(source, hashes, config) : find_file(file, source, hashes);
   }
   if (config.make) hashes.save();

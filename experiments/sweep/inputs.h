@@ -64,15 +64,22 @@ class ContentHashes {
 struct InputConfig {
   std::filesystem::path directory;  // of the sweep
   bool make = true;  // generated inputs that are missing; off: they stay without hash, and nothing is written
+  bool leave_out_missing = false;  // files that are not there have no input, instead of being an error
   int threads = 0;
   const CancelFlag* cancel = nullptr;
   std::function<void(const std::string& name, double share)> progress = [](const std::string&, double) {};
 };
 
 // Inputs of the given names; generated ones are made in directory/data and kept there. The caller holds the directory's
-// lock, unless nothing is to be made. Throws InputError with the line for one that is missing or another than its
-// sha256 says, Cancelled.
+// lock, unless nothing is to be made. Throws InputError with the line for one that is missing (unless those are left
+// out) or another than its sha256 says, Cancelled.
 [[nodiscard]] std::map<std::string, SweepInput> find_inputs(const SweepFile& file, const std::set<std::string>& names,
                                                             const InputConfig& config);
+
+// "fetch it by scripts/data" of a model of this repository, or else what `otherwise` says.
+[[nodiscard]] std::string remedy_for_missing(const std::filesystem::path& path, const std::string& otherwise);
+
+// The first file of the source that is not there.
+[[nodiscard]] std::optional<std::string> missing_file(const DataSource& source);
 
 }  // namespace lodestone

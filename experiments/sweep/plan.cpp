@@ -64,6 +64,7 @@ std::vector<SweepRun> section_runs(const SweepSection& section, const ParameterF
   const std::vector<std::string> none{""};
   for (const nlohmann::json& setting : section.settings)
     for (const std::string& data : section.experiment->takes_input ? section.data : none) {
+      if (!data.empty() && !inputs.contains(data)) continue;
       SweepRun run;
       run.experiment = section.experiment;
       run.program = program_hash();
@@ -111,8 +112,14 @@ SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInpu
                {"files", files_json(file.files)},
                {"figures", nlohmann::json::array()},
                {"sweeps", nlohmann::json::array()}};
-  for (const DataSource& source : file.data)
-    if (inputs.contains(source.name)) plan.json["data"][source.name] = data_json(source, inputs.at(source.name));
+  const std::set<std::string> names = data_names(file);
+  for (const DataSource& source : file.data) {
+    if (inputs.contains(source.name))
+      plan.json["data"][source.name] = data_json(source, inputs.at(source.name));
+    else if (names.contains(source.name))
+      plan.left_out[source.name] = missing_file(source).value_or(source.path);
+  }
+  if (!plan.left_out.empty()) plan.json["left_out"] = plan.left_out;
   for (const FigureSpec& figure : file.figures) plan.json["figures"].push_back(figure_json(figure));
   std::map<std::string, std::size_t> place;  // of a run, by id
   for (const SweepSection& section : file.sweeps) {

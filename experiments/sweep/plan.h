@@ -29,12 +29,14 @@ struct SweepRun {
 struct SweepPlan {
   std::vector<SweepRun> runs;  // each once, though several sweeps may have it; in the order of the file
   nlohmann::json json;         // for sweep.json, as the decision has it
+  std::map<std::string, std::string> left_out;  // data without an input, and the file that is missing
 };
 
 // name, unit, meaning and kind.
 [[nodiscard]] nlohmann::json to_json(const ColumnInfo& column);
 
 [[nodiscard]] std::string run_id(const SweepRun& run);
+// Runs on data that `inputs` lacks are left out.
 [[nodiscard]] SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInput>& inputs);
 
 // Names of all data that the sweeps use.

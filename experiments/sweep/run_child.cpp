@@ -92,6 +92,8 @@ std::optional<Fault> run_experiment(const nlohmann::json& job, const WorkFolder&
     write_aside(work.rows(), lines_of(readable(experiment, rows)));
     if (!messages.empty()) return Fault{"verify", std::move(messages)};
     return {};
+  } catch (const Cancelled&) {
+    throw;
   } catch (const std::bad_alloc&) {
     return Fault{"error", {"out of memory"}};
   } catch (const std::exception& error) {

@@ -7,6 +7,8 @@ import signal
 import subprocess
 import sys
 
+from . import StudyError
+
 SYSTEM_PYTHON = "/usr/bin/python3"  # the interpreter that sees Debian's packages
 
 
@@ -56,15 +58,18 @@ def print_summary(studies, output, note):
     print(f"{output}: opens in any browser, from disk")
 
 
+class NoRows(Exception):
+    """The report is written, and nothing in it can be reported."""
+
+
 def require_rows(studies, output):
     """The report tells why nothing is reported; a script that waits for figures learns it here."""
-    from . import StudyError
     from .findings import count_runs, reported
 
     counts = count_runs(sweep for study in studies for sweep in study.sweeps)
     if not reported(counts):
-        raise StudyError(f"{output}: written, but no run has rows that verified: of {counts['runs']} runs, "
-                         f"{counts['unverified']} did not verify, {counts['failed']} failed, {counts['missing']} are not yet run")
+        raise NoRows(f"{output}: written, but no run has rows that verified: of {counts['runs']} runs, "
+                     f"{counts['unverified']} did not verify, {counts['failed']} failed, {counts['missing']} are not yet run")
 
 
 def run(arguments):
@@ -96,7 +101,7 @@ def interrupt(number, _):
 
 
 def main():
-    """Returns the status: 0, 1 after one line on standard error, or 128 + signal."""
+    """Returns the status: 0, that of an error (`lodestone --help`) after one line on standard error, or 128 + signal."""
     signal.signal(signal.SIGINT, interrupt)
     signal.signal(signal.SIGTERM, interrupt)
     for stream in (sys.stdout, sys.stderr):
@@ -107,14 +112,20 @@ def main():
     except Interrupted as error:
         print("lodestone: interrupted; no unfinished file was left", file=sys.stderr)
         return 128 + error.args[0]
+    except NoRows as error:
+        status, message = 1, str(error)
     except OSError as error:
-        message = f"{error.filename or 'standard output'}: cannot write: {error.strerror}"
+        status, message = 4, f"{error.filename or 'standard output'}: cannot write: {error.strerror}"
     except MemoryError:
-        message = "out of memory; close other programs or report on fewer folders"
+        status, message = 6, "out of memory; close other programs or report on fewer folders"
+    except ImportError as error:
+        status, message = 5, str(error)
+    except StudyError as error:
+        status, message = 3, str(error)
     except Exception as error:
-        message = str(error) or type(error).__name__
+        status, message = 7, str(error) or type(error).__name__
     print("lodestone:", "".join(c if c.isprintable() else " " for c in message), file=sys.stderr)
-    return 1
+    return status
 
 
 if __name__ == "__main__":

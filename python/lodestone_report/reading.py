@@ -205,6 +205,9 @@ def load(folder):
         fail(folder, "", "is not the directory of a sweep: it has no sweep.json; `lodestone sweep FILE.toml -o DIR` makes one")
     o = read_entry(path)
     study = Study(folder, o.text("name"), o.text("title", "") or o.text("name"), o.text("question", ""), o.text("program", ""))
+    study.left_out = o.value.get("left_out", {})
+    if not isinstance(study.left_out, dict) or not all(isinstance(path, str) for path in study.left_out.values()):
+        o.fail("'left_out' holds something else than names and files")
     study.sweeps = [read_sweep(s, folder / "runs") for s in o.entries("sweeps")]
     study.requests = [read_figure(f) for f in o.entries("figures")]
     names = {sweep.name for sweep in study.sweeps}

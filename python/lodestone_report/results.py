@@ -129,7 +129,8 @@ def page_text(results, page):
             lines += ["No run of this table has verified rows.", ""]
     if outcomes := [f"- {figure.title}: {figure.outcome}" for figure in results.study.figures if figure.outcome]:
         lines += ["## What the figures of the report show", "", *outcomes, ""]
-    if left_out := results.left_out():
+    missing = [f"- {name}: {path} was missing (scripts/data)" for name, path in results.study.left_out.items()]
+    if left_out := [*missing, *results.left_out()]:
         lines += ["## Left out", "", *left_out, ""]
     return "\n".join([*lines, "## Columns", "", "Times are medians with the range of rounds and repetitions.", "",
                       *meanings(results, page), ""])

@@ -22,6 +22,7 @@ class Study:
     program: str = ""
     sweeps: list[Sweep] = field(default_factory=list)
     requests: list[FigureRequest] = field(default_factory=list)  # the figures that the sweep's file asks for
+    left_out: dict[str, str] = field(default_factory=dict)  # data whose files were missing, and those files
     other_runs: int = 0  # in the folder, but of no sweep: of other settings or another program
 
     @cached_property

@@ -25,6 +25,10 @@ HERMES = SOURCE / "build/data/textured/Hermes/Hermes.obj"
 TEXTURED = HERMES if HERMES.exists() else SOURCE / "examples/models/textured/Gutenberg/Gutenberg.obj"
 
 
+# Exit statuses (experiments/command_line/exit_status.h).
+NEGATIVE, USAGE, INPUT, FILE, UNSUPPORTED, RESOURCE, INTERNAL = STATUSES = range(1, 8)
+
+
 def main(document):
     """Runs the tests of the calling file. usage: FILE PROGRAM [unittest arguments]"""
     global PROGRAM, _models
@@ -82,10 +86,11 @@ class CommandCase(FolderCase):
         return json.loads((self.folder / "results.json").read_text(), parse_constant=self.fail)
 
     def failing(self, *arguments, names=(), output=None, **more):
-        """Expects status 1 and one line that names what is wrong; returns it. Standard output: `output`, or anything."""
+        """Expects the status of an error and one line that names what is wrong; returns it. Standard output: `output`, or
+        anything."""
         done = call(*arguments, cwd=self.folder, **more)
         line = done.stderr.decode(errors="replace")
-        self.assertEqual(done.returncode, 1, (arguments, more, line))
+        self.assertIn(done.returncode, STATUSES, (arguments, more, line))
         self.assertRegex(line, r"\Alodestone: [^\n]+\n\Z", arguments)
         for name in names:
             self.assertIn(name, line, (arguments, more))

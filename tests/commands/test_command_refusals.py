@@ -148,7 +148,7 @@ class Outputs(CommandCase):
         with open("/dev/full", "wb") as full:
             done = subprocess.run([command_case.PROGRAM, "info", hierarchy()], stdout=full, stderr=subprocess.PIPE,
                                   check=False)
-        self.assertEqual(done.returncode, 1)
+        self.assertEqual(done.returncode, command_case.FILE)
         self.assertRegex(done.stderr.decode(), r"\Alodestone: [^\n]*No space left on device[^\n]*\n\Z")
 
 

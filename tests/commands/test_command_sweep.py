@@ -294,6 +294,12 @@ class Failures(SweepCase):
         self.failing_sweep("sweep.toml", "-o", "out", names=["none.ply is missing; correct the path"])
         self.write("ours.toml", 'name = "test"\n[data]\ntiny = { path = "build/data/none.ply" }\n' + section("x = 1"))
         self.failing_sweep("ours.toml", "-o", "out3", names=["build/data/none.ply is missing; get the models by scripts/data"])
+        self.write("ours.toml", 'name = "test"\n[data]\nbox = { generate = "box", triangles = 12 }\n'
+                   'tiny = { path = "build/data/none.ply" }\n' + section("x = 1").replace('"tiny"', '["box", "tiny"]'))
+        words = self.lodestone("sweep", "ours.toml", "-o", "out4", "--leave-out-missing")
+        self.assertIn("note: tiny: build/data/none.ply is missing, and its runs are left out; get the models by scripts/data", words)
+        self.assertEqual([run["data"] for run in self.plan("out4")["sweeps"][0]["runs"]], ["box"])
+        self.assertEqual(self.plan("out4")["left_out"], {"tiny": "build/data/none.ply"})
         self.write("m.ply", model("a.ply", "generate", "box", "--triangles", 12).read_bytes())
         text = f'name = "test"\n[data]\ntiny = {{ path = "m.ply", sha256 = "{"0" * 64}" }}\n' + section("x = 1")
         self.write("sweep.toml", text)

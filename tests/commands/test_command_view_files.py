@@ -168,7 +168,7 @@ class Troubles(ViewCase):
         self.display.drag((300, 200), (400, 250))
         self.display.lose()
         out, err = viewer.process.communicate(timeout=30)
-        self.assertEqual((viewer.process.returncode, out), (1, ""))
+        self.assertEqual((viewer.process.returncode, out), (5, ""))
         self.assertIn("lodestone: the connection to the display was lost\n", err)
         self.assertGreater(len(json.loads((self.folder / "path001.json").read_text())["frames"]), 5)
 

@@ -106,6 +106,7 @@ class Pages(FolderCase):
                        start="2026-01-31T12:00:00Z")
             if jump > 1:
                 study.fault(run, 0, "verify", "a vertex jumps beyond its bound")
+        study.sheet["left_out"] = {"statue": "build/data/scans/statue.ply"}
         self.studies = results.write_pages({"guarantee": study.write()}, self.folder / "pages", "--full")
 
     def page(self, name):
@@ -122,6 +123,7 @@ class Pages(FolderCase):
         page = self.page("guarantee")
         self.assertNotIn("| scan |", page)
         self.assertIn("- one_pixel, scan: unverified: a vertex jumps beyond its bound", page)
+        self.assertIn("- statue: build/data/scans/statue.ply was missing (scripts/data)", page)
 
     def test_head_with_figures_that_are_computed(self):
         first = self.page("README")
@@ -203,7 +205,7 @@ class Runs(FolderCase):
         arguments = self.out / "effects/arguments"
         self.assertEqual(self.run_to_end("--full", "effects")[0], 0)
         self.assertIn("effects.toml", arguments.read_text())
-        self.assertTrue(arguments.read_text().endswith("--resume --full"), arguments.read_text())
+        self.assertTrue(arguments.read_text().endswith("--resume --leave-out-missing --full"), arguments.read_text())
         arguments.unlink()
         self.assertEqual(self.run_to_end("--write-only", "effects")[0], 0)
         self.assertFalse(arguments.exists())

@@ -46,7 +46,7 @@ CONFINED = [
     Confined("Dear ImGui", r"#\s*include\s*[<\"]imgui", r"render/viewer[/_.]"),
     Confined("GLM", r"#\s*include\s*<glm/", r"(render|experiments|tests|bench)/"),
     Confined("OpenMesh", r"#\s*include\s*<OpenMesh/", r"(core/(\w+/)*half_edge\w*[/.]|tests/|bench/)"),
-    Confined("CLI11", r"#\s*include\s*<CLI/", r"(experiments|tests)/"),
+    Confined("CLI11", r"#\s*include\s*<CLI/", r"experiments/commands/parser\.cpp$"),
     Confined("Google Benchmark", r"#\s*include\s*<benchmark/", r"bench/"),
     Confined("GoogleTest or rapidcheck", r"#\s*include\s*<(gtest|gmock|rapidcheck)[/.]", r"tests/"),
     Confined("standard output", r"#\s*include\s*<iostream>|\bstd::(cout|cerr|printf)\b", r"(experiments|tests|bench)/"),

@@ -48,14 +48,19 @@ class Documents(unittest.TestCase):
         for path in (SOURCE_DIR / "docs/decisions").glob("*.md"):
             self.assertRegex(path.read_text(), rf"\A# {path.name[:4]} ")
 
-    def test_changelog_has_unreleased(self):
-        self.assertRegex((SOURCE_DIR / "CHANGELOG.md").read_text(), r"(?m)^## Unreleased$")
+    def test_changelog_is_by_version(self):
+        headings = re.findall(r"(?m)^## (.*)$", (SOURCE_DIR / "CHANGELOG.md").read_text())
+        self.assertRegex(headings[0], r"^\d+\.\d+\.\d+ \(Unreleased\)$|^\d+\.\d+\.\d+$")
+        versions = [tuple(map(int, heading.split()[0].split("."))) for heading in headings]
+        self.assertEqual(versions, sorted(versions, reverse=True))
 
     def test_one_version(self):
-        pattern = {"CMakeLists.txt": r"project\(lodestone VERSION ([\d.]+)", "CITATION.cff": r"(?m)^version: ([\d.]+)$",
-                   "render/web/package.json": r'"version": "([\d.]+)"'}
+        header = (SOURCE_DIR / "core/base/version.h").read_text()
+        version = ".".join(re.findall(r"(?m)^#define LODESTONE_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)$", header))
+        pattern = {"CITATION.cff": r"(?m)^version: ([\d.]+)$", "render/web/package.json": r'"version": "([\d.]+)"',
+                   "render/web/README.md": r"lodestone-web-([\d.]+)\.tgz", "CHANGELOG.md": r"(?m)^## ([\d.]+)"}
         found = {name: re.search(text, (SOURCE_DIR / name).read_text())[1] for name, text in pattern.items()}
-        self.assertEqual(len(set(found.values())), 1, found)
+        self.assertEqual(set(found.values()), {version}, found)
 
     def test_files_have_their_size(self):
         for lines, path in docs.long_files(SOURCE_DIR):

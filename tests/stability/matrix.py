@@ -101,14 +101,18 @@ def run(program, words, folder):
     return process.returncode, lines[-1], usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024
 
 
+# Faults of the input, of a file, of this machine or of its limits, not of the command line or the program.
+REFUSALS = range(3, 7)
+
+
 def judge(step, refusal, status, line):
     """The fault, '' for none, and the message of an error that is right."""
     if refusal:
-        right = status == 1 and refusal in line
+        right = status in REFUSALS and refusal in line
         return ("" if right else f"status {status} where '{refusal}' was expected: {line}", line if right else "")
     if status == 0:
         return "", ""
-    if status == 1 and step.errors and re.search(step.errors, line):
+    if status in REFUSALS and step.errors and re.search(step.errors, line):
         return "", line
     return f"status {status}: {line}", ""
 

@@ -28,10 +28,10 @@ class Stability(unittest.TestCase):
     def test_faults_are_seen(self):
         step = matrix.Step("", ["build", "in.ply"], errors="too much")
         self.assertEqual(matrix.judge(step, "", 0, ""), ("", ""))
-        self.assertEqual(matrix.judge(step, "", 1, "too much of it"), ("", "too much of it"))
-        for status, line in ((1, "nothing known"), (-11, "too much"), (2, "too much")):
+        self.assertEqual(matrix.judge(step, "", 3, "too much of it"), ("", "too much of it"))
+        for status, line in ((3, "nothing known"), (-11, "too much"), (1, "too much"), (7, "too much")):
             self.assertNotEqual(matrix.judge(step, "", status, line)[0], "")
-        self.assertEqual(matrix.judge(step, "no triangle", 1, "has no triangle")[0], "")
+        self.assertEqual(matrix.judge(step, "no triangle", 3, "has no triangle")[0], "")
         self.assertNotEqual(matrix.judge(step, "no triangle", 0, "")[0], "")
 
 

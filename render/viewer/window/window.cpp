@@ -29,7 +29,7 @@ std::function<void()>& display_lost() {
 int on_io_error(void*) {
   if (const auto callback = std::exchange(display_lost(), {})) callback();
   remove_temporaries();
-  std::_Exit(1);
+  std::_Exit(5);  // as where there is no display: experiments/command_line/exit_status.h
 }
 
 // For a GLFW connected to an X server. Without Xlib (Wayland) a lost display is a window that closes.

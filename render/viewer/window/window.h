@@ -74,7 +74,7 @@ class Window {
   Point pointer_;  // where the last movement ended: the pointer may be elsewhere when events are handled late
 };
 
-// Called, once, when the connection to the display is lost; the process ends with status 1 when it returns. It must not
+// Called, once, when the connection to the display is lost; the process ends with status 5 when it returns. It must not
 // touch the window.
 void on_display_lost(std::function<void()> callback);
 

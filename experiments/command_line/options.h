@@ -1,4 +1,5 @@
-// The options of a subcommand as a table. The parser itself (CLI11) is named in options.cpp and main.cpp alone.
+// The subcommands and their options as tables, from which the parser, the help, the completion of shells and the manual
+// pages are made. The parser itself (CLI11) is named in parser.cpp alone.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +11,6 @@
 #include <utility>
 #include <variant>
 #include <vector>
-
-namespace CLI {
-class App;
-}
 
 namespace lodestone {
 
@@ -67,24 +64,32 @@ struct CommandInfo {
   std::string threads_help = "Number of threads; 0 takes all of the machine";
 };
 
+struct Command {
+  CommandInfo info;
+  OptionTable options;  // the common ones first
+  std::function<void()> run;
+  bool hidden = false;  // no help mentions it
+};
+using CommandTable = std::vector<Command>;
+
 // Adds a subcommand with --json, --threads, --quiet and the options of the table; `run` is called when it is given on
-// the command line. `common` outlives the parser.
-void add_command(CLI::App& app, const CommandInfo& info, CommonOptions& common, const OptionTable& table,
+// the command line. What `common` and the table point to lives as long as `run`.
+void add_command(CommandTable& commands, const CommandInfo& info, CommonOptions& common, OptionTable table,
                  std::function<void()> run);
 
 // A subcommand whose options live in a struct: `declare` makes the table of their addresses.
 template <class Options>
-void define_command(CLI::App& app, const CommandInfo& info, OptionTable (*declare)(Options&),
+void define_command(CommandTable& commands, const CommandInfo& info, OptionTable (*declare)(Options&),
                     void (*run)(const Options&, const CommonOptions&)) {
   struct Both {
     Options own;
     CommonOptions common;
   };
   const auto both = std::make_shared<Both>();
-  add_command(app, info, both->common, declare(both->own), [both, run] { run(both->own, both->common); });
+  add_command(commands, info, both->common, declare(both->own), [both, run] { run(both->own, both->common); });
 }
 
-// Adds a subcommand that no help mentions, without the common options.
-void add_hidden_command(CLI::App& app, const std::string& name, const OptionTable& table, std::function<void()> run);
+// The line that describes the program in its help and its manual.
+[[nodiscard]] const std::string& program_description();
 
 }  // namespace lodestone
