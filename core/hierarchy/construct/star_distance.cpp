@@ -1,14 +1,39 @@
 #include "core/hierarchy/construct/star_distance.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/spatial/point_triangle.h"
 
 namespace lodestone {
+namespace {
+
+// Larger stars are searched by a tree. Stars of scans have six triangles, the largest some thirty.
+constexpr std::uint32_t largest_scanned = 64;
+
+void keep_once(std::vector<std::uint32_t>& numbers) {
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+TriangleBvh tree_of(std::span<const Triangle> all, std::span<const Vec3f> positions,
+                    std::span<const std::uint32_t> chosen) {
+  std::vector<Vec3d> corners;
+  std::vector<Triangle> triangles;
+  for (const std::uint32_t t : chosen) {
+    const auto first = static_cast<std::uint32_t>(corners.size());
+    for (const std::uint32_t v : all[t].v) corners.push_back(to_double(positions[v]));
+    triangles.push_back({{first, first + 1, first + 2}});
+  }
+  return {corners, triangles};
+}
+
+}  // namespace
 
 void StarDistance::reset(std::span<const Triangle> triangles, std::span<const Vec3f> positions) {
   triangles_ = triangles;
   positions_ = positions;
+  neighbourhoods_.clear();
   // A counting sort; first_ has the ends while the triangles are placed, last one first.
   first_.assign(positions.size() + 1, 0);
   for (const Triangle& t : triangles)
@@ -22,7 +47,36 @@ void StarDistance::reset(std::span<const Triangle> triangles, std::span<const Ve
       for (const std::uint32_t v : triangles[t].v) incident_[--first_[v]] = static_cast<std::uint32_t>(t);
 }
 
-void StarDistance::search_star(double known, const Vec3d& p, VertexId vertex, Nearest& nearest) const {
+bool StarDistance::is_large(VertexId vertex) const { return first_[vertex + 1] - first_[vertex] > largest_scanned; }
+
+// Those of the stars of all vertices of the star: what search_around() looks at.
+std::vector<std::uint32_t> StarDistance::triangles_near(VertexId vertex) const {
+  std::vector<std::uint32_t> around, triangles;
+  for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1]; ++i)
+    for (const std::uint32_t v : triangles_[incident_[i]].v) around.push_back(v);
+  keep_once(around);
+  for (const std::uint32_t v : around)
+    triangles.insert(triangles.end(), incident_.begin() + first_[v], incident_.begin() + first_[v + 1]);
+  keep_once(triangles);
+  return triangles;
+}
+
+const StarDistance::Neighbourhood& StarDistance::neighbourhood(VertexId vertex) {
+  const auto found = neighbourhoods_.find(vertex);
+  if (found != neighbourhoods_.end()) return found->second;
+  std::vector<std::uint32_t> triangles = triangles_near(vertex);
+  TriangleBvh tree = tree_of(triangles_, positions_, triangles);
+  return neighbourhoods_.emplace(vertex, Neighbourhood{std::move(triangles), std::move(tree)}).first->second;
+}
+
+void StarDistance::search_star(double known, const Vec3d& p, VertexId vertex, Nearest& nearest) {
+  if (is_large(vertex)) {
+    const Neighbourhood& around = neighbourhood(vertex);
+    const TriangleBvh::Nearest found = around.tree.nearest(p);
+    if (found.squared_distance < nearest.squared)
+      nearest = {found.squared_distance, TriangleId(around.triangles[around.tree.triangle(found.slot)])};
+    return;
+  }
   for (std::uint32_t i = first_[vertex]; i < first_[vertex + 1] && nearest.squared > known; ++i) {
     const auto& v = triangles_[incident_[i]].v;
     const double squared =
@@ -34,10 +88,15 @@ void StarDistance::search_star(double known, const Vec3d& p, VertexId vertex, Ne
 
 // Searches the stars of all vertices around a triangle: a step over a notch in the border of the block, where the
 // search along nearer and nearer triangles would end too early.
-void StarDistance::search_around(double known, const Vec3d& p, TriangleId triangle, Nearest& nearest) const {
-  for (const std::uint32_t v : triangles_[triangle].v)
+void StarDistance::search_around(double known, const Vec3d& p, TriangleId triangle, Nearest& nearest) {
+  for (const std::uint32_t v : Triangle(triangles_[triangle]).v) {
+    if (is_large(VertexId(v))) {
+      search_star(known, p, VertexId(v), nearest);
+      continue;
+    }
     for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i)
       for (const std::uint32_t u : triangles_[incident_[i]].v) search_star(known, p, VertexId(u), nearest);
+  }
 }
 
 // True if the foot of p on a triangle around `vertex` lies inside that triangle and within `known`: without a division,
@@ -59,9 +118,9 @@ bool StarDistance::is_near(double known, const Vec3d& p, VertexId vertex) const 
   return false;
 }
 
-double StarDistance::farther(double known, Vec3f p, VertexId vertex) const {
+double StarDistance::farther(double known, Vec3f p, VertexId vertex) {
   const Vec3d point = to_double(p);
-  if (is_near(known, point, vertex)) return known;
+  if (!is_large(vertex) && is_near(known, point, vertex)) return known;
   Nearest nearest{squared_length(point - to_double(positions_[vertex]))};
   if (first_[vertex] < first_[vertex + 1]) nearest.triangle = TriangleId(incident_[first_[vertex]]);
   search_star(known, point, vertex, nearest);

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 
 #include "core/hierarchy/construct/star_distance.h"
 #include "core/simplify/make_simplifier.h"
 #include "core/spatial/point_triangle.h"
+#include "tests/hard_mesh.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -58,6 +60,25 @@ INSTANTIATE_TEST_SUITE_P(Meshes, StarDistanceOf,
                          testing::Values([] { return test::sphere_mesh(4); }, [] { return test::terrain_mesh(40); },
                                          [] { return test::torus_mesh(60, 30); }),
                          [](const auto& param) { return std::to_string(param.index); });
+
+// Each vertex of the rim moves into the hub, in whose star all triangles are: quadratic time would be a minute.
+TEST(StarDistance, OfAHubWithManyTrianglesIsExactAndQuick) {
+  const RawMesh wheel = test::hard_mesh(hard_case("wheel"), 50'000);
+  std::vector<Vec3f> positions;
+  for (const Vec3d p : wheel.positions) positions.push_back(to_float(p));
+  const std::clock_t begin = std::clock();
+  StarDistance surface;
+  surface.reset(wheel.triangles, positions);
+  for (std::uint32_t v = 1; v < positions.size(); ++v) {
+    const Vec3f p = positions[v] + Vec3f{0, 0, 1e-4f};
+    const double measured = surface.farther(0, p, VertexId(0));
+    ASSERT_LE(measured, 1.01e-4 * 1.01e-4) << v;
+    if (v % 10'000 == 0) {
+      ASSERT_NEAR(measured, brute_force(wheel.triangles, positions, p), 1e-15) << v;
+    }
+  }
+  EXPECT_LT(std::clock() - begin, 10 * CLOCKS_PER_SEC);
+}
 
 TEST(StarDistance, OfAVertexWithoutTrianglesIsTheWayToIt) {
   const std::vector<Vec3f> positions{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5f, 0.5f, 0.5f}};
