@@ -9,8 +9,8 @@ import matrix  # noqa: E402
 
 PROGRAM = sys.argv.pop()
 LONG = {"wheel", "confetti", "uneven", "crossing"}
-STEPS = {"build, small cells", "verify", "build, measured", "verify it  ", "render", "export .ply", "and back", "progressive .lpm",
-         "reconstruct", "spherical"}
+STEPS = {"build, small cells", "verify", "build, measured", "verify, measured", "render, soft", "export .ply", ".ply and back",
+         "progressive .lpm", "reconstruct", "spherical"}
 
 
 class Stability(unittest.TestCase):

@@ -29,11 +29,13 @@ namespace lodestone::hard {
 [[nodiscard]] PolygonMesh moebius(std::uint64_t size);
 [[nodiscard]] PolygonMesh klein(std::uint64_t size);
 [[nodiscard]] PolygonMesh plane(std::uint64_t size);
+[[nodiscard]] PolygonMesh flat(std::uint64_t size);
 [[nodiscard]] PolygonMesh cylinder(std::uint64_t size);
 [[nodiscard]] PolygonMesh crease(std::uint64_t size);
 [[nodiscard]] PolygonMesh cone(std::uint64_t size);
 [[nodiscard]] PolygonMesh wheel(std::uint64_t size);
 [[nodiscard]] PolygonMesh comb(std::uint64_t size);
+[[nodiscard]] PolygonMesh spiral(std::uint64_t size);
 [[nodiscard]] PolygonMesh leaf(std::uint64_t size);
 [[nodiscard]] PolygonMesh one_triangle(std::uint64_t size);
 [[nodiscard]] PolygonMesh on_a_line(std::uint64_t size);

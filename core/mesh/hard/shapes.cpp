@@ -100,6 +100,13 @@ PolygonMesh plane(std::uint64_t size) {
   return sheet(squares(size), [](double u, double v) { return Vec3d{u, v, 0}; });
 }
 
+PolygonMesh flat(std::uint64_t size) {
+  return sheet(squares(size), [](double u, double v) {
+    const double inside = std::max(0.0, 1 - 100 * ((u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)));
+    return Vec3d{u, v, 0.01 * inside * inside};
+  });
+}
+
 PolygonMesh cylinder(std::uint64_t size) {
   const std::uint32_t n = squares(size);
   PolygonMesh mesh = sheet(n, [](double u, double v) { return on_circle(u, v); });
@@ -141,6 +148,20 @@ PolygonMesh comb(std::uint64_t size) {
     mesh.add_vertex({(k + 0.3) / teeth, 0.5, 0});
     mesh.add_vertex({(k + 0.6) / teeth, 0.05, 0});
   }
+  for (std::uint32_t v = static_cast<std::uint32_t>(mesh.positions.size()); v-- > 0;) mesh.corners.push_back(v);
+  mesh.ends.push_back(mesh.corners.size());
+  return mesh;
+}
+
+// A strip of ten turns: out along one side, back along the other.
+PolygonMesh spiral(std::uint64_t size) {
+  const auto n = static_cast<std::uint32_t>(std::max<std::uint64_t>(size / 2, 4));
+  PolygonMesh mesh;
+  const auto add = [&](double share, double width) {
+    mesh.add_vertex((0.1 + 0.9 * share + width) * 2 * on_circle(10 * share, 0));
+  };
+  for (std::uint32_t k = 0; k < n; ++k) add(double(n - 1 - k) / (n - 1), 0);
+  for (std::uint32_t k = 0; k < n; ++k) add(double(k) / (n - 1), 0.04);
   for (std::uint32_t v = static_cast<std::uint32_t>(mesh.positions.size()); v-- > 0;) mesh.corners.push_back(v);
   mesh.ends.push_back(mesh.corners.size());
   return mesh;

@@ -1,6 +1,8 @@
 // The catalogue of hard surfaces: files of it are read, and have what they are named after.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -60,6 +62,35 @@ TEST(HardCases, HaveWhatTheyAreNamedAfter) {
   for (const Triangle& t : cleaned("wheel").mesh.triangles)
     for (const std::uint32_t v : t.v) highest = std::max(highest, ++valence[v]);
   EXPECT_EQ(highest, 2'000u);
+}
+
+TEST(HardCases, PolygonsThatAreNotConvexAreCutWithinThemselves) {
+  for (const char* name : {"comb", "spiral"}) {
+    const PolygonMesh polygon = hard_case(name).make(most);
+    double area = 0;  // twice that of the polygon
+    for (std::size_t k = 0; k < polygon.corners.size(); ++k) {
+      const Vec3d a = polygon.positions[polygon.corners[k]],
+                  b = polygon.positions[polygon.corners[(k + 1) % polygon.corners.size()]];
+      area += a.x * b.y - a.y * b.x;
+    }
+    const RawMesh mesh = test::hard_mesh(hard_case(name), most);
+    double cut = 0;
+    for (const auto& [v] : mesh.triangles) {
+      const Vec3d a = mesh.positions[v[0]];
+      cut += length(cross(mesh.positions[v[1]] - a, mesh.positions[v[2]] - a));
+    }
+    EXPECT_EQ(mesh.triangles.size(), polygon.corners.size() - 2) << name;
+    EXPECT_NEAR(cut, std::abs(area), 1e-9 * cut) << name;
+  }
+}
+
+TEST(HardCases, FlatHasReliefInItsMiddleAlone) {
+  const RawMesh mesh = test::hard_mesh(hard_case("flat"), most);
+  std::size_t flat = 0;
+  for (const auto& [v] : mesh.triangles)
+    flat += std::ranges::all_of(v, [&](auto k) { return mesh.positions[k].z == 0; });
+  EXPECT_GT(flat, 9 * mesh.triangles.size() / 10);
+  EXPECT_LT(flat, mesh.triangles.size());
 }
 
 }  // namespace
