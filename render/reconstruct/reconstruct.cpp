@@ -51,8 +51,16 @@ double finest_resolution(const ReconstructConfig& config) {
   return (largest_map_side - 8) * sample / (std::sqrt(3.0) * (config.condense ? 2 : 1));
 }
 
-MapView view_towards(const Box3f& box, Vec3d direction, const ReconstructConfig& config) {
-  const double spacing = map_spacing(config);
+// A strip of an open surface of fewer samples across falls to pieces: at its outline only every second pixel is in a
+// triangle, and where it turns another view takes over. Maps of less than 512 pixels are drawn up to four times finer
+// for it; the mesh is simplified to as many triangles as ever.
+double spacing_for_width(double width, double spacing) {
+  constexpr double samples_across = 6, most_finer = 4, most_pixels = 512;
+  const double finer = std::clamp(samples_across * spacing / width, 1.0, most_finer);
+  return std::min(spacing, std::max(spacing / finer, 1 / most_pixels));
+}
+
+MapView view_towards(const Box3f& box, Vec3d direction, double spacing, const ReconstructConfig& config) {
   if (config.projection == Projection::orthographic) return orthographic_view(box, direction, spacing);
   // Four radii away nearer parts are sampled at most two thirds denser than farther ones.
   const Vec3d lo = to_double(box.lo), hi = to_double(box.hi);
@@ -148,7 +156,7 @@ DrawnMaps draw_even_maps(const IndexedMesh& mesh, const ReconstructConfig& confi
                          Scheduler& scheduler) {
   DrawnMaps drawn;
   report.spacing = 1 / config.resolution, report.drawn_resolution = config.resolution;
-  drawn.spacing = map_spacing(config);
+  drawn.spacing = report.map_spacing = map_spacing(config);
   report.views.directions = even_directions(config.views.most);
   const CpuClock draw_clock;
   const Box3f box = box_of(mesh);
@@ -232,6 +240,13 @@ void put_mesh(const MergedMesh& merged, const Transform& transform, RawMesh& raw
   raw.triangles = merged.triangles;
 }
 
+// Vertices that are no longer where put_mesh() has put them.
+void take_moved(const RawMesh& raw, const Transform& transform, MergedMesh& merged) {
+  for (std::size_t v = 0; v < merged.position.size(); ++v)
+    if (raw.positions[v] != transform.to_model(merged.position[v]))
+      merged.position[v] = transform.to_normalised(raw.positions[v]);
+}
+
 }  // namespace
 
 DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
@@ -248,7 +263,13 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   report.closed = drawn.closed, report.oriented = drawn.oriented;
   report.spacing = 1 / config.resolution, report.drawn_resolution = config.resolution;
   drawn.spacing = map_spacing(config);
-  if (!drawn.closed) drawn.border = border_points(mesh, 0.5 * drawn.spacing);
+  if (!drawn.closed) {
+    const std::vector<LoneEdge> border = border_edges(mesh);
+    if (config.merge == MergeKind::stitch && config.detail > 1)
+      drawn.spacing = spacing_for_width(narrowest_width(mesh, drawn.parts, border), drawn.spacing);
+    drawn.border = border_points(mesh, border, 0.5 * drawn.spacing);
+  }
+  report.map_spacing = drawn.spacing;
   if (config.views.prescribes_faces())
     report.views.directions = face_directions();
   else
@@ -259,7 +280,7 @@ DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, Re
   const Box3f box = box_of(mesh);
   const auto renderer = make_map_renderer(config.backend, mesh, scheduler);
   for (const Vec3d& direction : report.views.directions)
-    draw_map(*renderer, view_towards(box, direction, config), config, drawn, scheduler);
+    draw_map(*renderer, view_towards(box, direction, drawn.spacing, config), config, drawn, scheduler);
   const auto along = [&](Vec3d direction) { return orthographic_view(box, direction, drawn.spacing); };
   report.views.inside = choose_inside_views(mesh, report.views.samples, drawn.maps, config.views, along, scheduler);
   for (const MapView& view : report.views.inside) draw_map(*renderer, view, config, drawn, scheduler);
@@ -290,6 +311,7 @@ RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const Reconstr
   if (config.attributes && mesh) {
     const CpuClock attributes_clock;
     resample_attributes(*mesh, std::move(source), raw);
+    take_moved(raw, drawn.maps.front().transform, merged);
     report.attributes = attributes_clock.elapsed();
   }
   report.sampled_triangles = merged.triangles.size();
@@ -356,9 +378,10 @@ Reconstruction reconstruct_to_triangles(const IndexedMesh& mesh, ReconstructConf
     Reconstruction tried = reconstruct(mesh, config, scheduler);
     const auto made = static_cast<double>(std::max<std::size_t>(tried.mesh.triangles.size(), 1));
     const auto sampled = static_cast<double>(std::max<std::size_t>(tried.report.sampled_triangles, 1));
-    if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
     // A mesh to be simplified need not be finer than necessary.
-    const double finer = simplifies ? sampled / (wanted * excess_of(config, config.detail)) : made / wanted;
+    const double detail = 1 / (config.resolution * tried.report.map_spacing);
+    const double finer = simplifies ? sampled / (wanted * excess_of(config, detail)) : made / wanted;
+    if (const double miss = std::abs(std::log(made / wanted)); miss < least) least = miss, best = std::move(tried);
     if (least < 0.02 && (!simplifies || (finer > 0.6 && finer < 2.5))) break;
     if (simplifies) least = std::numeric_limits<double>::infinity();
     const double next = std::clamp(config.resolution / std::sqrt(finer), 2.0, most);

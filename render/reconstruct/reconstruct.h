@@ -26,7 +26,7 @@ struct ReconstructConfig {
       256;  // pixels along the longest side of the bounding box; the spacing of the samples is its inverse
   MergeKind merge = MergeKind::stitch;
   // Maps are drawn by this factor finer than `resolution`, and the stitched mesh is simplified to as many triangles as
-  // the resolution gives (simplify_merged.h): 1 to 16; 1: not.
+  // the resolution gives (simplify_merged.h): 1 to 16; 1: not. Narrow strips are drawn finer still (reconstruct.cpp).
   double detail = 2;
   std::uint64_t triangles = 0;  // simplify to so many instead, where the maps give more; 0: not
   Projection projection = Projection::orthographic;
@@ -48,6 +48,7 @@ struct ReconstructReport {
   ChosenViews views;
   double spacing = 0;                  // of the resolution, normalised units
   double drawn_resolution = 0;         // pixels; `spacing` is larger where fewer triangles were asked for
+  double map_spacing = 0;              // of the samples in maps that were drawn here, normalised units
   std::uint64_t pixels = 0, seen = 0;  // of all maps
   std::uint64_t view_triangles = 0;    // of all view meshes
   StitchReport stitch;
@@ -80,7 +81,7 @@ struct DrawnMaps {
   bool oriented = true;                   // neighbouring triangles agree on the outside
   std::size_t most_handles = any_number;  // that the surface may have
   std::vector<std::uint32_t> parts;       // of the triangles; empty: one
-  std::vector<Vec3f> border;              // where the surface ends, normalised; empty: nowhere, or not known
+  std::vector<BorderPoint> border;        // where the surface ends; empty: nowhere, or not known
 };
 [[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
                                   Scheduler& scheduler);

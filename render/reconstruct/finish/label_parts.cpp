@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/base/disjoint_sets.h"
+#include "core/mesh/raw_mesh.h"
 
 namespace lodestone {
 
@@ -46,14 +48,24 @@ class TrianglesAround {
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
       for (std::uint32_t k = 0; k < 3; ++k) corner_[next[triangles[t].v[k]]++] = 3 * t + k;
   }
-  // Corners at `from` whose triangle goes on to `to`.
+  // Corners at `from` whose triangle goes on to `to`. Looks at the triangles of the end that has fewer, so that a fan
+  // of any size takes linear time.
   template <class Visit>
   void for_edges(std::uint32_t from, std::uint32_t to, const Visit& visit) const {
-    for (std::uint32_t k = first_[from]; k < first_[from + 1]; ++k)
-      if (triangles_[corner_[k] / 3].v[(corner_[k] + 1) % 3] == to) visit(corner_[k]);
+    if (count(from) <= count(to)) {
+      for (std::uint32_t k = first_[from]; k < first_[from + 1]; ++k)
+        if (triangles_[corner_[k] / 3].v[(corner_[k] + 1) % 3] == to) visit(corner_[k]);
+    } else {
+      for (std::uint32_t k = first_[to]; k < first_[to + 1]; ++k)
+        if (const std::uint32_t before = corner_[k] % 3 == 0 ? corner_[k] + 2 : corner_[k] - 1;
+            triangles_[before / 3].v[before % 3] == from)
+          visit(before);
+    }
   }
 
  private:
+  [[nodiscard]] std::uint32_t count(std::uint32_t vertex) const { return first_[vertex + 1] - first_[vertex]; }
+
   std::span<const Triangle> triangles_;
   std::vector<std::uint32_t> first_, corner_;
 };
@@ -100,26 +112,76 @@ std::optional<std::size_t> count_handles(const IndexedMesh& mesh) {
   return (2 * pieces + edges - holes - vertices - triangles.size()) / 2;
 }
 
-std::vector<Vec3f> border_points(const IndexedMesh& mesh, double spacing) {
-  const auto vertex = [&](std::uint32_t v) { return mesh.wedges.vertex.empty() ? v : mesh.wedges.vertex[v]; };
+namespace {
+
+std::uint32_t vertex_at(const IndexedMesh& mesh, std::uint32_t triangle, std::uint32_t corner) {
+  const std::uint32_t v = mesh.triangles[triangle].v[corner % 3];
+  return mesh.wedges.vertex.empty() ? v : mesh.wedges.vertex[v];
+}
+
+}  // namespace
+
+std::vector<LoneEdge> border_edges(const IndexedMesh& mesh) {
+  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+  const auto key = [&](std::uint32_t t, std::uint32_t k) {
+    const std::uint64_t a = vertex_at(mesh, t, k), b = vertex_at(mesh, t, k + 1);
+    return std::min(a, b) << 32 | std::max(a, b);
+  };
   std::vector<std::uint64_t> edges;
   edges.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint64_t a = vertex(t.v[k]), b = vertex(t.v[(k + 1) % 3]);
-      edges.push_back(std::min(a, b) << 32 | std::max(a, b));
-    }
+  for (std::uint32_t t = 0; t < count; ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) edges.push_back(key(t, k));
   std::sort(edges.begin(), edges.end());
-  std::vector<Vec3f> points;
+  // Most vertices are on none of them, which need not be looked for.
+  std::vector<bool> on_border(mesh.positions.size(), false);
+  std::size_t lone = 0;
   for (std::size_t first = 0, last = 0; first < edges.size(); first = last) {
     while (last < edges.size() && edges[last] == edges[first]) ++last;
     if (last - first > 1) continue;
-    const Vec3f a = mesh.positions[edges[first] >> 32], b = mesh.positions[edges[first] & 0xFFFF'FFFFu];
-    const int steps = static_cast<int>(std::ceil(length(b - a) / spacing));
+    on_border[edges[first] >> 32] = on_border[edges[first] & 0xFFFF'FFFFu] = true;
+    edges[lone++] = std::uint64_t{edges[first]};
+  }
+  edges.resize(lone);
+  std::vector<LoneEdge> border;
+  for (std::uint32_t t = 0; t < count; ++t)
+    for (std::uint32_t k = 0; k < 3; ++k)
+      if (on_border[vertex_at(mesh, t, k)] && on_border[vertex_at(mesh, t, k + 1)] &&
+          std::binary_search(edges.begin(), edges.end(), key(t, k)))
+        border.push_back({t, k});
+  return border;
+}
+
+std::vector<BorderPoint> border_points(const IndexedMesh& mesh, std::span<const LoneEdge> border, double spacing) {
+  std::vector<BorderPoint> points;
+  for (const LoneEdge& edge : border) {
+    const auto at = [&](std::uint32_t k) { return mesh.positions[vertex_at(mesh, edge.triangle, edge.corner + k)]; };
+    const Vec3f a = at(0), along = at(1) - a, across = cross(along, cross(along, at(2) - a));
+    const Vec3f outward = unit_normal(to_double(across));
+    const int steps = static_cast<int>(std::ceil(length(along) / spacing));
     for (int k = 0; k <= steps; ++k)
-      points.push_back(a + (static_cast<float>(k) / static_cast<float>(std::max(steps, 1))) * (b - a));
+      points.push_back({a + (static_cast<float>(k) / static_cast<float>(std::max(steps, 1))) * along, outward});
   }
   return points;
+}
+
+double narrowest_width(const IndexedMesh& mesh, std::span<const std::uint32_t> parts,
+                       std::span<const LoneEdge> border) {
+  const auto part = [&](std::size_t t) { return parts.empty() ? 0 : parts[t]; };
+  const std::size_t count = parts.empty() ? 1 : 1 + *std::max_element(parts.begin(), parts.end());
+  std::vector<double> area(count, 0), around(count, 0);
+  double whole = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto at = [&](std::uint32_t k) { return to_double(mesh.positions[vertex_at(mesh, t, k)]); };
+    const double own = 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
+    area[part(t)] += own, whole += own;
+  }
+  for (const LoneEdge& edge : border)
+    around[part(edge.triangle)] += length(to_double(mesh.positions[vertex_at(mesh, edge.triangle, edge.corner + 1)]) -
+                                          to_double(mesh.positions[vertex_at(mesh, edge.triangle, edge.corner)]));
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = parts.empty() ? 0 : 1; k < count; ++k)
+    if (around[k] > 0 && area[k] > 0.01 * whole) least = std::min(least, 2 * area[k] / around[k]);
+  return least;
 }
 
 }  // namespace lodestone

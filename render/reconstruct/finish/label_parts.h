@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/mesh/indexed_mesh.h"
+#include "render/reconstruct/seams/model_border.h"
 
 namespace lodestone {
 
@@ -17,7 +19,18 @@ namespace lodestone {
 // an edge has more than two triangles, or two with different orientations.
 [[nodiscard]] std::optional<std::size_t> count_handles(const IndexedMesh& mesh);
 
-// Points on the border edges of the mesh, at most `spacing` apart (normalised units), both ends included.
-[[nodiscard]] std::vector<Vec3f> border_points(const IndexedMesh& mesh, double spacing);
+// Edges of one triangle, in the order of the triangles: from this corner of it to the next.
+struct LoneEdge {
+  std::uint32_t triangle = 0, corner = 0;
+};
+[[nodiscard]] std::vector<LoneEdge> border_edges(const IndexedMesh& mesh);
+// Points on them, at most `spacing` apart (normalised units), both ends included.
+[[nodiscard]] std::vector<BorderPoint> border_points(const IndexedMesh& mesh, std::span<const LoneEdge> border,
+                                                     double spacing);
+// The smallest mean width of a part, in normalised units: twice its area over the length of its border, which is that
+// of a strip. `parts`: as label_parts() has them, number 0 and parts of less than 1 % of the area apart. Infinite if no
+// part has a border.
+[[nodiscard]] double narrowest_width(const IndexedMesh& mesh, std::span<const std::uint32_t> parts,
+                                     std::span<const LoneEdge> border);
 
 }  // namespace lodestone

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "core/base/disjoint_sets.h"
 #include "core/mesh/raw_mesh.h"
@@ -34,6 +36,26 @@ void spread_sources(std::span<const Triangle> triangles, std::vector<std::uint32
   }
 }
 
+// The triangles around each vertex.
+class Stars {
+ public:
+  Stars(std::span<const Triangle> triangles, std::size_t vertices) : first_(vertices + 1, 0) {
+    for (const Triangle& t : triangles)
+      for (const std::uint32_t v : t.v) ++first_[v + 1];
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    around_.resize(first_.back());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t t = 0; t < triangles.size(); ++t)
+      for (const std::uint32_t v : triangles[t].v) around_[next[v]++] = t;
+  }
+  [[nodiscard]] std::span<const std::uint32_t> of(std::uint32_t v) const {
+    return std::span(around_).subspan(first_[v], first_[v + 1] - first_[v]);
+  }
+
+ private:
+  std::vector<std::uint32_t> first_, around_;
+};
+
 class Resampler {
  public:
   Resampler(const IndexedMesh& from, const std::vector<std::uint32_t>& source, RawMesh& mesh)
@@ -49,6 +71,7 @@ class Resampler {
     std::vector<std::uint32_t> material(w.materials.empty() ? 0 : count, w.material.empty() ? 0 : no_material);
     if (!w.colour.empty()) corners.colour.resize(mesh_.positions.size());
     find_places();
+    snap_to_seams();
     for (std::size_t t = 0; t < count; ++t) {
       const std::uint32_t seen = leading_source(mesh_.triangles[t].v);
       if (seen == no_source) continue;
@@ -69,11 +92,73 @@ class Resampler {
  private:
   [[nodiscard]] std::uint32_t chart_of(std::uint32_t triangle) const { return chart_[from_.triangles[triangle].v[0]]; }
 
-  // The triangle of the source whose chart a triangle belongs to: that of two of its corners, if two agree.
+  // The triangle of the source whose chart a triangle belongs to: that of two of its corners, if two agree; those on a
+  // seam are of either side.
   [[nodiscard]] std::uint32_t leading_source(const std::array<std::uint32_t, 3>& v) const {
+    const auto inside = std::count_if(v.begin(), v.end(), [&](std::uint32_t corner) { return !on_seam_[corner]; });
+    if (inside == 1 || inside == 2)
+      return source_[*std::find_if(v.begin(), v.end(), [&](std::uint32_t corner) { return !on_seam_[corner]; })];
     const std::uint32_t first = source_[v[0]], second = source_[v[1]], third = source_[v[2]];
     if (second != no_source && third != no_source && chart_of(second) == chart_of(third)) return second;
     return first;
+  }
+
+  // Moves the nearer end of every edge that a seam crosses onto the seam, as far as the triangles around it allow: the
+  // seam of the mesh then runs along that of the source, and not in teeth as wide as the samples beside it. The nearest
+  // ends come first; an edge with an end on the seam is crossed no longer.
+  void snap_to_seams() {
+    on_seam_.assign(mesh_.positions.size(), 0);
+    struct Move {
+      double distance = 0;
+      std::uint32_t vertex = 0, other = 0;
+      Vec3d to;
+      bool operator<(const Move& m) const {
+        return distance != m.distance ? distance < m.distance : std::pair(vertex, other) < std::pair(m.vertex, m.other);
+      }
+    };
+    std::vector<Move> moves;
+    for (const Triangle& t : mesh_.triangles)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = t.v[k], b = t.v[(k + 1) % 3];
+        if (source_[a] == no_source || source_[b] == no_source || !crosses_seam(a, b)) continue;
+        for (const auto& [vertex, other] : {std::pair(a, b), std::pair(b, a)}) {
+          const Vec3d p = normalised(mesh_.positions[vertex]);
+          const Vec3d to = point_at(walk_.find(TriangleId(source_[other]), p));
+          moves.push_back({length(to - p), vertex, other, to});
+        }
+      }
+    if (moves.empty()) return;
+    std::sort(moves.begin(), moves.end());
+    const Stars stars(mesh_.triangles, mesh_.positions.size());
+    for (const Move& m : moves) {
+      if (on_seam_[m.vertex] || on_seam_[m.other]) continue;
+      const Vec3d to = from_.transform.origin + from_.transform.scale * m.to;
+      if (!may_move(stars, m.vertex, to)) continue;
+      mesh_.positions[m.vertex] = to;
+      on_seam_[m.vertex] = 1;
+      place_[m.vertex] = walk_.find(TriangleId(source_[m.vertex]), m.to);
+    }
+  }
+
+  [[nodiscard]] bool crosses_seam(std::uint32_t a, std::uint32_t b) const {
+    if (chart_of(source_[a]) != chart_of(source_[b])) return true;
+    return !from_.wedges.uv.empty() && jumps(a, b);
+  }
+
+  // True if the triangles around a vertex keep their direction, nearly, and a share of their area.
+  [[nodiscard]] bool may_move(const Stars& stars, std::uint32_t vertex, Vec3d to) const {
+    return std::ranges::all_of(stars.of(vertex), [&](std::uint32_t t) {
+      const auto normal = [&](bool moved) {
+        std::array<Vec3d, 3> p;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t v = mesh_.triangles[t].v[k];
+          p[k] = moved && v == vertex ? to : mesh_.positions[v];
+        }
+        return cross(p[1] - p[0], p[2] - p[0]);
+      };
+      const Vec3d before = normal(false), after = normal(true);
+      return dot(before, after) > 0.94 * length(before) * length(after) && length(after) > 0.15 * length(before);
+    });
   }
 
   void find_places() {
@@ -106,12 +191,11 @@ class Resampler {
   // True if texture coordinates differ by far more than the surface between the corners explains.
   [[nodiscard]] bool jumps(const std::array<std::uint32_t, 3>& v) const {
     if (from_.wedges.uv.empty()) return false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = v[k], b = v[(k + 1) % 3];
-      const double length_there = length(normalised(mesh_.positions[a]) - normalised(mesh_.positions[b]));
-      if (distance(uv_at(place_[a]), uv_at(place_[b])) > 4 * density_at(place_[a].triangle) * length_there) return true;
-    }
-    return false;
+    return jumps(v[0], v[1]) || jumps(v[1], v[2]) || jumps(v[2], v[0]);
+  }
+  [[nodiscard]] bool jumps(std::uint32_t a, std::uint32_t b) const {
+    const double length_there = length(normalised(mesh_.positions[a]) - normalised(mesh_.positions[b]));
+    return distance(uv_at(place_[a]), uv_at(place_[b])) > 4 * density_at(place_[a].triangle) * length_there;
   }
   // Length in the texture over length on the surface.
   [[nodiscard]] double density_at(std::uint32_t triangle) const {
@@ -121,6 +205,12 @@ class Resampler {
     const Vec3d a = to_double(from_.positions[v[0]]);
     const double here = length(cross(to_double(from_.positions[v[1]]) - a, to_double(from_.positions[v[2]]) - a));
     return here > 0 ? std::sqrt(there / here) : 0;
+  }
+  [[nodiscard]] Vec3d point_at(const SurfaceWalk::Place& place) const {
+    Vec3d p;
+    for (std::size_t i = 0; i < 3; ++i)
+      p = p + place.share[i] * to_double(from_.positions[from_.triangles[place.triangle].v[i]]);
+    return p;
   }
   [[nodiscard]] Vec2f uv_at(const SurfaceWalk::Place& place) const {
     if (from_.wedges.uv.empty()) return {};
@@ -165,6 +255,7 @@ class Resampler {
   std::vector<std::uint32_t> chart_;
   SurfaceWalk walk_;
   std::vector<SurfaceWalk::Place> place_;  // of each vertex with a source
+  std::vector<std::uint8_t> on_seam_;      // vertices that were moved there
 };
 
 }  // namespace

@@ -67,7 +67,10 @@ void sew(SeamMesh& seam, const Patches& patches, const MergeConfig& config, Stit
   }
   report.handles = seam.borders.handles();
   report.vertices_split = split_vertices(seam);
-  report.crumbs = drop_crumbs(seam, patches.triangles, config.closed ? config.least_solid : config.least_piece);
+  report.crumbs = drop_crumbs(seam, patches.triangles,
+                              {.least = config.closed ? config.least_solid : config.least_piece,
+                               .least_beside = config.border.empty() ? 0 : config.least_solid,
+                               .rest = !config.ownership.parts.empty()});
   const bool all = config.closed && config.longest_hole > 0;
   const FillResult filled =
       fill_holes(seam, {.spacing = spacing,
@@ -96,8 +99,8 @@ MergedMesh stitch(std::span<MergeView> views, const MergeConfig& config, StitchR
   report.own = own_clock.elapsed();
   const CpuClock zip_clock;
   SeamMesh seam = cut_out_seams(views, config.ownership.parts, flags, patches, gathered, scheduler);
-  if (!config.border.empty())
-    mark_rims(config.border, 1.5f * static_cast<float>(config.ownership.reference_spacing), seam, scheduler);
+  const ModelBorder border(config.border, 1.5f * static_cast<float>(config.ownership.reference_spacing));
+  if (!config.border.empty()) mark_rims(border, seam, scheduler);
   sew(seam, patches, config, report, scheduler);
   put_back(seam, gathered);
   report.zip = zip_clock.elapsed();

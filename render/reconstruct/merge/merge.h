@@ -31,9 +31,9 @@ struct MergeConfig {
   OwnershipConfig ownership;
   bool closed = false;  // the surface has no border: outlines are holes, too
   // Points on the border of the surface. Empty, and not closed: it may end wherever a view sees it end.
-  std::span<const Vec3f> border{};
-  std::size_t least_piece = 3,
-              least_solid = 20;  // separate pieces of fewer triangles are left out; the latter if closed
+  std::span<const BorderPoint> border{};
+  // Separate pieces of fewer triangles are left out; the latter if closed, or beside a larger piece of the same part.
+  std::size_t least_piece = 3, least_solid = 20;
   float longest_hole = 48;  // perimeter of holes that are filled, in spacings; of a closed surface all are; 0: none
   std::size_t most_handles = any_number;  // that the result may have
 };

@@ -1,6 +1,7 @@
 #include "render/reconstruct/seams/edit_mesh.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace lodestone {
@@ -32,7 +33,8 @@ void EditMesh::push(List& list, TriangleId triangle) {
 }
 
 TriangleId EditMesh::at(VertexId a, VertexId b) const {
-  for (const TriangleId t : around(a)) {
+  // One of the two may be the hub of a fan of any size; its neighbours are not.
+  for (const TriangleId t : around(around_[a].count <= around_[b].count ? a : b)) {
     const auto& v = triangles_[t].v;
     if ((v[0] == a && v[1] == b) || (v[1] == a && v[2] == b) || (v[2] == a && v[0] == b)) return t;
   }
@@ -65,9 +67,13 @@ void EditMesh::move_corner(TriangleId triangle, VertexId from, VertexId to) {
     if (v == from) v = to;
 }
 
+// From the end: what removes all triangles around a vertex does so in that order.
 void EditMesh::drop(List& list, TriangleId triangle) {
   const auto begin = pool_.begin() + list.begin, end = begin + list.count;
-  list.count = static_cast<std::uint32_t>(std::remove(begin, end, triangle) - begin);
+  const auto after = std::find(std::make_reverse_iterator(end), std::make_reverse_iterator(begin), triangle).base();
+  if (after == begin) return;
+  std::copy(after, end, after - 1);
+  --list.count;
 }
 
 VertexId EditMesh::next_on_border(VertexId a, VertexId b) const {
@@ -93,15 +99,16 @@ std::vector<EditMesh::Gap> EditMesh::gaps(VertexId v) const {
 
 std::vector<TriangleId> EditMesh::fan(VertexId v, TriangleId first) const {
   std::vector<TriangleId> fan{first};
-  for (std::size_t k = 0; k < fan.size(); ++k)
-    for (const TriangleId t : around(v)) {
-      if (std::find(fan.begin(), fan.end(), t) != fan.end()) continue;
-      for (const VertexId w : corners(fan[k]))
-        if (w != v && (at(v, w) == t || at(w, v) == t)) {
-          fan.push_back(t);
-          break;
-        }
-    }
+  const auto after = [&](TriangleId t) {  // the corner that v goes on to
+    const auto c = corners(t);
+    return c[0] == v ? c[1] : c[1] == v ? c[2] : c[0];
+  };
+  for (TriangleId t = at(after(first), v); t != none; t = at(after(t), v)) {
+    if (t == first) return fan;
+    fan.push_back(t);
+  }
+  const auto before = [&](TriangleId t) { return opposite(t, v, after(t)); };
+  for (TriangleId t = at(v, before(first)); t != none; t = at(v, before(t))) fan.push_back(t);
   return fan;
 }
 

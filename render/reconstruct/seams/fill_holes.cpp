@@ -12,12 +12,12 @@ using Loop = std::vector<VertexId>;
 // Every loop of border edges.
 std::vector<Loop> border_loops(const SeamMesh& seam) {
   std::vector<Loop> loops;
-  std::vector<std::uint8_t> done(seam.borders.edge_count(), 0);
+  std::vector<bool> done(seam.borders.edge_count(), false);
   for (BorderEdgeId e{0}; e < done.size(); ++e) {
     if (!seam.borders.alive(e) || done[e]) continue;
     Loop& loop = loops.emplace_back();
     for (BorderEdgeId f = e; !done[f]; f = seam.borders.edge(f).next) {
-      done[f] = 1;
+      done[f] = true;
       loop.push_back(seam.borders.edge(f).from);
     }
   }
@@ -31,8 +31,23 @@ double perimeter(const SeamMesh& seam, const Loop& loop) {
   return sum;
 }
 
+// True if a step across an edge, out of the surface, ends beyond the border of the model.
+bool ends_at(const SeamMesh& seam, VertexId from, VertexId to) {
+  const TriangleId inside = seam.mesh.at(from, to);
+  const Vec3f along = seam.position[to] - seam.position[from];
+  const Vec3f across = cross(along, area_vector(seam, from, to, seam.mesh.opposite(inside, from, to)));
+  const float size = length(across);
+  const Vec3f step = size > 0 ? (0.5f * length(along) / size) * across : Vec3f{};
+  return seam.model_border->is_beyond(0.5f * (seam.position[from] + seam.position[to]) + step);
+}
+
+// Around a gap of the model, not one between pieces of its surface.
 bool is_outline(const SeamMesh& seam, const Loop& loop) {
-  return std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return seam.rim[v] != 0; });
+  if (!std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return seam.rim[v] != 0; })) return false;
+  if (!seam.model_border) return true;
+  std::size_t ends = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i) ends += ends_at(seam, loop[i], loop[(i + 1) % loop.size()]);
+  return 2 * ends >= loop.size();
 }
 
 // Ears are cut where the new triangle is roundest and agrees best with the normals. If none fits, a new vertex in the
@@ -122,16 +137,27 @@ FillResult fill_holes(SeamMesh& seam, const FillConfig& config) {
   return result;
 }
 
-std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_triangles, std::size_t least_triangles) {
-  std::vector<std::size_t> size(patch_triangles.size(), 0);
+std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_triangles, const CrumbConfig& config) {
+  std::vector<std::size_t> size(patch_triangles.size(), 0), largest;  // of each piece; of the pieces of each part
   for (std::uint32_t patch = 0; patch < size.size(); ++patch)
     size[seam.borders.united(patch)] += patch_triangles[patch];
+  const auto part_of = [&](TriangleId seed) { return seam.part[seam.mesh.corners(seed)[0]]; };
+  for (std::uint32_t patch = 0; patch < size.size(); ++patch) {
+    const TriangleId seed = seam.patch_seed[patch];
+    if (seed == EditMesh::none || !seam.mesh.alive(seed)) continue;
+    if (part_of(seed) >= largest.size()) largest.resize(part_of(seed) + 1, 0);
+    largest[part_of(seed)] = std::max(largest[part_of(seed)], size[seam.borders.united(patch)]);
+  }
+  const auto is_crumb = [&](std::uint32_t patch, std::uint32_t part) {
+    const std::size_t own = size[seam.borders.united(patch)];
+    const bool is_alone = own == largest[part] || (config.rest && part == 0);
+    return own < (is_alone ? config.least : std::max(config.least, config.least_beside));
+  };
   std::vector<TriangleId> piece;
   std::size_t dropped = 0;
   for (std::uint32_t patch = 0; patch < size.size(); ++patch) {
     const TriangleId seed = seam.patch_seed[patch];
-    if (size[seam.borders.united(patch)] >= least_triangles || seed == EditMesh::none || !seam.mesh.alive(seed))
-      continue;
+    if (seed == EditMesh::none || !seam.mesh.alive(seed) || !is_crumb(patch, part_of(seed))) continue;
     piece.assign(1, seed);
     std::vector<VertexId> vertices;
     while (!piece.empty()) {

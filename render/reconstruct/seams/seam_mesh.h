@@ -9,6 +9,7 @@
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/seams/border_loops.h"
 #include "render/reconstruct/seams/edit_mesh.h"
+#include "render/reconstruct/seams/model_border.h"
 
 namespace lodestone {
 
@@ -17,12 +18,13 @@ struct SeamMesh {
   // Frozen: triangles outside of this part use the vertex, too. Not all its triangles are here, so it does not move,
   // and edges between two such vertices are not borders.
   std::vector<std::uint8_t> frozen;
-  // Rim: at the outline of what its view sees, not where another view takes over.
+  // Rim: at the outline of what its view sees, not where another view takes over; near the model's border, if known.
   std::vector<std::uint8_t> rim;
   std::vector<std::uint32_t> part;  // of the model: nothing is zipped from one to another
   EditMesh mesh;
-  BorderLoops borders;                 // of the mesh, until it is filled
-  std::vector<TriangleId> patch_seed;  // of each patch a triangle; EditMesh::none where it has none here
+  BorderLoops borders;                        // of the mesh, until it is filled
+  std::vector<TriangleId> patch_seed;         // of each patch a triangle; EditMesh::none where it has none here
+  const ModelBorder* model_border = nullptr;  // null: the model has none, or it is not known
 
   // A copy of a vertex, or a new one with its part.
   VertexId add_vertex(Vec3f p, Vec3f n, VertexId like);
@@ -36,8 +38,9 @@ struct SeamMesh {
 // Longest edge over the height above it: 1.15 for an equilateral triangle; infinite without area.
 [[nodiscard]] float aspect_of(Vec3f a, Vec3f b, Vec3f c);
 
-// For a surface whose border is known: rims are the border vertices within `distance` of these points and no others.
-void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam, Scheduler& scheduler);
+// For a surface whose border is known: rims are the border vertices within its reach and no others. The seam keeps the
+// pointer.
+void mark_rims(const ModelBorder& border, SeamMesh& seam, Scheduler& scheduler);
 
 inline constexpr std::size_t any_number = static_cast<std::size_t>(-1);
 
@@ -51,8 +54,9 @@ struct ZipConfig {
 };
 // Adds triangles from border edge to border vertex, roundest first, until nothing fits: of all vertices that an edge
 // can see the one that it subtends the largest angle at, which is the Delaunay triangle in the plane. A triangle must
-// lie in the gaps of all its corners, contain no vertex, cross no border, and make no handle too many. Returns how many
-// were added. Same bytes for any number of workers.
+// lie in the gaps of all its corners, contain no vertex, cross no border, and make no handle too many. Where the border
+// of the model is known no triangle spans what lies beyond it; where it is not, none connects two outlines, unless they
+// are seams like others (`rims`). Returns how many were added. Same bytes for any number of workers.
 std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config, Scheduler& scheduler);
 
 struct FillConfig {
@@ -69,9 +73,14 @@ struct FillResult {
 // Every loop of border edges passes each vertex once: after split_vertices().
 FillResult fill_holes(SeamMesh& seam, const FillConfig& config);
 
+struct CrumbConfig {
+  std::size_t least = 3;         // triangles of a piece
+  std::size_t least_beside = 0;  // where a larger piece is of the same part of the model
+  bool rest = false;             // part 0 is many small ones, of which a piece each
+};
 // Removes pieces that were patches of fewer triangles, all in all, and hang together with nothing else. Returns how
 // many triangles went.
-std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_triangles, std::size_t least_triangles);
+std::size_t drop_crumbs(SeamMesh& seam, std::span<const std::uint32_t> patch_triangles, const CrumbConfig& config);
 
 // Border vertices of several fans of triangles become several vertices. Returns how many were added.
 std::size_t split_vertices(SeamMesh& seam);

@@ -7,43 +7,11 @@
 #include <limits>
 #include <map>
 #include <set>
-#include <unordered_map>
 
 #include "render/reconstruct/seams/zip_tile.h"
 
 namespace lodestone {
 namespace {
-
-// Numbered points in a hash of cubic cells. Cells repeat after 2^21 of them along an axis: visited
-// points may be far away, and the caller tests their distance.
-class VertexGrid {
- public:
-  explicit VertexGrid(float side) : side_(side) {}
-  void insert(std::uint32_t v, Vec3f p) { cells_[key(cell(p))].push_back(v); }
-  template <class Visit>
-  void for_near(Vec3f p, float radius, const Visit& visit) const {
-    const auto lo = cell({p.x - radius, p.y - radius, p.z - radius}),
-               hi = cell({p.x + radius, p.y + radius, p.z + radius});
-    for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
-      for (std::int64_t y = lo[1]; y <= hi[1]; ++y)
-        for (std::int64_t x = lo[0]; x <= hi[0]; ++x)
-          if (const auto at = cells_.find(key({x, y, z})); at != cells_.end())
-            for (const std::uint32_t v : at->second) visit(v);
-  }
-
- private:
-  using Cell = std::array<std::int64_t, 3>;
-  [[nodiscard]] Cell cell(Vec3f p) const {
-    return {static_cast<std::int64_t>(std::floor(p.x / side_)), static_cast<std::int64_t>(std::floor(p.y / side_)),
-            static_cast<std::int64_t>(std::floor(p.z / side_))};
-  }
-  [[nodiscard]] static std::uint64_t key(const Cell& c) {
-    const auto part = [](std::int64_t v) { return static_cast<std::uint64_t>(v) & 0x1F'FFFF; };
-    return part(c[0]) | part(c[1]) << 21 | part(c[2]) << 42;
-  }
-  float side_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
-};
 
 // Cubes of space by a number each; they repeat after 2^20 spacings and more, which is farther than anything reaches.
 using TileKey = std::uint64_t;
@@ -86,7 +54,7 @@ class Zipper {
     for (BorderEdgeId e{0}; e < s_.borders.edge_count(); ++e) {
       if (!s_.borders.alive(e)) continue;
       const auto [from, to] = std::pair(s_.borders.edge(e).from, s_.borders.edge(e).to);
-      s_.borders.set_tried(e, !config_.rims && s_.rim[from] && s_.rim[to]);
+      s_.borders.set_tried(e, !config_.rims && !s_.model_border && s_.rim[from] && s_.rim[to]);
       pending_.push_back(e);
       front_.push_back(from);
     }
@@ -236,18 +204,11 @@ class Zipper {
 
 }  // namespace
 
-void mark_rims(std::span<const Vec3f> border, float distance, SeamMesh& seam, Scheduler& scheduler) {
-  VertexGrid grid(distance);
-  for (std::uint32_t k = 0; k < border.size(); ++k) grid.insert(k, border[k]);
+void mark_rims(const ModelBorder& border, SeamMesh& seam, Scheduler& scheduler) {
+  seam.model_border = &border;
   scheduler.for_chunks(seam.position.size(), 4096, [&](ChunkRange range) {
-    for (std::size_t k = range.begin; k < range.end; ++k) {
-      seam.rim[k] = 0;
-      if (seam.borders.first(VertexId(k)) == BorderLoops::none) continue;
-      grid.for_near(seam.position[k], distance, [&](std::uint32_t point) {
-        const Vec3f d = border[point] - seam.position[k];
-        if (dot(d, d) <= distance * distance) seam.rim[k] = 1;
-      });
-    }
+    for (std::size_t k = range.begin; k < range.end; ++k)
+      seam.rim[k] = seam.borders.first(VertexId(k)) != BorderLoops::none && border.is_near(seam.position[k]);
   });
 }
 

@@ -228,7 +228,13 @@ class TileZipper {
     for (const VertexId v : {a, b, c})
       if (!(dot(normal, normal_[v]) > config_.least_cosine)) return false;
     return has_room(normal, e, c) && is_free(Plane(position_[c], normal), a, b, c) && !is_taken(a, c) &&
-           !is_taken(c, b);
+           !is_taken(c, b) && is_on_model(a, b, c);
+  }
+
+  // False if the triangle would span a gap of the model.
+  [[nodiscard]] bool is_on_model(VertexId a, VertexId b, VertexId c) const {
+    if (!seam_.model_border || !seam_.rim[global_[a]] || !seam_.rim[global_[b]] || !seam_.rim[global_[c]]) return true;
+    return !seam_.model_border->is_beyond((1.0f / 3) * (position_[a] + position_[b] + position_[c]));
   }
 
   // Seen along the mean of both normals, the fan at a vertex and the new triangle are both well visible.

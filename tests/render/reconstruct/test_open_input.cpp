@@ -63,11 +63,11 @@ Sheet plate_of(const Sheet& top, double thickness) {
   return plate;
 }
 
-void expect_euler_kept(const Sheet& sheet, std::int64_t euler) {
+void expect_euler_kept(const Sheet& sheet, std::int64_t euler, double resolution = 48) {
   const auto serial = make_serial_scheduler();
   ASSERT_EQ(measure_quality(sheet.positions, sheet.triangles).euler, euler);
   ReconstructConfig config;
-  config.resolution = 48;
+  config.resolution = resolution;
   const Reconstruction made = reconstruct(clean(sheet.positions, sheet.triangles), config, *serial);
   const MeshQuality quality = measure_quality(made.mesh.positions, made.mesh.triangles);
   EXPECT_TRUE(quality.manifold());
@@ -92,6 +92,22 @@ TEST(OpenInput, ThinPlatesStayClosed) {
   expect_euler_kept(plate_of(sheet_of({}, flat), 0.004), 2);
   expect_euler_kept(plate_of(sheet_of({.keep = is_beside_holes}, flat), 0.02), -30);
   expect_euler_kept(plate_of(sheet_of({.keep = is_beside_holes}, flat), 0.004), -30);
+}
+
+// As narrow as one pixel and more, turning away from every view somewhere.
+TEST(OpenInput, NarrowRibbonsStayInOnePiece) {
+  constexpr double width = 0.02, turn = 2 * std::numbers::pi;
+  const auto band = [](double u, double v) { return ring(u, width * v); };
+  const auto straight = [](double u, double v) { return Vec3d{0.8 * u, 0.6 * u + width * v, 0.3 * u * u}; };
+  const auto twisted = [](double u, double v) {
+    return Vec3d{u, width * (v - 0.5) * std::cos(2 * turn * u), width * (v - 0.5) * std::sin(2 * turn * u)};
+  };
+  const auto helix = [](double u, double v) {
+    return Vec3d{0.3 * std::cos(4 * turn * u), 0.3 * std::sin(4 * turn * u), (1 - width) * u + width * v};
+  };
+  expect_euler_kept(sheet_of({.n = 100, .around = true}, band), 0, 64);
+  for (const auto& strip : {std::function<Vec3d(double, double)>(straight), {twisted}, {helix}})
+    expect_euler_kept(sheet_of({.n = 100}, strip), 1, 64);
 }
 
 TEST(OpenInput, RibbonsAndTubesStayOpen) {

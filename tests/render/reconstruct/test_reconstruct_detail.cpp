@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <set>
 
 #include "core/simplify/make_simplifier.h"
 #include "core/spatial/mesh_distance.h"
@@ -188,6 +189,46 @@ TEST(SurfaceWalk, FindsWhatIsNearest) {
       q = q + place.share[k] * to_double(mesh.positions[mesh.triangles[place.triangle].v[k]]);
     EXPECT_NEAR(length(q - p), std::sqrt(least), 1e-9);
   }
+}
+
+// A terrain of two charts that meet along an oblique line.
+TEST(ResampleAttributes, SeamsRunWhereThoseOfTheSourceDo) {
+  IndexedMesh mesh = terrain_mesh(60, 0.05);
+  for (Vec3f& p : mesh.positions) p.x = 0.8f * p.x + 0.2f * p.y;  // columns become oblique
+  const auto count = static_cast<std::uint32_t>(mesh.positions.size());
+  constexpr std::uint32_t n = 60, seam = 31;
+  for (std::uint32_t v = 0; v < count; ++v) {
+    mesh.wedges.vertex.push_back(v);
+    mesh.wedges.uv.push_back({0.4f * mesh.positions[v].x, mesh.positions[v].y});
+  }
+  for (Triangle& t : mesh.triangles) {  // those right of the column have wedges of their own
+    if ((t.v[0] % (n + 1) + t.v[1] % (n + 1) + t.v[2] % (n + 1)) <= 3 * seam) continue;
+    for (std::uint32_t& v : t.v) v += count;
+  }
+  for (std::uint32_t v = 0; v < count; ++v) {
+    mesh.wedges.vertex.push_back(v);
+    mesh.wedges.uv.push_back({0.5f + 0.4f * mesh.positions[v].x, mesh.positions[v].y});
+    mesh.positions.push_back(Vec3f{mesh.positions[v]});
+  }
+  const auto serial = make_serial_scheduler();
+  ReconstructConfig config;
+  config.resolution = 48;
+  config.attributes = true;
+  config.views.samples = 3000;
+  config.views.candidates = 40;
+  const RawMesh result = reconstruct(mesh, config, *serial).mesh;
+  ASSERT_FALSE(result.wedges.corners.empty());
+  std::vector<std::set<std::uint32_t>> wedges(result.positions.size());
+  for (std::size_t t = 0; t < result.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) wedges[result.triangles[t].v[k]].insert(result.wedges.corners[t].v[k]);
+  double sum = 0, on_seam = 0;
+  for (std::size_t v = 0; v < wedges.size(); ++v) {
+    if (wedges[v].size() < 2) continue;
+    const double along = result.positions[v].y, off = result.positions[v].x - (0.8 * seam / n + 0.2 * along);
+    sum += off * off, ++on_seam;
+  }
+  ASSERT_GT(on_seam, 20);
+  EXPECT_LT(std::sqrt(sum / on_seam), 0.05 / config.resolution);  // 0.2 to 0.3 with teeth
 }
 
 // A cylinder whose texture goes round it once: one chart that touches itself along a seam.

@@ -245,13 +245,59 @@ TEST(ZipSeams, ClosesAGapWhateverTheTilesAndThreads) {
   }
 }
 
+std::vector<BorderPoint> border_along_row(std::uint32_t row, Vec3f outward) {
+  std::vector<BorderPoint> border;
+  for (std::uint32_t i = 0; i <= 20; ++i)
+    border.push_back({{static_cast<float>(i), static_cast<float>(row), 0}, outward});
+  return border;
+}
+
+// All vertices are within reach of a border. Where the gap is the model's, nothing spans it; where the surface ends
+// beside the ribbons and not between them, it is closed.
+TEST(ZipSeams, SpansNoGapOfTheModel) {
+  const auto serial = make_serial_scheduler();
+  std::vector<BorderPoint> beside;
+  for (const BorderPoint& p : border_along_row(0, {0, -1, 0})) beside.push_back(p);
+  for (const BorderPoint& p : border_along_row(3, {0, 1, 0})) beside.push_back(p);
+  std::vector<BorderPoint> around_both = beside;
+  for (const BorderPoint& p : border_along_row(1, {0, 1, 0})) around_both.push_back(p);
+  for (const BorderPoint& p : border_along_row(2, {0, -1, 0})) around_both.push_back(p);
+  for (const bool is_gap : {true, false}) {
+    const ModelBorder border(is_gap ? around_both : beside, 1.6f);
+    SeamMesh seam = two_ribbons(20);
+    mark_rims(border, seam, *serial);
+    EXPECT_EQ(std::count(seam.rim.begin(), seam.rim.end(), 1), 84);
+    EXPECT_EQ(zip_seams(seam, {.spacing = 1}, *serial), is_gap ? 0u : 40u);
+    EXPECT_EQ(fill_holes(seam, {.spacing = 1, .longest = 1000}).filled, 0u);  // outlines
+  }
+}
+
+TEST(DropCrumbs, KeepsWhatIsAllOfItsPart) {
+  for (const bool rest : {false, true}) {
+    SeamMesh seam = two_ribbons(20);
+    for (VertexId v{42}; v < 84; ++v) seam.part[v] = rest ? 0 : 1;
+    const std::vector<std::uint32_t> sizes{40, 10};  // of the ribbons
+    EXPECT_EQ(drop_crumbs(seam, sizes, {.least = 3, .least_beside = 20, .rest = rest}), 0u);
+    for (VertexId v{0}; v < 84; ++v) seam.part[v] = 1;
+    EXPECT_EQ(drop_crumbs(seam, sizes, {.least = 3, .least_beside = 20, .rest = rest}), 40u);
+  }
+}
+
+// Of a fan of so many triangles nothing may look at all for each.
+TEST(CountHandles, TakesAFanOfAnySize) {
+  constexpr std::uint32_t n = 100'000;
+  std::vector<Triangle> wheel;
+  for (std::uint32_t k = 0; k < n; ++k) wheel.push_back({{0, 1 + k, 1 + (k + 1) % n}});
+  EXPECT_EQ(count_handles(mesh_of(wheel, n + 1)), 0u);
+  EditMesh mesh(n + 1, wheel);
+  EXPECT_EQ(mesh.fan(VertexId(0), TriangleId(7)).size(), n);
+  for (std::uint32_t t = n - 1; t > 0; --t) mesh.remove(TriangleId(t));
+  EXPECT_EQ(mesh.around(VertexId(0)).size(), 1u);
+}
+
 TEST(ZipSeams, LeavesRimsAlone) {
   const auto serial = make_serial_scheduler();
   SeamMesh seam = two_ribbons(20);
-  std::vector<Vec3f> border;  // along the gap's lower side
-  for (std::uint32_t i = 21; i < 42; ++i) border.push_back(seam.position[i]);
-  mark_rims(border, 0.1f, seam, *serial);
-  EXPECT_EQ(std::count(seam.rim.begin(), seam.rim.end(), 1), 21);
   std::fill(seam.rim.begin(), seam.rim.end(), std::uint8_t{1});
   EXPECT_EQ(zip_seams(seam, {.spacing = 1}, *serial), 0u);
 }
@@ -354,8 +400,8 @@ TEST(SplitVertices, PartsFansAndTheirBorders) {
   expect_borders_of(seam.borders, seam.mesh);
   EXPECT_EQ(seam.mesh.around(VertexId(0)).size(), 1u);
   EXPECT_EQ(split_vertices(seam), 0u);
-  EXPECT_EQ(drop_crumbs(seam, std::vector<std::uint32_t>{1, 1}, 1), 0u);
-  EXPECT_EQ(drop_crumbs(seam, std::vector<std::uint32_t>{1, 20}, 3), 1u);
+  EXPECT_EQ(drop_crumbs(seam, std::vector<std::uint32_t>{1, 1}, {.least = 1}), 0u);
+  EXPECT_EQ(drop_crumbs(seam, std::vector<std::uint32_t>{1, 20}, {.least = 3}), 1u);
   EXPECT_EQ(triangles_of(seam.mesh).size(), 1u);
   expect_borders_of(seam.borders, seam.mesh);
 }
