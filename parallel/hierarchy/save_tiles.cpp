@@ -102,6 +102,7 @@ class Saver {
   void save_cells() {
     const TileErrors errors(hierarchy_);
     errors_.resize(hierarchy_.cells.size());
+    if (config_.tileset.morph) tileset_.images.resize(hierarchy_.cells.size());
     scheduler_.for_chunks(hierarchy_.cells.size(), 1, [&](ChunkRange range) {
       stop_if_cancelled();
       const CellId cell(range.begin);
@@ -127,6 +128,7 @@ class Saver {
     const auto own = [&](std::size_t image) {
       return std::filesystem::path(atlas_path(hierarchy_, cell, atlas, image)).filename().string();
     };
+    if (config_.tileset.morph) tileset_.images[cell] = shown_images(hierarchy_, cell, atlas);
     const std::vector<std::byte> glb = encode_cell_glb(
         hierarchy_, cell, {.morph = config_.tileset.morph, .texture_uri = link, .atlas = &atlas, .atlas_uri = own});
     bytes_ += write_file(folder_.path() / tile_path(hierarchy_, cell), glb);
@@ -139,11 +141,10 @@ class Saver {
     draws_ += draws_of(hierarchy_.cells[cell], atlas);
   }
 
-  // Tiles that morph have none: at an exchange both levels must show the same texels.
   [[nodiscard]] TileAtlas atlas_of(CellId cell, int level) {
-    if (config_.tileset.morph) return {};
     return make_tile_atlas(hierarchy_, cell,
-                           {.pixels = [this, level](std::uint32_t texture) { return decoded_.get(texture, level); }});
+                           {.pixels = [this, level](std::uint32_t texture) { return decoded_.get(texture, level); },
+                            .morph = config_.tileset.morph});
   }
 
   // The parts of different materials.

@@ -256,6 +256,32 @@ TEST_F(SaveTiles, FiguresForViewersAreThoseOfTheFiles) {
   EXPECT_GT(textured, 5u);
 }
 
+// Tiles that morph are drawn at once, too, and viewers know the size of their atlases.
+TEST_F(SaveTiles, MorphingTilesOfManyMaterialsHaveAnAtlas) {
+  RawMesh raw = surface();
+  const PixelImage grey{{16, 16}, 1, std::vector<std::uint8_t>(256, 200)};
+  raw.textures = {{.name = "grey", .media_type = "image/png", .bytes = encode_image(grey, "image/png")}};
+  raw.materials.assign(6, {.texture = 0});
+  for (std::size_t m = 0; m < 6; ++m) raw.materials[m].base_colour = {0.1f * static_cast<float>(m), 1, 1, 1};
+  for (std::size_t t = 0; t < raw.triangles.size(); ++t) raw.wedges.material[t] = static_cast<std::uint32_t>(t / 2 % 6);
+  const Hierarchy h = built(std::move(raw), *scheduler_);
+  const SavedTiles saved = save(h, {.tileset = {.morph = true}, .progress = {}});
+  EXPECT_GT(saved.atlases, 50u);
+  EXPECT_LE(saved.draws, saved.atlases + 4 * (saved.tiles - saved.atlases));
+  const auto found = files();
+  const json tileset = json::parse(found.at("tileset.json")), &texels = tileset["extras"]["lodestone"]["texels"];
+  EXPECT_EQ(texels.size(), saved.atlases + 1);  // tiles of few materials share the texture itself
+  for (const auto& [path, count] : texels.items()) {
+    const PixelSize size = image_size(found.at(path), "image/png");
+    EXPECT_EQ(count, size.width * size.height) << path;
+  }
+  const json glb = json_of_glb(found.at("1/0_0_0.glb")), root = json_of_glb(found.at("0/0_0_0.glb"));
+  EXPECT_EQ(tileset["root"]["extras"]["textures"], json({"0/0_0_0_0.png"}));
+  EXPECT_EQ(root["images"][0]["uri"], "0_0_0_0.png");
+  EXPECT_EQ(root["meshes"][0]["primitives"].size(), 1u);
+  EXPECT_TRUE(glb["meshes"][0]["primitives"][0]["attributes"].contains("_PARENTTEXCOORD"));
+}
+
 TEST_F(SaveTiles, ViewersHaveThumbnails) {
   Hierarchy h = built(surface(), *scheduler_);
   h.materials[0].texture = 1;

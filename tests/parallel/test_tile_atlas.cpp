@@ -87,13 +87,17 @@ class TileAtlases : public testing::Test {
   static TileAtlas atlas_of(const Hierarchy& h, CellId cell) {
     DecodedImages images(h, std::size_t{1} << 24);
     const int level = h.level_of(cell);
-    return make_tile_atlas(h, cell, {.pixels = [&](std::uint32_t t) { return images.get(t, level); }});
+    return make_tile_atlas(h, cell, {.pixels = [&](std::uint32_t t) { return images.get(t, level); }, .morph = true});
   }
 
-  // Calls visit(material, old coordinates, new ones) for points of all triangles that an atlas shows.
+  // Calls visit(material, old coordinates, new ones) for points of all triangles that an atlas shows, where they are
+  // and where their parents are.
   static void for_each_point(const Hierarchy& h, CellId number, const TileAtlas& atlas,
                              const std::function<void(std::uint32_t, Vec2f, Vec2f)>& visit) {
     const Cell& cell = h.cells[number];
+    std::vector<Vec2f> parent_uv;
+    for (const std::uint32_t p : cell.parents) parent_uv.push_back(h.cells[cell.parent].attributes.uv[p]);
+    ASSERT_EQ(atlas.parent_uv.empty(), cell.parent == no_cell || atlas.materials.empty());
     for (const Triangle& t : cell.triangles) {
       const std::uint32_t material = cell.attributes.materials[t.v[0]];
       if (!atlas.replacing(material)) continue;
@@ -104,6 +108,7 @@ class TileAtlases : public testing::Test {
           return Vec2f{a * p.x + b * q.x + c * r.x, a * p.y + b * q.y + c * r.y};
         };
         visit(material, mix(cell.attributes.uv), mix(atlas.uv));
+        if (!atlas.parent_uv.empty()) visit(material, mix(parent_uv), mix(atlas.parent_uv));
       }
     }
   }
@@ -217,6 +222,32 @@ TEST_F(TileAtlases, BaseColoursAreMultipliedIn) {
       ASSERT_NEAR(found[c], 255 * linear_to_srgb(light), 1) << m;
     }
   });
+}
+
+// Where alpha counts, that of the base colour does, too.
+TEST_F(TileAtlases, AlphaOfBaseColoursIsKept) {
+  PixelImage half{.size = {8, 8}, .channels = 4, .pixels = std::vector<std::uint8_t>(8 * 8 * 4, 128)};
+  const std::vector<Texture> textures{texture_of(half, TextureWrap::repeat, TextureWrap::repeat)};
+  for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend}) {
+    std::vector<Material> materials(strips, textured_material());
+    for (std::uint32_t k = 0; k < strips; ++k) {
+      materials[k].alpha_mode = mode;
+      materials[k].base_colour[3] = 0.125f * static_cast<float>(k + 1);
+      if (k % 2) materials[k].texture = no_texture;
+    }
+    const Hierarchy h = striped(materials, textures);
+    const TileAtlas atlas = atlas_of(h, CellId(0));
+    ASSERT_EQ(atlas.materials.size(), 1u);
+    EXPECT_EQ(atlas.materials[0].alpha_mode, mode);
+    EXPECT_EQ(atlas.materials[0].base_colour[3], 1);
+    const PixelImage image = decode_image(atlas.images[0].bytes, "image/png");
+    ASSERT_EQ(image.channels, mode == AlphaMode::opaque ? 3u : 4u);
+    for_each_point(h, CellId(0), atlas, [&](std::uint32_t m, Vec2f, Vec2f after) {
+      const double alpha = (m % 2 ? 255 : 128) * double{materials[m].base_colour[3]};
+      const double found = sampled(image, after, TextureWrap::clamp, TextureWrap::clamp)[3];
+      ASSERT_NEAR(found, mode == AlphaMode::opaque ? 255 : alpha, 0.51) << m;
+    });
+  }
 }
 
 // Textures that do not fit into one image keep their own, the largest first.

@@ -115,10 +115,10 @@ export function crc32(bytes) {
 // A PNG of coloured squares.
 export const squares = (size) => png(size, (x, y) => ((x >> 4) + (y >> 4) & 1 ? [220, 60, 40] : [240, 220 - y, 90 + x]));
 
-// A PNG of size x size pixels with these bytes.
+// A PNG of size x size pixels with these bytes: three a pixel, or four with alpha.
 export function png(size, bytesAt) {
-  const rows = Buffer.alloc(size * (1 + 3 * size));
-  for (let y = 0; y < size; ++y) for (let x = 0; x < size; ++x) rows.set(bytesAt(x, y), y * (1 + 3 * size) + 1 + 3 * x);
+  const channels = bytesAt(0, 0).length, row = 1 + channels * size, rows = Buffer.alloc(size * row);
+  for (let y = 0; y < size; ++y) for (let x = 0; x < size; ++x) rows.set(bytesAt(x, y), y * row + 1 + channels * x);
   const chunk = (type, data) => {
     const out = Buffer.alloc(12 + data.length);
     out.writeUInt32BE(data.length, 0);
@@ -130,6 +130,6 @@ export function png(size, bytesAt) {
   const head = Buffer.alloc(13);
   head.writeUInt32BE(size, 0);
   head.writeUInt32BE(size, 4);
-  head.set([8, 2, 0, 0, 0], 8);
+  head.set([8, channels === 4 ? 6 : 2, 0, 0, 0], 8);
   return Buffer.concat([Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]), chunk('IHDR', head), chunk('IDAT', deflateSync(rows)), chunk('IEND', Buffer.alloc(0))]);
 }

@@ -5,15 +5,16 @@ import {writeFileSync} from 'node:fs';
 import path from 'node:path';
 import {check, folder, main, open, png, run} from './browser.mjs';
 
-const unlit = (colour, more = {}) => ({pbrMetallicRoughness: {baseColorFactor: colour}, extensions: {KHR_materials_unlit: {}}, doubleSided: true, ...more});
+const unlit = (colour, more = {}, texture) => ({pbrMetallicRoughness: {baseColorFactor: colour, ...(texture && {baseColorTexture: {index: texture}})}, extensions: {KHR_materials_unlit: {}}, doubleSided: true, ...more});
 const black = (more) => ({pbrMetallicRoughness: {baseColorFactor: [0, 0, 0, 1], roughnessFactor: 1, metallicFactor: 1}, doubleSided: true, ...more});
-// Texture 0 is black, 1 red on the left and orange on the right.
+// Texture 0 is black, 1 red on the left and orange on the right, 2 green with an alpha of 0.6.
 const placed = (transform) => ({pbrMetallicRoughness: {baseColorTexture: {index: 0}, roughnessFactor: 1, metallicFactor: 1}, doubleSided: true, emissiveFactor: [1, 1, 1],
                                 emissiveTexture: {index: 1, extensions: {KHR_texture_transform: transform}}});
 // By name: the material and the bytes that it shows; light is linear, bytes are in sRGB.
 const plates = {
   gone: [unlit([1, 0, 1, 0.3], {alphaMode: 'MASK'}), [255, 0, 255]],
   there: [unlit([0, 0, 1, 0.6], {alphaMode: 'MASK'}), [0, 0, 255]],
+  veil: [unlit([1, 1, 1, 1], {alphaMode: 'MASK'}, 2), [40, 200, 90]],
   glass: [unlit([1, 0, 0, 0.5], {alphaMode: 'BLEND'}), null],
   lamp: [black({emissiveFactor: [0, 0.5, 0], extensions: {KHR_materials_emissive_strength: {emissiveStrength: 2}}}), null],
   sign: [unlit([0.2158605, 0.5, 1, 1]), [128, 188, 255]],
@@ -47,8 +48,8 @@ function writePlates(name) {
   });
   const materials = Object.entries(plates).map(([key, [m]]) => ({name: key, ...m}));
   writeFileSync(path.join(folder, name), JSON.stringify({asset: {version: '2.0'}, scene: 0, scenes: [{nodes: [0]}], nodes: [{mesh: 0}], meshes: [{primitives}],
-    textures: [{source: 0}, {source: 1}], extensionsUsed: ['KHR_texture_transform'],
-    images: [() => [0, 0, 0], (x) => (x < 8 ? [255, 0, 0] : [255, 128, 0])].map((colour) => ({uri: `data:image/png;base64,${png(16, colour).toString('base64')}`})),
+    textures: [{source: 0}, {source: 1}, {source: 2}], extensionsUsed: ['KHR_texture_transform'],
+    images: [() => [0, 0, 0], (x) => (x < 8 ? [255, 0, 0] : [255, 128, 0]), () => [40, 200, 90, 153]].map((colour) => ({uri: `data:image/png;base64,${png(16, colour).toString('base64')}`})),
     materials, accessors, bufferViews, buffers: [{byteLength: bytes, uri: `data:application/octet-stream;base64,${Buffer.concat(parts).toString('base64')}`}]}));
 }
 
@@ -82,7 +83,7 @@ async function testSurfaces(browser) {
       return found;
     }, Object.entries(plates).map(([key, [, colour]]) => [key, colour]));
     const seen = (key) => (counts[key] ?? 0) > 200;
-    check(['there', 'glass', 'lamp', 'sign'].every(seen) && !counts.gone, `${kind}: masked, blended, emissive, unlit: ${JSON.stringify(counts)}`);
+    check(['there', 'veil', 'glass', 'lamp', 'sign'].every(seen) && !counts.gone, `${kind}: masked, blended, emissive, unlit: ${JSON.stringify(counts)}`);
     check(seen('orange') && counts.orange > 1.5 * counts.lamp && !counts.red, `${kind}: maps lie where their transforms put them: ${JSON.stringify(counts)}`);
     check(seen('front') !== seen('back') && (!counts.front || !counts.back), `${kind}: single-sided ones are seen from one side`);
     await close();

@@ -77,9 +77,10 @@ class CellEncoder {
     attributes_["_PARENTNORMAL"] =
         add_values([&](std::uint32_t v) { return unpack_normal(parent.normals[cell_.parents[v]]); },
                    GltfComponent::floats, "VEC3");
-    if (hierarchy_.attributes.uv)
+    if (atlas_ || hierarchy_.attributes.uv)
       attributes_["_PARENTTEXCOORD"] = add_values(
-          [&](std::uint32_t v) { return parent.attributes.uv[cell_.parents[v]]; }, GltfComponent::floats, "VEC2");
+          [&](std::uint32_t v) { return atlas_ ? atlas_->parent_uv[v] : parent.attributes.uv[cell_.parents[v]]; },
+          GltfComponent::floats, "VEC2");
     if (hierarchy_.attributes.colours) attributes_["_PARENTCOLOR"] = add_colours(parent, cell_.parents);
   }
 

@@ -103,7 +103,10 @@ std::array<float, 4> pixel_at(const PixelImage& image, const Use& use, double x,
 class AtlasMaker {
  public:
   AtlasMaker(const Hierarchy& hierarchy, CellId cell, const TileAtlasConfig& config)
-      : hierarchy_(hierarchy), cell_(hierarchy.cells[cell]), config_(config) {}
+      : hierarchy_(hierarchy),
+        cell_(hierarchy.cells[cell]),
+        config_(config),
+        parent_(config.morph && cell_.parent != no_cell ? &hierarchy.cells[cell_.parent] : nullptr) {}
 
   TileAtlas make() {
     if (!hierarchy_.attributes.materials) return {};
@@ -178,13 +181,16 @@ class AtlasMaker {
     }
     struct Extent {
       double u0 = 1e30, v0 = 1e30, u1 = -1e30, v1 = -1e30;
+      void include(Vec2f uv) {
+        u0 = std::fmin(u0, uv.x), u1 = std::fmax(u1, uv.x);
+        v0 = std::fmin(v0, uv.y), v1 = std::fmax(v1, uv.y);
+      }
     };
     std::map<std::uint32_t, Extent> extents;
     for (const std::uint32_t v : use.vertices) {
-      const Vec2f uv = cell_.attributes.uv[v];
       Extent& e = extents[charts.find(v)];
-      e.u0 = std::fmin(e.u0, uv.x), e.u1 = std::fmax(e.u1, uv.x);
-      e.v0 = std::fmin(e.v0, uv.y), e.v1 = std::fmax(e.v1, uv.y);
+      e.include(cell_.attributes.uv[v]);
+      if (parent_) e.include(parent_uv(v));  // of the same chart
     }
     std::map<std::uint32_t, std::array<std::int64_t, 2>> shifts;
     std::map<std::uint32_t, std::uint32_t> part_of;
@@ -328,12 +334,18 @@ class AtlasMaker {
     if (atlas_.uv.empty()) {
       atlas_.uv.assign(cell_.positions.size(), {});
       if (hierarchy_.attributes.uv) std::ranges::copy(cell_.attributes.uv, atlas_.uv.begin());
+      if (parent_) atlas_.parent_uv = atlas_.uv;
+      for (std::uint32_t v = 0; parent_ && hierarchy_.attributes.uv && v < atlas_.uv.size(); ++v)
+        atlas_.parent_uv[v] = parent_uv(v);
     }
     for (std::size_t k = 0; k < use.vertices.size(); ++k) {
       const std::uint32_t v = use.vertices[k];
       atlas_.uv[v] = placed(use, k, size, atlas_.uv[v]);
+      if (parent_) atlas_.parent_uv[v] = placed(use, k, size, atlas_.parent_uv[v]);
     }
   }
+
+  [[nodiscard]] Vec2f parent_uv(std::uint32_t v) const { return parent_->attributes.uv[cell_.parents[v]]; }
 
   // The place in the atlas of a coordinate of vertex k of a use.
   static Vec2f placed(const Use& use, std::size_t k, PixelSize size, Vec2f uv) {
@@ -429,6 +441,7 @@ class AtlasMaker {
   const Hierarchy& hierarchy_;
   const Cell& cell_;
   const TileAtlasConfig& config_;
+  const Cell* parent_;                 // null: the tile does not morph
   std::map<std::uint32_t, Use> uses_;  // by material
   TileAtlas atlas_;
 };

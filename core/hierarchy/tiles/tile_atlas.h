@@ -25,6 +25,7 @@ struct TileAtlasConfig {
   std::function<std::shared_ptr<const PixelImage>(std::uint32_t texture)> pixels;
   std::uint32_t most_materials = 4;   // a tile of no more is left as it is
   std::uint32_t longest_side = 4096;  // of an atlas, texels
+  bool morph = false;                 // the tile also shows its vertices at their parents' coordinates
 };
 
 struct TileAtlas {
@@ -32,8 +33,9 @@ struct TileAtlas {
   std::vector<Material> materials;  // their textures are numbers of images
   // By material of the hierarchy: the one of `materials` that replaces it, or no_material.
   std::vector<std::uint32_t> replaced_by;
-  std::vector<Vec2f> uv;        // by vertex of the cell
-  std::uint32_t repeating = 0;  // materials left as they are because their textures repeat too often
+  std::vector<Vec2f> uv;         // by vertex of the cell
+  std::vector<Vec2f> parent_uv;  // likewise, of its parent's coordinates; empty unless the tile morphs
+  std::uint32_t repeating = 0;   // materials left as they are because their textures repeat too often
 
   [[nodiscard]] std::optional<std::uint32_t> replacing(std::uint32_t material) const {
     if (material >= replaced_by.size() || replaced_by[material] == no_material) return std::nullopt;

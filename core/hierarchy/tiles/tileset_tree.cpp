@@ -82,6 +82,13 @@ double texel_size(const Hierarchy& hierarchy, const Cell& cell, std::span<const 
   return texels > 0 ? std::sqrt(surface / texels) : 0;
 }
 
+template <class Visit>
+void for_each_shown_texture(const Material& m, const Visit& visit) {
+  const bool glows = m.emissive != std::array<float, 3>{} && !m.unlit;
+  for (const std::uint32_t texture : {m.texture, glows ? m.emissive_map.texture : no_texture})
+    if (texture != no_texture) visit(texture);
+}
+
 class TreeEncoder {
  public:
   TreeEncoder(const Hierarchy& hierarchy, std::span<const double> errors, const TilesetConfig& config)
@@ -131,7 +138,7 @@ class TreeEncoder {
     }
     if (level == top) tile["refine"] = "REPLACE";
     if (!cell.triangles.empty()) tile["content"] = {{"uri", from(top, tile_path(hierarchy_, index))}};
-    if (config_.morph) tile["extras"] = morph_of(cell, level);
+    if (config_.morph) tile["extras"] = morph_of(index, level);
     for (CellId k = cell.first_child; k < cell.end_child(); ++k) tile["children"].push_back(this->tile(k, top));
     return tile;
   }
@@ -152,30 +159,21 @@ class TreeEncoder {
 
   // A viewer with a budget of memory decides by these before it loads anything: vertices and triangles of the file, and
   // the textures of base colours and light, whose texels morph_of_levels() tells.
-  [[nodiscard]] json morph_of(const Cell& cell, int level) {
+  [[nodiscard]] json morph_of(CellId index, int level) {
+    const Cell& cell = hierarchy_.cells[index];
     const auto [lo, hi] = cell.bounds;
     std::vector<bool> is_used(cell.positions.size());
-    std::set<std::uint32_t> textures;
-    for (const Triangle& t : cell.triangles) {
+    for (const Triangle& t : cell.triangles)
       for (const std::uint32_t v : t.v) is_used[v] = true;
-      const std::uint32_t material = material_of(hierarchy_, cell, t.v[0]);
-      if (material >= hierarchy_.materials.size()) continue;
-      const Material& m = hierarchy_.materials[material];
-      const bool glows = m.emissive != std::array<float, 3>{} && !m.unlit;
-      for (const std::uint32_t texture : {m.texture, glows ? m.emissive_map.texture : no_texture})
-        if (texture < hierarchy_.textures.size()) textures.insert(texture);
-    }
     json extras{{"level", level},
                 {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
                 {"vertices", std::count(is_used.begin(), is_used.end(), true)},
                 {"triangles", cell.triangles.size()}};
-    for (const std::uint32_t texture : textures) {
-      const std::string path = texture_path(hierarchy_, texture, level);
-      extras["textures"].push_back(path);
-      if (texels_.contains(path)) continue;
-      texels_[path] = shown_image(hierarchy_, texture, level).texels;
-      if (const auto found = config_.thumbnails.find(texture); found != config_.thumbnails.end())
-        thumbnails_[path] = found->second;
+    for (const TileImage& image : config_.images.at(index)) {
+      extras["textures"].push_back(image.path);
+      texels_[image.path] = image.texels;
+      if (const auto found = config_.thumbnails.find(image.texture); found != config_.thumbnails.end())
+        thumbnails_[image.path] = found->second;
     }
     return extras;
   }
@@ -233,6 +231,35 @@ std::string texture_path(const Hierarchy& hierarchy, std::uint32_t texture, int 
     path += std::to_string(copy->halvings);
   }
   return path + image_extension(hierarchy.textures[texture].media_type);
+}
+
+std::vector<TileImage> shown_images(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas) {
+  const int level = hierarchy.level_of(cell);
+  std::map<std::string, TileImage> images;
+  const auto add = [&](std::string path, double texels, std::uint32_t texture) {
+    images.try_emplace(path, TileImage{path, texels, texture});
+  };
+  std::set<std::uint32_t> materials;
+  for (const Triangle& t : hierarchy.cells[cell].triangles)
+    materials.insert(material_of(hierarchy, hierarchy.cells[cell], t.v[0]));
+  for (const std::uint32_t material : materials) {
+    if (material >= hierarchy.materials.size()) continue;
+    if (const auto replacing = atlas.replacing(material)) {
+      for_each_shown_texture(atlas.materials[*replacing], [&](std::uint32_t image) {
+        const Texture& texture = atlas.images[image];
+        const PixelSize size = image_size(texture.bytes, texture.media_type);
+        add(atlas_path(hierarchy, cell, atlas, image), double{1} * size.width * size.height, no_texture);
+      });
+    } else {
+      for_each_shown_texture(hierarchy.materials[material], [&](std::uint32_t texture) {
+        if (texture >= hierarchy.textures.size()) return;
+        add(texture_path(hierarchy, texture, level), shown_image(hierarchy, texture, level).texels, texture);
+      });
+    }
+  }
+  std::vector<TileImage> sorted;
+  for (auto& [path, image] : images) sorted.push_back(std::move(image));
+  return sorted;
 }
 
 TileErrors::TileErrors(const Hierarchy& hierarchy) : hierarchy_(hierarchy) {

@@ -19,11 +19,19 @@
 
 namespace lodestone {
 
+// An image that a tile shows as its base colours or light.
+struct TileImage {
+  std::string path;                    // from the folder of the tileset
+  double texels = 0;                   // 0: unknown
+  std::uint32_t texture = no_texture;  // of the hierarchy; no_texture: of an atlas
+};
+
 struct TilesetConfig {
   bool morph = false;            // tiles have the attributes that a viewer needs to morph between levels
   std::size_t max_tiles = 4096;  // larger trees are cut
   int levels_per_file = 5;       // of the subtrees that are cut off, at least 1: about 1400 tiles of a surface
   std::map<std::uint32_t, std::string> thumbnails{};  // files of them by texture, where there are any
+  std::vector<std::vector<TileImage>> images{};       // with `morph`: by cell, those of shown_images()
 };
 
 struct TilesetFile {
@@ -44,6 +52,9 @@ struct ShownImage {
   double texels = 0;  // 0: none, or one that cannot be decoded
   int halvings = 0;
 };
+
+// The images of base colours and light of a tile, in the order of their paths.
+[[nodiscard]] std::vector<TileImage> shown_images(const Hierarchy& hierarchy, CellId cell, const TileAtlas& atlas);
 
 // Distances of cells from the model, in its unit: the measured error of the surface, or the mean size on it of a texel
 // of the coarsest image of its materials if that is larger. 0 on the finest level. The hierarchy outlives this.
@@ -67,7 +78,7 @@ struct CellGlbConfig {
   bool morph = false;  // as in TilesetConfig
   // The URI, relative to the file, of a texture as the level shows it; `texture` is an index in Hierarchy::textures.
   std::function<std::string(std::uint32_t texture)> texture_uri;
-  const TileAtlas* atlas = nullptr;  // of the cell; or null, as it is with `morph`
+  const TileAtlas* atlas = nullptr;  // of the cell, made with the same `morph`; may be null
   std::function<std::string(std::size_t image)> atlas_uri;
 };
 

@@ -59,6 +59,10 @@ export function placeMaps(shader, surface) {
     #include <color_vertex>`)}`;
 }
 
+const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
+// Of a texture, for the names that image() of glb.js gives.
+export const wrapping = ([u, v]) => ({wrapS: wraps[u], wrapT: wraps[v]});
+
 // Parameters of three's standard material for a surface (surface.js). A material without one is drawn from both sides.
 export function surfaceParameters(colour, surface) {
   if (!surface) return {side: THREE.DoubleSide};

@@ -1,15 +1,14 @@
 // A progressive mesh in the scene: one vertex buffer, an index per rung of the ladder, ancestors as a second vertex.
 import * as THREE from 'three';
+import {bitmapOf} from './bitmap.js';
 import {Ladder} from './ladder.js';
 import {edgesOver, showEdges} from './look.js';
-import {countingMaterial, morphMaterial, surfaceParameters} from './morph_material.js';
+import {countingMaterial, morphMaterial, surfaceParameters, wrapping} from './morph_material.js';
 import {seamlessLevels} from './octahedral_image.js';
 import {Problem} from './problem.js';
 import {unstacked} from './stacked_normals.js';
 import {showsEmission} from './surface.js';
 import {turnedBox} from './turn.js';
-
-const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
 
 export class ProgressiveView {
   constructor(name, anisotropy) {
@@ -106,8 +105,7 @@ export class ProgressiveView {
     if (before?.bytes === source.bytes.length && before.type === source.type) return before.texture;
     const bitmap = prepare(await this.decode(source, index));
     const texture = layout && isOctahedral(bitmap) ? octahedralTexture(bitmap, colorSpace, layout) : new THREE.Texture(bitmap);
-    Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, wrapS: wraps[source.wrap[0]],
-                            wrapT: wraps[source.wrap[1]], needsUpdate: true});
+    Object.assign(texture, {flipY: false, colorSpace, anisotropy: this.anisotropy, ...wrapping(source.wrap), needsUpdate: true});
     if (before) this.outdated.push(before.texture);
     this.images[index] = {texture, bytes: source.bytes.length, type: source.type};
     return texture;
@@ -115,7 +113,7 @@ export class ProgressiveView {
 
   async decode({bytes, type}, index) {
     try {
-      return await createImageBitmap(new Blob([bytes], {type}), {imageOrientation: 'none', colorSpaceConversion: 'none'});
+      return await bitmapOf(new Blob([bytes], {type}));
     } catch {
       throw new Problem(`${this.name}: image ${index + 1} cannot be decoded (${type}, ${bytes.length} bytes)`);
     }

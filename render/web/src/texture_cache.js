@@ -1,6 +1,8 @@
 // Textures that tiles share: one per file, for as long as a tile uses it. Where there is a thumbnail it is drawn until the
 // image has come.
 import * as THREE from 'three';
+import {bitmapOf} from './bitmap.js';
+import {wrapping} from './morph_material.js';
 import {Problem} from './problem.js';
 import {textureBytes} from './tileset.js';
 
@@ -12,11 +14,12 @@ export class TextureCache {
     this.entries = new Map();
   }
 
-  // Resolves to what can be drawn first. `bytes`: of the image in memory, as far as they are known. Each call wants a
-  // giveBack, also when it fails; what failed is asked for anew once all have given it back.
-  take(url, bytes = 0) {
+  // Resolves to what can be drawn first. `wrap`: as image() of glb.js has it; `bytes`: of the image in memory, as far as
+  // they are known. Each call wants a giveBack, also when it fails; what failed is asked for anew once all have given it
+  // back.
+  take(url, wrap, bytes = 0) {
     if (!this.entries.has(url)) {
-      const entry = {users: 0, bytes, texture: null};
+      const entry = {users: 0, bytes, wrap, texture: null};
       entry.promise = this.fetch(entry, url);
       this.entries.set(url, entry);
     }
@@ -45,12 +48,12 @@ export class TextureCache {
 
   async draw(entry, url) {
     const blob = new Blob([await this.request(url)]);
-    const bitmap = await createImageBitmap(blob, {colorSpaceConversion: 'none'}).catch(() => { throw new Problem(`${url}: the image cannot be decoded`); });
+    const bitmap = await bitmapOf(blob).catch(() => { throw new Problem(`${url}: the image cannot be decoded`); });
     if (entry.users === 0) throw new DOMException('nobody wants it any more', 'AbortError');
     entry.texture?.image.close();
     entry.texture?.dispose();  // the size on the device is another
     entry.texture ??= Object.assign(new THREE.Texture(), {flipY: false, colorSpace: THREE.SRGBColorSpace, anisotropy: this.anisotropy,
-                                                          wrapS: THREE.RepeatWrapping, wrapT: THREE.RepeatWrapping});
+                                                          ...wrapping(entry.wrap)});
     Object.assign(entry.texture, {image: bitmap, needsUpdate: true});
     return bitmap;
   }

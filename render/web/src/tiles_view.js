@@ -130,9 +130,9 @@ export class TilesView {
     if (!m) return {color: new THREE.Color(0.8, 0.8, 0.78)};
     const look = {color: new THREE.Color(...m.colour.slice(0, 3)), surface: m.surface, ...surfaceParameters(m.colour, m.surface)};
     const take = (image) => {
-      const url = new URL(glb.image(image).uri, cell.url).href;
+      const {uri, wrap} = glb.image(image), url = new URL(uri, cell.url).href;
       cell.taken.push(url);
-      return this.textures.take(url, new Map(cell.textures).get(url));
+      return this.textures.take(url, wrap, new Map(cell.textures).get(url));
     };
     if (m.texture != null) look.map = await take(m.texture);
     if (showsEmission(m.surface)) look.emissiveMap = await take(m.surface.emissiveMap);
