@@ -10,6 +10,8 @@ namespace lodestone {
 namespace {
 
 constexpr float kept_cosine = 0.9396926f, kept_sine = 0.3420201f;  // 20 degrees
+constexpr float lost_cosine = 0.5f;                                // from 60 degrees on nothing of a normal is kept
+constexpr float fold_cosine = 0.8660254f;                          // 30 degrees: wedges farther apart are a fold
 constexpr std::uint32_t no_normal = 0xffff'ffffu;
 
 // Unpacks octahedral normals, as unpack_normal does, but not to unit length.
@@ -49,19 +51,30 @@ Four compare_at(const std::array<std::uint32_t, 4>& i, std::span<const PackedNor
   return compare(four.data(), sums[i[0]], sums[i[1]], sums[i[2]], sums[i[3]]);
 }
 
-// The directions at 20 degrees from the sums, on the sides of the normals.
+// The directions at 20 degrees from the sums, on the sides of the normals; less the farther these are from them.
 std::array<PackedNormal, 4> turned(const Four& f) {
   const auto& [n, towards, squared, along, far] = f;
   const Float4 share = along / squared;
   const Float4x3 aside{n.x - share * towards.x, n.y - share * towards.y, n.z - share * towards.z};
   const Float4 width2 = dot(aside, aside), ratio2 = select(width2 > 1e-6f * dot(n, n), squared / width2, Float4{});
   Float4 scale;
-  for (int k = 0; k < 4; ++k) scale[k] = kept_sine / kept_cosine * std::sqrt(ratio2[k]);
+  for (int k = 0; k < 4; ++k) {
+    const float cosine = along[k] / std::sqrt(squared[k] * dot(n, n)[k]);
+    const float kept = std::max(cosine - lost_cosine, 0.0f) / (kept_cosine - lost_cosine);
+    scale[k] = kept * (kept_sine / kept_cosine) * std::sqrt(ratio2[k]);
+  }
   const auto rows =
       transposed(towards.x + scale * aside.x, towards.y + scale * aside.y, towards.z + scale * aside.z, Float4{});
   std::array<PackedNormal, 4> packed;
   pack_normals(std::array{rows.a, rows.b, rows.c, rows.d}, packed);
   return packed;
+}
+
+// True if both are within the angle of a fold, or one of them is zero.
+bool continues(Float4 own, Float4 all) {
+  const auto product = [](Float4 a, Float4 b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  const float along = product(own, all);
+  return along >= 0 && along * along >= fold_cosine * fold_cosine * product(own, own) * product(all, all);
 }
 
 }  // namespace
@@ -70,12 +83,14 @@ void BlockNormals::begin(const Block& block) {
   block_ = block;
   const std::size_t vertices = block.vertex.empty() ? block.locked.size() : block.vertices;
   if (first_.size() < vertices) first_.resize(vertices, no_normal);
-  shared_vertices_.clear(), shared_normals_.clear(), shared_sums_.clear(), places_.clear();
+  if (first_use_.size() < block.locked.size()) first_use_.resize(block.locked.size(), no_normal);
+  shared_.clear(), shared_vertices_.clear(), shared_normals_.clear(), shared_sums_.clear(), places_.clear();
 }
 
 void BlockNormals::turn(std::span<const std::uint32_t> vertex, std::span<PackedNormal> normals,
                         std::span<Float4> sums) {
-  join(vertex, normals, sums);
+  find_same(vertex, normals);
+  join(sums);
   find_far(normals, sums);
   for (std::size_t first = 0; first < far_.size(); first += 4) {
     std::array<std::uint32_t, 4> i;
@@ -105,24 +120,40 @@ void BlockNormals::find_far(std::span<const PackedNormal> normals, std::span<con
   far_.resize(count);
 }
 
-// Gives wedges of one vertex that have one normal the sum of all of them.
-void BlockNormals::join(std::span<const std::uint32_t> vertex, std::span<const PackedNormal> normals,
-                        std::span<Float4> sums) {
+// Wedges of one vertex that have one normal: pairs of each and the first of them.
+void BlockNormals::find_same(std::span<const std::uint32_t> vertex, std::span<const PackedNormal> normals) {
   next_.resize(std::max(next_.size(), vertex.size()));
   same_.clear();
   for (std::uint32_t i = 0; i < vertex.size(); ++i) {
     std::uint32_t& first = first_[vertex[i]];
     std::uint32_t same = first;
     while (same != no_normal && normals[same] != normals[i]) same = next_[same];
-    if (same == no_normal) {
+    if (same == no_normal)
       next_[i] = std::exchange(first, i);
-    } else {
-      sums[same] += sums[i];
+    else
       same_.emplace_back(i, same);
-    }
   }
-  for (const auto& [i, same] : same_) sums[i] = sums[same];
   for (const std::uint32_t v : vertex) first_[v] = no_normal;
+}
+
+// Gives these wedges the sum of them, but for those between which the surface folds.
+void BlockNormals::join(std::span<Float4> sums) {
+  all_.resize(std::max(all_.size(), sums.size()));
+  for (const auto& [i, same] : same_) all_[same] = sums[same];
+  for (const auto& [i, same] : same_) all_[same] += sums[i];
+  const auto is_joined = [&](std::uint32_t wedge, std::uint32_t same) { return continues(sums[wedge], all_[same]); };
+  if (std::ranges::all_of(same_, [&](auto pair) { return is_joined(pair.first, pair.second); }) &&
+      std::ranges::all_of(same_, [&](auto pair) { return is_joined(pair.second, pair.second); })) {
+    for (const auto& [i, same] : same_) sums[i] = sums[same] = all_[same];
+    return;
+  }
+  joined_.resize(all_.size());
+  for (const auto& [i, same] : same_) joined_[same] = is_joined(same, same) ? sums[same] : Float4{};
+  for (const auto& [i, same] : same_)
+    if (is_joined(i, same)) joined_[same] += sums[i];
+  for (const auto& [i, same] : same_)
+    for (const std::uint32_t wedge : {i, same})
+      if (is_joined(wedge, same)) sums[wedge] = joined_[same];
 }
 
 void BlockNormals::add(const CoarseCell& cell) {
@@ -131,16 +162,23 @@ void BlockNormals::add(const CoarseCell& cell) {
   for (std::size_t k = 0; k < cell.shared.size(); ++k) {
     const std::uint32_t p = cell.shared[k];
     if (block_.locked[p]) continue;
-    shared_vertices_.push_back(block_.vertex.empty() ? p : block_.vertex[p]);
-    shared_normals_.push_back(cell.normals[own + k]);
-    shared_sums_.push_back(cell.sums[own + k]);
-    places_.push_back(&cell.normals[own + k]);
+    std::uint32_t& use = first_use_[p];
+    if (use == no_normal) {
+      use = static_cast<std::uint32_t>(shared_.size());
+      shared_.push_back(p);
+      shared_vertices_.push_back(block_.vertex.empty() ? p : block_.vertex[p]);
+      shared_normals_.push_back(cell.normals[own + k]);
+      shared_sums_.push_back(Float4{});
+    }
+    shared_sums_[use] += cell.sums[own + k];
+    places_.emplace_back(&cell.normals[own + k], use);
   }
 }
 
 void BlockNormals::finish() {
-  turn(shared_vertices_, shared_normals_, shared_sums_);
-  for (std::size_t i = 0; i < places_.size(); ++i) *places_[i] = shared_normals_[i];
+  turn(block_.vertex.empty() ? std::span<const std::uint32_t>() : shared_vertices_, shared_normals_, shared_sums_);
+  for (const auto& [place, use] : places_) *place = shared_normals_[use];
+  for (const std::uint32_t p : shared_) first_use_[p] = no_normal;
 }
 
 }  // namespace lodestone

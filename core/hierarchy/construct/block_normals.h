@@ -3,8 +3,10 @@
 // A vertex keeps the normal of the finest level as long as it survives. Where folds and thin parts are smoothed away,
 // the triangles around it face elsewhere in the end, and it would be lit as if they did not. Its normal is turned until
 // it is within 20 degrees of their mean, weighted by area: not all the way, since models may bring normals of their
-// own. One normal of a vertex remains one normal, whatever wedges the vertex has: a seam of texture coordinates does
-// not show. Different normals of a vertex, at a crease, are turned separately, each by the triangles of its wedges.
+// own, but the farther, the more it has lost touch with them; one that was 60 degrees off becomes the mean. One normal
+// of a vertex remains one normal, whatever wedges the vertex has: a seam of texture coordinates does not show, unless
+// the surface folds there: wedges whose own triangles' mean is more than 30 degrees off that of all get their own.
+// Different normals of a vertex, at a crease, are turned separately, each by the triangles of its wedges.
 //
 // Most vertices belong to one cell: they are done when it is, while it is in the cache, four at a time, and the sums of
 // its triangles come with its other figures (measure_cell).
@@ -46,18 +48,22 @@ class BlockNormals {
  private:
   void turn(std::span<const std::uint32_t> vertex, std::span<PackedNormal> normals, std::span<Float4> sums);
   void find_far(std::span<const PackedNormal> normals, std::span<const Float4> sums);
-  void join(std::span<const std::uint32_t> vertex, std::span<const PackedNormal> normals, std::span<Float4> sums);
+  void find_same(std::span<const std::uint32_t> vertex, std::span<const PackedNormal> normals);
+  void join(std::span<Float4> sums);
 
   std::vector<std::uint32_t> far_;    // to be turned, or to be compared once more
   std::vector<std::uint32_t> first_;  // of each vertex of the block; set while wedges are joined
   std::vector<std::uint32_t> next_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> same_;
+  // Sums of wedges that have one normal, at the first of them: of all, and of those that keep it together.
+  std::vector<Float4> all_, joined_;
   Block block_;
-  // Survivors that several cells use, once for each of these.
-  std::vector<std::uint32_t> shared_vertices_;
+  // Survivors that several cells use, and where these have their normals.
+  std::vector<std::uint32_t> shared_, shared_vertices_;
+  std::vector<std::uint32_t> first_use_;  // by survivor: its place above, or none
   std::vector<PackedNormal> shared_normals_;
   std::vector<Float4> shared_sums_;
-  std::vector<PackedNormal*> places_;
+  std::vector<std::pair<PackedNormal*, std::uint32_t>> places_;
 };
 
 }  // namespace lodestone
