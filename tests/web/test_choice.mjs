@@ -71,6 +71,17 @@ function chooseSlowly({cells, finest, root}, {radii, viewpoint, budget, rootByte
   return {chosen, all: false, need: cost(needed)};
 }
 
+// What is left of the budget holds none of the families that would be drawn if they were there.
+function checkRest({cells, finest}, {radii, viewpoint, budget}, sizes, chosen) {
+  const tally = new Tally(sizes, [null, ...chosen]), has = new Set(chosen);
+  const missing = cells.filter((c) => c.level < finest && excess(radii, viewpoint, c) > 0 && !has.has(c) && (c.parent === null || has.has(c.parent)));
+  for (const cell of missing) {
+    const limits = missing.filter((c) => c !== cell).map((c) => ({box: c.bounds, radius: radii.select[c.level]}));
+    const hidden = limitedBoxDistance(cell.bounds, limits) >= radii.select[cell.level];
+    check(hidden || tally.bytes + tally.cost(cell) > budget, `a family of ${tally.cost(cell)} bytes is missing, ${budget - tally.bytes} are left`);
+  }
+}
+
 const indices = (cells) => [...cells].map((c) => c.index).sort((a, b) => a - b).join();
 
 // Tiles of a view over a line that brings them in any order, each after a while.
@@ -139,6 +150,7 @@ async function testView(view, seed, textured) {
     limits ??= now;
     check(now === limits, `history ${history}: other limits at rest`);
   }
+  if (!slowly.all) checkRest(tree, view, sizes, slowly.chosen);
   const used = new Tally(sizes, [null, ...slowly.chosen]).bytes, largest = Math.max(...tree.cells.map((c) => (c.children.length > 0 ? new Tally(sizes, [c]).bytes : 0)));
   const full = !slowly.all && largest < budget / 10;
   check(!full || used > 0.9 * budget, `${used} of ${budget} bytes are used`);
