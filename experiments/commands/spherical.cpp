@@ -67,6 +67,8 @@ void print(const SphericalResult& result, const Row& row, const SphericalOptions
   fmt::print("{}: {} triangles in {:.2f} s, {:.0f} kB: {:.0f} colours, {:.0f} normals, {:.0f} geometry\n",
              options.output, number("input_triangles"), number("seconds"), number("file_bytes") / 1000,
              number("colour_bytes") / 1000, number("normal_bytes") / 1000, number("geometry_bytes") / 1000);
+  if (number("material_bytes") > 0)
+    fmt::print("other images of materials: {:.0f} kB\n", number("material_bytes") / 1000);
   fmt::print("closed for the mapping: {} holes and {} handles of {} components\n", number("holes"), number("handles"),
              number("components"));
   if (result.report.left_out > 0) fmt::print("left out: {} smaller components\n", result.report.left_out);
@@ -112,7 +114,8 @@ OptionTable declare(SphericalOptions& o) {
        {"--triangles", &o.triangles, "Triangles of the finest level, at most; 0: all; images are made from all"},
        OptionSpec{"--texture", &o.texture, "Pixels along a side of the images, a power of two; small parts get fewer"}
            .between(16, 16384),
-       OptionSpec{"--maps", &o.maps, "The images, of colour, normal, geometry"}.of_type("NAMES"),
+       OptionSpec{"--maps", &o.maps, "The images, of colour (and what else materials have), normal, geometry"}.of_type(
+           "NAMES"),
        OptionSpec{"--images", &o.images, "Format of the images"}.one_of({"webp", "jpeg", "png"}),
        OptionSpec{"--quality", &o.quality,
                   "Of webp and jpeg, of normals in webp 65 % of it; webp of 100 is without loss"}

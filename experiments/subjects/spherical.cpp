@@ -81,6 +81,8 @@ std::vector<Column<SphericalResult>> cost_columns() {
       {{"geometry_bytes", "bytes", "part of the file that is not images", cost}, [](R r) { return r.size.geometry; }},
       {{"colour_bytes", "bytes", "images of colours", cost}, [](R r) { return r.report.colour_bytes; }},
       {{"normal_bytes", "bytes", "images of normals", cost}, [](R r) { return r.report.normal_bytes; }},
+      {{"material_bytes", "bytes", "images of metal, roughness, occlusion and emission", cost},
+       [](R r) { return r.report.material_bytes; }},
       {{"tangent_bytes", "bytes", "normal maps for other viewers", cost}, [](R r) { return r.tangent.bytes; }},
       {{"geometry_image_bytes", "bytes", "geometry images", cost}, [](R r) { return r.report.geometry_bytes; }},
       {{"seconds", "s", "all stages, without reading and writing", cost}, [](R r) { return r.time.seconds; }},

@@ -39,10 +39,6 @@ class ImageMaker {
         report_(report) {}
 
   ComponentImages make() {
-    const CpuClock clock;
-    source_ = std::make_shared<MeshSource>(mesh_);
-    in_chunks(source_->texture_count(), 1, [&](ChunkRange range) { source_->load(range.begin); });
-    report_.resampling += clock.elapsed();
     const std::vector<std::size_t> small = small_components();
     for (std::size_t k = 0, next = 0; k < surfaces_.size(); ++k) {
       if (next < small.size() && small[next] == k && ++next > 0) continue;
@@ -50,13 +46,12 @@ class ImageMaker {
       std::string name;
       if (surfaces_.size() > 1) name.append(" ").append(std::to_string(k + 1));
       out_.places[k].material = static_cast<std::uint32_t>(out_.materials.size());
-      const bool colours = add_material("octahedral" + name, {&k, 1}, {});
-      if (colours || config_.maps.normal)
-        add_component(k, name, {.size = texture_of(k), .colours = colours, .normals = config_.maps.normal});
+      const Wanted wanted = add_material("octahedral" + name, {&k, 1}, {});
+      add_component(k, name, wanted);
       if (config_.maps.geometry) add_geometry(k, name);
     }
     if (!small.empty()) add_atlas(small);
-    source_.reset();
+    sources_ = {};
     report_.geometry_rms = std::sqrt(report_.geometry_rms);
     if (colour_share_ > 0) report_.colour_psnr /= colour_share_;
     return std::move(out_);
@@ -68,18 +63,39 @@ class ImageMaker {
     scheduler_.for_chunks(count, grain, [&](ChunkRange range) { body(range); });
   }
 
-  // For components that share their images. Returns true if these have colours that need one.
-  bool add_material(std::string name, std::span<const std::size_t> components, OctahedralLayout layout) {
+  // The mesh with its textures, which are decoded when the first component needs them.
+  const std::shared_ptr<MeshSource>& source(SourceLook look) {
+    std::shared_ptr<MeshSource>& source = sources_[static_cast<std::size_t>(look)];
+    if (source) return source;
+    const CpuClock clock;
+    source = std::make_shared<MeshSource>(mesh_, look);
+    in_chunks(source->texture_count(), 1, [&](ChunkRange range) { source->load(range.begin); });
+    report_.resampling += clock.elapsed();
+    return source;
+  }
+
+  // Images of a material.
+  struct Wanted {
+    bool colours = false, normals = false;
+    MaterialMaps others;
+    [[nodiscard]] bool looks() const { return colours || normals; }
+  };
+
+  // For components that share their images.
+  Wanted add_material(std::string name, std::span<const std::size_t> components, OctahedralLayout layout) {
     std::set<std::uint32_t> used;
     for (const std::size_t k : components)
       for (const std::uint32_t t : surfaces_[k].source_triangle)
         if (t != no_source) used.insert(material_of(mesh_, TriangleId(t)));
-    out_.materials.push_back(carried_surface(mesh_, used, report_.left_out_features));
+    Wanted wanted;
+    if (config_.maps.colour) wanted.others = material_maps(mesh_, used);
+    out_.materials.push_back(carried_surface(mesh_, used, wanted.others, report_.left_out_features));
     out_.materials.back().name = std::move(name);
     out_.octahedral.emplace_back(std::move(layout));
     const std::optional<std::array<float, 4>> plain = plain_colour(used);
     if (plain) out_.materials.back().base_colour = *plain;
-    return config_.maps.colour && !plain;
+    wanted.colours = config_.maps.colour && !plain, wanted.normals = config_.maps.normal;
+    return wanted;
   }
 
   // The colour of all that these materials are on, if it is the same everywhere.
@@ -110,17 +126,18 @@ class ImageMaker {
     std::vector<std::uint32_t> sides;
     for (const std::size_t k : small) sides.push_back(texture_of(k));
     const SquareAtlas atlas = pack_squares(std::move(sides), config_.texture);
-    const bool colours = add_material("octahedral atlas", small, layout_of(atlas)), normals = config_.maps.normal;
+    const Wanted wanted = add_material("octahedral atlas", small, layout_of(atlas));
+    const bool colours = wanted.colours, normals = wanted.normals;
     const auto material = static_cast<std::uint32_t>(out_.materials.size() - 1);
     LinearImage colour = blank_image(atlas, colours ? 4 : 0), normal = blank_image(atlas, normals ? 3 : 0);
+    if (wanted.looks()) (void)source(SourceLook::colours_and_normals);
     in_chunks(small.size(), 1, [&](ChunkRange range) {
       const std::size_t k = small[range.begin];
       const AtlasSquare& square = atlas.squares[range.begin];
       out_.places[k] = place_in(atlas, range.begin, material);
-      if (!colours && !normals) return;
-      const SurfaceSource source(source_, surfaces_[k], directions_[k]);
-      const ResampledImages images = resample(surfaces_[k], directions_[k], source,
-                                              {.size = square.image(), .colours = colours, .normals = normals});
+      if (!wanted.looks()) return;
+      const ResampledImages images = resampled(k, SourceLook::colours_and_normals,
+                                               {.size = square.image(), .colours = colours, .normals = normals});
       if (colours) paste(images.colour, square, colour);
       if (normals) paste(images.normal, square, normal);
     });
@@ -132,7 +149,67 @@ class ImageMaker {
     if (normals) normal = add_image(normal, PixelMeaning::normals, "normals atlas", number);
     out_.object_normals.push_back(number);
     report_.encoding += clock.elapsed();
-    if (colours || normals) measure_atlas(small, atlas, colour, normal);
+    if (wanted.looks()) measure_atlas(small, atlas, colour, normal);
+    add_others(wanted.others, " atlas", [&](SourceLook look) {
+      LinearImage image = blank_image(atlas, 4);
+      in_chunks(small.size(), 1, [&](ChunkRange range) {
+        const AtlasSquare& square = atlas.squares[range.begin];
+        const ResampleConfig config{.size = square.image(), .normals = false};
+        paste(resampled(small[range.begin], look, config).colour, square, image);
+      });
+      fill_rest(atlas, image);
+      return image;
+    });
+  }
+
+  // By one worker; the source is loaded.
+  [[nodiscard]] ResampledImages resampled(std::size_t k, SourceLook look, const ResampleConfig& config) const {
+    const SurfaceSource source(sources_[static_cast<std::size_t>(look)], surfaces_[k], directions_[k]);
+    return resample(surfaces_[k], directions_[k], source, config);
+  }
+
+  // Images beside colours and normals, as glTF has them: occlusion in red, roughness in green, metal in blue of one.
+  template <class Draw>
+  void add_others(const MaterialMaps& wanted, const std::string& name, const Draw& draw) {
+    Material& material = out_.materials.back();
+    const auto add = [&](SourceLook look, const auto& encode) {
+      (void)source(look);
+      CpuClock clock;
+      const LinearImage image = draw(look);
+      report_.resampling += clock.elapsed();
+      clock = {};
+      encode(image);
+      report_.encoding += clock.elapsed();
+    };
+    std::optional<LinearImage> surface;
+    const auto take = [&](std::size_t first, std::size_t end) {
+      return [&surface, first, end](const LinearImage& image) {
+        if (!surface) surface = {image.size, 3, std::vector<float>(image.values.size() / 4 * 3, 1)};
+        for (std::size_t p = 0; 4 * p < image.values.size(); ++p)
+          for (std::size_t c = first; c < end; ++c) surface->values[3 * p + c] = image.values[4 * p + c];
+      };
+    };
+    if (wanted.occlusion) add(SourceLook::occlusion, take(0, 1));
+    if (wanted.metal_and_roughness) add(SourceLook::metal_and_roughness, take(1, 3));
+    if (surface) {
+      const std::uint32_t number = add_other(*surface, PixelMeaning::values, "surface" + name);
+      if (wanted.occlusion) material.occlusion.texture = number;
+      if (wanted.metal_and_roughness) material.metallic_roughness.texture = number;
+    }
+    if (wanted.emission)
+      add(SourceLook::emission, [&](const LinearImage& image) {
+        material.emissive_map.texture = add_other(image, PixelMeaning::colours, "light" + name);
+      });
+  }
+
+  // WebP with loss halves the resolution of colours, which in values would blur one by another.
+  std::uint32_t add_other(const LinearImage& image, PixelMeaning meaning, const std::string& name) {
+    const bool is_lossy_webp = config_.media_type == "image/webp" && config_.quality < 100;
+    const std::string type =
+        is_lossy_webp && meaning == PixelMeaning::values ? std::string("image/jpeg") : config_.media_type;
+    std::vector<char> bytes = encode_octahedral(image, meaning, type, config_.quality);
+    report_.material_bytes += bytes.size();
+    return add_texture(name, type, std::move(bytes));
   }
 
   void measure_atlas(const std::vector<std::size_t>& small, const SquareAtlas& atlas, const LinearImage& colour,
@@ -140,7 +217,7 @@ class ImageMaker {
     std::vector<ImageError> errors(small.size());
     in_chunks(small.size(), 1, [&](ChunkRange range) {
       const std::size_t k = small[range.begin];
-      const SurfaceSource source(source_, surfaces_[k], directions_[k]);
+      const SurfaceSource source(sources_.front(), surfaces_[k], directions_[k]);
       const ImageErrorMeter meter(surfaces_[k], directions_[k], source, error_points(k));
       const auto own = [&](const LinearImage& image) {
         return image.values.empty() ? LinearImage{} : cut_out(image, atlas.squares[range.begin]);
@@ -164,9 +241,19 @@ class ImageMaker {
     return sampler.finish();
   }
 
-  void add_component(std::size_t k, const std::string& name, const ResampleConfig& config) {
+  void add_component(std::size_t k, const std::string& name, const Wanted& wanted) {
+    if (wanted.looks())
+      add_looks(k, name, {.size = texture_of(k), .colours = wanted.colours, .normals = wanted.normals});
+    add_others(wanted.others, name, [&](SourceLook look) {
+      const SurfaceSource from(source(look), surfaces_[k], directions_[k]);
+      return draw(k, Resampler(surfaces_[k], directions_[k], from, {.size = texture_of(k), .normals = false})).colour;
+    });
+  }
+
+  void add_looks(std::size_t k, const std::string& name, const ResampleConfig& config) {
+    const std::shared_ptr<MeshSource>& looks = source(SourceLook::colours_and_normals);
     CpuClock clock;
-    const SurfaceSource source(source_, surfaces_[k], directions_[k]);
+    const SurfaceSource source(looks, surfaces_[k], directions_[k]);
     const ResampledImages images = draw(k, Resampler(surfaces_[k], directions_[k], source, config));
     report_.resampling += clock.elapsed();
     clock = {};
@@ -261,7 +348,7 @@ class ImageMaker {
   const SphericalConfig& config_;
   Scheduler& scheduler_;
   SphericalReport& report_;
-  std::shared_ptr<MeshSource> source_;
+  std::array<std::shared_ptr<MeshSource>, 4> sources_;  // by SourceLook; those that have been needed
   ComponentImages out_;
   double colour_share_ = 0;  // of the area: components with an image of colours
 };

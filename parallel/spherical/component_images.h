@@ -33,7 +33,8 @@ struct MappedComponents {
   std::span<const double> shares;  // of the area
 };
 
-// The images that config.maps asks for; components of one colour have it in their material instead of an image. The
+// The images that config.maps asks for, with those of colours also the other images that the materials need
+// (carried_surface.h); components of one colour have it in their material instead of an image. The
 // largest component's have the size of config.texture, others as many pixels per area within a factor of two. Adds
 // times, sizes and errors to the report.
 [[nodiscard]] ComponentImages make_component_images(const MappedComponents& components, const SphericalConfig& config,

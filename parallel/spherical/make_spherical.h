@@ -43,6 +43,7 @@ struct SphericalReport {
   std::uint64_t pixels = 0;            // of images of colours and normals
   std::uint64_t geometry_samples = 0;  // of geometry images
   std::uint64_t colour_bytes = 0, normal_bytes = 0, geometry_bytes = 0;
+  std::uint64_t material_bytes = 0;  // of images of metal, roughness, occlusion and emission
   // Distances between the closed surface and the meshes that decoded geometry images are, the larger of both ways, as
   // shares of the diagonal of the input.
   double geometry_rms = 0, geometry_max = 0;

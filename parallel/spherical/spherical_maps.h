@@ -8,7 +8,7 @@ namespace lodestone {
 
 // The images that a component gets.
 struct SphericalMaps {
-  bool colour = true;
+  bool colour = true;     // and the other images of the materials, as far as these have any
   bool normal = true;     // in object space
   bool geometry = false;  // positions, by a fourth as many samples along a side as the others have pixels, and one
 };

@@ -214,6 +214,13 @@ float emissive_strength(const Material& material) {
   return known ? std::max(finite_float(strength->get<double>()), 0.0f) : 1;
 }
 
+void set_emissive_strength(Material& material, float strength) {
+  json extensions = material.extensions.empty() ? json::object() : json::parse(material.extensions);
+  extensions.erase("KHR_materials_emissive_strength");
+  if (strength != 1) extensions["KHR_materials_emissive_strength"]["emissiveStrength"] = strength;
+  material.extensions = extensions.empty() ? "" : extensions.dump();
+}
+
 void list_extensions(const json& material, json& names) {
   if (!material.is_structured()) return;
   if (material.is_object() && material.contains("extensions"))

@@ -26,6 +26,8 @@ void read_surface(const JsonView& source, const ReadTexture& read_texture, Mater
 
 // KHR_materials_emissive_strength: the factor of the emissive colour; 1 without it.
 [[nodiscard]] float emissive_strength(const Material& material);
+// Sets it; 1 leaves it out.
+void set_emissive_strength(Material& material, float strength);
 
 // True for the numbers of OpenGL that a sampler's filters have, and for 0, the viewer's choice.
 [[nodiscard]] constexpr bool is_filter(std::uint64_t number) {

@@ -70,7 +70,7 @@ void SurfaceSource::add_coordinates(const Surface& surface, std::span<const Vec3
     const auto [a, b, c] = surface.triangles[t].v;
     const double area = length(cross(directions[b] - directions[a], directions[c] - directions[a]));
     const auto& [i, j, k] = corners_[t].v;
-    Vec2f p = mesh_.wedges.uv[i], q = mesh_.wedges.uv[j], r = mesh_.wedges.uv[k];
+    Vec2f p = source_->uv(i), q = source_->uv(j), r = source_->uv(k);
     if (const auto part = parts_.find(static_cast<std::uint32_t>(t)); part != parts_.end()) {
       const auto at = [&](const std::array<float, 3>& w) {
         return Vec2f{w[0] * p.x + w[1] * q.x + w[2] * r.x, w[0] * p.y + w[1] * q.y + w[2] * r.y};
@@ -204,10 +204,11 @@ void SurfaceSource::add_taps(std::span<const std::uint32_t> triangles, const Foo
 Float4 SurfaceSource::vertex_colour(const SurfacePoint& point) const {
   Float4 sum{};
   const std::array<float, 3> weight = weights(point);
+  const bool opaque = shade_of(point.triangle).opaque;
   for (std::size_t k = 0; k < 3; ++k) {
     const Rgba8 c = mesh_.wedges.colour[corners_[point.triangle].v[k]];
     const std::array<float, 256>& linear = linear_of_srgb();
-    const float alpha = static_cast<float>(c.a) / 255;
+    const float alpha = opaque ? 1 : static_cast<float>(c.a) / 255;
     const Float4 value{linear[c.r] * alpha, linear[c.g] * alpha, linear[c.b] * alpha, alpha};
     sum += all4(weight[k]) * value;
   }
@@ -216,16 +217,18 @@ Float4 SurfaceSource::vertex_colour(const SurfacePoint& point) const {
 
 Float4 SurfaceSource::colour(const SurfacePoint& point, const Footprint& footprint) const {
   const MeshSource::Shade& shade = shade_of(point.triangle);
-  Float4 colour = shade.base_colour;
+  Float4 colour = shade.factor;
   if (shade.texture != no_texture) colour *= source_->texture(shade.texture).image.filtered(footprint);
-  return mesh_.wedges.colour.empty() ? colour : colour * vertex_colour(point);
+  colour += shade.added;
+  return source_->has_vertex_colours() ? colour * vertex_colour(point) : colour;
 }
 
 Float4 SurfaceSource::colour(std::span<const SurfacePoint> points, std::span<const TextureTap> taps) const {
   const MeshSource::Shade& shade = shade_of(points[0].triangle);
-  Float4 colour = shade.base_colour;
+  Float4 colour = shade.factor;
   if (shade.texture != no_texture) colour *= source_->texture(shade.texture).image.value(taps);
-  if (mesh_.wedges.colour.empty()) return colour;
+  colour += shade.added;
+  if (!source_->has_vertex_colours()) return colour;
   Float4 vertices{};
   for (const SurfacePoint& point : points) vertices += vertex_colour(point);
   return colour * vertices;

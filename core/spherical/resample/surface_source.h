@@ -1,7 +1,8 @@
 // The looks of a surface for the sphere: the colours and normals of the mesh that it was made from, at any point of its
 // triangles.
 //
-// A colour is base colour of the material times texture times vertex colour, in linear light. A normal is from the
+// A colour is base colour of the material times texture times vertex colour, in linear light; or the values of another
+// image of the material, as the mesh's source says (SourceLook). A normal is from the
 // material's normal map, in object or tangent space (core/texture/normal_space.h), or the normals of the
 // corners interpolated; a mesh without normals gets means of its triangles', by area.
 #pragma once
@@ -64,7 +65,7 @@ class SurfaceSource {
   // And around them, along changes of their weights.
   [[nodiscard]] Footprint4 footprints(const std::array<std::uint32_t, 4>& triangles, const Weights4& points,
                                       const Weights4& by_x, const Weights4& by_y) const;
-  // Light times alpha, and alpha. The footprint is in texture coordinates.
+  // Light times alpha, and alpha; or values. The footprint is in texture coordinates.
   [[nodiscard]] Float4 colour(const SurfacePoint& point, const Footprint& footprint) const;
   // A unit vector, or zero where nothing tells the normal.
   [[nodiscard]] Vec3f normal(const SurfacePoint& point, const Footprint& footprint) const;

@@ -5,11 +5,15 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/formats/gltf/gltf_surface.h"
+#include "core/mesh/uv_map.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/level.h"
 #include "core/spatial/mesh_distance.h"
+#include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/octahedron/octahedral_map.h"
 #include "core/spherical/resample/geometry_image.h"
+#include "core/spherical/resample/octahedral_codec.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/spherical/carried_surface.h"
 #include "parallel/spherical/make_spherical.h"
@@ -92,6 +96,129 @@ TEST(MakeSpherical, CarriesColoursFromAnAtlas) {
   }
 }
 
+Texture flat_texture(std::array<std::uint8_t, 4> pixel) {
+  PixelImage image{.size = {8, 8}, .channels = 4, .pixels = {}};
+  for (int p = 0; p < 64; ++p) image.pixels.insert(image.pixels.end(), pixel.begin(), pixel.end());
+  return texture_of(image);
+}
+
+// Half of a sphere each: all of their images, and the factors that differ, are in images over the square.
+IndexedMesh sphere_of_two_materials() {
+  IndexedMesh mesh = painted_sphere(5).mesh;
+  mesh.wedges.textures = {flat_texture({9, 200, 100, 255}), flat_texture({120, 0, 0, 255}),
+                          flat_texture({255, 188, 0, 0})};
+  Material a{.name = "a",
+             .metallic = 1,
+             .roughness = 0.5f,
+             .metallic_roughness = {0, {}},
+             .occlusion = {1, {}},
+             .occlusion_strength = 0.5f,
+             .emissive = {1, 0.5f, 0}};
+  Material b{.name = "b", .metallic = 0.2f, .roughness = 0.8f, .emissive = {0.5f, 1, 1}, .emissive_map = {2, {}}};
+  b.extensions = R"({"KHR_materials_emissive_strength":{"emissiveStrength":2.0}})";
+  mesh.wedges.materials = {a, b};
+  mesh.wedges.material.resize(mesh.positions.size());
+  for (const Triangle& t : mesh.triangles) {
+    float x = 0;
+    for (const std::uint32_t w : t.v) x += mesh.positions[w].x / 3;
+    for (const std::uint32_t w : t.v) mesh.wedges.material[w] = x > 0.5f ? 0 : 1;
+  }
+  return mesh;
+}
+
+TEST(MakeSpherical, DrawsAllImagesOfItsMaterials) {
+  SphericalConfig config = small_images();
+  for (const std::string type : {"image/png", "image/webp"}) {
+    config.media_type = type;
+    const float allowed = type == "image/png" ? 0.005f : 0.05f;  // lossy codes ring beside the border of the halves
+    const Made made = make(sphere_of_two_materials(), config);
+    EXPECT_TRUE(made.report.left_out_features.empty()) << *made.report.left_out_features.begin();
+    ASSERT_EQ(made.mesh.wedges.materials.size(), 1u);
+    const Material& m = made.mesh.wedges.materials[0];
+    EXPECT_EQ(m.metallic + m.roughness + m.occlusion_strength + m.emissive[1], 4);
+    EXPECT_EQ(emissive_strength(m), 2);
+    EXPECT_EQ(m.occlusion.texture, m.metallic_roughness.texture);
+    std::uint64_t bytes = 0;
+    const auto image = [&](std::uint32_t number, PixelMeaning meaning) {
+      const Texture& texture = made.mesh.wedges.textures.at(number);
+      bytes += texture.bytes.size();
+      return spherical::decode_octahedral(texture.bytes, meaning, texture.media_type, {});
+    };
+    const LinearImage surface = image(m.occlusion.texture, PixelMeaning::values),
+                      light = image(m.emissive_map.texture, PixelMeaning::colours);
+    EXPECT_EQ(made.report.material_bytes, bytes);
+    ASSERT_EQ(surface.channels + light.channels, 6u);
+    std::size_t count = 0;
+    for (std::uint32_t v = 0; v < made.mesh.vertex_count(); ++v) {
+      const float x = made.mesh.positions[v].x;
+      if (std::abs(x - 0.5f) < 0.1f) continue;
+      ++count;
+      const Vec2f uv = made.mesh.wedges.uv[v];
+      const std::array<float, 4> values = spherical::sample(surface, {uv.x, uv.y}),
+                                 own = spherical::sample(light, {uv.x, uv.y});
+      const std::array<float, 3> expected = x > 0.5f ? std::array{0.5f + 60.0f / 255, 100.0f / 255, 100.0f / 255}
+                                                     : std::array{1.0f, 0.8f, 0.2f},
+                                 emitted = x > 0.5f ? std::array{0.5f, 0.25f, 0.0f} : std::array{0.5f, 0.5029f, 0.0f};
+      for (std::size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(values[c], expected[c], allowed) << type << c << ' ' << x;
+        EXPECT_NEAR(own[c], emitted[c], allowed) << type << c << ' ' << x;
+      }
+    }
+    EXPECT_GT(count, 1000u);
+  }
+  // Only what the input has, and only with colours.
+  EXPECT_EQ(make(painted_sphere(5).mesh, small_images()).report.material_bytes, 0u);
+  config.maps = spherical_maps("normal");
+  const Made normals = make(sphere_of_two_materials(), config);
+  EXPECT_EQ(normals.report.material_bytes, 0u);
+  EXPECT_EQ(normals.report.left_out_features.size(), 6u);
+}
+
+// A transform of an image's own moves it, and it alone.
+TEST(MakeSpherical, DrawsImagesWhereTheirTransformsPutThem) {
+  PaintedSphere painted = painted_sphere(5);
+  Material& m = painted.mesh.wedges.materials[0];
+  m.emissive = {1, 1, 1};
+  m.emissive_map = {0, {.offset = {0.25f, 0.5f}, .scale = {0.5f, 2}, .rotation = 0.5f}};
+  const UvMap place = map_of(m.emissive_map.transform);
+  IndexedMesh moved = painted.mesh;
+  for (Vec2f& uv : moved.wedges.uv)
+    uv = {static_cast<float>(place[0] * uv.x + place[1] * uv.y + place[4]),
+          static_cast<float>(place[2] * uv.x + place[3] * uv.y + place[5])};
+  moved.wedges.materials[0].emissive_map.transform = {};
+  const Made made = make(painted.mesh, small_images()), twin = make(moved, small_images());
+  const auto light = [](const Made& of) {
+    return of.mesh.wedges.textures.at(of.mesh.wedges.materials[0].emissive_map.texture).bytes;
+  };
+  EXPECT_EQ(light(made), light(twin));
+  EXPECT_EQ(made.mesh.wedges.textures[0].bytes,
+            make(painted_sphere(5).mesh, small_images()).mesh.wedges.textures[0].bytes);
+}
+
+// Alpha counts in colours that are not opaque, the base colour's as well as the texture's.
+TEST(MakeSpherical, KeepsAlphaWhereItCounts) {
+  for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend}) {
+    IndexedMesh mesh = painted_sphere(4).mesh;
+    mesh.wedges.textures = {flat_texture({200, 100, 50, 128})};
+    mesh.wedges.materials[0].base_colour[3] = 0.5f;
+    mesh.wedges.materials[0].alpha_mode = mode;
+    SphericalConfig config = small_images();
+    config.media_type = "image/png";
+    const Made made = make(mesh, config);
+    const Material& m = made.mesh.wedges.materials[0];
+    EXPECT_EQ(m.alpha_mode, mode);
+    EXPECT_EQ(m.base_colour[3], 1);
+    const PixelImage image = decode_image(made.mesh.wedges.textures[m.texture].bytes, "image/png");
+    const std::uint8_t* const pixel = &image.pixels[image.channels * (image.size.width * 5 + 7)];
+    ASSERT_EQ(image.channels, mode == AlphaMode::opaque ? 3u : 4u);
+    EXPECT_NEAR(pixel[0], 200, 1);
+    EXPECT_NEAR(pixel[2], 50, 1);
+    if (mode != AlphaMode::opaque) {
+      EXPECT_NEAR(pixel[3], 64, 1);
+    }
+  }
+}
+
 TEST(MakeSpherical, KeepsTheFactorsOfItsMaterial) {
   PaintedSphere painted = painted_sphere(5);
   Material& source = painted.mesh.wedges.materials[0];
@@ -99,13 +226,11 @@ TEST(MakeSpherical, KeepsTheFactorsOfItsMaterial) {
   source.alpha_mode = AlphaMode::mask, source.alpha_cutoff = 0.75f;
   source.double_sided = source.unlit = true;
   source.extensions = R"({"KHR_materials_ior":{"ior":1.25}})";
-  source.occlusion.texture = 0;
   const Made made = make(painted.mesh, small_images());
   Material expected = source;
   expected.name = "octahedral";
-  expected.occlusion = {};
   EXPECT_EQ(made.mesh.wedges.materials, std::vector<Material>{expected});
-  EXPECT_EQ(made.report.left_out_features, std::set<std::string>{"images of occlusion of materials are left out"});
+  EXPECT_TRUE(made.report.left_out_features.empty());
 }
 
 // Colours that are the same everywhere are in the material; others are in an image, and only if they are asked for.
@@ -143,20 +268,20 @@ TEST(CarriedSurface, IsWhatTheMaterialsHaveInCommon) {
   c.extensions = "{}", c.extension_textures = {0};
   mesh.wedges.materials = {a, b, c};
   std::set<std::string> left_out;
-  const Material same = carried_surface(mesh, {0}, left_out), two = carried_surface(mesh, {0, 1}, left_out);
+  const Material same = carried_surface(mesh, {0}, {}, left_out), two = carried_surface(mesh, {0, 1}, {}, left_out);
   EXPECT_EQ(same.metallic + same.roughness, 0.75f);
   EXPECT_EQ(two.metallic, 0.5f);
   EXPECT_EQ(two.roughness, Material{}.roughness);
   EXPECT_TRUE(two.double_sided);
   EXPECT_EQ(left_out.size(), 1u);
   left_out.clear();
-  Material bare = carried_surface(mesh, {2}, left_out);
+  Material bare = carried_surface(mesh, {2}, {}, left_out);
   EXPECT_EQ(left_out.size(), 4u);
   bare.extension_textures.clear();
   Material expected;
   expected.double_sided = true;
   EXPECT_EQ(bare, expected);
-  EXPECT_EQ(carried_surface(mesh, {no_material}, left_out), Material{});
+  EXPECT_EQ(carried_surface(mesh, {no_material}, {}, left_out), Material{});
 }
 
 TEST(MakeSpherical, LeavesOutWhatClosedTheSurface) {
