@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/files/atomic_file.h"
 
 namespace lodestone {
 
@@ -28,11 +29,21 @@ PictureWriter::~PictureWriter() {
 void PictureWriter::add(std::size_t index, Image image) {
   if (image.rgba.empty()) return;
   const std::string file = fmt::format("{}/frame{:04}.png", folder_, index);
-  write_png(file, image);
+  encode(image);
+  AtomicFile out(file);
+  out.write(bytes_);
+  out.commit();
   written_.push_back(file);
   constexpr std::size_t on_sheet = 12;
   const std::size_t steps = std::min(frames_, on_sheet);
   if (sheet_.size() < steps && index * (steps - 1) >= sheet_.size() * (frames_ - 1)) sheet_.push_back(std::move(image));
+}
+
+void PictureWriter::encode(const Image& image) {
+  if (image.size == last_.size && image.rgba == last_.rgba) return;
+  bytes_ = encode_png(image);
+  last_ = image;
+  ++encoded_;
 }
 
 void PictureWriter::finish() {

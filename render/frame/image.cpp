@@ -87,7 +87,7 @@ Image empty_sheet(ImageSize size) {
 
 }  // namespace
 
-void write_png(const std::string& file, const Image& image) {
+std::vector<std::byte> encode_png(const Image& image) {
   check(image);
   Png png;
   png.header.width = static_cast<png_uint_32>(image.size.width);
@@ -96,9 +96,15 @@ void write_png(const std::string& file, const Image& image) {
   std::vector<std::byte> bytes(PNG_IMAGE_PNG_SIZE_MAX(png.header));
   png_alloc_size_t size = bytes.size();
   if (png_image_write_to_memory(&png.header, bytes.data(), &size, 0, image.rgba.data(), 0, nullptr) == 0)
-    throw ResourceError(describe(file, {}, "the picture cannot be encoded", png.header.message));
+    throw ResourceError(describe({}, {}, "the picture cannot be encoded", png.header.message));
+  bytes.resize(size);
+  return bytes;
+}
+
+void write_png(const std::string& file, const Image& image) {
+  const std::vector<std::byte> bytes = encode_png(image);
   AtomicFile out(file);
-  out.write(std::span(bytes).first(size));
+  out.write(bytes);
   out.commit();
 }
 

@@ -1,6 +1,7 @@
 // Pictures: PNG files, contact sheets, and how much two pictures differ.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -19,6 +20,8 @@ struct Image {
 // Colour only, 8 bits a channel, no time stamp: equal pictures give equal files, complete or not there. Throws
 // InputError for an empty picture, FileError when the file cannot be written.
 void write_png(const std::string& file, const Image& image);
+// The bytes of such a file.
+[[nodiscard]] std::vector<std::byte> encode_png(const Image& image);
 
 // Any PNG, converted to 8-bit RGBA. Throws FileError when it cannot be opened, InputError when it is an invalid PNG.
 [[nodiscard]] Image read_png(const std::string& file);
