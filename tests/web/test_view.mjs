@@ -142,6 +142,61 @@ async function testFocus(browser) {
   }
 }
 
+// Zooming in ends at the surface, however it is done: the picture is full of it, seen from outside; and zooming out shows
+// the whole model again.
+async function testZoom(browser) {
+  for (const name of ['one', 'tiles']) {
+    const {page, quiet, close} = await open(browser, name, {hasTouch: true});
+    await quiet();
+    const box = await page.locator('#view').boundingBox(), x = Math.round(0.44 * box.width), y = await rowOf(page, x);
+    await page.mouse.dblclick(box.x + x, box.y + y);  // there is a hole in the middle of a torus
+    await page.selectOption('#look', 'normals');
+    await quiet();
+    const middle = [box.x + box.width / 2, box.y + box.height / 2], session = await page.context().newCDPSession(page);
+    const fingers = (type, apart) => session.send('Input.dispatchTouchEvent', {
+      type, touchPoints: (apart === null ? [] : [-apart, apart]).map((dx, id) => ({x: middle[0] + dx, y: middle[1], id}))});
+    const pinch = async (from, to) => {
+      await fingers('touchStart', from);
+      for (let k = 1; k <= 40; ++k) await fingers('touchMove', from + (to - from) * k / 40);
+      await fingers('touchEnd', null);
+    };
+    const ways = {
+      wheel: async (nearer) => { await page.mouse.move(...middle); for (let k = 0; k < 40; ++k) await page.mouse.wheel(0, nearer ? -400 : 400); },
+      pinch: async (nearer) => { for (let k = 0; k < 2; ++k) await (nearer ? pinch(10, 150) : pinch(150, 10)); },
+      keys: async (nearer) => { for (let k = 0; k < 60; ++k) await page.keyboard.press(nearer ? '+' : '-'); }};
+    const seen = async () => {
+      await quiet();
+      return page.evaluate(() => {
+        const gl = window.lodestone.renderer.getContext(), {width, height} = gl.canvas, p = new Uint8Array(4 * width * height);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, p);
+        let covered = 0, facing = 0;
+        for (let i = 0; i < p.length; i += 4) {
+          covered += p[i + 3] === 255 ? 1 : 0;
+          facing += p[i + 3] === 255 && p[i + 2] > 120 ? 1 : 0;  // unit normals towards the eye
+        }
+        const {camera, controls} = window.lodestone;
+        return {distance: camera.position.distanceTo(controls.target), covered: covered / (width * height), facing: facing / covered};
+      });
+    };
+    for (const [way, zoom] of Object.entries(ways)) {
+      await page.locator('#view').focus();
+      let last = (await seen()).distance, steps = 0;
+      for (; steps < 12 && last > 1.01e-4; ++steps) {
+        await zoom(true);
+        const {distance} = await seen();
+        check(distance < 0.7 * last || distance < 1.01e-4, `${name}, ${way}: from ${last.toPrecision(3)} to ${distance.toPrecision(3)}`);
+        last = distance;
+      }
+      const near = await seen();
+      check(near.distance < 1.01e-4 && near.covered > 0.99 && near.facing > 0.95, `${name}: ${way} ends at ${near.distance.toPrecision(3)}, ${near.covered.toFixed(3)} covered, ${near.facing.toFixed(3)} of it facing the eye`);
+      for (let k = 0; k < 12 && (await seen()).distance < 3; ++k) await zoom(false);
+      const far = await seen();
+      check(far.distance > 3 && far.covered > 3e-4 && far.covered < 0.6, `${name}: ${way} goes back to ${far.distance.toPrecision(3)}, where the model covers ${far.covered.toFixed(4)}`);
+    }
+    await close();
+  }
+}
+
 // Everything that can be reached has a role and a name.
 async function testAccessibility(browser) {
   const {page, quiet, close} = await open(browser, 'one');
@@ -164,4 +219,4 @@ async function testAccessibility(browser) {
   await close();
 }
 
-await main(makeFiles, [testFocus, testAccessibility, testLooks, testShared]);
+await main(makeFiles, [testFocus, testZoom, testAccessibility, testLooks, testShared]);

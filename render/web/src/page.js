@@ -12,6 +12,9 @@ import {standUp, turnOver} from './turn.js';
 
 const $ = (id) => document.getElementById(id);
 
+// The nearest view, in units of a model's size: float32 shows no more of it.
+const NEAREST = 1e-4;
+
 class Page {
   constructor() {
     this.renderer = new THREE.WebGLRenderer({canvas: $('view'), antialias: true, alpha: true, preserveDrawingBuffer: true});
@@ -64,6 +67,9 @@ class Page {
     addEventListener('hashchange', () => this.follow(location.hash));
     $('home').addEventListener('click', () => this.showAll());
     this.controls.addEventListener('start', () => { this.asked = null; });
+    // Before the controls, which turn wheel and pinch into distances from the target.
+    $('view').addEventListener('wheel', () => this.aim(), {capture: true, passive: true});
+    for (const type of ['pointerdown', 'pointermove']) $('view').addEventListener(type, (e) => { if (!e.isPrimary) this.aim(); }, {capture: true});
     $('full').addEventListener('click', () => this.toggleFullScreen());
     $('keys').addEventListener('click', () => $('help').showModal());
     $('full').hidden = !document.fullscreenEnabled;
@@ -95,6 +101,7 @@ class Page {
   // Turns the camera around its target by angles, and scales the distance.
   orbit(around, over, nearer = 1) {
     this.asked = null;
+    if (nearer !== 1) this.aim();
     const {target} = this.controls, way = new THREE.Spherical().setFromVector3(this.camera.position.clone().sub(target));
     way.theta += around;
     way.phi += over;
@@ -121,11 +128,30 @@ class Page {
     this.wake();
   }
 
+  // The surface at a point of the picture, x and y from -1 to 1.
+  surfaceAt(x, y) {
+    const ray = new THREE.Raycaster();
+    this.camera.updateMatrixWorld();
+    ray.setFromCamera(new THREE.Vector2(x, y), this.camera);
+    return ray.intersectObjects(this.models.flatMap((m) => m.objects.filter((o) => o.visible)), false)[0];
+  }
+
+  // Moves the target along the view to the surface there, which changes no picture, unless their distances are alike:
+  // a zoom ends at the surface, and neither before it, where the target was, nor in the model. While one goes on, the
+  // surface is looked for now and then.
+  aim() {
+    const {position} = this.camera, {target} = this.controls, ahead = target.clone().sub(position), now = performance.now();
+    if (!this.aimed || now - this.aimed.time > 200 || this.aimed.ahead.angleTo(ahead) > 1e-3)
+      this.aimed = {point: this.surfaceAt(0, 0)?.point ?? null, ahead, time: now};
+    if (this.aimed.point === null) return;
+    const ratio = this.aimed.point.clone().sub(position).dot(ahead) / ahead.lengthSq();
+    if (ratio > 0 && (ratio < 0.5 || ratio > 2)) target.copy(position).addScaledVector(ahead, ratio);
+  }
+
   // Turns around what is under the pointer from now on, and brings it closer.
   focus(e) {
-    const {left, top, width, height} = $('view').getBoundingClientRect(), ray = new THREE.Raycaster();
-    ray.setFromCamera(new THREE.Vector2((e.clientX - left) / width * 2 - 1, 1 - (e.clientY - top) / height * 2), this.camera);
-    const objects = this.models.flatMap((m) => m.objects.filter((o) => o.visible)), [hit] = ray.intersectObjects(objects, false);
+    const {left, top, width, height} = $('view').getBoundingClientRect();
+    const hit = this.surfaceAt((e.clientX - left) / width * 2 - 1, 1 - (e.clientY - top) / height * 2);
     if (!hit) return;
     this.asked = null;
     const {target} = this.controls, back = this.camera.position.clone().sub(target);
@@ -239,7 +265,8 @@ class Page {
     this.controls.target.copy(seeAll(this.camera, this.models));
     // Nearer, each step would be less than the one before, for ever; farther away, the models would be lost.
     const distance = this.camera.position.distanceTo(this.controls.target);
-    Object.assign(this.controls, {minDistance: distance / 200, maxDistance: 8 * distance});
+    Object.assign(this.controls, {minDistance: NEAREST, maxDistance: 8 * distance});
+    this.nearPlane = this.camera.near;
     this.controls.update();
     this.home = this.pose().flat();
     if (this.asked) {
@@ -274,12 +301,22 @@ class Page {
     const moving = this.models.map((m) => this.advance(m, seconds)).some((m) => m);
     if (this.automatic) this.followSlider();
     this.head.position.copy(this.camera.position);
+    this.placeNearPlane();
     this.renderer.render(this.scene, this.camera);
     this.report();
     this.onFrame?.();
     if (moving) requestAnimationFrame((t) => this.frame(t));
     else this.awake = false;
     if (!moving && this.ready) this.tell();
+  }
+
+  // Before the surface that is looked at, however near that is, and no nearer than that needs: depths stay apart.
+  placeNearPlane() {
+    if (this.models.length === 0) return;
+    const near = Math.min(this.nearPlane, this.camera.position.distanceTo(this.controls.target) / 20);
+    if (near === this.camera.near) return;
+    this.camera.near = near;
+    this.camera.updateProjectionMatrix();
   }
 
   // Returns whether the model changes by itself.
