@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "core/math/box3.h"
 #include "core/math/vec3.h"
@@ -37,6 +38,11 @@ struct Plane {
 
 // Negative if all of the box is behind the plane, positive if all of it is before it, else 0.
 [[nodiscard]] int side_of(const Plane& plane, const Box3f& box);
+
+// Depth in the window, in [0, 1] between near and far plane, of the point of a plane that is seen at (x, y), in pixels
+// from the upper left corner: d[0] x + d[1] y + d[2]. Empty for a plane that is seen edge-on.
+using DepthOfPlane = std::array<double, 3>;
+[[nodiscard]] std::optional<DepthOfPlane> depth_of_plane(const ViewProjection& vp, const Plane& plane, ImageSize size);
 
 using Frustum = std::array<Plane, 6>;
 

@@ -112,13 +112,17 @@ constexpr int finest_grid = 6;
 
 }  // namespace
 
-Facing facing_of(const Hierarchy& hierarchy, Scheduler& scheduler) {
-  if (hierarchy.cells.empty()) return Facing::open;
+bool is_closed(const Hierarchy& hierarchy, Scheduler& scheduler) {
+  if (hierarchy.cells.empty()) return false;
   const std::span<const Cell> cells = hierarchy.cells_of(hierarchy.finest());
-  if (std::ranges::any_of(cells, [](const Cell& cell) { return cell.positions.empty(); })) return Facing::open;
-  if (has_boundary(cells, scheduler)) return Facing::open;
+  const bool missing = std::ranges::any_of(cells, [](const Cell& cell) { return cell.positions.empty(); });
+  return !missing && !has_boundary(cells, scheduler);
+}
+
+Facing facing_of(const Hierarchy& hierarchy, Scheduler& scheduler) {
+  if (!is_closed(hierarchy, scheduler)) return Facing::open;
   bool outward = false, inward = false;
-  for (const Volume& volume : volumes_of_parts(cells, scheduler))
+  for (const Volume& volume : volumes_of_parts(hierarchy.cells_of(hierarchy.finest()), scheduler))
     if (!volume.is_rounding()) (volume.sum > 0 ? outward : inward) = true;
   return outward == inward ? Facing::mixed : outward ? Facing::outward : Facing::inward;
 }

@@ -25,6 +25,9 @@ enum class Facing : std::uint8_t {
 // vertex: O(triangles of M_L), wrong with a probability of 2^-64. Closed surfaces take 12 bytes a vertex besides.
 [[nodiscard]] Facing facing_of(const Hierarchy& hierarchy, Scheduler& scheduler);
 
+// True if facing_of is not `open`; takes no memory.
+[[nodiscard]] bool is_closed(const Hierarchy& hierarchy, Scheduler& scheduler);
+
 // Viewpoints that are certainly outside of the surface, in whatever state it is drawn: their cell of a grid is joined
 // to the space around the model by cells that no part of the surface can enter.
 class OutsideSpace {

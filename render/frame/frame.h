@@ -69,6 +69,8 @@ struct ModelFrame {
   Vec3f towards_light{0, 0, 1};          // where the directional light comes from
   Appearance appearance;
   std::optional<Plane> clip;  // in normalised space; what lies behind it is not drawn and throws no shadow
+  // All visible cells of a surface that bounds a solid, whose cut by the clipping plane is filled; null: left open.
+  const Selection* solid = nullptr;
   std::optional<Vec3f> tint;  // of the effect level_tint, instead of a hue for each level
   EffectSet effects{Effect::geomorph, Effect::smooth_normals, Effect::head_light};
   // For the shadow map, if the directional light casts shadows: the projection into the light's clip space, and the

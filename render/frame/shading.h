@@ -42,6 +42,9 @@ inline constexpr std::array<Vec3f, 8> level_tints{{{0.90f, 0.35f, 0.30f},
                                                    {0.65f, 0.45f, 0.90f},
                                                    {0.90f, 0.50f, 0.75f}}};
 
+// Albedo of the cut of a solid by a clipping plane.
+inline constexpr Vec3f cut_albedo{0.85f, 0.45f, 0.30f};
+
 // Colours of the effect overdraw, for 1 triangle over a pixel and every third one more: interpolated linearly between
 // these; white from 16 on. Pixels without triangles keep the background.
 inline constexpr std::array<Vec3f, 6> overdraw_ramp{{{0.10f, 0.12f, 0.45f},

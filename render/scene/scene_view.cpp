@@ -101,11 +101,11 @@ Vec3d SceneView::up() const {
   return first.placement.rotated(up_of(*first.open.hierarchy));
 }
 
-void SceneView::upload(Renderer& renderer) const {
+std::vector<const Hierarchy*> SceneView::uploaded() const {
   std::vector<const Hierarchy*> models;
   for (const Placed& placed : placed_)
     if (placed.uploaded == models.size()) models.push_back(placed.open.hierarchy);
-  renderer.upload(models);
+  return models;
 }
 
 void SceneView::freeze(bool frozen) {
@@ -185,6 +185,8 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
     if (!frozen_) select(frame_.models[m], placed_[m], is_hidden(m));
     frame_.models[m].selection = is_hidden(m) ? &no_cells : &placed_[m].selection;
     frame_.models[m].casters = nullptr;
+    const bool closed = config.clip && m < config.closed.size() && config.closed[m];
+    frame_.models[m].solid = closed ? frame_.models[m].selection : nullptr;
   }
   if (frame_.settings.lighting.directional.shadows) see_from_light();
   plan_effects(frame_, config.effects);

@@ -41,6 +41,7 @@ struct ViewConfig {
   Vec3d towards_light = Scene{}.towards_light;  // as Scene has it
   std::vector<bool> hidden;  // models that are left out, shadows included; those beyond its end are shown
   std::optional<ClipPlane> clip;
+  std::vector<bool> closed;  // models whose cut by the plane is filled; those beyond its end are left open
   bool cull_occluded = false, select_on_device = false;  // as in Frame
   friend bool operator==(const ViewConfig&, const ViewConfig&) = default;
 };
@@ -51,8 +52,10 @@ class SceneView {
   // One opened model for each of the scene's. Throws InputError for a model without cells.
   SceneView(const Scene& scene, std::vector<OpenModel> models);
 
-  // Sends the models to a renderer: to be called once for each, before draw().
-  void upload(Renderer& renderer) const;
+  // The hierarchies of the models, those that several share once: ModelFrame::model numbers them.
+  [[nodiscard]] std::vector<const Hierarchy*> uploaded() const;
+  // Sends them to a renderer: to be called once for each, before draw().
+  void upload(Renderer& renderer) const { renderer.upload(uploaded()); }
 
   // Makes the frame of this camera. False when nothing has changed since the last call: then the frame is the same.
   // `beside`: other views of the same models from this camera, each drawn in its turn: streamed cells are loaded for

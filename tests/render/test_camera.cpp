@@ -128,6 +128,32 @@ TEST(Camera, FrustumAgreesWithTheClipCoordinates) {
   EXPECT_GT(inside, 300);
 }
 
+TEST(Camera, DepthOfAPlaneIsThatOfItsPoints) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> along(-1, 1);
+  const Hierarchy& h = torus();
+  constexpr ImageSize size{320, 200};
+  int seen = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Camera camera{h.transform.to_model({2 * along(random), 2 * along(random), 1.5f}),
+                        h.transform.to_model({0.5f, 0.5f, 0.1f})};
+    const ViewProjection vp = view_projection(camera, h, size);
+    const Vec3f n{along(random), along(random), along(random)}, in{0.5f + 0.3f * along(random), 0.5f, 0.2f};
+    const auto depth = depth_of_plane(vp, {n, -dot(n, in)}, size);
+    ASSERT_TRUE(depth);
+    for (int k = 0; k < 20; ++k) {
+      const Vec3f p = in + 0.3f * cross(n, {along(random), along(random), along(random)});
+      const Clip c = project(vp, p);
+      if (!(c.w > 0) || std::abs(c.x) > c.w || std::abs(c.y) > c.w) continue;
+      ++seen;
+      const double x = (c.x / c.w + 1) / 2 * size.width, y = (1 - c.y / c.w) / 2 * size.height;
+      EXPECT_NEAR((*depth)[0] * x + (*depth)[1] * y + (*depth)[2], 0.5 + 0.5 * c.z / c.w, 1e-5);
+    }
+    EXPECT_FALSE(depth_of_plane(vp, {{0, 0, 0}, 1}, size)) << "no plane";
+  }
+  EXPECT_GT(seen, 1000);
+}
+
 TEST(Camera, UpAlongTheViewIsReplaced) {
   const Hierarchy& h = torus();
   for (const Vec3d up : {Vec3d{0, 0, 1}, Vec3d{0, 0, -7}, Vec3d{0, 0, 0}, Vec3d{1e-14, 0, 1}}) {

@@ -1,6 +1,7 @@
 // Models with colours, textures and normal maps, and frames of them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -49,6 +50,21 @@ inline Vec3f as_colour(Vec3f n) { return 0.5f * (1 / length(n) * n) + Vec3f{0.5f
 inline Vec3f bumps(float u, float v) { return as_colour({0.6f * std::sin(40 * u), 0.6f * std::sin(30 * v), 1}); }
 inline Vec3f every_direction(float u, float v) {
   return as_colour({std::cos(6.2832f * u), std::sin(6.2832f * u), 1.5f - 3 * v});
+}
+
+// Discs of full alpha in a clear ground, with a soft border.
+inline PixelImage lace(PixelSize size) {
+  PixelImage image{.size = size, .channels = 4, .pixels = {}};
+  for (std::uint32_t y = 0; y < size.height; ++y)
+    for (std::uint32_t x = 0; x < size.width; ++x) {
+      const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size.width),
+                  v = (static_cast<float>(y) + 0.5f) / static_cast<float>(size.height);
+      const Vec3f c = motley(u, v);
+      const float alpha = 0.5f - 4 * (std::hypot(std::fmod(4 * u, 1.0f) - 0.5f, std::fmod(4 * v, 1.0f) - 0.5f) - 0.3f);
+      for (const float channel : {c.x, c.y, c.z, alpha})
+        image.pixels.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f))));
+    }
+  return image;
 }
 
 // A torus whose bands have different materials: texture repeated four times, with a normal map; mirrored and clamped,

@@ -12,6 +12,7 @@
 #include "render/backends/gl/device/timed_sections.h"
 #include "render/backends/gl/passes/ambient_occlusion_pass.h"
 #include "render/backends/gl/passes/culling_pass.h"
+#include "render/backends/gl/passes/cut_pass.h"
 #include "render/backends/gl/passes/layers_pass.h"
 #include "render/backends/gl/passes/overdraw_pass.h"
 #include "render/backends/gl/passes/selection_pass.h"
@@ -71,6 +72,7 @@ struct Resources {
   std::optional<GlShadow> shadow;  // passes: made when first used
   std::optional<GlOverdraw> overdraw;
   GlCulling culling;
+  std::optional<GlCuts> cuts;
   std::optional<GlLayers> layers;
   std::optional<GlOcclusion> occlusion;
   std::optional<GlScene> scene;
@@ -224,6 +226,7 @@ class MultiDrawRenderer final : public GlRenderer {
         draw_overdraw(frame, stats);
       } else {
         draw_picture(frame, stats);
+        finish_picture(frame, stats);
       }
     }
     resources_->sections.begin("picture");
@@ -281,6 +284,11 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->target->bind();
     resources_->target->clear(frame.settings.background);
     resources_->commands.draw(*resources_->scene, use_program());
+  }
+
+  // What lies over the opaque surfaces once all of these are drawn.
+  void finish_picture(const Frame& frame, FrameStats& stats) {
+    draw_cuts(frame);
     const auto layered = [&](const ModelFrame& m) { return effects::has_layers(frame, m); };
     if (std::ranges::any_of(frame.models, layered)) draw_layers(frame, stats);
   }
@@ -303,8 +311,18 @@ class MultiDrawRenderer final : public GlRenderer {
       resources_->commands.draw(*resources_->scene, use_program());
       resources_->sections.begin("culling");
     }
+    finish_picture(frame, stats);
     culling.finish(*resources_->target);
     if (culling.hidden_cells() > 0) stats.work["hidden cells"] = culling.hidden_cells();
+  }
+
+  void draw_cuts(const Frame& frame) {
+    const std::vector<effects::CutFace> faces = effects::cut_faces(frame);
+    if (faces.empty()) return;
+    resources_->sections.begin("cuts");
+    std::optional<GlCuts>& cuts = resources_->cuts;
+    if (!cuts || !cuts->fits(frame.size, frame.samples)) cuts.emplace(frame.size, frame.samples);
+    cuts->draw(frame, faces, *resources_->scene, resources_->stream, use_program(), *resources_->target);
   }
 
   void draw_layers(const Frame& frame, FrameStats& stats) {

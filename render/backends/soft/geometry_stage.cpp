@@ -169,14 +169,22 @@ std::span<const Triangle> GeometryStage::triangles_of(const GeometryPass& pass, 
   const Cell& cell = *drawn.own;
   const MaterialShare share = shares_[number];
   const bool one_side = pass.materials != nullptr && !pass.both_sides && effects::has_one_side(*drawn.model);
-  if (share == MaterialShare::all && !one_side) return cell.triangles;
-  const std::span<const SurfaceMaterial> materials = pass.materials->materials(drawn.model->model);
+  const bool by_material = share != MaterialShare::all || one_side;
+  if (!by_material && pass.side == ShownSide::either) return cell.triangles;
+  const auto is_back = [&](const Triangle& t) {
+    return shows_back(drawn.model->*pass.projection, drawn, t, w.vertices);
+  };
+  const auto has_material = [&](const Triangle& t) {
+    const SurfaceMaterial& m = pass.materials->materials(
+        drawn.model->model)[material_of(*drawn.model->morph.hierarchy, cell, t.v[0]) + std::uint32_t{1}];
+    const bool opaque = m.alpha_mode == AlphaMode::opaque;
+    if (share != MaterialShare::all && opaque != (share == MaterialShare::opaque)) return false;
+    return !(one_side && m.one_sided && is_back(t));
+  };
   w.sifted.clear();
   for (const Triangle& t : cell.triangles) {
-    const SurfaceMaterial& m = materials[material_of(*drawn.model->morph.hierarchy, cell, t.v[0]) + std::uint32_t{1}];
-    const bool opaque = m.alpha_mode == AlphaMode::opaque;
-    if (share != MaterialShare::all && opaque != (share == MaterialShare::opaque)) continue;
-    if (one_side && m.one_sided && shows_back(drawn.model->*pass.projection, drawn, t, w.vertices)) continue;
+    if (by_material && !has_material(t)) continue;
+    if (pass.side != ShownSide::either && is_back(t) != (pass.side == ShownSide::back)) continue;
     w.sifted.push_back(t);
   }
   return w.sifted;

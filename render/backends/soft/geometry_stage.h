@@ -15,6 +15,9 @@ namespace lodestone::soft {
 // The triangles of a model that a pass draws, where its materials tell them apart (render/effects/transparency.h).
 enum class MaterialShare : std::uint8_t { all, opaque, layers };
 
+// The triangles of a pass by the side that they show.
+enum class ShownSide : std::uint8_t { either, front, back };
+
 struct PassModel {
   const ModelFrame* model = nullptr;
   MaterialShare share = MaterialShare::all;
@@ -25,6 +28,7 @@ struct GeometryPass {
   std::vector<PassModel> models;
   const SurfaceTextures* materials = nullptr;  // null: of no interest, all triangles are drawn from both sides
   bool both_sides = false;                     // single-sided materials, too
+  ShownSide side = ShownSide::either;
   ViewProjection ModelFrame::*projection = &ModelFrame::view_projection;
   const Selection* ModelFrame::*selection = &ModelFrame::selection;  // its visible cells
   ImageSize size;
@@ -99,6 +103,20 @@ void draw_tile(const Kernels& kernels, std::span<const GeometryStage::Workplace>
     w.bins.triangles.for_each_run(number, [&](const TriangleRecord* first, const TriangleRecord* last) {
       kernels.of<Samples>().draw_triangles(first, last, rect, tile);
     });
+}
+
+// The same for counts: adds to those of the tile's samples, in the order of TileBuffer, how many triangles cover each.
+template <int Samples>
+void count_tile(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers, std::size_t number,
+                PixelRect rect, std::int32_t* counts) {
+  for (const GeometryStage::Workplace& w : workers) {
+    w.bins.fragments.for_each_run(number, [&](const Fragment* first, const Fragment* last) {
+      for (const Fragment* f = first; f != last; ++f) ++counts[f->sample];
+    });
+    w.bins.triangles.for_each_run(number, [&](const TriangleRecord* first, const TriangleRecord* last) {
+      kernels.of<Samples>().count_triangles(first, last, rect, counts);
+    });
+  }
 }
 
 }  // namespace lodestone::soft

@@ -104,6 +104,10 @@ struct SampleKernels {
   // Stage 3: a run of triangles in a tile, whose pixels are `rect`.
   void (*draw_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
                          TileBuffer<Samples>& tile);
+  // Adds 1 to the count of each sample of the tile, in the order of TileBuffer, that a triangle covers, for a run of
+  // them.
+  void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
+                          std::int32_t* counts);
   void (*resolve)(const ResolveJob& job, const TileBuffer<Samples>& tile);
   // Transparent surfaces: what of a run of triangles lies before the opaque ones, the first of them known as
   // `reference`; a layer of them shaded; and the picture under the layers of the job.
@@ -115,9 +119,6 @@ struct SampleKernels {
 
 struct Kernels {
   void (*transform)(const VertexJob& job);
-  // Adds 1 to the count of each pixel of the tile whose centre a triangle covers, for a run of them.
-  void (*count_triangles)(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
-                          std::int32_t* counts);
   // Rows [first, last) of the picture.
   void (*occlude)(const effects::OcclusionJob& job, int first, int last, Image& image);
   SampleKernels<1> single;

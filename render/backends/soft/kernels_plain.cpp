@@ -7,11 +7,11 @@
 
 namespace lodestone::soft::plain {
 
-const Kernels kernels{
-    transform_cell,
-    count_triangles,
-    occlude,
-    {setup_run<1>, draw_triangles<1>, resolve<1>, collect_layers<1>, shade_layer<1>, resolve_layered<1>},
-    {setup_run<4>, draw_triangles<4>, resolve<4>, collect_layers<4>, shade_layer<4>, resolve_layered<4>}};
+const Kernels kernels{transform_cell,
+                      occlude,
+                      {setup_run<1>, draw_triangles<1>, count_triangles<1>, resolve<1>, collect_layers<1>,
+                       shade_layer<1>, resolve_layered<1>},
+                      {setup_run<4>, draw_triangles<4>, count_triangles<4>, resolve<4>, collect_layers<4>,
+                       shade_layer<4>, resolve_layered<4>}};
 
 }  // namespace lodestone::soft::plain

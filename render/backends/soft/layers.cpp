@@ -12,12 +12,21 @@ void LayerList::grow() {
 }
 
 template <int Samples>
-const LayerLight* TileLayers<Samples>::draw(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers,
-                                            std::size_t number, const TileBuffer<Samples>& opaque,
-                                            const ResolveJob& job) {
+LayerLight* TileLayers<Samples>::draw(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers,
+                                      std::size_t number, const TileBuffer<Samples>& opaque, const ResolveJob& job) {
   collect(kernels, workers, number, job.rect, opaque);
   if (found_.count == 0) return nullptr;
   const std::size_t layers = sort();
+  (void)none(opaque);
+  for (std::size_t rank = 0; rank < layers; ++rank) {
+    put_layer(rank);
+    kernels.of<Samples>().shade_layer(job, layer_, light_);
+  }
+  return &light_;
+}
+
+template <int Samples>
+LayerLight* TileLayers<Samples>::none(const TileBuffer<Samples>& opaque) {
   planes_.assign(7 * samples, 0);
   const auto plane = [&](std::size_t k) { return &planes_[k * samples]; };
   light_ = {plane(0), plane(1), plane(2), plane(3), plane(4), plane(5), plane(6)};
@@ -25,10 +34,6 @@ const LayerLight* TileLayers<Samples>::draw(const Kernels& kernels, std::span<co
   std::fill_n(light_.seen, samples, 1.0f);
   std::fill_n(light_.first, samples, 1.0f);
   std::ranges::copy(opaque.depth, light_.depth);
-  for (std::size_t rank = 0; rank < layers; ++rank) {
-    put_layer(rank);
-    kernels.of<Samples>().shade_layer(job, layer_, light_);
-  }
   return &light_;
 }
 

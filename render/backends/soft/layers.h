@@ -16,8 +16,10 @@ class TileLayers {
  public:
   // Finds, sorts, shades and adds up the layers of tile `number` in front of `opaque`; `job` is that of the transparent
   // surfaces. Null if there are none; else valid until the next call.
-  const LayerLight* draw(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers, std::size_t number,
-                         const TileBuffer<Samples>& opaque, const ResolveJob& job);
+  LayerLight* draw(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers, std::size_t number,
+                   const TileBuffer<Samples>& opaque, const ResolveJob& job);
+  // The light of no layers at all.
+  LayerLight* none(const TileBuffer<Samples>& opaque);
 
  private:
   static constexpr std::size_t samples = TileBuffer<Samples>::samples;

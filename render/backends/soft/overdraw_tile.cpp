@@ -24,14 +24,7 @@ constexpr auto colours = [] {
 std::uint64_t draw_overdraw(const Kernels& kernels, std::span<const GeometryStage::Workplace> workers, std::size_t tile,
                             PixelRect rect, Vec3f background, Image& image) {
   alignas(64) std::array<std::int32_t, tile_pixels> counts{};
-  for (const GeometryStage::Workplace& w : workers) {
-    w.bins.fragments.for_each_run(tile, [&](const Fragment* first, const Fragment* last) {
-      for (const Fragment* f = first; f != last; ++f) ++counts[f->sample];
-    });
-    w.bins.triangles.for_each_run(tile, [&](const TriangleRecord* first, const TriangleRecord* last) {
-      kernels.count_triangles(first, last, rect, counts.data());
-    });
-  }
+  count_tile<1>(kernels, workers, tile, rect, counts.data());
   const Pixel none = bytes_of(background);
   std::uint64_t sum = 0;
   for (int y = rect.y0; y < rect.y1; ++y)

@@ -227,7 +227,7 @@ void draw_triangles(const TriangleRecord* first, const TriangleRecord* last, Pix
   }
 }
 
-// Overdraw: how many triangles cover the centre of a pixel.
+// How many triangles cover a sample.
 class CountTarget {
  public:
   explicit CountTarget(std::int32_t* counts) : counts_(counts) {}
@@ -235,8 +235,8 @@ class CountTarget {
   static void changed(int, int) {}
 
   template <class TriangleInThisTile>
-  bool cover(const TriangleInThisTile&, int x, int y, std::size_t, Int inside, Int, Int) {
-    std::int32_t* at = counts_ + y * tile_size + x;
+  bool cover(const TriangleInThisTile&, int x, int y, std::size_t s, Int inside, Int, Int) {
+    std::int32_t* at = counts_ + s * tile_pixels + static_cast<std::size_t>(y * tile_size + x);
     store(at, load<Int>(at) - inside);
     return false;
   }
@@ -245,10 +245,10 @@ class CountTarget {
   std::int32_t* counts_;
 };
 
-inline void count_triangles(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect,
-                            std::int32_t* counts) {
+template <int Samples>
+void count_triangles(const TriangleRecord* first, const TriangleRecord* last, PixelRect rect, std::int32_t* counts) {
   CountTarget target(counts);
-  for (const TriangleRecord* t = first; t != last; ++t) draw_record<1>(*t, rect, target);
+  for (const TriangleRecord* t = first; t != last; ++t) draw_record<Samples>(*t, rect, target);
 }
 
 }  // namespace lodestone::soft::LODESTONE_LANES

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "parallel/scheduler/clock.h"
+#include "render/backends/soft/cut_stage.h"
 #include "render/backends/soft/geometry_stage.h"
 #include "render/backends/soft/layers.h"
 #include "render/backends/soft/occlusion_stage.h"
@@ -59,6 +60,7 @@ class SoftRenderer final : public Renderer {
     }
     has_layers_ = false;
     const bool layered = !overdraw && run_layers(frame);
+    has_cuts_ = !overdraw && run_cuts(frame);
     geometry_.gather(overdraw ? count_pass(frame) : opaque_pass(frame, textures_));
     stats.cells = geometry_.cells();
     stats.triangles = geometry_.triangles();
@@ -135,6 +137,13 @@ class SoftRenderer final : public Renderer {
     return true;
   }
 
+  // Finds the cuts of solids; true if there are any.
+  bool run_cuts(const Frame& frame) {
+    if (std::ranges::none_of(frame.models, [](const ModelFrame& m) { return m.solid != nullptr; })) return false;
+    if (!cuts_) cuts_.emplace(scheduler_, kernels_);
+    return cuts_->find(frame);
+  }
+
   void resize(ImageSize size) {
     const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     image_.size = size;
@@ -206,11 +215,18 @@ class SoftRenderer final : public Renderer {
                        &here.work,
                        nullptr,
                        effects::has_occlusion_pass(frame)};
+        const bool cut = has_cuts_ && cuts_->put_depth(k, tile);
+        LayerLight* light = nullptr;
         if (has_layers_) {
           ResolveJob of_layers = job;
           of_layers.drawn = &transparent;
-          job.layers = here.template layers<Samples>().draw(kernels_, layers_->workers(), k, tile, of_layers);
+          light = here.template layers<Samples>().draw(kernels_, layers_->workers(), k, tile, of_layers);
         }
+        if (cut) {
+          if (!light) light = here.template layers<Samples>().none(tile);
+          cuts_->put_light(k, tile, *light);
+        }
+        job.layers = light;
         (job.layers ? kernels.resolve_layered : kernels.resolve)(job, tile);
         if (culls) occlusion_.take(tile, rect);
       }
@@ -262,8 +278,9 @@ class SoftRenderer final : public Renderer {
   std::vector<Workplace> workers_;
   std::optional<ShadowMap> shadow_map_;  // these are made when first used
   std::optional<GeometryStage> layers_;  // of the transparent models
-  bool has_layers_ = false;              // this frame
-  std::vector<Eye> eyes_;                // of the models of the frame
+  std::optional<CutStage> cuts_;
+  bool has_layers_ = false, has_cuts_ = false;  // this frame
+  std::vector<Eye> eyes_;                       // of the models of the frame
   OcclusionStage occlusion_;
   TouchedTiles touched_;
   std::vector<std::uint32_t> tiles_;  // to be drawn

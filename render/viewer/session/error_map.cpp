@@ -63,14 +63,15 @@ const Frame& ErrorMap::of(const Frame& frame, const SceneView& scene, const Erro
       const double error = scene_error(scene, m, scene.hierarchy(m).cells[cell.cell]);
       parts_[m * steps + static_cast<std::size_t>(error_step(error, range))].cells.push_back(cell);
     }
-    // Shadows are thrown by the whole model, once.
-    const Selection* casters = frame.models[m].casters;
+    // Shadows are thrown by the whole model, and its cut is filled, once.
+    const Selection *casters = frame.models[m].casters, *solid = frame.models[m].solid;
     for (std::size_t step = 0; step < steps; ++step) {
       const Selection& part = parts_[m * steps + step];
-      if (part.cells.empty() && !casters) continue;
+      if (part.cells.empty() && !casters && !solid) continue;
       ModelFrame& model = frame_.models.emplace_back(frame.models[m]);
       model.selection = &part;
       model.casters = std::exchange(casters, nullptr);
+      model.solid = std::exchange(solid, nullptr);
       model.tint = error_colour(static_cast<int>(step));
     }
   }

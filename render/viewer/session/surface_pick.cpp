@@ -2,10 +2,13 @@
 #include "render/viewer/session/surface_pick.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/hierarchy/model/material_of.h"
+#include "render/effects/cut_face.h"
 #include "render/effects/transparency.h"
 #include "render/viewer/session/projection.h"
 
@@ -35,95 +38,211 @@ std::optional<double> entry(const Sight& sight, const Box3f& box, double end) {
   return first <= last ? std::optional(first) : std::nullopt;
 }
 
+// Where the line of the sight meets the plane of a triangle.
 struct Crossing {
-  double way;
-  bool front;  // the triangle turns anticlockwise as seen from the eye
+  double way = 0;
+  CornerShares at;
+  bool front = false;  // the triangle turns anticlockwise as seen from the eye
+  [[nodiscard]] bool inside() const { return at.b >= 0 && at.c >= 0 && at.b + at.c <= 1; }
 };
-std::optional<Crossing> crossing(const Sight& sight, Vec3f a, Vec3f b, Vec3f c) {
+std::optional<Crossing> crossing(const Sight& sight, const std::array<Vec3f, 3>& corners) {
+  const auto& [a, b, c] = corners;
   const Vec3d edge = to_double(b) - to_double(a), other = to_double(c) - to_double(a);
   const Vec3d across = cross(sight.along, other);
   const double determinant = dot(edge, across);
   if (determinant == 0) return {};
-  const Vec3d apart = sight.from - to_double(a);
-  const double u = dot(apart, across) / determinant;
-  if (!(u >= 0 && u <= 1)) return {};
-  const Vec3d over = cross(apart, edge);
-  const double v = dot(sight.along, over) / determinant;
-  if (!(v >= 0 && u + v <= 1)) return {};
-  return Crossing{dot(other, over) / determinant, determinant > 0};
+  const Vec3d apart = sight.from - to_double(a), over = cross(apart, edge);
+  return Crossing{dot(other, over) / determinant,
+                  {dot(apart, across) / determinant, dot(sight.along, over) / determinant},
+                  determinant > 0};
 }
+
+// What a pixel may show, up to the nearest opaque surface.
+class Layers {
+ public:
+  [[nodiscard]] double end() const { return end_; }
+  void add(const SurfacePoint& point, float opacity) {
+    if (opacity <= 0) return;
+    layers_.push_back({point, opacity});
+    if (opacity >= 1) end_ = point.way;
+  }
+  // The layer with the largest share of the pixel, the nearest of equal ones.
+  [[nodiscard]] std::optional<SurfacePoint> most_seen() {
+    std::ranges::stable_sort(layers_, {}, [](const Layer& layer) { return layer.point.way; });
+    std::optional<SurfacePoint> most;
+    float through = 1, largest = 0;
+    for (const auto& [point, opacity] : layers_) {
+      if (through * opacity > largest) {
+        largest = through * opacity;
+        most = point;
+      }
+      through *= 1 - opacity;
+    }
+    return most;
+  }
+
+ private:
+  struct Layer {
+    SurfacePoint point;
+    float opacity = 1;
+  };
+  std::vector<Layer> layers_;
+  double end_ = 1;
+};
+
+// A point of the picture, and those beside it.
+struct PixelSights {
+  Sight here, right, below;
+  Sight off_edges;  // by a fraction of a pixel: edges that run through the middles of pixels are met once
+};
 
 // The drawn triangles of one model.
 class DrawnModel {
  public:
-  DrawnModel(const ModelFrame& model, const Sight& sight)
-      : model_(model), hierarchy_(*model.morph.hierarchy), sight_(sight), one_side_(effects::has_one_side(model)) {}
+  DrawnModel(const Frame& frame, const ModelFrame& model, const SurfaceAlpha& alpha, const PixelSights& sights)
+      : frame_(frame),
+        model_(model),
+        alpha_(alpha),
+        hierarchy_(*model.morph.hierarchy),
+        sights_(sights),
+        one_side_(effects::has_one_side(model)) {}
 
-  // Replaces `nearest` by what is met before it.
-  void meet(std::size_t number, std::optional<SurfacePoint>& nearest) {
+  void meet(Layers& layers) {
+    for_each_cell(*model_.selection, sights_.here, layers, [&](const SelectedCell& selected) {
+      for_each_crossing(sights_.here, selected, [&](std::uint32_t t, const Crossing& met) {
+        if (met.way > layers.end() || (!met.front && one_side_ && is_one_sided(selected, t))) return;
+        layers.add(point_of(sights_.here, selected, t, met.way), opacity(selected, t, met));
+      });
+    });
+  }
+
+  // Adds the cut, if the surface winds around the point at which the plane is met.
+  void meet_cut(Layers& layers) {
+    const Sight& sight = sights_.off_edges;
+    const double way = -distance_from_clip(sight.from) / dot(to_double(model_.clip->n), sight.along);
+    if (!(way >= 0 && way <= layers.end())) return;
+    int winding = 0;
+    std::optional<SurfacePoint> behind;
+    for_each_cell(*model_.solid, sight, Layers{}, [&](const SelectedCell& selected) {
+      for_each_crossing(sight, selected, [&](std::uint32_t t, const Crossing& met) {
+        winding += met.front ? 1 : -1;
+        if (!behind || met.way < behind->way) behind = point_of(sight, selected, t, met.way);
+      });
+    });
+    if (winding == 0) return;
+    behind->way = way;
+    behind->point = sight.from + way * sight.along;
+    behind->cut = true;
+    layers.add(*behind, 1);
+  }
+
+ private:
+  // Calls visit(selected) for the cells that the sight enters before the layers' end, the nearest ones first.
+  template <class Visit>
+  void for_each_cell(const Selection& selection, const Sight& sight, const Layers& layers, const Visit& visit) const {
     struct Candidate {
       double from;
       SelectedCell cell;
     };
     std::vector<Candidate> candidates;
-    for (const SelectedCell& selected : model_.selection->cells) {
+    for (const SelectedCell& selected : selection.cells) {
       if (!selected.visible) continue;
       const Box3f box = drawn_bounds(hierarchy_, selected.cell, selected.level);
-      if (const auto from = entry(sight_, box, nearest ? nearest->way : 1)) candidates.push_back({*from, selected});
+      if (const auto from = entry(sight, box, layers.end())) candidates.push_back({*from, selected});
     }
     std::ranges::stable_sort(candidates, {}, &Candidate::from);
     for (const auto& [from, selected] : candidates) {
-      if (nearest && from > nearest->way) return;
-      meet_cell(number, selected, nearest);
+      if (from > layers.end()) return;
+      visit(selected);
     }
   }
 
- private:
-  void meet_cell(std::size_t number, const SelectedCell& selected, std::optional<SurfacePoint>& nearest) {
+  // Calls visit(triangle, crossing) for the triangles of a cell that the sight meets, and the plane keeps there.
+  template <class Visit>
+  void for_each_crossing(const Sight& sight, const SelectedCell& selected, const Visit& visit) {
     const Cell& cell = hierarchy_.cells[selected.cell];
-    const bool morphing = selected.morphing && cell.parent != no_cell && model_.effects.contains(Effect::geomorph);
-    std::span<const Vec3f> positions = cell.positions;
-    if (morphing) {
-      morphed_.resize(positions.size());
+    positions_ = cell.positions;
+    if (is_morphing(selected)) {
+      morphed_.resize(cell.positions.size());
       morph_cell(model_.morph, selected.cell, morphed_);
-      positions = morphed_;
+      positions_ = morphed_;
     }
     for (std::uint32_t t = 0; t < cell.triangles.size(); ++t) {
-      const auto& v = cell.triangles[t].v;
-      const auto met = crossing(sight_, positions[v[0]], positions[v[1]], positions[v[2]]);
-      if (!met || met->way < 0 || met->way > (nearest ? nearest->way : 1)) continue;
-      if (model_.clip && distance_from(*model_.clip, to_float(sight_.from + met->way * sight_.along)) < 0) continue;
-      if (!met->front && one_side_ && is_one_sided(cell, v[0])) continue;
-      nearest = SurfacePoint{number,  selected.cell, selected.level, morphing, t, sight_.from + met->way * sight_.along,
-                             met->way};
+      const auto met = crossing(sight, corners_of(cell, t));
+      if (!met || !met->inside() || met->way < 0 || met->way > 1) continue;
+      if (model_.clip && distance_from_clip(sight.from + met->way * sight.along) < 0) continue;
+      visit(t, *met);
     }
   }
-  [[nodiscard]] bool is_one_sided(const Cell& cell, std::uint32_t corner) const {
-    const std::uint32_t material = material_of(hierarchy_, cell, corner);
+
+  [[nodiscard]] float opacity(const SelectedCell& selected, std::uint32_t triangle, const Crossing& met) const {
+    const Cell& cell = hierarchy_.cells[selected.cell];
+    const auto beside = [&](const Sight& sight) {
+      const auto there = crossing(sight, corners_of(cell, triangle));
+      return there ? there->at : met.at;
+    };
+    return alpha_.opacity(frame_, model_,
+                          {selected.cell, selected.level, is_morphing(selected), cell.triangles[triangle].v, met.at,
+                           beside(sights_.right), beside(sights_.below)});
+  }
+
+  [[nodiscard]] SurfacePoint point_of(const Sight& sight, const SelectedCell& selected, std::uint32_t triangle,
+                                      double way) const {
+    return {static_cast<std::size_t>(&model_ - frame_.models.data()),
+            selected.cell,
+            selected.level,
+            is_morphing(selected),
+            triangle,
+            sight.from + way * sight.along,
+            way};
+  }
+  [[nodiscard]] double distance_from_clip(Vec3d point) const {
+    return dot(to_double(model_.clip->n), point) + double{model_.clip->d};
+  }
+  [[nodiscard]] std::array<Vec3f, 3> corners_of(const Cell& cell, std::uint32_t triangle) const {
+    const auto& v = cell.triangles[triangle].v;
+    return {positions_[v[0]], positions_[v[1]], positions_[v[2]]};
+  }
+  [[nodiscard]] bool is_morphing(const SelectedCell& selected) const {
+    return selected.morphing && hierarchy_.cells[selected.cell].parent != no_cell &&
+           model_.effects.contains(Effect::geomorph);
+  }
+  [[nodiscard]] bool is_one_sided(const SelectedCell& selected, std::uint32_t triangle) const {
+    const Cell& cell = hierarchy_.cells[selected.cell];
+    const std::uint32_t material = material_of(hierarchy_, cell, cell.triangles[triangle].v[0]);
     return material != no_material && !hierarchy_.materials[material].double_sided;
   }
 
+  const Frame& frame_;
   const ModelFrame& model_;
+  const SurfaceAlpha& alpha_;
   const Hierarchy& hierarchy_;
-  const Sight& sight_;
+  const PixelSights& sights_;
   bool one_side_;
   std::vector<Vec3f> morphed_;
+  std::span<const Vec3f> positions_;  // of the cell at hand, as they are drawn
 };
 
 }  // namespace
 
-std::optional<SurfacePoint> surface_at(const Frame& frame, double x, double y) {
+std::optional<SurfacePoint> surface_at(const Frame& frame, const SurfaceAlpha& alpha, double x, double y) {
   if (!(x >= 0 && y >= 0 && x < frame.size.width && y < frame.size.height)) return {};
-  std::optional<SurfacePoint> nearest;
-  for (std::size_t m = 0; m < frame.models.size(); ++m) {
-    const ModelFrame& model = frame.models[m];
+  const std::vector<effects::CutFace> cuts = effects::cut_faces(frame);
+  Layers layers;
+  for (const ModelFrame& model : frame.models) {
     if (!model.selection) continue;
     const Unprojection unproject(model.view_projection, frame.size);
-    const Vec3d near = unproject(x, y, 0);
-    const Sight sight{near, unproject(x, y, 1) - near};
-    if (is_finite(sight.from) && is_finite(sight.along)) DrawnModel(model, sight).meet(m, nearest);
+    const auto sight_at = [&](double at_x, double at_y) {
+      const Vec3d near = unproject(at_x, at_y, 0);
+      return Sight{near, unproject(at_x, at_y, 1) - near};
+    };
+    const PixelSights sights{sight_at(x, y), sight_at(x + 1, y), sight_at(x, y + 1), sight_at(x + 1.7e-4, y + 1.1e-4)};
+    if (!is_finite(sights.here.from) || !is_finite(sights.here.along)) continue;
+    DrawnModel drawn(frame, model, alpha, sights);
+    if (std::ranges::find(cuts, &model, &effects::CutFace::model) != cuts.end()) drawn.meet_cut(layers);
+    drawn.meet(layers);
   }
-  return nearest;
+  return layers.most_seen();
 }
 
 SurfaceFacts facts_of(const SurfacePoint& surface, const SceneView& scene, const Camera& camera) {

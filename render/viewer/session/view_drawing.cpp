@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "parallel/scheduler/clock.h"
+#include "render/culling/back_faces.h"
 #include "render/viewer/session/band_tint.h"
 
 namespace lodestone::viewer {
-namespace {}  // namespace
 
 ViewConfig view_config(const Scene& scene, const ViewState& state, std::size_t settings, ImageSize size) {
   const ViewSettings& wanted = state.settings[settings];
@@ -51,16 +51,29 @@ void ViewDrawing::restart() {
     view = {};
     if (model_) view.scene.emplace(model_->scene, model_->opened.models());
   }
-  if (model_) errors_ = error_range(*views_.front().scene);
+  closed_.clear();
+  if (model_) {
+    errors_ = error_range(*views_.front().scene);
+    alpha_.set_models(views_.front().scene->uploaded());
+  }
   if (!ready()) return;
   views_.front().scene->upload(*renderer_);
   ++counts_.uploads;
 }
 
-ViewConfig ViewDrawing::config_of(const ViewState& state, std::size_t settings, ImageSize size) const {
+ViewConfig ViewDrawing::config_of(const ViewState& state, std::size_t settings, ImageSize size) {
   ViewConfig config = view_config(model_->scene, state, settings, size);
   config.clip = plane_of(state.clip, bounding_sphere());
+  if (config.clip) config.closed = closed_models();
   return config;
+}
+
+// A streamed model, of which cells are missing, may be open.
+const std::vector<bool>& ViewDrawing::closed_models() {
+  if (closed_.empty())
+    for (const OpenModel& model : model_->opened.models())
+      closed_.push_back(!model.resident && is_closed(*model.hierarchy, scheduler_));
+  return closed_;
 }
 
 bool ViewDrawing::update(PerView& per_view, const Camera& camera, const ViewConfig& config,
@@ -160,7 +173,8 @@ std::optional<Vec3f> ViewDrawing::project(std::size_t settings, ImageSize shown,
 std::optional<SurfacePoint> ViewDrawing::surface_at(std::size_t settings, ImageSize shown, double x, double y) const {
   if (!ready() || shown.width < 1 || shown.height < 1) return {};
   const ImageSize size = frame(settings).size;
-  return viewer::surface_at(frame(settings), x * size.width / shown.width, y * size.height / shown.height);
+  alpha_.prepare(frame(settings), scheduler_);
+  return viewer::surface_at(frame(settings), alpha_, x * size.width / shown.width, y * size.height / shown.height);
 }
 
 }  // namespace lodestone::viewer

@@ -89,7 +89,8 @@ class ViewDrawing {
     ViewReport report;
   };
   void restart();
-  [[nodiscard]] ViewConfig config_of(const ViewState& state, std::size_t settings, ImageSize size) const;
+  [[nodiscard]] ViewConfig config_of(const ViewState& state, std::size_t settings, ImageSize size);
+  [[nodiscard]] const std::vector<bool>& closed_models();
   bool update(PerView& per_view, const Camera& camera, const ViewConfig& config, const std::vector<ViewConfig>& beside);
   void freeze(PerView& per_view, const ViewState& state, const View& view, const std::vector<ViewConfig>& beside);
 
@@ -98,6 +99,8 @@ class ViewDrawing {
   Model* model_ = nullptr;
   std::array<PerView, 2> views_;
   ErrorRange errors_;
+  mutable SurfaceAlpha alpha_;  // its textures are decoded when a surface is asked for
+  std::vector<bool> closed_;    // models whose surface bounds a solid; empty until a clipping plane asks
   Counts counts_;
 };
 

@@ -17,21 +17,6 @@ namespace {
 
 using namespace lodestone::test;
 
-// Discs of full alpha in a clear ground, with a soft border.
-PixelImage lace(PixelSize size) {
-  PixelImage image{.size = size, .channels = 4, .pixels = {}};
-  for (std::uint32_t y = 0; y < size.height; ++y)
-    for (std::uint32_t x = 0; x < size.width; ++x) {
-      const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size.width),
-                  v = (static_cast<float>(y) + 0.5f) / static_cast<float>(size.height);
-      const Vec3f c = motley(u, v);
-      const float alpha = 0.5f - 4 * (std::hypot(std::fmod(4 * u, 1.0f) - 0.5f, std::fmod(4 * v, 1.0f) - 0.5f) - 0.3f);
-      for (const float channel : {c.x, c.y, c.z, alpha})
-        image.pixels.push_back(static_cast<std::uint8_t>(std::lround(255 * std::clamp(channel, 0.0f, 1.0f))));
-    }
-  return image;
-}
-
 // The textured torus with other materials on its bands, in turn: 0 to 3, and none on the last.
 std::shared_ptr<const Hierarchy> torus_of(const std::vector<Material>& materials, bool coloured = false) {
   static const auto plain = textured_torus(), with_colours = textured_torus(true);

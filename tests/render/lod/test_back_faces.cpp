@@ -160,6 +160,9 @@ TEST(BackFaces, ClosedSurfacesAndTheirSidesAreKnown) {
   std::swap(flipped.triangles[7].v[0], flipped.triangles[7].v[1]);
   EXPECT_EQ(facing(flipped), Facing::open);
   EXPECT_EQ(facing_of({}, *scheduler), Facing::open);
+  EXPECT_FALSE(is_closed({}, *scheduler));
+  EXPECT_TRUE(
+      is_closed(test::naive_hierarchy(both(sphere, inside_out, {3, 0, 0}, 0.5), 2, 0.5f).hierarchy, *scheduler));
 }
 
 // Solid angle of the surface, over 4 pi (vanoosterom1983).

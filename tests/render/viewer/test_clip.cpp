@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "render/effects/cut_face.h"
 #include "render/viewer/controls/camera_control.h"
+#include "tests/render/conformance.h"
 #include "tests/render/viewer/two_tori.h"
 
 namespace lodestone::viewer {
@@ -87,6 +89,104 @@ TEST_P(ClipDrawn, ShowsNothingBehindThePlane) {
   state_.current().samples = 1;
   state_.clip.on = false;
   EXPECT_EQ(picture().rgba, plain.rgba);
+}
+
+// A point of the plane is inside if the drawn surface is crossed an odd number of times on the way to the eye, through
+// the part that is cut away.
+bool is_inside(const ModelFrame& model, Vec3d from, Vec3d eye) {
+  int crossings = 0;
+  for (const SelectedCell& selected : model.selection->cells) {
+    const Cell& cell = model.morph.hierarchy->cells[selected.cell];
+    std::vector<Vec3f> p(cell.positions.size());
+    morph_cell(model.morph, selected.cell, p);
+    for (const Triangle& t : cell.triangles) {
+      const Vec3d a = to_double(p[t.v[0]]), b = to_double(p[t.v[1]]), c = to_double(p[t.v[2]]);
+      const auto volume = [](Vec3d s, Vec3d u, Vec3d v, Vec3d w) { return dot(u - s, cross(v - s, w - s)) > 0; };
+      crossings += volume(from, a, b, c) != volume(eye, a, b, c) &&
+                   volume(from, eye, a, b) == volume(from, eye, b, c) &&
+                   volume(from, eye, b, c) == volume(from, eye, c, a);
+    }
+  }
+  return crossings % 2 != 0;
+}
+
+// Where the line from the near plane to the far one meets the plane.
+std::optional<Vec3d> on_plane(const ModelFrame& model, ImageSize size, double x, double y) {
+  const Unprojection unproject(model.view_projection, size);
+  const Vec3d near = unproject(x, y, 0), along = unproject(x, y, 1) - near, n = to_double(model.clip->n);
+  const double way = -(dot(n, near) + double{model.clip->d}) / dot(n, along);
+  return way > 0 && way < 1 ? std::optional(near + way * along) : std::nullopt;
+}
+
+TEST_P(ClipDrawn, FillsTheCutOfASolid) {
+  state_.camera = orbit(state_.camera, 0.7, 0.2);  // no plane is seen edge-on
+  for (const int samples : {1, 4})
+    for (const int axis : {0, 1, 2}) {
+      state_.current().samples = samples;
+      state_.clip = {true, axis, 0, false};
+      (void)picture();
+      state_.clip.other = std::ranges::none_of(
+          drawing_.frame(0).models, [](const ModelFrame& m) { return distance_from(*m.clip, m.morph.viewpoint) < 0; });
+      const Image image = picture();
+      const Frame& frame = drawing_.frame(0);
+      lodestone::test::keep_picture("cut_" + std::string(GetParam()) + std::to_string(samples) + std::to_string(axis),
+                                    image);
+      int cut = 0, wrong = 0, wrong_colour = 0;
+      for (int y = 0; y < size.height; y += 2)
+        for (int x = 0; x < size.width; x += 2) {
+          bool inside = false;
+          for (const ModelFrame& model : frame.models)
+            if (const auto p = on_plane(model, size, x + 0.5, y + 0.5))
+              inside = inside || is_inside(model, *p, to_double(model.morph.viewpoint));
+          const auto surface = drawing_.surface_at(0, size, x + 0.5, y + 0.5);
+          wrong += inside != (surface && surface->cut);
+          if (!inside) continue;
+          ++cut;
+          const std::uint8_t* rgb = &image.rgba[4 * static_cast<std::size_t>(y * size.width + x)];
+          wrong_colour += rgb[0] < rgb[1] + 30 || rgb[1] < rgb[2] + 10;  // no other surface is red
+        }
+      EXPECT_GT(cut, 80) << axis;
+      EXPECT_LT(wrong, 4) << axis;
+      EXPECT_LT(wrong_colour, 10 * samples) << axis << " with " << samples << " samples, along the borders";
+    }
+}
+
+TEST_P(ClipDrawn, BackendsFillAlike) {
+  const auto soft = make_renderer("soft", *scheduler_);
+  state_.camera = orbit(state_.camera, 0.7, 0.2);
+  state_.looks.fog = {{0.7f, 0.75f, 0.8f}, 0.3f};
+  state_.looks.lighting.directional = {0.6f, false, 256};
+  state_.looks.ambient_occlusion = {0.8f, 0.05f};
+  state_.clip = {true, 2, 0.1f, false};
+  for (const int samples : {1, 4}) {
+    state_.current().samples = samples;
+    const Image own = picture();
+    EXPECT_FALSE(effects::cut_faces(drawing_.frame(0)).empty());
+    drawing_.set_renderer(soft.get());
+    (void)drawing_.draw(state_, 0, size);
+    EXPECT_LT(difference(own, soft->read_back()).differing, 60u) << samples;
+    drawing_.set_renderer(own_.get());
+  }
+}
+
+TEST_P(ClipDrawn, LeavesOpenAndTransparentSurfacesOpen) {
+  state_.camera = orbit(state_.camera, 0.7, 0.2);
+  state_.clip = {true, 2, 0, false};
+  (void)picture();
+  EXPECT_FALSE(effects::cut_faces(drawing_.frame(0)).empty());
+  model_->scene.models[0].appearance.opacity = model_->scene.models[1].appearance.opacity = 0.5f;
+  drawing_.set_model(model_.get());
+  (void)picture();
+  EXPECT_TRUE(effects::cut_faces(drawing_.frame(0)).empty());
+  const std::string file = (folder_ / "terrain.lode").string();
+  (void)write_lode(lodestone::test::naive_hierarchy(lodestone::test::terrain_mesh(32), 3).hierarchy, file);
+  Model open;
+  open.scene = scene_of(file);
+  open.opened = OpenScene(open.scene, {}, *scheduler_);
+  drawing_.set_model(&open);
+  (void)picture();
+  EXPECT_TRUE(effects::cut_faces(drawing_.frame(0)).empty());
+  drawing_.set_model(nullptr);
 }
 
 TEST_P(ClipDrawn, WorksWithEdgesCountsShadowsAndHeatMaps) {

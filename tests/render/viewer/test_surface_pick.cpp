@@ -4,12 +4,17 @@
 #include <cmath>
 
 #include "render/viewer/controls/camera_control.h"
+#include "render/viewer/controls/navigation.h"
+#include "tests/render/textured_models.h"
 #include "tests/render/viewer/two_tori.h"
 
 namespace lodestone::viewer {
 namespace {
 
-class SurfacePick : public test::TwoTori {};
+class SurfacePick : public test::TwoTori {
+ protected:
+  const Selection nothing_{};
+};
 
 // All triangles of all drawn cells, projected and looked at in the picture: the nearest one over the point.
 struct Seen {
@@ -109,6 +114,67 @@ TEST_F(SurfacePick, FollowsAFrozenSelectionAndALowerResolution) {
       EXPECT_EQ(surface->way, large->way);
     }
   EXPECT_GT(hits, 30);
+}
+
+// Pictures keep the depth of what a mask leaves.
+TEST(SurfacePickAlpha, HolesOfMasksAreNotThere) {
+  using namespace lodestone::test;
+  for (const bool coloured : {false, true}) {
+    auto model = std::make_shared<Hierarchy>(*textured_torus(coloured));
+    model->textures.push_back(as_texture("lace", lace({64, 64}), TextureWrap::repeat, TextureWrap::mirror));
+    const auto texture = static_cast<std::uint32_t>(model->textures.size() - 1);
+    for (Material& m : model->materials) m = {.name = "lace", .texture = texture, .alpha_mode = AlphaMode::mask};
+    model->materials[1].alpha_cutoff = 0.2f, model->materials[2].double_sided = false;
+    TexturedFrame frame({"lace", {{model, {}, appearance_of(*model)}}});
+    const auto scheduler = make_serial_scheduler();
+    const Image image = frame.draw(*make_renderer("soft", *scheduler));
+    SurfaceAlpha alpha;
+    alpha.set_models(frame.hierarchies);
+    alpha.prepare(frame.frame, *scheduler);
+    int hits = 0, through = 0, wrong = 0;
+    for (int y = 0; y < image.size.height; y += 2)
+      for (int x = 0; x < image.size.width; x += 2) {
+        const auto surface = surface_at(frame.frame, alpha, x + 0.5, y + 0.5);
+        const float depth = image.depth[static_cast<std::size_t>(y * image.size.width + x)];
+        hits += surface.has_value();
+        wrong += surface.has_value() != (depth < 1);
+        if (!surface || depth == 1) continue;
+        const auto at = project(frame.frame.models[0].view_projection, image.size, surface->point);
+        wrong += std::abs(at->z - depth) > 1e-4;
+        through += slow_surface_at(frame.frame, x + 0.5, y + 0.5)->depth < at->z - 1e-4;
+      }
+    EXPECT_GT(hits, 2000);
+    EXPECT_GT(through, 300) << "seen through holes";
+    EXPECT_LT(wrong, hits / 200) << "along borders of holes";
+  }
+}
+
+// One torus lies before the other in the middle of the picture.
+TEST_F(SurfacePick, TakesTheLayerThatShowsMost) {
+  (void)draw();
+  const auto place = [&]() -> std::optional<Point> {
+    for (int y = 0; y < size.height; ++y)
+      for (int x = 0; x < size.width; ++x) {
+        Frame other = drawing_.frame(0);
+        const auto nearest = slow_surface_at(other, x + 0.5, y + 0.5);
+        if (!nearest) continue;
+        other.models[nearest->model].selection = &nothing_;
+        if (slow_surface_at(other, x + 0.5, y + 0.5)) return Point{x + 0.5, y + 0.5};
+      }
+    return {};
+  }();
+  ASSERT_TRUE(place);
+  const std::size_t front = drawing_.surface_at(0, size, place->x, place->y)->model, back = 1 - front;
+  const auto picked = [&](float opacity) {
+    model_->scene.models[front].appearance.opacity = opacity;
+    drawing_.set_model(model_.get());
+    (void)draw();
+    return drawing_.surface_at(0, size, place->x, place->y)->model;
+  };
+  EXPECT_EQ(picked(0.8f), front);
+  EXPECT_EQ(picked(0.1f), back);
+  EXPECT_EQ(picked(0), back);
+  EXPECT_EQ(picked(1), front);
 }
 
 TEST_F(SurfacePick, TellsTheFactsOfACell) {

@@ -18,6 +18,8 @@ void flip_rows(std::vector<T>& pixels, std::size_t row, std::size_t rows) {
                      pixels.begin() + static_cast<std::ptrdiff_t>((rows - 1 - y) * row));
 }
 
+}  // namespace
+
 GlTexture make_plane(GLenum format, ImageSize size, int samples) {
   GLuint name = 0;
   glCreateTextures(samples == 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE, 1, &name);
@@ -27,8 +29,6 @@ GlTexture make_plane(GLenum format, ImageSize size, int samples) {
     glTextureStorage2DMultisample(name, samples, format, size.width, size.height, GL_TRUE);
   return GlTexture(name);
 }
-
-}  // namespace
 
 GlTarget::Planes::Planes(ImageSize size, int samples)
     : colour(make_plane(GL_RGBA8, size, samples)), depth(make_plane(GL_DEPTH_COMPONENT32F, size, samples)) {

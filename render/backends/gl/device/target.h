@@ -8,6 +8,9 @@
 
 namespace lodestone {
 
+// A texture of one value for each sample of a picture.
+[[nodiscard]] GlTexture make_plane(GLenum format, ImageSize size, int samples);
+
 class GlTarget {
  public:
   // Throws ResourceError when out of memory.

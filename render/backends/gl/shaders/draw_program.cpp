@@ -270,6 +270,10 @@ constexpr const char* count_source = R"(
 layout(location = 0) out float count;
 void main() { count = 1.0; }
 )";
+constexpr const char* winding_source = R"(
+layout(location = 0) out float winding;
+void main() { winding = gl_FrontFacing ? 1.0 : -1.0; }
+)";
 constexpr const char* depth_source = "void main() {}\n";
 constexpr const char* light_outputs = R"(
 layout(location = 0) out vec4 through;  // multiplied by 1 less its alpha
@@ -382,6 +386,7 @@ GlProgram make_draw_program(GlVariant variant) {
   std::string fragment =
       (layers ? layers_output : picture_output) + std::string(fragment_head) + source.fragment + main;
   if (variant.pass == GlPass::count) fragment = count_source;
+  if (variant.pass == GlPass::winding) fragment = winding_source;
   if (from_light)
     fragment = (through ? light_outputs : "") + std::string(fragment_head) + source.fragment +
                replaced(light_main, "OUTPUT", through ? store_light : "");

@@ -13,9 +13,9 @@
 
 namespace lodestone {
 
-// The output of the triangles: the picture, depths seen from the light and what layers let through of it, a count, or
-// lists of layers.
-enum class GlPass : std::uint8_t { picture, shadow, shadow_layers, count, layers, layers_4x };
+// The output of the triangles: the picture, depths seen from the light and what layers let through of it, a count,
+// fronts less backs, or lists of layers.
+enum class GlPass : std::uint8_t { picture, shadow, shadow_layers, count, winding, layers, layers_4x };
 
 // A program is compiled for one blending function, one metric and one set of effects: software rasterizers execute both
 // sides of a branch.

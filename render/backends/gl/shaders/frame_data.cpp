@@ -31,9 +31,10 @@ std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPa
 GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
   GlVariant variant{model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(), false, {}, pass};
   variant.clipped = model.clip.has_value();
-  if (pass == GlPass::shadow || pass == GlPass::shadow_layers || pass == GlPass::count) {
+  const bool counts = pass == GlPass::count || pass == GlPass::winding;
+  if (pass == GlPass::shadow || pass == GlPass::shadow_layers || counts) {
     variant.effects = model.effects & EffectSet{Effect::geomorph};
-    if (pass != GlPass::count) variant.material_bits = material_bits_of(frame, model, pass);
+    if (!counts) variant.material_bits = material_bits_of(frame, model, pass);
     return variant;
   }
   // Effects without code in the programs need no programs of their own, and neither do those that find nothing to show:
