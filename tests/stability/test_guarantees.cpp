@@ -153,8 +153,10 @@ struct NamedCase {
   RandomModel model;
 };
 
-// One for each property that a shrunk counterexample may have to keep. The search has found none so far.
+// Found by the search, and others that are likely to matter.
 const NamedCase named_cases[] = {
+    {"found: a level without a triangle, whose longest edge is none",
+     {.shape = 6, .soup = {1, 0, 0, 0, 0, 0, 0, 0, 3}, .sigma0 = 14, .levels = 1, .simplifier = 1, .beta = 1}},
     {"one triangle", {.shape = 6, .soup = {0, 0, 0, 4, 0, 0, 0, 4, 0}, .sigma0 = 1, .levels = 4}},
     {"triangles on top of each other",
      {.shape = 6,

@@ -22,7 +22,7 @@ std::string place(int level, CellId cell, VertexId vertex) {
 }
 
 bool is_tight_bound(float stored, double exact) {
-  constexpr double smallest = 1e-30;  // rounding up may give this for zero
+  constexpr double smallest = 1e-17;  // over h_l, what squares that vanish in float may hide
   return stored >= exact && stored <= exact * (1 + bound_slack) + smallest;
 }
 
