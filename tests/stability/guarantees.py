@@ -28,6 +28,7 @@ builds them with random parameters and every simplifier, and looks at them along
 passes; closed surfaces remain closed at every level, with the same Euler number (but for clustering); there is no residual
 edge and no gap; no vertex jumps farther than its bound. Below the largest reach of a vertex that the adversary knows, at 0.99
 of it, some view is cracked, in every model in which a shared vertex moves. A hundred models are tried with the other tests.
+What the search has found is among the named cases of the test.
 
 {trials:,} models each: {outcome}
 """
