@@ -24,7 +24,7 @@ struct CutFace {
 // The cuts that the frame's pictures may show.
 [[nodiscard]] std::vector<CutFace> cut_faces(const Frame& frame);
 
-// What a sample at depth z, x and y in pixels from the upper left corner, shows of it.
+// Its colour at a sample at depth z; x and y are in pixels from the upper left corner.
 [[nodiscard]] Vec3f cut_colour(const CutFace& face, const Frame& frame, double x, double y, double z);
 
 }  // namespace lodestone::effects

@@ -286,7 +286,7 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->commands.draw(*resources_->scene, use_program());
   }
 
-  // What lies over the opaque surfaces once all of these are drawn.
+  // Draws cuts and layers over the opaque surfaces, once all of these are drawn.
   void finish_picture(const Frame& frame, FrameStats& stats) {
     draw_cuts(frame);
     const auto layered = [&](const ModelFrame& m) { return effects::has_layers(frame, m); };

@@ -227,7 +227,7 @@ void draw_triangles(const TriangleRecord* first, const TriangleRecord* last, Pix
   }
 }
 
-// How many triangles cover a sample.
+// Counts the triangles that cover each sample.
 class CountTarget {
  public:
   explicit CountTarget(std::int32_t* counts) : counts_(counts) {}

@@ -33,7 +33,7 @@ class ModelBorder {
   using Cell = std::array<std::int64_t, 3>;
   [[nodiscard]] Cell cell(Vec3f p) const;
   [[nodiscard]] static std::uint64_t key(const Cell& c);
-  // Of equally near points the first.
+  // The first of equally near points.
   [[nodiscard]] const BorderPoint* nearest(Vec3f p) const;
 
   float reach_;

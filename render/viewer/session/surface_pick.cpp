@@ -38,7 +38,7 @@ std::optional<double> entry(const Sight& sight, const Box3f& box, double end) {
   return first <= last ? std::optional(first) : std::nullopt;
 }
 
-// Where the line of the sight meets the plane of a triangle.
+// The point at which the line of the sight meets the plane of a triangle.
 struct Crossing {
   double way = 0;
   CornerShares at;
@@ -57,7 +57,7 @@ std::optional<Crossing> crossing(const Sight& sight, const std::array<Vec3f, 3>&
                   determinant > 0};
 }
 
-// What a pixel may show, up to the nearest opaque surface.
+// The surfaces that a pixel may show, up to the nearest opaque one.
 class Layers {
  public:
   [[nodiscard]] double end() const { return end_; }

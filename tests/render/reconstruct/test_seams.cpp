@@ -283,7 +283,7 @@ TEST(DropCrumbs, KeepsWhatIsAllOfItsPart) {
   }
 }
 
-// Of a fan of so many triangles nothing may look at all for each.
+// In a fan of so many triangles no step may look at all of them for each one.
 TEST(CountHandles, TakesAFanOfAnySize) {
   constexpr std::uint32_t n = 100'000;
   std::vector<Triangle> wheel;

@@ -110,7 +110,7 @@ bool is_inside(const ModelFrame& model, Vec3d from, Vec3d eye) {
   return crossings % 2 != 0;
 }
 
-// Where the line from the near plane to the far one meets the plane.
+// The point at which the line from the near plane to the far one meets the plane.
 std::optional<Vec3d> on_plane(const ModelFrame& model, ImageSize size, double x, double y) {
   const Unprojection unproject(model.view_projection, size);
   const Vec3d near = unproject(x, y, 0), along = unproject(x, y, 1) - near, n = to_double(model.clip->n);
