@@ -35,7 +35,8 @@ ViewConfig view_config(const Scene& scene, ImageSize size) {
           .effects = scene.effects,
           .towards_light = scene.towards_light,
           .hidden = {},
-          .clip = {}};
+          .clip = {},
+          .closed = {}};
 }
 
 SceneView::SceneView(const Scene& scene, std::vector<OpenModel> models) : scene_(scene) {

@@ -261,8 +261,11 @@ TEST_F(SaveTiles, MorphingTilesOfManyMaterialsHaveAnAtlas) {
   RawMesh raw = surface();
   const PixelImage grey{{16, 16}, 1, std::vector<std::uint8_t>(256, 200)};
   raw.textures = {{.name = "grey", .media_type = "image/png", .bytes = encode_image(grey, "image/png")}};
-  raw.materials.assign(6, {.texture = 0});
-  for (std::size_t m = 0; m < 6; ++m) raw.materials[m].base_colour = {0.1f * static_cast<float>(m), 1, 1, 1};
+  raw.materials.resize(6);
+  for (std::size_t m = 0; m < 6; ++m) {
+    raw.materials[m].texture = 0;
+    raw.materials[m].base_colour = {0.1f * static_cast<float>(m), 1, 1, 1};
+  }
   for (std::size_t t = 0; t < raw.triangles.size(); ++t) raw.wedges.material[t] = static_cast<std::uint32_t>(t / 2 % 6);
   const Hierarchy h = built(std::move(raw), *scheduler_);
   const SavedTiles saved = save(h, {.tileset = {.morph = true}, .progress = {}});

@@ -79,8 +79,9 @@ float SurfaceAlpha::opacity(const Frame& frame, const ModelFrame& model, const M
 
 double SurfaceAlpha::alpha_of_texture(const ModelFrame& model, const SurfaceTexture& texture,
                                       const MetTriangle& met) const {
-  const auto u = morphed_values(model, met, [](const Cell&c, std::uint32_t v) { return double{c.attributes.uv[v].x}; }),
-             v = morphed_values(model, met, [](const Cell&c, std::uint32_t v) { return double{c.attributes.uv[v].y}; });
+  const auto u_of = [](const Cell& cell, std::uint32_t vertex) { return double{cell.attributes.uv[vertex].x}; };
+  const auto v_of = [](const Cell& cell, std::uint32_t vertex) { return double{cell.attributes.uv[vertex].y}; };
+  const auto u = morphed_values(model, met, u_of), v = morphed_values(model, met, v_of);
   const double at_u = interpolated(u, met.here), at_v = interpolated(v, met.here);
   const PixelSize size = texture.levels.front().size;
   const auto texels2_to = [&](CornerShares beside) {

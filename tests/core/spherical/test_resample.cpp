@@ -79,12 +79,13 @@ TEST(Resample, ImagesAreSymmetricAlongTheirSides) {
       }
 }
 
-// Vertex colours: each sample by hand, from all triangles.
-TEST(Resample, PixelsAreTheMeanOfTheirSamples) {
+// Vertex colours: each sample by hand, from all triangles. Alpha counts where the material is not opaque.
+void expect_means_of_samples(AlphaMode mode) {
   test::PaintedSphere sphere = test::painted_sphere(2);
   test::Numbers number(9);
   sphere.mesh.wedges.materials[0].texture = no_texture;
   sphere.mesh.wedges.materials[0].base_colour = {0.5f, 1, 0.25f, 1};
+  sphere.mesh.wedges.materials[0].alpha_mode = mode;
   for (std::size_t w = 0; w < sphere.mesh.positions.size(); ++w) {
     const auto byte = [&] { return static_cast<std::uint8_t>(256 * number()); };
     sphere.mesh.wedges.colour.push_back({byte(), byte(), byte(), byte()});
@@ -107,7 +108,8 @@ TEST(Resample, PixelsAreTheMeanOfTheirSamples) {
         if (std::ranges::min(w) < 0) continue;
         for (std::size_t k = 0; k < 3; ++k) {
           const Rgba8 c = sphere.mesh.wedges.colour[sphere.mesh.triangles[t].v[k]];
-          const double alpha = c.a / 255.0, weight = w[k] / (w[0] + w[1] + w[2]) / (sides * sides) * alpha;
+          const double alpha = mode == AlphaMode::opaque ? 1 : c.a / 255.0;
+          const double weight = w[k] / (w[0] + w[1] + w[2]) / (sides * sides) * alpha;
           float* const to = &expected.values[(std::size_t{y / sides} * n + x / sides) * 4];
           to[0] += static_cast<float>(weight * 0.5 * srgb_to_linear(c.r / 255.0));
           to[1] += static_cast<float>(weight * srgb_to_linear(c.g / 255.0));
@@ -121,6 +123,10 @@ TEST(Resample, PixelsAreTheMeanOfTheirSamples) {
   for (std::size_t i = 0; i < expected.values.size(); ++i)
     EXPECT_NEAR(images.colour.values[i], expected.values[i], 2e-5) << i;
 }
+
+TEST(Resample, PixelsAreTheMeanOfTheirSamples) { expect_means_of_samples(AlphaMode::blend); }
+
+TEST(Resample, AlphaOfOpaqueMaterialsIsLeftOut) { expect_means_of_samples(AlphaMode::opaque); }
 
 TEST(Resample, TilesMayBeDrawnInAnyOrder) {
   const test::PaintedSphere sphere = test::painted_sphere(3);
