@@ -125,13 +125,15 @@ class Materials(CommandCase):
             self.expect_all(path)
         self.assertGreater(self.validate(out, known="MESH_PRIMITIVE_GENERATED_TANGENT_SPACE"), 10)
 
-    def test_spherical_keeps_factors_and_names_the_rest(self):
+    def test_spherical_draws_images_and_names_the_rest(self):
         warnings = self.results("spherical", "globe.glb", "-o", "sphere.glb", "--texture", 64)["warnings"]
-        self.assertEqual(warnings, [f"globe.glb: {what} of materials are left out" for what in
-                                    ("extensions with images", "images of light", "images of metal and roughness",
-                                     "images of occlusion")])
+        self.assertEqual(warnings, ["globe.glb: extensions with images of materials are left out"])
         [material] = document_of(self.folder / "sphere.glb")["materials"]
         self.assertEqual((material["alphaMode"], material["alphaCutoff"], material["doubleSided"]), ("MASK", 0.25, True))
+        for drawn in ("occlusionTexture", "emissiveTexture", "normalTexture"):
+            self.assertIn(drawn, material)
+        for drawn in ("baseColorTexture", "metallicRoughnessTexture"):
+            self.assertIn(drawn, material["pbrMetallicRoughness"])
 
     def test_meshes_without_one_are_no_metal(self):
         self.lodestone("generate", "sphere", "--triangles", 500, "-o", "sphere.ply", "--quiet")
