@@ -307,7 +307,7 @@ class Failures(SweepCase):
         right = line.split("has the sha256 ")[1][:64]
         self.assertEqual(right, subprocess.run(["sha256sum", self.folder / "m.ply"], capture_output=True, text=True,
                                                check=True).stdout[:64])
-        self.sweep(text.replace("0" * 64, right), output="out4")
+        self.sweep(text.replace("0" * 64, right), output="out5")
 
     def test_scenes_and_companions_count(self):
         self.write("scene.toml", '[[model]]\nfile = "m.ply"\n')
