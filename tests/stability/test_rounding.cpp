@@ -63,11 +63,12 @@ TEST(Rounding, QuadricsKeepSmallDistances) {
   const auto cases = stars(60);
   const auto exact = exact_of(cases, exact_quadric);
   // A root of what cancels: sqrt of some twenty roundings of squared lengths up to 3, of the mean over the planes.
-  EXPECT_LE(errors_of(cases, exact, quadric_in_double).largest(), std::sqrt(20 * 3 * u64));
+  const double bound = std::sqrt(20 * 3 * u64);
+  EXPECT_LE(errors_of(cases, exact, quadric_in_double).largest(), bound);
   // Relative to the star, which is at most the cube.
   EXPECT_LE(errors_of(cases, exact, centred_quadric_in_float).largest(), std::sqrt(20 * 3 * u32));
-  // Float about the origin would not do.
-  EXPECT_GT(errors_of(cases, exact, plain_quadric_root<float>).largest(), 1e-4);
+  // Float about the origin would not do: by how much depends on the stars.
+  EXPECT_GT(errors_of(cases, exact, plain_quadric_root<float>).largest(), 100 * bound);
 }
 
 TEST(Rounding, PlacesAreThoseOfTheExactMinimum) {
