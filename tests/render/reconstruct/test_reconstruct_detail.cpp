@@ -228,7 +228,7 @@ TEST(ResampleAttributes, SeamsRunWhereThoseOfTheSourceDo) {
     sum += off * off, ++on_seam;
   }
   ASSERT_GT(on_seam, 20);
-  EXPECT_LT(std::sqrt(sum / on_seam), 0.05 / config.resolution);  // 0.2 to 0.3 with teeth
+  EXPECT_LT(std::sqrt(sum / on_seam), 0.05 / config.resolution);
 }
 
 // A cylinder whose texture goes round it once: one chart that touches itself along a seam.
