@@ -4,8 +4,10 @@
 #include "experiments/commands/parser.h"
 #include "experiments/commit.h"
 
-int main(int argc, char** argv) {
-  using namespace lodestone;
+namespace lodestone {
+namespace {
+
+int run(int argc, char** argv) {
   set_program_commit(commit_text);
   CommandTable commands;
   add_generate(commands);
@@ -30,3 +32,8 @@ int main(int argc, char** argv) {
   install_signal_handlers();
   return run_command_line(commands, argc, argv);
 }
+
+}  // namespace
+}  // namespace lodestone
+
+int main(int argc, char** argv) { return lodestone::guard_memory(lodestone::run, argc, argv); }

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -14,6 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
+#include "core/files/atomic_file.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/sizes.h"
 #include "experiments/command_line/version.h"
@@ -84,6 +86,24 @@ void print_error(std::string message) {
   fmt::print(stderr, "lodestone: {}\n", message);
 }
 
+// Allocates nothing.
+void print_out_of_memory() noexcept {
+  std::fputs("lodestone: out of memory; close other programs or use a smaller input\n", stderr);
+}
+
+// Where nothing may be thrown, memory that runs out ends the process as it does elsewhere.
+[[noreturn]] void on_terminate() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    remove_temporaries();
+    print_out_of_memory();
+    std::_Exit(static_cast<int>(ExitStatus::resource));
+  } catch (...) {
+  }
+  std::abort();
+}
+
 std::vector<std::string> names_in(const CLI::App& app, bool options) {
   std::vector<std::string> names;
   if (options)
@@ -132,12 +152,21 @@ int run_command_line(const CommandTable& commands, int argc, char** argv) {
   } catch (const Cancelled&) {
     fmt::print(stderr, "{}", interrupt_line());
     return interrupt_status();
-  } catch (const std::bad_alloc& e) {
-    print_error("out of memory; close other programs or use a smaller input");
-    return static_cast<int>(exit_status(e));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     print_error(e.what());
     return static_cast<int>(exit_status(e));
+  }
+}
+
+int guard_memory(int (*run)(int, char**), int argc, char** argv) {
+  std::set_terminate(on_terminate);
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {  // also while an error was being described
+    print_out_of_memory();
+    return static_cast<int>(ExitStatus::resource);
   }
 }
 

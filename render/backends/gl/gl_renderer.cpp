@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 
-#include "core/base/error.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/gl/device/device.h"
 #include "render/backends/gl/device/target.h"
@@ -25,7 +24,6 @@
 #include "render/effects/overdraw.h"
 #include "render/effects/shadow.h"
 #include "render/effects/transparency.h"
-#include "render/frame/shading.h"
 
 namespace lodestone {
 namespace {
@@ -350,8 +348,7 @@ class MultiDrawRenderer final : public GlRenderer {
     resources_->sections.begin("ambient occlusion");
     if (!resources_->occlusion) resources_->occlusion.emplace();
     resources_->occlusion->draw(frame, *resources_->target);
-    stats.work["occlusion pixels"] =
-        static_cast<std::uint64_t>(frame.size.width) * static_cast<std::uint64_t>(frame.size.height);
+    stats.work["occlusion pixels"] = std::uint64_t{1} * frame.size.width * frame.size.height;
   }
 
   void draw_overdraw(const Frame& frame, FrameStats& stats) {
