@@ -66,6 +66,7 @@ void redirect(int descriptor, const char* file) {
 }
 
 using Main = int(int, char**, char**);
+using Hook = void();
 Main* program_main = nullptr;
 
 int counted_main(int argc, char** argv, char** environment) {
@@ -112,10 +113,9 @@ int each_main(int argc, char** argv, char** environment) {
 
 }  // namespace
 
-extern "C" int __libc_start_main(Main* main, int argc, char** argv, void (*init)(), void (*fini)(), void (*end)(),
-                                 void* stack) {
-  auto* const real = reinterpret_cast<int (*)(Main*, int, char**, void (*)(), void (*)(), void (*)(), void*)>(
-      dlsym(RTLD_NEXT, "__libc_start_main"));
+extern "C" {
+int __libc_start_main(Main* main, int argc, char** argv, Hook* init, Hook* fini, Hook* end, void* stack) {
+  auto* const real = reinterpret_cast<decltype(&__libc_start_main)>(dlsym(RTLD_NEXT, "__libc_start_main"));
   const char *const of = std::getenv("MEMORY_OF"), *const number = std::getenv("MEMORY_FAILS");
   if (of && (argc < 2 || std::strcmp(argv[1], of) != 0)) return real(main, argc, argv, init, fini, end, stack);
   fails = number ? std::atol(number) : 0;
@@ -125,7 +125,6 @@ extern "C" int __libc_start_main(Main* main, int argc, char** argv, void (*init)
   return real(std::getenv("MEMORY_EACH") ? each_main : counted_main, argc, argv, init, fini, end, stack);
 }
 
-extern "C" {
 void* malloc(size_t bytes) { return fails_now() ? nullptr : __libc_malloc(bytes); }
 void* calloc(size_t number, size_t bytes) { return fails_now() ? nullptr : __libc_calloc(number, bytes); }
 void* realloc(void* memory, size_t bytes) { return fails_now() ? nullptr : __libc_realloc(memory, bytes); }

@@ -147,7 +147,7 @@ async function testSlowLine(browser) {
 // A camera at rest with memory for a part of what it needs, of which no family is a large part: the tiles in memory and
 // the picture settle, to the same whatever order tiles arrive in, and then nothing is drawn, loaded or changed.
 async function testRest(browser) {
-  for (const [name, megabytes] of [['fine', 0.8], ['charts', 1.2], ['charts', 1.5]]) {
+  for (const [name, megabytes] of [['fine', 0.8], ['charts', 1.2]]) {
     const found = [];
     for (const order of [0, 1]) {
       let requests = 0;
