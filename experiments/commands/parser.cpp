@@ -91,7 +91,7 @@ void print_out_of_memory() noexcept {
   std::fputs("lodestone: out of memory; close other programs or use a smaller input\n", stderr);
 }
 
-// Where nothing may be thrown, memory that runs out ends the process as it does elsewhere.
+// Memory that runs out in a function that may not throw ends the process with the same line and status as elsewhere.
 [[noreturn]] void on_terminate() {
   try {
     if (std::current_exception()) throw;

@@ -50,7 +50,7 @@ void append(InputFiles& files, const InputFiles& more) {
   throw InputError(describe(file.file, source.place, source.name + ": " + what, remedy));
 }
 
-// Where our models are to be had is known (scripts/models.toml), of anybody else's it is not.
+// The sources of our models are known (scripts/models.toml); those of other models are not.
 bool is_ours(const fs::path& path) {
   return fs::absolute(path).lexically_normal().generic_string().find("/build/data/") != std::string::npos;
 }

@@ -1,8 +1,8 @@
 """Allocations that fail: one line, or the whole result; no temporary and no wrong file.
 usage: [ALLOCATIONS=N] test_command_memory.py PROGRAM
 
-Of the allocations of each command some six fail in turn, or ALLOCATIONS of them ("all": each), and a third as many with all
-that follow them. One thread works. Exports and pages are not among the commands: a .glb export was seen to crash in the
+Some six allocations of each command fail in turn, or ALLOCATIONS of them ("all": each), and a third as many with all that
+follow them. One thread works. Exports and pages are not among the commands: a .glb export was seen to crash in the
 JSON library, and the others fail, too."""
 
 import collections

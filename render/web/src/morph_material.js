@@ -60,7 +60,7 @@ export function placeMaps(shader, surface) {
 }
 
 const wraps = {repeat: THREE.RepeatWrapping, clamp: THREE.ClampToEdgeWrapping, mirror: THREE.MirroredRepeatWrapping};
-// Of a texture, for the names that image() of glb.js gives.
+// The properties of a texture, under the names that image() of glb.js gives them.
 export const wrapping = ([u, v]) => ({wrapS: wraps[u], wrapT: wraps[v]});
 
 // Parameters of three's standard material for a surface (surface.js). A material without one is drawn from both sides.
