@@ -261,7 +261,7 @@ TEST_F(SaveTiles, MorphingTilesOfManyMaterialsHaveAnAtlas) {
   RawMesh raw = surface();
   const PixelImage grey{{16, 16}, 1, std::vector<std::uint8_t>(256, 200)};
   raw.textures = {{.name = "grey", .media_type = "image/png", .bytes = encode_image(grey, "image/png")}};
-  raw.materials.resize(6);
+  raw.materials.assign(6, Material{});
   for (std::size_t m = 0; m < 6; ++m) {
     raw.materials[m].texture = 0;
     raw.materials[m].base_colour = {0.1f * static_cast<float>(m), 1, 1, 1};
