@@ -1,4 +1,4 @@
-// Output files and folders that are either complete or absent.
+// Output files that are either complete or absent.
 //
 // The bytes go to a temporary name beside the target, which commit() renames over it; if writing ends earlier (an
 // exception, a full disk), the temporary is removed and the target is left as it was. This guards against a failing
@@ -11,6 +11,8 @@
 #include <memory>
 #include <span>
 #include <string>
+
+#include "core/files/temporaries.h"
 
 namespace lodestone {
 
@@ -47,60 +49,15 @@ class AtomicFile {
  private:
   void write_through(std::uint64_t offset, std::span<const std::byte> bytes);
   [[noreturn]] void fail(const std::string& what) const;  // from errno
-  void discard() noexcept;
-  [[nodiscard]] bool rename_temporary();
-  void enter_list();
-  void leave_list();
-  friend void remove_temporaries() noexcept;
 
-  static AtomicFile* first_;
-  AtomicFile *previous_ = nullptr, *next_ = nullptr;  // in the list of files that have a temporary
-
-  std::filesystem::path target_;     // as given, for messages
-  std::filesystem::path final_;      // with symbolic links resolved
-  std::filesystem::path temporary_;  // empty when the target is written to directly
+  std::filesystem::path target_;  // as given, for messages
+  std::filesystem::path final_;   // with symbolic links resolved
+  Temporary temporary_;           // none when the target is written to directly
   int descriptor_ = -1;
   bool seekable_ = true;
   std::uint64_t position_ = 0;
   std::size_t buffered_ = 0;
   std::unique_ptr<std::byte[]> buffer_;
-};
-
-// Removes the temporaries of all AtomicFiles in progress, for the handler of a signal that ends the process: safe to
-// call there on any thread, while others create, finish or abandon files. The process has to end after it: signals are
-// blocked on this thread, and every other thread stops when it next creates, finishes or abandons a file.
-void remove_temporaries() noexcept;
-
-// Removes the temporaries of this target that killed processes have left. The caller knows that no other machine writes
-// it.
-void remove_orphans(const std::filesystem::path& target);
-
-// An output folder. Files are written into path(), a temporary folder, which commit() renames to the target; if writing
-// ends earlier, the temporary is removed. A target that exists has to be an empty folder: then the temporary is created
-// inside it, and commit() moves its entries up, so that a mount point, a link or the working folder may be the target.
-//
-// Throws FileError naming the target when it cannot be created, is not a folder or is not empty. A process that is
-// killed leaves the temporary: commands that write folders end on a flag (Ctrl-C), not in a signal handler.
-class AtomicFolder {
- public:
-  explicit AtomicFolder(const std::filesystem::path& target);
-  ~AtomicFolder();
-  AtomicFolder(const AtomicFolder&) = delete;
-  AtomicFolder& operator=(const AtomicFolder&) = delete;
-
-  [[nodiscard]] const std::filesystem::path& path() const { return temporary_; }
-  // Creates a folder below path().
-  void add_folder(const std::string& name);
-  // Makes everything appear under the target. Called at most once, with no writes after it.
-  void commit();
-
- private:
-  void move_entries_up();
-  [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
-
-  std::string name_;  // as given, for messages
-  std::filesystem::path target_, temporary_;
-  bool exists_ = false;
 };
 
 }  // namespace lodestone

@@ -74,6 +74,7 @@ bool is_stream(const std::string& path) {
 
 void check_output(const FileArgument& output) {
   if (is_stream(output.path)) return;
+  remove_orphans(output.path);
   AtomicFile probe(output.path);  // never committed: the temporary goes, and a file of that name is kept
   if (!output.extension.empty() && fs::path(output.path).extension() != output.extension)
     throw UsageError(describe(output.path, "", output.option + " must name a " + output.extension + " file"));

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/files/atomic_folder.h"
 #include "core/formats/mesh_file.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "experiments/command_line/exit_status.h"

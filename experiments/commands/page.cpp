@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/atomic_folder.h"
 #include "core/progressive/progressive_file.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/progress.h"

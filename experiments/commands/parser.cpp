@@ -15,7 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
-#include "core/files/atomic_file.h"
+#include "core/files/temporaries.h"
 #include "experiments/command_line/exit_status.h"
 #include "experiments/command_line/sizes.h"
 #include "experiments/command_line/version.h"

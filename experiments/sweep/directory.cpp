@@ -53,7 +53,7 @@ SweepPlan prepare_directory(const SweepFile& file, const InputConfig& config) {
   write_copies(file.files, config.directory);
   const std::string text = plan.json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   const fs::path target = config.directory / "sweep.json";
-  if (read_text(target) != text) write_durably(target, text);
+  if (read_if_there(target) != text) write_durably(target, text);
   return plan;
 }
 

@@ -7,12 +7,11 @@
 
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/text_file.h"
 
 namespace lodestone {
 namespace {
@@ -73,15 +72,13 @@ void write_durably(const fs::path& target, std::string_view text) {
 }
 
 nlohmann::json read_json(const fs::path& path) {
-  nlohmann::json value = nlohmann::json::parse(read_text(path), nullptr, false);
+  nlohmann::json value = nlohmann::json::parse(read_if_there(path), nullptr, false);
   return value.is_discarded() ? nlohmann::json() : value;
 }
 
-std::string read_text(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
+std::string read_if_there(const fs::path& path) {
+  std::error_code ignored;
+  return fs::exists(path, ignored) ? read_text(path) : std::string();
 }
 
 void remove_temporaries_in(const fs::path& folder) {

@@ -17,7 +17,8 @@ void write_aside(const std::filesystem::path& target, std::string_view text);
 void write_durably(const std::filesystem::path& target, std::string_view text);
 // Null when the file is missing or is not JSON.
 [[nodiscard]] nlohmann::json read_json(const std::filesystem::path& path);
-[[nodiscard]] std::string read_text(const std::filesystem::path& path);
+// Empty when the file is missing.
+[[nodiscard]] std::string read_if_there(const std::filesystem::path& path);
 
 // Removes unfinished files that killed processes have left. The caller holds the lock of the folder.
 void remove_temporaries_in(const std::filesystem::path& folder);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "core/files/text_file.h"
 #include "experiments/sweep/directory.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/run_folder.h"

@@ -1,5 +1,6 @@
 #include "experiments/sweep/parameter_files.h"
 
+#include "core/files/text_file.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/sha256.h"
 #include "experiments/sweep/sweep_file.h"
@@ -41,7 +42,7 @@ ParameterFiles files_of(const nlohmann::json& parameters, const std::vector<Para
 
 void write_copies(const ParameterFiles& files, const fs::path& folder) {
   for (const auto& [name, file] : files)
-    if (read_text(folder / file.copy) != *file.content) write_durably(folder / file.copy, *file.content);
+    if (read_if_there(folder / file.copy) != *file.content) write_durably(folder / file.copy, *file.content);
 }
 
 nlohmann::json with_hashes(nlohmann::json parameters, const ParameterFiles& of_run) {

@@ -11,9 +11,9 @@
 
 #include "core/files/checksum.h"
 #include "core/files/input_file.h"
+#include "core/files/text_file.h"
 #include "experiments/command_line/version.h"
 #include "experiments/subjects/result_hash.h"
-#include "experiments/sweep/files.h"
 #include "experiments/sweep/sha256.h"
 
 namespace lodestone {

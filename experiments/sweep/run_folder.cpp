@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/files/text_file.h"
 
 namespace lodestone {
 namespace {
@@ -82,7 +83,7 @@ void RunFolder::describe_run(const SweepRun& run) const {
                                     {"parameters", run.parameters},
                                     {"files", files_json(run.files)}});
   const fs::path target = path_ / "parameters.json";
-  if (read_text(target) != text) write_durably(target, text);
+  if (read_if_there(target) != text) write_durably(target, text);
 }
 
 void RunFolder::tidy() const {

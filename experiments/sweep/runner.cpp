@@ -50,7 +50,7 @@ struct Spent {
 
 // The last line that the child has written, where it may have said why it ended.
 std::string last_words(const std::filesystem::path& log) {
-  std::string text = read_text(log);
+  std::string text = read_if_there(log);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   text.erase(0, text.find_last_of('\n') + 1);
   return text.starts_with("---") ? "" : text;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "core/files/text_file.h"
 #include "experiments/sweep/files.h"
 
 namespace lodestone {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/files/atomic_file.h"
+#include "core/files/atomic_folder.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/hierarchy/tiles/tileset_tree.h"
 #include "parallel/scheduler/scheduler.h"

@@ -7,7 +7,7 @@
 
 #include "core/base/byte_size.h"
 #include "core/base/error.h"
-#include "core/files/atomic_file.h"
+#include "core/files/temporaries.h"
 #include "core/mesh/precision.h"
 #include "parallel/hierarchy/build_blocks.h"
 #include "parallel/hierarchy/level_table.h"

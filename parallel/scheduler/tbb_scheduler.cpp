@@ -9,6 +9,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <set>
 #include <utility>
 
@@ -49,13 +50,17 @@ class AllowedThreads {
     static Shared instance;
     return instance;
   }
+  // Without memory the control remains as it was: a worker more or less changes no result.
   static void renew() {
     Shared& s = shared();
     const int widest = s.wanted.empty() ? 0 : *s.wanted.rbegin();
-    std::unique_ptr<Control> next;
-    if (widest > oneapi::tbb::info::default_concurrency())
-      next = std::make_unique<Control>(Control::max_allowed_parallelism, static_cast<std::size_t>(widest));
-    s.control = std::move(next);
+    try {
+      std::unique_ptr<Control> next;
+      if (widest > oneapi::tbb::info::default_concurrency())
+        next = std::make_unique<Control>(Control::max_allowed_parallelism, static_cast<std::size_t>(widest));
+      s.control = std::move(next);
+    } catch (const std::bad_alloc&) {
+    }
   }
   std::multiset<int>::iterator mine_;
 };
@@ -107,8 +112,14 @@ class TbbScheduler final : public Scheduler {
         flow::make_edge(nodes[before], nodes[after]);
         has_predecessor[after] = 1;
       }
-      for (std::uint32_t task = 0; task < graph.task_count; ++task)
-        if (!has_predecessor[task]) nodes[task].try_put(flow::continue_msg{});
+      try {
+        for (std::uint32_t task = 0; task < graph.task_count; ++task)
+          if (!has_predecessor[task]) nodes[task].try_put(flow::continue_msg{});
+      } catch (...) {  // no memory for a task; others run, and need the nodes
+        flow_graph.cancel();
+        flow_graph.wait_for_all();
+        throw;
+      }
       flow_graph.wait_for_all();  // rethrows the first exception of a body after the running ones have ended
     });
   }

@@ -11,23 +11,33 @@ namespace {
 // Offset at which the next cell's arrays begin.
 constexpr std::uint64_t aligned(std::uint64_t bytes) { return (bytes + 15) / 16 * 16; }
 
+void end_threads(std::mutex& mutex, std::condition_variable& changed, bool& ending, std::vector<std::thread>& threads) {
+  {
+    const std::lock_guard lock(mutex);
+    ending = true;
+  }
+  changed.notify_all();
+  for (std::thread& thread : threads) thread.join();
+}
+
 }  // namespace
 
 CellStream::CellStream(const std::filesystem::path& path, CellStreamConfig config)
     : map_(std::make_shared<const MappedFile>(path)),
       reader_(map_->bytes(), map_, path.string()),
       config_(std::move(config)) {
-  for (int i = 0; i < std::max(config_.threads, 1); ++i) threads_.emplace_back([this] { work(); });
+  const auto threads = static_cast<std::size_t>(std::max(config_.threads, 1));
+  loading_.reserve(threads);  // a loading thread has nobody to tell that there is no memory
+  threads_.reserve(threads);
+  try {
+    while (threads_.size() < threads) threads_.emplace_back([this] { work(); });
+  } catch (...) {
+    end_threads(mutex_, changed_, ending_, threads_);
+    throw;
+  }
 }
 
-CellStream::~CellStream() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  changed_.notify_all();
-  for (std::thread& thread : threads_) thread.join();
-}
+CellStream::~CellStream() { end_threads(mutex_, changed_, ending_, threads_); }
 
 std::uint64_t CellStream::family_bytes(CellId parent) const {
   const FamilyCells range = family_cells(tables(), parent);
@@ -106,11 +116,12 @@ void CellStream::work() {
     }
     lock.lock();
     loading_.erase(std::find(loading_.begin(), loading_.end(), parent));
-    if (failure) {
-      failure_ = failure;
-    } else {
-      loaded_.push_back(std::move(family));
+    try {
+      if (!failure) loaded_.push_back(std::move(family));
+    } catch (...) {
+      failure = std::current_exception();
     }
+    if (failure) failure_ = failure;
     changed_.notify_all();
   }
 }

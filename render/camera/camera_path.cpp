@@ -1,7 +1,6 @@
 // Camera paths: key frames in JSON, once around the model, and a flight from far away down to its surface.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
@@ -12,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/known_names.h"
 #include "core/files/atomic_file.h"
+#include "core/files/text_file.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "render/camera/camera.h"
 
@@ -75,10 +75,8 @@ Camera camera_from(const json& key, const std::string& file, std::size_t index, 
 }
 
 json parse(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(describe(file, {}, "cannot be opened for reading"));
   try {
-    return json::parse(in);
+    return json::parse(read_text(file));
   } catch (const json::parse_error& error) {
     throw InputError(describe(file, "byte " + std::to_string(error.byte), "is not valid JSON"));
   } catch (const json::exception&) {  // e.g. a number beyond double

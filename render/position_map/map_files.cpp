@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/text_file.h"
 #include "render/position_map/read_map.h"
 
 namespace lodestone {
@@ -130,11 +130,9 @@ void write_map_set(const std::filesystem::path& folder, std::span<const Position
 
 MapSet read_map_set(const std::filesystem::path& path) {
   const std::filesystem::path file = list_path(path);
-  std::ifstream stream(file);
-  if (!stream) throw FileError(describe(file.string(), "", "cannot be opened"));
   MapSet set;
   try {
-    const json list = json::parse(stream);
+    const json list = json::parse(read_text(file));
     const Transform transform = transform_of(list);
     set.closed = list.value("closed", false), set.oriented = list.value("oriented", false);
     for (const json& entry : list.at("views")) {

@@ -6,10 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -17,6 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
+#include "core/files/text_file.h"
 #include "core/math/vec3.h"
 
 namespace lodestone {
@@ -165,13 +164,8 @@ class TomlTable {
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     throw InputError(describe(file, {}, "is a folder", "name a file (.toml)"));
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw FileError(describe(file, {}, "cannot be opened for reading"));
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in && !in.eof()) throw FileError(describe(file, {}, "cannot be read"));
   try {
-    return toml::parse(text.str(), file);
+    return toml::parse(read_text(file), file);
   } catch (const toml::parse_error& error) {
     throw InputError(describe(file, "line " + std::to_string(error.source().begin.line),
                               "is not valid TOML: " + std::string(error.description())));

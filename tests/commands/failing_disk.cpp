@@ -2,7 +2,9 @@
 // all and fail from then on, with the error of a broken medium (a full disk). DISK_READS and DISK_WRITES are numbers of
 // bytes; what is not set never fails. DISK_ENDS cuts all files short instead, as if they were shortened meanwhile, and
 // DISK_CUTS those that are mapped, to so many bytes. DISK_BREAKS gives writes, too, the error of a broken medium.
-// DISK_PIECES moves at most so many bytes at a time.
+// DISK_PIECES moves at most so many bytes at a time. DISK_TEXTS, DISK_CLOSES, DISK_RENAMES and DISK_SYNCS are numbers of
+// calls: so many reads of files in the working folder from their beginning on, closes of those that were written, renames
+// and fsyncs succeed, and none after them.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -11,6 +13,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
@@ -36,11 +39,11 @@ size_t piece_of(size_t count) {
 // True if `bytes` more may pass.
 bool passes(std::atomic<long long>& left, size_t bytes) { return (left -= static_cast<long long>(bytes)) >= 0; }
 
-// Leaves files alone that are not in the working folder: libraries, and what they map.
-void cut_short(const std::string& name, long long bytes) {
+// The open file; empty if it is not below the working folder, as libraries and what they map are not.
+std::filesystem::path file_here(int descriptor) {
   std::error_code ignored;
-  const auto file = std::filesystem::read_symlink(name, ignored);
-  if (file.parent_path() == std::filesystem::current_path(ignored)) std::filesystem::resize_file(file, bytes, ignored);
+  const auto file = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(descriptor), ignored);
+  return file.string().starts_with(std::filesystem::current_path(ignored).string() + "/") ? file : "";
 }
 
 }  // namespace
@@ -56,6 +59,15 @@ extern "C" ssize_t pread64(int descriptor, void* bytes, size_t count, off64_t of
 }
 extern "C" ssize_t pread(int descriptor, void* bytes, size_t count, off_t offset) {
   return pread64(descriptor, bytes, count, offset);
+}
+
+extern "C" ssize_t read(int descriptor, void* bytes, size_t count) {
+  static auto* const real = next<ssize_t(int, void*, size_t)>("read");
+  static std::atomic<long long> left{left_of("DISK_TEXTS")};
+  static const bool fails = std::getenv("DISK_TEXTS") != nullptr;
+  if (!fails || file_here(descriptor).empty() || passes(left, 1)) return real(descriptor, bytes, count);
+  errno = EIO;
+  return -1;
 }
 
 extern "C" ssize_t pwrite64(int descriptor, const void* bytes, size_t count, off64_t offset) {
@@ -74,6 +86,36 @@ extern "C" void* mmap(void* at, size_t bytes, int protection, int flags, int des
   static auto* const real = next<void*(void*, size_t, int, int, int, off_t)>("mmap");
   static const char* const cut = std::getenv("DISK_CUTS");
   void* const mapped = real(at, bytes, protection, flags, descriptor, offset);
-  if (cut && descriptor >= 0) cut_short("/proc/self/fd/" + std::to_string(descriptor), std::atoll(cut));
+  std::error_code ignored;
+  if (const auto file = cut && descriptor >= 0 ? file_here(descriptor) : ""; !file.empty())
+    std::filesystem::resize_file(file, std::atoll(cut), ignored);
   return mapped;
+}
+
+// The file is closed all the same, as it is where the disk is remote.
+extern "C" int close(int descriptor) {
+  static auto* const real = next<int(int)>("close");
+  static std::atomic<long long> left{left_of("DISK_CLOSES")};
+  static const bool fails = std::getenv("DISK_CLOSES") != nullptr;
+  const bool written = fails && (fcntl(descriptor, F_GETFL) & O_ACCMODE) != O_RDONLY && !file_here(descriptor).empty();
+  const int result = real(descriptor);
+  if (!written || passes(left, 1)) return result;
+  errno = EIO;
+  return -1;
+}
+
+extern "C" int rename(const char* from, const char* to) noexcept {
+  static auto* const real = next<int(const char*, const char*)>("rename");
+  static std::atomic<long long> left{left_of("DISK_RENAMES")};
+  if (passes(left, 1)) return real(from, to);
+  errno = EIO;
+  return -1;
+}
+
+extern "C" int fsync(int descriptor) {
+  static auto* const real = next<int(int)>("fsync");
+  static std::atomic<long long> left{left_of("DISK_SYNCS")};
+  if (passes(left, 1)) return real(descriptor);
+  errno = EIO;
+  return -1;
 }

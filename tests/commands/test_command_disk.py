@@ -1,9 +1,12 @@
 """Disks that fail half-way: one line that names the file, and nothing left. usage: test_command_disk.py PROGRAM"""
 
 import resource
+import shutil
 
 import command_case
 from command_case import CommandCase, hierarchy, needs_failing_disk, obj, on_disk, sphere
+from fault_case import FaultCase, commands
+from sweep_case import HEAD, SweepCase, section
 
 
 @needs_failing_disk
@@ -82,6 +85,52 @@ class FullDisk(CommandCase):
     def test_what_was_there_stays(self):
         self.write("m.lode", "mine")
         self.fails_on_disk("build", sphere(), "-o", "m.lode", names=["m.lode"], DISK_WRITES=100000)
+
+
+@needs_failing_disk
+class EndOfAFile(FaultCase):
+    """The last steps fail: a disk across a network tells of its troubles when a file is closed."""
+
+    def test_close_and_rename(self):
+        for name, arguments in commands(sphere(), hierarchy()).items():
+            if name == "verify":
+                continue
+            for fault in ("DISK_CLOSES", "DISK_RENAMES"):
+                for number in (0, 1):
+                    with self.subTest(command=name, fault=fault, after=number):
+                        if number and name not in ("tiles", "archive", "page"):
+                            continue  # of several files the first one succeeds
+                        self.refused(*arguments, "--quiet", names=["Input/output error"],
+                                     environment=on_disk(**{fault: number}))
+
+    def test_both_folders(self):
+        """Folders that are there have their entries moved up one by one."""
+        (self.folder / "tiles").mkdir()
+        for number in (40, 80, 120, 160, 10000):
+            done = command_case.call("export", hierarchy(), "--tiles", "tiles", "--quiet", cwd=self.folder,
+                                     environment=on_disk(DISK_RENAMES=number))
+            if done.returncode == 0:
+                return
+            self.assertEqual(list((self.folder / "tiles").iterdir()), [], done.stderr)
+        self.fail("never done")
+
+
+@needs_failing_disk
+class SweepsOnSuchADisk(SweepCase):
+    def test_each_step(self):
+        self.write("sweep.toml", HEAD + section("x = [1, 2], rows = 3"))
+        for fault in ("DISK_TEXTS", "DISK_CLOSES", "DISK_RENAMES", "DISK_SYNCS"):
+            for number in range(0, 14, 2):
+                with self.subTest(fault=fault, after=number):
+                    done = command_case.call("sweep", "sweep.toml", "-o", "out", "--quiet", cwd=self.folder,
+                                             environment=on_disk(**{fault: number}))
+                    self.assertIn(done.returncode, (0, command_case.NEGATIVE, command_case.INPUT, command_case.FILE))
+                    if done.returncode:
+                        self.assertRegex(done.stderr.decode(), r"\A(lodestone: [^\n]+\n)+\Z")
+                    if (self.folder / "out").exists():
+                        self.results("sweep", "sweep.toml", "-o", "out", "--resume", "--quiet")
+                        self.check_complete()
+                        shutil.rmtree(self.folder / "out")
 
 
 class LimitOfFileSizes(CommandCase):

@@ -1,7 +1,7 @@
 // Damaged files, without a browser: each gives a mesh or one line that begins with its name and speaks of no JavaScript.
 // usage: node test_damaged.mjs PROGRAM PAGE
 import {execFileSync} from 'node:child_process';
-import {existsSync, mkdtempSync, readFileSync, rmSync} from 'node:fs';
+import {existsSync, mkdtempSync, readFileSync, readdirSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import path from 'node:path';
 import {pathToFileURL} from 'node:url';
@@ -105,11 +105,46 @@ async function testTilesets(run) {
   console.log(`ok: a tileset in itself: ${line}`);
 }
 
+// The corpus of the readers in C++: each file, and some mutations of it.
+async function testCorpus() {
+  const corpus = new URL('../fuzz/corpus/', import.meta.url), counts = {};
+  const read = {
+    progressive: (bytes, name) => lineAbout(name, () => readMesh(new Uint8Array(bytes), name)),
+    gltf: (bytes, name) => lineAbout(name, () => readMesh(new Uint8Array(bytes), name)),
+    // A folder's tileset.json, 1.json and 2.json, cut at zeros.
+    tileset: (bytes) => {
+      const parts = bytes.toString().split('\0'), names = ['tileset.json', '1.json', '2.json'];
+      const load = async (url) => {
+        try {
+          return JSON.parse(parts[names.indexOf(url.split('/').pop())] ?? '{}');
+        } catch {
+          throw new Error('cannot be parsed');
+        }
+      };
+      return lineAbout('http://x/tileset.json', () => loadTileset('http://x/tileset.json', load));
+    },
+  };
+  for (const kind of Object.keys(read))
+    for (const file of readdirSync(new URL(kind, corpus))) {
+      const bytes = readFileSync(new URL(`${kind}/${file}`, corpus));
+      for (let k = 0; k <= 100; ++k) {
+        const line = await read[kind](k === 0 ? bytes : scramble(bytes), file);
+        counts[kind] ??= [0, 0];
+        ++counts[kind][line === '' ? 0 : 1];
+      }
+    }
+  for (const [kind, [taken, refused]] of Object.entries(counts)) {
+    if (refused === 0 || (kind === 'progressive' && taken === 0)) throw new Error(`corpus ${kind}: ${taken} read, ${refused} refused`);
+    console.log(`ok: corpus ${kind}: ${taken} read, ${refused} refused`);
+  }
+}
+
 let status = 0;
 try {
   const run = (...words) => execFileSync(program, [...words, '--quiet'], {cwd: folder});
   await testMeshes(run);
   await testTilesets(run);
+  await testCorpus();
 } catch (error) {
   console.error(`failed: ${error.stack ?? error}`);
   status = 1;

@@ -26,6 +26,7 @@ bool is_known_extension(std::string_view name) {
 }  // namespace
 
 GltfDocument::GltfDocument(ByteReader& input) : file_(input.name()), files_(input.folder()), bytes_(read_all(input)) {
+  size_ = bytes_.size();
   if (std::string_view(bytes_.data(), bytes_.size()).starts_with("glTF")) {
     read_binary(bytes_);
   } else {
@@ -91,18 +92,27 @@ JsonView GltfDocument::item(const char* array, const JsonView& reference) const 
   return items->at(static_cast<std::size_t>(index));
 }
 
-std::vector<char> GltfDocument::load_buffer(const JsonView& description, std::size_t index) {
+GltfDocument::Bytes GltfDocument::load_buffer(const JsonView& description, std::size_t index) {
   const std::optional<JsonView> uri = description.find("uri");
   if (!uri) {
-    if (index == 0 && !binary_.empty()) return {binary_.begin(), binary_.end()};
+    if (index == 0 && !binary_.empty())
+      return std::make_shared<const std::vector<char>>(binary_.begin(), binary_.end());
     description.fail("the buffer has neither a 'uri' nor a binary chunk", truncated);
   }
   if (is_data_uri(uri->string())) {
-    if (std::optional<std::vector<char>> bytes = decode_data_uri(uri->string())) return std::move(*bytes);
+    if (std::optional<std::vector<char>> bytes = decode_data_uri(uri->string()))
+      return std::make_shared<const std::vector<char>>(std::move(*bytes));
     uri->fail("invalid data URI", "encode the data as base64");
   }
   const std::string name = percent_decoded(uri->string());
-  if (std::optional<std::vector<char>> bytes = files_.read(name)) return std::move(*bytes);
+  if (const std::optional<std::filesystem::path> path = files_.find(name)) {
+    Bytes& known = beside_[std::filesystem::weakly_canonical(*path)];
+    if (known) return known;
+    if (std::optional<std::vector<char>> bytes = files_.read(name)) {
+      size_ += bytes->size();
+      return known = std::make_shared<const std::vector<char>>(std::move(*bytes));
+    }
+  }
   const auto [what, remedy] = files_.absence(name);
   throw FileError(describe(file_, uri->place(), "the buffer " + quote(name) + " " + what, remedy));
 }
@@ -116,7 +126,7 @@ std::span<const char> GltfDocument::buffer(const JsonView& reference) {
   if (index != 0 || binary_.empty() || description.find("uri")) {
     const auto [loaded, is_new] = buffers_.try_emplace(index);
     if (is_new) loaded->second = load_buffer(description, index);
-    bytes = loaded->second;
+    bytes = *loaded->second;
   }
   if (length > bytes.size())
     description.fail(
@@ -152,7 +162,12 @@ GltfView GltfDocument::view(const JsonView& reference) {
   const std::optional<JsonView> packed = extension(description, "EXT_meshopt_compression");
   if (!packed) return {part_of_buffer(description), static_cast<std::size_t>(description.integer_or("byteStride", 0))};
   const auto [decompressed, is_new] = decompressed_.try_emplace(static_cast<std::size_t>(reference.integer()));
-  if (is_new) decompressed->second = decompress_meshopt(*packed, part_of_buffer(*packed));
+  if (is_new) {
+    decompressed->second = decompress_meshopt(*packed, part_of_buffer(*packed));
+    decompressed_bytes_ += decompressed->second.size();
+    if (decompressed_bytes_ > (std::uint64_t{1} << 20) + meshopt_densest * size_)
+      packed->fail("the views of the file declare more than its bytes can hold", truncated);
+  }
   return {decompressed->second, static_cast<std::size_t>(packed->at("byteStride").integer())};
 }
 

@@ -41,11 +41,15 @@ class GltfDocument {
   // Throws InputError when the buffer is missing or the view reaches beyond it.
   [[nodiscard]] GltfView view(const JsonView& reference);
 
+  // Bytes of the file and of the files that its buffers are in, as far as these have been used.
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+
  private:
   void read_binary(std::span<const char> bytes);
   void check_asset() const;
   [[nodiscard]] std::span<const char> buffer(const JsonView& reference);
-  [[nodiscard]] std::vector<char> load_buffer(const JsonView& description, std::size_t index);
+  using Bytes = std::shared_ptr<const std::vector<char>>;
+  [[nodiscard]] Bytes load_buffer(const JsonView& description, std::size_t index);
   [[nodiscard]] std::span<const char> part_of_buffer(const JsonView& range);
 
   std::string file_;
@@ -53,7 +57,11 @@ class GltfDocument {
   std::vector<char> bytes_;       // of a binary file
   std::span<const char> binary_;  // its second chunk
   nlohmann::json json_;
-  std::map<std::size_t, std::vector<char>> buffers_, decompressed_;  // by index of buffer, of view
+  std::uint64_t size_ = 0;
+  std::map<std::size_t, Bytes> buffers_;                   // by index
+  std::map<std::filesystem::path, Bytes> beside_;          // files, which several buffers may name
+  std::map<std::size_t, std::vector<char>> decompressed_;  // by index of view
+  std::uint64_t decompressed_bytes_ = 0;
 };
 
 // A member of the extensions of an object.

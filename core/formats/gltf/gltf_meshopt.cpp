@@ -13,9 +13,6 @@
 namespace lodestone {
 namespace {
 
-// The codec of vertices stores 16 equal bytes in 2 bits; that of triangles at least a byte for three indices.
-constexpr std::uint64_t densest = 64;
-
 // Checks what the decoders assume.
 void check_layout(const JsonView& extension, const std::string& mode, std::uint64_t count, std::uint64_t stride) {
   if (mode == "ATTRIBUTES") {
@@ -51,7 +48,7 @@ std::vector<char> decompress_meshopt(const JsonView& extension, std::span<const 
   const std::uint64_t count = extension.at("count").integer(), stride = extension.at("byteStride").integer();
   const std::string mode = extension.at("mode").string();
   check_layout(extension, mode, count, stride);
-  if (count * stride > densest * packed.size() + 4096 || count > (std::uint64_t{1} << 40))
+  if (count * stride > meshopt_densest * packed.size() + 4096 || count > (std::uint64_t{1} << 40))
     extension.fail("declares " + std::to_string(count) + " elements, more than " + std::to_string(packed.size()) +
                        " bytes can hold",
                    damaged_file);

@@ -2,12 +2,17 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "core/files/json_view.h"
 
 namespace lodestone {
+
+// Most bytes that one compressed byte can hold: the codec of vertices stores 16 equal bytes in 2 bits; that of triangles
+// takes at least a byte for three indices.
+inline constexpr std::uint64_t meshopt_densest = 64;
 
 // The elements of a buffer view, decoded by meshoptimizer and unfiltered; `extension` describes them (mode, count,
 // stride, filter), `packed` has their bytes. Throws InputError naming the place if they contradict the extension or

@@ -20,6 +20,10 @@
 namespace lodestone {
 namespace {
 
+// Vertices and triangles that a file shows at most, also where nodes and instances repeat a few bytes without end: these,
+// and so many for each byte of the file and its buffers, which suffices for 5,000 copies of most meshes.
+constexpr std::uint64_t shown_always = 1 << 20, shown_per_byte = 256;
+
 // A primitive and the source of its attributes: accessors, or a Draco mesh.
 class Primitive {
  public:
@@ -188,12 +192,27 @@ class GltfReader {
     }
     deformed_ += deformed;
     const std::vector<Affine3d> instances = instances_of(document_, node);
+    for (const Part& part : parts)
+      count_shown(node, (std::max<std::size_t>(instances.size(), 1) - 1) * size_of(part.mesh));
     for (Part& part : parts)
       for (std::size_t k = 0; k < instances.size(); ++k) {
         RawMesh copy = k + 1 < instances.size() ? part.mesh : std::move(part.mesh);
         transform_mesh(copy, at.map * instances[k]);
         append_mesh(mesh_, std::move(copy), document_.file());
       }
+  }
+
+  static std::uint64_t size_of(const RawMesh& mesh) { return mesh.positions.size() + mesh.triangles.size(); }
+
+  void count_shown(const JsonView& place, std::uint64_t elements) {
+    shown_ += elements;
+    const std::uint64_t most = shown_always + shown_per_byte * document_.size();
+    if (shown_ <= most) return;
+    throw ResourceError(describe(document_.file(), place.place(),
+                                 "the meshes that are shown up to here have " + std::to_string(shown_) +
+                                     " vertices and triangles, of at most " + std::to_string(most) +
+                                     " for a file of this size",
+                                 "write repeated meshes as one mesh, or split the file"));
   }
 
   void read_primitive(const JsonView& json, std::vector<Part>& parts) {
@@ -208,6 +227,7 @@ class GltfReader {
     auto part = std::find_if(parts.begin(), parts.end(), shares);
     if (part == parts.end()) {
       RawMesh vertices = read_vertices(primitive, material);
+      count_shown(json, vertices.positions.size());
       part = parts.insert(part, Part{std::move(primitive), material, std::move(vertices)});
       add_triangles(*part, part->primitive, material);
     } else {
@@ -236,6 +256,7 @@ class GltfReader {
   void add_triangles(Part& part, const Primitive& primitive, const GltfMaterial& material) {
     RawMesh& mesh = part.mesh;
     const std::vector<Triangle> triangles = primitive.triangles(mesh.positions.size());
+    count_shown(primitive.json(), triangles.size());
     for (const Triangle& t : triangles)
       for (const std::uint32_t id : t.v)
         if (id >= mesh.positions.size())
@@ -273,6 +294,7 @@ class GltfReader {
   GltfMaterials materials_;
   std::set<std::string> redrawn_;  // primitives whose triangles misplaced maps have
   std::uint64_t left_out_ = 0, deformed_ = 0;
+  std::uint64_t shown_ = 0;  // vertices and triangles
 };
 
 }  // namespace

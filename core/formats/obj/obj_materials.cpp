@@ -135,6 +135,7 @@ std::vector<MtlMaterial> read_mtl(ByteReader& input) {
 void ObjMaterials::add_libraries(const std::string& names, const std::string& place) {
   if (files_.find(names)) return add_library(names, place);
   std::istringstream words(names);
+  words.exceptions(std::ios::badbit);  // no memory
   for (std::string name; words >> name;) add_library(name, place);
 }
 
@@ -146,6 +147,7 @@ void ObjMaterials::add_library(const std::string& name, const std::string& place
         file_, place, "material library " + quote(name) + " " + what + ", and its materials are white", remedy));
     return;
   }
+  if (!libraries_.insert(std::filesystem::weakly_canonical(*path)).second) return;
   try {
     ByteReader input(*path);
     for (MtlMaterial& material : read_mtl(input)) {

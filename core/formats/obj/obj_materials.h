@@ -65,6 +65,7 @@ class ObjMaterials {
   CompanionFiles files_;
   std::string file_;
   TextureSet textures_;
+  std::set<std::filesystem::path> libraries_;    // that have been read
   std::map<std::string, Entry> known_;           // by name; the first definition counts
   std::map<std::string, std::uint32_t> used_;    // index by name
   std::map<std::string, std::size_t> left_out_;  // number of materials

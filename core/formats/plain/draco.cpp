@@ -1,10 +1,13 @@
 // The only file that names libdraco.
 #include "core/formats/plain/draco.h"
 
-#include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
+#include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
 
 #include <array>
+#include <type_traits>
 #include <utility>
 
 #include "core/base/error.h"
@@ -34,13 +37,90 @@ struct DracoMesh::Decoded {
   }
 };
 
+namespace {
+
+// The library allocates for as many faces, points and values as a file declares. A million triangles of a plane take 40
+// for a byte; curved surfaces four or fewer.
+constexpr std::uint64_t counted_always = 1 << 16, counted_per_byte = 64;
+constexpr std::uint64_t bytes_of_values = 64;  // for each point that may be: positions, normals, colours and the like
+
+struct Bound {
+  std::uint64_t elements = 0;
+  const std::string &name, &place;
+
+  void check(std::uint64_t declared, std::uint64_t most, const char* what) const {
+    if (declared <= most) return;
+    throw InputError(describe(name, place,
+                              "declares " + std::to_string(declared) + what + ", of at most " + std::to_string(most) +
+                                  " for data of this size",
+                              "the file is damaged, or split the mesh"));
+  }
+};
+
+// The number that follows, of a version with numbers of four bytes or with numbers of as many bytes as they need. 0 where
+// the data ends, which the library finds, too.
+std::uint64_t number_from(draco::DecoderBuffer& buffer, bool short_form) {
+  std::uint32_t number = 0;
+  const bool there = short_form ? draco::DecodeVarint(&number, &buffer) : buffer.Decode(&number);
+  return there ? number : 0;
+}
+
+template <class Decoder>
+class BoundedDecoder : public Decoder {
+ public:
+  explicit BoundedDecoder(const Bound& bound) : bound_(bound) {}
+
+ protected:
+  bool DecodeConnectivity() override {
+    draco::DecoderBuffer ahead = *this->buffer();
+    const int version = this->bitstream_version();
+    constexpr bool edges = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;
+    const bool short_form = version >= (edges ? DRACO_BITSTREAM_VERSION(2, 0) : DRACO_BITSTREAM_VERSION(2, 2));
+    if (edges && version < DRACO_BITSTREAM_VERSION(2, 2)) (void)number_from(ahead, short_form);  // new vertices
+    for (int k = 0; k < 2; ++k)  // faces and points; vertices and faces
+      bound_.check(number_from(ahead, short_form), bound_.elements, " faces or vertices");
+    return Decoder::DecodeConnectivity();
+  }
+
+  bool DecodeAllAttributes() override {
+    const draco::PointCloud& points = *this->point_cloud();
+    std::uint64_t bytes = 0;
+    for (int k = 0; k < points.num_attributes(); ++k)
+      bytes += static_cast<std::uint64_t>(points.attribute(k)->num_components()) *
+               static_cast<std::uint64_t>(draco::DataTypeLength(points.attribute(k)->data_type()));
+    bound_.check(bytes * points.num_points(), bytes_of_values * bound_.elements, " bytes of values");
+    return Decoder::DecodeAllAttributes();
+  }
+
+ private:
+  Bound bound_;
+};
+
+std::unique_ptr<draco::MeshDecoder> make_decoder(const draco::DracoHeader& header, const Bound& bound) {
+  if (header.encoder_type != draco::TRIANGULAR_MESH) return nullptr;
+  if (header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING)
+    return std::make_unique<BoundedDecoder<draco::MeshSequentialDecoder>>(bound);
+  if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
+    return std::make_unique<BoundedDecoder<draco::MeshEdgebreakerDecoder>>(bound);
+  return nullptr;
+}
+
+}  // namespace
+
 DracoMesh::DracoMesh(std::span<const char> bytes, const std::string& name, const std::string& place)
     : decoded_(new Decoded{nullptr, name, place}) {
   draco::DecoderBuffer buffer;
   buffer.Init(bytes.data(), bytes.size());
-  auto result = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-  if (!result.ok()) decoded_->fail(std::string("cannot decode: ") + result.status().error_msg());
-  decoded_->mesh = std::move(result).value();
+  const auto require = [&](const draco::Status& status) {
+    if (!status.ok()) decoded_->fail(std::string("cannot decode: ") + status.error_msg());
+  };
+  draco::DracoHeader header;
+  draco::DecoderBuffer ahead = buffer;
+  require(draco::PointCloudDecoder::DecodeHeader(&ahead, &header));
+  const auto decoder = make_decoder(header, {counted_always + counted_per_byte * bytes.size(), name, place});
+  if (!decoder) decoded_->fail("cannot decode: not a mesh");
+  decoded_->mesh = std::make_unique<draco::Mesh>();
+  require(decoder->Decode({}, &buffer, decoded_->mesh.get()));
 }
 
 DracoMesh::~DracoMesh() = default;

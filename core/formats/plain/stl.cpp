@@ -71,6 +71,7 @@ std::string rounding_note(const MeshView& mesh, const std::string& name) {
   const FloatRounding rounding = float_rounding(box_of(mesh));
   if (!(rounding.moved > kept * rounding.extent)) return {};
   std::ostringstream text;
+  text.exceptions(std::ios::badbit);  // no memory
   text.precision(2);
   text << "the model is " << rounding.so() << " that STL, which has float32 alone, ";
   if (rounding.moved < rounding.largest) {

@@ -17,6 +17,7 @@ namespace {
 // Six digits, however small the number.
 std::string in_digits(double number) {
   std::ostringstream text;
+  text.exceptions(std::ios::badbit);  // no memory
   text << number;
   return text.str();
 }

@@ -15,6 +15,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/atomic_folder.h"
 #include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
@@ -197,17 +198,85 @@ TEST_F(AtomicFileTest, SignalsAtAnyMomentLeaveNoTemporary) {
   }
 }
 
-TEST_F(AtomicFileTest, OrphansAreThoseOfDeadProcesses) {
+// ---- what killed processes leave ----
+
+// In a process that is killed while it writes a file and a folder.
+void leave_orphans(const fs::path& folder) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
-  if (child == 0) _exit(0);
+  if (child == 0) {
+    AtomicFile file(folder / "a");
+    file.write(bytes("half of it"));
+    AtomicFolder tiles(folder / "tiles"), inside(folder / "there");
+    for (const AtomicFolder* one : {&tiles, &inside}) {
+      fs::create_directories(one->path() / "0" / "1");
+      std::ofstream(one->path() / "0" / "1" / "b") << "half of it";
+    }
+    kill(getpid(), SIGKILL);
+  }
   ASSERT_EQ(waitpid(child, nullptr, 0), child);
-  const std::string dead = ".tmp." + std::to_string(child) + ".0", alive = ".tmp." + std::to_string(getpid()) + ".0";
-  for (const std::string& name : {"a" + dead, "a" + alive, "b" + dead, std::string("a.tmp.notes")})
-    std::ofstream(folder_ / name) << name;
-  remove_orphans(folder_ / "a");
-  EXPECT_FALSE(fs::exists(folder_ / ("a" + dead)));
+}
+
+TEST_F(AtomicFileTest, OrphansAreThoseOfKilledProcesses) {
+  fs::create_directory(folder_ / "there");
+  leave_orphans(folder_);
   EXPECT_EQ(files(), 3u);
+  EXPECT_FALSE(fs::is_empty(folder_ / "there"));
+  std::ofstream(folder_ / "a.tmp.notes") << "mine";
+  AtomicFile alive(folder_ / "a");
+  remove_orphans(folder_ / "a");
+  EXPECT_EQ(files(), 4u) << "there, tiles, notes and the one that is being written";
+  alive.commit();
+  EXPECT_TRUE(fs::exists(folder_ / "a.tmp.notes"));
+  for (const char* name : {"tiles", "there"}) {
+    AtomicFolder folder(folder_ / name);
+    std::ofstream(folder.path() / "b") << "whole";
+    folder.commit();
+    EXPECT_EQ(content(folder_ / name / "b"), "whole");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / name), fs::directory_iterator()), 1);
+  }
+  EXPECT_EQ(files(), 4u) << "a, notes, there, tiles";
+}
+
+// In a container a process may have the number of one that was killed.
+TEST_F(AtomicFileTest, NamesThatOrphansHaveAreNotTaken) {
+  std::string taken;
+  {
+    AtomicFile probe(folder_ / "a");
+    taken = fs::directory_iterator(folder_)->path().filename().string();
+  }
+  const std::size_t dot = taken.rfind('.');
+  for (int k = 1; k < 4; ++k)
+    std::ofstream(folder_ / (taken.substr(0, dot + 1) + std::to_string(std::stoi(taken.substr(dot + 1)) + k))) << "old";
+  AtomicFile file(folder_ / "a");
+  file.write(bytes("new"));
+  file.commit();
+  EXPECT_EQ(content(folder_ / "a"), "new");
+  EXPECT_EQ(files(), 4u);
+}
+
+TEST_F(AtomicFileTest, FoldersGoWithAllThatTheyHold) {
+  {
+    AtomicFolder folder(folder_ / "tiles");
+    for (int k = 0; k < 300; ++k) {  // more than a system call lists
+      fs::create_directories(folder.path() / std::to_string(k) / "inner");
+      std::ofstream(folder.path() / std::to_string(k) / "inner" / "file") << k;
+    }
+    fs::create_symlink(folder_, folder.path() / "link");
+    std::ofstream(folder_ / "kept") << "by whom the link leads to";
+  }
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(AtomicFileTest, FoldersGoWhenTheProcessIsAboutToEnd) {
+  EXPECT_EXIT(
+      {
+        AtomicFolder folder(folder_ / "tiles");
+        std::ofstream(folder.path() / "a") << "half of it";
+        end_process(3);
+      },
+      testing::ExitedWithCode(3), "");
+  EXPECT_EQ(files(), 0u);
 }
 
 }  // namespace

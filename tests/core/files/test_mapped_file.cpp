@@ -1,10 +1,13 @@
-// The names of mapped files by address, for the handler of SIGBUS (experiments/commands/command.cpp).
+// The names of mapped files by address, for the handler of SIGBUS (experiments/commands/command.cpp); texts as wholes.
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <optional>
 
+#include "core/base/error.h"
 #include "core/files/input_file.h"
+#include "core/files/text_file.h"
+#include "tests/expect_error.h"
 #include "tests/test_folder.h"
 
 namespace lodestone {
@@ -23,6 +26,16 @@ TEST(MappedFile, IsFoundByItsAddresses) {
   EXPECT_EQ(mapped_file_at(&folder), nullptr);
   a.reset();
   EXPECT_EQ(mapped_file_at(first), nullptr);
+}
+
+TEST(ReadText, IsAllOrAnError) {
+  const TestFolder folder;
+  for (const std::size_t size : {0u, 1u, 4095u, 4096u, 4097u, 1'000'000u}) {
+    const std::string text(size, 'x');
+    EXPECT_EQ(read_text(folder.write("a", text)), text);
+  }
+  expect_error_of<FileError>([&] { (void)read_text(folder / "none"); }, {"none", "cannot be opened for reading"});
+  expect_error_of<FileError>([&] { (void)read_text(folder.path()); }, {folder.path().string(), "cannot be read"});
 }
 
 }  // namespace

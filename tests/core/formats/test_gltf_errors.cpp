@@ -37,6 +37,27 @@ TEST(GltfErrors, ChunksAndHeader) {
   expect_error<InputError>(changed(16, 0x004E4942), gltf, {"byte 16", "not JSON"});
 }
 
+// A few bytes show what would fill any memory: nodes and instances of a mesh.
+TEST(GltfErrors, MeshesThatAreShownWithoutEnd) {
+  GltfFile file;
+  const std::size_t positions = file.floats(std::vector<float>(3 * 3000, 0.5f), "VEC3");
+  const std::size_t indices = file.indices(std::vector<std::uint16_t>(9000, 1));
+  const nlohmann::json primitive{{"attributes", {{"POSITION", positions}}}, {"indices", indices}};
+  const std::size_t mesh = file.mesh(nlohmann::json::array({primitive}));
+  const auto words = {std::string_view("vertices and triangles, of at most"), std::string_view("split the file")};
+  GltfFile nodes = file;
+  nlohmann::json all;
+  for (int k = 0; k < 10'000; ++k) all.push_back(nodes.node({{"mesh", mesh}}));
+  nodes.scene(all);
+  expect_error<ResourceError>(nodes.glb(), gltf, words);
+  GltfFile instances = file;
+  const nlohmann::json many{{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", positions}}}}}};
+  all = nlohmann::json::array();
+  for (int k = 0; k < 4; ++k) all.push_back(instances.node({{"mesh", mesh}, {"extensions", many}}));
+  instances.scene(all);
+  expect_error<ResourceError>(instances.glb(), gltf, words);
+}
+
 TEST(GltfErrors, MalformedJson) {
   expect_error<InputError>("{\"asset\": ", gltf, {"file: byte 11", "invalid JSON"});
   expect_error<InputError>("{\"asset\": 1e999}", gltf, {"invalid JSON"});

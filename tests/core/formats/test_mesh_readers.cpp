@@ -235,6 +235,16 @@ TEST(Draco, DamagedFilesAreErrors) {
   expect_error<InputError>("", MeshFormat::draco, {"empty"});
   expect_error<InputError>("DRACO", MeshFormat::draco, {"file: cannot decode"});
   expect_error<InputError>("DRACO\x02\x02\x01\x01 nonsense", MeshFormat::draco, {"file"});
+  // Counts that the bytes cannot hold: one face and 2^28 points; 2^28 vertices; 8 vertices and 2^28 faces.
+  const auto bytes = [](int method, std::string_view counts) {
+    const std::string head{"DRACO\x02\x02\x01", 8};
+    return head + static_cast<char>(method) + std::string(2, '\0') + std::string(counts) + std::string(40, '\0');
+  };
+  using namespace std::string_view_literals;
+  for (const std::string& crafted :
+       {bytes(0, "\x01\x80\x80\x80\x80\x01"sv), bytes(1, "\0\x80\x80\x80\x80\x01\x01"sv),
+        bytes(1, "\0\x08\x80\x80\x80\x80\x01"sv)})
+    expect_error<InputError>(crafted, MeshFormat::draco, {"declares 268435456", "split the mesh"});
 }
 
 TEST(Draco, ReadsTheVerticesOfTheEncoder) {

@@ -186,6 +186,8 @@ TEST_F(ObjMaterialsTest, WhatIsMissingIsAWarningAndTheSurfaceStays) {
   folder_.write("bad.mtl", "newmtl m\nKd red\n");
   expect_warning(read("mtllib bad.mtl\nusemtl m\nf 1 2 3\n"), {"bad.mtl: line 2", "red component", "white"});
   folder_.write("empty.mtl", "newmtl m\nmap_Kd -clamp on\n");
+  const RawMesh twice = read("mtllib bad.mtl\nmtllib ./bad.mtl\nusemtl m\nf 1 2 3\n");
+  EXPECT_EQ(std::ranges::count_if(twice.warnings, [](const std::string& w) { return w.find("red component") != std::string::npos; }), 1);
   expect_warning(read("mtllib empty.mtl\nusemtl m\nf 1 2 3\n"), {"empty.mtl: line 2", "without a file name"});
 }
 

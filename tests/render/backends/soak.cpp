@@ -1,0 +1,327 @@
+// Long use of one process: views under a random camera with streaming and changing parameters, and builds one after the
+// other. usage: soak soft|gl SECONDS | soak builds NUMBER
+//
+// Memory must not grow once all has been seen; a view that is visited again must have the picture that it had; OpenGL
+// must report no error. Prints a line now and then, and the resident set at the beginning, in the middle and at the end.
+// Status: 0, 1 for what went wrong, 77 where OpenGL cannot be had.
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/files/checksum.h"
+#include "core/mesh/generate.h"
+#include "parallel/clean/prepare.h"
+#include "parallel/hierarchy/build.h"
+#include "parallel/hierarchy/save.h"
+#include "parallel/scheduler/clock.h"
+#include "parallel/streaming/cell_stream.h"
+#include "render/backends/gl/gl_renderer.h"
+#include "render/backends/make_renderer.h"
+#include "render/lod/resident_cells.h"
+#include "render/scene/scene_view.h"
+#include "tests/render/backends/test_gl_messages.h"
+#include "tests/render/textured_models.h"
+
+namespace {
+
+using namespace lodestone;
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& what) {
+  std::fprintf(stderr, "soak: %s\n", what.c_str());
+  std::exit(1);
+}
+
+// Bytes.
+struct Memory {
+  std::uint64_t resident = 0, allocated = 0;
+  static Memory now() {
+    std::ifstream statm("/proc/self/statm");
+    std::uint64_t pages = 0, resident = 0;
+    statm >> pages >> resident;
+    const auto heap = mallinfo2();
+    return {resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE)), heap.uordblks + heap.hblkhd};
+  }
+};
+
+double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+// Memory at the beginning, once everything has been used, and from then on.
+class Growth {
+ public:
+  Growth(std::uint64_t allocated_limit, std::uint64_t resident_limit)
+      : allocated_limit_(allocated_limit), resident_limit_(resident_limit) {}
+
+  void begin() { first_ = Memory::now(); }
+  void middle() { middle_ = Memory::now(); }
+  void end() const {
+    const Memory last = Memory::now();
+    std::printf("resident: %.1f, %.1f, %.1f MiB; allocated: %.3f, %.3f, %.3f MiB (beginning, middle, end)\n",
+                mib(first_.resident), mib(middle_.resident), mib(last.resident), mib(first_.allocated),
+                mib(middle_.allocated), mib(last.allocated));
+    if (last.allocated > first_.allocated + allocated_limit_) fail("allocated memory has grown");
+    if (last.resident > first_.resident + resident_limit_) fail("the resident set has grown");
+  }
+
+ private:
+  std::uint64_t allocated_limit_, resident_limit_;
+  Memory first_, middle_;
+};
+
+class Folder {
+ public:
+  Folder() { fs::create_directories(path); }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  const fs::path path = fs::temp_directory_path() / ("lodestone-soak." + std::to_string(getpid()));
+};
+
+// ---- views ----
+
+// A renderer, and the context that it draws in, current as long as this lives.
+struct Backend {
+  std::unique_ptr<Renderer> renderer;
+  std::optional<CurrentContext> current;
+  std::optional<test::GlMessages> messages;
+
+  Backend(const std::string& name, Scheduler& scheduler) {
+    if (name != "gl") {
+      renderer = make_renderer(name, scheduler);
+      return;
+    }
+    auto context = make_headless_context();
+    GlContext& made = *context;
+    renderer = make_gl_renderer(std::move(context), {.scheduler = &scheduler});
+    current.emplace(made);
+    messages.emplace();
+  }
+  [[nodiscard]] int errors() const { return messages ? messages->errors() : 0; }
+};
+
+struct Streamed {
+  CellStream stream;
+  ResidentCells resident;
+  Streamed(const fs::path& file, std::uint64_t budget) : stream(file), resident(stream, {.budget_bytes = budget}) {}
+};
+
+std::uint64_t all_bytes(const fs::path& file) {
+  const CellStream stream(file);
+  std::uint64_t bytes = stream.family_bytes(no_cell);
+  for (CellId c{0}; c < stream.tables().cells.size(); ++c) bytes += stream.family_bytes(c);
+  return bytes;
+}
+
+// A terrain and a torus with textures above it.
+Scene make_scene(const fs::path& folder, Scheduler& scheduler) {
+  BuildConfig config;
+  config.finest_level = 4;
+  Repairs repairs;
+  IndexedMesh terrain = prepare_mesh(generate_mesh({Shape::terrain, 60'000, 7}), repairs, scheduler);
+  (void)save_lode(build_hierarchy(std::move(terrain), config, scheduler), folder / "terrain.lode", scheduler);
+  (void)save_lode(*test::textured_torus(true), folder / "torus.lode", scheduler, LodeForm::compressed);
+  Scene scene;
+  scene.models.resize(2);
+  scene.models[0].name = "terrain", scene.models[0].file = (folder / "terrain.lode").string();
+  scene.models[0].extent = 4, scene.models[0].anchor = Anchor::base;
+  scene.models[1].name = "torus", scene.models[1].file = (folder / "torus.lode").string();
+  scene.models[1].extent = 1.5, scene.models[1].position = {0, 0, 1.5}, scene.models[1].anchor = Anchor::centre;
+  return scene;
+}
+
+// A place to come back to.
+struct Station {
+  Camera camera;
+  ViewConfig config;
+  std::optional<std::uint64_t> picture;
+};
+
+class Soak {
+ public:
+  Soak(const Scene& scene, const std::string& backend, Scheduler& scheduler) : backend_(backend, scheduler) {
+    std::vector<OpenModel> models;
+    for (const SceneModel& model : scene.models) {
+      streamed_.push_back(std::make_unique<Streamed>(model.file, all_bytes(model.file) * 2 / 3));
+      models.push_back({&streamed_.back()->resident.hierarchy(), &streamed_.back()->resident, nullptr});
+    }
+    view_.emplace(scene, models);
+    view_->upload(*backend_.renderer);
+    for (int i = 0; i < 24; ++i) stations_.push_back({random_camera(), random_config(), {}});
+  }
+
+  void run(double seconds) {
+    const Stopwatch clock;
+    for (int warm = 0; warm < 2; ++warm)
+      for (Station& station : stations_) visit(station);
+    Growth growth(std::uint64_t{2} << 20, std::uint64_t{64} << 20);
+    growth.begin();
+    double told = 0;
+    bool half = false;
+    do {
+      for (int i = 0; i < 20; ++i) visit(stations_[random_() % stations_.size()]);
+      view_->upload(*backend_.renderer);
+      if (!half && clock.seconds() > seconds / 2) growth.middle(), half = true;
+      if (clock.seconds() > told + seconds / 20 + 1) told = tell(clock.seconds());
+    } while (clock.seconds() < seconds || !half);
+    for (Station& station : stations_) visit(station);
+    growth.end();
+    tell(clock.seconds());
+    if (backend_.errors() > 0) fail("OpenGL reported " + std::to_string(backend_.errors()) + " errors");
+  }
+
+ private:
+  double uniform(double from, double to) { return std::uniform_real_distribution<double>(from, to)(random_); }
+  bool chance(double share) { return uniform(0, 1) < share; }
+
+  Camera random_camera() {
+    const double turn = uniform(0, 2 * std::numbers::pi), distance = std::exp(uniform(-1.2, 2.2));
+    Camera camera;
+    camera.target = {uniform(-0.5, 0.5), uniform(-0.5, 0.5), uniform(0.3, 1.5)};
+    camera.position = camera.target + distance * Vec3d{std::cos(turn), std::sin(turn), uniform(0.05, 1)};
+    camera.vertical_fov = uniform(0.3, 1.5);
+    return camera;
+  }
+
+  ViewConfig random_config() {
+    constexpr ImageSize sizes[] = {{320, 240}, {257, 131}, {200, 200}};
+    const std::span<const Blend> blends = all_blends();
+    ViewConfig config;
+    config.size = sizes[random_() % std::size(sizes)];
+    config.samples = chance(0.3) ? 4 : 1;
+    config.radii.pixel_error = static_cast<float>(std::exp(uniform(-1, 3)));
+    if (chance(0.3)) config.radii.kappa0 = static_cast<float>(uniform(0.3, 6));
+    if (chance(0.3)) config.radii.metric = DistanceMetric::chebyshev;
+    config.blend = blends[random_() % blends.size()];
+    FrameSettings& s = config.settings;
+    s.lighting.ambient = static_cast<float>(uniform(0, 1));
+    if (chance(0.3)) s.lighting.directional = {1, chance(0.5), 256};
+    if (chance(0.2)) s.fog.density = static_cast<float>(uniform(0, 1));
+    if (chance(0.2)) s.ambient_occlusion = {1, 0.2f};
+    if (chance(0.2)) s.level_tint = 0.5f;
+    if (chance(0.2)) s.wireframe = 1;
+    if (chance(0.1)) s.overdraw = true;
+    if (chance(0.3)) config.effects.kind = EffectRequest::Kind::all;
+    if (chance(0.2)) config.hidden = {chance(0.5), false};
+    if (chance(0.2)) config.clip = ClipPlane{{uniform(-1, 1), uniform(-1, 1), 1}, uniform(0, 0.5)};
+    config.cull_occluded = chance(0.4), config.select_on_device = chance(0.3);
+    return config;
+  }
+
+  bool draw(const Camera& camera, const ViewConfig& config) {
+    const bool changed = view_->update(camera, config);
+    (void)view_->draw(*backend_.renderer);
+    ++frames_;
+    return changed;
+  }
+
+  // A flight with parameters of its own, in which cells come when they come; then rest at the station.
+  void visit(Station& station) {
+    const Camera from = random_camera();
+    const ViewConfig config = random_config();
+    for (int i = 0, steps = 4 + static_cast<int>(random_() % 12); i < steps; ++i) {
+      const double share = static_cast<double>(i) / steps;
+      Camera camera = station.camera;
+      camera.position = (1 - share) * from.position + share * station.camera.position;
+      if (camera.position == camera.target) continue;
+      draw(camera, config);
+    }
+    for (int rest = 0, i = 0; rest < 3; ++i) {
+      if (i > 3000) fail("a view does not come to rest");
+      rest = draw(station.camera, station.config) ? 0 : rest + 1;
+      for (const auto& streamed : streamed_) streamed->stream.wait();
+    }
+    const Image image = backend_.renderer->read_back();
+    if (image.size != station.config.size) fail("a picture has another size");
+    const std::uint64_t picture = checksum(std::as_bytes(std::span(image.rgba)));
+    if (!station.picture) station.picture = picture;
+    if (*station.picture != picture) fail("a view that is visited again has another picture");
+    ++visits_;
+  }
+
+  double tell(double seconds) const {
+    const Memory memory = Memory::now();
+    std::printf("%.0f s: %lld frames, %lld visits, %.1f MiB resident, %.3f MiB allocated, %.1f MiB of cells\n", seconds,
+                frames_, visits_, mib(memory.resident), mib(memory.allocated), mib(view_->resident_bytes()));
+    std::fflush(stdout);
+    return seconds;
+  }
+
+  std::vector<std::unique_ptr<Streamed>> streamed_;
+  Backend backend_;
+  std::optional<SceneView> view_;
+  std::vector<Station> stations_;
+  std::mt19937_64 random_{23};
+  long long frames_ = 0, visits_ = 0;
+};
+
+// ---- builds ----
+
+void build(int number, const fs::path& folder, Scheduler& scheduler) {
+  constexpr Shape shapes[] = {Shape::sphere, Shape::terrain, Shape::torus, Shape::pile};
+  constexpr Strategy strategies[] = {Strategy::graph, Strategy::levels, Strategy::serial};
+  BuildConfig config;
+  config.finest_level = 3;
+  config.strategy = strategies[number % 3];
+  config.simplifier = number % 5 == 0 ? SimplifierKind::cluster : SimplifierKind::quadric;
+  config.order_cells = number % 2 == 0;
+  Repairs repairs;
+  IndexedMesh mesh = prepare_mesh(generate_mesh({shapes[number % 4], 8000, 5}), repairs, scheduler);
+  const Hierarchy hierarchy = build_hierarchy(std::move(mesh), config, scheduler);
+  (void)save_lode(hierarchy, folder / "m.lode", scheduler);
+  if (load_lode(folder / "m.lode", scheduler).cells.size() != hierarchy.cells.size()) fail("a file has other cells");
+}
+
+void build_many(int builds, const fs::path& folder, Scheduler& scheduler) {
+  constexpr int cycle = 60;  // after which the parameters are those of the beginning
+  for (int i = 0; i < cycle; ++i) build(i, folder, scheduler);
+  Growth growth(std::uint64_t{1} << 18, std::uint64_t{16} << 20);
+  growth.begin();
+  growth.middle();
+  const int cycles = std::max(1, builds / cycle);
+  for (int c = 0; c < cycles; ++c) {
+    for (int i = 0; i < cycle; ++i) build(i, folder, scheduler);
+    if (c == cycles / 2) growth.middle();
+  }
+  std::printf("%d builds\n", (cycles + 1) * cycle);
+  growth.end();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc == 3 ? argv[1] : "";
+  const double amount = argc == 3 ? std::atof(argv[2]) : 0;
+  if ((what != "soft" && what != "gl" && what != "builds") || !(amount > 0)) {
+    std::fputs("usage: soak soft|gl SECONDS | soak builds NUMBER\n", stderr);
+    return 2;
+  }
+  try {
+    const Folder folder;
+    const auto scheduler = make_tbb_scheduler(2);
+    if (what == "builds")
+      build_many(static_cast<int>(amount), folder.path, *scheduler);
+    else
+      Soak(make_scene(folder.path, *scheduler), what, *scheduler).run(amount);
+    return 0;
+  } catch (const UnsupportedError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 77;
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
