@@ -109,6 +109,11 @@ std::vector<const Hierarchy*> SceneView::uploaded() const {
   return models;
 }
 
+void SceneView::upload(Renderer& renderer) {
+  renderer.upload(uploaded());
+  for (Placed& placed : placed_) placed.went.clear(), placed.came.clear();
+}
+
 void SceneView::freeze(bool frozen) {
   frozen_ = frozen;
   camera_.reset();
@@ -129,6 +134,9 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
     }
   }
   resident.update(largest, model.morph.viewpoint);
+  for (const CellId family : resident.went())
+    if (std::erase(placed.came, family) == 0) placed.went.push_back(family);
+  placed.came.insert(placed.came.end(), resident.came().begin(), resident.came().end());
   if (std::exchange(placed.revision, resident.revision()) == resident.revision()) return false;
   const DetailLimits limits = resident.limits();
   const bool same = resident.came().empty() && resident.went().empty() && std::ranges::equal(placed.limits, limits);
@@ -269,9 +277,10 @@ bool SceneView::admissible() const {
 
 FrameStats SceneView::draw(Renderer& renderer, const Frame& frame) {
   if (!changed_) return {};
-  for (const Placed& placed : placed_)
-    if (const ResidentCells* resident = placed.open.resident)
-      renderer.refresh(placed.uploaded, resident->went(), resident->came());
+  for (Placed& placed : placed_) {
+    if (!placed.went.empty() || !placed.came.empty()) renderer.refresh(placed.uploaded, placed.went, placed.came);
+    placed.went.clear(), placed.came.clear();
+  }
   changed_ = false;
   return renderer.draw(frame);
 }

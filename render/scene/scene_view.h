@@ -55,7 +55,7 @@ class SceneView {
   // The hierarchies of the models, those that several share once: ModelFrame::model numbers them.
   [[nodiscard]] std::vector<const Hierarchy*> uploaded() const;
   // Sends them to a renderer: to be called once for each, before draw().
-  void upload(Renderer& renderer) const { renderer.upload(uploaded()); }
+  void upload(Renderer& renderer);
 
   // Makes the frame of this camera. False when nothing has changed since the last call: then the frame is the same.
   // `beside`: other views of the same models from this camera, each drawn in its turn: streamed cells are loaded for
@@ -97,6 +97,7 @@ class SceneView {
     Radii radii;
     std::vector<DetailLimit> limits;  // of the frame
     std::uint64_t revision = 0;       // of the streamed cells in it
+    std::vector<CellId> went, came;   // families that the renderer has yet to lose and to get
     Selection selection, casters;
   };
   void place_models();

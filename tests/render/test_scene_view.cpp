@@ -1,11 +1,17 @@
 // Scenes before a camera: placement, sharing, and rest.
 #include <gtest/gtest.h>
 
+#include <random>
+#include <set>
+
 #include "core/base/error.h"
+#include "core/hierarchy/lode/lode_file.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
+#include "render/lod/resident_cells.h"
 #include "render/scene/scene_view.h"
 #include "tests/render/conformance.h"
+#include "tests/test_folder.h"
 
 namespace lodestone {
 namespace {
@@ -219,6 +225,63 @@ TEST(CameraPathOfAScene, FollowsWhatTheSceneSays) {
   scene.camera.keys = {camera, {{3, 3, 3}, {0, 0, 0}}};
   EXPECT_EQ(path_of().size(), 8u);
   EXPECT_EQ(path_of().front(), camera);
+}
+
+// Expects that every family comes before it goes, and goes before it comes again.
+class Bookkeeper final : public Renderer {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "bookkeeper"; }
+  using Renderer::upload;
+  void upload(std::span<const Hierarchy* const> models) override {
+    model_ = models.front();
+    families_ = resident();
+  }
+  void refresh(std::uint32_t /*model*/, std::span<const CellId> went, std::span<const CellId> came) override {
+    for (const CellId family : went) EXPECT_EQ(families_.erase(family), 1u);
+    for (const CellId family : came) EXPECT_TRUE(families_.insert(family).second);
+    changes += went.size() + came.size();
+  }
+  FrameStats draw(const Frame& frame) override {
+    for (const SelectedCell& cell : frame.only().selection->cells)
+      EXPECT_TRUE(families_.contains(model_->cells[cell.cell].parent));
+    return {};
+  }
+  [[nodiscard]] Image read_back() override { return {}; }
+  std::size_t changes = 0;
+
+ private:
+  [[nodiscard]] std::set<CellId> resident() const {
+    std::set<CellId> families;
+    for (const Cell& cell : model_->cells)
+      if (!cell.positions.empty()) families.insert(cell.parent);
+    return families;
+  }
+  const Hierarchy* model_ = nullptr;
+  std::set<CellId> families_;
+};
+
+// While a model is hidden nothing is loaded for it; what came before must not come again with each picture.
+TEST(SceneView, StreamedFamiliesComeAndGoOnce) {
+  const TestFolder folder;
+  (void)write_lode(torus(), folder.path() / "torus.lode");
+  CellStream stream(folder.path() / "torus.lode");
+  std::uint64_t all = stream.family_bytes(no_cell);
+  for (CellId c{0}; c < stream.tables().cells.size(); ++c) all += stream.family_bytes(c);
+  ResidentCells resident(stream, {.budget_bytes = all / 2});
+  SceneView view(scene_of_one(), {{&resident.hierarchy(), &resident}});
+  Bookkeeper renderer;
+  view.upload(renderer);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> place(-2, 3);
+  for (int i = 0; i < 300; ++i) {
+    ViewConfig config = view_config(view.scene(), size);
+    config.hidden = {i % 10 > 5};
+    (void)view.update({{place(random), place(random), 0.4}, {0.5, 0.5, 0.1}}, config);
+    if (i % 7 != 3) (void)view.draw(renderer);  // a picture may be left out
+    if (i % 50 == 49) view.upload(renderer);
+    stream.wait();
+  }
+  EXPECT_GT(renderer.changes, 50u);
 }
 
 }  // namespace
