@@ -41,7 +41,7 @@ CONFINED = [
     Confined("locks", r"#\s*include\s*<(mutex|shared_mutex|condition_variable|semaphore)>",
              r"(parallel|render|experiments|tests|bench)/"),
     Confined("OpenGL, EGL or epoxy", r"#\s*include\s*<(GL|GLES\d?|EGL|KHR|epoxy)/",
-             r"(render/(backends/gl|viewer)|tests/render/backends/test_gl)[/_.]"),
+             r"(render/(backends/gl|viewer)|tests/render/backends/(test_gl|soak))[/_.]"),
     Confined("GLFW", r"#\s*include\s*<GLFW/", r"render/(backends/gl|viewer)[/_.]"),
     Confined("Dear ImGui", r"#\s*include\s*[<\"]imgui", r"render/viewer[/_.]"),
     Confined("GLM", r"#\s*include\s*<glm/", r"(render|experiments|tests|bench)/"),
