@@ -254,7 +254,8 @@ class BlockBuilder {
     });
     s_.normal_sums.assign(members.size(), Float4{});
     measure_cell(parent, block_.level - 1, sigma0_, s_.normal_sums);
-    s_.coarse_normals.add({parent.slab.normals, s_.normal_sums, s_.local_vertex, s_.shared_members});
+    s_.coarse_normals.add({parent.slab.normals, s_.normal_sums, parent.slab.positions, parent.triangles,
+                           s_.local_vertex, s_.shared_members});
   }
 
   // Local ids of the members: in their order, shared ones last. Returns the number of those.

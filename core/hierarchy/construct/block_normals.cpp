@@ -6,12 +6,18 @@
 #include <cstring>
 #include <utility>
 
+#include "core/hierarchy/construct/facing_normal.h"
+
 namespace lodestone {
 namespace {
 
 constexpr float kept_cosine = 0.9396926f, kept_sine = 0.3420201f;  // 20 degrees
 constexpr float lost_cosine = 0.5f;                                // from 60 degrees on nothing of a normal is kept
 constexpr float fold_cosine = 0.8660254f;                          // 30 degrees: wedges farther apart are a fold
+constexpr float lost_squared = lost_cosine * lost_cosine;
+// The length of the sum of the triangles over the sum of their lengths. Above it less than a tenth of the area is more
+// than 60 degrees off the rest; such corners are not looked at one by one, for speed.
+constexpr float together = 0.95f;
 constexpr std::uint32_t no_normal = 0xffff'ffffu;
 
 // Unpacks octahedral normals, as unpack_normal does, but not to unit length.
@@ -77,6 +83,12 @@ bool continues(Float4 own, Float4 all) {
   return along >= 0 && along * along >= fold_cosine * fold_cosine * product(own, own) * product(all, all);
 }
 
+// True if some of the triangles may be far off their mean.
+bool is_spread(Float4 sum) {
+  const float squared = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+  return squared < together * together * (sum[3] * sum[3]);
+}
+
 }  // namespace
 
 void BlockNormals::begin(const Block& block) {
@@ -85,6 +97,7 @@ void BlockNormals::begin(const Block& block) {
   if (first_.size() < vertices) first_.resize(vertices, no_normal);
   if (first_use_.size() < block.locked.size()) first_use_.resize(block.locked.size(), no_normal);
   shared_.clear(), shared_vertices_.clear(), shared_normals_.clear(), shared_sums_.clear(), places_.clear();
+  spread_.clear(), spread_of_.clear(), cells_.clear();
 }
 
 void BlockNormals::turn(std::span<const std::uint32_t> vertex, std::span<PackedNormal> normals,
@@ -156,9 +169,62 @@ void BlockNormals::join(std::span<Float4> sums) {
       if (is_joined(wedge, same)) sums[wedge] = joined_[same];
 }
 
+// Numbers those whose triangles face apart. After turn: wedges that it has joined have equal sums and one number.
+void BlockNormals::list_spread(std::span<const PackedNormal> normals, std::span<const Float4> sums,
+                               std::span<std::uint32_t> spread_of) {
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    spread_of[i] = no_normal;
+    if (!is_spread(sums[i])) continue;
+    spread_of[i] = static_cast<std::uint32_t>(spread_.size());
+    spread_.push_back(normals[i]);
+  }
+  for (const auto& [i, same] : same_)
+    if (spread_of[i] != no_normal && spread_of[same] != no_normal && normals[i] == normals[same])
+      spread_of[i] = spread_of[same];
+}
+
+// The triangles at those normals, sorted by these. Cells whose normals are all together are passed over.
+void BlockNormals::gather_corners() {
+  corners_.clear();
+  for (const Cell& cell : cells_) {
+    const std::span spread_of = std::span(spread_of_).subspan(cell.first, cell.normals.size());
+    if (std::ranges::all_of(spread_of, [](std::uint32_t s) { return s == no_normal; })) continue;
+    for (const Triangle& t : cell.triangles) {
+      const auto at = [&](std::size_t k) { return spread_of[t.v[k]]; };
+      if ((at(0) & at(1) & at(2)) == no_normal) continue;
+      const auto p = [&](std::size_t k) { return to_double(cell.positions[t.v[k]]); };
+      const Vec3d triangle = cross(p(1) - p(0), p(2) - p(0));
+      for (std::size_t k = 0; k < 3; ++k)
+        if (at(k) != no_normal) corners_.push_back({at(k), triangle});
+    }
+  }
+  std::ranges::stable_sort(corners_, {}, &Corner::spread);
+}
+
+// Replaces those that are more than 60 degrees off a triangle.
+void BlockNormals::face_corners() {
+  std::vector<Vec3d> triangles;
+  for (std::size_t first = 0, end = 0; first < corners_.size(); first = end) {
+    PackedNormal& normal = spread_[corners_[first].spread];
+    const Vec3d n = to_double(unpack_normal(normal));
+    bool is_off = false;
+    triangles.clear();
+    for (; end < corners_.size() && corners_[end].spread == corners_[first].spread; ++end) {
+      const Vec3d& t = triangles.emplace_back(corners_[end].triangle);
+      const double along = dot(n, t), squared = dot(t, t);
+      is_off |= squared > 0 && (along <= 0 || along * along < lost_squared * squared);
+    }
+    if (is_off) normal = pack_normal(to_float(facing_normal(triangles)));
+  }
+}
+
 void BlockNormals::add(const CoarseCell& cell) {
   const std::size_t own = cell.normals.size() - cell.shared.size();
   turn(cell.vertex.first(cell.vertex.empty() ? 0 : own), cell.normals.first(own), cell.sums.first(own));
+  cells_.push_back({cell.normals, cell.positions, cell.triangles, own, spread_of_.size()});
+  spread_of_.resize(spread_of_.size() + cell.normals.size(), no_normal);
+  const std::span spread_of = std::span(spread_of_).last(cell.normals.size());
+  list_spread(cell.normals.first(own), cell.sums.first(own), spread_of);
   for (std::size_t k = 0; k < cell.shared.size(); ++k) {
     const std::uint32_t p = cell.shared[k];
     if (block_.locked[p]) continue;
@@ -171,14 +237,26 @@ void BlockNormals::add(const CoarseCell& cell) {
       shared_sums_.push_back(Float4{});
     }
     shared_sums_[use] += cell.sums[own + k];
+    spread_of[own + k] = use;  // its place, until finish
     places_.emplace_back(&cell.normals[own + k], use);
   }
 }
 
 void BlockNormals::finish() {
   turn(block_.vertex.empty() ? std::span<const std::uint32_t>() : shared_vertices_, shared_normals_, shared_sums_);
+  shared_spread_of_.resize(shared_.size());
+  list_spread(shared_normals_, shared_sums_, shared_spread_of_);
   for (const auto& [place, use] : places_) *place = shared_normals_[use];
   for (const std::uint32_t p : shared_) first_use_[p] = no_normal;
+  if (spread_.empty()) return;
+  for (const Cell& cell : cells_)
+    for (std::size_t i = cell.own; i < cell.normals.size(); ++i)
+      if (std::uint32_t& s = spread_of_[cell.first + i]; s != no_normal) s = shared_spread_of_[s];
+  gather_corners();
+  face_corners();
+  for (const Cell& cell : cells_)
+    for (std::size_t i = 0; i < cell.normals.size(); ++i)
+      if (const std::uint32_t s = spread_of_[cell.first + i]; s != no_normal) cell.normals[i] = spread_[s];
 }
 
 }  // namespace lodestone

@@ -8,6 +8,9 @@
 // the surface folds there: wedges whose own triangles' mean is more than 30 degrees off that of all get their own.
 // Different normals of a vertex, at a crease, are turned separately, each by the triangles of its wedges.
 //
+// Where the triangles of a normal face far apart, as on thin parts that have lost their sides, a mean is the wrong
+// answer: a normal that is more than 60 degrees off one of them is replaced by facing_normal.
+//
 // Most vertices belong to one cell: they are done when it is, while it is in the cache, four at a time, and the sums of
 // its triangles come with its other figures (measure_cell).
 #pragma once
@@ -19,6 +22,7 @@
 
 #include "core/hierarchy/model/hierarchy.h"
 #include "core/math/lanes/float4.h"
+#include "core/math/vec3.h"
 
 namespace lodestone {
 
@@ -35,8 +39,10 @@ class BlockNormals {
 
   // A cell of the coarser level. Its survivors have local ids, those that other cells use too behind its own.
   struct CoarseCell {
-    std::span<PackedNormal> normals;        // turned where they have to be
-    std::span<Float4> sums;                 // of the triangles at each, as measure_cell adds them up
+    std::span<PackedNormal> normals;  // turned where they have to be
+    std::span<Float4> sums;           // of the triangles at each, as measure_cell adds them up
+    std::span<const Vec3f> positions;
+    std::span<const Triangle> triangles;
     std::span<const std::uint32_t> vertex;  // of each, with wedges; empty: each is a vertex
     std::span<const std::uint32_t> shared;  // ids in the block of those that other cells use too
   };
@@ -51,6 +57,22 @@ class BlockNormals {
   void find_same(std::span<const std::uint32_t> vertex, std::span<const PackedNormal> normals);
   void join(std::span<Float4> sums);
 
+  struct Corner {
+    std::uint32_t spread = 0;
+    Vec3d triangle;  // cross product of two sides
+  };
+  struct Cell {
+    std::span<PackedNormal> normals;
+    std::span<const Vec3f> positions;
+    std::span<const Triangle> triangles;
+    std::size_t own = 0;    // vertices before those that other cells use, too
+    std::size_t first = 0;  // of its entries in spread_of_
+  };
+  void list_spread(std::span<const PackedNormal> normals, std::span<const Float4> sums,
+                   std::span<std::uint32_t> spread_of);
+  void gather_corners();
+  void face_corners();
+
   std::vector<std::uint32_t> far_;    // to be turned, or to be compared once more
   std::vector<std::uint32_t> first_;  // of each vertex of the block; set while wedges are joined
   std::vector<std::uint32_t> next_;
@@ -64,6 +86,12 @@ class BlockNormals {
   std::vector<PackedNormal> shared_normals_;
   std::vector<Float4> shared_sums_;
   std::vector<std::pair<PackedNormal*, std::uint32_t>> places_;
+  // Normals whose triangles face apart, by number, which wedges that have one normal share.
+  std::vector<PackedNormal> spread_;
+  std::vector<std::uint32_t> spread_of_;  // of the vertices of all cells: the number, or none
+  std::vector<std::uint32_t> shared_spread_of_;
+  std::vector<Cell> cells_;
+  std::vector<Corner> corners_;
 };
 
 }  // namespace lodestone

@@ -128,7 +128,8 @@ void measure_cell(CellBuild& cell, int level, float sigma0, std::span<Float4> no
     const Float4 ab = b - a, ca = a - c;
     lengths.add(ab, c - b, ca);
     if (normals.empty()) continue;
-    const Float4 normal = cross_zxy(ca, ab);
+    Float4 normal = cross_zxy(ca, ab);
+    normal[3] = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (const std::uint32_t v : t.v) normals[v] += normal;
   }
   set_edge_statistics(cell, level, lengths);

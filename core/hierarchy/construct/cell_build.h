@@ -102,7 +102,7 @@ void set_box_statistics(CellBuild& cell, int level);
 // Fills max_edge and long_edges; `lengths` has the limit sigma0 h_l.
 void set_edge_statistics(CellBuild& cell, int level, const EdgeLengths& lengths);
 // Both, from the payload and the bounds. `normals`, one of each vertex, or empty: the cross products of the triangles
-// at the vertex are added to it, their components in the order z, x, y.
+// at the vertex are added to it, their components in the order z, x, y, and behind them their lengths.
 void measure_cell(CellBuild& cell, int level, float sigma0, std::span<Float4> normals = {});
 
 }  // namespace lodestone

@@ -118,8 +118,12 @@ std::size_t test_case(BlockNormals& normals, Case c, bool wedges) {
   if (wedges) block.vertex = c.vertex, block.vertices = 302;
   normals.begin(block);
   for (CoarseCell& cell : c.cells)
-    normals.add({cell.normals, cell.sums,
-                 wedges ? std::span<const std::uint32_t>(cell.vertex) : std::span<const std::uint32_t>(), cell.shared});
+    normals.add({cell.normals,
+                 cell.sums,
+                 {},
+                 {},
+                 wedges ? std::span<const std::uint32_t>(cell.vertex) : std::span<const std::uint32_t>(),
+                 cell.shared});
   normals.finish();
   std::size_t turned = 0;
   for (std::size_t k = 0; k < 3; ++k) {
