@@ -91,15 +91,17 @@ MergedMesh concatenate(std::span<const MergeView> views, Scheduler& scheduler) {
 
 MergedMesh stitch(std::span<MergeView> views, const MergeConfig& config, StitchReport& report, Scheduler& scheduler) {
   const CpuClock own_clock;
-  score_views(views, config.ownership, scheduler);
-  report.islands = own_views(views, config.ownership, scheduler);
+  const ModelBorder border(config.border, 1.5f * static_cast<float>(config.ownership.reference_spacing));
+  OwnershipConfig ownership = config.ownership;
+  if (!config.border.empty()) ownership.border = &border;
+  score_views(views, ownership, scheduler);
+  report.islands = own_views(views, ownership, scheduler);
   const PixelFlags flags = find_borders(views, scheduler);
   Gathered gathered = gather(views, kept_cells, flags, scheduler);
   const Patches patches = label_patches(views, scheduler);
   report.own = own_clock.elapsed();
   const CpuClock zip_clock;
   SeamMesh seam = cut_out_seams(views, config.ownership.parts, flags, patches, gathered, scheduler);
-  const ModelBorder border(config.border, 1.5f * static_cast<float>(config.ownership.reference_spacing));
   if (!config.border.empty()) mark_rims(border, seam, scheduler);
   sew(seam, patches, config, report, scheduler);
   put_back(seam, gathered);

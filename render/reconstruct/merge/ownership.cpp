@@ -68,7 +68,9 @@ void score_rows(const MergeView& view, const OwnershipConfig& config, int first,
     const double relative = map.view.spacing(map.view.depth(p)) / config.reference_spacing;
     // The inside of an open surface is seen as well as its outside; it is used where no view sees the outside.
     const double side = facing < 0 ? 0.5 : 1;
-    const double border = is_inside(view.mesh.cells, i, width) ? 1 : 0.02;
+    const bool is_whole =
+        is_inside(view.mesh.cells, i, width) || (config.border != nullptr && config.border->is_near(map.position[i]));
+    const double border = is_whole ? 1 : 0.02;
     score[i] = static_cast<float>(border * side * std::max(std::abs(facing), 0.02) / (relative * relative));
   }
 }

@@ -2,10 +2,11 @@
 //
 // The score of a pixel is the density of samples around it: the cosine between the surface and the view over the area
 // of a pixel. It is nothing at the border of a view mesh and is spread among connected pixels, so that it falls off
-// before a silhouette and does not follow every wrinkle. The score of a point is then, in every view, a function of the
-// point alone, nearly: interpolated in the cell of the view mesh that lies at the point, if one does. The owner is the
-// view of the highest score, and all views that see a point agree on it but for a pixel or so along the seams. Views
-// are ranked a little besides, so that a plane that two of them see equally well is not torn.
+// before a silhouette and does not follow every wrinkle; where the surface itself ends it does not fall off, or narrow
+// strips would be handed over along seams as ragged as their pixels. The score of a point is then, in every view, a
+// function of the point alone, nearly: interpolated in the cell of the view mesh that lies at the point, if one does.
+// The owner is the view of the highest score, and all views that see a point agree on it but for a pixel or so along
+// the seams. Views are ranked a little besides, so that a plane that two of them see equally well is not torn.
 //
 // Kernels: rows of one view, no threads.
 #pragma once
@@ -14,6 +15,7 @@
 #include <span>
 #include <vector>
 
+#include "render/reconstruct/seams/model_border.h"
 #include "render/reconstruct/views/view_mesh.h"
 
 namespace lodestone {
@@ -22,6 +24,7 @@ struct OwnershipConfig {
   double reference_spacing = 1;            // of samples: distances are judged in this unit; normalised units, > 0
   int spread = 6;                          // rounds of averaging with connected neighbours
   std::span<const std::uint32_t> parts{};  // as in ConnectConfig: no view owns a point of another part
+  const ModelBorder* border = nullptr;     // of an open surface, if it is known
 };
 
 using ViewNumber = std::uint16_t;

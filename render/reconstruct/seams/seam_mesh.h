@@ -54,9 +54,10 @@ struct ZipConfig {
 };
 // Adds triangles from border edge to border vertex, roundest first, until nothing fits: of all vertices that an edge
 // can see the one that it subtends the largest angle at, which is the Delaunay triangle in the plane. A triangle must
-// lie in the gaps of all its corners, contain no vertex, cross no border, and make no handle too many. Where the border
-// of the model is known no triangle spans what lies beyond it; where it is not, none connects two outlines, unless they
-// are seams like others (`rims`). Returns how many were added. Same bytes for any number of workers.
+// lie in the gaps of all its corners, contain no vertex, cross no border, and make no handle too many; but for one that
+// closes a seam whose sides meet, or would but for a vertex that two views sampled almost in one place. Where the
+// border of the model is known no triangle spans what lies beyond it; where it is not, none connects two outlines,
+// unless they are seams like others (`rims`). Returns how many were added. Same bytes for any number of workers.
 std::size_t zip_seams(SeamMesh& seam, const ZipConfig& config, Scheduler& scheduler);
 
 struct FillConfig {

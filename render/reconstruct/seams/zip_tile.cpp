@@ -203,6 +203,10 @@ class TileZipper {
     choices_.clear();
     for (const VertexId v : near_) {
       if (v == a || v == b) continue;
+      if (runs_against(e, v) && fits(e, v)) {
+        result = {0, a, b, v};
+        return true;
+      }
       const Vec3f ca = pa - position_[v], cb = pb - position_[v];
       const float scale = std::sqrt(dot(ca, ca) * dot(cb, cb));
       choices_.push_back({scale > 0 ? dot(ca, cb) / scale : 1.0f, v});
@@ -221,6 +225,7 @@ class TileZipper {
   [[nodiscard]] bool fits(BorderEdgeId e, VertexId c) const {
     const VertexId a = front_.edge(e).from, b = front_.edge(e).to;
     if (front_.first(c) == BorderLoops::none || seam_.part[global_[a]] != seam_.part[global_[c]]) return false;
+    if (runs_against(e, c)) return !is_taken(a, c) && !is_taken(c, b);
     const Vec3f area = cross(position_[a] - position_[b], position_[c] - position_[b]);
     const float size = length(area);
     if (!(size > 0)) return false;
@@ -229,6 +234,20 @@ class TileZipper {
       if (!(dot(normal, normal_[v]) > config_.least_cosine)) return false;
     return has_room(normal, e, c) && is_free(Plane(position_[c], normal), a, b, c) && !is_taken(a, c) &&
            !is_taken(c, b) && is_on_model(a, b, c);
+  }
+
+  // Two views may sample almost the same point. True if c is that for a or b, and a border edge of another fan would
+  // run against this one if they were the same: whatever side rounding has left them on, a triangle closes the seam.
+  [[nodiscard]] bool runs_against(BorderEdgeId e, VertexId c) const {
+    const VertexId a = front_.edge(e).from, b = front_.edge(e).to;
+    const auto is_same = [&](VertexId v) {
+      constexpr float nothing = 0.1f;  // of the spacing
+      return length(position_[v] - position_[c]) < nothing * config_.spacing &&
+             dot(normal_[v], normal_[c]) > config_.least_cosine;
+    };
+    const auto is_other = [&](BorderEdgeId f, BorderEdgeId own) { return f != BorderLoops::none && f != own; };
+    return (is_same(b) && is_other(front_.find(c, a), front_.edge(e).previous)) ||
+           (is_same(a) && is_other(front_.find(b, c), front_.edge(e).next));
   }
 
   // False if the triangle would span a gap of the model.

@@ -94,20 +94,52 @@ TEST(OpenInput, ThinPlatesStayClosed) {
   expect_euler_kept(plate_of(sheet_of({.keep = is_beside_holes}, flat), 0.004), -30);
 }
 
+using Shape = std::function<Vec3d(double, double)>;
+
+// About each axis in turn, by these angles.
+Shape turned(const Shape& shape, Vec3d angles) {
+  return [=](double u, double v) {
+    Vec3d p = shape(u, v);
+    const auto turn = [](double& a, double& b, double angle) {
+      const double c = std::cos(angle), s = std::sin(angle), x = a;
+      a = c * x - s * b, b = s * x + c * b;
+    };
+    turn(p.x, p.y, angles.z), turn(p.y, p.z, angles.x), turn(p.z, p.x, angles.y);
+    return p;
+  };
+}
+
+constexpr double width = 0.02, full_turn = 2 * std::numbers::pi;
+Vec3d narrow_band(double u, double v) { return ring(u, width * v); }
+Vec3d narrow_disk(double u, double v) {
+  return {(0.5 - width * v) * std::cos(full_turn * u), (0.5 - width * v) * std::sin(full_turn * u), 0};
+}
+Vec3d straight(double u, double v) { return {0.8 * u, 0.6 * u + width * v, 0.3 * u * u}; }
+Vec3d twisted(double u, double v) {
+  const double angle = 2 * full_turn * u;
+  return {u, width * (v - 0.5) * std::cos(angle), width * (v - 0.5) * std::sin(angle)};
+}
+Vec3d upright_helix(double u, double v) {
+  const double angle = 4 * full_turn * u;
+  return {0.3 * std::cos(angle), 0.3 * std::sin(angle), (1 - width) * u + width * v};
+}
+Vec3d flat_helix(double u, double v) {
+  const double angle = 4 * full_turn * u, radius = 0.3 - width * v;
+  return {radius * std::cos(angle), radius * std::sin(angle), u};
+}
+
 // As narrow as one pixel and more, turning away from every view somewhere.
+void expect_ribbons_kept(double resolution, Vec3d angles) {
+  for (const Shape shape : {narrow_band, narrow_disk})
+    expect_euler_kept(sheet_of({.n = 100, .around = true}, turned(shape, angles)), 0, resolution);
+  for (const Shape shape : {straight, twisted, upright_helix, flat_helix})
+    expect_euler_kept(sheet_of({.n = 100}, turned(shape, angles)), 1, resolution);
+}
 TEST(OpenInput, NarrowRibbonsStayInOnePiece) {
-  constexpr double width = 0.02, turn = 2 * std::numbers::pi;
-  const auto band = [](double u, double v) { return ring(u, width * v); };
-  const auto straight = [](double u, double v) { return Vec3d{0.8 * u, 0.6 * u + width * v, 0.3 * u * u}; };
-  const auto twisted = [](double u, double v) {
-    return Vec3d{u, width * (v - 0.5) * std::cos(2 * turn * u), width * (v - 0.5) * std::sin(2 * turn * u)};
-  };
-  const auto helix = [](double u, double v) {
-    return Vec3d{0.3 * std::cos(4 * turn * u), 0.3 * std::sin(4 * turn * u), (1 - width) * u + width * v};
-  };
-  expect_euler_kept(sheet_of({.n = 100, .around = true}, band), 0, 64);
-  for (const auto& strip : {std::function<Vec3d(double, double)>(straight), {twisted}, {helix}})
-    expect_euler_kept(sheet_of({.n = 100}, strip), 1, 64);
+  for (const double resolution : {64, 128}) expect_ribbons_kept(resolution, {});
+}
+TEST(OpenInput, NarrowRibbonsStayInOnePieceTurned) {
+  for (const double resolution : {64, 128, 256}) expect_ribbons_kept(resolution, {0.9, 0.3, 0.5});
 }
 
 TEST(OpenInput, RibbonsAndTubesStayOpen) {
