@@ -3,6 +3,7 @@
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -175,6 +176,68 @@ TEST(Reconstruct, RecoversTheEdgesOfABox) {
   const auto farthest = [&](const RawMesh& m) { return compare_meshes(original(mesh), m).forward.max; };
   EXPECT_LT(farthest(sharp.mesh), 0.1 * farthest(blunt.mesh));
   EXPECT_LT(diagonal_share(sharp.mesh, mesh), 1e-4);
+}
+
+// A drum in no particular direction, whose rims are circles around the axis.
+struct Drum {
+  static constexpr double radius = 1, half = 0.4;
+  Vec3d axis = (1 / std::sqrt(1.89)) * Vec3d{0.5, -0.8, 1};
+  std::vector<Vec3d> positions;
+  std::vector<Triangle> triangles;
+
+  Drum() {
+    constexpr std::uint32_t sides = 120;
+    const Vec3d aside = cross(axis, {1, 0, 0}), x = (1 / length(aside)) * aside, y = cross(axis, x);
+    for (std::uint32_t k = 0; k < sides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / sides;
+      const Vec3d p = radius * (std::cos(angle) * x + std::sin(angle) * y);
+      positions.push_back(p - half * axis), positions.push_back(p + half * axis);
+      const std::uint32_t a = 2 * k, b = 2 * ((k + 1) % sides), bottom = 2 * sides, top = bottom + 1;
+      for (const Triangle t : {Triangle{{a, b, b + 1}}, {{a, b + 1, a + 1}}, {{b, a, bottom}}, {{a + 1, b + 1, top}}})
+        triangles.push_back(t);
+    }
+    positions.push_back(-half * axis), positions.push_back(half * axis);
+  }
+  [[nodiscard]] double from_rim(Vec3d p) const {
+    const double along = dot(p, axis);
+    return std::hypot(length(p - along * axis) - radius, std::abs(along) - half);
+  }
+};
+
+// Distances from the rims, at the ends of edges that bend by over 25 degrees; slivers, which do not show, left out.
+std::vector<double> crease_distances(const RawMesh& mesh, const Drum& drum, double least_height) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3d> normal_at;
+  for (const Triangle& t : mesh.triangles) {
+    const auto& p = mesh.positions;
+    const Vec3d n = cross(p[t.v[1]] - p[t.v[0]], p[t.v[2]] - p[t.v[0]]);
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, length(p[t.v[k]] - p[t.v[(k + 1) % 3]]));
+    if (length(n) < least_height * longest) continue;
+    for (std::size_t k = 0; k < 3; ++k) normal_at[{t.v[k], t.v[(k + 1) % 3]}] = (1 / length(n)) * n;
+  }
+  std::vector<double> distances;
+  for (const auto& [edge, n] : normal_at) {
+    const auto other = normal_at.find({edge.second, edge.first});
+    if (other != normal_at.end() && dot(n, other->second) < std::cos(25 * std::numbers::pi / 180))
+      distances.push_back(drum.from_rim(mesh.positions[edge.first]));
+  }
+  return distances;
+}
+
+TEST(Reconstruct, CreasesHaveNoTeeth) {
+  const Drum drum;
+  const IndexedMesh mesh = clean(drum.positions, drum.triangles);
+  const auto serial = make_serial_scheduler();
+  const Reconstruction made = reconstruct(mesh, small_config(64), *serial);
+  const double pixel = made.report.spacing * mesh.transform.scale;
+  const std::vector<double> distances = crease_distances(made.mesh, drum, 0.15 * pixel);
+  EXPECT_GT(static_cast<double>(distances.size()) * pixel, 4 * std::numbers::pi);
+  double sum = 0;
+  std::size_t far = 0;
+  for (const double d : distances) sum += d * d, far += d > 0.25 * pixel;
+  const auto count = static_cast<double>(distances.size());
+  EXPECT_LT(std::sqrt(sum / count), 0.03 * pixel);
+  EXPECT_LT(static_cast<double>(far), 0.01 * count);
 }
 
 TEST(Reconstruct, DoesNotMindARotation) {
