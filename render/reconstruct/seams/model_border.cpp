@@ -18,8 +18,17 @@ std::uint64_t ModelBorder::key(const Cell& c) {
   return part(c[0]) | part(c[1]) << 21 | part(c[2]) << 42;
 }
 
+// Mostly there is one in the cell of the point itself.
+bool ModelBorder::is_near(Vec3f p) const {
+  if (const auto at = cells_.find(key(cell(p))); at != cells_.end())
+    for (const BorderPoint& point : at->second)
+      if (const Vec3f d = point.position - p; dot(d, d) <= reach_ * reach_) return true;
+  return nearest(p) != nullptr;
+}
+
 const BorderPoint* ModelBorder::nearest(Vec3f p) const {
-  const Cell lo = cell({p.x - reach_, p.y - reach_, p.z - reach_}), hi = cell({p.x + reach_, p.y + reach_, p.z + reach_});
+  const Cell lo = cell({p.x - reach_, p.y - reach_, p.z - reach_}),
+             hi = cell({p.x + reach_, p.y + reach_, p.z + reach_});
   const BorderPoint* best = nullptr;
   float least = reach_ * reach_;
   for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
@@ -29,7 +38,8 @@ const BorderPoint* ModelBorder::nearest(Vec3f p) const {
         if (at == cells_.end()) continue;
         for (const BorderPoint& point : at->second) {
           const Vec3f d = point.position - p;
-          if (const float squared = dot(d, d); best ? squared < least : squared <= least) least = squared, best = &point;
+          if (const float squared = dot(d, d); best ? squared < least : squared <= least)
+            least = squared, best = &point;
         }
       }
   return best;

@@ -14,7 +14,7 @@ namespace lodestone {
 
 struct BorderPoint {
   Vec3f position;  // normalised model space
-  Vec3f outward;   // of unit length or zero: in the plane of the triangle at the border, across it, away from the surface
+  Vec3f outward;   // of unit length or zero: in the plane of the triangle there, across the border, away from it
 };
 
 class ModelBorder {
@@ -22,7 +22,7 @@ class ModelBorder {
   // Points farther apart than `reach` know nothing of each other; > 0. The points are copied.
   ModelBorder(std::span<const BorderPoint> points, float reach);
 
-  [[nodiscard]] bool is_near(Vec3f p) const { return nearest(p) != nullptr; }
+  [[nodiscard]] bool is_near(Vec3f p) const;
   // True if the surface ends before it comes to the point; false, too, if no border is within reach.
   [[nodiscard]] bool is_beyond(Vec3f p) const {
     const BorderPoint* at = nearest(p);
