@@ -1,15 +1,6 @@
 // Progressive meshes on the page, with real clicks, drags, keys and touches.
-// usage: node test_page.mjs PROGRAM PAGE MODULES [PICTURES]   with a folder for the pictures
-import {mkdirSync} from 'node:fs';
-import path from 'node:path';
+// usage: node test_page.mjs PROGRAM PAGE MODULES
 import {check, differ, keep, main, open, run, writeTorus} from './browser.mjs';
-
-const pictures = process.argv[5];
-async function picture(page, name) {
-  if (!pictures) return;
-  mkdirSync(pictures, {recursive: true});
-  await page.screenshot({path: path.join(pictures, `${name}.png`)});
-}
 
 function makeFiles() {
   run('generate', 'sphere', '--triangles', '20000', '-o', 'sphere.ply');
@@ -129,34 +120,6 @@ async function testKeys(browser) {
   await press('a');
   check(await page.isChecked('#automatic') && await triangles() < all, 'a takes automatic levels');
   await close();
-}
-
-async function testHelp(browser) {
-  for (const [width, height] of [[390, 844], [768, 1024], [1100, 700], [800, 500]]) {
-    const {page, quiet, close} = await open(browser, 'one', {viewport: {width, height}});
-    await quiet();
-    await page.locator('#view').focus();
-    await page.keyboard.press('?');
-    const box = await page.locator('#help').boundingBox(), last = await page.locator('#help button').boundingBox();
-    check(box.x >= 0 && box.y >= 0 && box.x + box.width <= width && last.y + last.height <= height, `${width}x${height}: ? shows the keys in the window`);
-    await picture(page, `help ${width}x${height}`);
-    const level = await page.inputValue('#level');
-    await page.keyboard.press('PageDown');
-    check(await page.inputValue('#level') === level, 'keys are the help\'s while it is shown');
-    await page.keyboard.press('Escape');
-    check(!await page.isVisible('#help'), 'Escape closes it');
-    const inside = await page.evaluate(() => [...document.querySelectorAll('#panel button, #panel label, #panel output')].every((e) => {
-      const {left, right, top, bottom} = e.getBoundingClientRect();
-      return left >= 0 && right <= innerWidth && top >= 0 && bottom <= innerHeight;
-    }));
-    check(inside, 'the whole panel is in the window');
-    await picture(page, `page ${width}x${height}`);
-    await page.keyboard.press('f');
-    await page.waitForFunction(() => document.fullscreenElement !== null);
-    await page.keyboard.press('f');
-    await page.waitForFunction(() => document.fullscreenElement === null);
-    await close();
-  }
 }
 
 // Labels name the models and turn them upright.
@@ -322,4 +285,4 @@ async function testPhone(browser) {
   await close();
 }
 
-await main(makeFiles, [testControls, testKeys, testHelp, testSideBySide, testUp, testCracks, testGeomorphs, testTexture, testStackedNormals, testFormats, testStreaming, testPhone]);
+await main(makeFiles, [testControls, testKeys, testSideBySide, testUp, testCracks, testGeomorphs, testTexture, testStackedNormals, testFormats, testStreaming, testPhone]);

@@ -4,7 +4,7 @@ import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {countCracks} from './cracks.js';
 import {ask, readMesh, streamMesh} from './files.js';
 import {LOOKS, look} from './look.js';
-import {Labels, columnsFor, layOut, seeAll} from './layout.js';
+import {Labels, columnsFor, layOut} from './layout.js';
 import {ProgressiveView} from './progressive_view.js';
 import {fromHash, toHash} from './shared_view.js';
 import {openTiles} from './tiles_view.js';
@@ -261,8 +261,7 @@ class Page {
   frameAll() {
     if (this.models.length === 0) return;
     this.columns = columnsFor(this.models.length, this.camera.aspect);
-    layOut(this.models, this.columns);
-    this.controls.target.copy(seeAll(this.camera, this.models));
+    this.controls.target.copy(layOut(this.models, this.columns, this.camera, $('stage').clientHeight));
     // Nearer, each step would be less than the one before, for ever; farther away, the models would be lost.
     const distance = this.camera.position.distanceTo(this.controls.target);
     Object.assign(this.controls, {minDistance: NEAREST, maxDistance: 8 * distance});
