@@ -246,6 +246,25 @@ TEST(ProgressiveGlb, RefusesGltfWithoutParents) {
   expect_error_of<InputError>([&] { return read_progressive_glb(input); }, {"not progressive"});
 }
 
+// On a surface that is almost flat, the level of half the vertices is nearer to the input than a step of 12 bits, which
+// would then be most of its error; on a rough one it is farther away than that.
+TEST(Lpm, TakesAsManyBitsAsLevelsShow) {
+  for (const double height : {0.1, 0.003}) {
+    const ProgressiveMesh mesh = make(test::terrain_mesh(60, height));
+    const float half = mesh.errors[mesh.vertex_count() / 2], twelve = std::ldexp(1.0f, -12);
+    ASSERT_EQ(half < twelve / 2, height < 0.1) << half;
+    const ProgressiveMesh back = [&] {
+      ByteReader input = reader_of(encode_lpm(mesh, {.batch = 0}).bytes);
+      return read_lpm(input);
+    }();
+    double moved = 0;
+    for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+      moved = std::max<double>(moved, length(to_double(back.positions[v]) - to_double(mesh.positions[v])));
+    EXPECT_LE(moved, half < twelve ? half : twelve) << height;
+    EXPECT_GT(moved, half < twelve ? half / 4 : twelve / 4) << height << ": no more bits than that";
+  }
+}
+
 TEST(Lpm, ComesBackWithinTheQuantization) {
   for (const ProgressiveMesh& mesh : some_meshes())
     for (const std::uint32_t bits : {8u, 12u, 20u}) {

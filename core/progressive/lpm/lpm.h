@@ -21,8 +21,9 @@
 namespace lodestone {
 
 struct LpmConfig {
-  std::uint32_t position_bits = 12;  // 4 to 20
-  std::uint32_t uv_bits = 12;        // likewise
+  // 4 to 20; 0: 12, or up to 16 until a step is no longer than the error of the level of half the vertices.
+  std::uint32_t position_bits = 0;
+  std::uint32_t uv_bits = 12;  // 4 to 20
   // Vertices change places within batches, each of this part of the vertices before it (split_order.h), with errors
   // that hold for the new order; 0: none does.
   std::uint32_t batch = 8;

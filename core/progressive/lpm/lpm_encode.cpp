@@ -193,12 +193,24 @@ class Renumbering {
   std::vector<std::uint32_t> wedge_, old_wedge_;  // likewise of wedges
 };
 
+// Quantization as coarse as the error of the finer levels would show in them: a smooth surface of many triangles needs
+// more bits than one of few.
+std::uint32_t enough_bits(const ProgressiveMesh& mesh, const Groups& groups) {
+  constexpr std::uint32_t least = 12, most = 16;
+  if (groups.start.empty()) return least;
+  const float error = mesh.errors[groups.start[groups.start.size() / 2]];
+  std::uint32_t bits = least;
+  while (bits < most && std::ldexp(1.0, -static_cast<int>(bits)) > error) ++bits;
+  return bits;
+}
+
 LpmHeader make_header(const ProgressiveMesh& mesh, const Groups& groups, const LpmConfig& config,
                       std::span<const Texture> thumbnails) {
   LpmHeader h;
   const WedgeAttributes& wedges = mesh.wedges;
-  h.settings = {config.position_bits, config.uv_bits,         groups.start.size() < mesh.positions.size(),
-                !wedges.uv.empty(),   !wedges.colour.empty(), !wedges.material.empty()};
+  const std::uint32_t position_bits = config.position_bits > 0 ? config.position_bits : enough_bits(mesh, groups);
+  h.settings = {position_bits,      config.uv_bits,         groups.start.size() < mesh.positions.size(),
+                !wedges.uv.empty(), !wedges.colour.empty(), !wedges.material.empty()};
   h.vertices = mesh.vertex_count();
   h.groups = static_cast<std::uint32_t>(groups.start.size());
   h.base_groups = groups.base;
