@@ -121,6 +121,30 @@ async function testChecks(oracle) {
   check(oracle.cracks({...mixed, viewpoint: opposite}) > 0, 'cells of another view crack');
 }
 
+// The limits that a tile is drawn with give its points the distance of all of them, to the last bit; around a box that
+// lacks its own tiles a few are left.
+function testLimits() {
+  let seed = 1;
+  const random = () => (seed = seed * 48271 % 2147483647) / 2147483647;
+  const boxIn = ([a, b], size) => {
+    const low = [0, 1, 2].map(() => Math.fround(a + (b - a) * random())), high = low.map((x) => Math.fround(x + size * random()));
+    return [...low, ...high];
+  };
+  let kept = 0, all = 0;
+  for (let trial = 0; trial < 400; ++trial) {
+    const limits = Array.from({length: 30}, () => ({box: boxIn([0, 1], 0.1), radius: Math.fround(0.5 * random())})), bounds = boxIn([0, 1], 0.1);
+    if (trial % 2 === 0) limits.push({box: bounds, radius: Math.fround(0.5 * random())});
+    const nearest = trial % 4 < 2 ? 0 : 0.4 * random(), near = library.limitsNear(bounds, nearest, limits);
+    kept += near.length, all += limits.length;
+    for (let k = 0; k < 40; ++k) {
+      const p = [0, 1, 2].map((i) => Math.fround(bounds[i] + (bounds[i + 3] - bounds[i]) * (k < 8 ? k >> i & 1 : random())));
+      const [few, many] = [near, limits].map((list) => Math.max(nearest, library.limitedPointDistance(p, list)));
+      if (few !== many) throw new Error(`${few} by ${near.length} limits, ${many} by all`);
+    }
+  }
+  check(kept < all / 8, `${kept} of ${all} limits are near, and no bit differs`);
+}
+
 async function testBroken(oracle) {
   const bad = oracle.tileset.root.children[0].children[0];
   const found = await fly(oracle, {latency: 1, broken: (cell) => cell === bad, frames: 120});
@@ -133,7 +157,7 @@ async function testBroken(oracle) {
 let status = 0;
 try {
   const oracle = await makeOracle();
-  for (const test of [testFlights, testOutrun, testChecks, testBroken]) {
+  for (const test of [testLimits, testFlights, testOutrun, testChecks, testBroken]) {
     console.log(test.name);
     await test(oracle);
   }

@@ -30,9 +30,16 @@ export const limitedPointDistance = (p, limits) =>
 export const limitedBoxDistance = (bounds, limits) =>
   limits.reduce((d, {box, radius}) => Math.max(d, single(radius - farthestFrom(bounds, box))), 0);
 
-// The limits that may exceed a distance of at least `nearest` somewhere in the box; the others change no bit of d' there.
-export const limitsNear = (bounds, nearest, limits) =>
-  limits.filter(({box, radius}) => single(radius - nearestTo(bounds, box)) > nearest * (1 - 4e-6));
+// The limits that may exceed a distance of at least `nearest` somewhere in the box, and any other limit as well; the others
+// change no bit of d' there. Of many missing tiles around a box few remain, which its vertices are then compared with.
+export function limitsNear(bounds, nearest, limits) {
+  let least = nearest * (1 - 4e-6), holder = null;  // d' is nowhere less in the box, because of this limit
+  for (const limit of limits) {
+    const everywhere = single(limit.radius - farthestFrom(bounds, limit.box));
+    if (everywhere > least) [least, holder] = [everywhere, limit];
+  }
+  return limits.filter((limit) => limit === holder || single(limit.radius - nearestTo(bounds, limit.box)) > least);
+}
 
 // The limits of a sequence of frames. The excess R - d(v_p, Q) of a limit sinks and rises geometrically: if it is
 // larger than d, d' is at least half of it.
