@@ -32,10 +32,11 @@ ProgressiveFileSize glb_size(const ProgressiveMesh& mesh, std::span<const Textur
 
 }  // namespace
 
-progressive::MetricKind fitting_metric(const WedgeAttributes& attributes, const std::filesystem::path& path) {
-  const bool normals = !attributes.normal.empty() && lower_extension(path) != ".lpm";
-  const bool kept = normals || !attributes.colour.empty() || !attributes.uv.empty();
-  return kept ? progressive::MetricKind::attribute_quadric : progressive::MetricKind::quadric;
+bool keeps_normals(const std::filesystem::path& path) { return lower_extension(path) != ".lpm"; }
+
+progressive::MetricKind fitting_metric(const WedgeAttributes& attributes) {
+  const bool any = !attributes.normal.empty() || !attributes.colour.empty() || !attributes.uv.empty();
+  return any ? progressive::MetricKind::attribute_quadric : progressive::MetricKind::quadric;
 }
 
 ProgressiveFileSize save_progressive(const ProgressiveMesh& mesh, const std::filesystem::path& path,

@@ -24,11 +24,14 @@ struct ProgressiveFileSize {
   double finest_error = 0;   // ProgressiveMesh::finest_error of the mesh that a reader gets
 };
 
-// The metric for a mesh that becomes a file of this name: attribute_quadric if the file keeps attributes that vary over
-// the surface (normals, which .lpm does not have, colours, texture coordinates), for these slide and smear where
-// geometry alone decides; otherwise quadric, which is nearer to the surface.
-[[nodiscard]] progressive::MetricKind fitting_metric(const WedgeAttributes& attributes,
-                                                     const std::filesystem::path& path);
+// False for .lpm. Normals are then to be left out before a mesh is made progressive: they would cut it at their seams, and
+// keep vertices where they turn at the price of the shape, for nothing.
+[[nodiscard]] bool keeps_normals(const std::filesystem::path& path);
+
+// The metric for a mesh with these attributes: attribute_quadric if any of them vary over the surface (normals, colours,
+// texture coordinates), for these slide and smear where geometry alone decides; otherwise quadric, which is nearer to
+// the surface.
+[[nodiscard]] progressive::MetricKind fitting_metric(const WedgeAttributes& attributes);
 
 // The extension, in upper or lower case, decides on the format. The file is written completely or not at all. Throws
 // UnsupportedError for other extensions, FileError if it cannot be written. The runner makes the thumbnails.

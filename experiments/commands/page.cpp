@@ -138,10 +138,11 @@ class PageWriter {
   void make(const std::string& input, const fs::path& output) {
     Repairs repairs;
     RawMesh raw = load_mesh(input, scheduler_, read_config(options_.reading, {input}));
+    if (!keeps_normals(output)) raw.wedges.normal.clear();
     const bool textured = !raw.wedges.uv.empty();
     IndexedMesh mesh = prepare_mesh(std::move(raw), repairs, scheduler_, input);
     ProgressiveConfig config;
-    config.metric = options_.metric ? progressive::metric_kind(*options_.metric) : fitting_metric(mesh.wedges, output);
+    config.metric = options_.metric ? progressive::metric_kind(*options_.metric) : fitting_metric(mesh.wedges);
     if (config.metric == progressive::MetricKind::parametric && !textured)
       config.metric = progressive::MetricKind::quadric;
     ProgressiveReport report;

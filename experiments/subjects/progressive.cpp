@@ -65,11 +65,11 @@ ProgressiveResult run(const ProgressiveJob& job, Scheduler& scheduler) {
   ProgressiveResult result;
   job.on_phase("reading");
   RawMesh raw = load_mesh(job.input, scheduler, job.reading);
-  if (!job.normals) raw.wedges.normal.clear();
+  if (!job.normals || !keeps_normals(job.output)) raw.wedges.normal.clear();
   result.warnings = std::move(raw.warnings);
   IndexedMesh mesh = prepare_mesh(std::move(raw), result.repairs, scheduler, job.input);
   job.on_phase("collapsing");
-  result.metric = job.metric.value_or(fitting_metric(mesh.wedges, job.output));
+  result.metric = job.metric.value_or(fitting_metric(mesh.wedges));
   ProgressiveConfig config = job.config;
   config.metric = result.metric;
   const CpuClock clock;

@@ -19,7 +19,7 @@ namespace lodestone {
 struct ProgressiveJob {
   std::string input, output;
   ReadConfig reading;
-  bool normals = true;  // of the input; they make every edge a seam where faces are shaded flat
+  bool normals = true;  // of the input, if the output keeps them; they make every edge a seam where faces are shaded flat
   std::optional<progressive::MetricKind> metric;  // none: fitting_metric()
   ProgressiveConfig config;                       // but for the metric
   ProgressiveFileConfig file;

@@ -84,8 +84,20 @@ class Progressive(CommandCase):
                 normals.append("vn 0 %g 1" % (len(normals) / 100))
                 faces.append("f " + " ".join(f"{v}//{len(normals)}" for v in corners))
         (self.folder / "flat.obj").write_text("\n".join(lines + normals + faces) + "\n")
-        self.assertGreater(self.results("progressive", "flat.obj", "-o", "a.lpm")["base_triangles"], 150)
-        self.assertLess(self.results("progressive", "flat.obj", "-o", "b.lpm", "--no-normals")["base_triangles"], 10)
+        self.assertGreater(self.results("progressive", "flat.obj", "-o", "a.glb")["base_triangles"], 150)
+        self.assertLess(self.results("progressive", "flat.obj", "-o", "b.glb", "--no-normals")["base_triangles"], 10)
+        self.assertLess(self.results("progressive", "flat.obj", "-o", "c.lpm")["base_triangles"], 10)  # has none
+
+    def test_attributes_leave_the_shape(self):
+        # Normals at the price of the shape made spikes of knees and elbows: 1.4 (.lpm) and 1.7 (.glb) times as far.
+        def distance(output, *options):
+            self.lodestone("progressive", TEXTURED, "-o", output, *options)
+            self.lodestone("lod", output, "--triangles", 1200, "-o", "level.ply")
+            return self.results("compare", TEXTURED, "level.ply")["rms"]
+
+        shape = distance("shape.lpm", "--metric", "quadric")
+        self.assertLess(distance("textured.lpm"), 1.1 * shape)
+        self.assertLess(distance("textured.glb"), 1.3 * shape)
 
     def test_textured_models_and_the_validator(self):
         for metric in ("quadric", "attribute-quadric", "parametric"):

@@ -21,7 +21,7 @@ enum class MetricKind : std::uint32_t { quadric = 0, attribute_quadric = 1, para
 
 // Weights of attributes for attribute_quadric, as lengths in extents of the model; 0 if they do not count.
 struct AttributeWeights {
-  double normal = 0.02;  // for a normal turned by a radian
+  double normal = 0.01;  // for a normal turned by a radian
   double colour = 0.05;  // for a channel that goes from nothing to full
   double uv = 0.5;       // times the distance that the texture slides on the surface
 };
