@@ -34,11 +34,15 @@ Legend overdraw_counts() {
 Legend errors_in(const ErrorRange& range) {
   Legend legend{"stored error", {{error_colour(0), "0, the input"}}};
   if (!(range.most > 0)) return legend;
-  for (int step = 1; step <= error_steps; step += 3) {
+  const auto add = [&](int step, double error) {
     char label[32];
-    std::snprintf(label, sizeof label, "%.2g", error_of_step(step, range));
+    std::snprintf(label, sizeof label, "%.2g", error);
     legend.entries.push_back({error_colour(step), label});
-  }
+  };
+  if (!(range.most > range.least))
+    add(error_step(range.most, range), range.most);
+  else
+    for (int step = 1; step <= error_steps; step += 3) add(step, error_of_step(step, range));
   return legend;
 }
 

@@ -52,7 +52,7 @@ void edit_clip(ClipChoice& clip) {
     ImGui::RadioButton(letter, &clip.axis, axis);
   }
   ImGui::SameLine();
-  ImGui::Checkbox("other side", &clip.other);
+  ImGui::Checkbox("flip", &clip.other);
   if (ImGui::SliderFloat("place", &clip.place, -1, 1, "%.3f")) clip.on = true;
 }
 

@@ -54,6 +54,11 @@ TEST(Legend, ErrorsReplaceLevels) {
   for (std::size_t k = 1; k < legends[0].entries.size(); ++k)
     EXPECT_EQ(legends[0].entries[k].colour, error_colour(error_step(std::stod(legends[0].entries[k].label), range)));
   EXPECT_EQ(legends[0].entries.back().colour, error_colour(error_steps));
+  const ErrorRange single{0.5, 0.5};  // of a model with one coarse cell
+  const Legend one = legends_of(settings, frame_of(selection), single).front();
+  ASSERT_EQ(one.entries.size(), 2u);
+  EXPECT_EQ(one.entries.back().label, "0.5");
+  EXPECT_EQ(one.entries.back().colour, error_colour(error_step(0.5, single)));
 }
 
 TEST(Legend, CountsReplaceAllElse) {
