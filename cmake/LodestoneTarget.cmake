@@ -1,6 +1,6 @@
 # Compiler options of every target of the project, in one place.
 
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
 if(LODESTONE_ASSERTIONS)
@@ -17,6 +17,7 @@ endif()
 # multiply-add in one place but not in the other would break it (docs/architecture.md). Users of the installed package
 # get the flag, too: they compile the inline distance functions.
 function(lodestone_properties target)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_features(${target} PUBLIC cxx_std_20)
   set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion)
@@ -34,7 +35,7 @@ function(lodestone_library name)
   add_library(lodestone_${name})
   add_library(lodestone::${name} ALIAS lodestone_${name})
   set_target_properties(lodestone_${name} PROPERTIES EXPORT_NAME ${name} DEFINE_SYMBOL "")
-  target_include_directories(lodestone_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-                                                      $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/lodestone>)
+  target_include_directories(lodestone_${name} INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+                                                         $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   lodestone_properties(lodestone_${name})
 endfunction()

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/known_names.h"
 #include "render/backends/soft/soft_renderer.h"
+#include "render/position_map/map_renderer.h"
 #include "render/position_map/rasterize_map.h"
 #if LODESTONE_GL
 #include "render/backends/gl/gl_position_map.h"

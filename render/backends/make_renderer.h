@@ -7,9 +7,10 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/frame/renderer.h"
-#include "render/position_map/map_renderer.h"
 
 namespace lodestone {
+
+class MapRenderer;  // render/position_map/map_renderer.h
 
 // "soft", "gl", "null". Throws InputError for another name, UnsupportedError (naming the missing part) when the backend
 // cannot run here. The scheduler must outlive the renderer.

@@ -1,15 +1,19 @@
-# Installs the package to a temporary prefix and builds and runs a consumer that knows nothing but that prefix.
+# Installs the package to a temporary prefix and builds and runs consumers that know nothing but that prefix, by CMake, by
+# pkg-config, and by components; takes the sources into another project; makes and unpacks the packages of cpack.
 set(package_folder ${CMAKE_CURRENT_BINARY_DIR}/package)
 set(consumer_flags)
 if(LODESTONE_SANITIZE)   # sanitized static libraries link only into a sanitized program
   set(consumer_flags -DCMAKE_CXX_FLAGS=-fsanitize=${LODESTONE_SANITIZE})
 endif()
 
-# package_step(NAME [AFTER step] COMMAND ...)
+# package_step(NAME [AFTER step] [FAILS_WITH text] COMMAND ...)
 function(package_step name)
-  cmake_parse_arguments(arg "" "AFTER" "COMMAND" ${ARGN})
+  cmake_parse_arguments(arg "" "AFTER;FAILS_WITH" "COMMAND" ${ARGN})
   add_test(NAME package.${name} COMMAND ${arg_COMMAND})
   set_tests_properties(package.${name} PROPERTIES LABELS package TIMEOUT 300 FIXTURES_SETUP package_${name})
+  if(arg_FAILS_WITH)
+    set_tests_properties(package.${name} PROPERTIES PASS_REGULAR_EXPRESSION "${arg_FAILS_WITH}")
+  endif()
   if(arg_AFTER)
     set_tests_properties(package.${name} PROPERTIES FIXTURES_REQUIRED package_${arg_AFTER})
   endif()
@@ -27,3 +31,55 @@ package_step(run AFTER build COMMAND ${package_folder}/build/consumer)
 package_step(report AFTER install
              COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/tests/commands/test_installed_report.py
                      ${package_folder}/prefix/${CMAKE_INSTALL_BINDIR}/lodestone)
+
+# One layer, on a machine that lacks what the others need.
+set(configure_consumer ${CMAKE_COMMAND} -G ${CMAKE_GENERATOR} -DCMAKE_BUILD_TYPE=Release ${consumer_flags}
+                       -DCMAKE_PREFIX_PATH=${package_folder}/prefix -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER})
+set(without)
+foreach(other TBB OpenEXR glfw3 fmt OpenSSL CLI11)
+  list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${other}=ON)
+endforeach()
+package_step(core AFTER install COMMAND ${configure_consumer} -DLAYER=core ${without} -B ${package_folder}/core
+                                        -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
+package_step(core_build AFTER core COMMAND ${CMAKE_COMMAND} --build ${package_folder}/core)
+package_step(core_run AFTER core_build COMMAND ${package_folder}/core/component)
+package_step(no_layer AFTER install FAILS_WITH "lodestone_runtime_FOUND|not found.*runtime|runtime"
+             COMMAND ${configure_consumer} -DLAYER=runtime -B ${package_folder}/no_layer
+                     -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
+package_step(no_dependency AFTER install FAILS_WITH "could not be found because dependency TBB"
+             COMMAND ${configure_consumer} -DLAYER=parallel ${without} -B ${package_folder}/no_dependency
+                     -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
+
+# The same consumer without CMake.
+find_program(PKG_CONFIG_PROGRAM pkg-config)
+if(PKG_CONFIG_PROGRAM AND NOT LODESTONE_SANITIZE)
+  package_step(pkg_config AFTER install
+    COMMAND sh -c "${CMAKE_CXX_COMPILER} -O1 $2 $(PKG_CONFIG_PATH=$1 pkg-config --cflags --libs lodestone-render) -o $3 && $3" sh
+            ${package_folder}/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig ${CMAKE_CURRENT_SOURCE_DIR}/consumer/main.cpp
+            ${package_folder}/by_pkg_config)
+endif()
+
+# Within another project: no warning, and nothing to install.
+package_step(embedded AFTER clean
+  COMMAND sh -c "$1 -S $2 -B $3 -DLODESTONE_SOURCE=$4 2>&1 >/dev/null | tee /dev/stderr | grep -q . && exit 1; $1 --install $3 --prefix $3/prefix && test ! -e $3/prefix"
+          sh ${CMAKE_COMMAND} ${CMAKE_CURRENT_SOURCE_DIR}/embedded ${package_folder}/embedded ${PROJECT_SOURCE_DIR})
+# The libraries alone, where what the command needs is missing.
+package_step(without_experiments AFTER clean
+  COMMAND ${CMAKE_COMMAND} -G ${CMAKE_GENERATOR} -S ${PROJECT_SOURCE_DIR} -B ${package_folder}/libraries
+          -DLODESTONE_EXPERIMENTS=OFF -DCMAKE_DISABLE_FIND_PACKAGE_CLI11=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON
+          -DCMAKE_DISABLE_FIND_PACKAGE_OpenSSL=ON -DCMAKE_DISABLE_FIND_PACKAGE_GTest=ON)
+
+# The packages of cpack, unpacked and run.
+find_program(DPKG_DEB dpkg-deb)
+if(DPKG_DEB AND NOT LODESTONE_SANITIZE AND NOT BUILD_SHARED_LIBS)
+  package_step(debian AFTER clean COMMAND ${CMAKE_CPACK_COMMAND} -G DEB -B ${package_folder}/packages
+                                          --config ${PROJECT_BINARY_DIR}/CPackConfig.cmake)
+  package_step(debian_run AFTER debian COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/test_packages.py
+                                               ${package_folder}/packages ${PROJECT_VERSION})
+  package_step(source AFTER clean COMMAND ${CMAKE_CPACK_COMMAND} -B ${package_folder}/source
+                                          --config ${PROJECT_BINARY_DIR}/CPackSourceConfig.cmake)
+  package_step(source_unpack AFTER source
+    COMMAND ${CMAKE_COMMAND} -E chdir ${package_folder}/source ${CMAKE_COMMAND} -E tar xf lodestone-${PROJECT_VERSION}.tar.gz)
+  package_step(source_configure AFTER source_unpack
+    COMMAND ${CMAKE_COMMAND} --preset release -S ${package_folder}/source/lodestone-${PROJECT_VERSION})
+endif()

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/hierarchy/construct/facing_normal.h"
+#include "core/hierarchy/model/pack_normals.h"
 
 namespace lodestone {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/prefetch.h"
+#include "core/hierarchy/model/pack_normals.h"
 
 namespace lodestone {
 namespace {

@@ -14,21 +14,11 @@
 #include "core/base/id.h"
 #include "core/hierarchy/model/cell_code.h"
 #include "core/hierarchy/model/distance_metric.h"
+#include "core/hierarchy/model/packed_normal.h"
 #include "core/math/box3.h"
-#include "core/math/lanes/float4.h"
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
-
-// A unit normal as two 16-bit signed octahedral coordinates (Meyer et al. 2010): 4 bytes, error below 0.004 degrees.
-struct PackedNormal {
-  std::int16_t u = 0, v = 0;
-  friend constexpr bool operator==(const PackedNormal&, const PackedNormal&) = default;
-};
-[[nodiscard]] PackedNormal pack_normal(Vec3f n);  // n need not be of unit length; zero gives +z
-void pack_normals(std::span<const Float4> n,
-                  std::span<PackedNormal> packed);       // the same bits; packed has at least the length of n
-[[nodiscard]] Vec3f unpack_normal(PackedNormal packed);  // of unit length within rounding
 
 inline constexpr CellId no_cell{0xffff'ffffu};
 

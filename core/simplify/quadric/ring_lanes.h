@@ -6,6 +6,7 @@
 #include <immintrin.h>
 #endif
 
+#include "core/base/instruction_set.h"
 #include "core/simplify/quadric/block_arrays.h"
 
 namespace lodestone::quadric {

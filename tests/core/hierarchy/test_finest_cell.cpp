@@ -7,6 +7,7 @@
 
 #include "core/hierarchy/construct/cell_build.h"
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/hierarchy/model/pack_normals.h"
 
 namespace lodestone {
 namespace {

@@ -2,9 +2,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "parallel/hierarchy/build.h"
-#include "render/lod/morph.h"
-#include "render/lod/selection.h"
+#include "core/math/vec3.h"
+#include "lodestone/parallel/hierarchy/build.h"
+#include "lodestone/render/lod/morph.h"
+#include "lodestone/render/lod/selection.h"
 
 using namespace lodestone;
 
@@ -29,6 +30,7 @@ IndexedMesh height_field(std::uint32_t n) {
 }  // namespace
 
 int main() {
+  static_assert(sizeof(OwnVector) == sizeof(double));
   const auto scheduler = make_tbb_scheduler();
   const Hierarchy hierarchy = build_hierarchy(height_field(200), {.finest_level = 4}, *scheduler);
   const Radii radii = make_radii(hierarchy, {.kappa0 = 1.0f});

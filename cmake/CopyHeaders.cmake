@@ -1,0 +1,10 @@
+# cmake -P CopyHeaders.cmake FROM TO HEADER...: copies headers with the prefix lodestone/ before the names that they include.
+math(EXPR last "${CMAKE_ARGC} - 1")
+set(from ${CMAKE_ARGV3})
+set(to ${CMAKE_ARGV4})
+foreach(number RANGE 5 ${last})
+  set(header ${CMAKE_ARGV${number}})
+  file(READ ${from}/${header} text)
+  string(REPLACE "\n#include \"" "\n#include \"lodestone/" text "${text}")
+  file(WRITE ${to}/${header} "${text}")
+endforeach()

@@ -1,0 +1,17 @@
+# Runs at installation: writes what the program says about itself below the prefix.
+function(lodestone_install_manual program man_folder data_folder)
+  set(prefix "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}")
+  function(run)
+    execute_process(COMMAND ${program} ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
+  endfunction()
+  run(manual --output "${prefix}/${man_folder}/man1")
+  foreach(target bash:bash-completion/completions/lodestone zsh:zsh/site-functions/_lodestone
+                 fish:fish/vendor_completions.d/lodestone.fish)
+    string(REGEX MATCH "^([a-z]+):(.*)/(.*)$" ignored "${target}")
+    set(folder "${prefix}/${data_folder}/${CMAKE_MATCH_2}")
+    set(file "${folder}/${CMAKE_MATCH_3}")
+    file(MAKE_DIRECTORY "${folder}")
+    execute_process(COMMAND ${program} completion ${CMAKE_MATCH_1} OUTPUT_FILE "${file}" COMMAND_ERROR_IS_FATAL ANY)
+    message(STATUS "Installing: ${file}")
+  endforeach()
+endfunction()

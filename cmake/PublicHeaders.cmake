@@ -1,0 +1,73 @@
+# What a program outside of the tree includes, as "lodestone/render/lod/morph.h": these headers and those that they
+# include, copied below build/PRESET/include with the prefix before every name. No other header is installed, and the
+# sources, which use the names without prefix, never see the copies. lodestone/lodestone.h has them all.
+set(public_core
+  core/base/error.h
+  core/base/version.h
+  core/hierarchy/lode/lode_file.h
+  core/hierarchy/model/hierarchy.h
+  core/hierarchy/model/level_mesh.h
+  core/hierarchy/verify/verify.h
+  core/mesh/generate.h)
+set(public_parallel
+  parallel/clean/prepare.h
+  parallel/hierarchy/build.h
+  parallel/hierarchy/save.h
+  parallel/mesh/compare.h
+  parallel/mesh/load.h
+  parallel/scheduler/scheduler.h)
+set(public_render
+  render/backends/make_renderer.h
+  render/camera/camera.h
+  render/frame/image.h
+  render/lod/morph.h
+  render/lod/selection.h)
+set(public_experiments
+  experiments/metrics/cracks/cracks.h
+  experiments/metrics/pops/pops.h)
+
+set(public_layers core parallel render)
+if(LODESTONE_EXPERIMENTS)
+  list(APPEND public_layers experiments)
+endif()
+
+# The headers named, and all that they include from here.
+function(lodestone_with_included out)
+  set(found)
+  set(open ${ARGN})
+  while(open)
+    list(POP_FRONT open header)
+    if(header IN_LIST found)
+      continue()
+    endif()
+    list(APPEND found ${header})
+    file(STRINGS ${PROJECT_SOURCE_DIR}/${header} lines REGEX "^#include \"")
+    list(TRANSFORM lines REPLACE "^#include \"(.*)\".*" "\\1")
+    list(APPEND open ${lines})
+  endwhile()
+  list(SORT found)
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
+
+set(umbrella "// All public headers.\n#pragma once\n\n")
+set(named)
+foreach(layer ${public_layers})
+  list(APPEND named ${public_${layer}})
+  foreach(header ${public_${layer}})
+    string(APPEND umbrella "#include \"lodestone/${header}\"\n")
+  endforeach()
+endforeach()
+set(LODESTONE_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
+file(CONFIGURE OUTPUT ${LODESTONE_INCLUDE_DIR}/lodestone/lodestone.h CONTENT "${umbrella}" @ONLY)
+lodestone_with_included(LODESTONE_PUBLIC_HEADERS ${named})
+
+list(TRANSFORM LODESTONE_PUBLIC_HEADERS PREPEND ${LODESTONE_INCLUDE_DIR}/lodestone/ OUTPUT_VARIABLE copies)
+list(TRANSFORM LODESTONE_PUBLIC_HEADERS PREPEND ${PROJECT_SOURCE_DIR}/ OUTPUT_VARIABLE originals)
+add_custom_command(OUTPUT ${copies} DEPENDS ${originals} ${CMAKE_CURRENT_LIST_DIR}/CopyHeaders.cmake VERBATIM
+  COMMAND ${CMAKE_COMMAND} -P ${CMAKE_CURRENT_LIST_DIR}/CopyHeaders.cmake ${PROJECT_SOURCE_DIR}
+          ${LODESTONE_INCLUDE_DIR}/lodestone ${LODESTONE_PUBLIC_HEADERS}
+  COMMENT "Copying public headers")
+add_custom_target(lodestone_headers DEPENDS ${copies})
+foreach(layer ${public_layers})
+  add_dependencies(lodestone_${layer} lodestone_headers)
+endforeach()
