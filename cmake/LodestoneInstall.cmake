@@ -1,12 +1,12 @@
 # `cmake --install` gives two components. `program`: the command with its manual, its completions, the report's package and
-# the web page. `development`: a package that find_package(lodestone) and pkg-config use, with targets lodestone::core,
+# the web page. `development`: a package that find_package(lodestone) and pkg-config use, with targets lodestone::runtime, ::core,
 # ::parallel, ::render and ::experiments, each with its own dependencies alone, and the public headers below
 # include/lodestone.
 include(CMakePackageConfigHelpers)
 include(LodestoneDependencies)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/lodestone)
-set(LODESTONE_LAYERS ${public_layers})
+set(LODESTONE_LAYERS runtime ${public_layers})
 
 # The libraries of a layer, its headers, and files that find them.
 file(RELATIVE_PATH LODESTONE_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)   # an installed tree may be moved
@@ -35,7 +35,9 @@ foreach(layer ${LODESTONE_LAYERS})
   configure_file(${CMAKE_CURRENT_LIST_DIR}/lodestone.pc.in ${PROJECT_BINARY_DIR}/lodestone-${layer}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/lodestone-${layer}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
           COMPONENT development)
-  set(before lodestone-${layer})
+  if(NOT layer STREQUAL runtime)   # which no other stands on
+    set(before lodestone-${layer})
+  endif()
 endforeach()
 
 install(DIRECTORY ${LODESTONE_INCLUDE_DIR}/lodestone DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)

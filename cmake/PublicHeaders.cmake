@@ -1,6 +1,14 @@
 # What a program outside of the tree includes, as "lodestone/render/lod/morph.h": these headers and those that they
 # include, copied below build/PRESET/include with the prefix before every name. No other header is installed, and the
-# sources, which use the names without prefix, never see the copies. lodestone/lodestone.h has them all.
+# sources, which use the names without prefix, never see the copies. lodestone/lodestone.h has them all,
+# lodestone/runtime.h those of the component runtime.
+set(public_runtime
+  core/base/error.h
+  core/hierarchy/lode/lode_file.h
+  parallel/streaming/cell_stream.h
+  render/lod/morph.h
+  render/lod/resident_cells.h
+  render/lod/selection.h)
 set(public_core
   core/base/error.h
   core/base/version.h
@@ -15,12 +23,14 @@ set(public_parallel
   parallel/hierarchy/save.h
   parallel/mesh/compare.h
   parallel/mesh/load.h
-  parallel/scheduler/scheduler.h)
+  parallel/scheduler/scheduler.h
+  parallel/streaming/cell_stream.h)
 set(public_render
   render/backends/make_renderer.h
   render/camera/camera.h
   render/frame/image.h
   render/lod/morph.h
+  render/lod/resident_cells.h
   render/lod/selection.h)
 set(public_experiments
   experiments/metrics/cracks/cracks.h
@@ -49,16 +59,21 @@ function(lodestone_with_included out)
   set(${out} ${found} PARENT_SCOPE)
 endfunction()
 
-set(umbrella "// All public headers.\n#pragma once\n\n")
+set(LODESTONE_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
+function(lodestone_umbrella name)
+  set(text "// All public headers of ${name}.\n#pragma once\n\n")
+  foreach(header ${ARGN})
+    string(APPEND text "#include \"lodestone/${header}\"\n")
+  endforeach()
+  file(CONFIGURE OUTPUT ${LODESTONE_INCLUDE_DIR}/lodestone/${name}.h CONTENT "${text}" @ONLY)
+endfunction()
+
 set(named)
 foreach(layer ${public_layers})
   list(APPEND named ${public_${layer}})
-  foreach(header ${public_${layer}})
-    string(APPEND umbrella "#include \"lodestone/${header}\"\n")
-  endforeach()
 endforeach()
-set(LODESTONE_INCLUDE_DIR ${PROJECT_BINARY_DIR}/include)
-file(CONFIGURE OUTPUT ${LODESTONE_INCLUDE_DIR}/lodestone/lodestone.h CONTENT "${umbrella}" @ONLY)
+lodestone_umbrella(lodestone ${named})
+lodestone_umbrella(runtime ${public_runtime})
 lodestone_with_included(LODESTONE_PUBLIC_HEADERS ${named})
 
 list(TRANSFORM LODESTONE_PUBLIC_HEADERS PREPEND ${LODESTONE_INCLUDE_DIR}/lodestone/ OUTPUT_VARIABLE copies)
@@ -68,6 +83,6 @@ add_custom_command(OUTPUT ${copies} DEPENDS ${originals} ${CMAKE_CURRENT_LIST_DI
           ${LODESTONE_INCLUDE_DIR}/lodestone ${LODESTONE_PUBLIC_HEADERS}
   COMMENT "Copying public headers")
 add_custom_target(lodestone_headers DEPENDS ${copies})
-foreach(layer ${public_layers})
+foreach(layer runtime ${public_layers})
   add_dependencies(lodestone_${layer} lodestone_headers)
 endforeach()

@@ -6,13 +6,13 @@ if(LODESTONE_SANITIZE)   # sanitized static libraries link only into a sanitized
   set(consumer_flags -DCMAKE_CXX_FLAGS=-fsanitize=${LODESTONE_SANITIZE})
 endif()
 
-# package_step(NAME [AFTER step] [FAILS_WITH text] COMMAND ...)
+# package_step(NAME [AFTER step] [SAYS text] COMMAND ...)
 function(package_step name)
-  cmake_parse_arguments(arg "" "AFTER;FAILS_WITH" "COMMAND" ${ARGN})
+  cmake_parse_arguments(arg "" "AFTER;SAYS" "COMMAND" ${ARGN})
   add_test(NAME package.${name} COMMAND ${arg_COMMAND})
   set_tests_properties(package.${name} PROPERTIES LABELS package TIMEOUT 300 FIXTURES_SETUP package_${name})
-  if(arg_FAILS_WITH)
-    set_tests_properties(package.${name} PROPERTIES PASS_REGULAR_EXPRESSION "${arg_FAILS_WITH}")
+  if(arg_SAYS)
+    set_tests_properties(package.${name} PROPERTIES PASS_REGULAR_EXPRESSION "${arg_SAYS}")
   endif()
   if(arg_AFTER)
     set_tests_properties(package.${name} PROPERTIES FIXTURES_REQUIRED package_${arg_AFTER})
@@ -43,12 +43,28 @@ package_step(core AFTER install COMMAND ${configure_consumer} -DLAYER=core ${wit
                                         -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
 package_step(core_build AFTER core COMMAND ${CMAKE_COMMAND} --build ${package_folder}/core)
 package_step(core_run AFTER core_build COMMAND ${package_folder}/core/component)
-package_step(no_layer AFTER install FAILS_WITH "lodestone_runtime_FOUND|not found.*runtime|runtime"
-             COMMAND ${configure_consumer} -DLAYER=runtime -B ${package_folder}/no_layer
+package_step(no_layer AFTER install SAYS "engine"
+             COMMAND ${configure_consumer} -DLAYER=engine -B ${package_folder}/no_layer
                      -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
-package_step(no_dependency AFTER install FAILS_WITH "could not be found because dependency TBB"
+package_step(no_dependency AFTER install SAYS "could not be found because dependency TBB"
              COMMAND ${configure_consumer} -DLAYER=parallel ${without} -B ${package_folder}/no_dependency
                      -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
+
+# The examples for engines, where nothing that builds or draws can be found.
+package_step(examples AFTER install COMMAND ${configure_consumer} ${without} -DCMAKE_DISABLE_FIND_PACKAGE_glfw3=OFF
+                                            -B ${package_folder}/examples -S ${PROJECT_SOURCE_DIR}/examples/runtime)
+package_step(examples_build AFTER examples COMMAND ${CMAKE_COMMAND} --build ${package_folder}/examples)
+package_step(examples_model AFTER examples_build
+  COMMAND sh -ec "$1 generate sphere --triangles 100000 -o $2.ply --quiet; $1 build $2.ply -o $2.lode --quiet"
+          sh $<TARGET_FILE:lodestone> ${package_folder}/examples/sphere)
+set(sphere ${package_folder}/examples/sphere.lode)
+package_step(examples_fly AFTER examples_model COMMAND ${package_folder}/examples/fly ${sphere})
+package_step(examples_stream AFTER examples_model COMMAND ${package_folder}/examples/stream ${sphere} 1)
+find_program(XVFB_RUN xvfb-run)
+if(XVFB_RUN AND NOT LODESTONE_SANITIZE)
+  package_step(examples_window AFTER examples_model SAYS "the last frame is [1-9]"
+               COMMAND ${XVFB_RUN} -a -s "-screen 0 1280x1024x24" ${package_folder}/examples/window ${sphere} 3)
+endif()
 
 # The same consumer without CMake.
 find_program(PKG_CONFIG_PROGRAM pkg-config)

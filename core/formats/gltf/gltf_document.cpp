@@ -8,6 +8,7 @@
 #include "core/files/scalar.h"
 #include "core/files/text_scanner.h"
 #include "core/formats/gltf/gltf_meshopt.h"
+#include "core/formats/gltf/gltf_surface.h"
 
 namespace lodestone {
 namespace {
@@ -144,11 +145,6 @@ std::span<const char> GltfDocument::part_of_buffer(const JsonView& range) {
                    " of a buffer of " + std::to_string(whole.size()) + " bytes",
                truncated);
   return whole.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
-}
-
-std::optional<JsonView> extension(const JsonView& value, const char* name) {
-  const std::optional<JsonView> extensions = value.find("extensions");
-  return extensions ? extensions->find(name) : std::nullopt;
 }
 
 Affine3d affine_of(const JsonView& matrix) {

@@ -64,9 +64,6 @@ class GltfDocument {
   std::uint64_t decompressed_bytes_ = 0;
 };
 
-// A member of the extensions of an object.
-[[nodiscard]] std::optional<JsonView> extension(const JsonView& value, const char* name);
-
 // A 4 x 4 matrix by columns. Throws InputError when its last row is not (0, 0, 0, 1).
 [[nodiscard]] Affine3d affine_of(const JsonView& matrix);
 

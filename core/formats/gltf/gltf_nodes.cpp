@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/formats/gltf/gltf_accessor.h"
+#include "core/formats/gltf/gltf_surface.h"
 
 namespace lodestone {
 namespace {

@@ -13,6 +13,7 @@
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"
 #include "core/formats/gltf/gltf_nodes.h"
+#include "core/formats/gltf/gltf_surface.h"
 #include "core/formats/plain/draco.h"
 #include "core/mesh/raw_mesh.h"
 #include "core/texture/colour.h"

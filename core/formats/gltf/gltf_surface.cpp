@@ -5,7 +5,7 @@
 #include <limits>
 #include <string_view>
 
-#include "core/formats/gltf/gltf_document.h"
+#include "core/files/json_view.h"
 
 namespace lodestone {
 namespace {
@@ -118,6 +118,11 @@ AlphaMode read_alpha_mode(const JsonView& source) {
 }
 
 }  // namespace
+
+std::optional<JsonView> extension(const JsonView& value, const char* name) {
+  const std::optional<JsonView> extensions = value.find("extensions");
+  return extensions ? extensions->find(name) : std::nullopt;
+}
 
 UvTransform read_uv_transform(const JsonView& info) {
   UvTransform out;

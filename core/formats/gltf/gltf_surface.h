@@ -4,12 +4,16 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "core/files/json_view.h"
 #include "core/mesh/material.h"
 
 namespace lodestone {
+
+// A member of the extensions of an object.
+[[nodiscard]] std::optional<JsonView> extension(const JsonView& value, const char* name);
 
 // The texture that a textureInfo names and its place on the mesh; no_texture to leave it out.
 using ReadTexture = std::function<PlacedTexture(const JsonView& info)>;
