@@ -3,8 +3,8 @@
 // On thin parts and in folds that are left of finer levels a vertex has triangles that face far apart, and the mean of
 // their normals is more than 60 degrees off some, which are lit as if they were elsewhere. The centre of the smallest
 // cap of the sphere that holds the normals is within 60 degrees of all of them if anything is; it is approached by steps
-// towards the farthest (badoiu2003). Where no normal is that near to all, the smallest triangles are given up, one by
-// one, since the least of the picture shows them.
+// towards the farthest (badoiu2003). Where no normal is that near to all, the smallest triangles are given up, since
+// the least of the picture shows them.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ namespace lodestone {
 
 // triangles: the cross products of two sides of each; their lengths are twice the areas. Returns a direction of unit
 // length that is within 60 degrees of all triangles but those given up, or zero if no triangle has an area.
-// O(n^2) for n triangles, O(n) where all have a normal in common.
+// O(n log n) for n triangles, O(n) where all have a normal in common.
 [[nodiscard]] Vec3d facing_normal(const std::vector<Vec3d>& triangles);
 
 }  // namespace lodestone
