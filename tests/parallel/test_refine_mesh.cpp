@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "core/base/error.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/clean.h"
 #include "core/mesh/generate.h"

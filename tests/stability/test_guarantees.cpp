@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "core/base/error.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/verify/verify.h"
 #include "core/mesh/edge_census.h"

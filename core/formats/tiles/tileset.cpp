@@ -14,6 +14,7 @@
 #include "core/formats/common/companion_files.h"
 #include "core/formats/gltf/gltf.h"
 #include "core/formats/gltf/gltf_document.h"
+#include "core/formats/gltf/gltf_surface.h"
 #include "core/math/box3.h"
 #include "core/mesh/raw_mesh.h"
 
