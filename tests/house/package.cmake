@@ -55,7 +55,7 @@ package_step(examples AFTER install COMMAND ${configure_consumer} ${without} -DC
                                             -B ${package_folder}/examples -S ${PROJECT_SOURCE_DIR}/examples/runtime)
 package_step(examples_build AFTER examples COMMAND ${CMAKE_COMMAND} --build ${package_folder}/examples)
 package_step(examples_model AFTER examples_build
-  COMMAND sh -ec "$1 generate sphere --triangles 100000 -o $2.ply --quiet; $1 build $2.ply -o $2.lode --quiet"
+  COMMAND sh -ec "$1 generate sphere --triangles 100000 -o $2.ply --quiet && $1 build $2.ply -o $2.lode --quiet"
           sh $<TARGET_FILE:lodestone> ${package_folder}/examples/sphere)
 set(sphere ${package_folder}/examples/sphere.lode)
 package_step(examples_fly AFTER examples_model COMMAND ${package_folder}/examples/fly ${sphere})
