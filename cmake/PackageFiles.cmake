@@ -1,5 +1,6 @@
 # cpack reads this first. For a tarball: the tree as it is committed, without what lies beside it.
 if(CPACK_SOURCE_INSTALLED_DIRECTORIES AND CPACK_GENERATOR MATCHES "TGZ")
+  set(CPACK_PACKAGING_INSTALL_PREFIX /)
   set(folder ${CPACK_LODESTONE_BINARY}/source)
   file(REMOVE_RECURSE ${folder})
   file(MAKE_DIRECTORY ${folder})

@@ -1,4 +1,4 @@
-# What a program outside of the tree includes, as "lodestone/render/lod/morph.h": these headers and those that they
+# A program elsewhere includes "lodestone/render/lod/morph.h" and the like: these headers and those that they
 # include, copied below build/PRESET/include with the prefix before every name. No other header is installed, and the
 # sources, which use the names without prefix, never see the copies. lodestone/lodestone.h has them all,
 # lodestone/runtime.h those of the component runtime.

@@ -43,10 +43,10 @@ package_step(core AFTER install COMMAND ${configure_consumer} -DLAYER=core ${wit
                                         -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
 package_step(core_build AFTER core COMMAND ${CMAKE_COMMAND} --build ${package_folder}/core)
 package_step(core_run AFTER core_build COMMAND ${package_folder}/core/component)
-package_step(no_layer AFTER install SAYS "engine"
+package_step(no_layer AFTER install SAYS "no component engine"
              COMMAND ${configure_consumer} -DLAYER=engine -B ${package_folder}/no_layer
                      -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
-package_step(no_dependency AFTER install SAYS "could not be found because dependency TBB"
+package_step(no_dependency AFTER install SAYS "for module TBB"
              COMMAND ${configure_consumer} -DLAYER=parallel ${without} -B ${package_folder}/no_dependency
                      -S ${CMAKE_CURRENT_SOURCE_DIR}/component)
 
@@ -77,7 +77,7 @@ endif()
 
 # Within another project: no warning, and nothing to install.
 package_step(embedded AFTER clean
-  COMMAND sh -c "$1 -S $2 -B $3 -DLODESTONE_SOURCE=$4 2>&1 >/dev/null | tee /dev/stderr | grep -q . && exit 1; $1 --install $3 --prefix $3/prefix && test ! -e $3/prefix"
+  COMMAND sh -c "! ($1 -S $2 -B $3 -DLODESTONE_SOURCE=$4 2>&1 >/dev/null | grep .) && $1 --install $3 --prefix $3/prefix && test ! -e $3/prefix"
           sh ${CMAKE_COMMAND} ${CMAKE_CURRENT_SOURCE_DIR}/embedded ${package_folder}/embedded ${PROJECT_SOURCE_DIR})
 # The libraries alone, where what the command needs is missing.
 package_step(without_experiments AFTER clean
