@@ -1,7 +1,7 @@
-# `cmake --install` gives two components. `program`: the command with its manual, its completions, the report's package and
-# the web page. `development`: a package that find_package(lodestone) and pkg-config use, with targets lodestone::runtime, ::core,
-# ::parallel, ::render and ::experiments, each with its own dependencies alone, and the public headers below
-# include/lodestone.
+# `cmake --install` gives two components. `program`: the command with its manual, its completions, the report's package
+# and the web page. `development`: a package that find_package(lodestone) and pkg-config use, with targets
+# lodestone::runtime, ::core, ::parallel, ::render and ::experiments, each with its own dependencies alone, and the
+# public headers below include/lodestone.
 include(CMakePackageConfigHelpers)
 include(LodestoneDependencies)
 

@@ -17,7 +17,7 @@ int main(int argc, char** argv) try {
   for (int frame = 0; frame < 40; ++frame) {
     const Vec3f eye{0.5f, 0.5f, 3.5f - 0.07f * static_cast<float>(frame)};
     resident.update(radii, eye);
-    // Where cells are missing, limits hold detail back; selection and morph take the same ones, and nothing cracks.
+    // Missing cells limit the detail around them. The morph has to get the same limits, or the surface cracks.
     select_cells(resident.hierarchy(), radii, eye, {.limits = resident.limits()}, selection);
     if (frame % 8 == 7)
       std::printf("frame %2d: %zu cells drawn, %llu KiB resident, %s\n", frame, selection.cells.size(),

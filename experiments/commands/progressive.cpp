@@ -112,8 +112,10 @@ OptionTable declare(ProgressiveOptions& o) {
         "Default: attribute-quadric if the file keeps any of these (.lpm has no normals), else quadric"},
        {"--triangles", &o.triangles, "Triangles of the finest level, at most; 0: all of the mesh"},
        {"--base", &o.base_triangles, "Triangles to stop at; 0: when nothing can collapse"},
-       OptionSpec{"--position-bits", &o.position_bits, ".lpm: 2 to this power steps over the model. Not given: 12, or up to 16 so that a step is no longer than the "
-                  "error of the level of half the vertices"}.between(4, 20),
+       OptionSpec{"--position-bits", &o.position_bits,
+                  ".lpm: 2 to this power steps over the model. Not given: 12, or up to 16 so that a step is no longer "
+                  "than the error of the level of half the vertices"}
+           .between(4, 20),
        OptionSpec{"--uv-bits", &o.uv_bits, ".lpm: the same over the texture coordinates"}.between(4, 20),
        {"--compress", &o.compress, ".glb: by EXT_meshopt_compression, without loss"},
        OptionSpec{

@@ -1,7 +1,7 @@
 """Allocations that fail: one line, or the whole result; no temporary and no wrong file.
 usage: [ALLOCATIONS=N] test_command_memory.py PROGRAM
 
-Of the allocations of each command some eight fail in turn, or ALLOCATIONS of them ("all": each), and a third as many with
+About eight allocations of each command fail in turn, or ALLOCATIONS of them ("all": each); then a third as many fail with
 all that follow them. Commands that write glTF are left out, and sweeps, but for their children: where memory runs
 out while it makes an object of a list, the JSON library destroys what it has not made."""
 
@@ -106,6 +106,7 @@ class FailingAllocations(FaultCase):
             if name in WRITES_GLTF:
                 continue
             self.check(name, (*arguments, "--threads", 1, "--quiet"))
+        self.check("spherical .lpm", ("spherical", mesh(), "-o", "s.lpm", "--texture", 64, "--threads", 1, "--quiet"))
 
     def test_several_threads(self):
         for name in ("build", "render"):

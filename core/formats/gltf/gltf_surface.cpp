@@ -5,8 +5,6 @@
 #include <limits>
 #include <string_view>
 
-#include "core/files/json_view.h"
-
 namespace lodestone {
 namespace {
 

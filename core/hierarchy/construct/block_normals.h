@@ -8,8 +8,8 @@
 // the surface folds there: wedges whose own triangles' mean is more than 30 degrees off that of all get their own.
 // Different normals of a vertex, at a crease, are turned separately, each by the triangles of its wedges.
 //
-// Where the triangles of a normal face far apart, as on thin parts that have lost their sides, a mean is the wrong
-// answer: a normal that is more than 60 degrees off one of them is replaced by facing_normal.
+// Thin parts that have lost their sides have normals whose triangles face far apart. A mean does not serve there: a
+// normal that is more than 60 degrees off one of its triangles is replaced by facing_normal.
 //
 // Most vertices belong to one cell: they are done when it is, while it is in the cache, four at a time, and the sums of
 // its triangles come with its other figures (measure_cell).
