@@ -17,7 +17,8 @@ struct ProgressiveOptions {
   std::optional<std::string> metric;
   InputOptions reading;
   std::uint64_t triangles = 0, base_triangles = 0;
-  std::uint32_t position_bits = LpmConfig{}.position_bits, uv_bits = LpmConfig{}.uv_bits;
+  std::optional<std::uint32_t> position_bits;
+  std::uint32_t uv_bits = LpmConfig{}.uv_bits;
   int texture_quality = 0;
   bool no_attributes = false, no_normals = false, compress = false;
   std::uint32_t check_levels = 0;
@@ -33,7 +34,7 @@ ProgressiveJob job_of(const ProgressiveOptions& options) {
   if (options.metric) job.metric = progressive::metric_kind(*options.metric);
   job.config.finest_triangles = options.triangles;
   job.config.base_triangles = options.base_triangles;
-  job.file.lpm.position_bits = options.position_bits;
+  job.file.lpm.position_bits = options.position_bits.value_or(LpmConfig{}.position_bits);
   job.file.lpm.uv_bits = options.uv_bits;
   job.file.compress_glb = options.compress;
   job.texture_quality = options.texture_quality;
