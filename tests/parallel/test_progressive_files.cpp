@@ -254,7 +254,8 @@ TEST(Lpm, TakesAsManyBitsAsLevelsShow) {
     const float half = mesh.errors[mesh.vertex_count() / 2], twelve = std::ldexp(1.0f, -12);
     ASSERT_EQ(half < twelve / 2, height < 0.1) << half;
     const ProgressiveMesh back = [&] {
-      ByteReader input = reader_of(encode_lpm(mesh, {.batch = 0}).bytes);
+      const LpmBytes lpm = encode_lpm(mesh, {.batch = 0});
+      ByteReader input = reader_of(lpm.bytes);
       return read_lpm(input);
     }();
     double moved = 0;
