@@ -20,7 +20,7 @@ using namespace lodestone;
 struct Subject {
   explicit Subject(std::uint64_t triangles) {
     BuildConfig config;
-    config.simplifier = SimplifierKind::cluster;
+    config.simplifier = "cluster";
     Repairs repairs;
     IndexedMesh mesh = prepare_mesh(generate_mesh({Shape::sphere, triangles, 1}), repairs, *scheduler);
     hierarchy = build_hierarchy(std::move(mesh), config, *scheduler);

@@ -2,7 +2,7 @@
 //
 // Rates count input triangles per second of CPU time. Speed is never given without accuracy: rms and max are the
 // two-sided distance from the input in its mean edges, kept is the share of the triangles left. What each row may use
-// differs and is part of the comparison: what has the name of a SimplifierKind keeps locked vertices and the
+// differs and is part of the comparison: what has the name of one of our simplifiers keeps locked vertices and the
 // displacement bound; what begins with `peer_` is a library as it comes and does not know the bound; the cluster and
 // sloppy ones do not keep the topology.
 #include <benchmark/benchmark.h>
@@ -12,7 +12,7 @@
 
 #include "bench/peers.h"
 #include "bench/simplify_chunks.h"
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "core/simplify/quadric/quadric_reference.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
 
@@ -33,7 +33,7 @@ std::vector<Chunk> generated(Shape shape, std::size_t triangles) {
 // The second level: what the first one makes of four times as many triangles is a mesh without any order.
 std::vector<Chunk> second_level(Shape shape) {
   std::vector<Chunk> chunks;
-  const auto simplifier = make_simplifier(SimplifierKind::quadric);
+  const auto simplifier = make_simplifier("quadric");
   for (const Chunk& c : generated(shape, 3 * chunk_triangles))
     chunks.push_back(applied(c, simplifier->simplify(c.input(displacement_in_edges, share))));
   return chunks;
@@ -108,15 +108,11 @@ void register_all() {
       benchmark::RegisterBenchmark((data + "/" + name).c_str(), function, data, arguments...)
           ->Unit(benchmark::kMillisecond);
     };
-    const auto own = [&](const std::string& name, SimplifierKind kind) {
-      add(name, run_own, [kind] { return make_simplifier(kind); });
-    };
     add("quadric", run_own, [] { return make_quadric_simplifier(); });
-    add("quadric_endpoint", run_own, [] { return make_simplifier(SimplifierKind::quadric, Placement::endpoint); });
+    add("quadric_endpoint", run_own, [] { return make_simplifier("quadric", Placement::endpoint); });
     add("quadric_plain", run_own, [] { return make_quadric_simplifier(InstructionSet::plain); });
-    own("cluster", SimplifierKind::cluster);
-    own("meshopt", SimplifierKind::meshopt);
-    own("openmesh", SimplifierKind::openmesh);
+    for (const std::string kind : {"cluster", "meshopt", "openmesh"})
+      add(kind, run_own, [kind] { return make_simplifier(kind); });
     add("reference", run_own, [] { return make_quadric_reference(); });
     add("peer_meshoptimizer", run_peer, simplify_with_meshoptimizer);
     add("peer_meshoptimizer_sloppy", run_peer, cluster_with_meshoptimizer);

@@ -26,7 +26,7 @@ struct File {
     const auto scheduler = make_tbb_scheduler();
     Repairs repairs;
     BuildConfig config;
-    config.simplifier = SimplifierKind::cluster;
+    config.simplifier = "cluster";
     config.finest_level = finest_level;
     const GenerateConfig terrain{Shape::terrain, std::uint64_t{12} << (2 * finest_level), 1};
     IndexedMesh mesh = prepare_mesh(generate_mesh(terrain), repairs, *scheduler);

@@ -31,7 +31,7 @@ BuildConfig build_config(const BuildOptions& options) {
   config.sigma0 = options.sigma0;
   config.cell_triangles = options.cell_triangles;
   config.finest_level = options.levels.value_or(-1);
-  config.simplifier = simplifier_kind(options.simplifier);
+  config.simplifier = options.simplifier;
   if (options.placement) config.placement = placement(*options.placement);
   config.strategy = strategy(options.strategy);
   config.refine = options.refine;

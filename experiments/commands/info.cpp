@@ -123,7 +123,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
       {"input_vertices", h.provenance.input_vertices},
       {"repairs", to_json(h.provenance.repairs)},
       {"sigma0", h.sigma0},
-      {"simplifier", name_of(static_cast<SimplifierKind>(h.provenance.simplifier))},
+      {"simplifier", h.provenance.simplifier},
       {"placement", name_of(static_cast<Placement>(h.provenance.placement))},
       {"cell_triangles", h.provenance.cell_triangles},
       {"origin", {o.x, o.y, o.z}},
@@ -146,7 +146,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
   write_result(common, result);
   if (!common.prints()) return;
   fmt::print("{}: {} triangles, {} vertices, sigma0 {}, simplifier {}\n", file, h.provenance.input_triangles,
-             h.provenance.input_vertices, h.sigma0, name_of(static_cast<SimplifierKind>(h.provenance.simplifier)));
+             h.provenance.input_vertices, h.sigma0, h.provenance.simplifier);
   fmt::print("{} triangles and {} vertices stored in {} bytes, {:.2f} per triangle{}\n", stored.triangles,
              stored.vertices, stored.bytes, stored.bytes_per_triangle(),
              h.transform.lattice ? fmt::format(", on a lattice of {} bits", h.transform.lattice.bits) : "");

@@ -1,8 +1,10 @@
 #include "experiments/studies/study_input.h"
 
+#include <algorithm>
 #include <iterator>
 
 #include "core/base/error.h"
+#include "core/simplify/simplifiers.h"
 #include "experiments/subjects/compare.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/hierarchy/measure_errors.h"
@@ -10,16 +12,6 @@
 #include "parallel/scheduler/clock.h"
 
 namespace lodestone {
-namespace {
-
-std::vector<std::string> simplifier_names() {
-  std::vector<std::string> names;
-  for (const SimplifierKind kind : all_simplifier_kinds) names.emplace_back(name_of(kind));
-  return names;
-}
-
-}  // namespace
-
 void append(std::vector<ParameterInfo>& list, std::vector<ParameterInfo> more) {
   list.insert(list.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
@@ -63,11 +55,12 @@ std::vector<ParameterInfo> picture_parameters() {
 
 void check_build(SettingVerdict& verdict, const Parameters& parameters) {
   const std::string simplifier = parameters.text("simplifier");
-  verdict.require(simplifier == "quadric" || parameters.text("placement") != "optimal", {"simplifier", "placement"},
-                  assignment(parameters, "simplifier") +
-                      " leaves its vertices where they are; only quadric knows the "
-                      "placement optimal");
-  verdict.idle(simplifier != "quadric", "placement", assignment(parameters, "simplifier"));
+  const std::vector<Placement>& known = placements_of(simplifier);
+  const std::string placing = parameters.text("placement");
+  verdict.require(placing == "default" || std::ranges::find(known, placement(placing)) != known.end(),
+                  {"simplifier", "placement"},
+                  assignment(parameters, "simplifier") + " does not know the placement " + placing);
+  verdict.idle(known.size() == 1, "placement", assignment(parameters, "simplifier"));
   verdict.idle(parameters.integer("finest_level") >= 0, "cell_triangles", assignment(parameters, "finest_level"));
 }
 
@@ -90,7 +83,7 @@ BuildConfig build_config(const Parameters& parameters, const RunContext& context
   config.sigma0 = static_cast<float>(parameters.number("sigma0"));
   config.cell_triangles = static_cast<std::uint32_t>(parameters.integer("cell_triangles"));
   config.finest_level = parameters.integer("finest_level");
-  config.simplifier = simplifier_kind(parameters.text("simplifier"));
+  config.simplifier = parameters.text("simplifier");
   if (parameters.text("placement") != "default") config.placement = placement(parameters.text("placement"));
   config.strategy = strategy(parameters.text("strategy"));
   config.refine = parameters.json().value("refine", false);

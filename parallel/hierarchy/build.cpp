@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/known_names.h"
 #include "core/hierarchy/construct/cell_order.h"
+#include "core/simplify/simplifiers.h"
 #include "parallel/hierarchy/build_blocks.h"
 #include "parallel/hierarchy/finest_level.h"
 #include "parallel/hierarchy/level_table.h"
@@ -130,6 +131,7 @@ void check_config(const BuildConfig& config) {
   if (!(config.refine_limit > 0)) throw InputError("the limit of splitting must be above 0");
   if (config.finest_level > max_level)
     throw InputError("at most " + std::to_string(max_level) + " levels below the root are supported");
+  (void)make_simplifier(config.simplifier, placement_of(config));
 }
 
 Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Scheduler& scheduler, BuildReport* report) {
@@ -140,7 +142,7 @@ Hierarchy build_hierarchy(IndexedMesh&& mesh, const BuildConfig& config, Schedul
   out.transform = mesh.transform;
   build->lattice = mesh.transform.lattice;
   out.sigma0 = config.sigma0;
-  out.provenance.simplifier = static_cast<std::uint32_t>(config.simplifier);
+  out.provenance.simplifier = config.simplifier;
   out.attributes = build->attributes = attributes_of(mesh);
   out.materials = std::move(mesh.wedges.materials);
   out.textures = std::move(mesh.wedges.textures);

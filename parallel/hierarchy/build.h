@@ -32,8 +32,8 @@ struct BuildConfig {
   float sigma0 = 0.2f;
   std::uint32_t cell_triangles = 4600;  // mean triangles per occupied finest cell that L is chosen for; at least 1
   int finest_level = -1;                // L; -1: from cell_triangles; at most max_level
-  SimplifierKind simplifier = SimplifierKind::quadric;
-  std::optional<Placement> placement;  // of the survivors; empty: default_placement(simplifier)
+  std::string simplifier = "quadric";   // its name (core/simplify/simplifiers.h)
+  std::optional<Placement> placement;  // of the survivors; empty: the simplifier's default
   Strategy strategy = Strategy::graph;
   // Splits edges of the input longer than sigma0 h_L (core/mesh/refine.h). L is chosen before, so that the limit holds.
   bool refine = false;

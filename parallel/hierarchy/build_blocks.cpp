@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 
 namespace lodestone {
 namespace {
@@ -149,7 +149,7 @@ class BlockBuilder {
 }  // namespace
 
 Placement placement_of(const BuildConfig& config) {
-  return config.placement.value_or(default_placement(config.simplifier));
+  return config.placement ? *config.placement : placements_of(config.simplifier).front();
 }
 
 void build_blocks(const BlockWork& work, const BuildConfig& config, Scheduler& scheduler) {

@@ -37,6 +37,7 @@ struct BlockWork {
 // Calls config.progress. Throws Cancelled when config.cancel is set.
 void build_blocks(const BlockWork& work, const BuildConfig& config, Scheduler& scheduler);
 
+// Throws InputError for an unknown simplifier.
 [[nodiscard]] Placement placement_of(const BuildConfig& config);
 
 }  // namespace lodestone

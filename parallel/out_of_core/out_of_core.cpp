@@ -259,7 +259,7 @@ class OutOfCoreBuild {
     out.provenance.input_triangles = mesh_.triangles;
     out.provenance.repairs = mesh_.repairs;
     out.provenance.fingerprint = mesh_.cells.fingerprint;
-    out.provenance.simplifier = static_cast<std::uint32_t>(build.simplifier);
+    out.provenance.simplifier = build.simplifier;
     out.provenance.placement = static_cast<std::uint32_t>(placement_of(build));
     out.provenance.cell_triangles = build.finest_level < 0 ? build.cell_triangles : 0;
     for (std::size_t l = 0; l < plan_.levels.size(); ++l)

@@ -1,6 +1,7 @@
 #include "parallel/out_of_core/out_of_core_state.h"
 
 #include <algorithm>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -13,7 +14,7 @@
 namespace lodestone {
 namespace {
 
-constexpr std::uint32_t journal_version = 2;
+constexpr std::uint32_t journal_version = 3;
 constexpr std::size_t grain = std::size_t{1} << 18;  // vertices; a multiple of 64
 
 // Equal for builds that come to the same temporary files. Form and order of cells are a matter of the very last step.
@@ -28,7 +29,7 @@ std::vector<std::byte> identity_of(const MeshStream& stream, const ModelConfig& 
   out.put(build.sigma0);
   out.put(build.finest_level);
   out.put(build.finest_level < 0 ? build.cell_triangles : 0u);
-  out.put(build.simplifier);
+  out.put(checksum(std::as_bytes(std::span(build.simplifier))));
   out.put(placement_of(build));
   out.put(config.lattice.bits);
   out.put(checksum(std::as_bytes(std::span(config.program))));

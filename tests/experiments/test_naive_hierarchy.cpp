@@ -58,7 +58,7 @@ TEST(NaiveHierarchy, HasTheFinestLevelOfTheRealOne) {
     BuildConfig config;
     config.sigma0 = 0.6f;
     config.finest_level = finest;
-    config.simplifier = SimplifierKind::cluster;
+    config.simplifier = "cluster";
     const Hierarchy built = build_hierarchy(IndexedMesh(named.mesh), config, *make_serial_scheduler());
     const auto expected = naive.hierarchy.cells_of(finest), found = built.cells_of(finest);
     ASSERT_EQ(found.size(), expected.size());

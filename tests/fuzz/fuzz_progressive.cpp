@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/files/byte_reader.h"
 #include "core/files/checksum.h"
 #include "core/progressive/lpm/lpm_format.h"
 #include "core/progressive/mesh/level.h"

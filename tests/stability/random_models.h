@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/mesh/raw_mesh.h"
+#include "core/simplify/simplifiers.h"
 #include "parallel/hierarchy/build.h"
 #include "render/lod/radii.h"
 #include "tests/test_meshes.h"
@@ -59,7 +60,7 @@ inline rc::Gen<RandomModel> random_model() {
       rc::gen::set(&RandomModel::amplitude, inRange(0, 9)), rc::gen::set(&RandomModel::seed, inRange(0u, 1000u)),
       rc::gen::set(&RandomModel::soup, rc::gen::container<std::vector<int>>(inRange(0, 5))),
       rc::gen::set(&RandomModel::sigma0, inRange(1, 21)), rc::gen::set(&RandomModel::levels, inRange(1, 5)),
-      rc::gen::set(&RandomModel::simplifier, inRange(0, static_cast<int>(all_simplifier_kinds.size()))),
+      rc::gen::set(&RandomModel::simplifier, inRange(0, static_cast<int>(simplifier_names().size()))),
       rc::gen::set(&RandomModel::endpoint), rc::gen::set(&RandomModel::lattice), rc::gen::set(&RandomModel::uniform),
       rc::gen::set(&RandomModel::chebyshev),
       rc::gen::set(&RandomModel::blend, inRange(0, static_cast<int>(all_blends().size()))),
@@ -150,7 +151,7 @@ inline BuildConfig build_config(const RandomModel& m) {
   BuildConfig config;
   config.sigma0 = static_cast<float>(m.sigma0) / 10;
   config.finest_level = m.levels;
-  config.simplifier = all_simplifier_kinds[static_cast<std::size_t>(m.simplifier)];
+  config.simplifier = simplifier_names()[static_cast<std::size_t>(m.simplifier)];
   if (m.endpoint) config.placement = Placement::endpoint;
   config.strategy = Strategy::serial;
   return config;

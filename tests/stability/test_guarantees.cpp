@@ -104,7 +104,7 @@ class Trial {
   // A closed surface remains one at every level. Clustering may pinch, and turn two triangles onto each other.
   [[nodiscard]] std::string topology_fault() const {
     const Topology before = topology_of(input_.triangles, input_.positions.size());
-    if (!before.closed || build_config(model_).simplifier == SimplifierKind::cluster) return {};
+    if (!before.closed || build_config(model_).simplifier == "cluster") return {};
     for (int l = 0; l <= hierarchy_.finest(); ++l) {
       const RawMesh level = level_mesh(hierarchy_, l);
       const Topology here = topology_of(level.triangles, level.positions.size());

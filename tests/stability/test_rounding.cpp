@@ -4,7 +4,7 @@
 
 #include "core/hierarchy/construct/cell_error.h"
 #include "core/math/orientation.h"
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "experiments/metrics/pictures/flip.h"
 #include "experiments/metrics/pops/pops.h"
 #include "tests/experiments/metrics/naive_images.h"
@@ -39,7 +39,7 @@ TEST(Rounding, DistancesOfTheSimplifierAreBounds) {
     Repairs repairs;
     const IndexedMesh mesh = prepare_mesh(hard_mesh(hard, 300), repairs, *scheduler);
     const std::vector<std::uint8_t> locked(mesh.positions.size(), 0);
-    const auto simplifier = make_simplifier(SimplifierKind::quadric);
+    const auto simplifier = make_simplifier("quadric");
     const SimplifyResult& result =
         simplifier->simplify({mesh.positions, mesh.triangles, locked, 0.3f, mesh.triangles.size() / 4});
     ASSERT_EQ(result.distance.size(), mesh.positions.size());

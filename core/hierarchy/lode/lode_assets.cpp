@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/registry.h"
 #include "core/formats/gltf/gltf_surface.h"
 #include "core/hierarchy/lode/lode_format.h"
 
@@ -154,6 +155,10 @@ void read_surfaces(const JsonView& source, Hierarchy& hierarchy) {
 
 }  // namespace
 
+bool has_named_simplifier(const Hierarchy& hierarchy) {
+  return std::ranges::find(lode_simplifiers, hierarchy.provenance.simplifier) == lode_simplifiers.end();
+}
+
 bool has_surfaces(const Hierarchy& hierarchy) {
   return std::ranges::any_of(hierarchy.materials, [](const Material& m) { return m != recorded(m); }) ||
          std::ranges::any_of(hierarchy.textures,
@@ -161,8 +166,9 @@ bool has_surfaces(const Hierarchy& hierarchy) {
 }
 
 std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
-  if (hierarchy.materials.empty() && hierarchy.textures.empty()) return {};
   Writer writer;
+  if (has_named_simplifier(hierarchy)) writer(hierarchy.provenance.simplifier);
+  if (hierarchy.materials.empty() && hierarchy.textures.empty()) return std::move(writer.bytes);
   put_all(writer, hierarchy.materials, each_material);
   put_all(writer, hierarchy.textures, each_texture);
   if (!hierarchy.texture_copies.empty()) put_all(writer, hierarchy.texture_copies, each_copy);
@@ -175,10 +181,12 @@ std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
 
 const char* decode_assets(std::span<const std::byte> bytes, std::uint16_t features, Hierarchy& hierarchy) {
   const bool has_copies = features & lode_texture_copies;
-  if (bytes.empty())
+  Reader reader(bytes);
+  if (features & lode_named_simplifier && !(reader(hierarchy.provenance.simplifier) && can_be_name(hierarchy.provenance.simplifier)))
+    return "the name of the simplifier is invalid";
+  if (reader.left() == 0)
     return has_copies || features & lode_surfaces ? "there are copies of textures or surfaces, but no textures"
                                                   : nullptr;
-  Reader reader(bytes);
   if (!take_all(reader, hierarchy.materials, each_material)) return "the materials are invalid";
   if (!take_all(reader, hierarchy.textures, each_texture)) return "the textures are invalid";
   if (has_copies && (!take_all(reader, hierarchy.texture_copies, each_copy) ||

@@ -50,6 +50,10 @@ LodeHeader read_header(std::span<const std::byte> bytes, const std::string& file
   say(h.lattice_bits <= Lattice::most_bits, "the lattice is out of range");
   say(h.features & lode_up ? (h.up & ~lode_guessed_up) <= static_cast<int>(UpAxis::earth) : h.up == 0,
       "the up axis is out of range");
+  say(h.features & lode_named_simplifier ? (h.simplifier & 0xffff) == no_lode_simplifier
+                                         : (h.simplifier & 0xffff) < lode_simplifiers.size(),
+      "the simplifier is out of range");
+  say(h.simplifier >> 16 <= 1, "the placement is out of range");
   say(!(h.features & lode_compressed) || h.lattice_bits != 0, "the file is compressed, but has no lattice");
   say(h.level_count >= 1 && h.level_count <= max_level + 1, "the number of levels is out of range");
   say(h.cell_count >= 1 && h.cell_count < no_cell, "the number of cells is out of range");
@@ -85,7 +89,7 @@ void take_header(Hierarchy& hierarchy, const LodeHeader& h) {
   p.repairs = {h.repairs[0], h.repairs[1], h.repairs[2], h.repairs[3], h.repairs[4],
                h.repairs[5], h.repairs[6], h.repairs[7], h.repairs[8]};
   p.fingerprint = h.fingerprint;
-  p.simplifier = h.simplifier & 0xffff;
+  if (!has(lode_named_simplifier)) p.simplifier = lode_simplifiers[h.simplifier & 0xffff];
   p.placement = h.simplifier >> 16;
   p.cell_triangles = h.cell_triangles;
   p.measured_errors = has(lode_measured_errors);

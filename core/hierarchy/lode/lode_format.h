@@ -8,7 +8,8 @@
 // positions, normals, parents, shared ids and triangles as the in-memory Cell has them, then zeros up to 16 bytes: a
 // mapped file is used in place, and all offsets follow from the counts alone. A compressed payload holds the same
 // arrays as streams (core/hierarchy/lode/lode_payload.h), then zeros up to 16 bytes. Payloads follow each other, so
-// that each ends where the next begins. Assets are materials and textures with their copies (encode_assets). Each
+// that each ends where the next begins. Assets are materials and textures with their copies (encode_assets), before
+// them the name of a simplifier that is not ours. Each
 // payload has its XXH3-64 checksum in the cell table; one more covers header and tables, and one the assets. Nothing in
 // the file depends on time, paths or threads: equal hierarchies give equal bytes.
 #pragma once
@@ -19,6 +20,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -49,10 +51,13 @@ enum LodeFeatures : std::uint16_t {
   lode_texture_copies = 128,  // Hierarchy::texture_copies
   lode_surfaces = 256,        // the assets have an object of surfaces
   lode_up = 512,              // the header says which axis is up; without it z is, as a guess
-  lode_known_features = 1023,
+  lode_named_simplifier = 1024,  // the assets begin with its name
+  lode_known_features = 2047,
 };
 
 inline constexpr std::uint8_t lode_guessed_up = 128;
+inline constexpr std::array<std::string_view, 4> lode_simplifiers{"quadric", "cluster", "openmesh", "meshopt"};
+inline constexpr std::uint32_t no_lode_simplifier = 0xffff;
 
 struct LodeHeader {
   std::array<char, 8> magic{};
@@ -66,7 +71,8 @@ struct LodeHeader {
   std::array<double, 3> origin{};
   double scale = 0;
   float sigma0 = 0;
-  std::uint32_t simplifier = 0;  // SimplifierKind in the lower half, Placement in the upper one
+  // Which of lode_simplifiers in the lower half, or no_lode_simplifier with lode_named_simplifier; Placement in the upper one.
+  std::uint32_t simplifier = 0;
   std::uint32_t cell_triangles = 0;
   std::uint16_t features = 0;  // LodeFeatures
   std::uint8_t lattice_bits = 0;
@@ -156,6 +162,8 @@ void compress_lode_chunk(const Hierarchy& hierarchy, LodeChunk chunk, std::vecto
 //
 // Empty when there is neither.
 [[nodiscard]] std::vector<std::byte> encode_assets(const Hierarchy& hierarchy);
+// True if the assets of the hierarchy begin with the name of a simplifier.
+[[nodiscard]] bool has_named_simplifier(const Hierarchy& hierarchy);
 // True if the assets of the hierarchy have an object of surfaces.
 [[nodiscard]] bool has_surfaces(const Hierarchy& hierarchy);
 // Returns the fault of the bytes, nullptr if there is none. Empty bytes mean neither materials nor textures. Of the

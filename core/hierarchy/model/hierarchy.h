@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/id.h"
@@ -89,7 +90,7 @@ struct Provenance {
   Repairs repairs;
   // Sum modulo 2^64 of triangle_fingerprint over the cleaned input: the same for M_L, whatever the order.
   std::uint64_t fingerprint = 0;
-  std::uint32_t simplifier = 0;      // SimplifierKind
+  std::string simplifier = "quadric";  // its name
   std::uint32_t placement = 0;       // Placement of its survivors
   std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
   bool measured_errors = false;      // errors are bounds, by measure_errors, not estimates

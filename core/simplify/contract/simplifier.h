@@ -5,7 +5,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -16,12 +15,6 @@
 #include "core/mesh/indexed_mesh.h"
 
 namespace lodestone {
-
-enum class SimplifierKind : std::uint32_t { quadric = 0, cluster = 1, openmesh = 2, meshopt = 3 };
-inline constexpr std::array all_simplifier_kinds{SimplifierKind::quadric, SimplifierKind::cluster,
-                                                 SimplifierKind::openmesh, SimplifierKind::meshopt};
-[[nodiscard]] SimplifierKind simplifier_kind(std::string_view name);  // throws InputError listing the known names
-[[nodiscard]] std::string_view name_of(SimplifierKind kind);
 
 struct SimplifyInput {
   std::span<const Vec3f> positions;      // any number of vertices, also without triangles
@@ -83,7 +76,5 @@ class Simplifier {
 enum class Placement : std::uint32_t { optimal = 0, endpoint = 1 };
 [[nodiscard]] Placement placement(std::string_view name);  // throws InputError listing the known names
 [[nodiscard]] std::string_view name_of(Placement placement);
-// The default of a kind; all but `quadric` know endpoints only.
-[[nodiscard]] Placement default_placement(SimplifierKind kind);
 
 }  // namespace lodestone

@@ -7,7 +7,7 @@
 
 #include "core/hierarchy/construct/block_wedges.h"
 #include "core/mesh/raw_mesh.h"
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "render/reconstruct/finish/surface_walk.h"
 
 namespace lodestone {
@@ -29,7 +29,7 @@ struct Moved {
 };
 
 struct Tools {
-  std::unique_ptr<Simplifier> simplifier = make_simplifier(SimplifierKind::quadric);
+  std::unique_ptr<Simplifier> simplifier = make_simplifier("quadric");
   BlockWedges block;
 };
 

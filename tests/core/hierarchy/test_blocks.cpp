@@ -10,7 +10,7 @@
 #include "core/base/key_numbers.h"
 #include "core/hierarchy/construct/block.h"
 #include "core/hierarchy/construct/finest_cell.h"
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone {
@@ -60,7 +60,7 @@ class MisjudgingSimplifier final : public Simplifier {
 
  private:
   bool withhold_;
-  std::unique_ptr<Simplifier> inner_ = make_simplifier(SimplifierKind::quadric);
+  std::unique_ptr<Simplifier> inner_ = make_simplifier("quadric");
   SimplifyResult result_;
 };
 
@@ -174,7 +174,7 @@ float error_at_the_root(const IndexedMesh& mesh, Simplifier& simplifier) {
 
 TEST(BlockErrors, AreMeasuredAgainWhereASimplifierOverstates) {
   const IndexedMesh mesh = test::terrain_mesh(90, 0.02);
-  const auto quadric = make_simplifier(SimplifierKind::quadric);
+  const auto quadric = make_simplifier("quadric");
   MisjudgingSimplifier silent(true), overstating(false);
   const float searched = error_at_the_root(mesh, silent);
   EXPECT_NEAR(error_at_the_root(mesh, *quadric), searched, 0.05f * searched);

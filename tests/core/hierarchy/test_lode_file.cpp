@@ -90,7 +90,7 @@ void expect_equal(const Hierarchy& a, const Hierarchy& b) {
 TEST_F(LodeFile, GivesBackWhatWasWritten) {
   Hierarchy model = small_model();
   model.provenance.repairs = {1, 2, 3, 4, 5, 6, 7};
-  model.provenance.simplifier = 1;
+  model.provenance.simplifier = "cluster";
   model.provenance.cell_triangles = 2500;
   model.provenance.measured_errors = true;
   write_lode(model, path());
@@ -255,6 +255,34 @@ TEST_F(LodeFile, KeepsTheUpAxis) {
     }
 }
 
+// Ours by a number, as in files of older programs; others by their name before the materials, if there are any.
+TEST_F(LodeFile, KeepsTheNameOfASimplifier) {
+  Hierarchy model = small_model();
+  const auto header_of = [&] {
+    const Bytes bytes = read_bytes(path());
+    LodeHeader header;
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    return header;
+  };
+  for (const bool materials : {false, true}) {
+    if (materials) model.materials.push_back({.name = "stone"});
+    for (const std::string name : {"quadric", "meshopt", "shortest-edge"}) {
+      model.provenance.simplifier = name;
+      model.provenance.placement = 1;
+      write_lode(model, path());
+      const Hierarchy back = open_lode(path());
+      EXPECT_EQ(back.provenance.simplifier, name);
+      EXPECT_EQ(back.provenance.placement, 1u);
+      EXPECT_EQ(back.materials, model.materials);
+      EXPECT_EQ((header_of().features & lode_named_simplifier) != 0, name == "shortest-edge");
+    }
+  }
+  EXPECT_EQ(header_of().simplifier, 1u << 16 | 0xffff);
+  model.provenance.simplifier = "two\nlines";
+  write_lode(model, path());
+  expect_error_of<InputError>([&] { (void)open_lode(path()); }, {"name of the simplifier is invalid"});
+}
+
 TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {
   write_lode(lattice_model(), path(), LodeForm::compressed);
   const Bytes whole = read_bytes(path());
@@ -271,6 +299,9 @@ TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 0; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 25; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 12; }), InputError);  // vertices beyond the cube
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.simplifier = 4; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.simplifier = 2u << 16; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_named_simplifier, h.simplifier = 0xffff; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.up = 1; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 7; }), InputError);
   EXPECT_NO_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 6; }));

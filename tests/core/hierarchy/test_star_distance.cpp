@@ -6,7 +6,7 @@
 #include <ctime>
 
 #include "core/hierarchy/construct/star_distance.h"
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "core/spatial/point_triangle.h"
 #include "tests/hard_mesh.h"
 #include "tests/test_meshes.h"
@@ -30,7 +30,7 @@ class StarDistanceOf : public testing::TestWithParam<IndexedMesh (*)()> {};
 TEST_P(StarDistanceOf, SimplifiedMeshIsTheDistanceOfItsSurface) {
   const IndexedMesh mesh = GetParam()();
   const std::vector<std::uint8_t> locked(mesh.positions.size(), 0);
-  const auto simplifier = make_simplifier(SimplifierKind::quadric);
+  const auto simplifier = make_simplifier("quadric");
   const SimplifyResult& result =
       simplifier->simplify({mesh.positions, mesh.triangles, locked, 0.2f, mesh.triangles.size() / 4});
   std::vector<Triangle> images;

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "core/simplify/quadric/quadric_reference.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
 #include "tests/core/simplify/simplify_checks.h"
@@ -29,13 +29,13 @@ struct Maker {
 void PrintTo(const Maker& maker, std::ostream* out) { *out << maker.name; }
 
 const std::vector<Maker> makers{
-    {"quadric", [] { return make_simplifier(SimplifierKind::quadric); }},
+    {"quadric", [] { return make_simplifier("quadric"); }},
     {"plain", [] { return make_quadric_simplifier(InstructionSet::plain); }},
     {"reference", make_quadric_reference},
-    {"endpoint", [] { return make_simplifier(SimplifierKind::quadric, Placement::endpoint); }},
-    {"cluster", [] { return make_simplifier(SimplifierKind::cluster); }, false},
-    {"openmesh", [] { return make_simplifier(SimplifierKind::openmesh); }},
-    {"meshopt", [] { return make_simplifier(SimplifierKind::meshopt); }},
+    {"endpoint", [] { return make_simplifier("quadric", Placement::endpoint); }},
+    {"cluster", [] { return make_simplifier("cluster"); }, false},
+    {"openmesh", [] { return make_simplifier("openmesh"); }},
+    {"meshopt", [] { return make_simplifier("meshopt"); }},
 };
 
 class EverySimplifier : public ::testing::TestWithParam<Maker> {
@@ -179,12 +179,12 @@ TEST_P(EverySimplifier, AnswersTheSameAtEveryCall) {
 
 TEST(Placement, EndpointLeavesSurvivorsWhereTheyAre) {
   TestMesh mesh = bumpy_sphere(4);
-  for (const SimplifierKind kind : all_simplifier_kinds) {
+  for (const std::string& kind : simplifier_names()) {
     const auto simplifier = make_simplifier(kind, Placement::endpoint);
     const SimplifyResult& result = simplifier->simplify(mesh.input(0.5f, mesh.triangles.size() / 4));
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       if (result.parent[v] != v) continue;
-      EXPECT_EQ(result.positions[v], mesh.positions[v]) << name_of(kind);
+      EXPECT_EQ(result.positions[v], mesh.positions[v]) << kind;
     }
   }
 }
@@ -192,17 +192,17 @@ TEST(Placement, EndpointLeavesSurvivorsWhereTheyAre) {
 TEST(Placement, OptimalMovesSomeAndCollapsesTheSame) {
   TestMesh mesh = bumpy_sphere(4);
   const SimplifyInput input = mesh.input(0.5f, mesh.triangles.size() / 4);
-  const auto endpoint = make_simplifier(SimplifierKind::quadric, Placement::endpoint);
-  const auto optimal = make_simplifier(SimplifierKind::quadric, Placement::optimal);
+  const auto endpoint = make_simplifier("quadric", Placement::endpoint);
+  const auto optimal = make_simplifier("quadric", Placement::optimal);
   const SimplifyResult &a = endpoint->simplify(input), &b = optimal->simplify(input);
   EXPECT_EQ(a.parent, b.parent);
   EXPECT_NE(a.positions, b.positions);
 }
 
 TEST(Placement, OptimalIsKnownToQuadricAlone) {
-  for (const SimplifierKind kind : all_simplifier_kinds) {
-    if (kind == SimplifierKind::quadric) continue;
-    EXPECT_THROW((void)make_simplifier(kind, Placement::optimal), InputError) << name_of(kind);
+  for (const std::string& kind : simplifier_names()) {
+    if (kind == "quadric") continue;
+    EXPECT_THROW((void)make_simplifier(kind, Placement::optimal), InputError) << kind;
   }
 }
 
@@ -235,18 +235,68 @@ TEST(Meshopt, LeavesTheLibrarysOwnMeshWhereAllIsAllowed) {
                                 mesh.positions.size(), sizeof(Vec3f), 3 * input.target_triangles, 1e9f, 0, nullptr));
     std::vector<Triangle> expected;
     for (std::size_t i = 0; i < own.size(); i += 3) expected.push_back({{own[i], own[i + 1], own[i + 2]}});
-    const auto simplifier = make_simplifier(SimplifierKind::meshopt);
+    const auto simplifier = make_simplifier("meshopt");
     EXPECT_EQ(sorted(image(input, simplifier->simplify(input))), sorted(expected)) << n;
   }
 }
 
-TEST(SimplifierNames, AreReadBothWays) {
-  for (const SimplifierKind kind : all_simplifier_kinds) EXPECT_EQ(simplifier_kind(name_of(kind)), kind);
+TEST(SimplifierNames, UnknownOnesAreRefusedWithTheKnown) {
+  expect_error_of<InputError>([] { return make_simplifier("octree"); },
+                              {"unknown simplifier 'octree'; known are quadric, cluster, openmesh, meshopt"});
 }
 
-TEST(SimplifierNames, UnknownOnesAreRefusedWithTheKnown) {
-  expect_error_of<InputError>([] { return simplifier_kind("octree"); },
-                              {"unknown simplifier 'octree'; known are quadric, cluster, openmesh, meshopt"});
+// Collapses nothing, but for the faults that it is asked for.
+class Idle final : public Simplifier {
+ public:
+  enum class Fault { none, cycle, locked, far, count, sizes };
+  explicit Idle(Fault fault) : fault_(fault) {}
+  const SimplifyResult& simplify(const SimplifyInput& input) override {
+    result_ = {};
+    for (std::uint32_t v = 0; v < input.positions.size(); ++v) result_.parent.push_back(v);
+    result_.positions.assign(input.positions.begin(), input.positions.end());
+    result_.triangles = input.triangles.size();
+    if (fault_ == Fault::cycle) std::swap(result_.parent[0], result_.parent[1]);
+    if (fault_ == Fault::locked) result_.positions[2].x += input.max_displacement / 2;
+    if (fault_ == Fault::far) result_.positions[3].x += 2 * input.max_displacement;
+    if (fault_ == Fault::count) ++result_.triangles;
+    if (fault_ == Fault::sizes) result_.positions.pop_back();
+    return result_;
+  }
+
+ private:
+  Fault fault_;
+  SimplifyResult result_;
+};
+
+TEST(AddedSimplifiers, AreCheckedAgainstTheContract) {
+  using enum Idle::Fault;
+  TestMesh mesh = bumpy_sphere(2);
+  SimplifyInput input = mesh.input(0.5f, 10);
+  std::vector<std::uint8_t> locks(mesh.positions.size());
+  locks[2] = 1;
+  input.locked = locks;
+  const auto added = [&](const std::string& name, Idle::Fault fault) {
+    add_simplifier(name, {[fault](Placement) { return std::make_unique<Idle>(fault); }});
+    return make_simplifier(name);
+  };
+  EXPECT_EQ(added("idle", none)->simplify(input).triangles, mesh.triangles.size());
+  const auto expect_fault = [&](const std::string& name, Idle::Fault fault, const std::string& what) {
+    const auto simplifier = added(name, fault);
+    expect_error_of<InputError>([&] { (void)simplifier->simplify(input); }, {"'" + name + "' breaks its contract", what});
+  };
+  expect_fault("cycle", cycle, "idempotent");
+  expect_fault("locked", Idle::Fault::locked, "a locked vertex was moved");
+  expect_fault("far", far, "displaced by");
+  expect_fault("count", count, "triangles are left");
+  expect_fault("sizes", sizes, "sizes differ");
+}
+
+TEST(AddedSimplifiers, HaveNamesOfTheirOwn) {
+  const SimplifierInfo idle{[](Placement) { return std::make_unique<Idle>(Idle::Fault::none); }};
+  for (const char* name : {"", "two words", "../up", "Q", "quadric"})
+    expect_error_of<InputError>([&] { add_simplifier(name, idle); }, {"'" + std::string(name) + "'", "name"});
+  expect_error_of<InputError>([&] { add_simplifier("nothing", {}); }, {"'nothing'", "no function"});
+  expect_error_of<InputError>([&] { add_simplifier("nowhere", {idle.make, {}}); }, {"no placement"});
 }
 
 }  // namespace

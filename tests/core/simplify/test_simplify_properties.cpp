@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "core/simplify/quadric/quadric_reference.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
 #include "tests/core/simplify/simplify_checks.h"
@@ -66,9 +66,9 @@ RC_GTEST_PROP(EverySimplifierOn, RandomMeshes, ()) {
     for (Vec3f& p : mesh.positions) p = input.lattice.nearest(0.5 * (to_double(p) + Vec3d{1, 1, 1}));
   }
   const auto fast = make_quadric_simplifier(), plain = make_quadric_simplifier(InstructionSet::plain);
-  const auto endpoint = make_simplifier(SimplifierKind::quadric, Placement::endpoint);
-  const auto openmesh = make_simplifier(SimplifierKind::openmesh), meshopt = make_simplifier(SimplifierKind::meshopt);
-  const auto reference = make_quadric_reference(), cluster = make_simplifier(SimplifierKind::cluster);
+  const auto endpoint = make_simplifier("quadric", Placement::endpoint);
+  const auto openmesh = make_simplifier("openmesh"), meshopt = make_simplifier("meshopt");
+  const auto reference = make_quadric_reference(), cluster = make_simplifier("cluster");
   for (Simplifier* simplifier :
        {fast.get(), plain.get(), endpoint.get(), reference.get(), openmesh.get(), meshopt.get()}) {
     const SimplifyResult& result = simplifier->simplify(input);

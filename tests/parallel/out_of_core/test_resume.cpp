@@ -110,7 +110,7 @@ TEST_F(Resume, RefusesWorkOfAnotherBuild) {
   refused([&] { config_.build.sigma0 = 0.9f; });
   refused([&] { config_.build.cell_triangles = 101; });
   refused([&] { config_.build.finest_level = 2; });
-  refused([&] { config_.build.simplifier = SimplifierKind::cluster; });
+  refused([&] { config_.build.simplifier = "cluster"; });
   refused([&] { config_.build.placement = Placement::endpoint; });
   refused([&] { config_.lattice.bits = 20; });
   refused([&] { config_.program = "another"; });

@@ -326,7 +326,7 @@ void build(int number, const fs::path& folder, Scheduler& scheduler) {
   BuildConfig config;
   config.finest_level = 3;
   config.strategy = strategies[number % 3];
-  config.simplifier = number % 5 == 0 ? SimplifierKind::cluster : SimplifierKind::quadric;
+  config.simplifier = number % 5 == 0 ? "cluster" : "quadric";
   config.order_cells = number % 2 == 0;
   Repairs repairs;
   IndexedMesh mesh = prepare_mesh(generate_mesh({shapes[number % 4], 8000, 5}), repairs, scheduler);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/simplify/make_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "core/spatial/mesh_distance.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/metrics/geometry/surface_coverage.h"
@@ -51,7 +51,7 @@ TEST(SimplifyMerged, OfOneCubeIsWhatTheSimplifierMakes) {
 
   const std::vector<std::uint8_t> free(mesh.positions.size(), 0);
   SimplifyInput input{mesh.positions, mesh.triangles, free, 1, 3000};
-  const auto simplifier = make_simplifier(SimplifierKind::quadric);
+  const auto simplifier = make_simplifier("quadric");
   const SimplifyResult& result = simplifier->simplify(input);
   std::vector<std::array<Vec3f, 3>> expected, found;
   for (const Triangle& t : mesh.triangles) {
