@@ -7,6 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include "render/lod/blend_curve.h"
+
 namespace lodestone {
 
 enum class Blend : std::uint8_t {
@@ -17,16 +19,24 @@ enum class Blend : std::uint8_t {
   early,         // smoothstep over the first half of the band: the parent's place is reached half-way
   late,          // smoothstep over the second half
   step,          // jumps at the middle: the popping baseline, continuous nowhere it matters
+  // Further values are curves of a user's own.
 };
 
-[[nodiscard]] Blend blend(std::string_view name);  // throws InputError listing the known names
-[[nodiscard]] std::string_view name_of(Blend blend);
-[[nodiscard]] std::span<const Blend> all_blends();
+// A curve of one's own; equal ones are one blend. Throws InputError for a curve that is none (blend_curve.h),
+// ResourceError for more than 240 in a process. May be called from any thread.
+[[nodiscard]] Blend own_blend(const BlendCurve& curve);
+// The curve of such a blend; null for those with a name.
+[[nodiscard]] const BlendCurve* curve_of(Blend blend);
+
+// Of a name, or of the text of a curve. Throws InputError listing the known names.
+[[nodiscard]] Blend blend(std::string_view name);
+[[nodiscard]] std::string_view name_of(Blend blend);    // or the text of its curve
+[[nodiscard]] std::span<const Blend> all_blends();  // with a name
 
 // s(t); t is clamped to [0, 1]. Exactly 0 at t <= 0 and exactly 1 at t >= 1.
 [[nodiscard]] float blend_share(Blend blend, float t);
 
-// Lipschitz constant of s on [0, 1]; for `step` that of `linear`, which is what its jumps are measured against.
+// Lipschitz constant of s on [0, 1], which bounds pops; for `step` that of `linear`, which is what its jumps are measured against.
 [[nodiscard]] double blend_lipschitz(Blend blend);
 
 }  // namespace lodestone

@@ -45,13 +45,18 @@ inline Float inner_share(Float t) {
     return smoothstep(min(2.0f * t, all(1.0f)));
   } else if constexpr (B == Blend::late) {
     return smoothstep(max(2.0f * t - 1.0f, all(0.0f)));
-  } else if constexpr (B == Blend::step) {
+  } else {
+    static_assert(B == Blend::step);
     return select(t < 0.5f, all(0.0f), all(1.0f));
-  } else {  // the library's cosine, one by one
-    for (int k = 0; k < width; ++k) t[k] = blend_share(B, t[k]);
-    return t;
   }
 }
+
+// The library's cosine, and curves of a user's own.
+inline Float each_share(Blend blend, Float t) {
+  for (int k = 0; k < width; ++k) t[k] = blend_share(blend, t[k]);
+  return t;
+}
+inline constexpr Blend one_by_one = Blend::cosine;
 
 // How the vertices of a cell move: not at all, or by lambda.
 struct Still {};
@@ -67,7 +72,12 @@ inline Float lambda_of(const VertexJob& job, const Points& w, Morph<Metric, B>) 
   const Float ends = select(own, all(1.0f), all(0.0f));
   if (bits(own | parents) == all_lanes) return ends;
   const Float t = (d - begin) / (end - begin);
-  Float share = min(max(inner_share<B>(t), all(0.0f)), all(1.0f));
+  Float share;
+  if constexpr (B == one_by_one)
+    share = each_share(job.blend, t);
+  else
+    share = inner_share<B>(t);
+  share = min(max(share, all(0.0f)), all(1.0f));
   share = select(t > 0.0f, select(t >= 1.0f, all(1.0f), share), all(0.0f));
   return select(own | parents, ends, 1.0f - share);
 }
@@ -158,14 +168,14 @@ void transform_morphing(const VertexJob& job) {
       return transform_all(job, Morph<Metric, Blend::smoothstep>{});
     case Blend::smootherstep:
       return transform_all(job, Morph<Metric, Blend::smootherstep>{});
-    case Blend::cosine:
-      return transform_all(job, Morph<Metric, Blend::cosine>{});
     case Blend::early:
       return transform_all(job, Morph<Metric, Blend::early>{});
     case Blend::late:
       return transform_all(job, Morph<Metric, Blend::late>{});
     case Blend::step:
       return transform_all(job, Morph<Metric, Blend::step>{});
+    default:
+      return transform_all(job, Morph<Metric, one_by_one>{});
   }
 }
 

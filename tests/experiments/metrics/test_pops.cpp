@@ -11,6 +11,7 @@
 #include "tests/experiments/naive_hierarchy.h"
 #include "tests/experiments/naive_metrics.h"
 #include "tests/experiments/small_meshes.h"
+#include "tests/render/own_blends.h"
 
 namespace lodestone {
 namespace {
@@ -73,7 +74,7 @@ TEST(Pops, StayWithinTheBoundAlongAFlyIn) {
         const Radii radii = uniform ? uniform_radii(built.hierarchy, metric, 1.1f * reach(built.hierarchy, metric))
                                     : per_level_radii(built.hierarchy, metric);
         ASSERT_TRUE(radii.admissible);
-        for (const Blend blend : all_blends()) {
+        for (const Blend blend : test::blends_and_own()) {
           const PathPops pops = measure(built.hierarchy, radii, blend, path, 1000);
           EXPECT_GT(pops.max_jump, 0) << name_of(blend);
           if (blend == Blend::step) continue;

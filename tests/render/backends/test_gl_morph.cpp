@@ -10,6 +10,7 @@
 #include "render/backends/gl/scene/places.h"
 #include "render/camera/camera.h"
 #include "tests/render/backends/gl_fixture.h"
+#include "tests/render/own_blends.h"
 
 namespace lodestone {
 namespace {
@@ -168,12 +169,13 @@ TEST_P(GlMorphTest, DrawsNoCracksWhileFamiliesComeAndGo) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllVariants, GlMorphTest,
-                         ::testing::Combine(::testing::ValuesIn(all_blends().begin(), all_blends().end()),
+                         ::testing::Combine(::testing::ValuesIn(test::blends_and_own()),
                                             ::testing::Values(DistanceMetric::euclidean, DistanceMetric::chebyshev)),
                          [](const auto& instance) {
-                           return std::string(name_of(std::get<0>(instance.param))) +
-                                  (std::get<1>(instance.param) == DistanceMetric::euclidean ? "_euclidean"
-                                                                                            : "_chebyshev");
+                           std::string name(name_of(std::get<0>(instance.param)));
+                           std::ranges::replace_if(name, [](char c) { return !std::isalnum(c); }, '_');
+                           const bool euclidean = std::get<1>(instance.param) == DistanceMetric::euclidean;
+                           return name + (euclidean ? "_euclidean" : "_chebyshev");
                          });
 
 // The check above can see cracks: below the admissible border, from adversarial viewpoints, there are some.

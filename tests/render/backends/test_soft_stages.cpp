@@ -9,6 +9,7 @@
 #include "render/camera/camera.h"
 #include "render/lod/selection.h"
 #include "tests/naive_hierarchy.h"
+#include "tests/render/own_blends.h"
 #include "tests/test_meshes.h"
 
 namespace lodestone::soft {
@@ -58,7 +59,7 @@ TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
   const Viewport viewport(size);
   const std::vector<DetailLimit> some{{{{0.1f, 0.2f, 0}, {0.3f, 0.5f, 0.2f}}, 0.4f}, {{{0.5f, 0, 0}, {1, 1, 1}}, 0.3f}};
   for (const DistanceMetric metric : {DistanceMetric::euclidean, DistanceMetric::chebyshev})
-    for (const Blend blend : all_blends())
+    for (const Blend blend : test::blends_and_own())
       for (const auto& [rule, limits] : {std::pair{RadiiRule::per_level, DetailLimits{}},
                                          {RadiiRule::per_level, DetailLimits(some)},
                                          {RadiiRule::uniform, DetailLimits{}}}) {

@@ -67,7 +67,8 @@ float norm(vec3 a) { return max(max(a.x, a.y), a.z); }
 )";
 
 // blend.cpp
-const char* share_source(Blend blend) {
+std::string share_source(Blend blend) {
+  if (const BlendCurve* curve = curve_of(blend)) return CurveShare(*curve).glsl();
   switch (blend) {
     case Blend::linear:
       return "float share(float t) { return t; }\n";
