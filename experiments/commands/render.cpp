@@ -328,7 +328,9 @@ OptionTable declare_levels(RenderOptions& o) {
           {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
           {"--radii", &o.radii, "per-level (always admissible) or uniform (the published rule)"},
           {"--blend", &o.blend_name,
-           "linear, smoothstep, smootherstep, cosine, early, late or step; smoothstep unless the scene says otherwise"},
+           "linear, smoothstep, smootherstep, cosine, early, late or step; or a curve of your own: table:0,0.1,0.9,1 "
+           "(values at equal distances) or polynomial:0,0,3,-2 (coefficients of 1, t, t^2, ...); smoothstep unless the "
+           "scene says otherwise"},
           {"--metric", &o.metric, "euclidean or chebyshev"},
           {"--beta", &o.beta, "Minimum width of a morph band over the cell size"},
           {"--delta", &o.delta, "Guard for a selection stale by delta cell sizes"},

@@ -7,6 +7,7 @@
 #include "experiments/commands/command.h"
 #include "experiments/commands/input.h"
 #include "experiments/subjects/render.h"
+#include "render/backends/make_renderer.h"
 #include "render/viewer/viewer.h"
 
 namespace lodestone {
@@ -21,6 +22,12 @@ struct ViewOptions {
   std::optional<float> kappa0;
   std::string radii = "per-level", blend_name = "smoothstep", metric = "euclidean";
 };
+
+std::vector<std::string> backends() {
+  std::vector<std::string> names = picture_backend_names();
+  names.insert(names.begin(), "auto");
+  return names;
+}
 
 viewer::ViewState first_state(const ViewOptions& options) {
   viewer::ViewState state;
@@ -80,14 +87,15 @@ OptionTable declare(ViewOptions& o) {
        {"--size", &o.size, "Size of the window, in pixels"},
        OptionSpec{"--backend", &o.backend,
                   "soft, gl, or auto: gl on a graphics card, soft where a processor would do its work"}
-           .one_of({"auto", "soft", "gl"}),
+           .one_of(backends()),
        up_option(o.reading.up),
        {"--camera", &o.camera, "A path file (.json): the camera is at its beginning, P plays it"},
        {"--pixel-error", &o.settings.pixel_error, "Tolerance in pixels"},
        {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
        OptionSpec{"--radii", &o.radii, "per-level (always admissible) or uniform (the published rule)"}.one_of(
            {"per-level", "uniform"}),
-       {"--blend", &o.blend_name, "linear, smoothstep, smootherstep, cosine, early, late or step"},
+       {"--blend", &o.blend_name,
+        "linear, smoothstep, smootherstep, cosine, early, late or step; or a curve of your own, as for render"},
        OptionSpec{"--metric", &o.metric, "euclidean or chebyshev"}.one_of({"euclidean", "chebyshev"}),
        OptionSpec{"--samples", &o.settings.samples, "Samples per pixel; 4 smooths edges"}.one_of({"1", "4"}),
        {"--tint", &o.settings.tint, "Colour by level"},

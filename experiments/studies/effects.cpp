@@ -23,7 +23,7 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(3),
-      condition({"backend", "soft", "", "that draws", 0, 0, {"soft", "gl"}}),
+      condition({"backend", "soft", "", "that draws", 0, 0, picture_backend_names()}),
       condition({"frames", 12, "", "on the scene's camera path", 2, 10000, {}}),
   };
   append(list, picture_parameters());

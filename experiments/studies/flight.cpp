@@ -15,6 +15,7 @@
 #include "experiments/studies/verdict.h"
 #include "experiments/studies/viewpoints.h"
 #include "experiments/subjects/render.h"
+#include "render/backends/make_renderer.h"
 
 namespace lodestone {
 namespace flight_study {
@@ -25,18 +26,25 @@ std::vector<std::string> blend_names() {
   return names;
 }
 
+// A curve's text in its shortest form.
+std::optional<std::string> usual_curve(const std::string& text) {
+  if (!is_curve_text(text)) return std::nullopt;
+  return text_of(blend_curve(text));
+}
+
 std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(1),
-      condition({"backend", "null", "", "that draws: null counts alone", 0, 0, {"null", "soft", "gl"}}),
+      condition({"backend", "null", "", "that draws: null counts alone", 0, 0, backend_names()}),
       {"kappa0", 0.0, "cell sizes", "least selection radius; 0: by pixel_error", 0, 1e6, {}},
       {"kappa0_over_rho", 0.0, "", "kappa0 as a multiple of the admissible border instead; 0: not used", 0, 1e3, {}},
       {"pixel_error", 1.0, "pixels", "tolerance, where no kappa0 is given", 1e-3, 1e3, {}},
       {"radii", "per-level", "", "rule for the selection radii", 0, 0, {"per-level", "uniform"}},
       {"beta", RadiiConfig{}.beta, "cell sizes", "least width of a morph band", 1e-3, 100, {}},
       {"delta", 0.0, "cell sizes", "guard for a stale selection", 0, 100, {}},
-      {"blend", "smoothstep", "", "blending function", 0, 0, blend_names()},
+      {"blend", "smoothstep", "", "blending function", 0, 0, blend_names(),
+       OtherTexts{"or table:0,...,1 or polynomial:0,... of one's own", usual_curve}},
       {"metric", "euclidean", "", "distance", 0, 0, {"euclidean", "chebyshev"}},
       effects_parameter("of the pictures, that of the full model, too"),
       {"image", false, "", "measure the backend's pictures, too: error, and pops against the full model's", 0, 0, {}},

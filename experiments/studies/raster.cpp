@@ -12,6 +12,7 @@
 #include "experiments/studies/study_input.h"
 #include "experiments/studies/verdict.h"
 #include "experiments/subjects/result_hash.h"
+#include "render/backends/make_renderer.h"
 
 namespace lodestone {
 namespace raster_study {
@@ -20,7 +21,7 @@ std::vector<ParameterInfo> parameters() {
   std::vector<ParameterInfo> list{
       threads_parameter(),
       rounds_parameter(3),
-      condition({"backend", "soft", "", "that draws", 0, 0, {"null", "soft", "gl"}}),
+      condition({"backend", "soft", "", "that draws", 0, 0, backend_names()}),
       {"pixel_error", 1.0, "pixels", "tolerance", 1e-3, 1e3, {}},
       effects_parameter("of the pictures, that of the full model, too"),
       condition(

@@ -4,10 +4,12 @@
 #include <chrono>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
+#include "core/base/registry.h"
 #include "render/backends/soft/soft_renderer.h"
 #include "render/position_map/map_renderer.h"
 #include "render/position_map/rasterize_map.h"
@@ -62,34 +64,79 @@ class SoftMapRenderer final : public MapRenderer {
   Scheduler& scheduler_;
 };
 
+std::unique_ptr<Renderer> gl_frames(Scheduler& scheduler) {
+#if LODESTONE_GL
+  GlConfig config;
+  config.scheduler = &scheduler;
+  return make_gl_renderer(config);
+#else
+  (void)scheduler;
+  throw UnsupportedError("the gl backend was left out of this build; configure with LODESTONE_GL=ON, or use soft");
+#endif
+}
+
+std::unique_ptr<MapRenderer> gl_maps(const IndexedMesh& mesh, Scheduler& scheduler) {
+#if LODESTONE_GL
+  return make_gl_map_renderer(mesh, scheduler);
+#else
+  (void)mesh, (void)scheduler;
+  throw UnsupportedError("the gl backend was left out of this build; configure with LODESTONE_GL=ON, or use soft");
+#endif
+}
+
+Registry<BackendInfo>& backends() {
+  static Registry<BackendInfo> all("backend");
+  static const bool filled = [] {
+    all.add("soft", {.frames = [](Scheduler& scheduler) { return make_soft_renderer(scheduler); },
+                     .maps = [](const IndexedMesh& mesh,
+                                Scheduler& scheduler) { return std::make_unique<SoftMapRenderer>(mesh, scheduler); }});
+    all.add("gl", {.frames = gl_frames, .maps = gl_maps});
+    all.add("null", {.frames = [](Scheduler&) { return std::make_unique<NullRenderer>(); }, .maps = {}, .pictures = false});
+    return true;
+  }();
+  (void)filled;
+  return all;
+}
+
+template <class Fits>
+std::vector<std::string> names_where(const Fits& fits) {
+  std::vector<std::string> names;
+  for (const std::string& name : backends().names())
+    if (fits(backends().at(name))) names.push_back(name);
+  return names;
+}
+
 }  // namespace
 
+void add_backend(const std::string& name, BackendInfo info) {
+  if (!info.frames && !info.maps) throw InputError("backend '" + name + "' draws neither frames nor maps");
+  backends().add(name, std::move(info));
+}
+
+std::vector<std::string> backend_names() {
+  return names_where([](const BackendInfo& info) { return static_cast<bool>(info.frames); });
+}
+
+std::vector<std::string> picture_backend_names() {
+  return names_where([](const BackendInfo& info) { return info.frames && info.pictures; });
+}
+
+std::vector<std::string> map_backend_names() {
+  return names_where([](const BackendInfo& info) { return static_cast<bool>(info.maps); });
+}
+
 std::unique_ptr<Renderer> make_renderer(std::string_view backend, Scheduler& scheduler) {
-  if (backend == "soft") return make_soft_renderer(scheduler);
-  if (backend == "null") return std::make_unique<NullRenderer>();
-  if (backend == "gl") {
-#if LODESTONE_GL
-    GlConfig config;
-    config.scheduler = &scheduler;
-    return make_gl_renderer(config);
-#else
-    throw UnsupportedError("the gl backend was left out of this build; configure with LODESTONE_GL=ON, or use soft");
-#endif
-  }
-  throw InputError("unknown backend '" + std::string(backend) + "'; " + known_names(backend, {"soft", "gl", "null"}));
+  const BackendInfo& info = backends().at(backend);
+  if (info.frames) return info.frames(scheduler);
+  throw InputError("backend '" + std::string(backend) + "' draws no frames; " + known_names(backend, backend_names()));
 }
 
 std::unique_ptr<MapRenderer> make_map_renderer(std::string_view backend, const IndexedMesh& mesh,
                                                Scheduler& scheduler) {
-  if (backend == "soft") return std::make_unique<SoftMapRenderer>(mesh, scheduler);
-  if (backend == "gl") {
-#if LODESTONE_GL
-    return make_gl_map_renderer(mesh, scheduler);
-#else
-    throw UnsupportedError("--backend gl: this program was built without OpenGL; use --backend soft");
-#endif
-  }
-  throw InputError("unknown backend '" + std::string(backend) + "'; position maps are drawn by soft and gl");
+  const BackendInfo& info = backends().at(backend);
+  if (info.maps) return info.maps(mesh, scheduler);
+  throw InputError("backend '" + std::string(backend) + "' draws no position maps; " +
+                   known_names(backend, map_backend_names()));
 }
 
 }  // namespace lodestone

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
+#include "core/base/known_names.h"
 #include "render/backends/gl/gl_renderer.h"
 #include "render/backends/make_renderer.h"
 #include "render/viewer/session/view_session.h"
@@ -65,27 +67,28 @@ class Viewer {
   // ---- backends ----
 
   void choose_backend(const std::string& name) {
-    if (name != "soft" && name != "gl" && name != "auto")
-      throw InputError("unknown backend '" + name + "'; the viewer knows soft, gl, auto");
-    if (name == "soft") return use_soft();
+    if (name != "gl" && name != "auto") return use(name);
     try {
       if (!window_.missing_gl45().empty()) throw UnsupportedError("OpenGL 4.5 is missing: " + window_.missing_gl45());
       auto gl = make_gl_renderer(window_.context());
-      if (name == "auto" && draws_in_software(gl->device())) return use_soft();  // which is many times as fast
+      if (name == "auto" && draws_in_software(gl->device())) return use("soft");  // which is many times as fast
       session_.drawing().set_renderer(nullptr);
       gl_ = gl.get();
       renderer_ = std::move(gl);
       session_.drawing().set_renderer(renderer_.get());
     } catch (const Error& error) {  // no OpenGL 4.5, or not enough memory for the model
       session_.tell(std::string(error.what()) + "; drawing with soft instead", false, Window::now());
-      use_soft();
+      use("soft");
     }
   }
 
-  void use_soft() {
+  // A backend that reads its pictures back; gl shares the window's context instead.
+  void use(const std::string& name) {
+    if (const std::vector<std::string> known = picture_backend_names(); std::ranges::find(known, name) == known.end())
+      throw InputError("unknown backend '" + name + "'; " + known_names(name, known));
     session_.drawing().set_renderer(nullptr);
     gl_ = nullptr;
-    renderer_ = make_renderer("soft", scheduler_);
+    renderer_ = make_renderer(name, scheduler_);
     session_.drawing().set_renderer(renderer_.get());
   }
 
@@ -243,8 +246,8 @@ class Viewer {
     facts.model = drawing.model();
     facts.backend = std::string(renderer_->name());
     facts.device = gl_ ? gl_->device() : "";
-    facts.backends = {"soft"};
-    if (window_.missing_gl45().empty()) facts.backends.push_back("gl");
+    facts.backends = picture_backend_names();
+    if (!window_.missing_gl45().empty()) std::erase(facts.backends, "gl");
     if (drawing.ready()) facts.radius = drawing.bounding_sphere().radius;
     if (drawing.ready()) facts.report = &drawing.report(state.chosen);
     if (pictures_.has(state.chosen) && drawing.ready()) facts.frame = &drawing.frame(state.chosen);
