@@ -27,7 +27,7 @@ using namespace lodestone;
 struct Subject {
   Subject() {
     BuildConfig config;
-    config.simplifier = SimplifierKind::cluster;
+    config.simplifier = "cluster";
     Repairs repairs;
     hierarchy = build_hierarchy(prepare_mesh(generate_mesh({Shape::sphere, 500'000, 1}), repairs, *all), config, *all);
     const auto renderer = make_renderer("soft", *all);
@@ -37,8 +37,8 @@ struct Subject {
     SystemPictures pictures(view, *renderer);
     const std::vector<Camera> path = orbit_path(view.bounding_sphere(), 200, {view.up(), 1});
     for (int i = 0; i < 2; ++i) {
-      drawn[i] = pictures.draw(LodSystem::discrete, path[static_cast<std::size_t>(i)], view_config(scene, size));
-      full[i] = pictures.draw(LodSystem::full, path[static_cast<std::size_t>(i)], view_config(scene, size));
+      drawn[i] = pictures.draw("discrete", path[static_cast<std::size_t>(i)], view_config(scene, size));
+      full[i] = pictures.draw("full", path[static_cast<std::size_t>(i)], view_config(scene, size));
       error[i] = absolute_error(full[i].image, drawn[i].image);
     }
     negative = full[0].image;

@@ -26,8 +26,8 @@ namespace systems_study {
 
 std::vector<std::string> system_names() {
   std::vector<std::string> names;
-  for (const LodSystem system : all_lod_systems())
-    if (system != LodSystem::full) names.emplace_back(name_of(system));
+  for (const std::string& name : lod_system_names())
+    if (name != full_system) names.push_back(name);
   return names;
 }
 
@@ -36,7 +36,7 @@ std::vector<ParameterInfo> parameters() {
       threads_parameter(),
       rounds_parameter(3),
       {"system", "morph", "", "of levels of detail", 0, 0, system_names()},
-      condition({"backend", "soft", "", "that draws", 0, 0, {"soft", "gl"}}),
+      condition({"backend", "soft", "", "that draws", 0, 0, picture_backend_names()}),
       {"pixel_error", 1.0, "pixels", "tolerance that all systems keep to", 1e-3, 1e3, {}},
       effects_parameter("of all pictures; geomorph, which is the system's own, runs in any case"),
       {"fade_width", 0.25, "", "of cross-fade: way of a fade over the distance at which it begins", 0, 10, {}},
@@ -50,7 +50,6 @@ std::vector<ParameterInfo> parameters() {
 
 std::vector<ColumnInfo> columns() {
   using enum ColumnInfo::Kind;
-  const ColumnNeed of_vertices{{{"system", "cross-fade", false}}};  // which moves none
   std::vector<ColumnInfo> list{
       {"admissible", "", "the system promises neither cracks nor pops with these radii", label},
       {"triangles", "", "drawn in a frame, mean", cost},
@@ -58,7 +57,9 @@ std::vector<ColumnInfo> columns() {
   };
   append(list, frame_columns("a frame, from camera to picture, reading it back for a blend included"));
   for (ColumnInfo& column : SurfaceSummary::columns()) {
-    if (column.name.starts_with("jump_")) column.needs.push_back(of_vertices);
+    for (const std::string& system : system_names())
+      if (column.name.starts_with("jump_") && !lod_system(system).moves_vertices)
+        column.needs.push_back({{{"system", system, false}}});
     list.push_back(std::move(column));
   }
   append(list, PictureSummary::columns());
@@ -111,7 +112,7 @@ SystemFlightConfig flight_config(const Parameters& parameters, const Hierarchy& 
   config.view.radii.pixel_error = static_cast<float>(parameters.number("pixel_error"));
   config.view.effects = effect_request(parameters);
   config.view.effects.listed.insert(Effect::geomorph);
-  config.systems = {lod_system(parameters.text("system"))};
+  config.systems = {parameters.text("system")};
   config.system.fade_width = parameters.number("fade_width");
   config.cancel = context.cancel;
   config.cameras = path_cameras(hierarchy, parameters);
@@ -128,7 +129,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
   Row row;
   SystemPictures pictures(scene, *renderer, config.system);
   add_times(row, pictures, config, study);
-  row["admissible"] = config.systems.front() == LodSystem::morph && scene.admissible();
+  row["admissible"] = lod_system(config.systems.front()).keeps_promise && scene.admissible();
   if (context.repetition == 0) add_accuracy(row, scene, *renderer, config, study);
   return {row};
 }

@@ -1,45 +1,55 @@
 #include "experiments/systems/lod_system.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <string>
+#include <utility>
 
 #include "core/base/error.h"
-#include "core/base/known_names.h"
+#include "core/base/registry.h"
 #include "core/hierarchy/model/distance_metric.h"
 
 namespace lodestone {
 namespace {
 
-struct Named {
-  LodSystem system;
-  std::string_view name;
-};
-constexpr std::array<Named, 5> names{{{LodSystem::morph, "morph"},
-                                      {LodSystem::step, "step"},
-                                      {LodSystem::discrete, "discrete"},
-                                      {LodSystem::cross_fade, "cross-fade"},
-                                      {LodSystem::full, "full"}}};
-constexpr std::array<LodSystem, 5> systems{LodSystem::morph, LodSystem::step, LodSystem::discrete,
-                                           LodSystem::cross_fade, LodSystem::full};
+std::vector<SystemPart> faded_parts(const SystemQuery& q) {
+  const CrossFade fade = cross_fade(q.hierarchy, q.radii, q.viewpoint, q.fade_width);
+  if (fade.fine == fade.coarse) return {{whole_level(q.radii, fade.fine), q.blend}};
+  return {{whole_level(q.radii, fade.fine), q.blend, 1 - fade.share},
+          {whole_level(q.radii, fade.coarse), q.blend, fade.share}};
+}
+
+using Parts = std::vector<SystemPart>;
+
+Registry<LodSystem>& systems() {
+  static Registry<LodSystem> all("LOD system");
+  static const bool filled = [] {
+    all.add("morph", {"cells by distance, vertices morphed",
+                      [](const SystemQuery& q) { return Parts{{q.radii, q.blend}}; }, true});
+    all.add("step", {"cells by distance, vertices jump in the middle of the band",
+                     [](const SystemQuery& q) { return Parts{{q.radii, Blend::step}}; }});
+    all.add("discrete", {"cells by distance, each at its level, no morph",
+                         [](const SystemQuery& q) { return Parts{{without_morph(q.radii), q.blend}}; }});
+    all.add("cross-fade", {"the whole model at one level, two pictures blended while levels change", faded_parts, false,
+                           false});
+    all.add(std::string(full_system), {"the finest level, what the others are measured against", [](const SystemQuery& q) {
+                                         return Parts{{whole_level(q.radii, q.hierarchy.finest()), q.blend}};
+                                       }});
+    return true;
+  }();
+  (void)filled;
+  return all;
+}
 
 }  // namespace
 
-LodSystem lod_system(std::string_view name) {
-  std::vector<std::string> known;
-  for (const Named& named : names) {
-    if (named.name == name) return named.system;
-    known.emplace_back(named.name);
-  }
-  throw InputError("unknown LOD system '" + std::string(name) + "'; " + known_names(name, known));
+void add_lod_system(const std::string& name, LodSystem system) {
+  if (!system.parts) throw InputError("LOD system '" + name + "' has no function that says what it draws");
+  systems().add(name, std::move(system));
 }
 
-std::string_view name_of(LodSystem system) {
-  return std::find_if(names.begin(), names.end(), [&](const Named& n) { return n.system == system; })->name;
-}
+const LodSystem& lod_system(std::string_view name) { return systems().at(name); }
 
-std::span<const LodSystem> all_lod_systems() { return systems; }
+std::vector<std::string> lod_system_names() { return systems().names(); }
 
 Radii without_morph(const Radii& radii) {
   Radii own = radii;

@@ -1,29 +1,61 @@
 // LOD systems that are compared: what each draws of one hierarchy for the same radii. They differ in nothing else.
 //
-// All but `cross_fade` are the usual selection and morph with other numbers: bands that begin beyond everything leave
-// every vertex where its own level has it, radii of 0 and infinity select one level as a whole.
+// All are the usual selection and morph with other numbers: bands that begin beyond everything leave every vertex where
+// its own level has it, radii of 0 and infinity select one level as a whole, and pictures of several such parts are
+// blended.
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <functional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "render/lod/blend.h"
 #include "render/lod/radii.h"
 
 namespace lodestone {
 
-enum class LodSystem : std::uint8_t {
-  morph,       // this program's: cells by distance, vertices morphed
-  step,        // the same with the blend `step`: vertices jump in the middle of the band, but nothing cracks
-  discrete,    // cells by distance, each at the level that the distance chooses, no morph: it pops, and cracks
-  cross_fade,  // the whole model at one level; two pictures blended while levels change: no cracks, ghosts
-  full,        // M_L: what the others are measured against
+// What is known of a model when a frame is drawn.
+struct SystemQuery {
+  const Hierarchy& hierarchy;
+  const Radii& radii;  // of the scene, which all systems get
+  Blend blend = Blend::smoothstep;
+  Vec3f viewpoint;         // in normalised space
+  double fade_width = 0;   // of systems that fade, as a share of the radius at which a level becomes good enough
 };
 
-[[nodiscard]] LodSystem lod_system(std::string_view name);  // throws InputError listing the known names
-[[nodiscard]] std::string_view name_of(LodSystem system);
-[[nodiscard]] std::span<const LodSystem> all_lod_systems();
+// A picture of these radii, and its share of what is seen.
+struct SystemPart {
+  Radii radii;
+  Blend blend = Blend::smoothstep;
+  double share = 1;
+};
+
+struct LodSystem {
+  std::string description;  // half a sentence
+  // One part, or two that are blended: the one that cracks are looked for in, then the other. Shares are in [0, 1] and
+  // add up to 1. A function of the query alone.
+  std::function<std::vector<SystemPart>(const SystemQuery&)> parts;
+  bool keeps_promise = false;  // neither cracks nor pops with admissible radii
+  bool moves_vertices = true;  // false: what changes is in the pictures alone, and there are no jumps
+};
+
+// Makes a system known to the experiment `systems`. Throws InputError for a name that is taken or cannot be one
+// (core/base/registry.h), and for a system without parts. May be called from any thread, before the name is used.
+void add_lod_system(const std::string& name, LodSystem system);
+
+// Throws InputError listing the known names.
+[[nodiscard]] const LodSystem& lod_system(std::string_view name);
+
+// "morph": this program's; cells by distance, vertices morphed.
+// "step": the same with the blend `step`: vertices jump in the middle of the band, but nothing cracks.
+// "discrete": cells by distance, each at the level that the distance chooses, no morph: it pops, and cracks.
+// "cross-fade": the whole model at one level; two pictures blended while levels change: no cracks, ghosts.
+// "full": M_L, what the others are measured against.
+// Then what was added.
+[[nodiscard]] std::vector<std::string> lod_system_names();
+inline constexpr std::string_view full_system = "full";
 
 // The same selection, lambda = 1 everywhere. jump_bounds() of such radii has no bound.
 [[nodiscard]] Radii without_morph(const Radii& radii);

@@ -28,7 +28,7 @@ class Flight {
 
   void fly(std::size_t frame, const OnSystemRow& on_row, std::vector<SystemRow>& rows) {
     const Camera& camera = config_.cameras[frame];
-    SystemPicture full = pictures_.draw(LodSystem::full, camera, config_.view);
+    SystemPicture full = pictures_.draw(full_system, camera, config_.view);
     if (full.image.depth.empty()) throw InputError("LOD systems are compared in pictures; this backend draws none");
     for (std::size_t s = 0; s < config_.systems.size(); ++s) {
       if (config_.cancel && *config_.cancel) throw Cancelled{};
@@ -79,7 +79,7 @@ class Flight {
       promise.radii = &model.morph;
       promise.blend = config_.view.blend;  // `step` has another one of its own
       ProofFrame frame{model.context(), model.view_projection, config_.view.size};
-      frame.follows = row.frame > 0 && row.system != LodSystem::cross_fade;
+      frame.follows = row.frame > 0 && lod_system(row.system).moves_vertices;
       frame.promise = &promise;
       // Several models may lie behind each other: their silhouette is not that of one of them.
       const bool alone = drawn.models.size() == 1;
@@ -99,7 +99,7 @@ class Flight {
 void check(const SystemFlightConfig& config) {
   if (config.cameras.empty()) throw InputError("a flight needs at least one camera");
   if (config.systems.empty()) throw InputError("no LOD system is named; there is nothing to compare");
-  if (std::ranges::find(config.systems, LodSystem::full) != config.systems.end())
+  if (std::ranges::find(config.systems, full_system) != config.systems.end())
     throw InputError("the full model is what LOD systems are compared with; it cannot be one of them");
 }
 

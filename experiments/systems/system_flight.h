@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "experiments/metrics/pictures/image_quality.h"
@@ -17,7 +18,7 @@ namespace lodestone {
 struct SystemFlightConfig {
   std::vector<Camera> cameras;
   ViewConfig view;
-  std::vector<LodSystem> systems{LodSystem::morph, LodSystem::step, LodSystem::discrete, LodSystem::cross_fade};
+  std::vector<std::string> systems{"morph", "step", "discrete", "cross-fade"};
   SystemConfig system;
   ImageQualityConfig quality;  // FLIP and SSIM can be left out here; without FLIP there are no pops by FLIP
   ImagePopConfig pops;
@@ -29,7 +30,7 @@ struct SystemFlightConfig {
 // One frame of one system.
 struct SystemRow {
   std::size_t frame = 0;
-  LodSystem system = LodSystem::morph;
+  std::string system;
   std::uint64_t cells = 0, triangles = 0;  // drawn
   double milliseconds = 0;                 // by the renderer
   int pictures = 1;                        // drawn for this frame

@@ -3,26 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <string>
 
 #include "core/base/error.h"
 
 namespace lodestone {
 namespace {
-
-// The radii that make the usual selection and morph draw what the system draws. `level`: of cross_fade and full.
-Radii radii_of(LodSystem system, const Radii& radii, int level) {
-  switch (system) {
-    case LodSystem::morph:
-    case LodSystem::step:
-      return radii;
-    case LodSystem::discrete:
-      return without_morph(radii);
-    case LodSystem::cross_fade:
-    case LodSystem::full:
-      break;
-  }
-  return whole_level(radii, level);
-}
 
 void add_up(const FrameStats& from, FrameStats& to) {
   to.cells += from.cells;
@@ -31,6 +17,14 @@ void add_up(const FrameStats& from, FrameStats& to) {
   for (const auto& [stage, milliseconds] : from.milliseconds) to.milliseconds[stage] += milliseconds;
   for (const auto& [what, count] : from.work) to.work[what] += count;
   to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
+}
+
+void check_parts(std::string_view name, const std::vector<SystemPart>& parts) {
+  double sum = 0;
+  for (const SystemPart& part : parts) sum += part.share >= 0 ? part.share : 2;
+  if (parts.empty() || parts.size() > 2 || !(std::abs(sum - 1) < 1e-6))
+    throw InputError("the system " + std::string(name) + " gave " + std::to_string(parts.size()) +
+                     " parts; one or two are drawn, with shares that add up to 1");
 }
 
 }  // namespace
@@ -51,18 +45,21 @@ SystemPictures::SystemPictures(SceneView& scene, Renderer& renderer, const Syste
       throw InputError("LOD systems are compared on whole models; open the scene without a memory budget");
 }
 
-// Draws the frame of the view with these radii, one for each model, and puts it into the picture.
-void SystemPictures::draw_part(const std::vector<Radii>& radii, SystemPicture& picture) {
+// Draws the frame of the view with one of the parts of each model.
+void SystemPictures::draw_part(const std::vector<std::vector<SystemPart>>& parts, std::size_t part,
+                               SystemPicture& picture) {
   Frame frame = scene_.frame();
   frame.select_on_device = false;
-  std::vector<Selection> drawn(radii.size()), casters(radii.size());
-  for (std::size_t m = 0; m < radii.size(); ++m) {
+  std::vector<Selection> drawn(parts.size()), casters(parts.size());
+  for (std::size_t m = 0; m < parts.size(); ++m) {
+    const Radii& radii = parts[m][part].radii;
     ModelFrame& model = frame.models[m];
     const auto select = [&](const ViewProjection& projection, Selection& out) {
       const Frustum frustum = frustum_of(projection);
-      select_cells(*model.morph.hierarchy, radii[m], model.morph.viewpoint, {&frustum, false}, out);
+      select_cells(*model.morph.hierarchy, radii, model.morph.viewpoint, {&frustum, false}, out);
     };
-    model.morph.radii = &radii[m];
+    model.morph.radii = &radii;
+    model.morph.blend = parts[m][part].blend;
     select(model.view_projection, drawn[m]);
     model.selection = &drawn[m];
     if (!model.casters) continue;
@@ -72,37 +69,33 @@ void SystemPictures::draw_part(const std::vector<Radii>& radii, SystemPicture& p
   add_up(renderer_.draw(frame), picture.stats);
 }
 
-SystemPicture SystemPictures::draw(LodSystem system, const Camera& camera, const ViewConfig& view) {
-  if (system == LodSystem::cross_fade && scene_.model_count() > 1)
-    throw InputError("the system cross-fade is made for one model; this scene has several");
-  ViewConfig config = view;
-  if (system == LodSystem::step) config.blend = Blend::step;
-  (void)scene_.update(camera, config);
+SystemPicture SystemPictures::draw(std::string_view name, const Camera& camera, const ViewConfig& view) {
+  const LodSystem& system = lod_system(name);
+  (void)scene_.update(camera, view);
 
   SystemPicture picture;
-  std::vector<Radii> fine, coarse;
+  std::vector<std::vector<SystemPart>> parts;  // by model
   for (std::size_t m = 0; m < scene_.model_count(); ++m) {
     const ModelFrame& seen = scene_.frame().models[m];
+    const MorphContext& morph = seen.morph;
+    parts.push_back(system.parts({*morph.hierarchy, *morph.radii, morph.blend, morph.viewpoint, config_.fade_width}));
+    check_parts(name, parts.back());
+    if (scene_.model_count() > 1 && parts.back().size() > 1)
+      throw InputError("the system " + std::string(name) + " is made for one model; this scene has several");
     SystemModel& model = picture.models.emplace_back();
-    model.hierarchy = seen.morph.hierarchy;
-    model.blend = seen.morph.blend;
-    model.viewpoint = seen.morph.viewpoint;
+    model.hierarchy = morph.hierarchy;
+    model.morph = *morph.radii;
+    model.radii = parts.back().front().radii;
+    model.blend = parts.back().front().blend;
+    model.viewpoint = morph.viewpoint;
     model.view_projection = seen.view_projection;
-    if (system == LodSystem::cross_fade)
-      model.fade = cross_fade(*model.hierarchy, *seen.morph.radii, model.viewpoint, config_.fade_width);
-    const int level = system == LodSystem::full ? model.hierarchy->finest() : model.fade.fine;
-    model.morph = *seen.morph.radii;
-    model.radii = radii_of(system, *seen.morph.radii, level);
     select_cells(*model.hierarchy, model.radii, model.viewpoint, {}, model.whole);
-    fine.push_back(model.radii);
-    coarse.push_back(radii_of(system, *seen.morph.radii, model.fade.coarse));
   }
-  draw_part(fine, picture);
+  draw_part(parts, 0, picture);
   picture.image = renderer_.read_back();
-  const CrossFade& fade = picture.models.front().fade;
-  if (fade.fine != fade.coarse) {
-    draw_part(coarse, picture);
-    picture.image = blended(picture.image, renderer_.read_back(), fade.share);
+  if (parts.front().size() > 1) {
+    draw_part(parts, 1, picture);
+    picture.image = blended(picture.image, renderer_.read_back(), parts.front()[1].share);
     picture.pictures = 2;
   }
   return picture;

@@ -1,7 +1,7 @@
 // Pictures of a scene by each of the compared systems, and what they were made of, for the metrics.
 #pragma once
 
-#include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "experiments/systems/lod_system.h"
@@ -11,10 +11,10 @@
 namespace lodestone {
 
 struct SystemConfig {
-  double fade_width = 0.25;  // of cross_fade, as a share of the radius at which a level becomes good enough
+  double fade_width = 0.25;  // of systems that fade, as a share of the radius at which a level becomes good enough
 };
 
-// A model of the scene as a system drew it, before culling; for cross_fade the finer one of its two levels.
+// A model of the scene as a system drew it, before culling; of several parts the first.
 struct SystemModel {
   const Hierarchy* hierarchy = nullptr;
   Radii radii;  // that made the system of it
@@ -23,7 +23,6 @@ struct SystemModel {
   Vec3f viewpoint;
   Selection whole;                 // a partition (keep_culled)
   ViewProjection view_projection;  // of its normalised space
-  CrossFade fade;                  // of cross_fade alone
 
   // Points into this object.
   [[nodiscard]] MorphContext context() const { return {hierarchy, &radii, blend, viewpoint}; }
@@ -31,7 +30,7 @@ struct SystemModel {
 
 struct SystemPicture {
   Image image;
-  FrameStats stats;  // of cross_fade: of both its pictures, added up
+  FrameStats stats;  // of all pictures, added up
   int pictures = 1;  // that were drawn and blended
   std::vector<SystemModel> models;
 };
@@ -42,12 +41,13 @@ class SystemPictures {
  public:
   SystemPictures(SceneView& scene, Renderer& renderer, const SystemConfig& config = {});
 
-  // As SceneView::update and Renderer::draw throw; InputError for cross_fade of a scene with several models, which
-  // would fade at different distances. The view of the scene is left at the camera.
-  [[nodiscard]] SystemPicture draw(LodSystem system, const Camera& camera, const ViewConfig& view);
+  // As SceneView::update and Renderer::draw throw; InputError for an unknown system, and for one that blends pictures
+  // of a scene with several models, which would fade at different distances. The view of the scene is left at the
+  // camera.
+  [[nodiscard]] SystemPicture draw(std::string_view system, const Camera& camera, const ViewConfig& view);
 
  private:
-  void draw_part(const std::vector<Radii>& radii, SystemPicture& picture);
+  void draw_part(const std::vector<std::vector<SystemPart>>& parts, std::size_t part, SystemPicture& picture);
 
   SceneView& scene_;
   Renderer& renderer_;

@@ -10,6 +10,7 @@
 #include "experiments/systems/system_flight.h"
 #include "render/backends/make_renderer.h"
 #include "render/camera/camera.h"
+#include "tests/expect_error.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/naive_hierarchy.h"
 #include "tests/test_meshes.h"
@@ -42,8 +43,8 @@ std::vector<Camera> approach(int frames) {
 }
 
 TEST(LodSystem, Names) {
-  for (const LodSystem system : all_lod_systems()) EXPECT_EQ(lod_system(name_of(system)), system);
-  EXPECT_THROW((void)lod_system("lod"), InputError);
+  for (const std::string& system : lod_system_names()) EXPECT_FALSE(lod_system(system).description.empty());
+  expect_error_of<InputError>([] { (void)lod_system("lod"); }, {"unknown LOD system 'lod'; known are morph, step"});
 }
 
 TEST(LodSystem, WithoutMorphEveryVertexStaysAtItsLevel) {
@@ -118,11 +119,11 @@ TEST(SystemPictures, TheFullModelIsWhatSmallTolerancesDraw) {
   const ViewConfig config = view_config(near.scene(), size);
   SystemPictures pictures(near, *renderer);
   const Camera camera = approach(3)[1];
-  const SystemPicture full = pictures.draw(LodSystem::full, camera, config);
+  const SystemPicture full = pictures.draw("full", camera, config);
   EXPECT_EQ(full.image.depth.size(), full.image.rgba.size() / 4);
-  for (const LodSystem system : {LodSystem::morph, LodSystem::step, LodSystem::discrete, LodSystem::cross_fade}) {
+  for (const std::string system : {"morph", "step", "discrete", "cross-fade"}) {
     const SystemPicture drawn = pictures.draw(system, camera, config);
-    EXPECT_EQ(drawn.image.rgba, full.image.rgba) << name_of(system);
+    EXPECT_EQ(drawn.image.rgba, full.image.rgba) << system;
     EXPECT_EQ(drawn.stats.triangles, full.stats.triangles);
     EXPECT_EQ(drawn.pictures, 1);
   }
@@ -139,8 +140,28 @@ TEST(SystemPictures, TheMorphIsTheUsualPicture) {
   (void)view.draw(*renderer);
   const Image usual = renderer->read_back();
   SystemPictures pictures(view, *renderer);
-  EXPECT_EQ(pictures.draw(LodSystem::morph, camera, config).image.rgba, usual.rgba);
-  EXPECT_NE(pictures.draw(LodSystem::discrete, camera, config).image.rgba, usual.rgba);
+  EXPECT_EQ(pictures.draw("morph", camera, config).image.rgba, usual.rgba);
+  EXPECT_NE(pictures.draw("discrete", camera, config).image.rgba, usual.rgba);
+}
+
+TEST(SystemPictures, AddedSystemsAreDrawnAndChecked) {
+  add_lod_system("two-levels", {"root and finest level, half each", [](const SystemQuery& q) {
+                                  return std::vector<SystemPart>{{whole_level(q.radii, q.hierarchy.finest()), q.blend, 0.5},
+                                                                 {whole_level(q.radii, 0), q.blend, 0.5}};
+                                }});
+  add_lod_system("nothing", {"no part", [](const SystemQuery&) { return std::vector<SystemPart>(); }});
+  expect_error_of<InputError>([] { add_lod_system("empty", {}); }, {"'empty'"});
+  const auto scheduler = make_serial_scheduler();
+  const auto renderer = make_renderer("soft", *scheduler);
+  SceneView view(scene_of_torus(), {{&torus()}});
+  view.upload(*renderer);
+  const ViewConfig config = view_config(view.scene(), size);
+  SystemPictures pictures(view, *renderer);
+  const Camera camera = approach(3)[1];
+  const SystemPicture half = pictures.draw("two-levels", camera, config);
+  EXPECT_EQ(half.pictures, 2);
+  EXPECT_EQ(half.stats.triangles, torus().levels.front().triangles + torus().levels.back().triangles);
+  expect_error_of<InputError>([&] { (void)pictures.draw("nothing", camera, config); }, {"nothing", "0 parts"});
 }
 
 TEST(SystemPictures, BlendBytesAndTakeTheNearerDepth) {
@@ -174,7 +195,7 @@ TEST(SystemFlight, TellsTheSystemsApart) {
     double jump_over_bound = 0, jump_pixels = 0, changed = 0;
     int pictures = 0;
   };
-  std::map<LodSystem, Worst> worst;
+  std::map<std::string, Worst> worst;
   for (const SystemRow& row : rows) {
     Worst& w = worst[row.system];
     const SurfaceSample& surface = row.surface.value();
@@ -190,8 +211,7 @@ TEST(SystemFlight, TellsTheSystemsApart) {
     w.pictures = std::max(w.pictures, row.pictures);
     w.changed = std::max(w.changed, row.pops.changed_share);
   }
-  const Worst &morph = worst[LodSystem::morph], &step = worst[LodSystem::step], &discrete = worst[LodSystem::discrete],
-              &fade = worst[LodSystem::cross_fade];
+  const Worst &morph = worst["morph"], &step = worst["step"], &discrete = worst["discrete"], &fade = worst["cross-fade"];
   for (const Worst* whole : {&morph, &step, &fade}) {
     EXPECT_EQ(whole->surface.open_edges, 0);
     EXPECT_EQ(whole->surface.gap, 0);
@@ -212,7 +232,7 @@ TEST(SystemFlight, TellsTheSystemsApart) {
 }
 
 // The largest ratio on one path by the systems that let vertices jump.
-std::map<LodSystem, std::optional<double>> jumps_over_bound(Scene scene, Blend blend) {
+std::map<std::string, std::optional<double>> jumps_over_bound(Scene scene, Blend blend) {
   const auto scheduler = make_serial_scheduler();
   const auto renderer = make_renderer("soft", *scheduler);
   SceneView view(scene, {{&torus()}});
@@ -220,22 +240,21 @@ std::map<LodSystem, std::optional<double>> jumps_over_bound(Scene scene, Blend b
   config.cameras = approach(8);
   config.view = view_config(view.scene(), {32, 24});
   config.view.blend = blend;
-  config.systems = {LodSystem::step, LodSystem::discrete};
+  config.systems = {"step", "discrete"};
   config.quality = {.with_flip = false, .with_ssim = false};
   config.leaks = false;
-  std::map<LodSystem, SurfaceSample> all;
+  std::map<std::string, SurfaceSample> all;
   for (const SystemRow& row : fly_systems(view, *renderer, config, *scheduler)) add(all[row.system], *row.surface);
-  return {{LodSystem::step, all[LodSystem::step].jump.value().over_bound},
-          {LodSystem::discrete, all[LodSystem::discrete].jump.value().over_bound}};
+  return {{"step", all["step"].jump.value().over_bound}, {"discrete", all["discrete"].jump.value().over_bound}};
 }
 
 // Neither of the two morphs, so that the view's blend changes what they are measured by and nothing else.
 TEST(SystemFlight, JumpsAreMeasuredByTheBoundOfTheViewsBlend) {
   auto linear = jumps_over_bound(scene_of_torus(), Blend::linear),
        smooth = jumps_over_bound(scene_of_torus(), Blend::smoothstep);
-  for (const LodSystem system : {LodSystem::step, LodSystem::discrete}) {
-    EXPECT_GT(smooth[system].value(), 0) << name_of(system);
-    EXPECT_DOUBLE_EQ(linear[system].value(), 1.5 * smooth[system].value()) << name_of(system);
+  for (const std::string system : {"step", "discrete"}) {
+    EXPECT_GT(smooth[system].value(), 0) << system;
+    EXPECT_DOUBLE_EQ(linear[system].value(), 1.5 * smooth[system].value()) << system;
   }
 }
 
@@ -247,7 +266,7 @@ TEST(SystemFlight, MeasuresASurfaceAsAFlightDoes) {
   SystemFlightConfig config;
   config.cameras = approach(6);
   config.view = view_config(view.scene(), size);
-  config.systems = {LodSystem::discrete};
+  config.systems = {"discrete"};
   config.quality = {.with_flip = false, .with_ssim = false};
   SurfaceMeasures measures(torus(), size, *scheduler);
   double junctions = 0;
@@ -280,7 +299,7 @@ TEST(SystemFlight, MeasuresASurfaceAsAFlightDoes) {
 TEST(SystemFlight, JumpsHaveNoBoundWhereTheMorphHasNone) {
   Scene scene = scene_of_torus(0.3f);
   scene.radii.rule = RadiiRule::uniform;
-  for (const auto& [system, ratio] : jumps_over_bound(scene, Blend::linear)) EXPECT_FALSE(ratio) << name_of(system);
+  for (const auto& [system, ratio] : jumps_over_bound(scene, Blend::linear)) EXPECT_FALSE(ratio) << system;
 }
 
 TEST(SystemFlight, RefusesWhatItCannotCompare) {
@@ -297,7 +316,7 @@ TEST(SystemFlight, RefusesWhatItCannotCompare) {
   SystemFlightConfig no_cameras = good, no_systems = good, full = good;
   no_cameras.cameras.clear();
   no_systems.systems.clear();
-  full.systems.push_back(LodSystem::full);
+  full.systems.push_back("full");
   refused(no_cameras, *renderer);
   refused(no_systems, *renderer);
   refused(full, *renderer);
@@ -313,8 +332,8 @@ TEST(SystemFlight, RefusesWhatItCannotCompare) {
   SceneView both(two, {{&torus()}, {&torus()}});
   both.upload(*renderer);
   SystemPictures pictures(both, *renderer);
-  EXPECT_THROW((void)pictures.draw(LodSystem::cross_fade, good.cameras[0], good.view), InputError);
-  EXPECT_EQ(pictures.draw(LodSystem::discrete, good.cameras[0], good.view).models.size(), 2u);
+  EXPECT_THROW((void)pictures.draw("cross-fade", good.cameras[0], good.view), InputError);
+  EXPECT_EQ(pictures.draw("discrete", good.cameras[0], good.view).models.size(), 2u);
 }
 
 }  // namespace
