@@ -1,39 +1,5 @@
 // The `lodestone` command: build, look into, prove and draw hierarchical levels of detail.
-#include "experiments/command_line/version.h"
-#include "experiments/commands/command.h"
-#include "experiments/commands/parser.h"
+#include "experiments/commands/program.h"
 #include "experiments/commit.h"
 
-namespace lodestone {
-namespace {
-
-int run(int argc, char** argv) {
-  set_program_commit(commit_text);
-  CommandTable commands;
-  add_generate(commands);
-  add_build(commands);
-  add_info(commands);
-  add_verify(commands);
-  add_compare(commands);
-  add_render(commands);
-  add_export(commands);
-  add_view(commands);
-  add_reconstruct(commands);
-  add_progressive(commands);
-  add_spherical(commands);
-  add_lod(commands);
-  add_page(commands);
-  add_report(commands);
-  add_sweep(commands);
-  add_merge(commands);
-  add_experiments(commands);
-  add_completion(commands);
-  add_manual(commands);
-  install_signal_handlers();
-  return run_command_line(commands, argc, argv);
-}
-
-}  // namespace
-}  // namespace lodestone
-
-int main(int argc, char** argv) { return lodestone::guard_memory(lodestone::run, argc, argv); }
+int main(int argc, char** argv) { return lodestone::run_program(argc, argv, lodestone::commit_text); }

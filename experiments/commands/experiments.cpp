@@ -84,7 +84,8 @@ void run(const ExperimentsOptions& options, const CommonOptions& common) {
     return;
   }
   nlohmann::json all = nlohmann::json::array();
-  for (const Experiment& experiment : experiments()) {
+  for (const std::string& known : experiment_names()) {
+    const Experiment& experiment = find_experiment(known);
     all.push_back(experiment_json(experiment));
     if (printed) fmt::print("{:<16} {}\n", experiment.name, experiment.question);
   }

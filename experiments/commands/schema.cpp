@@ -323,7 +323,8 @@ std::string schema_text() {
     for (const ColumnInfo& column : keys.row) text += line(column.name, column.unit, column.meaning);
     for (const Key& key : keys.details) text += line(key.name, key.unit, key.meaning);
   }
-  for (const Experiment& experiment : experiments()) {
+  for (const std::string& name : experiment_names()) {
+    const Experiment& experiment = find_experiment(name);
     text += fmt::format("\n## Experiment {}\n\n| column | unit | meaning |\n|---|---|---|\n", experiment.name);
     for (const ColumnInfo& column : experiment.columns) text += line(column.name, column.unit, column.meaning);
   }

@@ -1,33 +1,47 @@
 #include "experiments/studies/experiment.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/error.h"
-#include "core/base/known_names.h"
+#include "core/base/registry.h"
 
 namespace lodestone {
 
-const std::vector<Experiment>& experiments() {
-  static const std::vector<Experiment> all = [] {
-    std::vector<Experiment> list{
-        build_experiment(),   effects_experiment(), families_experiment(),    flight_experiment(),
-        probe_experiment(),   raster_experiment(),  progressive_experiment(), reconstruct_experiment(),
-        scaling_experiment(), shells_experiment(),  spherical_experiment(),   systems_experiment(),
-        table_experiment(),
-    };
-    std::sort(list.begin(), list.end(), [](const Experiment& a, const Experiment& b) { return a.name < b.name; });
-    return list;
+namespace {
+
+Registry<Experiment>& experiments() {
+  static Registry<Experiment> all("experiment");
+  static const bool filled = [] {
+    for (const auto& make : {build_experiment, effects_experiment, families_experiment, flight_experiment,
+                             probe_experiment, progressive_experiment, raster_experiment, reconstruct_experiment,
+                             scaling_experiment, shells_experiment, spherical_experiment, systems_experiment,
+                             table_experiment}) {
+      Experiment experiment = make();
+      const std::string name = experiment.name;
+      all.add(name, std::move(experiment));
+    }
+    return true;
   }();
+  (void)filled;
   return all;
 }
 
-const Experiment& find_experiment(const std::string& name) {
-  std::vector<std::string> known;
-  for (const Experiment& experiment : experiments()) {
-    if (experiment.name == name) return experiment;
-    known.push_back(experiment.name);
-  }
-  throw InputError("unknown experiment '" + name + "'; " + known_names(name, known));
+}  // namespace
+
+void add_experiment(Experiment experiment) {
+  if (!experiment.run || !experiment.verify || experiment.columns.empty())
+    throw InputError("experiment '" + experiment.name + "' needs run, verify and columns");
+  const std::string name = experiment.name;
+  experiments().add(name, std::move(experiment));
 }
+
+std::vector<std::string> experiment_names() {
+  std::vector<std::string> names = experiments().names();
+  std::ranges::sort(names);
+  return names;
+}
+
+const Experiment& find_experiment(const std::string& name) { return experiments().at(name); }
 
 }  // namespace lodestone

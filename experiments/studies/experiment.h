@@ -59,8 +59,13 @@ struct Experiment {
 [[nodiscard]] Experiment systems_experiment();
 [[nodiscard]] Experiment table_experiment();
 
-// All experiments, by name. Names are unique.
-[[nodiscard]] const std::vector<Experiment>& experiments();
+// Makes an experiment known to `lodestone experiments` and to sweeps. Throws InputError for a name that is taken or
+// cannot be one (core/base/registry.h), and for an experiment without run, verify or columns. May be called from any
+// thread, before the name is used.
+void add_experiment(Experiment experiment);
+
+// Of all experiments, sorted.
+[[nodiscard]] std::vector<std::string> experiment_names();
 // Throws InputError that lists the known ones.
 [[nodiscard]] const Experiment& find_experiment(const std::string& name);
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+
+#include "experiments/metrics/pictures/picture_metric.h"
 
 namespace lodestone {
 namespace {
@@ -43,10 +46,25 @@ std::optional<double> largest_share_without_predecessor(const std::vector<Pictur
   return most;
 }
 
+// Metrics of a user's own.
+void add_added(Row& row, const std::vector<ImageQuality>& samples) {
+  const std::vector<std::string> names = picture_metric_names();
+  for (std::size_t k = 0; k < names.size() && k < samples.front().added.size(); ++k) {
+    const bool more = picture_metric(names[k]).more_is_better;
+    double sum = 0, worst = samples.front().added[k];
+    for (const ImageQuality& quality : samples) {
+      sum += quality.added[k];
+      worst = more ? std::min(worst, quality.added[k]) : std::max(worst, quality.added[k]);
+    }
+    row["metric_" + names[k]] = sum / static_cast<double>(samples.size());
+    row["metric_" + names[k] + "_worst"] = worst;
+  }
+}
+
 }  // namespace
 
 std::vector<ColumnInfo> QualitySummary::columns() {
-  return {
+  std::vector<ColumnInfo> list{
       {"image_error", "%", "difference from the full model's picture, mean over pixels and frames", accuracy},
       {"image_error_worst", "%", "the same of the worst picture, mean over its pixels", accuracy},
       {"image_error_p99", "%", "difference that 99 % of a picture's pixels do not exceed, most", accuracy},
@@ -56,6 +74,13 @@ std::vector<ColumnInfo> QualitySummary::columns() {
       {"flip", "", "FLIP from the full model's picture, mean over pixels and frames", accuracy},
       {"flip_worst", "", "the same of the worst picture, mean over its pixels", accuracy},
   };
+  for (const std::string& name : picture_metric_names()) {
+    const PictureMetric& metric = picture_metric(name);
+    const ColumnInfo::Kind kind = metric.more_is_better ? quality : accuracy;
+    list.push_back({"metric_" + name, metric.unit, metric.meaning + ", mean over frames", kind});
+    list.push_back({"metric_" + name + "_worst", metric.unit, "the same of the worst picture", kind});
+  }
+  return list;
 }
 
 void QualitySummary::add_to(Row& row) const {
@@ -72,6 +97,7 @@ void QualitySummary::add_to(Row& row) const {
   row["image_error_p99"] = 100 * p99, row["ssim"] = ssim;
   row["psnr"] = psnr;
   row["flip"] = flip / frames, row["flip_worst"] = worst_flip;
+  add_added(row, samples_);
 }
 
 void QualitySummary::check(RowVerdict& verdict) {

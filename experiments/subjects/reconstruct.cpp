@@ -13,7 +13,10 @@
 #include "parallel/clean/prepare.h"
 #include "parallel/mesh/load.h"
 #include "parallel/scheduler/clock.h"
+#include "render/position_map/map_files.h"
 #include "render/reconstruct/finish/resample_attributes.h"
+#include "render/reconstruct/from_maps.h"
+#include "render/reconstruct/views/choose_views.h"
 
 namespace lodestone {
 namespace {

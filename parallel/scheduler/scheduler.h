@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <span>
@@ -35,7 +36,10 @@ struct TaskGraph {
 using CancelFlag = std::atomic<bool>;
 
 // Thrown out of a scheduler's call when the cancel flag was set.
-struct Cancelled {};
+class Cancelled : public std::exception {
+ public:
+  [[nodiscard]] const char* what() const noexcept override { return "cancelled"; }
+};
 
 class Scheduler {
  public:

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "experiments/metrics/pictures/picture_metric.h"
 #include "experiments/metrics/pictures/ssim.h"
 
 namespace lodestone {
@@ -24,6 +25,8 @@ PictureErrors picture_errors(const Image& reference, const Image& test, Schedule
   errors.quality.mean_absolute = mean_absolute(reference, test);
   errors.quality.psnr = psnr(reference, test);
   if (config.with_ssim) errors.quality.ssim = ssim(reference, test, scheduler);
+  for (const std::string& name : picture_metric_names())
+    errors.quality.added.push_back(picture_metric(name).measure(reference, test));
   if (!config.with_flip) return errors;
   errors.flip = flip_error(reference, test, scheduler, config.flip);
   errors.quality.flip = summarise(errors.flip.value, config.threshold);

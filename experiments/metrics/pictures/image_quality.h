@@ -1,6 +1,8 @@
 // A picture against another one, by all measures at once.
 #pragma once
 
+#include <vector>
+
 #include "experiments/metrics/pictures/error_map.h"
 #include "experiments/metrics/pictures/flip.h"
 #include "parallel/scheduler/scheduler.h"
@@ -19,6 +21,7 @@ struct ImageQuality {
   double psnr = 0;           // decibels; infinite for equal pictures
   double ssim = 1;           // 1 when not asked for
   ErrorSummary flip;         // empty when not asked for
+  std::vector<double> added;  // by picture_metric_names()
 };
 
 // The measures with the maps that they were taken of; the map of FLIP is empty when not asked for.
