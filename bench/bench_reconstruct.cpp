@@ -11,7 +11,7 @@
 #include "parallel/clean/prepare.h"
 #include "render/position_map/rasterize_map.h"
 #include "render/reconstruct/merge/gather.h"
-#include "render/reconstruct/reconstruct.h"
+#include "render/reconstruct/from_maps.h"
 #include "render/reconstruct/views/condense_map.h"
 
 namespace lodestone {

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/byte_reader.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/mesh/thumbnails.h"
 

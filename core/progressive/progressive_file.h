@@ -6,11 +6,13 @@
 #include <vector>
 
 #include "core/base/runner.h"
-#include "core/progressive/collapse/collapse_metric.h"
+#include "core/progressive/collapse/metric_kind.h"
 #include "core/progressive/lpm/lpm.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 
 namespace lodestone {
+
+class ByteReader;
 
 struct ProgressiveFileConfig {
   LpmConfig lpm;

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/base/instruction_set.h"
-#include "core/progressive/collapse/collapse_metric.h"
+#include "core/progressive/collapse/metric_kind.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 #include "parallel/scheduler/scheduler.h"
 

@@ -1,3 +1,4 @@
+#include "core/progressive/collapse/collapse_metric.h"
 #include "parallel/progressive/region_collapse.h"
 
 #include <algorithm>

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/progressive/collapse/collapse_kernel.h"
+#include "core/progressive/collapse/collapse_metric.h"
 #include "parallel/progressive/make_progressive.h"
 #include "parallel/scheduler/scheduler.h"
 

@@ -6,6 +6,7 @@
 
 #include "core/spherical/assemble.h"
 #include "core/spherical/octahedron/cut_choice.h"
+#include "core/spherical/topology/make_spheres.h"
 #include "parallel/clean/prepare.h"
 #include "parallel/scheduler/runner.h"
 #include "parallel/spherical/component_images.h"

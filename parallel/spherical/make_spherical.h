@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/progressive/mesh/progressive_mesh.h"
-#include "core/spherical/topology/make_spheres.h"
+#include "core/spherical/topology/report.h"
 #include "parallel/progressive/make_progressive.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"

@@ -1,3 +1,4 @@
+#include "render/position_map/map_files.h"
 #include "render/reconstruct/reconstruct.h"
 
 #include <algorithm>
@@ -13,10 +14,14 @@
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/finish/lost_parts.h"
 #include "render/reconstruct/finish/resample_attributes.h"
+#include "render/reconstruct/finish/sharpen.h"
 #include "render/reconstruct/finish/simplify_merged.h"
 #include "render/reconstruct/finish/survey.h"
 #include "render/reconstruct/finish/turn_normals.h"
+#include "render/reconstruct/from_maps.h"
 #include "render/reconstruct/merge/gather.h"
+#include "render/reconstruct/outside/shell.h"
+#include "render/reconstruct/views/choose_views.h"
 #include "render/reconstruct/views/condense_map.h"
 #include "render/reconstruct/views/inside_views.h"
 

@@ -9,12 +9,8 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
-#include "render/position_map/map_files.h"
-#include "render/reconstruct/finish/lost_parts.h"
-#include "render/reconstruct/finish/sharpen.h"
-#include "render/reconstruct/merge/merge.h"
-#include "render/reconstruct/outside/shell.h"
-#include "render/reconstruct/views/choose_views.h"
+#include "render/position_map/position_map.h"
+#include "render/reconstruct/report.h"
 
 namespace lodestone {
 
@@ -44,23 +40,6 @@ struct ReconstructConfig {
   bool keep_maps = false;      // in the result
 };
 
-struct ReconstructReport {
-  ChosenViews views;
-  double spacing = 0;                  // of the resolution, normalised units
-  double drawn_resolution = 0;         // pixels; `spacing` is larger where fewer triangles were asked for
-  double map_spacing = 0;              // of the samples in maps that were drawn here, normalised units
-  std::uint64_t pixels = 0, seen = 0;  // of all maps
-  std::uint64_t view_triangles = 0;    // of all view meshes
-  StitchReport stitch;
-  SharpenReport sharpen;
-  LostParts lost;
-  ShellReport shell;
-  std::size_t sampled_triangles = 0;  // before they were simplified
-  bool closed = false;                // the input has no border
-  bool oriented = false;              // and its triangles agree on the outside
-  StageTime choose, draw, connect, merge, sharpen_time, attributes, simplify;
-};
-
 struct Reconstruction {
   RawMesh mesh;  // in the space of the model
   ReconstructReport report;
@@ -70,27 +49,6 @@ struct Reconstruction {
 // Throws InputError for a config out of range. A model of which nothing is seen gives a mesh without triangles.
 [[nodiscard]] Reconstruction reconstruct(const IndexedMesh& mesh, const ReconstructConfig& config,
                                          Scheduler& scheduler);
-
-// The two halves of it: maps drawn here or read from files (map_files.h), and a mesh from maps.
-struct DrawnMaps {
-  std::vector<PositionMap> maps;
-  double spacing = 0;                            // of their samples, normalised units; 0: that of the report
-  std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
-  std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
-  bool closed = false;
-  bool oriented = true;                   // neighbouring triangles agree on the outside
-  std::size_t most_handles = any_number;  // that the surface may have
-  std::vector<std::uint32_t> parts;       // of the triangles; empty: one
-  std::vector<BorderPoint> border;        // where the surface ends; empty: nowhere, or not known
-};
-[[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
-                                  Scheduler& scheduler);
-// Maps that were read; the report gets their spacing.
-[[nodiscard]] DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report);
-// `mesh`: the mesh that the maps show, for its attributes; null: not known. The maps are extended, and get normals, in
-// place.
-[[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
-                                     ReconstructReport& report, Scheduler& scheduler);
 
 // Reconstructs about this number of triangles: the resolution follows from the area, or from trials if nothing is
 // simplified.

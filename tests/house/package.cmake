@@ -1,5 +1,6 @@
 # Installs the package to a temporary prefix and builds and runs consumers that know nothing but that prefix, by CMake, by
-# pkg-config, and by components; takes the sources into another project; makes and unpacks the packages of cpack.
+# pkg-config, and by components, examples/ among them; takes the sources into another project; makes and unpacks the
+# packages of cpack.
 set(package_folder ${CMAKE_CURRENT_BINARY_DIR}/package)
 set(consumer_flags)
 if(LODESTONE_SANITIZE)   # sanitized static libraries link only into a sanitized program
@@ -60,6 +61,18 @@ package_step(examples_model AFTER examples_build
 set(sphere ${package_folder}/examples/sphere.lode)
 package_step(examples_fly AFTER examples_model COMMAND ${package_folder}/examples/fly ${sphere})
 package_step(examples_stream AFTER examples_model COMMAND ${package_folder}/examples/stream ${sphere} 1)
+
+# Programs of one idea each, and the command with parts of one's own.
+foreach(kind library extending)
+  package_step(${kind} AFTER install COMMAND ${configure_consumer} -B ${package_folder}/${kind}
+                                             -S ${PROJECT_SOURCE_DIR}/examples/${kind})
+  package_step(${kind}_build AFTER ${kind} COMMAND ${CMAKE_COMMAND} --build ${package_folder}/${kind})
+endforeach()
+package_step(library_run AFTER library_build
+             COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/test_examples.py ${package_folder}/library Library)
+package_step(extending_run AFTER extending_build
+             COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/test_examples.py ${package_folder}/extending Extending)
+
 find_program(XVFB_RUN xvfb-run)
 if(XVFB_RUN AND NOT LODESTONE_SANITIZE)
   package_step(examples_window AFTER examples_model SAYS "the last frame is [1-9]"

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/base/error.h"
+#include "core/files/byte_reader.h"
 #include "core/mesh/generate.h"
 #include "core/progressive/gltf/progressive_glb.h"
 #include "core/progressive/lpm/lpm_format.h"

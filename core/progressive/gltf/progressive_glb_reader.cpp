@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/files/byte_reader.h"
 #include "core/formats/gltf/gltf_accessor.h"
 #include "core/formats/gltf/gltf_document.h"
 #include "core/formats/gltf/gltf_material.h"

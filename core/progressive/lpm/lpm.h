@@ -15,10 +15,11 @@
 #include <span>
 #include <vector>
 
-#include "core/files/byte_reader.h"
 #include "core/progressive/mesh/progressive_mesh.h"
 
 namespace lodestone {
+
+class ByteReader;
 
 struct LpmConfig {
   // 4 to 20; 0: 12, or up to 16 until a step is no longer than the error of the level of half the vertices.

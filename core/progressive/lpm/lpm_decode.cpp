@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "core/base/error.h"
+#include "core/files/byte_reader.h"
 #include "core/files/checksum.h"
 #include "core/math/round_up.h"
 #include "core/progressive/lpm/lpm.h"

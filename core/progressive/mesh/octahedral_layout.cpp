@@ -1,6 +1,9 @@
 #include "core/progressive/mesh/octahedral_layout.h"
 
 #include <bit>
+#include <nlohmann/json.hpp>
+
+#include "core/files/json_view.h"
 
 namespace lodestone {
 namespace {

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "core/files/json_view.h"
-
 namespace lodestone {
+
+class JsonView;
 
 // So many squares of equal sides, powers of two in texels.
 struct SquareRun {

@@ -11,15 +11,9 @@
 #include "core/base/runner.h"
 #include "core/spherical/surface.h"
 #include "core/spherical/topology/ball_search.h"
+#include "core/spherical/topology/report.h"
 
 namespace lodestone::spherical {
-
-struct HandleConfig {
-  // Distance of a loop from the centre of the nearest ball, as a share of the ball's radius, 0 to 1. With 0 balls grow
-  // from every seed and each loop is the shortest one. With 0.5 it takes up to fifty times less where loops are
-  // long, and they are 0 to 1.5 % longer altogether.
-  double slack = 0.5;
-};
 
 struct ClosedHandles {
   std::vector<double> lengths;  // of the loops, in the order of the cuts

@@ -8,25 +8,9 @@
 #include "core/spherical/surface.h"
 #include "core/spherical/topology/handles.h"
 #include "core/spherical/topology/manifold.h"
+#include "core/spherical/topology/report.h"
 
 namespace lodestone::spherical {
-
-// Lengths in model units; all zero without loops.
-struct LoopLengths {
-  double least = 0, mean = 0, greatest = 0, total = 0;
-};
-
-// Counts of what was changed; all zero, with one component, for a mesh that was a sphere.
-struct TopologyReport {
-  ManifoldRepairs manifold;
-  std::uint64_t components = 0;
-  std::uint64_t boundary_loops = 0;  // filled
-  std::uint64_t fill_triangles = 0;
-  std::uint64_t handles = 0;         // closed
-  std::uint64_t greatest_genus = 0;  // of a component, before
-  std::uint64_t cap_triangles = 0;   // of both sides of the cuts
-  LoopLengths loops;                 // that the handles were cut along
-};
 
 struct Spheres {
   std::vector<Surface> surfaces;  // is_sphere() is true for each; in the order of their first triangles

@@ -7,12 +7,9 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge/merge.h"
+#include "render/reconstruct/report.h"
 
 namespace lodestone {
-
-struct LostParts {
-  std::size_t parts = 0, triangles = 0;
-};
 
 // Takes over the parts of `mesh` (connected by vertices) that no vertex of `merged` has seen, simplified to as many
 // triangles as samples of this spacing would give them; parts of less than a quarter of a sample's area are left out.

@@ -10,6 +10,7 @@
 
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge/merge.h"
+#include "render/reconstruct/report.h"
 
 namespace lodestone {
 
@@ -17,10 +18,6 @@ struct SharpenConfig {
   float spacing = 0;      // of the samples, the unit of what follows; > 0
   float degrees = 35;     // minimum angle between the normals at the ends of a chamfer edge, in (0, 180)
   float farthest = 1.5f;  // maximum distance of a new vertex from its edge's middle, in spacings
-};
-
-struct SharpenReport {
-  std::size_t edges = 0, corners = 0;  // new vertices
 };
 
 // Same result for any number of workers. New vertices have view no_view and the mean of their ends' normals.

@@ -13,6 +13,7 @@
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge/ownership.h"
+#include "render/reconstruct/report.h"
 #include "render/reconstruct/seams/seam_mesh.h"
 
 namespace lodestone {
@@ -36,19 +37,6 @@ struct MergeConfig {
   std::size_t least_piece = 3, least_solid = 20;
   float longest_hole = 48;  // perimeter of holes that are filled, in spacings; of a closed surface all are; 0: none
   std::size_t most_handles = any_number;  // that the result may have
-};
-
-struct StitchReport {
-  std::size_t islands = 0;  // pixels of a view that are in none of its triangles
-  std::size_t zipped = 0;   // triangles between pieces
-  std::size_t holes_filled = 0, hole_triangles = 0, holes_open = 0;
-  double longest_filled = 0;       // perimeter of a hole, normalised units
-  double open_length = 0;          // of all borders that are left, normalised units
-  std::size_t handles = 0;         // that zipping has made
-  std::size_t crumbs = 0;          // triangles of pieces that were left out
-  std::size_t vertices_split = 0;  // where surfaces touched in a vertex
-  std::size_t collapsed = 0, flipped = 0;
-  StageTime own, zip;  // choosing and gathering; from zipping on
 };
 
 // The triangles of all view meshes. Same bytes for any number of workers, as below.

@@ -13,15 +13,9 @@
 #include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
 #include "render/reconstruct/merge/merge.h"
+#include "render/reconstruct/report.h"
 
 namespace lodestone {
-
-struct ShellReport {
-  std::size_t grid_points = 0;
-  std::size_t sheet_points = 0;  // that stand for parts thinner than the spacing
-  std::size_t cavities = 0;      // surfaces of closed hollows, left out
-  std::size_t crumbs = 0;        // components smaller than two spacings, left out
-};
 
 // `maps`: each shows the whole model from outside; those with a near plane are not used. `spacing`: of the grid,
 // normalised units. Every triangle points outward. Same bytes for any number of workers.

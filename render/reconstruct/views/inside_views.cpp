@@ -1,3 +1,4 @@
+#include "render/reconstruct/views/choose_views.h"
 #include "render/reconstruct/views/inside_views.h"
 
 #include <algorithm>

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "core/progressive/collapse/collapse_metric.h"
 #include "core/progressive/collapse/texture_ranks.h"
 #include "core/progressive/collapse/uv_star.h"
 #include "tests/test_meshes.h"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/files/json_view.h"
 #include "core/spherical/octahedron/octahedral_image.h"
 #include "core/spherical/octahedron/square_atlas.h"
 #include "tests/core/spherical/sphere_checks.h"

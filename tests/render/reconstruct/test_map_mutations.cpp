@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "render/position_map/map_files.h"
 #include "render/position_map/read_map.h"
-#include "render/reconstruct/reconstruct.h"
+#include "render/reconstruct/from_maps.h"
 #include "tests/render/reconstruct/obvious_map.h"
 #include "tests/test_folder.h"
 

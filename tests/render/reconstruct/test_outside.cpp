@@ -11,6 +11,7 @@
 #include "experiments/metrics/geometry/surface_coverage.h"
 #include "render/reconstruct/outside/shell_grid.h"
 #include "render/reconstruct/reconstruct.h"
+#include "render/reconstruct/views/choose_views.h"
 #include "tests/render/reconstruct/obvious_map.h"
 
 namespace lodestone::test {

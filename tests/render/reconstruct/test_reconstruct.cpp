@@ -10,7 +10,8 @@
 #include "core/spatial/mesh_distance.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/metrics/geometry/surface_coverage.h"
-#include "render/reconstruct/reconstruct.h"
+#include "render/reconstruct/from_maps.h"
+#include "render/reconstruct/views/choose_views.h"
 #include "tests/render/reconstruct/obvious_map.h"
 
 namespace lodestone::test {

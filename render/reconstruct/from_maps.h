@@ -1,0 +1,30 @@
+// The two halves of a reconstruction: maps drawn here or read from files (map_files.h), and a mesh from maps.
+#pragma once
+
+#include "render/position_map/map_files.h"
+#include "render/reconstruct/merge/merge.h"
+#include "render/reconstruct/reconstruct.h"
+
+namespace lodestone {
+
+struct DrawnMaps {
+  std::vector<PositionMap> maps;
+  double spacing = 0;                            // of their samples, normalised units; 0: that of the report
+  std::vector<std::vector<std::uint8_t>> links;  // of each map, as ConnectConfig has them; or empty
+  std::vector<std::vector<Vec3f>> vertices;      // of each map, as MergeView has them; or empty
+  bool closed = false;
+  bool oriented = true;                   // neighbouring triangles agree on the outside
+  std::size_t most_handles = any_number;  // that the surface may have
+  std::vector<std::uint32_t> parts;       // of the triangles; empty: one
+  std::vector<BorderPoint> border;        // where the surface ends; empty: nowhere, or not known
+};
+[[nodiscard]] DrawnMaps draw_maps(const IndexedMesh& mesh, const ReconstructConfig& config, ReconstructReport& report,
+                                  Scheduler& scheduler);
+// Maps that were read; the report gets their spacing.
+[[nodiscard]] DrawnMaps drawn_maps(MapSet&& set, ReconstructReport& report);
+// `mesh`: the mesh that the maps show, for its attributes; null: not known. The maps are extended, and get normals, in
+// place.
+[[nodiscard]] RawMesh mesh_from_maps(DrawnMaps& drawn, const IndexedMesh* mesh, const ReconstructConfig& config,
+                                     ReconstructReport& report, Scheduler& scheduler);
+
+}  // namespace lodestone
