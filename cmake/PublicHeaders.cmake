@@ -12,18 +12,26 @@ set(public_runtime
 set(public_core
   core/base/error.h
   core/base/version.h
+  core/formats/mesh_file.h
   core/hierarchy/lode/lode_file.h
   core/hierarchy/model/hierarchy.h
   core/hierarchy/model/level_mesh.h
   core/hierarchy/verify/verify.h
-  core/mesh/generate.h)
+  core/mesh/generate.h
+  core/progressive/mesh/level.h
+  core/progressive/progressive_file.h
+  core/simplify/simplifiers.h)
 set(public_parallel
   parallel/clean/prepare.h
   parallel/hierarchy/build.h
+  parallel/hierarchy/measure_errors.h
   parallel/hierarchy/save.h
   parallel/mesh/compare.h
   parallel/mesh/load.h
+  parallel/out_of_core/build_model.h
+  parallel/progressive/make_progressive.h
   parallel/scheduler/scheduler.h
+  parallel/spherical/make_spherical.h
   parallel/streaming/cell_stream.h)
 set(public_render
   render/backends/make_renderer.h
@@ -31,10 +39,16 @@ set(public_render
   render/frame/image.h
   render/lod/morph.h
   render/lod/resident_cells.h
-  render/lod/selection.h)
+  render/lod/selection.h
+  render/position_map/map_renderer.h
+  render/reconstruct/reconstruct.h)
 set(public_experiments
+  experiments/commands/program.h
   experiments/metrics/cracks/cracks.h
-  experiments/metrics/pops/pops.h)
+  experiments/metrics/pictures/picture_metric.h
+  experiments/metrics/pops/pops.h
+  experiments/studies/experiment.h
+  experiments/systems/lod_system.h)
 
 set(public_layers core parallel render)
 if(LODESTONE_EXPERIMENTS)
