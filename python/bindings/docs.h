@@ -38,8 +38,8 @@ inline constexpr const char* generate =
     R"(generate(shape, *, triangles=1000000, seed=1, progress=None)
 
 A surface in closed form: shape is 'sphere', 'terrain', 'torus', 'box' or 'pile'. triangles: 12 to 2e9, the nearest
-regular grid is taken; seed: of the displacement. Returns a Mesh, the same on every machine. Raises InputError for
-another shape or a number out of range.)";
+regular grid is taken; seed: of the displacement. Ctrl-C counts when the mesh is there. Returns a Mesh, the same on
+every machine. Raises InputError for another shape or a number out of range.)";
 
 inline constexpr const char* build =
     R"(build(mesh, *, sigma0=0.2, cell_triangles=4600, finest_level=-1, simplifier='quadric', placement=None,

@@ -28,10 +28,10 @@ def command(tmp_path):
 @pytest.fixture(scope="session")
 def sphere_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("models") / "sphere.ply"
-    run("generate", "sphere", "--triangles", 30000, "-o", path)
+    run("generate", "sphere", "--triangles", 12000, "-o", path)
     return path
 
 
 @pytest.fixture(scope="session")
 def hierarchy(sphere_file):
-    return lodestone.build(sphere_file, cell_triangles=500)
+    return lodestone.build(sphere_file, cell_triangles=250)

@@ -37,7 +37,7 @@ def test_build_with_attributes(tmp_path):
 
 
 def test_generate(sphere_file, tmp_path):
-    lodestone.generate("sphere", triangles=30000).save(tmp_path / "a.ply")
+    lodestone.generate("sphere", triangles=12000).save(tmp_path / "a.ply")
     assert (tmp_path / "a.ply").read_bytes() == sphere_file.read_bytes()
 
 
@@ -48,7 +48,7 @@ def test_verify(hierarchy, sphere_file, tmp_path, command):
     assert report["valid"] and "input" in [check["name"] for check in report["checks"]]
     assert report == {key: expected[key] for key in report}
     # For another input the answer is no, with the check that fails.
-    other = lodestone.verify(hierarchy, input=lodestone.generate("sphere", triangles=30000, seed=2))
+    other = lodestone.verify(hierarchy, input=lodestone.generate("sphere", triangles=12000, seed=2))
     assert not other["valid"] and "input" in [check["name"] for check in other["checks"] if not check["passed"]]
 
 

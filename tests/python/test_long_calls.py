@@ -11,7 +11,7 @@ import pytest
 
 @pytest.fixture(scope="module")
 def large():
-    return lodestone.generate("sphere", triangles=1000000)
+    return lodestone.generate("sphere", triangles=600000)
 
 
 def test_progress(large):
@@ -22,7 +22,7 @@ def test_progress(large):
         calls.append((step, share))
         assert threading.get_ident() == thread
 
-    lodestone.build(large, progress=progress)
+    lodestone.build(large, threads=1, progress=progress)
     assert {"welding", "building"} >= {step for step, _ in calls} and "building" in dict(calls)
     shares = [share for step, share in calls if step == "building"]
     assert shares == sorted(shares) and 0 <= shares[0] and shares[-1] <= 1 and len(shares) > 2
@@ -42,13 +42,18 @@ def test_other_threads_run(large):
     try:
         for work in (lambda: lodestone.build(large), lambda: lodestone.verify(hierarchy),
                      lambda: lodestone.compare(small, small)):
-            ticks.clear()
-            begin = time.monotonic()
-            work()
-            end = time.monotonic()
-            ends = [begin, *(t for t in ticks if t < end), end]
-            # A thread that had to wait for the interpreter would find one gap as long as the call.
-            assert max(b - a for a, b in zip(ends, ends[1:])) < 0.5 * (end - begin), (len(ticks), end - begin)
+            # A thread that had to wait for the interpreter would never tick in the middle of a call. On a busy machine it
+            # may wait for a processor, so that several calls are tried.
+            for _ in range(10):
+                ticks.clear()
+                begin = time.monotonic()
+                work()
+                length = time.monotonic() - begin
+                within = [t for t in ticks if 0.1 * length < t - begin < 0.9 * length]
+                if len(within) > 2:
+                    break
+            else:
+                pytest.fail(f"{len(within)} ticks in {length} s")
     finally:
         done.set()
         thread.join()
