@@ -1,7 +1,8 @@
-# `cmake --install` gives two components. `program`: the command with its manual, its completions, the report's package
+# `cmake --install` gives three components. `program`: the command with its manual, its completions, the report's package
 # and the web page. `development`: a package that find_package(lodestone) and pkg-config use, with targets
 # lodestone::runtime, ::core, ::parallel, ::render and ::experiments, each with its own dependencies alone, and the
-# public headers below include/lodestone.
+# public headers below include/lodestone. `python`, where it is built: lodestone and lodestone_report, for Python
+# (python/CMakeLists.txt).
 include(CMakePackageConfigHelpers)
 include(LodestoneDependencies)
 
@@ -50,7 +51,8 @@ install(FILES ${PROJECT_BINARY_DIR}/lodestoneConfig.cmake ${PROJECT_BINARY_DIR}/
 
 if(LODESTONE_EXPERIMENTS)
   install(TARGETS lodestone RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-  install(DIRECTORY python DESTINATION ${CMAKE_INSTALL_DATADIR}/lodestone COMPONENT program PATTERN __pycache__ EXCLUDE)
+  install(DIRECTORY python/lodestone_report DESTINATION ${CMAKE_INSTALL_DATADIR}/lodestone/python COMPONENT program
+          PATTERN __pycache__ EXCLUDE)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/page DESTINATION ${CMAKE_INSTALL_DATADIR}/lodestone COMPONENT program OPTIONAL)
   # The program itself writes its manual and its completions.
   install(SCRIPT ${CMAKE_CURRENT_LIST_DIR}/InstallManual.cmake COMPONENT program)

@@ -1,5 +1,5 @@
-# `cpack` in the build folder makes lodestone_VERSION_ARCH.deb (the program) and lodestone-dev_VERSION_ARCH.deb (the
-# libraries). `cpack --config CPackSourceConfig.cmake` makes a tarball of what is committed.
+# `cpack` in the build folder makes lodestone_VERSION_ARCH.deb (the program), lodestone-dev_VERSION_ARCH.deb (the
+# libraries) and python3-lodestone_VERSION_ARCH.deb. `cpack --config CPackSourceConfig.cmake` makes a tarball of what is committed.
 set(CPACK_PACKAGE_NAME lodestone)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_VENDOR "The Lodestone authors")
@@ -10,6 +10,9 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_GENERATOR DEB)
 set(CPACK_COMPONENTS_ALL program development)
+if(lodestone_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 if(NOT LODESTONE_EXPERIMENTS)
   set(CPACK_COMPONENTS_ALL development)
 endif()
@@ -31,6 +34,18 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS ${BUILD_SHARED_LIBS})
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "libraries and headers
  The libraries core, parallel, render and experiments of Lodestone, with
  files for find_package of CMake and for pkg-config.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-lodestone)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Python package
+ Levels of detail with numpy arrays in and out: build, select and morph, render,
+ measure, reconstruct, progressive meshes, experiments and their rows.")
+if(lodestone_python)
+  # The module is of one minor version of Python, and needs it.
+  math(EXPR next_minor "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "python3-pandas, python3-matplotlib, python3-jinja2")
+endif()
 # A program that links the libraries links their dependencies.
 set(development_needs)
 foreach(layer ${LODESTONE_LAYERS})

@@ -86,11 +86,9 @@ std::optional<Fault> run_experiment(const nlohmann::json& job, const WorkFolder&
     const Experiment& experiment = find_experiment(job.at("experiment"));
     const Parameters parameters(experiment.parameters, job.at("parameters"));
     check_threads(job.at("parameters"));
-    const std::vector<Row> rows = experiment.run(parameters, context);
-    std::vector<std::string> messages = faulty_values(experiment, rows);
-    if (messages.empty()) messages = experiment.verify(parameters, rows);
-    write_aside(work.rows(), lines_of(readable(experiment, rows)));
-    if (!messages.empty()) return Fault{"verify", std::move(messages)};
+    CheckedRows checked = run_checked(experiment, parameters, context);
+    write_aside(work.rows(), lines_of(readable(experiment, std::move(checked.rows))));
+    if (!checked.faults.empty()) return Fault{"verify", std::move(checked.faults)};
     return {};
   } catch (const Cancelled&) {
     throw;
@@ -120,6 +118,13 @@ std::vector<std::string> faulty_values(const Experiment& experiment, const std::
     }
   }
   return messages;
+}
+
+CheckedRows run_checked(const Experiment& experiment, const Parameters& parameters, const RunContext& context) {
+  CheckedRows checked{experiment.run(parameters, context), {}};
+  checked.faults = faulty_values(experiment, checked.rows);
+  if (checked.faults.empty()) checked.faults = experiment.verify(parameters, checked.rows);
+  return checked;
 }
 
 void run_child(const fs::path& folder, int report, const CancelFlag& cancel) {

@@ -70,20 +70,24 @@ AttributeCounts count_attributes(const RawMesh& mesh) {
 // The steps in memory.
 class InCoreBuild {
  public:
-  InCoreBuild(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler)
-      : source_(source), config_(config), scheduler_(scheduler) {}
+  InCoreBuild(std::filesystem::path path, const ModelConfig& config, Scheduler& scheduler)
+      : path_(std::move(path)), config_(config), scheduler_(scheduler) {}
 
-  ModelResult run() {
-    RawMesh raw = step("read", "reading", [&] { return load_mesh(source_.path, scheduler_, source_.reading); });
-    check_limit(source_.path, raw, config_.memory_limit, scheduler_.workers());
+  ModelResult run(const ReadConfig& reading) {
+    RawMesh raw = step("read", "reading", [&] { return load_mesh(path_, scheduler_, reading); });
+    check_limit(path_, raw, config_.memory_limit, scheduler_.workers());
+    return run(std::move(raw));
+  }
+
+  ModelResult run(RawMesh&& raw) {
     result_.attributes = count_attributes(raw);
     result_.warnings = std::move(raw.warnings);
     Repairs repairs;
     IndexedMesh mesh = step("weld", "welding", [&] {
-      return prepare_mesh(std::move(raw), repairs, scheduler_, source_.path.string(), config_.lattice);
+      return prepare_mesh(std::move(raw), repairs, scheduler_, path_.string(), config_.lattice);
     });
     if (const auto crowded = find_crowded(mesh.positions, mesh.transform))
-      result_.warnings.push_back(source_.path.string() + ": " + describe(*crowded));
+      result_.warnings.push_back(path_.string() + ": " + describe(*crowded));
     triangles_ = mesh.triangles.size();
     BuildConfig build = config_.build;
     build.progress = [&](double share) { report(share); };
@@ -99,8 +103,9 @@ class InCoreBuild {
         return measure_errors(hierarchy, {.cancel = build.cancel, .progress = build.progress}, scheduler_);
       });
     if (config_.texture_copies) copy_textures();
-    result_.file_bytes =
-        step("write", "writing", [&] { return save_lode(hierarchy, config_.output, scheduler_, config_.form); });
+    if (!config_.output.empty())
+      result_.file_bytes =
+          step("write", "writing", [&] { return save_lode(hierarchy, config_.output, scheduler_, config_.form); });
     return std::move(result_);
   }
 
@@ -125,10 +130,10 @@ class InCoreBuild {
     for (std::string& warning : step("textures", "halving textures", [&] {
            return add_texture_copies(result_.hierarchy, scheduler_, config_.build.cancel);
          }))
-      result_.warnings.push_back(source_.path.string() + ": " + warning);
+      result_.warnings.push_back(path_.string() + ": " + warning);
   }
 
-  const ModelSource& source_;
+  const std::filesystem::path path_;  // or another name of the mesh, for messages
   const ModelConfig& config_;
   Scheduler& scheduler_;
   ModelResult result_;
@@ -172,9 +177,13 @@ std::filesystem::path scratch_folder(const ModelConfig& config) {
 }
 
 ModelResult build_model(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler) {
-  if (!source.stream) return InCoreBuild(source, config, scheduler).run();
+  if (!source.stream) return InCoreBuild(source.path, config, scheduler).run(source.reading);
   refuse_small_limit(source, config, scheduler.workers());
   return build_out_of_core(*source.stream, config, scheduler);
+}
+
+ModelResult build_model(RawMesh&& mesh, const std::string& name, const ModelConfig& config, Scheduler& scheduler) {
+  return InCoreBuild(name, config, scheduler).run(std::move(mesh));
 }
 
 }  // namespace lodestone

@@ -93,5 +93,9 @@ struct ModelResult {
 // ResourceError with the need when the limit is too small, FileError when a disk is full; on disk UnsupportedError for
 // BuildConfig::refine and measure_errors, and InputError for temporary files of another input or other parameters.
 [[nodiscard]] ModelResult build_model(const ModelSource& source, const ModelConfig& config, Scheduler& scheduler);
+// The same of a mesh in memory, whatever the limit, and written only if config.output is given. `name` stands for the
+// file in messages.
+[[nodiscard]] ModelResult build_model(RawMesh&& mesh, const std::string& name, const ModelConfig& config,
+                                      Scheduler& scheduler);
 
 }  // namespace lodestone

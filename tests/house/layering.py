@@ -1,6 +1,6 @@
 """The layers and folders of the source tree, and what breaks them.
 
-    core <- parallel <- render <- experiments        (bench and tests may see all)
+    core <- parallel <- render <- experiments        (bench, tests and python may see all)
 
 Quoted includes give a path from the repository's root and go with the arrow. Includes form no circle between folders,
 whether each folder is taken alone or each child of a parent with all that is below it. A few libraries may be named in
@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import sources
 
 LAYERS = ["core", "parallel", "render", "experiments"]
-SEES_ALL = ["bench", "tests"]
+SEES_ALL = ["bench", "tests", "python"]
 MAX_SUBJECTS = 25  # a pair of .h and .cpp is one
 
 
@@ -39,7 +39,7 @@ CONFINED = [
     Confined("threads of the standard library",
              r"#\s*include\s*<(thread|future|execution|omp\.h|pthread\.h)>", r"(parallel|tests|bench)/"),
     Confined("locks", r"#\s*include\s*<(mutex|shared_mutex|condition_variable|semaphore)>",
-             r"(parallel|render|experiments|tests|bench)/"),
+             r"(parallel|render|experiments|python|tests|bench)/"),
     Confined("OpenGL, EGL or epoxy", r"#\s*include\s*<(GL|GLES\d?|EGL|KHR|epoxy)/",
              r"(render/(backends/gl|viewer)|tests/render/backends/(test_gl|soak))[/_.]"),
     Confined("GLFW", r"#\s*include\s*<GLFW/", r"render/(backends/gl|viewer)[/_.]"),

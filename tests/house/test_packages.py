@@ -24,7 +24,8 @@ class Packages(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.root = pathlib.Path(folder.name)
-        for name in ("lodestone", "lodestone-dev"):
+        cls.names = {path.name.split("_")[0] for path in pathlib.Path(FOLDER).glob("*.deb")}
+        for name in cls.names:
             run("dpkg-deb", "-x", package(name), cls.root / name)
         cls.program = cls.root / "lodestone/usr/bin/lodestone"
 
@@ -36,6 +37,7 @@ class Packages(unittest.TestCase):
         for library in ("libtbb-dev", "libopenmesh-dev", "libmeshoptimizer-dev"):
             self.assertIn(library, depends)
         self.assertEqual(run("dpkg-deb", "-f", package("lodestone"), "Version").strip(), VERSION)
+        self.assertLessEqual({"lodestone", "lodestone-dev"}, self.names)
 
     def test_hold_a_program_that_runs(self):
         self.assertEqual(run(self.program, "--version").strip(), VERSION)
@@ -54,6 +56,17 @@ class Packages(unittest.TestCase):
         offered = run("bash", "--norc", "-ec", f". {share}/bash-completion/completions/lodestone; COMP_WORDS=(lodestone re); "
                       "COMP_CWORD=1; _lodestone; echo ${COMPREPLY[@]}")
         self.assertEqual(offered.split(), ["render", "reconstruct", "report"])
+
+    def test_hold_a_package_for_python(self):
+        if "python3-lodestone" not in self.names:
+            self.skipTest("the Python package is not built")
+        self.assertIn("python3-numpy", run("dpkg-deb", "-f", package("python3-lodestone"), "Depends"))
+        modules = self.root / "python3-lodestone/usr/lib/python3/dist-packages"
+        script = ("import lodestone, lodestone_report; print(lodestone.__version__, lodestone.__file__); "
+                  "print(lodestone.verify(lodestone.build(lodestone.generate('box', triangles=12)))['valid'])")
+        said = run("/usr/bin/python3", "-B", "-c", script, env={"PYTHONPATH": str(modules)})
+        self.assertEqual(said.split(), [VERSION, str(modules / "lodestone/__init__.py"), "True"])
+        self.assertTrue((modules / "lodestone/_lodestone.pyi").is_file())
 
     def test_hold_libraries_that_are_found(self):
         libraries = self.root / "lodestone-dev/usr/lib"

@@ -51,6 +51,17 @@ TEST_F(OutOfCore, TheLimitAloneChoosesBetweenMemoryAndDisk) {
 }
 
 // A small input needs more on disk than in memory: the message asks for what the build in memory needs.
+TEST_F(OutOfCore, AMeshInMemoryIsBuiltAsItsFileIs) {
+  const fs::path path = sphere(), output = std::exchange(config_.output, {});
+  config_.memory_limit = 1;  // of no concern to a mesh that is there
+  const auto scheduler = make_tbb_scheduler(2);
+  const ModelResult result = build_model(load_mesh(path, *scheduler), "mesh", config_, *scheduler);
+  EXPECT_EQ(result.file_bytes, 0u);
+  EXPECT_FALSE(fs::exists(output));
+  save_lode(result.hierarchy, output, *scheduler);
+  EXPECT_EQ(content(output), in_memory(path));
+}
+
 TEST_F(OutOfCore, NamesTheSmallerNeed) {
   const fs::path path = sphere();
   const auto scheduler = make_serial_scheduler();

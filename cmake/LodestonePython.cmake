@@ -1,0 +1,27 @@
+# Decides if the Python package is built, and finds its interpreter: the first that has numpy, for one without it cannot
+# use the package. Nothing is remembered but what was asked for: a machine that gets pybind11 later builds it then.
+set(LODESTONE_PYTHON AUTO CACHE STRING "Build the Python package: ON, OFF, or AUTO, which is ON where pybind11 and numpy are")
+set_property(CACHE LODESTONE_PYTHON PROPERTY STRINGS AUTO ON OFF)
+
+set(lodestone_python FALSE)
+# An interpreter is not sanitized, and a library that is cannot be loaded into it.
+if(LODESTONE_PYTHON STREQUAL AUTO AND (NOT PROJECT_IS_TOP_LEVEL OR LODESTONE_SANITIZE) OR NOT LODESTONE_PYTHON)
+  return()
+endif()
+find_package(Python3 COMPONENTS Interpreter QUIET)
+foreach(candidate ${Python3_EXECUTABLE} /usr/bin/python3)
+  execute_process(COMMAND ${candidate} -c "import numpy" RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+  if(failed EQUAL 0)
+    set(Python_EXECUTABLE ${candidate})
+    break()
+  endif()
+endforeach()
+if(Python_EXECUTABLE)
+  find_package(Python 3.9 COMPONENTS Interpreter Development.Module QUIET)
+  find_package(pybind11 2.10 CONFIG QUIET)
+endif()
+if(Python_EXECUTABLE AND Python_FOUND AND pybind11_FOUND)
+  set(lodestone_python TRUE)
+elseif(NOT LODESTONE_PYTHON STREQUAL AUTO)
+  message(FATAL_ERROR "LODESTONE_PYTHON needs pybind11 2.10, the headers of Python 3.9, and numpy: scripts/setup python")
+endif()
