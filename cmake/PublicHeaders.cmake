@@ -31,6 +31,7 @@ set(public_parallel
   parallel/out_of_core/build_model.h
   parallel/progressive/make_progressive.h
   parallel/scheduler/scheduler.h
+  parallel/scheduler/watched.h
   parallel/spherical/make_spherical.h
   parallel/streaming/cell_stream.h)
 set(public_render
@@ -43,7 +44,7 @@ set(public_render
   render/position_map/map_renderer.h
   render/reconstruct/reconstruct.h)
 set(public_experiments
-  experiments/commands/program.h
+  experiments/program.h
   experiments/metrics/cracks/cracks.h
   experiments/metrics/pictures/picture_metric.h
   experiments/metrics/pops/pops.h

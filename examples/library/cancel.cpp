@@ -1,4 +1,4 @@
-// A build on a thread of its own, with its progress, ended after some milliseconds. usage: cancel MILLISECONDS
+// Work on a thread of its own, with its progress, ended after some milliseconds. usage: cancel MILLISECONDS
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -12,19 +12,19 @@ using namespace lodestone;
 int main(int argc, char** argv) try {
   if (argc != 2) return std::fputs("usage: cancel MILLISECONDS\n", stderr), 2;
   CancelFlag cancel{false};
-  std::atomic<double> share{0};
   std::thread worker([&] {
+    std::size_t steps = 0;
     try {
-      const auto scheduler = make_tbb_scheduler();
+      const auto inner = make_tbb_scheduler();
+      // Whatever takes a scheduler can be watched by one: here cleaning and building, as well as reading and writing.
+      const auto scheduler =
+          make_watched_scheduler(*inner, {.cancel = &cancel, .progress = [&](const std::string&, double) { ++steps; }});
       Repairs repairs;
       IndexedMesh mesh = prepare_mesh(generate_mesh({Shape::sphere, 2'000'000, 1}), repairs, *scheduler);
-      BuildConfig config;
-      config.cancel = &cancel;
-      config.progress = [&](double now) { share = now; };  // from any thread, one at a time
-      const Hierarchy model = build_hierarchy(std::move(mesh), config, *scheduler);
+      const Hierarchy model = build_hierarchy(std::move(mesh), {}, *scheduler);
       std::printf("built: %d levels\n", model.finest() + 1);
     } catch (const Cancelled& cancelled) {
-      std::printf("%s at %.0f %%\n", cancelled.what(), 100 * share);
+      std::printf("%s after %zu steps\n", cancelled.what(), steps);
     }
   });
   std::this_thread::sleep_for(std::chrono::milliseconds(std::atoi(argv[1])));

@@ -17,8 +17,8 @@
 #include "parallel/out_of_core/spilled_finest.h"
 #include "parallel/out_of_core/stored_blocks.h"
 #include "parallel/out_of_core/stored_source.h"
-#include "parallel/scheduler/cancelling_scheduler.h"
 #include "parallel/scheduler/clock.h"
+#include "parallel/scheduler/watched.h"
 
 namespace lodestone {
 namespace {
@@ -310,7 +310,7 @@ ModelNeed model_need(const MeshStream& stream, const ModelConfig& config, int wo
 
 ModelResult build_out_of_core(const MeshStream& stream, const ModelConfig& config, Scheduler& scheduler) {
   check(stream, config, scheduler.workers());
-  const std::unique_ptr<Scheduler> cancelling = make_cancelling_scheduler(scheduler, config.build.cancel);
+  const std::unique_ptr<Scheduler> cancelling = make_watched_scheduler(scheduler, {.cancel = config.build.cancel});
   OutOfCoreBuild build(stream, config, *cancelling);
   if (config.resume) remove_orphans(config.output);  // of the build that is continued
   build.spill();

@@ -5,7 +5,7 @@
 
 #include "experiments/command_line/exit_status.h"
 #include "parallel/scheduler/background_job.h"
-#include "parallel/scheduler/cancelling_scheduler.h"
+#include "parallel/scheduler/watched.h"
 
 namespace lodestone::python {
 namespace {
@@ -21,7 +21,7 @@ LongCall::LongCall(Options& options, Threads threads) : progress_(py::none()) {
   options.take("threads", count);
   if (count < 0) throw UsageError("threads: " + std::to_string(count) + " is less than 0");
   scheduler_ = make_tbb_scheduler(count);
-  cancelling_ = make_cancelling_scheduler(*scheduler_, &cancel_);
+  cancelling_ = make_watched_scheduler(*scheduler_, {.cancel = &cancel_});
 }
 
 void LongCall::report(const std::string& step, double share) {

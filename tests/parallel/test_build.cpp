@@ -48,8 +48,7 @@ TEST(Build, TwoHundredTimesTheSameBytes) {
   const auto built = [&](Scheduler& scheduler, Strategy strategy) {
     Repairs repairs;
     IndexedMesh mesh = prepare_mesh(RawMesh(raw), repairs, scheduler);
-    return test::hierarchy_bytes(
-        build_hierarchy(std::move(mesh), small_cells("quadric", strategy), scheduler));
+    return test::hierarchy_bytes(build_hierarchy(std::move(mesh), small_cells("quadric", strategy), scheduler));
   };
   const auto serial = make_serial_scheduler();
   const std::string expected = built(*serial, Strategy::serial);

@@ -233,10 +233,8 @@ TEST_P(BuildWedges, PartingWedgesAreFound) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BuildWedges,
-                         testing::Values(Case{Shape::sphere, "quadric"},
-                                         Case{Shape::terrain, "quadric"},
-                                         Case{Shape::box, "quadric"},
-                                         Case{Shape::sphere, "cluster"}),
+                         testing::Values(Case{Shape::sphere, "quadric"}, Case{Shape::terrain, "quadric"},
+                                         Case{Shape::box, "quadric"}, Case{Shape::sphere, "cluster"}),
                          [](const auto& param) { return std::to_string(param.index); });
 
 TEST(BuildNormals, OfTheInputAreKept) {

@@ -125,7 +125,8 @@ TEST(MeasureErrors, BearIslands) {
   }
 }
 
-// Cylinders of long thin strips, their sides as flat as their many corners allow: bounds, and no more work than allowed.
+// Cylinders of long thin strips, their sides as flat as their many corners allow: bounds, and no more work than
+// allowed.
 TEST(MeasureErrors, AreBoundsOnNeedlesToo) {
   RawMesh raw;
   for (std::uint32_t part = 0; part < 3; ++part) {

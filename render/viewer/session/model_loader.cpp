@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "parallel/scheduler/cancelling_scheduler.h"
+#include "parallel/scheduler/watched.h"
 #include "render/scene/scene_file.h"
 
 namespace lodestone::viewer {
@@ -49,7 +49,7 @@ void ModelLoader::enter(std::string phase, std::optional<float> share) {
 
 void ModelLoader::work() {
   const std::unique_ptr<Scheduler> scheduler = make_tbb_scheduler(config_.threads);
-  const std::unique_ptr<Scheduler> stopping = make_cancelling_scheduler(*scheduler, &cancel_);
+  const std::unique_ptr<Scheduler> stopping = make_watched_scheduler(*scheduler, {.cancel = &cancel_});
   model_ = std::make_unique<Model>();
   model_->name = name_;
   enter("opening");
