@@ -13,7 +13,7 @@
 #define LODESTONE_VERSION \
   LODESTONE_VERSION_TEXT(LODESTONE_VERSION_MAJOR, LODESTONE_VERSION_MINOR, LODESTONE_VERSION_PATCH)
 
-// For #if: true of this version and of later ones.
+// For the preprocessor: true of this version and of later ones.
 #define LODESTONE_VERSION_AT_LEAST(major, minor, patch)                                            \
   (LODESTONE_VERSION_MAJOR * 1000000 + LODESTONE_VERSION_MINOR * 1000 + LODESTONE_VERSION_PATCH >= \
    (major)*1000000 + (minor)*1000 + (patch))

@@ -45,7 +45,7 @@ class Library(Examples):
         self.assertNotIn("DIFFERENT", self.run_example("threads", self.folder))
 
     def test_a_build_is_cancelled_or_done(self):
-        self.assertIn("cancelled at", self.run_example("cancel", 1))
+        self.assertIn("cancelled after", self.run_example("cancel", 1))
 
     def test_the_other_systems_write_what_they_make(self):
         for name, file in (("progressive", "torus.lpm"), ("shell", "shell.ply"), ("spherical", "sphere.glb")):
@@ -83,15 +83,42 @@ class Extending(Examples):
                          "160x120")
         self.assertEqual(len(list(frames.glob("frame*.png"))), 2)
 
-    def rows(self, program, text):
-        sweep = self.file("sweep.toml")
-        sweep.write_text(text)
-        out = self.file("out")
+    def rows(self, program, experiment, parameters):
+        sweep, out = self.file("sweep.toml"), self.file("out")
+        sweep.write_text(f"""name = "own"
+            title = "A part of one's own"
+            question = "Does it take part?"
+            [data]
+            torus = {{ path = "{self.mesh}" }}
+            [[sweep]]
+            name = "own"
+            experiment = "{experiment}"
+            data = "torus"
+            parameters = {{ {parameters} }}""")
         self.run_example(program, "sweep", sweep, "-o", out)
-        return [json.loads(line) for line in (out / "rows.jsonl").read_text().splitlines()]
+        return [json.loads(line) for rows in sorted(out.rglob("rows.jsonl")) for line in rows.read_text().splitlines()]
 
     def test_an_experiment_is_listed_and_swept(self):
         self.assertIn("reduction", self.run_example("experiment", "experiments"))
+        self.assertIn("cell_triangles", self.run_example("experiment", "experiments", "reduction"))
+        rows = self.rows("experiment", "reduction", "cell_triangles = [500, 4000]")
+        self.assertEqual(len(rows), 2)
+        for row in rows:
+            self.assertLess(row["reduction"], 0.5)
+
+    small = 'width = 96, height = 64, frames = 4, cell_triangles = 500, pixel_error = 4.0'
+
+    def test_an_lod_system_and_a_curve_take_part_in_experiments(self):
+        row, = self.rows("lod_system", "systems", f'system = "quarters", rounds = 1, {self.small}')
+        self.assertTrue(row["admissible"])
+        self.assertEqual(row["open_edges"], 0)
+        self.assertLessEqual(row["jump_over_bound"], 1)
+
+    def test_a_measure_of_pictures_is_a_column(self):
+        self.assertIn("metric_lost-edges", self.run_example("metric", "experiments", "flight"))
+        row, = self.rows("metric", "flight",
+                         f'image = true, backend = "soft", blend = "table:0,0,0.5,1,1", {self.small}')
+        self.assertTrue(0 <= row["metric_lost-edges"] <= row["metric_lost-edges_worst"] <= 100)
 
 
 if __name__ == "__main__":
