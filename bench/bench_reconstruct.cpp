@@ -10,8 +10,8 @@
 #include "core/mesh/generate.h"
 #include "parallel/clean/prepare.h"
 #include "render/position_map/rasterize_map.h"
-#include "render/reconstruct/merge/gather.h"
 #include "render/reconstruct/from_maps.h"
+#include "render/reconstruct/merge/gather.h"
 #include "render/reconstruct/views/condense_map.h"
 
 namespace lodestone {

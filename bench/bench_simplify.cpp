@@ -12,9 +12,9 @@
 
 #include "bench/peers.h"
 #include "bench/simplify_chunks.h"
-#include "core/simplify/simplifiers.h"
 #include "core/simplify/quadric/quadric_reference.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
+#include "core/simplify/simplifiers.h"
 
 namespace lodestone::bench {
 namespace {

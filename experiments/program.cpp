@@ -1,4 +1,4 @@
-#include "experiments/commands/program.h"
+#include "experiments/program.h"
 
 #include "experiments/command_line/version.h"
 #include "experiments/commands/command.h"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,7 +19,7 @@ namespace lodestone {
   return !name.empty() && name.size() <= 64 && std::ranges::all_of(name, fits);
 }
 
-// Parts keep their address. All calls are safe from several threads.
+// Parts keep their address. They are added before any is used; then any number of threads may look them up.
 template <class Part>
 class Registry {
  public:
@@ -31,15 +30,14 @@ class Registry {
   void add(const std::string& name, Part part) {
     if (!can_be_name(name))
       throw InputError("'" + name + "' cannot be the name of a " + what_ + "; use up to 64 of a-z, 0-9, '-' and '_'");
-    const std::scoped_lock lock(mutex_);
-    if (look_up(name)) throw InputError("there is a " + what_ + " '" + name + "' already; choose another name");
+    if (find(name)) throw InputError("there is a " + what_ + " '" + name + "' already; choose another name");
     parts_.emplace_back(name, std::move(part));
   }
 
   // Null for an unknown name.
   [[nodiscard]] const Part* find(std::string_view name) const {
-    const std::scoped_lock lock(mutex_);
-    return look_up(name);
+    const auto found = std::ranges::find_if(parts_, [&](const auto& entry) { return entry.first == name; });
+    return found == parts_.end() ? nullptr : &found->second;
   }
 
   // Throws InputError that lists the known names.
@@ -50,20 +48,13 @@ class Registry {
 
   // In the order in which they were added.
   [[nodiscard]] std::vector<std::string> names() const {
-    const std::scoped_lock lock(mutex_);
     std::vector<std::string> all;
     for (const auto& [name, part] : parts_) all.push_back(name);
     return all;
   }
 
  private:
-  [[nodiscard]] const Part* look_up(std::string_view name) const {
-    const auto found = std::ranges::find_if(parts_, [&](const auto& entry) { return entry.first == name; });
-    return found == parts_.end() ? nullptr : &found->second;
-  }
-
   std::string what_;
-  mutable std::mutex mutex_;
   std::deque<std::pair<std::string, Part>> parts_;
 };
 

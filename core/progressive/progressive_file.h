@@ -15,7 +15,7 @@ namespace lodestone {
 class ByteReader;
 
 struct ProgressiveFileConfig {
-  LpmConfig lpm;
+  LpmConfig lpm = {};
   bool compress_glb = false;
 };
 
@@ -26,13 +26,13 @@ struct ProgressiveFileSize {
   double finest_error = 0;   // ProgressiveMesh::finest_error of the mesh that a reader gets
 };
 
-// False for .lpm. Normals are then to be left out before a mesh is made progressive: they would cut it at their seams, and
-// keep vertices where they turn at the price of the shape, for nothing.
+// False for .lpm. Normals are then to be left out before a mesh is made progressive: they would cut it at their seams,
+// and keep vertices where they turn at the price of the shape, for nothing.
 [[nodiscard]] bool keeps_normals(const std::filesystem::path& path);
 
-// The metric for a mesh with these attributes: attribute_quadric if any of them vary over the surface (normals, colours,
-// texture coordinates), for these slide and smear where geometry alone decides; otherwise quadric, which is nearer to
-// the surface.
+// The metric for a mesh with these attributes: attribute_quadric if any of them vary over the surface (normals,
+// colours, texture coordinates), for these slide and smear where geometry alone decides; otherwise quadric, which is
+// nearer to the surface.
 [[nodiscard]] progressive::MetricKind fitting_metric(const WedgeAttributes& attributes);
 
 // The extension, in upper or lower case, decides on the format. The file is written completely or not at all. Throws

@@ -47,10 +47,10 @@ std::unique_ptr<Simplifier> make_simplifier(std::string_view name, Placement pla
   const SimplifierInfo& info = simplifiers().at(name);
   if (std::ranges::find(info.placements, placement) != info.placements.end()) return info.make(placement);
   const std::string known(name_of(info.placements.front()));
-  throw InputError(describe("", "",
-                            "simplifier '" + std::string(name) + "' does not know the placement '" +
-                                std::string(name_of(placement)) + "'",
-                            "use the placement '" + known + "'"));
+  throw InputError(describe(
+      "", "",
+      "simplifier '" + std::string(name) + "' does not know the placement '" + std::string(name_of(placement)) + "'",
+      "use the placement '" + known + "'"));
 }
 
 }  // namespace lodestone

@@ -19,7 +19,7 @@ struct SimplifierInfo {
 // Makes a simplifier known as BuildConfig::simplifier and --simplifier; files that it makes have its name. What it
 // returns is checked against the guarantees on positions, locks, labels and wedges (SimplifierContract::check). Throws
 // InputError for a name that is taken or cannot be one (core/base/registry.h), and for an info without make or
-// placements. May be called from any thread, before the name is used.
+// placements. To be called before any is used.
 void add_simplifier(const std::string& name, SimplifierInfo info);
 
 // "quadric", "cluster", "openmesh", "meshopt", and what was added.

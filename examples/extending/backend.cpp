@@ -49,9 +49,10 @@ class Dots final : public Renderer {
     const float x = (0.5f + 0.5f * row(0) / w) * static_cast<float>(image_.size.width);
     const float y = (0.5f - 0.5f * row(1) / w) * static_cast<float>(image_.size.height);
     const float depth = 0.5f + 0.5f * row(2) / w;
-    if (!(x >= 0 && y >= 0 && x < static_cast<float>(image_.size.width) && y < static_cast<float>(image_.size.height))) return;
-    const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.size.width) +
-                           static_cast<std::size_t>(x);
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(image_.size.width) && y < static_cast<float>(image_.size.height)))
+      return;
+    const std::size_t at =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.size.width) + static_cast<std::size_t>(x);
     if (depth >= image_.depth[at]) return;
     image_.depth[at] = depth;
     const auto grey = static_cast<std::uint8_t>(std::clamp(255 * depth, 0.0f, 200.0f));

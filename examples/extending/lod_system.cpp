@@ -1,5 +1,5 @@
-// An LOD system of one's own, for the experiment `systems`: the usual cells, but the morph of the vertices is rounded to
-// quarters, as an engine with few morph targets would have it.
+// An LOD system of one's own, for the experiment `systems`: the usual cells, but the morph of the vertices is rounded
+// to quarters, as an engine with few morph targets would have it.
 #include <cstdio>
 #include <exception>
 
@@ -14,9 +14,10 @@ int main(int argc, char** argv) try {
   stairs.values.front() = 0, stairs.values.back() = 1;
   const Blend quarters = own_blend(stairs);
   add_lod_system("quarters", {.description = "cells by distance, vertices morphed in four steps",
-                              .parts = [quarters](const SystemQuery& query) {
-                                return std::vector<SystemPart>{{query.radii, quarters}};
-                              },
+                              .parts =
+                                  [quarters](const SystemQuery& query) {
+                                    return std::vector<SystemPart>{{query.radii, quarters}};
+                                  },
                               .keeps_promise = true});
   return run_program(argc, argv);
 } catch (const std::exception& error) {

@@ -12,8 +12,7 @@ int main() try {
   const Blend quintic = blend("polynomial:0,0,0,10,-15,6");
   for (const Blend b : {Blend::linear, Blend::smoothstep, resting, quintic}) {
     std::printf("%-28s Lipschitz constant %.3f:", std::string(name_of(b)).c_str(), blend_lipschitz(b));
-    for (int i = 0; i <= 8; ++i)
-      std::printf(" %.2f", static_cast<double>(blend_share(b, static_cast<float>(i) / 8)));
+    for (int i = 0; i <= 8; ++i) std::printf(" %.2f", static_cast<double>(blend_share(b, static_cast<float>(i) / 8)));
     std::printf("\n");
   }
 } catch (const std::exception& error) {

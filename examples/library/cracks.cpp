@@ -20,9 +20,10 @@ int main() try {
     for (int frame = 0; frame < 40; ++frame) {
       const Vec3f eye{0.5f, 0.5f, 0.9f + 0.05f * static_cast<float>(frame)};
       select_cells(model, radii, eye, {nullptr, true}, selection);  // all cells, as cracks are looked for in all of it
-      open += residual_edges({&model, &radii, Blend::smoothstep, eye}, selection, basis, *scheduler, scratch).open_edges;
+      open +=
+          residual_edges({&model, &radii, Blend::smoothstep, eye}, selection, basis, *scheduler, scratch).open_edges;
     }
-    std::printf("kappa0 %.2f (%s): %llu open edges in 40 frames\n", static_cast<double>(config.kappa0),
+    std::printf("kappa0 %.2f (%s): %llu open edges in 40 frames\n", static_cast<double>(*config.kappa0),
                 radii.admissible ? "admissible" : "below the border", static_cast<unsigned long long>(open));
     return open;
   };

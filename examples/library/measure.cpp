@@ -1,4 +1,4 @@
-// What estimated errors are worth: the same hierarchy with estimates, and with measured bounds. usage: measure
+// Compares estimated errors of a hierarchy with measured bounds. usage: measure
 #include <cmath>
 #include <cstdio>
 #include <exception>

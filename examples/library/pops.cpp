@@ -1,4 +1,4 @@
-// How far vertices jump between two frames, and how far they may. usage: pops
+// Compares the jumps of vertices between two frames with their bound. usage: pops
 #include <cstdio>
 #include <exception>
 

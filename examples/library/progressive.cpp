@@ -18,8 +18,8 @@ int main(int argc, char** argv) try {
   const LevelFinder levels(mesh);
   for (const std::size_t triangles : {500, 5000, 50'000}) {
     const std::uint32_t vertices = levels.vertices_for_triangles(triangles);
-    std::printf("%6zu triangles: %5u vertices, %.3g of the model's size away\n", levels.triangles_of(vertices), vertices,
-                static_cast<double>(levels.error_of(vertices)));
+    std::printf("%6zu triangles: %5u vertices, %.3g of the model's size away\n", levels.triangles_of(vertices),
+                vertices, static_cast<double>(levels.error_of(vertices)));
   }
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

@@ -17,7 +17,8 @@ int main(int argc, char** argv) try {
   config.triangles = 5000;
   const Reconstruction shell = reconstruct(parts, config, *scheduler);
   (void)write_mesh(argv[1], view_of(shell.mesh));
-  std::printf("%zu triangles of 1,000 boxes -> %zu of one shell\n", parts.triangles.size(), shell.mesh.triangles.size());
+  std::printf("%zu triangles of 1,000 boxes -> %zu of one shell\n", parts.triangles.size(),
+              shell.mesh.triangles.size());
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;
 }

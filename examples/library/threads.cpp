@@ -18,8 +18,8 @@ int main(int argc, char** argv) try {
     for (const Strategy strategy : {Strategy::serial, Strategy::levels, Strategy::graph}) {
       const auto scheduler = make_tbb_scheduler(threads);
       Repairs repairs;
-      const Hierarchy model = build_hierarchy(prepare_mesh(RawMesh(raw), repairs, *scheduler),
-                                              {.strategy = strategy}, *scheduler);
+      const Hierarchy model =
+          build_hierarchy(prepare_mesh(RawMesh(raw), repairs, *scheduler), {.strategy = strategy}, *scheduler);
       const std::filesystem::path file = std::filesystem::path(argv[1]) / "threads.lode";
       save_lode(model, file, *scheduler);
       std::ifstream in(file, std::ios::binary);

@@ -27,8 +27,8 @@ int main(int argc, char** argv) try {
       triangles += cell.triangles.size();
       morphing += selected.morphing ? 1 : 0;
     }
-    std::printf("height %.2f: %zu cells, %zu of them morphing, %zu triangles\n", eye.z, selection.cells.size(), morphing,
-                triangles);
+    std::printf("height %.2f: %zu cells, %zu of them morphing, %zu triangles\n", eye.z, selection.cells.size(),
+                morphing, triangles);
   }
 } catch (const std::exception& error) {
   return std::fprintf(stderr, "%s\n", error.what()), 1;

@@ -21,7 +21,8 @@ int main(int argc, char** argv) try {
     select_cells(resident.hierarchy(), radii, eye, {.limits = resident.limits()}, selection);
     if (frame % 8 == 7)
       std::printf("frame %2d: %zu cells drawn, %llu KiB resident, %s\n", frame, selection.cells.size(),
-                  static_cast<unsigned long long>(resident.bytes() >> 10), resident.complete() ? "complete" : "limited");
+                  static_cast<unsigned long long>(resident.bytes() >> 10),
+                  resident.complete() ? "complete" : "limited");
     stream.wait();  // a frame would not wait; here the output is the same on every machine
   }
 } catch (const std::exception& error) {

@@ -38,7 +38,8 @@ void draw(const Hierarchy& model, const Radii& radii, Vec3f eye) {
     morph_cell_vertices(context, selected.cell, vertices);
     glVertexPointer(3, GL_FLOAT, sizeof(MorphedVertex), &vertices[0].position);
     glNormalPointer(GL_FLOAT, sizeof(MorphedVertex), &vertices[0].normal);
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * cell.triangles.size()), GL_UNSIGNED_INT, cell.triangles.data());
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * cell.triangles.size()), GL_UNSIGNED_INT,
+                   cell.triangles.data());
   }
 }
 
@@ -65,9 +66,9 @@ int main(int argc, char** argv) try {
     glViewport(0, 0, width, height);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     const double aspect = static_cast<double>(width) / height;
-    const Radii radii = make_radii(model, {.image_height = height,
-                                           .vertical_fov = static_cast<float>(field),
-                                           .aspect = static_cast<float>(aspect)});
+    const Radii radii = make_radii(
+        model,
+        {.image_height = height, .vertical_fov = static_cast<float>(field), .aspect = static_cast<float>(aspect)});
     // To the model and back again.
     const Vec3f eye{0.5f, 0.5f, 2.5f + 1.5f * static_cast<float>(std::cos(0.01 * static_cast<double>(frame)))};
     set_camera(eye, aspect);

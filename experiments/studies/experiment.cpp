@@ -13,10 +13,10 @@ namespace {
 Registry<Experiment>& experiments() {
   static Registry<Experiment> all("experiment");
   static const bool filled = [] {
-    for (const auto& make : {build_experiment, effects_experiment, families_experiment, flight_experiment,
-                             probe_experiment, progressive_experiment, raster_experiment, reconstruct_experiment,
-                             scaling_experiment, shells_experiment, spherical_experiment, systems_experiment,
-                             table_experiment}) {
+    for (const auto& make :
+         {build_experiment, effects_experiment, families_experiment, flight_experiment, probe_experiment,
+          progressive_experiment, raster_experiment, reconstruct_experiment, scaling_experiment, shells_experiment,
+          spherical_experiment, systems_experiment, table_experiment}) {
       Experiment experiment = make();
       const std::string name = experiment.name;
       all.add(name, std::move(experiment));

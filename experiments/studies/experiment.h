@@ -34,7 +34,7 @@ struct Experiment {
   std::string name;
   std::string question;  // what it answers, as a sentence with a question mark
   bool takes_input = true;
-  std::vector<ParameterInfo> parameters;
+  std::vector<ParameterInfo> parameters = {};
   std::vector<ColumnInfo> columns;  // every column that a row can have
   std::function<std::vector<Row>(const Parameters&, const RunContext&)> run;
   // The faults of the rows, in words; empty: they may be reported.
@@ -60,11 +60,11 @@ struct Experiment {
 [[nodiscard]] Experiment table_experiment();
 
 // Makes an experiment known to `lodestone experiments` and to sweeps. Throws InputError for a name that is taken or
-// cannot be one (core/base/registry.h), and for an experiment without run, verify or columns. May be called from any
-// thread, before the name is used.
+// cannot be one (core/base/registry.h), and for an experiment without run, verify or columns. To be called before any
+// is used.
 void add_experiment(Experiment experiment);
 
-// Of all experiments, sorted.
+// The names of all experiments, sorted.
 [[nodiscard]] std::vector<std::string> experiment_names();
 // Throws InputError that lists the known ones.
 [[nodiscard]] const Experiment& find_experiment(const std::string& name);

@@ -16,13 +16,13 @@
 
 namespace lodestone {
 
-// What is known of a model when a frame is drawn.
+// The model and the viewpoint of a frame.
 struct SystemQuery {
   const Hierarchy& hierarchy;
   const Radii& radii;  // of the scene, which all systems get
   Blend blend = Blend::smoothstep;
-  Vec3f viewpoint;         // in normalised space
-  double fade_width = 0;   // of systems that fade, as a share of the radius at which a level becomes good enough
+  Vec3f viewpoint;        // in normalised space
+  double fade_width = 0;  // of systems that fade, as a share of the radius at which a level becomes good enough
 };
 
 // A picture of these radii, and its share of what is seen.
@@ -33,16 +33,16 @@ struct SystemPart {
 };
 
 struct LodSystem {
-  std::string description;  // half a sentence
+  std::string description = {};  // half a sentence
   // One part, or two that are blended: the one that cracks are looked for in, then the other. Shares are in [0, 1] and
   // add up to 1. A function of the query alone.
-  std::function<std::vector<SystemPart>(const SystemQuery&)> parts;
+  std::function<std::vector<SystemPart>(const SystemQuery&)> parts = {};
   bool keeps_promise = false;  // neither cracks nor pops with admissible radii
   bool moves_vertices = true;  // false: what changes is in the pictures alone, and there are no jumps
 };
 
 // Makes a system known to the experiment `systems`. Throws InputError for a name that is taken or cannot be one
-// (core/base/registry.h), and for a system without parts. May be called from any thread, before the name is used.
+// (core/base/registry.h), and for a system without parts. To be called before any is used.
 void add_lod_system(const std::string& name, LodSystem system);
 
 // Throws InputError listing the known names.

@@ -30,10 +30,10 @@ struct BuildConfig {
   // Displacement bound: d(v, P(v)) <= sigma0 h_l / 2. Dimensionless, in (0, 2]. The default leaves the simplifier about
   // four mean edges at the default cell size.
   float sigma0 = 0.2f;
-  std::uint32_t cell_triangles = 4600;  // mean triangles per occupied finest cell that L is chosen for; at least 1
-  int finest_level = -1;                // L; -1: from cell_triangles; at most max_level
-  std::string simplifier = "quadric";   // its name (core/simplify/simplifiers.h)
-  std::optional<Placement> placement;  // of the survivors; empty: the simplifier's default
+  std::uint32_t cell_triangles = 4600;      // mean triangles per occupied finest cell that L is chosen for; at least 1
+  int finest_level = -1;                    // L; -1: from cell_triangles; at most max_level
+  std::string simplifier = "quadric";       // its name (core/simplify/simplifiers.h)
+  std::optional<Placement> placement = {};  // of the survivors; empty: the simplifier's default
   Strategy strategy = Strategy::graph;
   // Splits edges of the input longer than sigma0 h_L (core/mesh/refine.h). L is chosen before, so that the limit holds.
   bool refine = false;
@@ -43,7 +43,7 @@ struct BuildConfig {
   bool order_cells = false;
   const CancelFlag* cancel = nullptr;
   // Called now and then, from any thread but one at a time, with the share done in [0, 1].
-  std::function<void(double)> progress;
+  std::function<void(double)> progress = {};
 };
 
 // Throws InputError when a value is out of its range.

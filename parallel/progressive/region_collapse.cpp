@@ -1,4 +1,3 @@
-#include "core/progressive/collapse/collapse_metric.h"
 #include "parallel/progressive/region_collapse.h"
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/progressive/collapse/collapse_metric.h"
 #include "parallel/progressive/merge_records.h"
 
 namespace lodestone {

@@ -18,12 +18,12 @@
 namespace lodestone {
 
 struct SphericalConfig {
-  SphereMapConfig map;
+  SphereMapConfig map = {};
   spherical::HandleConfig handles;
   std::uint64_t components = 0;  // the largest by area are kept; 0: all
   bool choose_cut = true;        // false: the sphere is cut open as the map left it
   std::uint32_t texture = 1024;  // pixels along the side of the largest component's images; a power of two, at least 16
-  SphericalMaps maps;
+  SphericalMaps maps = {};
   std::string media_type = "image/webp";
   int quality = 90;                      // of the images (core/texture/image_codec.h)
   std::uint64_t error_points = 200'000;  // on the surface, where images are compared with what they were made from

@@ -31,7 +31,7 @@ struct LoadedFamily {
 struct CellStreamConfig {
   int threads = 1;  // that load; at least 1
   // Called by a loading thread before it loads a family, for tests: slow disks, failing ones.
-  std::function<void(CellId parent)> before_load;
+  std::function<void(CellId parent)> before_load = {};
 };
 
 class CellStream {

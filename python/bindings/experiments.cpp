@@ -13,7 +13,7 @@ namespace {
 
 py::dict questions() {
   py::dict list;
-  for (const Experiment& experiment : experiments()) list[py::str(experiment.name)] = experiment.question;
+  for (const std::string& name : experiment_names()) list[py::str(name)] = find_experiment(name).question;
   return list;
 }
 

@@ -31,7 +31,7 @@ ModelConfig take_config(Options& options) {
   options.take("sigma0", build.sigma0);
   options.take("cell_triangles", build.cell_triangles);
   options.take("finest_level", build.finest_level);
-  options.take<std::string>("simplifier", build.simplifier, simplifier_kind);
+  options.take("simplifier", build.simplifier);
   options.take<std::string>("placement", build.placement, placement);
   options.take<std::string>("strategy", build.strategy, [](const std::string& name) { return strategy(name); });
   options.take("refine", build.refine);

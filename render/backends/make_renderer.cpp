@@ -91,7 +91,8 @@ Registry<BackendInfo>& backends() {
                      .maps = [](const IndexedMesh& mesh,
                                 Scheduler& scheduler) { return std::make_unique<SoftMapRenderer>(mesh, scheduler); }});
     all.add("gl", {.frames = gl_frames, .maps = gl_maps});
-    all.add("null", {.frames = [](Scheduler&) { return std::make_unique<NullRenderer>(); }, .maps = {}, .pictures = false});
+    all.add("null",
+            {.frames = [](Scheduler&) { return std::make_unique<NullRenderer>(); }, .maps = {}, .pictures = false});
     return true;
   }();
   (void)filled;

@@ -30,7 +30,8 @@ class OwnBlends {
     const std::size_t count = count_;
     while (at < count && entries_[at]->curve != curve) ++at;
     if (at == entries_.size())
-      throw ResourceError("a process knows up to " + std::to_string(entries_.size()) + " blending functions of a user's");
+      throw ResourceError("a process knows up to " + std::to_string(entries_.size()) +
+                          " blending functions of a user's");
     if (at == count) {
       entries_[at] = std::make_unique<Entry>(Entry{curve, text_of(curve), curve_lipschitz(curve), CurveShare(curve)});
       count_ = count + 1;

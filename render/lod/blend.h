@@ -28,15 +28,16 @@ enum class Blend : std::uint8_t {
 // The curve of such a blend; null for those with a name.
 [[nodiscard]] const BlendCurve* curve_of(Blend blend);
 
-// Of a name, or of the text of a curve. Throws InputError listing the known names.
+// The blend of this name, or of the curve of this text. Throws InputError listing the known names.
 [[nodiscard]] Blend blend(std::string_view name);
-[[nodiscard]] std::string_view name_of(Blend blend);    // or the text of its curve
-[[nodiscard]] std::span<const Blend> all_blends();  // with a name
+[[nodiscard]] std::string_view name_of(Blend blend);  // or the text of its curve
+[[nodiscard]] std::span<const Blend> all_blends();    // with a name
 
 // s(t); t is clamped to [0, 1]. Exactly 0 at t <= 0 and exactly 1 at t >= 1.
 [[nodiscard]] float blend_share(Blend blend, float t);
 
-// Lipschitz constant of s on [0, 1], which bounds pops; for `step` that of `linear`, which is what its jumps are measured against.
+// Lipschitz constant of s on [0, 1], which bounds pops; for `step` that of `linear`, which is what its jumps are
+// measured against.
 [[nodiscard]] double blend_lipschitz(Blend blend);
 
 }  // namespace lodestone

@@ -89,7 +89,8 @@ bool is_curve_text(std::string_view text) { return form_of(text) != nullptr; }
 
 BlendCurve blend_curve(std::string_view text) {
   const Form* const form = form_of(text);
-  if (!form) throw InputError("'" + std::string(text) + "' is no blending function; write table:0,0.1,0.9,1 or the like");
+  if (!form)
+    throw InputError("'" + std::string(text) + "' is not a blending function; write table:0,0.1,0.9,1 or the like");
   BlendCurve curve{form->kind, {}};
   const char* at = text.data() + form->prefix.size();
   const char* const end = text.data() + text.size();
@@ -116,12 +117,12 @@ void check_curve(const BlendCurve& curve) {
   if (!std::ranges::all_of(values, [](float v) { return std::abs(v) <= 1e6f; }))
     refuse(curve, "has a value beyond a million, or none");
   const bool table = curve.kind == BlendCurve::Kind::table;
-  const double end =
-      table ? static_cast<double>(values.back()) : std::accumulate(values.begin(), values.end(), 0.0);
+  const double end = table ? static_cast<double>(values.back()) : std::accumulate(values.begin(), values.end(), 0.0);
   if (values.front() != 0 || !(std::abs(end - 1) <= 1e-6)) refuse(curve, "must be 0 at 0 and 1 at 1");
   // Half an ulp of a coefficient may tip a slope of 0.
-  const double slack = 1e-6 * std::accumulate(values.begin(), values.end(), 0.0,
-                                              [](double sum, float v) { return sum + std::abs(static_cast<double>(v)); });
+  const double slack = 1e-6 * std::accumulate(values.begin(), values.end(), 0.0, [](double sum, float v) {
+                         return sum + std::abs(static_cast<double>(v));
+                       });
   if (table ? !std::ranges::is_sorted(values) : range_of(slopes(values)).least < -slack)
     refuse(curve, "decreases somewhere, so that vertices would turn back");
 }
@@ -188,7 +189,8 @@ std::string CurveShare::glsl() const {
 )";
   return list("from_begin", curve_.values) + list("from_end", from_end_) +
          "float share(float t) {\n  bool lower = t <= 0.5;\n  precise float u = lower ? t : 1.0 - t;\n"
-         "  precise float s = 0.0;\n  for (int k = " + count + R"( - 1; k >= 0; --k) {
+         "  precise float s = 0.0;\n  for (int k = " +
+         count + R"( - 1; k >= 0; --k) {
     precise float higher = s * u;
     s = higher + (lower ? from_begin[k] : from_end[k]);
   }

@@ -18,13 +18,13 @@ enum class RadiiRule : std::uint8_t {
 struct RadiiConfig {
   RadiiRule rule = RadiiRule::per_level;
   DistanceMetric metric = DistanceMetric::euclidean;
-  std::optional<float> kappa0;  // least r_l / h_l; unset: from pixel_error at each level
-  float pixel_error = 1;        // tau, in pixels; used when kappa0 is unset (per_level only)
-  int image_height = 720;       // pixels
-  float vertical_fov = 0.785f;  // radians
-  float aspect = 16.0f / 9.0f;  // width over height: the angle to the image corner
-  float beta = 0.5f;            // least band width at level l over h_l; > 0
-  float delta = 0;              // guard for a selection stale by delta h_l; >= 0
+  std::optional<float> kappa0 = {};  // least r_l / h_l; unset: from pixel_error at each level
+  float pixel_error = 1;             // tau, in pixels; used when kappa0 is unset (per_level only)
+  int image_height = 720;            // pixels
+  float vertical_fov = 0.785f;       // radians
+  float aspect = 16.0f / 9.0f;       // width over height: the angle to the image corner
+  float beta = 0.5f;                 // least band width at level l over h_l; > 0
+  float delta = 0;                   // guard for a selection stale by delta h_l; >= 0
   friend bool operator==(const RadiiConfig&, const RadiiConfig&) = default;
 };
 

@@ -1,4 +1,3 @@
-#include "render/position_map/map_files.h"
 #include "render/reconstruct/reconstruct.h"
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "core/base/error.h"
 #include "parallel/scheduler/clock.h"
 #include "render/backends/make_renderer.h"
+#include "render/position_map/map_files.h"
 #include "render/position_map/map_renderer.h"
 #include "render/reconstruct/finish/label_parts.h"
 #include "render/reconstruct/finish/lost_parts.h"

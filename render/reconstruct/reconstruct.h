@@ -10,7 +10,7 @@
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
-#include "render/reconstruct/report.h"
+#include "render/reconstruct/report/report.h"
 
 namespace lodestone {
 
@@ -27,7 +27,7 @@ struct ReconstructConfig {
   std::uint64_t triangles = 0;  // simplify to so many instead, where the maps give more; 0: not
   Projection projection = Projection::orthographic;
   std::string backend = "soft";
-  ViewChoice views;
+  ViewChoice views = {};
   float max_slope = 8;         // depth over width, see ConnectConfig
   float slack = 1;             // pixel spacings, likewise
   bool condense = true;        // draw maps of twice the resolution and condense them (condense_map.h)

@@ -146,8 +146,9 @@ TEST(SystemPictures, TheMorphIsTheUsualPicture) {
 
 TEST(SystemPictures, AddedSystemsAreDrawnAndChecked) {
   add_lod_system("two-levels", {"root and finest level, half each", [](const SystemQuery& q) {
-                                  return std::vector<SystemPart>{{whole_level(q.radii, q.hierarchy.finest()), q.blend, 0.5},
-                                                                 {whole_level(q.radii, 0), q.blend, 0.5}};
+                                  return std::vector<SystemPart>{
+                                      {whole_level(q.radii, q.hierarchy.finest()), q.blend, 0.5},
+                                      {whole_level(q.radii, 0), q.blend, 0.5}};
                                 }});
   add_lod_system("nothing", {"no part", [](const SystemQuery&) { return std::vector<SystemPart>(); }});
   expect_error_of<InputError>([] { add_lod_system("empty", {}); }, {"'empty'"});
@@ -211,7 +212,8 @@ TEST(SystemFlight, TellsTheSystemsApart) {
     w.pictures = std::max(w.pictures, row.pictures);
     w.changed = std::max(w.changed, row.pops.changed_share);
   }
-  const Worst &morph = worst["morph"], &step = worst["step"], &discrete = worst["discrete"], &fade = worst["cross-fade"];
+  const Worst &morph = worst["morph"], &step = worst["step"], &discrete = worst["discrete"],
+              &fade = worst["cross-fade"];
   for (const Worst* whole : {&morph, &step, &fade}) {
     EXPECT_EQ(whole->surface.open_edges, 0);
     EXPECT_EQ(whole->surface.gap, 0);

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <vector>
 
-#include "core/simplify/simplifiers.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
+#include "core/simplify/simplifiers.h"
 
 namespace {
 

@@ -182,7 +182,8 @@ std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
 const char* decode_assets(std::span<const std::byte> bytes, std::uint16_t features, Hierarchy& hierarchy) {
   const bool has_copies = features & lode_texture_copies;
   Reader reader(bytes);
-  if (features & lode_named_simplifier && !(reader(hierarchy.provenance.simplifier) && can_be_name(hierarchy.provenance.simplifier)))
+  if (features & lode_named_simplifier &&
+      !(reader(hierarchy.provenance.simplifier) && can_be_name(hierarchy.provenance.simplifier)))
     return "the name of the simplifier is invalid";
   if (reader.left() == 0)
     return has_copies || features & lode_surfaces ? "there are copies of textures or surfaces, but no textures"

@@ -28,8 +28,7 @@ std::uint16_t features_of(const Hierarchy& hierarchy, LodeForm form) {
       (a.colours ? lode_colours : 0) | (a.materials ? lode_materials : 0) |
       (p.measured_errors ? lode_measured_errors : 0) | (p.refined ? lode_refined : 0) |
       (hierarchy.texture_copies.empty() ? 0 : lode_texture_copies) | (has_surfaces(hierarchy) ? lode_surfaces : 0) |
-      (has_named_simplifier(hierarchy) ? lode_named_simplifier : 0) |
-      (hierarchy.transform.up == Up{} ? 0 : lode_up));
+      (has_named_simplifier(hierarchy) ? lode_named_simplifier : 0) | (hierarchy.transform.up == Up{} ? 0 : lode_up));
 }
 
 LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
@@ -53,8 +52,9 @@ LodeHeader header_of(const Hierarchy& hierarchy, const LodeLayout& layout) {
   h.sigma0 = hierarchy.sigma0;
   const Provenance& p = hierarchy.provenance;
   const auto simplifier = std::ranges::find(lode_simplifiers, p.simplifier);
-  h.simplifier = simplifier == lode_simplifiers.end() ? no_lode_simplifier
-                                                      : static_cast<std::uint32_t>(simplifier - lode_simplifiers.begin());
+  h.simplifier = simplifier == lode_simplifiers.end()
+                     ? no_lode_simplifier
+                     : static_cast<std::uint32_t>(simplifier - lode_simplifiers.begin());
   h.simplifier |= p.placement << 16;
   h.cell_triangles = p.cell_triangles;
   h.input_vertices = p.input_vertices;

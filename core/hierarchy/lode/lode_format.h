@@ -46,11 +46,11 @@ enum LodeFeatures : std::uint16_t {
   lode_uv = 4,
   lode_colours = 8,
   lode_materials = 16,
-  lode_measured_errors = 32,  // Provenance::measured_errors
-  lode_refined = 64,          // Provenance::refined
-  lode_texture_copies = 128,  // Hierarchy::texture_copies
-  lode_surfaces = 256,        // the assets have an object of surfaces
-  lode_up = 512,              // the header says which axis is up; without it z is, as a guess
+  lode_measured_errors = 32,     // Provenance::measured_errors
+  lode_refined = 64,             // Provenance::refined
+  lode_texture_copies = 128,     // Hierarchy::texture_copies
+  lode_surfaces = 256,           // the assets have an object of surfaces
+  lode_up = 512,                 // the header says which axis is up; without it z is, as a guess
   lode_named_simplifier = 1024,  // the assets begin with its name
   lode_known_features = 2047,
 };
@@ -71,7 +71,8 @@ struct LodeHeader {
   std::array<double, 3> origin{};
   double scale = 0;
   float sigma0 = 0;
-  // Which of lode_simplifiers in the lower half, or no_lode_simplifier with lode_named_simplifier; Placement in the upper one.
+  // Which of lode_simplifiers in the lower half, or no_lode_simplifier with lode_named_simplifier; Placement in the
+  // upper one.
   std::uint32_t simplifier = 0;
   std::uint32_t cell_triangles = 0;
   std::uint16_t features = 0;  // LodeFeatures

@@ -91,10 +91,10 @@ struct Provenance {
   // Sum modulo 2^64 of triangle_fingerprint over the cleaned input: the same for M_L, whatever the order.
   std::uint64_t fingerprint = 0;
   std::string simplifier = "quadric";  // its name
-  std::uint32_t placement = 0;       // Placement of its survivors
-  std::uint32_t cell_triangles = 0;  // the target that L followed from; 0 when L was given
-  bool measured_errors = false;      // errors are bounds, by measure_errors, not estimates
-  bool refined = false;              // M_L has the input's edges beyond sigma0 h_L split (core/mesh/refine.h)
+  std::uint32_t placement = 0;         // Placement of its survivors
+  std::uint32_t cell_triangles = 0;    // the target that L followed from; 0 when L was given
+  bool measured_errors = false;        // errors are bounds, by measure_errors, not estimates
+  bool refined = false;                // M_L has the input's edges beyond sigma0 h_L split (core/mesh/refine.h)
 };
 
 // A texture at half its width and height, `halvings` times over, encoded as the texture is.

@@ -11,7 +11,6 @@ namespace lodestone::spherical {
 
 // Counts of what was changed; all zero for a mesh that was an oriented manifold.
 
-
 struct Manifold {
   Surface surface;  // all components
   ManifoldRepairs repairs;

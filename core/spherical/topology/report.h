@@ -1,4 +1,4 @@
-// What making spheres of a surface is told, and what it says that it has done.
+// Configuration and report of making spheres of a surface.
 #pragma once
 
 #include <cstdint>

@@ -16,11 +16,11 @@ struct ImageQualityConfig {
 };
 
 struct ImageQuality {
-  double mean_absolute = 0;  // over red, green and blue of all pixels, in [0, 1]
-  ErrorSummary absolute;     // of absolute_error(): the largest of the three, by pixel
-  double psnr = 0;           // decibels; infinite for equal pictures
-  double ssim = 1;           // 1 when not asked for
-  ErrorSummary flip;         // empty when not asked for
+  double mean_absolute = 0;   // over red, green and blue of all pixels, in [0, 1]
+  ErrorSummary absolute;      // of absolute_error(): the largest of the three, by pixel
+  double psnr = 0;            // decibels; infinite for equal pictures
+  double ssim = 1;            // 1 when not asked for
+  ErrorSummary flip;          // empty when not asked for
   std::vector<double> added;  // by picture_metric_names()
 };
 

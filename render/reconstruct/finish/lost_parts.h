@@ -7,7 +7,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge/merge.h"
-#include "render/reconstruct/report.h"
+#include "render/reconstruct/report/report.h"
 
 namespace lodestone {
 

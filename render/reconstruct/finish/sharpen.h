@@ -10,7 +10,7 @@
 
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge/merge.h"
-#include "render/reconstruct/report.h"
+#include "render/reconstruct/report/report.h"
 
 namespace lodestone {
 

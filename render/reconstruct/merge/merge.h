@@ -13,7 +13,7 @@
 #include "parallel/scheduler/clock.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/reconstruct/merge/ownership.h"
-#include "render/reconstruct/report.h"
+#include "render/reconstruct/report/report.h"
 #include "render/reconstruct/seams/seam_mesh.h"
 
 namespace lodestone {

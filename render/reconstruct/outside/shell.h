@@ -13,7 +13,7 @@
 #include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
 #include "render/reconstruct/merge/merge.h"
-#include "render/reconstruct/report.h"
+#include "render/reconstruct/report/report.h"
 
 namespace lodestone {
 

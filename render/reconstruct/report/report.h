@@ -1,11 +1,11 @@
-// What a reconstruction says that it has done, step by step.
+// The report of a reconstruction, step by step.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
 #include "parallel/scheduler/clock.h"
-#include "render/reconstruct/views/view_choice.h"
+#include "render/reconstruct/report/view_choice.h"
 
 namespace lodestone {
 

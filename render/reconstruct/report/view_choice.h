@@ -1,4 +1,4 @@
-// Which views of a model are wanted, and which were chosen.
+// Configuration and result of choosing views.
 #pragma once
 
 #include <cstdint>

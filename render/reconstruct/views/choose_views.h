@@ -3,9 +3,9 @@
 // Everything that can be seen from outside is seen by some parallel projection, so candidates are directions: the six
 // faces and a sphere of others. The samples of the surface that the faces see, and the angles, are found by drawing at
 // a low resolution; a sample that they see badly or not at all is tested along rays from 64 directions, and from every
-// candidate what those see no better. Of a mesh of many more triangles than pixels a coarse copy (coarse_copy.h) is drawn
-// and stands in the way of the rays, so that the time grows little with the triangles. Then views are taken greedily,
-// each time the one that improves the largest number of samples.
+// candidate what those see no better. Of a mesh of many more triangles than pixels a coarse copy (coarse_copy.h) is
+// drawn and stands in the way of the rays, so that the time grows little with the triangles. Then views are taken
+// greedily, each time the one that improves the largest number of samples.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 #include "core/mesh/indexed_mesh.h"
 #include "parallel/scheduler/scheduler.h"
 #include "render/position_map/position_map.h"
-#include "render/reconstruct/views/view_choice.h"
+#include "render/reconstruct/report/view_choice.h"
 
 namespace lodestone {
 

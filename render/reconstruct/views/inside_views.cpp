@@ -1,10 +1,10 @@
-#include "render/reconstruct/views/choose_views.h"
 #include "render/reconstruct/views/inside_views.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/spatial/triangle_bvh.h"
+#include "render/reconstruct/views/choose_views.h"
 
 namespace lodestone {
 namespace {

@@ -301,7 +301,8 @@ TEST_F(LodeFile, RefusesFeaturesThatItDoesNotKnowOrThatDoNotFit) {
   EXPECT_THROW(open_with([](LodeHeader& h) { h.lattice_bits = 12; }), InputError);  // vertices beyond the cube
   EXPECT_THROW(open_with([](LodeHeader& h) { h.simplifier = 4; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.simplifier = 2u << 16; }), InputError);
-  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_named_simplifier, h.simplifier = 0xffff; }), InputError);
+  EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_named_simplifier, h.simplifier = 0xffff; }),
+               InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.up = 1; }), InputError);
   EXPECT_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 7; }), InputError);
   EXPECT_NO_THROW(open_with([](LodeHeader& h) { h.features |= lode_up, h.up = 6; }));

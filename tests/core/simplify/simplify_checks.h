@@ -112,7 +112,7 @@ inline std::vector<Triangle> image(const SimplifyInput& input, const SimplifyRes
   return left;
 }
 
-// What simplifiers that keep the topology promise beyond broken_contract: empty, or the first thing that does not hold.
+// Checks what simplifiers that keep the topology promise beyond broken_contract: empty, or the first broken promise.
 inline std::string broken_topology(const SimplifyInput& input, const SimplifyResult& result) {
   const Topology before = topology_of({input.triangles.begin(), input.triangles.end()});
   const Topology after = topology_of(image(input, result));

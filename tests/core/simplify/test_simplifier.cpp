@@ -8,9 +8,9 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/simplify/simplifiers.h"
 #include "core/simplify/quadric/quadric_reference.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "tests/core/simplify/simplify_checks.h"
 #include "tests/core/simplify/simplify_meshes.h"
 #include "tests/expect_error.h"
@@ -282,7 +282,8 @@ TEST(AddedSimplifiers, AreCheckedAgainstTheContract) {
   EXPECT_EQ(added("idle", none)->simplify(input).triangles, mesh.triangles.size());
   const auto expect_fault = [&](const std::string& name, Idle::Fault fault, const std::string& what) {
     const auto simplifier = added(name, fault);
-    expect_error_of<InputError>([&] { (void)simplifier->simplify(input); }, {"'" + name + "' breaks its contract", what});
+    expect_error_of<InputError>([&] { (void)simplifier->simplify(input); },
+                                {"'" + name + "' breaks its contract", what});
   };
   expect_fault("cycle", cycle, "idempotent");
   expect_fault("locked", Idle::Fault::locked, "a locked vertex was moved");

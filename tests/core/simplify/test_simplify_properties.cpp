@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "core/simplify/simplifiers.h"
 #include "core/simplify/quadric/quadric_reference.h"
 #include "core/simplify/quadric/quadric_simplifier.h"
+#include "core/simplify/simplifiers.h"
 #include "tests/core/simplify/simplify_checks.h"
 #include "tests/core/simplify/simplify_meshes.h"
 

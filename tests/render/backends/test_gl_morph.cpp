@@ -173,7 +173,8 @@ INSTANTIATE_TEST_SUITE_P(AllVariants, GlMorphTest,
                                             ::testing::Values(DistanceMetric::euclidean, DistanceMetric::chebyshev)),
                          [](const auto& instance) {
                            std::string name(name_of(std::get<0>(instance.param)));
-                           std::ranges::replace_if(name, [](char c) { return !std::isalnum(c); }, '_');
+                           std::ranges::replace_if(
+                               name, [](char c) { return !std::isalnum(c); }, '_');
                            const bool euclidean = std::get<1>(instance.param) == DistanceMetric::euclidean;
                            return name + (euclidean ? "_euclidean" : "_chebyshev");
                          });

@@ -82,7 +82,8 @@ TEST(OwnBlend, LipschitzConstantsBoundTheSlopesOfManyPolynomials) {
     curve.values.push_back(static_cast<float>(1 - sum));
     const auto slope = [&](double t) {
       double s = 0;
-      for (std::size_t k = degree; k > 0; --k) s = s * t + static_cast<double>(k) * static_cast<double>(curve.values[k]);
+      for (std::size_t k = degree; k > 0; --k)
+        s = s * t + static_cast<double>(k) * static_cast<double>(curve.values[k]);
       return s;
     };
     double least = 0, most = 0;
