@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "core/files/json.h"
 #include "core/files/json_view.h"
 
 namespace lodestone {
@@ -25,7 +25,7 @@ struct OctahedralLayout {
 };
 
 // true, or {"side": 256, "squares": [[64, 2], [16, 30]]}.
-[[nodiscard]] nlohmann::json to_json(const OctahedralLayout& layout);
+[[nodiscard]] Json to_json(const OctahedralLayout& layout);
 // Throws InputError with the place for squares that do not fit.
 [[nodiscard]] OctahedralLayout read_octahedral_layout(const JsonView& json);
 
