@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/temporaries.h"
 #include "core/files/json.h"
 #include "core/files/text_file.h"
 #include "render/position_map/read_map.h"
@@ -105,6 +106,7 @@ void write_map_set(const std::filesystem::path& folder, std::span<const Position
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) throw FileError(describe(folder.string(), "", "cannot be made: " + failed.message()));
+  remove_orphans(folder, [](std::string_view name) { return name.starts_with("view"); });
   Json views = Json::array();
   for (std::size_t k = 0; k < maps.size(); ++k) {
     std::string number = std::to_string(k);
