@@ -6,6 +6,7 @@ set(sources
   core/files/atomic_file.cpp
   core/files/checksum.cpp
   core/files/input_file.cpp
+  core/files/json.cpp
   core/files/json_view.cpp
   core/files/temporaries.cpp
   core/formats/gltf/gltf_surface.cpp

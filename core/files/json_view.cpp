@@ -7,18 +7,16 @@
 namespace lodestone {
 namespace {
 
-const char* name_of(const nlohmann::json& value) { return value.is_null() ? "nothing" : value.type_name(); }
+const char* name_of(const Json& value) { return value.is_null() ? "nothing" : value.type_name(); }
 
 }  // namespace
 
-nlohmann::json parse_json(std::span<const char> text, const std::string& file) {
+Json parse_json(std::span<const char> text, const std::string& file) {
   try {
-    return nlohmann::json::parse(text.begin(), text.end());
-  } catch (const nlohmann::json::parse_error& error) {
-    throw InputError(
-        describe(file, "byte " + std::to_string(error.byte), "invalid JSON", "the file is damaged or of another type"));
-  } catch (const nlohmann::json::exception&) {  // a number beyond all ranges
-    throw InputError(describe(file, "", "invalid JSON", "the file is damaged or of another type"));
+    return Json::parse({text.data(), text.size()});
+  } catch (const JsonError& error) {
+    const std::string place = error.byte == 0 ? "" : "byte " + std::to_string(error.byte);
+    throw InputError(describe(file, place, "invalid JSON", "the file is damaged or of another type"));
   }
 }
 
@@ -28,8 +26,8 @@ void JsonView::fail(const std::string& what, const std::string& remedy) const {
 
 std::optional<JsonView> JsonView::find(const char* key) const {
   if (!value_->is_object()) fail(std::string("expected an object, found ") + name_of(*value_));
-  const auto member = value_->find(key);
-  if (member == value_->end()) return std::nullopt;
+  const Json* const member = value_->find(key);
+  if (member == nullptr) return std::nullopt;
   return JsonView(*member, *file_, place_.empty() ? key : place_ + "." + key);
 }
 
@@ -67,7 +65,7 @@ double JsonView::number() const {
 
 const std::string& JsonView::string() const {
   if (!value_->is_string()) fail(std::string("expected a string, found ") + name_of(*value_));
-  return value_->get_ref<const std::string&>();
+  return value_->string();
 }
 
 bool JsonView::boolean() const {

@@ -4,26 +4,27 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "core/files/json.h"
+
 namespace lodestone {
 
 // Throws InputError naming `file` and the byte for invalid JSON.
-[[nodiscard]] nlohmann::json parse_json(std::span<const char> text, const std::string& file);
+[[nodiscard]] Json parse_json(std::span<const char> text, const std::string& file);
 
 // A value, and "nodes[3].mesh" or the like. Every function throws InputError naming file and place when the value is
 // not of the requested kind. Holds references to document and file name.
 class JsonView {
  public:
-  JsonView(const nlohmann::json& value, const std::string& file, std::string place = {})
+  JsonView(const Json& value, const std::string& file, std::string place = {})
       : value_(&value), file_(&file), place_(std::move(place)) {}
 
   [[nodiscard]] const std::string& place() const { return place_; }
-  [[nodiscard]] const nlohmann::json& json() const { return *value_; }
+  [[nodiscard]] const Json& json() const { return *value_; }
   [[noreturn]] void fail(const std::string& what, const std::string& remedy = {}) const;
 
   // Members of an object.
@@ -57,7 +58,7 @@ class JsonView {
   }
 
  private:
-  const nlohmann::json* value_;
+  const Json* value_;
   const std::string* file_;
   std::string place_;
 };

@@ -188,12 +188,19 @@ void remove_temporaries() noexcept {
 }
 
 void remove_orphans(const fs::path& target) {
-  const std::string prefix = target.filename().string() + mark;
-  std::error_code ignored;
   const fs::path folder = target.parent_path().empty() ? "." : target.parent_path();
+  remove_orphans(folder, [name = target.filename().string()](std::string_view file) { return file == name; });
+}
+
+void remove_orphans(const fs::path& folder, const std::function<bool(std::string_view)>& is_target) {
+  std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     const std::string name = entry.path().filename().string();
-    if (!name.starts_with(prefix) || name.find_first_not_of("0123456789.", prefix.size()) != std::string::npos) continue;
+    const std::size_t end = name.rfind(mark);
+    if (end == std::string::npos ||
+        name.find_first_not_of("0123456789.", end + std::strlen(mark)) != std::string::npos ||
+        !is_target(std::string_view(name).substr(0, end)))
+      continue;
     const int way = entry.is_directory(ignored) ? O_RDONLY | O_DIRECTORY : O_RDWR | O_NONBLOCK;
     const int descriptor = open(entry.path().c_str(), way | O_NOFOLLOW | O_CLOEXEC);
     if (descriptor < 0) continue;

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <string_view>
 
 namespace lodestone {
 
@@ -46,5 +48,7 @@ void remove_temporaries() noexcept;
 // Removes the temporaries of this target, a file or a folder, that killed processes have left: those that nobody has
 // locked. Where the file system has no locks, none are removed.
 void remove_orphans(const std::filesystem::path& target);
+// The same for several files of a folder: `is_target` takes their names.
+void remove_orphans(const std::filesystem::path& folder, const std::function<bool(std::string_view)>& is_target);
 
 }  // namespace lodestone

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/temporaries.h"
 
 namespace lodestone {
 
@@ -17,6 +18,9 @@ PictureWriter::PictureWriter(std::string folder, std::size_t frames) : folder_(s
   if (error)
     throw FileError(
         describe(folder_, "", "cannot create the folder: " + error.message(), "name a folder you may write to"));
+  remove_orphans(folder_, [](std::string_view name) {
+    return name == "contact.png" || (name.starts_with("frame") && name.ends_with(".png"));
+  });
 }
 
 PictureWriter::~PictureWriter() {

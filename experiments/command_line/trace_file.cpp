@@ -1,25 +1,25 @@
 #include "experiments/command_line/trace_file.h"
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/files/atomic_file.h"
+#include "core/files/json.h"
 
 namespace lodestone {
 namespace {
 
-nlohmann::json arguments_of(const TraceEvent& event) {
-  nlohmann::json arguments{{"index", event.index}, {"cpu_us", event.cpu_seconds * 1e6}};
+Json arguments_of(const TraceEvent& event) {
+  Json arguments{{"index", event.index}, {"cpu_us", event.cpu_seconds * 1e6}};
   if (!event.place.empty()) arguments["place"] = event.place;
   if (event.graph > 0) arguments["after"] = event.after;
   return arguments;
 }
 
 // Arrows from the end of each task that was waited for to the begin of the one that waited.
-void add_arrows(const std::vector<TraceEvent>& events, nlohmann::json& list) {
+void add_arrows(const std::vector<TraceEvent>& events, Json& list) {
   std::map<std::pair<std::uint32_t, std::uint64_t>, const TraceEvent*> tasks;
   for (const TraceEvent& e : events)
     if (e.graph > 0) tasks[{e.graph, e.index}] = &e;
@@ -28,7 +28,7 @@ void add_arrows(const std::vector<TraceEvent>& events, nlohmann::json& list) {
     for (const std::uint32_t before : e->after) {
       const auto from = tasks.find({e->graph, before});
       if (from == tasks.end()) continue;  // its run ended in an error
-      nlohmann::json arrow{{"name", "needs"}, {"cat", "graph"}, {"pid", 1}, {"id", ++arrows}};
+      Json arrow{{"name", "needs"}, {"cat", "graph"}, {"pid", 1}, {"id", ++arrows}};
       arrow.update({{"ph", "s"}, {"tid", from->second->worker}, {"ts", from->second->end * 1e6}});
       list.push_back(arrow);
       arrow.update({{"ph", "f"}, {"bp", "e"}, {"tid", e->worker}, {"ts", e->begin * 1e6}});
@@ -39,7 +39,7 @@ void add_arrows(const std::vector<TraceEvent>& events, nlohmann::json& list) {
 }  // namespace
 
 void write_trace(const Trace& trace, const std::string& path) {
-  nlohmann::json events = nlohmann::json::array();
+  Json events = Json::array();
   for (int worker = 0; worker < trace.workers(); ++worker)
     events.push_back({{"name", "thread_name"},
                       {"ph", "M"},
@@ -56,7 +56,7 @@ void write_trace(const Trace& trace, const std::string& path) {
                       {"dur", (e.end - e.begin) * 1e6},
                       {"args", arguments_of(e)}});
   add_arrows(ran, events);
-  const std::string text = nlohmann::json{{"displayTimeUnit", "ms"}, {"traceEvents", std::move(events)}}.dump();
+  const std::string text = Json{{"displayTimeUnit", "ms"}, {"traceEvents", std::move(events)}}.dump();
   AtomicFile file(path);
   file.write(std::as_bytes(std::span(text)));
   file.commit();

@@ -74,14 +74,14 @@ void report_to(Progress& progress, BuildJob& job, const CommonOptions& common) {
 }
 
 // The row, and what a person or a script may want to know besides.
-nlohmann::json to_json(const BuildResult& result, const Row& row, const BuildOptions& options, int threads) {
+Json to_json(const BuildResult& result, const Row& row, const BuildOptions& options, int threads) {
   using lodestone::to_json;
   const Hierarchy& hierarchy = result.hierarchy;
   const Lattice lattice = hierarchy.transform.lattice;
   const RefineReport& refined = result.report.refinement;
-  nlohmann::json stages;
+  Json stages;
   for (const auto& [name, time] : result.stages) stages[name] = to_json(time);
-  nlohmann::json json = without_nulls(row);
+  Json json = without_nulls(row);
   json.update({{"input", options.input},
                {"level_table", level_table(hierarchy)},
                {"compressed", options.compress},

@@ -128,10 +128,10 @@ void check_interrupt() {
   if (interrupted) throw Cancelled{};
 }
 
-void write_result(const CommonOptions& common, const nlohmann::json& result) {
+void write_result(const CommonOptions& common, const Json& result) {
   if (common.json.empty()) return;
   // File names need not be UTF-8, JSON must.
-  const std::string text = result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string text = result.dump(2) + "\n";
   if (common.json == "-") {
     std::fputs(text.c_str(), stdout);
     return;
@@ -141,9 +141,9 @@ void write_result(const CommonOptions& common, const nlohmann::json& result) {
   file.commit();
 }
 
-nlohmann::json to_json(const StageTime& time) { return {{"seconds", time.seconds}, {"cpu_seconds", time.cpu_seconds}}; }
+Json to_json(const StageTime& time) { return {{"seconds", time.seconds}, {"cpu_seconds", time.cpu_seconds}}; }
 
-nlohmann::json to_json(const Repairs& r) {
+Json to_json(const Repairs& r) {
   return {{"polygons_triangulated", r.polygons_triangulated},
           {"faces_dropped", r.faces_dropped},
           {"non_finite_triangles", r.non_finite_triangles},
@@ -156,7 +156,7 @@ nlohmann::json to_json(const Repairs& r) {
 }
 
 void print_repairs(const Repairs& repairs) {
-  const nlohmann::json counts = to_json(repairs);
+  const Json counts = to_json(repairs);
   for (const auto& [name, count] : counts.items())
     if (count.get<std::uint64_t>() > 0) fmt::print("repaired: {} {}\n", name, count.get<std::uint64_t>());
 }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/files/json.h"
 #include "core/mesh/indexed_mesh.h"
 #include "experiments/command_line/options.h"
 #include "parallel/scheduler/clock.h"
@@ -44,10 +44,10 @@ void set_interrupt_line(const char* line);
 [[nodiscard]] int interrupt_status();
 
 // Writes the file of --json, aside and renamed; "-" prints.
-void write_result(const CommonOptions& common, const nlohmann::json& result);
+void write_result(const CommonOptions& common, const Json& result);
 
-[[nodiscard]] nlohmann::json to_json(const StageTime& time);
-[[nodiscard]] nlohmann::json to_json(const Repairs& repairs);
+[[nodiscard]] Json to_json(const StageTime& time);
+[[nodiscard]] Json to_json(const Repairs& repairs);
 void print_repairs(const Repairs& repairs);  // a line for each kind that there was
 
 void add_generate(CommandTable& commands);

@@ -39,7 +39,7 @@ void run(const CompareOptions& options, const CommonOptions& common) {
   job.on_phase = [&](const std::string& phase) { progress.phase(phase); };
   const CompareResult result = run(job, *make_scheduler(common));
   progress.clear();
-  nlohmann::json json = to_row(result.distance);
+  Json json = to_row(result.distance);
   json.update({{"a", options.a},
                {"b", options.b},
                {"diagonal", result.distance.diagonal},

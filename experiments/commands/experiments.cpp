@@ -26,24 +26,24 @@ std::string values_text(const ParameterInfo& info) {
   return texts.empty() ? range_text(info) : texts;
 }
 
-nlohmann::json parameter_json(const ParameterInfo& info) {
-  nlohmann::json json = {{"name", info.name},
-                         {"default", info.default_value},
-                         {"unit", info.unit},
-                         {"description", info.description},
-                         {"choices", info.choices}};
+Json parameter_json(const ParameterInfo& info) {
+  Json json = {{"name", info.name},
+               {"default", info.default_value},
+               {"unit", info.unit},
+               {"description", info.description},
+               {"choices", info.choices}};
   if (info.others) json["other_texts"] = info.others->what;
   if (info.default_value.is_number() && std::isfinite(info.least)) json["least"] = info.least;
   if (info.default_value.is_number() && std::isfinite(info.most)) json["most"] = info.most;
   return json;
 }
 
-nlohmann::json experiment_json(const Experiment& experiment) {
-  nlohmann::json json = {{"name", experiment.name},
-                         {"question", experiment.question},
-                         {"takes_input", experiment.takes_input},
-                         {"parameters", nlohmann::json::array()},
-                         {"columns", nlohmann::json::array()}};
+Json experiment_json(const Experiment& experiment) {
+  Json json = {{"name", experiment.name},
+               {"question", experiment.question},
+               {"takes_input", experiment.takes_input},
+               {"parameters", Json::array()},
+               {"columns", Json::array()}};
   for (const ParameterInfo& info : experiment.parameters) json["parameters"].push_back(parameter_json(info));
   for (const ColumnInfo& column : experiment.columns) json["columns"].push_back(to_json(column));
   return json;
@@ -83,7 +83,7 @@ void run(const ExperimentsOptions& options, const CommonOptions& common) {
     if (printed) print(experiment);
     return;
   }
-  nlohmann::json all = nlohmann::json::array();
+  Json all = Json::array();
   for (const std::string& known : experiment_names()) {
     const Experiment& experiment = find_experiment(known);
     all.push_back(experiment_json(experiment));

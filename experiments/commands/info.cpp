@@ -36,13 +36,11 @@ Stored stored_in(const Hierarchy& h, const std::string& file) {
   return stored;
 }
 
-nlohmann::json describe_textures(const Hierarchy& h) {
-  nlohmann::json textures = nlohmann::json::array();
+Json describe_textures(const Hierarchy& h) {
+  Json textures = Json::array();
   for (const Texture& t : h.textures)
-    textures.push_back({{"name", t.name},
-                        {"media_type", t.media_type},
-                        {"bytes", t.bytes.size()},
-                        {"copies", nlohmann::json::array()}});
+    textures.push_back(
+        {{"name", t.name}, {"media_type", t.media_type}, {"bytes", t.bytes.size()}, {"copies", Json::array()}});
   for (const TextureCopy& c : h.texture_copies)
     textures[c.texture]["copies"].push_back({{"width", c.width}, {"height", c.height}, {"bytes", c.bytes.size()}});
   return textures;
@@ -117,7 +115,7 @@ void describe_hierarchy(const std::string& file, Scheduler& scheduler, const Com
   const Hierarchy h = load_lode(file, scheduler);
   const Vec3d o = h.transform.origin;
   const Stored stored = stored_in(h, file);
-  const nlohmann::json result{
+  const Json result{
       {"file", file},
       {"input_triangles", h.provenance.input_triangles},
       {"input_vertices", h.provenance.input_vertices},

@@ -72,13 +72,13 @@ class PageWriter {
   PageWriter(const PageOptions& options, Scheduler& scheduler, AtomicFolder& folder)
       : options_(options), scheduler_(scheduler), folder_(folder) {}
 
-  nlohmann::json write() {
+  Json write() {
     const fs::path page = page_folder();
     for (const char* name : {"page.js", "index.html", "page.css"}) copy_in(page / name, folder_.path() / name);
     folder_.add_folder("models");
     for (const std::string& input : options_.inputs) add(input);
     AtomicFile list(folder_.path() / "models.json");
-    const std::string text = models_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+    const std::string text = models_.dump(1) + "\n";
     list.write(std::as_bytes(std::span(text)));
     list.commit();
     return models_;
@@ -154,7 +154,7 @@ class PageWriter {
   Scheduler& scheduler_;
   AtomicFolder& folder_;
   std::set<std::string> taken_;
-  nlohmann::json models_ = nlohmann::json::array();
+  Json models_ = Json::array();
 };
 
 void run(const PageOptions& options, const CommonOptions& common) {
@@ -168,7 +168,7 @@ void run(const PageOptions& options, const CommonOptions& common) {
   const auto scheduler = make_scheduler(common);
   Progress progress("making", common.quiet);
   progress.phase("making");
-  const nlohmann::json models = PageWriter(options, *scheduler, folder).write();
+  const Json models = PageWriter(options, *scheduler, folder).write();
   check_interrupt();
   folder.commit();
   progress.clear();

@@ -47,9 +47,9 @@ double base_error(const ProgressiveMesh& mesh) {
   return mesh.base_vertices < mesh.vertex_count() ? mesh.errors[mesh.base_vertices] * mesh.transform.scale : 0;
 }
 
-nlohmann::json to_json(const ProgressiveResult& result, const Row& row, const ProgressiveOptions& options) {
+Json to_json(const ProgressiveResult& result, const Row& row, const ProgressiveOptions& options) {
   using lodestone::to_json;
-  nlohmann::json json = without_nulls(row);
+  Json json = without_nulls(row);
   json.update({{"input", options.input},
                {"output", options.output},
                {"metric", progressive::name_of(result.metric)},

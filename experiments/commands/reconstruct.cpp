@@ -62,7 +62,7 @@ ReconstructJob job_of(const ReconstructOptions& options) {
   return job;
 }
 
-nlohmann::json stitch_json(const StitchReport& stitch, double scale) {
+Json stitch_json(const StitchReport& stitch, double scale) {
   return {{"islands", stitch.islands},
           {"zipped", stitch.zipped},
           {"hole_triangles", stitch.hole_triangles},
@@ -76,7 +76,7 @@ nlohmann::json stitch_json(const StitchReport& stitch, double scale) {
           {"flipped", stitch.flipped}};
 }
 
-nlohmann::json stages_of(const ReconstructReport& r) {
+Json stages_of(const ReconstructReport& r) {
   using lodestone::to_json;
   return {{"views", to_json(r.choose)},         {"draw", to_json(r.draw)},
           {"connect", to_json(r.connect)},      {"merge", to_json(r.merge)},
@@ -86,11 +86,11 @@ nlohmann::json stages_of(const ReconstructReport& r) {
 }
 
 // The row of a level, and what a person or a script may want to know besides.
-nlohmann::json to_json(const ReconstructResult& result) {
+Json to_json(const ReconstructResult& result) {
   using lodestone::to_json;
   const ReconstructReport& r = result.report;
   const MeshQuality& q = result.quality;
-  nlohmann::json json = without_nulls(to_row(result));
+  Json json = without_nulls(to_row(result));
   json.update(
       {{"file", result.file},
        {"resolution", result.resolution},
@@ -163,13 +163,13 @@ void run(const ReconstructOptions& options, const CommonOptions& common) {
   const ReconstructResults results = run(job, *make_scheduler(common));
   progress.clear();
   if (common.prints()) print_up_note(results.up);
-  nlohmann::json levels = nlohmann::json::array();
+  Json levels = Json::array();
   for (const ReconstructResult& result : results.levels) levels.push_back(to_json(result));
-  nlohmann::json json{{"input", options.input},
-                      {"merge", options.merge},
-                      {"backend", options.config.backend},
-                      {"levels", levels},
-                      {"peak_bytes", peak_resident_bytes()}};
+  Json json{{"input", options.input},
+            {"merge", options.merge},
+            {"backend", options.config.backend},
+            {"levels", levels},
+            {"peak_bytes", peak_resident_bytes()}};
   if (results.input_triangles > 0)
     json.update({{"input_triangles", results.input_triangles},
                  {"repairs", to_json(results.repairs)},

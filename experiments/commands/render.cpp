@@ -115,18 +115,18 @@ std::vector<std::string> names_of(const Scene& scene) {
   return names;
 }
 
-nlohmann::json plan_json(const std::vector<PlannedEffect>& plan, const std::vector<std::string>& names) {
-  nlohmann::json rows = nlohmann::json::array();
+Json plan_json(const std::vector<PlannedEffect>& plan, const std::vector<std::string>& names) {
+  Json rows = Json::array();
   for (const PlannedEffect& planned : plan) {
-    nlohmann::json reasons = nlohmann::json::object();
+    Json reasons = Json::object();
     for (const auto& [model, why] : planned.reasons) reasons[names[model]] = why;
     rows.push_back({{"effect", name_of(planned.effect)}, {"runs", planned.runs}, {"reasons", reasons}});
   }
   return rows;
 }
 
-nlohmann::json frame_json(const FrameResult& frame, bool streamed) {
-  nlohmann::json json = without_nulls(to_row(frame));
+Json frame_json(const FrameResult& frame, bool streamed) {
+  Json json = without_nulls(to_row(frame));
   json.update({{"milliseconds", frame.milliseconds}, {"work", frame.work}, {"drawn", frame.drawn}});
   if (frame.draw_calls > 0) json["draw_calls"] = frame.draw_calls;
   if (streamed) json.update({{"resident_bytes", frame.resident_bytes}, {"complete", frame.complete}});
@@ -229,10 +229,10 @@ class Flight {
     return result;
   }
 
-  [[nodiscard]] nlohmann::json result_json(const RenderResult& result, const Row& row) const {
-    nlohmann::json frames = nlohmann::json::array();
+  [[nodiscard]] Json result_json(const RenderResult& result, const Row& row) const {
+    Json frames = Json::array();
     for (const FrameResult& frame : result.frames) frames.push_back(frame_json(frame, streamed()));
-    nlohmann::json json = without_nulls(restricted_to(without(render_columns(), round_columns), row));
+    Json json = without_nulls(restricted_to(without(render_columns(), round_columns), row));
     json.update({{"frames", frames},
                  {"file", options_.file},
                  {"backend", renderer_->name()},

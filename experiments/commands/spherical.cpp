@@ -36,10 +36,10 @@ SphericalJob job_of(const SphericalOptions& options) {
   return job;
 }
 
-nlohmann::json to_json(const SphericalResult& result, const Row& row, const SphericalOptions& options) {
+Json to_json(const SphericalResult& result, const Row& row, const SphericalOptions& options) {
   using lodestone::to_json;
   const spherical::ManifoldRepairs& manifold = result.report.topology.manifold;
-  nlohmann::json json = without_nulls(row);
+  Json json = without_nulls(row);
   json.update({{"input", options.input},
                {"output", options.output},
                {"effort", options.effort},

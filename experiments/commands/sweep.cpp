@@ -71,7 +71,7 @@ void dry_run(const SweepFile& file, const SweepOptions& options, const CommonOpt
   if (!unmade.empty() && !options.shard.empty())
     throw UsageError("--dry-run --shard: runs are shared out by what their data holds, and '" + unmade.front() +
                      "' has yet to be generated; leave --shard out");
-  nlohmann::json json = nlohmann::json::array();
+  Json json = Json::array();
   const bool printed = common.prints();
   std::size_t repetitions = 0, done = 0;
   for (const SweepRun& run : options.shard.empty() ? plan.runs : runs_of(plan, parse_shard(options.shard))) {
@@ -132,9 +132,9 @@ RunnerResult run_all(const SweepFile& file, const std::vector<SweepRun>& runs, c
   return run_missing(runs, config, callbacks);
 }
 
-nlohmann::json summary(const SweepFile& file, const std::vector<SweepRun>& runs, const RunnerResult& result,
-                       const SweepOptions& options) {
-  nlohmann::json failures = nlohmann::json::array();
+Json summary(const SweepFile& file, const std::vector<SweepRun>& runs, const RunnerResult& result,
+             const SweepOptions& options) {
+  Json failures = Json::array();
   for (const RunnerFailure& failure : result.failures)
     failures.push_back({{"id", failure.id},
                         {"repetition", failure.repetition},

@@ -62,7 +62,7 @@ void run(const VerifyOptions& options, const CommonOptions& common) {
   progress.clear();
   const bool valid =
       std::all_of(report.checks.begin(), report.checks.end(), [](const VerifyCheck& c) { return c.passed; });
-  nlohmann::json checks = nlohmann::json::array();
+  Json checks = Json::array();
   for (const VerifyCheck& c : report.checks)
     checks.push_back({{"name", c.name}, {"passed", c.passed}, {"detail", c.detail}});
   write_result(common, {{"file", file},

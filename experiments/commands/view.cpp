@@ -65,7 +65,7 @@ void run(const ViewOptions& options, const CommonOptions& common) {
 
   const auto scheduler = make_scheduler(common);
   const viewer::ViewerResult result = viewer::run_viewer(config, *scheduler);
-  const auto array = [](Vec3d v) { return nlohmann::json::array({v.x, v.y, v.z}); };
+  const auto array = [](Vec3d v) { return Json::array({v.x, v.y, v.z}); };
   write_result(common,
                {{"backend", result.backend},
                 {"device", result.device},

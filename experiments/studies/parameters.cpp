@@ -35,7 +35,7 @@ void check_range(const ParameterInfo& info, const ParameterValue& value) {
 }
 
 ParameterValue checked_text(const ParameterInfo& info, const ParameterValue& value) {
-  const std::string text = value;
+  const std::string& text = value.string();
   if (std::ranges::find(info.choices, text) != info.choices.end()) return value;
   if (info.choices.empty() && !info.others) return value;
   try {
@@ -52,8 +52,9 @@ ParameterValue checked(const ParameterInfo& info, const ParameterValue& value) {
     check_range(info, value);
     return value.get<double>();
   }
-  if (value.type() != like.type() && !(value.is_number_integer() && like.is_number_integer()))
-    fail(info, value, fmt::format("must be {}", kind_of(like)));
+  const bool alike =
+      like.is_number() ? value.is_number_integer() : std::string_view(value.type_name()) == like.type_name();
+  if (!alike) fail(info, value, fmt::format("must be {}", kind_of(like)));
   if (value.is_number()) {
     check_range(info, value);
     return value.get<std::int64_t>();
@@ -74,8 +75,7 @@ bool names_file(const ParameterInfo& info, const ParameterValue& value) {
          std::ranges::find(info.choices, value.get<std::string>()) == info.choices.end();
 }
 
-Parameters::Parameters(const std::vector<ParameterInfo>& known, const nlohmann::json& given)
-    : values_(nlohmann::json::object()) {
+Parameters::Parameters(const std::vector<ParameterInfo>& known, const Json& given) : values_(Json::object()) {
   std::vector<std::string> names;
   for (const ParameterInfo& info : known) {
     names.push_back(info.name);

@@ -3,15 +3,16 @@
 
 #include <functional>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/files/json.h"
+
 namespace lodestone {
 
 // A number, whole number, text or truth value: scalars only.
-using ParameterValue = nlohmann::json;
+using ParameterValue = Json;
 
 // Texts that a parameter takes besides its choices.
 struct OtherTexts {
@@ -50,7 +51,7 @@ class Parameters {
  public:
   // Throws InputError, with the name and the remedy: for a name that `known` lacks, a value of another kind, out of
   // range, or not among its texts; files are not looked into. What `given` leaves out has its default.
-  Parameters(const std::vector<ParameterInfo>& known, const nlohmann::json& given);
+  Parameters(const std::vector<ParameterInfo>& known, const Json& given);
 
   [[nodiscard]] double number(const std::string& name) const { return values_.at(name).get<double>(); }
   [[nodiscard]] int integer(const std::string& name) const { return values_.at(name).get<int>(); }
@@ -58,10 +59,10 @@ class Parameters {
   [[nodiscard]] std::string text(const std::string& name) const { return values_.at(name).get<std::string>(); }
 
   // An object with sorted keys: the same parameters have the same text.
-  [[nodiscard]] const nlohmann::json& json() const { return values_; }
+  [[nodiscard]] const Json& json() const { return values_; }
 
  private:
-  nlohmann::json values_;
+  Json values_;
 };
 
 }  // namespace lodestone

@@ -102,7 +102,7 @@ void add_accuracy(Row& row, ModelDrawer& drawn, const ViewConfig& view, const Hi
   ModelDrawer alone(hierarchy, view, backend, *serial);
   row["same"] = hash_of_pictures(alone, shots, study.context) == hash_of_pictures(drawn, shots, study.context);
 
-  const std::size_t measured = std::min<std::size_t>(shots.size(), study.parameters.json().at("measured_frames"));
+  const std::size_t measured = std::min(shots.size(), study.parameters.json().at("measured_frames").get<std::size_t>());
   if (measured == 0) return;
   ModelDrawer full(hierarchy, at_full_detail(view), backend, *study.scheduler);
   const ScreenErrorBasis basis(hierarchy);

@@ -203,14 +203,14 @@ std::vector<ColumnInfo> build_columns() { return infos_of(all_build_columns()); 
 
 Row to_row(const BuildResult& result) { return row_of(all_build_columns(), result); }
 
-nlohmann::json to_json(const AttributeCounts& counts) {
+Json to_json(const AttributeCounts& counts) {
   return {{"wedges", counts.wedges},       {"normals", counts.normals},
           {"colours", counts.colours},     {"texture_coordinates", counts.texture_coordinates},
           {"materials", counts.materials}, {"textures", counts.textures}};
 }
 
-nlohmann::json level_table(const Hierarchy& hierarchy) {
-  nlohmann::json table = nlohmann::json::array();
+Json level_table(const Hierarchy& hierarchy) {
+  Json table = Json::array();
   for (const Level& level : hierarchy.levels)
     table.push_back({{"level", table.size()},
                      {"cells", level.cell_count},

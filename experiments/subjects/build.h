@@ -70,7 +70,7 @@ struct BuildResult {
 [[nodiscard]] Row to_row(const BuildResult& result);
 
 // Counts of attributes, and figures by level: details that commands print beside the row.
-[[nodiscard]] nlohmann::json to_json(const AttributeCounts& counts);
-[[nodiscard]] nlohmann::json level_table(const Hierarchy& hierarchy);
+[[nodiscard]] Json to_json(const AttributeCounts& counts);
+[[nodiscard]] Json level_table(const Hierarchy& hierarchy);
 
 }  // namespace lodestone

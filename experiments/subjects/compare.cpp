@@ -116,7 +116,7 @@ double diagonal_of(const RawMesh& mesh) {
   return length(upper - lower);
 }
 
-nlohmann::json to_json(const DirectedDistance& d) {
+Json to_json(const DirectedDistance& d) {
   return {{"max", d.max}, {"rms", d.rms}, {"mean", d.mean}, {"p99", d.p99}, {"samples", d.samples}};
 }
 

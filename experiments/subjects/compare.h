@@ -52,6 +52,6 @@ struct CompareResult {
 [[nodiscard]] double diagonal_of(const RawMesh& mesh);
 
 // Both directions in model units: details that commands print beside the row.
-[[nodiscard]] nlohmann::json to_json(const DirectedDistance& distance);
+[[nodiscard]] Json to_json(const DirectedDistance& distance);
 
 }  // namespace lodestone

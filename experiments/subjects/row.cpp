@@ -19,14 +19,14 @@ std::vector<ColumnInfo> without(std::vector<ColumnInfo> columns, const std::vect
 }
 
 Row restricted_to(const std::vector<ColumnInfo>& columns, Row row) {
-  for (auto value = row.begin(); value != row.end();)
-    value = std::ranges::find(columns, value.key(), &ColumnInfo::name) == columns.end() ? row.erase(value)
-                                                                                        : std::next(value);
+  std::erase_if(row.items(), [&](const auto& member) {
+    return std::ranges::find(columns, member.first, &ColumnInfo::name) == columns.end();
+  });
   return row;
 }
 
-nlohmann::json without_nulls(Row row) {
-  for (auto value = row.begin(); value != row.end();) value = value->is_null() ? row.erase(value) : std::next(value);
+Json without_nulls(Row row) {
+  std::erase_if(row.items(), [](const auto& member) { return member.second.is_null(); });
   return row;
 }
 
@@ -54,14 +54,14 @@ std::vector<ColumnInfo> spread_ends(const std::vector<ColumnInfo>& columns, cons
 }
 
 std::optional<double> number_in(const Row& row, const std::string& column) {
-  const auto found = row.find(column);
-  if (found == row.end() || !found->is_number() || !std::isfinite(found->get<double>())) return {};
+  const Json* const found = row.find(column);
+  if (!found || !found->is_number() || !std::isfinite(found->get<double>())) return {};
   return found->get<double>();
 }
 
 std::string text_in(const Row& row, const std::string& column) {
-  const auto found = row.find(column);
-  return found != row.end() && found->is_string() ? found->get<std::string>() : std::string();
+  const Json* const found = row.find(column);
+  return found && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 }  // namespace lodestone

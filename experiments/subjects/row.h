@@ -2,22 +2,23 @@
 #pragma once
 
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/files/json.h"
+
 namespace lodestone {
 
 // name -> number, text, truth value or null (not measured in this row). A flat object.
-using Row = nlohmann::json;
+using Row = Json;
 
 // A condition on the setting for a column to be measured: one of these must hold.
 struct ColumnNeed {
   struct Condition {
     std::string parameter;
-    nlohmann::json value;
+    Json value;
     bool is = true;  // false: any other value
   };
   std::vector<Condition> any;
@@ -67,7 +68,7 @@ void append(std::vector<ColumnInfo>& list, std::vector<ColumnInfo> more);
 // The row with the declared columns alone.
 [[nodiscard]] Row restricted_to(const std::vector<ColumnInfo>& columns, Row row);
 // The row without its null values: what a command prints.
-[[nodiscard]] nlohmann::json without_nulls(Row row);
+[[nodiscard]] Json without_nulls(Row row);
 
 // NAME, NAME_min and NAME_max: the columns of a value that is measured in several rounds, and its median and ends.
 void add_spread_columns(std::vector<ColumnInfo>& columns, const std::string& name, const std::string& unit,

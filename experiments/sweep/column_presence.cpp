@@ -17,11 +17,11 @@ bool derives(const Experiment& experiment) {
          std::ranges::find(experiment.parameters, "threads", &ParameterInfo::name) != experiment.parameters.end();
 }
 
-nlohmann::json resolved(const SweepSection& sweep, const nlohmann::json& setting) {
+Json resolved(const SweepSection& sweep, const Json& setting) {
   return Parameters(sweep.experiment->parameters, setting).json();
 }
 
-bool holds(const ColumnNeed& need, const nlohmann::json& parameters) {
+bool holds(const ColumnNeed& need, const Json& parameters) {
   return std::ranges::any_of(need.any, [&](const ColumnNeed::Condition& condition) {
     return (parameters.at(condition.parameter) == condition.value) == condition.is;
   });
@@ -36,8 +36,8 @@ std::string text_of(const ColumnNeed& need) {
 
 // One thread, and others to compare with it.
 ColumnPresence presence_of_derived(const SweepSection& sweep) {
-  std::set<nlohmann::json> threads;
-  for (const nlohmann::json& setting : sweep.settings) threads.insert(resolved(sweep, setting).at("threads"));
+  std::set<Json> threads;
+  for (const Json& setting : sweep.settings) threads.insert(resolved(sweep, setting).at("threads"));
   if (threads.size() > 1 && threads.contains(1)) return {sweep.settings.size(), ""};
   return {0, "set threads to several numbers, 1 among them,"};
 }
@@ -65,8 +65,8 @@ ColumnPresence presence(const SweepSection& sweep, const std::string& name) {
     return presence_of_derived(sweep);
   if (column == experiment.columns.end() || column->needs.empty()) return {sweep.settings.size(), ""};
   ColumnPresence found;
-  for (const nlohmann::json& setting : sweep.settings) {
-    const nlohmann::json parameters = resolved(sweep, setting);
+  for (const Json& setting : sweep.settings) {
+    const Json parameters = resolved(sweep, setting);
     if (std::ranges::all_of(column->needs, [&](const ColumnNeed& need) { return holds(need, parameters); }))
       ++found.settings;
   }

@@ -8,7 +8,7 @@ namespace {
 
 class ContradictionFinder {
  public:
-  ContradictionFinder(const Design& design, const std::vector<nlohmann::json>& settings, const Experiment& experiment,
+  ContradictionFinder(const Design& design, const std::vector<Json>& settings, const Experiment& experiment,
                       const TomlTable& table)
       : design_(design), settings_(settings), experiment_(experiment), table_(table) {}
 
@@ -27,7 +27,7 @@ class ContradictionFinder {
   };
 
   void look_at(std::size_t i) {
-    nlohmann::json reduced = settings_[i];
+    Json reduced = settings_[i];
     for (const SettingFault& fault : experiment_.check(Parameters(experiment_.parameters, settings_[i]))) {
       if (!fault.idle) fail(i, fault.parameters, fault.what);
       const std::string& name = fault.parameters.front();
@@ -39,13 +39,13 @@ class ContradictionFinder {
 
   // Refuses settings that differ only in parameters without effect.
   void refuse_equal_runs() const {
-    std::map<nlohmann::json, std::size_t> known;
+    std::map<Json, std::size_t> known;
     for (std::size_t i = 0; i < settings_.size(); ++i) {
       const auto [same, is_new] = known.try_emplace(Parameters(experiment_.parameters, reduced_[i]).json(), i);
       if (is_new) continue;
       for (const auto& [name, use] : uses_)
         if (!reduced_[i].contains(name) &&
-            settings_[i].value(name, nlohmann::json()) != settings_[same->second].value(name, nlohmann::json()))
+            settings_[i].value(name, Json()) != settings_[same->second].value(name, Json()))
           fail(i, {name}, use.what + ", where its values make equal runs; vary it in a sweep without that");
     }
   }
@@ -65,18 +65,18 @@ class ContradictionFinder {
   }
 
   const Design& design_;
-  const std::vector<nlohmann::json>& settings_;
+  const std::vector<Json>& settings_;
   const Experiment& experiment_;
   const TomlTable& table_;
-  std::vector<nlohmann::json> reduced_;  // settings without what has no effect
+  std::vector<Json> reduced_;  // settings without what has no effect
   std::map<std::string, Use> uses_;
   std::set<std::string> has_effect_;  // parameters, in a setting that gives them
 };
 
 }  // namespace
 
-void refuse_contradictions(const Design& design, const std::vector<nlohmann::json>& settings,
-                           const Experiment& experiment, const TomlTable& table) {
+void refuse_contradictions(const Design& design, const std::vector<Json>& settings, const Experiment& experiment,
+                           const TomlTable& table) {
   if (experiment.check) ContradictionFinder(design, settings, experiment, table).run();
 }
 

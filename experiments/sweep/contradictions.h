@@ -1,9 +1,9 @@
 // Settings that an experiment refuses, and parameters that are given for nothing.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "core/files/json.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/sweep/design.h"
 
@@ -13,7 +13,7 @@ namespace lodestone {
 // that is at odds with another one. A parameter without effect is refused where no setting that gives it has a use for
 // it, and where it makes several settings of one; in a grid it may be there for the sake of other settings.
 // O(settings log settings).
-void refuse_contradictions(const Design& design, const std::vector<nlohmann::json>& settings,
-                           const Experiment& experiment, const TomlTable& table);
+void refuse_contradictions(const Design& design, const std::vector<Json>& settings, const Experiment& experiment,
+                           const TomlTable& table);
 
 }  // namespace lodestone

@@ -26,7 +26,7 @@ const ParameterInfo& info_of(const std::vector<ParameterInfo>& known, const std:
 
 void look_into(const ParameterInfo& info, const ParameterValue& value, const toml::node& at, const TomlTable& table) {
   try {
-    info.others->look_into(beside(table.file(), value));
+    info.others->look_into(beside(table.file(), value.string()));
   } catch (const Error& error) {
     table.fail_at(at.source(), fmt::format("{} = {}: {}; name a good file, relative to that of the sweep", info.name,
                                            value.dump(), error.what()));
@@ -121,15 +121,14 @@ Values grid_values(const ParameterInfo& info, const toml::node& node, const Toml
   return values;
 }
 
-std::vector<nlohmann::json> grid(const Design& design, const std::vector<ParameterInfo>& known,
-                                 const TomlTable& table) {
-  std::vector<nlohmann::json> settings{nlohmann::json::object()};
+std::vector<Json> grid(const Design& design, const std::vector<ParameterInfo>& known, const TomlTable& table) {
+  std::vector<Json> settings{Json::object()};
   for (const auto& [name, node] : design.values) {
     const Values values = grid_values(info_of(known, name, *node, table), *node, table);
     if (settings.size() * values.size() > most_settings)
       table.fail(*node, name, fmt::format("makes more than {} settings", most_settings));
-    std::vector<nlohmann::json> product;
-    for (const nlohmann::json& setting : settings)
+    std::vector<Json> product;
+    for (const Json& setting : settings)
       for (const ParameterValue& value : values) {
         product.push_back(setting);
         product.back()[name] = value;
@@ -139,14 +138,13 @@ std::vector<nlohmann::json> grid(const Design& design, const std::vector<Paramet
   return settings;
 }
 
-std::vector<nlohmann::json> list(const Design& design, const std::vector<ParameterInfo>& known,
-                                 const TomlTable& table) {
+std::vector<Json> list(const Design& design, const std::vector<ParameterInfo>& known, const TomlTable& table) {
   if (design.list->empty()) table.fail(*design.list, "parameters", "must have at least one setting");
-  std::vector<nlohmann::json> settings, resolved;
+  std::vector<Json> settings, resolved;
   for (const toml::node& element : *design.list) {
     if (!element.is_table())
       table.fail(element, "parameters", "must be settings, as [{ name = value, ... }, ...], with design = \"list\"");
-    nlohmann::json setting = nlohmann::json::object();
+    Json setting = Json::object();
     for (const auto& [key, node] : *element.as_table()) {
       const std::string name(key.str());
       setting[name] = scalar(info_of(known, name, node, table), node, table);
@@ -188,8 +186,7 @@ struct Drawn {
   }
 };
 
-std::vector<nlohmann::json> random(const Design& design, const std::vector<ParameterInfo>& known,
-                                   const TomlTable& table) {
+std::vector<Json> random(const Design& design, const std::vector<ParameterInfo>& known, const TomlTable& table) {
   std::vector<Drawn> parameters;
   for (const auto& [name, node] : design.values) {
     const ParameterInfo& info = info_of(known, name, *node, table);
@@ -200,11 +197,11 @@ std::vector<nlohmann::json> random(const Design& design, const std::vector<Param
       drawn.values = grid_values(info, *node, table);
     parameters.push_back(std::move(drawn));
   }
-  std::vector<nlohmann::json> settings;
-  std::set<nlohmann::json> known_settings;
+  std::vector<Json> settings;
+  std::set<Json> known_settings;
   const std::uint64_t most_draws = 1000 * static_cast<std::uint64_t>(design.count);
   for (std::uint64_t i = 0; i < most_draws && settings.size() < static_cast<std::size_t>(design.count); ++i) {
-    nlohmann::json setting = nlohmann::json::object();
+    Json setting = Json::object();
     for (const Drawn& drawn : parameters) setting[drawn.name] = drawn.at(drawn_share(design.seed, i, drawn.name));
     if (known_settings.insert(setting).second) settings.push_back(std::move(setting));
   }
@@ -216,8 +213,7 @@ std::vector<nlohmann::json> random(const Design& design, const std::vector<Param
 
 }  // namespace
 
-std::vector<nlohmann::json> settings_of(const Design& design, const std::vector<ParameterInfo>& known,
-                                        const TomlTable& table) {
+std::vector<Json> settings_of(const Design& design, const std::vector<ParameterInfo>& known, const TomlTable& table) {
   switch (design.kind) {
     case Design::Kind::grid:
       return grid(design, known, table);

@@ -30,7 +30,7 @@ inline constexpr std::size_t most_settings = 100'000;
 // values, the first parameter in the alphabet slowest. A random design draws value i of a parameter from the seed, i
 // and the parameter's name alone: more runs, or another parameter, leave what was drawn as it is. Values are of the
 // parameters' kinds and in their ranges. Throws InputError through `table`, with the line.
-[[nodiscard]] std::vector<nlohmann::json> settings_of(const Design& design, const std::vector<ParameterInfo>& known,
-                                                      const TomlTable& table);
+[[nodiscard]] std::vector<Json> settings_of(const Design& design, const std::vector<ParameterInfo>& known,
+                                            const TomlTable& table);
 
 }  // namespace lodestone

@@ -51,7 +51,7 @@ SweepPlan prepare_directory(const SweepFile& file, const InputConfig& config) {
   remove_temporaries_in(config.directory);
   SweepPlan plan = make_plan(file, find_inputs(file, data_names(file), config));
   write_copies(file.files, config.directory);
-  const std::string text = plan.json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string text = plan.json.dump(1) + "\n";
   const fs::path target = config.directory / "sweep.json";
   if (read_if_there(target) != text) write_durably(target, text);
   return plan;

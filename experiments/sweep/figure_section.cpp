@@ -40,7 +40,7 @@ void one_of(TomlTable& table, const char* key, std::string& to, const std::vecto
 }
 
 // "<= 0.5": a comparison and its number; none: any other value.
-std::optional<std::pair<std::string, double>> comparison_in(const nlohmann::json& wanted) {
+std::optional<std::pair<std::string, double>> comparison_in(const Json& wanted) {
   static const std::regex pattern("(<=|>=|<|>)\\s*(\\S+)");
   std::smatch match;
   const std::string text = wanted.is_string() ? wanted.get<std::string>() : "";
@@ -52,7 +52,7 @@ std::optional<std::pair<std::string, double>> comparison_in(const nlohmann::json
   return {{match[1], value}};
 }
 
-bool holds(const nlohmann::json& value, const nlohmann::json& wanted) {
+bool holds(const Json& value, const Json& wanted) {
   const auto comparison = comparison_in(wanted);
   if (!comparison) return value == wanted;
   if (!value.is_number()) return false;
@@ -61,14 +61,14 @@ bool holds(const nlohmann::json& value, const nlohmann::json& wanted) {
   return sign == "<" ? a < b : sign == "<=" ? a <= b : sign == ">" ? a > b : a >= b;
 }
 
-nlohmann::json where_value(const toml::node& node, const std::string& name, const TomlTable& table) {
+Json where_value(const toml::node& node, const std::string& name, const TomlTable& table) {
   if (node.is_boolean()) return node.as_boolean()->get();
   if (node.is_integer()) return node.as_integer()->get();
   if (node.is_floating_point() && std::isfinite(node.as_floating_point()->get()))
     return node.as_floating_point()->get();
   if (!node.is_string())
     table.fail(node, "where", name + " must be a number, a text or a truth value; or a comparison, as \"<= 0.5\"");
-  const nlohmann::json text = node.as_string()->get();
+  const Json text = node.as_string()->get();
   const std::string start = text.get<std::string>().substr(0, 1);
   if ((start == "<" || start == ">") && !comparison_in(text))
     table.fail(node, "where", name + " must be compared with a number, as \"<= 0.5\"");
@@ -100,7 +100,7 @@ bool is_set(const std::string& name, const SweepSection& sweep) {
          std::ranges::find(parameters, name, &ParameterInfo::name) != parameters.end();
 }
 
-std::string differing_names(const nlohmann::json& a, const nlohmann::json& b) {
+std::string differing_names(const Json& a, const Json& b) {
   std::vector<std::string> names;
   for (const auto& [name, value] : a.items())
     if (!b.contains(name) || b.at(name) != value) names.push_back("'" + name + "'");
@@ -117,17 +117,17 @@ void refuse_pooling(TomlTable& table, const FigureSpec& figure, const SweepFile&
   for (const SweepSection* sweep : sweeps)
     for (const std::string& name : names)
       if (!is_set(name, *sweep)) return;
-  std::map<nlohmann::json, nlohmann::json> first_at;
+  std::map<Json, Json> first_at;
   for (const SweepSection* sweep : sweeps)
-    for (const nlohmann::json& given : sweep->settings)
+    for (const Json& given : sweep->settings)
       for (const std::string& data : sweep->experiment->takes_input ? sweep->data : std::vector<std::string>{""}) {
-        nlohmann::json setting = Parameters(sweep->experiment->parameters, given).json();
+        Json setting = Parameters(sweep->experiment->parameters, given).json();
         setting["data"] = data, setting["sweep"] = sweep->name;
         const auto is_kept = [&](const auto& entry) {
           return !setting.contains(entry.first) || holds(setting[entry.first], entry.second);
         };
         if (!std::ranges::all_of(figure.where, is_kept)) continue;
-        nlohmann::json place;
+        Json place;
         for (const std::string& name : names) place.push_back(setting[name]), setting.erase(name);
         setting.erase("seed");
         const auto [known, is_new] = first_at.try_emplace(place, setting);

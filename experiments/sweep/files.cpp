@@ -71,10 +71,15 @@ void write_durably(const fs::path& target, std::string_view text) {
   sync_folder(target.parent_path());
 }
 
-nlohmann::json read_json(const fs::path& path) {
-  nlohmann::json value = nlohmann::json::parse(read_if_there(path), nullptr, false);
-  return value.is_discarded() ? nlohmann::json() : value;
+Json json_or_null(const std::string& text) {
+  try {
+    return Json::parse(text);
+  } catch (const JsonError&) {
+    return nullptr;
+  }
 }
+
+Json read_json(const fs::path& path) { return json_or_null(read_if_there(path)); }
 
 std::string read_if_there(const fs::path& path) {
   std::error_code ignored;

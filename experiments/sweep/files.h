@@ -2,10 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
+#include "core/files/json.h"
 #include "parallel/scheduler/scheduler.h"
 
 namespace lodestone {
@@ -15,8 +15,10 @@ void make_folder(const std::filesystem::path& folder);
 void write_aside(const std::filesystem::path& target, std::string_view text);
 // The same, and a power cut right afterwards leaves the file as it is then.
 void write_durably(const std::filesystem::path& target, std::string_view text);
+// Null for a text that is not JSON.
+[[nodiscard]] Json json_or_null(const std::string& text);
 // Null when the file is missing or is not JSON.
-[[nodiscard]] nlohmann::json read_json(const std::filesystem::path& path);
+[[nodiscard]] Json read_json(const std::filesystem::path& path);
 // Empty when the file is missing.
 [[nodiscard]] std::string read_if_there(const std::filesystem::path& path);
 

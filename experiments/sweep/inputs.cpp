@@ -119,17 +119,16 @@ std::optional<std::string> changed_file(const SweepInput& input) {
 }
 
 ContentHashes::ContentHashes(fs::path memory) : memory_(std::move(memory)), known_(read_json(memory_)) {
-  if (!known_.is_object()) known_ = nlohmann::json::object();
+  if (!known_.is_object()) known_ = Json::object();
 }
 
 std::string ContentHashes::of_file(const fs::path& path, InputFiles& files) {
   const FileState state = state_of(path);  // before its content is read
   if (state == FileState{path.string()}) throw FileError(describe(path.string(), "", "cannot be read"));
   files.files.push_back(state);
-  const nlohmann::json key = state.key;
+  const Json key = state.key;
   const std::string name = fs::absolute(path).lexically_normal().string();
-  const auto found = known_.find(name);
-  if (found != known_.end() && found->is_object() && found->value("key", nlohmann::json()) == key)
+  if (const Json* const found = known_.find(name); found && found->value("key", Json()) == key)
     return found->value("sha256", "");
   const std::string hash = sha256_of_file(path);
   if (std::time(nullptr) - state.key[4] > settled_after) {
@@ -157,7 +156,7 @@ SweepInput ContentHashes::of(const fs::path& path) {
 }
 
 void ContentHashes::save() const {
-  if (changed_) write_aside(memory_, known_.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  if (changed_) write_aside(memory_, known_.dump(1) + "\n");
 }
 
 std::string remedy_for_missing(const fs::path& path, const std::string& otherwise) {

@@ -57,7 +57,7 @@ class ContentHashes {
   std::string of_file(const std::filesystem::path& path, InputFiles& files);
 
   std::filesystem::path memory_;
-  nlohmann::json known_;
+  Json known_;
   bool changed_ = false;
 };
 

@@ -48,7 +48,7 @@ double load_average() {
 
 }  // namespace
 
-nlohmann::json machine_facts() {
+Json machine_facts() {
   const auto memory =
       static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
   return {{"cpu", cpu_model()},

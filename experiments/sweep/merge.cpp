@@ -49,8 +49,8 @@ bool is_wanted(const Outcome& offered, const Outcome& there) {
 void copy_text(const fs::path& from, const fs::path& to) { write_durably(to, read_text(from)); }
 
 // Files that parameters name: each by its content, so that one that is there is the same.
-void take_files(const nlohmann::json& sweep, const fs::path& from, const fs::path& to) {
-  for (const nlohmann::json& file : sweep.value("files", nlohmann::json::object())) {
+void take_files(const Json& sweep, const fs::path& from, const fs::path& to) {
+  for (const Json& file : sweep.value("files", Json::object())) {
     const fs::path copy = file.at("path").get<std::string>();
     make_folder((to / copy).parent_path());
     if (!fs::exists(to / copy)) copy_text(from / copy, to / copy);

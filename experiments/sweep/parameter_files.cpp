@@ -22,17 +22,16 @@ ParameterFile read_file(const fs::path& path) {
 ParameterFiles read_parameter_files(const SweepFile& file) {
   ParameterFiles files;
   for (const SweepSection& section : file.sweeps)
-    for (const nlohmann::json& setting : section.settings)
+    for (const Json& setting : section.settings)
       for (const ParameterInfo& info : section.experiment->parameters) {
         if (!setting.contains(info.name) || !names_file(info, setting.at(info.name))) continue;
-        const std::string name = setting.at(info.name);
+        const std::string& name = setting.at(info.name).string();
         if (!files.contains(name)) files[name] = read_file(beside(file.file, name));
       }
   return files;
 }
 
-ParameterFiles files_of(const nlohmann::json& parameters, const std::vector<ParameterInfo>& known,
-                        const ParameterFiles& named) {
+ParameterFiles files_of(const Json& parameters, const std::vector<ParameterInfo>& known, const ParameterFiles& named) {
   ParameterFiles files;
   for (const ParameterInfo& info : known)
     if (const ParameterValue& value = parameters.at(info.name); names_file(info, value))
@@ -45,18 +44,18 @@ void write_copies(const ParameterFiles& files, const fs::path& folder) {
     if (read_if_there(folder / file.copy) != *file.content) write_durably(folder / file.copy, *file.content);
 }
 
-nlohmann::json with_hashes(nlohmann::json parameters, const ParameterFiles& of_run) {
+Json with_hashes(Json parameters, const ParameterFiles& of_run) {
   for (const auto& [name, file] : of_run) parameters[name] = file.sha256;
   return parameters;
 }
 
-nlohmann::json with_copies(nlohmann::json parameters, const ParameterFiles& of_run, const fs::path& folder) {
+Json with_copies(Json parameters, const ParameterFiles& of_run, const fs::path& folder) {
   for (const auto& [name, file] : of_run) parameters[name] = (folder / file.copy).string();
   return parameters;
 }
 
-nlohmann::json files_json(const ParameterFiles& files) {
-  nlohmann::json json = nlohmann::json::object();
+Json files_json(const ParameterFiles& files) {
+  Json json = Json::object();
   for (const auto& [name, file] : files) json[name] = {{"path", file.copy}, {"sha256", file.sha256}};
   return json;
 }

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/files/json.h"
 #include "experiments/studies/parameters.h"
 
 namespace lodestone {
@@ -27,17 +27,16 @@ using ParameterFiles = std::map<std::string, ParameterFile>;
 // All that the settings of the sweeps name, by their names in the sweep file. They have been looked into.
 [[nodiscard]] ParameterFiles read_parameter_files(const SweepFile& file);
 // Those of one run, by parameter.
-[[nodiscard]] ParameterFiles files_of(const nlohmann::json& parameters, const std::vector<ParameterInfo>& known,
+[[nodiscard]] ParameterFiles files_of(const Json& parameters, const std::vector<ParameterInfo>& known,
                                       const ParameterFiles& named);
 
 // Writes copies that are missing. The caller holds the folder's lock. Throws FileError.
 void write_copies(const ParameterFiles& files, const std::filesystem::path& folder);
 
 // The parameters with the hashes of these files instead of their names, and with the paths of their copies.
-[[nodiscard]] nlohmann::json with_hashes(nlohmann::json parameters, const ParameterFiles& of_run);
-[[nodiscard]] nlohmann::json with_copies(nlohmann::json parameters, const ParameterFiles& of_run,
-                                         const std::filesystem::path& folder);
+[[nodiscard]] Json with_hashes(Json parameters, const ParameterFiles& of_run);
+[[nodiscard]] Json with_copies(Json parameters, const ParameterFiles& of_run, const std::filesystem::path& folder);
 // name -> {"path": the copy, relative to the sweep's folder, "sha256"}.
-[[nodiscard]] nlohmann::json files_json(const ParameterFiles& files);
+[[nodiscard]] Json files_json(const ParameterFiles& files);
 
 }  // namespace lodestone

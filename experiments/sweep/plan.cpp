@@ -26,30 +26,30 @@ const char* kind_name(ColumnInfo::Kind kind) {
   return "";
 }
 
-nlohmann::json figure_json(const FigureSpec& figure) {
+Json figure_json(const FigureSpec& figure) {
   return {{"title", figure.title},   {"sweep", figure.sweep}, {"x", figure.x},     {"y", figure.y},
           {"series", figure.series}, {"kind", figure.kind},   {"log", figure.log}, {"mark", figure.mark},
           {"pareto", figure.pareto}, {"where", figure.where}};
 }
 
-nlohmann::json data_json(const DataSource& source, const SweepInput& input) {
-  nlohmann::json json = {{"path", input.path}, {"sha256", input.sha256}, {"bytes", input.bytes}};
+Json data_json(const DataSource& source, const SweepInput& input) {
+  Json json = {{"path", input.path}, {"sha256", input.sha256}, {"bytes", input.bytes}};
   if (source.generate)
     json["generate"] = {
         {"shape", source.shape}, {"triangles", source.generate->triangles}, {"seed", source.generate->seed}};
   return json;
 }
 
-nlohmann::json section_json(const SweepSection& section) {
+Json section_json(const SweepSection& section) {
   const Experiment& experiment = *section.experiment;
-  nlohmann::json json = {{"name", section.name},
-                         {"experiment", experiment.name},
-                         {"question", experiment.question},
-                         {"repetitions", section.repetitions},
-                         {"parameters", nlohmann::json::array()},
-                         {"columns", nlohmann::json::array()},
-                         {"metrics", section.metrics},
-                         {"runs", nlohmann::json::array()}};
+  Json json = {{"name", section.name},
+               {"experiment", experiment.name},
+               {"question", experiment.question},
+               {"repetitions", section.repetitions},
+               {"parameters", Json::array()},
+               {"columns", Json::array()},
+               {"metrics", section.metrics},
+               {"runs", Json::array()}};
   for (const ParameterInfo& info : experiment.parameters)
     json["parameters"].push_back(
         {{"name", info.name}, {"unit", info.unit}, {"description", info.description}, {"condition", info.condition}});
@@ -62,7 +62,7 @@ std::vector<SweepRun> section_runs(const SweepSection& section, const ParameterF
                                    const std::map<std::string, SweepInput>& inputs) {
   std::vector<SweepRun> runs;
   const std::vector<std::string> none{""};
-  for (const nlohmann::json& setting : section.settings)
+  for (const Json& setting : section.settings)
     for (const std::string& data : section.experiment->takes_input ? section.data : none) {
       if (!data.empty() && !inputs.contains(data)) continue;
       SweepRun run;
@@ -83,15 +83,15 @@ std::vector<SweepRun> section_runs(const SweepSection& section, const ParameterF
 
 }  // namespace
 
-nlohmann::json to_json(const ColumnInfo& column) {
+Json to_json(const ColumnInfo& column) {
   return {{"name", column.name}, {"unit", column.unit}, {"meaning", column.meaning}, {"kind", kind_name(column.kind)}};
 }
 
 std::string run_id(const SweepRun& run) {
-  const nlohmann::json identity = {{"experiment", run.experiment->name},
-                                   {"parameters", with_hashes(run.parameters, run.files)},
-                                   {"input", run.input.sha256},
-                                   {"program", run.program}};
+  const Json identity = {{"experiment", run.experiment->name},
+                         {"parameters", with_hashes(run.parameters, run.files)},
+                         {"input", run.input.sha256},
+                         {"program", run.program}};
   return sha256(identity.dump()).substr(0, 16);
 }
 
@@ -108,10 +108,10 @@ SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInpu
                {"question", file.question},
                {"form", name_of(file.form)},
                {"program", program_hash()},
-               {"data", nlohmann::json::object()},
+               {"data", Json::object()},
                {"files", files_json(file.files)},
-               {"figures", nlohmann::json::array()},
-               {"sweeps", nlohmann::json::array()}};
+               {"figures", Json::array()},
+               {"sweeps", Json::array()}};
   const std::set<std::string> names = data_names(file);
   for (const DataSource& source : file.data) {
     if (inputs.contains(source.name))
@@ -123,7 +123,7 @@ SweepPlan make_plan(const SweepFile& file, const std::map<std::string, SweepInpu
   for (const FigureSpec& figure : file.figures) plan.json["figures"].push_back(figure_json(figure));
   std::map<std::string, std::size_t> place;  // of a run, by id
   for (const SweepSection& section : file.sweeps) {
-    nlohmann::json json = section_json(section);
+    Json json = section_json(section);
     for (SweepRun& run : section_runs(section, file.files, inputs)) {
       json["runs"].push_back({{"id", run.id}, {"data", run.data}, {"parameters", run.parameters}});
       const auto [found, is_new] = place.try_emplace(run.id, plan.runs.size());

@@ -3,11 +3,11 @@
 
 #include <cstddef>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "core/files/json.h"
 #include "experiments/sweep/inputs.h"
 #include "experiments/sweep/sweep_file.h"
 
@@ -19,8 +19,8 @@ struct SweepRun {
   const Experiment* experiment = nullptr;
   std::string program;      // hash of executable and libraries
   std::string sweep, data;  // names, of the first sweep that has it
-  nlohmann::json given;     // what the file sets
-  nlohmann::json parameters;
+  Json given;               // what the file sets
+  Json parameters;
   ParameterFiles files;  // that parameters name, by parameter
   SweepInput input;
   int repetitions = 1;  // the most that a sweep asks for
@@ -28,12 +28,12 @@ struct SweepRun {
 
 struct SweepPlan {
   std::vector<SweepRun> runs;  // each once, though several sweeps may have it; in the order of the file
-  nlohmann::json json;         // for sweep.json, as the decision has it
+  Json json;                   // for sweep.json, as the decision has it
   std::map<std::string, std::string> left_out;  // data without an input, and the file that is missing
 };
 
 // name, unit, meaning and kind.
-[[nodiscard]] nlohmann::json to_json(const ColumnInfo& column);
+[[nodiscard]] Json to_json(const ColumnInfo& column);
 
 [[nodiscard]] std::string run_id(const SweepRun& run);
 // Runs on data that `inputs` lacks are left out.

@@ -85,7 +85,7 @@ const std::string& program_hash() {
   return hash;
 }
 
-nlohmann::json program_facts() {
+Json program_facts() {
   const ProgramCommit commit = program_commit();
   std::vector<std::string> libraries;
   for (const LoadedLibrary& library : loaded_libraries()) libraries.push_back(library.path + " " + library.identity);

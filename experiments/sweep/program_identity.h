@@ -1,9 +1,10 @@
 // Identity of the program: the hash of what it does, and the shared libraries that it has loaded.
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "core/files/json.h"
 
 namespace lodestone {
 
@@ -24,6 +25,6 @@ struct LoadedLibrary {
 
 // The hash, version, commit, dirty, compiler, flags, build type, and all libraries that are loaded when it is called,
 // for manifests.
-[[nodiscard]] nlohmann::json program_facts();
+[[nodiscard]] Json program_facts();
 
 }  // namespace lodestone

@@ -41,7 +41,7 @@ class Reporter {
 
 std::string lines_of(const std::vector<Row>& rows) {
   std::string text;
-  for (const Row& row : rows) text += row.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  for (const Row& row : rows) text += row.dump() + "\n";
   return text;
 }
 
@@ -53,15 +53,16 @@ bool is_column(const Experiment& experiment, const std::string& name) {
 std::vector<Row> readable(const Experiment& experiment, std::vector<Row> rows) {
   for (Row& row : rows) {
     if (!row.is_object()) row = Row::object();
-    for (auto value = row.begin(); value != row.end();)
-      value = value->is_structured() || !is_column(experiment, value.key()) ? row.erase(value) : std::next(value);
+    std::erase_if(row.items(), [&](const auto& member) {
+      return member.second.is_structured() || !is_column(experiment, member.first);
+    });
   }
   return rows;
 }
 
 // `machine` as it was before the run, whose own load it does not have. What the run has loaded is known afterwards.
-nlohmann::json manifest(const nlohmann::json& machine) {
-  nlohmann::json facts = program_facts();
+Json manifest(const Json& machine) {
+  Json facts = program_facts();
   facts.update(machine);
   facts["peak_bytes"] = peak_resident_bytes();
   if (const auto driver = last_graphics_driver())
@@ -70,7 +71,7 @@ nlohmann::json manifest(const nlohmann::json& machine) {
 }
 
 // A run that is not pinned has as many processors as it asks for, too: more threads would share them.
-void check_threads(const nlohmann::json& parameters) {
+void check_threads(const Json& parameters) {
   const auto threads = parameters.value("threads", std::size_t{0}), processors = allowed_processors().size();
   if (threads > processors)
     throw InputError(
@@ -78,12 +79,12 @@ void check_threads(const nlohmann::json& parameters) {
 }
 
 // Rows go into the work folder; what is wrong with them, or with the run, is returned.
-std::optional<Fault> run_experiment(const nlohmann::json& job, const WorkFolder& work, RunContext& context) {
+std::optional<Fault> run_experiment(const Json& job, const WorkFolder& work, RunContext& context) {
   try {
     // The parent's executable is this one, whatever has become of its file; libraries are loaded anew.
     if (job.at("program") != program_hash())
       return Fault{"error", {"the program's libraries changed since the sweep began; run again with --resume"}};
-    const Experiment& experiment = find_experiment(job.at("experiment"));
+    const Experiment& experiment = find_experiment(job.at("experiment").string());
     const Parameters parameters(experiment.parameters, job.at("parameters"));
     check_threads(job.at("parameters"));
     CheckedRows checked = run_checked(experiment, parameters, context);
@@ -129,20 +130,20 @@ CheckedRows run_checked(const Experiment& experiment, const Parameters& paramete
 
 void run_child(const fs::path& folder, int report, const CancelFlag& cancel) {
   const WorkFolder work{folder};
-  const nlohmann::json job = read_json(work.job());
+  const Json job = read_json(work.job());
   if (!job.is_object()) throw InputError(describe(work.job().string(), "", "is not a job of a sweep"));
   pin_to(job.at("processors").get<std::vector<int>>());
-  const nlohmann::json machine = machine_facts();
+  const Json machine = machine_facts();
   RunContext context;
-  context.input = job.at("input");
+  context.input = job.at("input").string();
   context.directory = work.scratch().string();
-  context.repetition = job.at("repetition");
+  context.repetition = job.at("repetition").get<int>();
   context.cancel = &cancel;
   context.progress = Reporter(report);
   const std::optional<Fault> fault = run_experiment(job, work, context);
   if (cancel) throw Cancelled{};
-  if (fault) write_aside(work.fault(), to_json(*fault).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-  write_aside(work.manifest(), manifest(machine).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  if (fault) write_aside(work.fault(), to_json(*fault).dump());
+  write_aside(work.manifest(), manifest(machine).dump());
 }
 
 }  // namespace lodestone

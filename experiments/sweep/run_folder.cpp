@@ -13,11 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const nlohmann::json& json) {
-  return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
+std::string text_of(const Json& json) { return json.dump(1) + "\n"; }
 
-std::optional<Fault> fault_of(const nlohmann::json& json) {
+std::optional<Fault> fault_of(const Json& json) {
   if (!json.is_object()) return {};
   return Fault{json.value("kind", "error"), json.value("messages", std::vector<std::string>{})};
 }
@@ -47,7 +45,7 @@ void keep_pictures(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-nlohmann::json to_json(const Fault& fault) { return {{"kind", fault.kind}, {"messages", fault.messages}}; }
+Json to_json(const Fault& fault) { return {{"kind", fault.kind}, {"messages", fault.messages}}; }
 
 fs::path RunFolder::rows_file(int repetition) const { return path_ / fmt::format("rows.{}.jsonl", repetition); }
 fs::path RunFolder::manifest_file(int repetition) const { return path_ / fmt::format("manifest.{}.json", repetition); }
@@ -64,7 +62,7 @@ std::string RunFolder::fault_mark(int repetition) const {
 }
 
 std::optional<double> RunFolder::seconds(int repetition) const {
-  const nlohmann::json manifest = read_json(manifest_file(repetition));
+  const Json manifest = read_json(manifest_file(repetition));
   if (!manifest.is_object() || !manifest.contains("wall_seconds")) return {};
   return manifest.at("wall_seconds").get<double>();
 }
@@ -105,13 +103,12 @@ WorkFolder RunFolder::begin(int repetition) const {
   return work;
 }
 
-std::optional<Fault> RunFolder::take_over(int repetition, const nlohmann::json& facts,
-                                          std::optional<Fault> fault) const {
+std::optional<Fault> RunFolder::take_over(int repetition, const Json& facts, std::optional<Fault> fault) const {
   const WorkFolder work{path_ / fmt::format("work.{}", repetition)};
   if (!fault) fault = fault_of(read_json(work.fault()));
   const bool has_rows = !fault || fault->kind == "verify";
-  nlohmann::json manifest = read_json(work.manifest());
-  if (!manifest.is_object()) manifest = nlohmann::json::object();
+  Json manifest = read_json(work.manifest());
+  if (!manifest.is_object()) manifest = Json::object();
   manifest.update(facts);
   write_durably(manifest_file(repetition), text_of(manifest));
   keep_pictures(work.scratch(), path_);

@@ -6,11 +6,11 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/files/json.h"
 #include "experiments/sweep/files.h"
 #include "experiments/sweep/plan.h"
 
@@ -21,7 +21,7 @@ struct Fault {
   std::string kind;
   std::vector<std::string> messages;
 };
-[[nodiscard]] nlohmann::json to_json(const Fault& fault);
+[[nodiscard]] Json to_json(const Fault& fault);
 
 // Files of a repetition, for the child that works in `work.R` and the parent that takes them over.
 struct WorkFolder {
@@ -61,7 +61,7 @@ class RunFolder {
   [[nodiscard]] WorkFolder begin(int repetition) const;  // an empty work folder
   // Rows, manifest (with `facts` besides what the child wrote), pictures and fault appear, the work folder goes.
   // `fault` is the parent's verdict: what the child left is then not looked at, but for its manifest.
-  std::optional<Fault> take_over(int repetition, const nlohmann::json& facts, std::optional<Fault> fault) const;
+  std::optional<Fault> take_over(int repetition, const Json& facts, std::optional<Fault> fault) const;
 
  private:
   std::filesystem::path path_;

@@ -174,13 +174,13 @@ class Runner {
     const SweepRun& run = runs_[task.run];
     const RunFolder& folder = folders_[task.run];
     const WorkFolder work = folder.begin(task.repetition);
-    write_aside(work.job(), nlohmann::json{{"experiment", run.experiment->name},
-                                           {"program", run.program},
-                                           {"parameters", with_copies(run.parameters, run.files, config_.directory)},
-                                           {"input", run.input.path},
-                                           {"repetition", task.repetition},
-                                           {"processors", claim.processors()}}
-                                .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    write_aside(work.job(), Json{{"experiment", run.experiment->name},
+                                 {"program", run.program},
+                                 {"parameters", with_copies(run.parameters, run.files, config_.directory)},
+                                 {"input", run.input.path},
+                                 {"repetition", task.repetition},
+                                 {"processors", claim.processors()}}
+                                .dump());
     const std::time_t now = std::time(nullptr);
     append_to_log(folder, fmt::format("--- repetition {}, {}\n", task.repetition, utc(now)));
     auto child = std::make_unique<ChildProcess>(std::vector<std::string>{"sweep-run", work.path.string()}, folder.log(),
@@ -235,14 +235,14 @@ class Runner {
   // `fault` is known here; what the child found is in its work folder. The task is pending or a job no more afterwards.
   void record(const Task& task, const Spent& spent, std::optional<Fault> fault) {
     const SweepRun& run = runs_[task.run];
-    const nlohmann::json facts = {{"experiment", run.experiment->name},
-                                  {"repetition", task.repetition},
-                                  {"start", utc(spent.started)},
-                                  {"end", utc(std::time(nullptr))},
-                                  {"wall_seconds", spent.seconds},
-                                  {"cpu_seconds", spent.cpu_seconds},
-                                  {"jobs", config_.jobs},
-                                  {"pinned", spent.pinned}};
+    const Json facts = {{"experiment", run.experiment->name},
+                        {"repetition", task.repetition},
+                        {"start", utc(spent.started)},
+                        {"end", utc(std::time(nullptr))},
+                        {"wall_seconds", spent.seconds},
+                        {"cpu_seconds", spent.cpu_seconds},
+                        {"jobs", config_.jobs},
+                        {"pinned", spent.pinned}};
     fault = folders_[task.run].take_over(task.repetition, facts, std::move(fault));
     ++result_.ran;
     time_left_.ended(task.run, spent.seconds, true);

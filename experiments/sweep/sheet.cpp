@@ -10,7 +10,6 @@ namespace lodestone {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 // Checks of a file that a person may have changed.
 class SheetChecker {
@@ -21,27 +20,27 @@ class SheetChecker {
     if (!holds)
       throw InputError(describe(path_.string(), "", what, "remove it and run the sweep with --resume to have it anew"));
   }
-  [[nodiscard]] const json& member(const json& object, const char* key) const {
+  [[nodiscard]] const Json& member(const Json& object, const char* key) const {
     require(object.is_object() && object.contains(key), std::string("has no '") + key + "' where one belongs");
     return object.at(key);
   }
-  [[nodiscard]] const json& list(const json& object, const char* key) const {
-    const json& value = member(object, key);
+  [[nodiscard]] const Json& list(const Json& object, const char* key) const {
+    const Json& value = member(object, key);
     require(value.is_array(), std::string("'") + key + "' is not a list");
     return value;
   }
-  [[nodiscard]] std::string text(const json& object, const char* key) const {
-    const json& value = member(object, key);
+  [[nodiscard]] std::string text(const Json& object, const char* key) const {
+    const Json& value = member(object, key);
     require(value.is_string(), std::string("'") + key + "' is not a text");
     return value.get<std::string>();
   }
-  [[nodiscard]] int repetitions(const json& object) const {
-    const json& value = member(object, "repetitions");
+  [[nodiscard]] int repetitions(const Json& object) const {
+    const Json& value = member(object, "repetitions");
     require(value.is_number_unsigned() && value.get<std::uint64_t>() <= 1'000'000, "'repetitions' is not a count");
     return value.get<int>();
   }
   // Identity of a run, which is the name of a folder.
-  [[nodiscard]] std::string id(const json& object) const {
+  [[nodiscard]] std::string id(const Json& object) const {
     const std::string id = text(object, "id");
     require(id.size() == 16 && id.find_first_not_of("0123456789abcdef") == std::string::npos,
             "'id' is not that of a run");
@@ -68,13 +67,13 @@ std::optional<SweepSheet> read_sheet(const fs::path& folder) {
   if (!fs::exists(path, ignored)) return {};
   const SheetChecker check(path);
   SweepSheet sheet;
-  sheet.content = json::parse(read_text(path), nullptr, false);
+  sheet.content = json_or_null(read_text(path));
   check.require(sheet.content.is_object(), "is not a JSON object");
   sheet.name = check.text(sheet.content, "name");
-  for (const json& section : check.list(sheet.content, "sweeps"))
-    for (const json& run : check.list(section, "runs"))
+  for (const Json& section : check.list(sheet.content, "sweeps"))
+    for (const Json& run : check.list(section, "runs"))
       add_run(sheet.runs, {check.id(run), check.repetitions(section)});
-  if (const auto data = sheet.content.find("data"); data != sheet.content.end() && data->is_object())
+  if (Json* const data = sheet.content.find("data"); data && data->is_object())
     for (auto& [name, source] : data->items())
       if (source.is_object()) source.erase("path");
   return sheet;

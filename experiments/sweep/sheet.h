@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "core/files/json.h"
 
 namespace lodestone {
 
@@ -19,7 +20,7 @@ struct SweepSheet {
   std::vector<SheetRun> runs;  // each once
   // All of it, but for where data lies on the machine that wrote it, which decides nothing: sheets that equal each
   // other are of the same sweep, program and data.
-  nlohmann::json content;
+  Json content;
 };
 
 // Nothing where the folder has no sweep.json. Throws InputError that names the file and what is wrong in it.

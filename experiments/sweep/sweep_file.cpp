@@ -128,8 +128,8 @@ struct SweepReader {
     design.count_at = table.find("count");
   }
 
-  std::vector<nlohmann::json> settings(const Design& design, const TomlTable& table) const {
-    std::vector<nlohmann::json> made = settings_of(design, experiment.parameters, table);
+  std::vector<Json> settings(const Design& design, const TomlTable& table) const {
+    std::vector<Json> made = settings_of(design, experiment.parameters, table);
     refuse_contradictions(design, made, experiment, table);
     return made;
   }

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/files/json.h"
 #include "core/mesh/generate.h"
 #include "experiments/studies/experiment.h"
 #include "experiments/sweep/parameter_files.h"
@@ -33,8 +33,8 @@ struct SweepSection {
   const Experiment* experiment = nullptr;
   std::vector<std::string> data;  // names; empty for an experiment that takes none
   int repetitions = 1;
-  std::vector<nlohmann::json> settings;  // what each run sets, as an object; no two alike
-  std::vector<std::string> metrics;      // columns that the tables of the report show; empty: all
+  std::vector<Json> settings;        // what each run sets, as an object; no two alike
+  std::vector<std::string> metrics;  // columns that the tables of the report show; empty: all
 };
 
 // The sizes that a sweep file is run with: its own, or those with the overrides of that name.
@@ -46,7 +46,7 @@ struct FigureSpec {
   std::string title, x, kind = "line", log, mark;
   std::vector<std::string> sweep, y, series;
   bool pareto = false;
-  std::map<std::string, nlohmann::json> where;  // a value, or a comparison as "<= 0.5", by name
+  std::map<std::string, Json> where;  // a value, or a comparison as "<= 0.5", by name
 };
 
 struct SweepFile {

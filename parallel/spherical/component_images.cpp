@@ -24,7 +24,8 @@ namespace {
 
 using namespace spherical;
 
-constexpr double least_share = 1.0 / 256;  // of the area, for images of its own
+constexpr double least_share = 1.0 / 256;            // of the area, for images of its own
+constexpr std::uint64_t pixels_for_triangle = 4096;  // at most, where there are no textures
 
 class ImageMaker {
  public:
@@ -46,6 +47,7 @@ class ImageMaker {
       std::string name;
       if (surfaces_.size() > 1) name.append(" ").append(std::to_string(k + 1));
       out_.places[k].material = static_cast<std::uint32_t>(out_.materials.size());
+      out_.places[k].side = texture_of(k);
       const Wanted wanted = add_material("octahedral" + name, {&k, 1}, {});
       add_component(k, name, wanted);
       if (config_.maps.geometry) add_geometry(k, name);
@@ -116,7 +118,7 @@ class ImageMaker {
     out_.places.resize(surfaces_.size());
     std::vector<std::size_t> small;
     for (std::size_t k = 0; k < surfaces_.size() && !config_.maps.geometry; ++k)
-      if (share(k) < least_share) small.push_back(k);
+      if (share(k) < least_share || side_for_detail(k) < config_.texture / 2) small.push_back(k);
     if (small.size() < 2) small.clear();
     return small;
   }
@@ -333,12 +335,20 @@ class ImageMaker {
     return std::max<std::uint64_t>(static_cast<std::uint64_t>(share(k) * static_cast<double>(config_.error_points)),
                                    100);
   }
-  // As many pixels per area as the largest component has, within a factor of two.
+  // Without textures there is nothing to show but normals, and colours at corners: few triangles are worth few pixels.
+  [[nodiscard]] std::uint32_t side_for_detail(std::size_t k) const {
+    std::uint32_t side = config_.texture;
+    if (!mesh_.wedges.textures.empty()) return side;
+    const std::uint64_t most_pixels = pixels_for_triangle * surfaces_[k].triangles.size();
+    while (side > least_octahedral_side && std::uint64_t{side} * side > most_pixels) side /= 2;
+    return side;
+  }
+  // As many pixels per area as the largest component has, within a factor of two, or as its detail is worth.
   [[nodiscard]] std::uint32_t texture_of(std::size_t k) const {
     const double largest = *std::ranges::max_element(shares_);
     std::uint32_t side = config_.texture;
     for (double area = share(k); side > least_octahedral_side && !(area * 2 > largest); area *= 4) side /= 2;
-    return side;
+    return std::min(side, side_for_detail(k));
   }
 
   const IndexedMesh& mesh_;

@@ -18,6 +18,8 @@ using namespace spherical;
 
 constexpr std::size_t small_component = 8192;  // triangles; the map to the sphere uses one worker for so few
 
+constexpr double most_bend = 2;  // pixels
+
 double area_of(const Surface& surface) {
   double area = 0;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -36,11 +38,12 @@ class Maker {
   ProgressiveMesh make() {
     close();
     map();
-    unfold_all();
+    place_cuts();
     config_.on_phase("resampling");
     std::vector<double> shares;
     for (std::size_t k = 0; k < surfaces_.size(); ++k) shares.push_back(share(k));
     images_ = make_component_images({mesh_, surfaces_, directions_, shares}, config_, scheduler_, report_);
+    unfold_all();
     return collapse();
   }
 
@@ -109,16 +112,11 @@ class Maker {
     report_.map.attempts += part.attempts;
   }
 
-  void unfold_all() {
+  void place_cuts() {
     config_.on_phase("unfolding");
     const CpuClock clock;
-    unfoldings_.resize(surfaces_.size());
     std::vector<CutCost> cuts(surfaces_.size());
-    in_chunks(surfaces_.size(), 1, [&](ChunkRange range) {
-      cuts[range.begin] = place_cut(range.begin);
-      unfoldings_[range.begin] = unfold(surfaces_[range.begin].triangles, directions_[range.begin]);
-    });
-    for (const Unfolding& unfolding : unfoldings_) report_.added_vertices += unfolding.added.size();
+    in_chunks(surfaces_.size(), 1, [&](ChunkRange range) { cuts[range.begin] = place_cut(range.begin); });
     double exposed = 0;
     for (const CutCost& cut : cuts) {
       report_.cut_length += cut.length * mesh_.transform.scale;
@@ -126,6 +124,17 @@ class Maker {
     }
     report_.cut_exposure = report_.cut_length > 0 ? exposed / report_.cut_length : 0;
     report_.unfolding = clock.elapsed();
+  }
+
+  void unfold_all() {
+    const CpuClock clock;
+    unfoldings_.resize(surfaces_.size());
+    in_chunks(surfaces_.size(), 1, [&](ChunkRange range) {
+      const std::size_t k = range.begin;
+      unfoldings_[k] = unfold(surfaces_[k].triangles, directions_[k], most_bend / images_.places[k].side);
+    });
+    for (const Unfolding& unfolding : unfoldings_) report_.added_vertices += unfolding.added.size();
+    report_.unfolding += clock.elapsed();
   }
 
   // Turns the sphere to where the cut shows least, unless rounding would turn a triangle over.

@@ -83,7 +83,7 @@ std::uint64_t save_hierarchy(const ModelPtr& model, const fs::path& path, const 
 }
 
 py::object to_python_report(const VerifyReport& report) {
-  nlohmann::json checks = nlohmann::json::array();
+  Json checks = Json::array();
   for (const VerifyCheck& check : report.checks)
     checks.push_back({{"name", check.name}, {"passed", check.passed}, {"detail", check.detail}});
   return to_python({{"valid", report.valid()}, {"checks", checks}, {"sampled_over_error", report.error_ratio}});

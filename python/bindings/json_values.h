@@ -3,15 +3,15 @@
 
 #include <pybind11/pybind11.h>
 
-#include <nlohmann/json.hpp>
+#include "core/files/json.h"
 
 namespace lodestone::python {
 
 namespace py = pybind11;
 
 // Objects become dicts, arrays lists, null None.
-[[nodiscard]] py::object to_python(const nlohmann::json& value);
+[[nodiscard]] py::object to_python(const Json& value);
 // Throws UsageError for what JSON does not have.
-[[nodiscard]] nlohmann::json to_json(const py::handle& value);
+[[nodiscard]] Json to_json(const py::handle& value);
 
 }  // namespace lodestone::python

@@ -88,7 +88,7 @@ py::object fly(const ModelPtr& model, const std::vector<Camera>& cameras, const 
   };
   const RenderResult result = call.run([&] { return draw(flight, *model, call); });
   Row row = without_nulls(to_row(result));
-  row["frames"] = nlohmann::json::array();
+  row["frames"] = Json::array();
   for (const FrameResult& frame : result.frames) {
     row["frames"].push_back(without_nulls(to_row(frame)));
     row["frames"].back()["milliseconds"] = frame.milliseconds;
@@ -97,7 +97,7 @@ py::object fly(const ModelPtr& model, const std::vector<Camera>& cameras, const 
   return to_python(row);
 }
 
-nlohmann::json to_json(const ErrorSummary& error) {
+Json to_json(const ErrorSummary& error) {
   return {{"mean", error.mean},
           {"p50", error.p50},
           {"p99", error.p99},

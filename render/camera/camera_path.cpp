@@ -4,21 +4,19 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 
 #include "core/base/error.h"
 #include "core/base/known_names.h"
 #include "core/files/atomic_file.h"
+#include "core/files/json.h"
 #include "core/files/text_file.h"
 #include "core/hierarchy/model/hierarchy.h"
 #include "render/camera/camera.h"
 
 namespace lodestone {
 namespace {
-
-using nlohmann::json;
 
 constexpr double degree = std::numbers::pi / 180;
 constexpr int most_frames = 1'000'000;  // catches a mistyped number before it becomes memory
@@ -30,12 +28,12 @@ void check_frames(int frames) {
 
 // ---- JSON ----
 
-double number(const json& value, const std::string& file, const std::string& place) {
+double number(const Json& value, const std::string& file, const std::string& place) {
   if (!value.is_number()) throw InputError(describe(file, place, "is not a number"));
   return value.get<double>();
 }
 
-Vec3d vector(const json& value, const std::string& file, const std::string& place) {
+Vec3d vector(const Json& value, const std::string& file, const std::string& place) {
   if (!value.is_array() || value.size() != 3)
     throw InputError(describe(file, place, "is not an array of three numbers", "write [x, y, z]"));
   const Vec3d v{number(value[0], file, place), number(value[1], file, place), number(value[2], file, place)};
@@ -46,14 +44,14 @@ Vec3d vector(const json& value, const std::string& file, const std::string& plac
 }
 
 // Keys that are not known would be ignored, as misspelt ones are.
-void refuse_others(const json& object, const std::string& file, const std::string& place,
+void refuse_others(const Json& object, const std::string& file, const std::string& place,
                    const std::vector<std::string>& known) {
   for (const auto& [key, value] : object.items())
     if (std::ranges::find(known, key) == known.end())
       throw InputError(describe(file, place, "unknown key \"" + key + "\"", known_names(key, known)));
 }
 
-Camera camera_from(const json& key, const std::string& file, std::size_t index, Vec3d up) {
+Camera camera_from(const Json& key, const std::string& file, std::size_t index, Vec3d up) {
   const std::string place = "frame " + std::to_string(index);
   if (!key.is_object()) throw InputError(describe(file, place, "is not an object"));
   refuse_others(key, file, place, {"position", "target", "up", "fov_degrees"});
@@ -74,13 +72,12 @@ Camera camera_from(const json& key, const std::string& file, std::size_t index, 
   return camera;
 }
 
-json parse(const std::string& file) {
+Json parse(const std::string& file) {
   try {
-    return json::parse(read_text(file));
-  } catch (const json::parse_error& error) {
+    return Json::parse(read_text(file));
+  } catch (const JsonError& error) {
+    if (error.byte == 0) throw InputError(describe(file, {}, error.what()));
     throw InputError(describe(file, "byte " + std::to_string(error.byte), "is not valid JSON"));
-  } catch (const json::exception&) {  // e.g. a number beyond double
-    throw InputError(describe(file, {}, "holds a number out of range"));
   }
 }
 
@@ -232,12 +229,12 @@ std::vector<Camera> resample_path(std::span<const Camera> keys, int frames, cons
 }
 
 std::vector<Camera> read_camera_keys(const std::string& file, Vec3d up) {
-  const json document = parse(file);
+  const Json document = parse(file);
   if (document.is_object()) refuse_others(document, file, {}, {"frames"});
   if (!document.is_object() || !document.contains("frames") || !document["frames"].is_array())
     throw InputError(describe(file, {}, "has no array \"frames\""));
   std::vector<Camera> keys;
-  for (const json& key : document["frames"]) keys.push_back(camera_from(key, file, keys.size(), up));
+  for (const Json& key : document["frames"]) keys.push_back(camera_from(key, file, keys.size(), up));
   if (keys.empty()) throw InputError(describe(file, {}, "\"frames\" is empty", "give at least one camera"));
   return keys;
 }
@@ -248,14 +245,14 @@ std::vector<Camera> read_camera_path(const std::string& file, int frames, Vec3d 
 }
 
 void write_camera_path(const std::string& file, std::span<const Camera> path) {
-  const auto array = [](Vec3d v) { return json::array({v.x, v.y, v.z}); };
-  json frames = json::array();
+  const auto array = [](Vec3d v) { return Json::array({v.x, v.y, v.z}); };
+  Json frames = Json::array();
   for (const Camera& camera : path)
     frames.push_back({{"position", array(camera.position)},
                       {"target", array(camera.target)},
                       {"up", array(camera.up)},
                       {"fov_degrees", camera.vertical_fov / degree}});
-  const std::string text = json{{"frames", frames}}.dump(1) + '\n';
+  const std::string text = Json{{"frames", frames}}.dump(1) + '\n';
   AtomicFile out(file);
   out.write(std::as_bytes(std::span(text)));
   out.commit();

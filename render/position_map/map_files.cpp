@@ -2,26 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
+#include "core/files/temporaries.h"
+#include "core/files/json.h"
 #include "core/files/text_file.h"
 #include "render/position_map/read_map.h"
 
 namespace lodestone {
 namespace {
 
-using nlohmann::json;
+Json to_json(Vec3d v) { return Json::array({v.x, v.y, v.z}); }
 
-json to_json(Vec3d v) { return json::array({v.x, v.y, v.z}); }
-
-Vec3d vector_of(const json& value) {
+Vec3d vector_of(const Json& value) {
   if (!value.is_array() || value.size() != 3) throw std::runtime_error("three numbers were expected");
   return {value[0].get<double>(), value[1].get<double>(), value[2].get<double>()};
 }
 
-json to_json(const MapView& view, const std::string& file) {
+Json to_json(const MapView& view, const std::string& file) {
   return {{"file", file},
           {"projection", view.projection == Projection::perspective ? "perspective" : "orthographic"},
           {"eye", to_json(view.eye)},
@@ -34,7 +33,7 @@ json to_json(const MapView& view, const std::string& file) {
           {"height", view.height}};
 }
 
-MapView view_of(const json& value) {
+MapView view_of(const Json& value) {
   MapView view;
   const std::string projection = value.value("projection", "orthographic");
   if (projection != "orthographic" && projection != "perspective")
@@ -50,14 +49,14 @@ MapView view_of(const json& value) {
   return view;
 }
 
-Transform transform_of(const json& list) {
+Transform transform_of(const Json& list) {
   Transform transform;
   if (!list.contains("transform")) return transform;
   transform.origin = vector_of(list.at("transform").at("origin"));
   transform.scale = list.at("transform").at("scale").get<double>();
   if (!is_finite(transform.origin) || !(transform.scale > 0) || !std::isfinite(transform.scale))
     throw std::runtime_error("the transform is not finite or has no scale");
-  if (const json& from = list.at("transform"); from.contains("up")) {
+  if (const Json& from = list.at("transform"); from.contains("up")) {
     const auto axis = up_axis_named(from.at("up").get<std::string>());
     if (!axis)
       throw std::runtime_error("up '" + from.at("up").get<std::string>() + "' is none of x, y, z, -x, -y, -z, earth");
@@ -107,7 +106,8 @@ void write_map_set(const std::filesystem::path& folder, std::span<const Position
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) throw FileError(describe(folder.string(), "", "cannot be made: " + failed.message()));
-  json views = json::array();
+  remove_orphans(folder, [](std::string_view name) { return name.starts_with("view"); });
+  Json views = Json::array();
   for (std::size_t k = 0; k < maps.size(); ++k) {
     std::string number = std::to_string(k);
     number.insert(0, 3 - std::min<std::size_t>(3, number.size()), '0');
@@ -116,7 +116,7 @@ void write_map_set(const std::filesystem::path& folder, std::span<const Position
     views.push_back(to_json(maps[k].view, name));
   }
   const Transform transform = maps.empty() ? Transform{} : maps.front().transform;
-  const json list = {
+  const Json list = {
       {"transform",
        {{"origin", to_json(transform.origin)}, {"scale", transform.scale}, {"up", name_of(transform.up.axis)}}},
       {"closed", surface.closed},
@@ -132,10 +132,10 @@ MapSet read_map_set(const std::filesystem::path& path) {
   const std::filesystem::path file = list_path(path);
   MapSet set;
   try {
-    const json list = json::parse(read_text(file));
+    const Json list = Json::parse(read_text(file));
     const Transform transform = transform_of(list);
     set.closed = list.value("closed", false), set.oriented = list.value("oriented", false);
-    for (const json& entry : list.at("views")) {
+    for (const Json& entry : list.at("views")) {
       const std::filesystem::path image = file.parent_path() / entry.at("file").get<std::string>();
       const MapView view = view_of(entry);
       check_view(view, image.string());

@@ -14,7 +14,10 @@ namespace {
 
 constexpr int tile_bits = 6, tile_size = 1 << tile_bits;
 constexpr std::int32_t subpixels = 256, half = subpixels / 2;
+constexpr int wide_row = 8;  // pixels: from here on divisions are faster than to look at each
 constexpr std::size_t vertex_grain = 1 << 16, triangle_grain = 1 << 16;
+
+constexpr std::int64_t centre(int pixel) { return std::int64_t{pixel} * subpixels + half; }
 
 struct PixelBox {
   int x0 = 0, y0 = 0, x1 = -1, y1 = -1;  // inclusive
@@ -122,16 +125,24 @@ class MapRasterizer {
     if (coverage.area == 0) return;
     PixelBox box = box_of(a, b, c, view_);
     box = {std::max(box.x0, rect.x0), std::max(box.y0, rect.y0), std::min(box.x1, rect.x1), std::min(box.y1, rect.y1)};
-    for (int y = box.y0; y <= box.y1; ++y)
-      for (int x = box.x0; x <= box.x1; ++x) {
+    const bool wide = box.x1 - box.x0 >= wide_row;
+    if (wide && coverage.misses(centre(box.x0), centre(box.y0), centre(box.x1), centre(box.y1))) return;
+    for (int y = box.y0; y <= box.y1; ++y) {
+      int first = box.x0, last = box.x1;
+      if (wide) {
+        const auto row = coverage.row(centre(y), centre(box.x0), subpixels, box.x1 - box.x0 + 1);
+        first = box.x0 + static_cast<int>(row.first), last = box.x0 + static_cast<int>(row.second);
+      }
+      for (int x = first; x <= last; ++x) {
         double z = 0;
-        if (!coverage.at(x * subpixels + half, y * subpixels + half, z)) continue;
+        if (!coverage.at(centre(x), centre(y), z)) continue;
         const auto own = static_cast<std::size_t>((y - rect.y0) * tile_size + x - rect.x0);
         // Triangles come in ascending order, so the first of equally near ones has the lowest number.
         if (!(z < sight.z[own]) || z < nearest_) continue;
         sight.z[own] = z;
         sight.triangle[own] = t;
       }
+    }
   }
 
   const IndexedMesh& mesh_;
@@ -186,6 +197,29 @@ bool TriangleCoverage::at(std::int64_t x, std::int64_t y, double& z) const {
   z = ((static_cast<double>(e[0]) * z_[0] + static_cast<double>(e[1]) * z_[1]) + static_cast<double>(e[2]) * z_[2]) /
       static_cast<double>(area);
   return true;
+}
+
+std::pair<std::int64_t, std::int64_t> TriangleCoverage::row(std::int64_t y, std::int64_t first, std::int64_t step,
+                                                            std::int64_t count) const {
+  std::int64_t from = 0, to = count - 1;
+  for (const Edge& edge : edge_) {
+    const std::int64_t start = edge.dx * (y - edge.y) - edge.dy * (first - edge.x) + edge.bias, fall = edge.dy * step;
+    // Covered is where start - fall i is not negative.
+    if (fall > 0)
+      to = start < 0 ? -1 : std::min(to, start / fall);
+    else if (fall < 0)
+      from = start < 0 ? std::max(from, (-start - fall - 1) / -fall) : from;
+    else if (start < 0)
+      to = -1;
+  }
+  return {from, to};
+}
+
+bool TriangleCoverage::misses(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1) const {
+  return std::ranges::any_of(edge_, [&](const Edge& edge) {
+    const std::int64_t x = edge.dy > 0 ? x0 : x1, y = edge.dx > 0 ? y1 : y0;  // where the function is greatest
+    return edge.dx * (y - edge.y) - edge.dy * (x - edge.x) + edge.bias < 0;
+  });
 }
 
 PositionMap rasterize_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels, Scheduler& scheduler) {

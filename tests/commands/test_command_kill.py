@@ -48,6 +48,22 @@ class Killed(FaultCase):
         if name in ("tiles", "page") and chance.random() < 0.5:
             (work / name).mkdir()
 
+    def test_pictures_and_maps(self):
+        """Temporaries of files in a folder that a command fills; what others have there is kept."""
+        work = self.folder / "work"
+        arguments = commands(sphere(), hierarchy())
+        maps = ("reconstruct", sphere(), "-o", "r.ply", "--resolution", 32, "--maps", "frames")
+        for command, left in ((arguments["render"], ("frame0001.png", "contact.png")), (maps, ("view000.exr", "views.json"))):
+            self.clear("", random)
+            (work / "frames").mkdir()
+            kept = work / "frames/mine.png.tmp.1.2"
+            kept.touch()
+            for file in left:
+                (work / f"frames/{file}.tmp.1.2").touch()
+            done = command_case.call(*command, "--quiet", cwd=work)
+            self.assertEqual((done.returncode, done.stderr.decode()), (0, ""))
+            self.assertEqual([p for p in work.rglob("*") if is_temporary(p.name)], [kept])
+
     def test_at_random_moments(self):
         chance, killed = random.Random(22), 0
         for name in KILLED:
@@ -65,8 +81,13 @@ class Killed(FaultCase):
                         share *= 0.8
                     killed += 1
                     self.check_what_is_there(name, expected)
+                    had_ended = name in ("tiles", "page") and content(self.folder / "work") == expected
                     done = command_case.call(*arguments, cwd=self.folder / "work")
-                    self.assertEqual((done.returncode, done.stderr.decode()), (0, ""))
+                    if had_ended:  # but for its exit
+                        self.assertEqual(done.returncode, command_case.FILE)
+                        self.assertRegex(done.stderr.decode(), r"\Alodestone: \w+: is not empty")
+                    else:
+                        self.assertEqual((done.returncode, done.stderr.decode()), (0, ""))
                     self.assertEqual(content(self.folder / "work"), expected)
                     self.assertEqual([p for p in (self.folder / "work").rglob("*") if is_temporary(p.name)], [])
         self.assertGreaterEqual(killed, len(KILLED))

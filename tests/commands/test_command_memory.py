@@ -2,8 +2,7 @@
 usage: [ALLOCATIONS=N] test_command_memory.py PROGRAM
 
 About eight allocations of each command fail in turn, or ALLOCATIONS of them ("all": each); then a third as many fail with
-all that follow them. Commands that write glTF are left out, and sweeps, but for their children: where memory runs
-out while it makes an object of a list, the JSON library destroys what it has not made."""
+all that follow them. The allocations of a sweep and of its children fail apart."""
 
 import collections
 import os
@@ -20,7 +19,6 @@ from sweep_case import HEAD, SweepCase, section
 
 SHIM = os.environ.get("FAILING_MEMORY", "")  # the library built from failing_memory.cpp
 ASKED = os.environ.get("ALLOCATIONS", "8")
-WRITES_GLTF = ("export", "tiles", "archive", "progressive .glb", "spherical", "page")
 needs_failing_memory = unittest.skipUnless(SHIM, "failing memory is not built for sanitizers")
 
 
@@ -103,8 +101,6 @@ class FailingAllocations(FaultCase):
 
     def test_each_command(self):
         for name, arguments in commands(mesh(), lode()).items():
-            if name in WRITES_GLTF:
-                continue
             self.check(name, (*arguments, "--threads", 1, "--quiet"))
         self.check("spherical .lpm", ("spherical", mesh(), "-o", "s.lpm", "--texture", 64, "--threads", 1, "--quiet"))
 
@@ -118,28 +114,35 @@ class FailingAllocations(FaultCase):
 
 @needs_failing_memory
 class FailingSweeps(SweepCase):
-    def sweep_with(self, **memory):
+    def sweep_with(self, of, **memory):
         return command_case.call("sweep", "sweep.toml", "-o", "out", "--quiet", cwd=self.folder,
-                                 environment=with_memory(of="sweep-run", **memory))
+                                 environment=with_memory(of=of, **memory))
 
-    def test_its_child(self):
-        """The child's run is a fault; what is missing comes with --resume."""
-        most = 20 if ASKED != "all" else 2000
+    def check(self, of, wanted, statuses, **mode):
+        """About as many allocations fail as are wanted; what is missing comes with --resume."""
         self.write("sweep.toml", HEAD + section("x = [1, 2], rows = 3"))
-        self.sweep_with(count=self.folder / "count")
+        self.sweep_with(of, count=self.folder / "count")
         count = int((self.folder / "count").read_text())
         failed = 0
-        for number in range(1, count, max(1, count // most)):
-            with self.subTest(allocation=number):
-                shutil.rmtree(self.folder / "out")
-                done = self.sweep_with(fails=number)
-                self.assertIn(done.returncode, (0, command_case.NEGATIVE), done.stderr)
+        for number in range(1, count, max(1, count // wanted)):
+            with self.subTest(program=of, allocation=number, **mode):
+                shutil.rmtree(self.folder / "out", ignore_errors=True)
+                done = self.sweep_with(of, fails=number, **mode)
+                self.assertIn(done.returncode, (0, *statuses), done.stderr)
                 if done.returncode:
                     failed += 1
                     self.assertRegex(done.stderr.decode(), r"\A(lodestone: [^\n]+\n)+\Z")
                 self.results("sweep", "sweep.toml", "-o", "out", "--resume", "--quiet")
                 self.check_complete()
-        self.assertGreater(failed, most // 4)
+        self.assertGreater(failed, wanted // 4)
+
+    def test_its_child(self):
+        """The child's run is a fault."""
+        self.check("sweep-run", 20 if ASKED != "all" else 2000, [command_case.NEGATIVE])
+
+    def test_itself(self):
+        for mode in {}, {"stays": 1}:
+            self.check("sweep", 10 if ASKED != "all" else 2000, [command_case.RESOURCE, command_case.FILE], **mode)
 
 
 if __name__ == "__main__":

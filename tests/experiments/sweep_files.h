@@ -17,8 +17,6 @@
 
 namespace lodestone::testing {
 
-using Json = nlohmann::json;
-
 inline const std::vector<Experiment>& known_experiments() {
   static const std::vector<Experiment> all = [] {
     Experiment flight;
@@ -76,7 +74,7 @@ class SweepFiles : public FolderTest {
     std::string text = clock(rest);
     return text.replace(text.find("clock"), 5, "strict");
   }
-  std::vector<nlohmann::json> settings(const std::string& rest, SweepForm form = SweepForm::standard) const {
+  std::vector<Json> settings(const std::string& rest, SweepForm form = SweepForm::standard) const {
     return load(clock(rest), form).sweeps.at(0).settings;
   }
   // Expects an error that names the line and has the text.

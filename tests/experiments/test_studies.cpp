@@ -131,7 +131,7 @@ TEST_P(EachStudy, HasItsColumnsVerifiesAndRefusesWrongRows) {
   for (const auto& [column, value] : all) {
     std::vector<Row> tampered = rows;
     tampered.back()[column] = value;
-    EXPECT_NE(joined(faults(name, given, tampered)), "") << column << " = " << value;
+    EXPECT_NE(joined(faults(name, given, tampered)), "") << column << " = " << value.dump();
   }
 }
 
@@ -329,7 +329,7 @@ TEST(StudyList, ContradictionsAreKnownBeforeARun) {
                                       return fault.parameters.back() == parameter &&
                                              fault.what.find(part) != std::string::npos && fault.idle == idle;
                                     }))
-        << name << ' ' << given;
+        << name << ' ' << given.dump();
   }
 }
 

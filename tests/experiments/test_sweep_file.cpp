@@ -58,7 +58,7 @@ TEST_F(SweepFiles, RandomDrawsStayWhatTheyAre) {
   std::map<int, int> threads;
   int low = 0;
   for (const Json& setting : many) {
-    const double kappa0 = setting.at("kappa0");
+    const double kappa0 = setting.at("kappa0").get<double>();
     EXPECT_TRUE(kappa0 >= 1 && kappa0 <= 64);
     low += kappa0 < 8 ? 1 : 0;  // half of them, on a log scale
     ++threads[setting.at("threads").get<int>()];

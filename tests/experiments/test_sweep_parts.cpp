@@ -66,9 +66,9 @@ TEST(ContentHashes, BelieveTheirMemoryAsLongAsTimesAndSizeAgree) {
   std::ofstream(file) << "abc";
   struct stat status {};
   ASSERT_EQ(stat(file.c_str(), &status), 0);
-  const nlohmann::json key = {status.st_size,         status.st_ino,         status.st_mtim.tv_sec,
-                              status.st_mtim.tv_nsec, status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
-  std::ofstream(memory) << nlohmann::json{{file.string(), {{"key", key}, {"sha256", "remembered"}}}};
+  const Json key = {status.st_size,         status.st_ino,         status.st_mtim.tv_sec,
+                    status.st_mtim.tv_nsec, status.st_ctim.tv_sec, status.st_ctim.tv_nsec};
+  std::ofstream(memory) << Json{{file.string(), {{"key", key}, {"sha256", "remembered"}}}}.dump();
   EXPECT_EQ(ContentHashes(memory).of(file).sha256, "remembered");
   std::ofstream(file) << "abcd";
   EXPECT_EQ(ContentHashes(memory).of(file).sha256, sha256("abcd"));
@@ -221,7 +221,7 @@ TEST(Rows, FaultyValuesAreNamed) {
                                                 {{{"multiple", nan}}, "multiple is not finite"},
                                                 {{{"multiple", {1, 2}}}, "not a single value"}}) {
     const std::vector<std::string> wrong = faulty_values(probe, {row});
-    ASSERT_EQ(wrong.size(), 1u) << row;
+    ASSERT_EQ(wrong.size(), 1u) << row.dump();
     EXPECT_NE(wrong[0].find(part), std::string::npos) << wrong[0];
   }
 }

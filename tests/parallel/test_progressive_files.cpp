@@ -375,10 +375,10 @@ TEST(Lpm, RefusesUnknownFilters) {
   progressive::LpmHeader header{};
   header.textures = {{.name = "a", .media_type = "image/png", .bytes = {}, .mag_filter = 9729, .min_filter = 9987}};
   const std::string file = "file";
-  const nlohmann::json good = progressive::to_json(header);
+  const Json good = progressive::to_json(header);
   EXPECT_EQ(progressive::read_header(JsonView(good, file)).textures, header.textures);
   for (const std::uint32_t wrong : {5u, 9730u, 9983u, 9988u, 70000u}) {
-    nlohmann::json bad = good;
+    Json bad = good;
     bad["textures"][0]["filters"][1] = wrong;
     expect_error_of<InputError>([&] { return progressive::read_header(JsonView(bad, file)); }, {"unknown filter"});
   }

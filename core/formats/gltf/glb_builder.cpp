@@ -11,21 +11,19 @@
 namespace lodestone {
 namespace {
 
-using nlohmann::json;
-
 // The extension that allows an image of this type; nullptr for PNG and JPEG, which need none.
 const char* extension_for(const std::string& media_type) {
   if (media_type == "image/webp") return "EXT_texture_webp";
   return media_type == "image/ktx2" ? "KHR_texture_basisu" : nullptr;
 }
 
-void add_once(json& names, const char* name) {
-  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+void add_once(Json& names, const char* name) {
+  if (std::find(names.begin(), names.end(), Json(name)) == names.end()) names.push_back(name);
 }
 
 // Header, JSON and binary chunk.
-std::vector<std::byte> pack(const json& root, std::span<const std::byte> binary) {
-  std::string text = root.dump(-1, ' ', false, json::error_handler_t::replace);
+std::vector<std::byte> pack(const Json& root, std::span<const std::byte> binary) {
+  std::string text = root.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const std::uint64_t total = 12 + 8 + text.size() + 8 + binary.size();
   if (total > std::numeric_limits<std::uint32_t>::max())
@@ -51,17 +49,17 @@ void GlbBuilder::add_node(Vec3d place, double scale, UpAxis up) {
               at = turn_between(from, to).vector(place);
   root["scene"] = 0;
   root["scenes"] = {{{"nodes", {0}}}};
-  json node{{"mesh", 0}, {"translation", {at.x, at.y, at.z}}};
+  Json node{{"mesh", 0}, {"translation", {at.x, at.y, at.z}}};
   if (from != to) node["rotation"] = turn_quaternion(from, to);
   if (scale != 1) node["scale"] = {scale, scale, scale};
-  root["nodes"] = {std::move(node)};
+  root["nodes"] = Json::array({std::move(node)});
 }
 
 std::size_t GlbBuilder::add_view(std::span<const std::byte> bytes, GltfTarget target) {
   const std::size_t offset = binary_.size();
   binary_.resize(offset + (bytes.size() + 3) / 4 * 4);
   std::copy(bytes.begin(), bytes.end(), binary_.begin() + static_cast<std::ptrdiff_t>(offset));
-  json view{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
+  Json view{{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
   if (target != GltfTarget::none) view["target"] = static_cast<int>(target);
   root["bufferViews"].push_back(std::move(view));
   return root["bufferViews"].size() - 1;
@@ -95,12 +93,12 @@ std::size_t GlbBuilder::add_indices(std::span<const std::uint32_t> ids, std::siz
 }
 
 void GlbBuilder::add_material(const Material& m, std::size_t texture_count) {
-  json material = surface_json(m, texture_count);
-  json& pbr = material["pbrMetallicRoughness"];
+  Json material = surface_json(m, texture_count);
+  Json& pbr = material["pbrMetallicRoughness"];
   pbr["baseColorFactor"] = m.base_colour;
   if (m.texture < texture_count) pbr["baseColorTexture"] = {{"index", m.texture}};
   if (!m.name.empty()) material["name"] = m.name;
-  json& used = root["extensionsUsed"];
+  Json& used = root["extensionsUsed"];
   list_extensions(material, used);
   if (used.empty()) root.erase("extensionsUsed");
   root["materials"].push_back(std::move(material));
@@ -109,7 +107,7 @@ void GlbBuilder::add_material(const Material& m, std::size_t texture_count) {
 void GlbBuilder::complete_materials() {
   const std::size_t plain = root.contains("materials") ? root["materials"].size() : 0;
   bool missing = false;
-  for (json& primitive : root["meshes"][0]["primitives"]) {
+  for (Json& primitive : root["meshes"][0]["primitives"]) {
     if (primitive.contains("material")) continue;
     primitive["material"] = plain;
     missing = true;
@@ -127,16 +125,16 @@ void GlbBuilder::add_embedded_texture(const Texture& t, std::size_t view) {
 
 void GlbBuilder::add_linked_texture(const Texture& t, const std::string& uri) { add_texture(t, {{"uri", uri}}); }
 
-void GlbBuilder::add_texture(const Texture& t, json image) {
+void GlbBuilder::add_texture(const Texture& t, Json image) {
   constexpr std::array wraps{10497, 33071, 33648};  // REPEAT, CLAMP_TO_EDGE, MIRRORED_REPEAT
   if (!t.name.empty()) image["name"] = t.name;
-  json sampler{{"wrapS", wraps[static_cast<std::size_t>(t.wrap_u)]},
+  Json sampler{{"wrapS", wraps[static_cast<std::size_t>(t.wrap_u)]},
                {"wrapT", wraps[static_cast<std::size_t>(t.wrap_v)]}};
   if (t.mag_filter != 0) sampler["magFilter"] = t.mag_filter;
   if (t.min_filter != 0) sampler["minFilter"] = t.min_filter;
   root["samplers"].push_back(std::move(sampler));
   root["images"].push_back(std::move(image));
-  json texture{{"sampler", root["samplers"].size() - 1}};
+  Json texture{{"sampler", root["samplers"].size() - 1}};
   const std::size_t source = root["images"].size() - 1;
   if (const char* extension = extension_for(t.media_type)) {
     texture["extensions"][extension]["source"] = source;
@@ -157,10 +155,10 @@ std::vector<std::byte> GlbBuilder::finish() {
 std::vector<std::byte> GlbBuilder::finish_compressed() {
   constexpr const char* extension = "EXT_meshopt_compression";
   std::vector<std::byte> packed;
-  std::vector<const json*> accessor_of(root["bufferViews"].size(), nullptr);
-  for (const json& accessor : root["accessors"]) accessor_of[accessor["bufferView"].get<std::size_t>()] = &accessor;
+  std::vector<const Json*> accessor_of(root["bufferViews"].size(), nullptr);
+  for (const Json& accessor : root["accessors"]) accessor_of[accessor["bufferView"].get<std::size_t>()] = &accessor;
   for (std::size_t k = 0; k < accessor_of.size(); ++k) {
-    json& view = root["bufferViews"][k];
+    Json& view = root["bufferViews"][k];
     if (accessor_of[k] != nullptr) {
       compress_view(view, *accessor_of[k], packed);
     } else {  // an image
@@ -177,9 +175,9 @@ std::vector<std::byte> GlbBuilder::finish_compressed() {
   return pack(root, packed);
 }
 
-void GlbBuilder::compress_view(json& view, const json& accessor, std::vector<std::byte>& packed) const {
+void GlbBuilder::compress_view(Json& view, const Json& accessor, std::vector<std::byte>& packed) const {
   const bool indices = view["target"] == static_cast<int>(GltfTarget::indices);
-  const std::size_t length = view["byteLength"], count = accessor["count"],
+  const std::size_t length = view["byteLength"].get<std::size_t>(), count = accessor["count"].get<std::size_t>(),
                     stride = length / std::max<std::size_t>(count, 1);
   const auto bytes = std::span(binary_).subspan(view["byteOffset"].get<std::size_t>(), length);
   const std::vector<std::byte> result = compress_meshopt(bytes, count, stride, indices);

@@ -3,11 +3,11 @@
 
 #include <cstddef>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/files/json.h"
 #include "core/mesh/attributes.h"
 #include "core/mesh/up_axis.h"
 
@@ -21,7 +21,7 @@ class GlbBuilder {
  public:
   GlbBuilder() { root["asset"] = {{"version", "2.0"}, {"generator", "Lodestone"}}; }
 
-  nlohmann::json root;  // the document; the caller adds what is not added below
+  Json root;  // the document; the caller adds what is not added below
 
   // The document has one node and one mesh, at this place: a point of the model, turned y up as glTF has it.
   void add_node(Vec3d place, double scale, UpAxis up);
@@ -62,8 +62,8 @@ class GlbBuilder {
   [[nodiscard]] std::vector<std::byte> finish_compressed();
 
  private:
-  void compress_view(nlohmann::json& view, const nlohmann::json& accessor, std::vector<std::byte>& packed) const;
-  void add_texture(const Texture& texture, nlohmann::json image);
+  void compress_view(Json& view, const Json& accessor, std::vector<std::byte>& packed) const;
+  void add_texture(const Texture& texture, Json image);
 
   std::vector<std::byte> binary_;
 };

@@ -8,8 +8,6 @@
 namespace lodestone {
 namespace {
 
-using nlohmann::json;
-
 // Colours are sRGB in files of meshes and linear in glTF.
 std::vector<std::array<float, 4>> linear_colours(const std::vector<Rgba8>& colours) {
   const std::array<float, 256>& linear = linear_of_srgb();
@@ -22,10 +20,10 @@ std::vector<std::array<float, 4>> linear_colours(const std::vector<Rgba8>& colou
 }
 
 // Returns the "attributes" of all primitives.
-json add_vertices(GlbBuilder& glb, const MeshView& mesh, Vec3d middle) {
+Json add_vertices(GlbBuilder& glb, const MeshView& mesh, Vec3d middle) {
   std::vector<Vec3f> positions(mesh.vertex_count);
   for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = to_float(mesh.position(i) - middle);
-  json attributes{{"POSITION", glb.add_positions(positions)}};
+  Json attributes{{"POSITION", glb.add_positions(positions)}};
   const auto add = [&]<class T>(const char* name, const std::vector<T>& values, const char* type) {
     if (!values.empty())
       attributes[name] = glb.add_accessor(std::span(values), GltfComponent::floats, type, GltfTarget::vertices);
@@ -37,7 +35,7 @@ json add_vertices(GlbBuilder& glb, const MeshView& mesh, Vec3d middle) {
   return attributes;
 }
 
-void add_primitives(GlbBuilder& glb, const MeshView& mesh, const json& attributes) {
+void add_primitives(GlbBuilder& glb, const MeshView& mesh, const Json& attributes) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> by_material;
   const bool has_materials = mesh.wedges != nullptr && !mesh.wedges->material.empty();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -45,7 +43,7 @@ void add_primitives(GlbBuilder& glb, const MeshView& mesh, const json& attribute
     ids.insert(ids.end(), mesh.triangles[t].v.begin(), mesh.triangles[t].v.end());
   }
   for (const auto& [material, ids] : by_material) {
-    json primitive{
+    Json primitive{
         {"attributes", attributes},
         {"indices", glb.add_accessor(std::span(ids), GltfComponent::unsigned_int, "SCALAR", GltfTarget::indices)}};
     if (material < mesh.materials.size()) primitive["material"] = material;

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/files/byte_reader.h"
+#include "core/files/json.h"
 #include "core/files/json_view.h"
 #include "core/formats/common/companion_files.h"
 #include "core/math/affine.h"
@@ -56,7 +56,7 @@ class GltfDocument {
   CompanionFiles files_;
   std::vector<char> bytes_;       // of a binary file
   std::span<const char> binary_;  // its second chunk
-  nlohmann::json json_;
+  Json json_;
   std::uint64_t size_ = 0;
   std::map<std::size_t, Bytes> buffers_;                   // by index
   std::map<std::filesystem::path, Bytes> beside_;          // files, which several buffers may name

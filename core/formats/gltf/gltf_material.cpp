@@ -89,7 +89,8 @@ GltfMaterial GltfMaterials::read(const JsonView& source) {
     material.metallic = 0;
     material.roughness = factor ? static_cast<float>(std::clamp(1 - factor->number(), 0.0, 1.0)) : 0.0f;
   }
-  if (const std::optional<JsonView> extensions = source.find("extensions"))
+  if (const std::optional<JsonView> extensions = source.find("extensions");
+      extensions && extensions->json().is_object())
     for (const auto& [name, value] : extensions->json().items())
       if (!name.starts_with("KHR_materials_")) ++left_out_["materials use " + name + ", which is left out"];
   // This program writes such a material where there is none.

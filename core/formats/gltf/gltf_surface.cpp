@@ -8,8 +8,6 @@
 namespace lodestone {
 namespace {
 
-using nlohmann::json;
-
 constexpr const char *placed = "KHR_texture_transform", *unlit = "KHR_materials_unlit";
 constexpr std::array alpha_modes{"OPAQUE", "MASK", "BLEND"};
 constexpr int max_depth = 16;  // of extensions, which are nested three deep
@@ -28,7 +26,7 @@ float share_or(const JsonView& source, const char* key, float otherwise) {
   return std::clamp(number_or(source, key, otherwise), 0.0f, 1.0f);
 }
 
-bool names_texture(std::string_view key, const json& value) {
+bool names_texture(std::string_view key, const Json& value) {
   return key.ends_with("Texture") && value.is_object() && value.contains("index");
 }
 
@@ -38,9 +36,9 @@ class ExtensionReader {
   ExtensionReader(const ReadTexture& read_texture, std::vector<std::uint32_t>& textures)
       : read_texture_(read_texture), textures_(textures) {}
 
-  json read(const JsonView& source, int depth = 0) {
+  Json read(const JsonView& source, int depth = 0) {
     if (depth > max_depth) source.fail("is nested more than " + std::to_string(max_depth) + " deep");
-    json out = source.json().is_array() ? json::array() : json::object();
+    Json out = source.json().is_array() ? Json::array() : Json::object();
     if (source.json().is_array()) {
       for (std::size_t k = 0; k < source.size(); ++k) out.push_back(value(source.at(k), depth));
       return out;
@@ -57,13 +55,13 @@ class ExtensionReader {
   }
 
  private:
-  json value(const JsonView& source, int depth) {
+  Json value(const JsonView& source, int depth) {
     return source.json().is_structured() ? read(source, depth + 1) : source.json();
   }
 
   // Other members of a textureInfo, as a scale, are kept.
-  json read_info(const JsonView& source, const PlacedTexture& texture, int depth) {
-    json info = value(source, depth);
+  Json read_info(const JsonView& source, const PlacedTexture& texture, int depth) {
+    Json info = value(source, depth);
     info.erase("texCoord");
     if (info.contains("extensions")) info["extensions"].erase(placed);
     if (texture.transform != UvTransform{})
@@ -80,32 +78,33 @@ class ExtensionReader {
 };
 
 // The inverse.
-void put_textures(json& extensions, const Material& m, std::size_t texture_count) {
-  for (auto item = extensions.begin(); item != extensions.end();) {
-    if (extensions.is_object() && names_texture(item.key(), *item)) {
-      const auto k = (*item)["index"].get<std::size_t>();
-      if (k >= m.extension_textures.size() || m.extension_textures[k] >= texture_count) {
-        item = extensions.erase(item);
-        continue;
-      }
-      (*item)["index"] = m.extension_textures[k];
-    }
-    if (item->is_structured()) put_textures(*item, m, texture_count);
-    ++item;
+void put_textures(Json& extensions, const Material& m, std::size_t texture_count) {
+  if (extensions.is_array())
+    for (Json& item : extensions) put_textures(item, m, texture_count);
+  if (!extensions.is_object()) return;
+  const auto is_lost = [&](const auto& member) {
+    if (!names_texture(member.first, member.second)) return false;
+    const auto k = member.second["index"].template get<std::size_t>();
+    return k >= m.extension_textures.size() || m.extension_textures[k] >= texture_count;
+  };
+  std::erase_if(extensions.items(), is_lost);
+  for (auto& [name, value] : extensions.items()) {
+    if (names_texture(name, value)) value["index"] = m.extension_textures[value["index"].get<std::size_t>()];
+    put_textures(value, m, texture_count);
   }
 }
 
 void read_extensions(const JsonView& source, const ReadTexture& read_texture, Material& m) {
   const std::optional<JsonView> extensions = source.find("extensions");
-  if (!extensions) return;
-  json kept;
+  if (!extensions || !extensions->json().is_object()) return;
+  Json kept;
   for (const auto& [key, value] : extensions->json().items()) {
     if (key == unlit)
       m.unlit = true;
     else if (key.starts_with("KHR_materials_") && value.is_object())
       kept[key] = ExtensionReader(read_texture, m.extension_textures).read(extensions->at(key.c_str()));
   }
-  if (!kept.is_null()) m.extensions = kept.dump(-1, ' ', false, json::error_handler_t::replace);
+  if (!kept.is_null()) m.extensions = kept.dump();
 }
 
 AlphaMode read_alpha_mode(const JsonView& source) {
@@ -132,11 +131,11 @@ UvTransform read_uv_transform(const JsonView& info) {
   return out;
 }
 
-json texture_info(const PlacedTexture& texture) {
-  json info{{"index", texture.texture}};
+Json texture_info(const PlacedTexture& texture) {
+  Json info{{"index", texture.texture}};
   if (texture.transform == UvTransform{}) return info;
   const UvTransform &t = texture.transform, none;
-  json& to = info["extensions"][placed] = json::object();
+  Json& to = info["extensions"][placed] = Json::object();
   if (t.offset != none.offset) to["offset"] = t.offset;
   if (t.scale != none.scale) to["scale"] = t.scale;
   if (t.rotation != none.rotation) to["rotation"] = t.rotation;
@@ -151,9 +150,9 @@ ReadTexture textures_of_mesh(std::size_t count) {
   };
 }
 
-json surface_json(const Material& m, std::size_t texture_count) {
-  json pbr{{"metallicFactor", m.metallic}}, out = json::object();
-  const auto put = [&](json& to, const char* key, const PlacedTexture& texture) {
+Json surface_json(const Material& m, std::size_t texture_count) {
+  Json pbr{{"metallicFactor", m.metallic}}, out = Json::object();
+  const auto put = [&](Json& to, const char* key, const PlacedTexture& texture) {
     if (texture.texture >= texture_count) return false;
     to[key] = texture_info(texture);
     return true;
@@ -171,11 +170,11 @@ json surface_json(const Material& m, std::size_t texture_count) {
   if (m.alpha_mode == AlphaMode::mask && m.alpha_cutoff != 0.5f) out["alphaCutoff"] = m.alpha_cutoff;
   if (m.double_sided) out["doubleSided"] = true;
   if (!m.extensions.empty()) {
-    json extensions = json::parse(m.extensions);
+    Json extensions = Json::parse(m.extensions);
     put_textures(extensions, m, texture_count);
     out["extensions"] = std::move(extensions);
   }
-  if (m.unlit) out["extensions"][unlit] = json::object();
+  if (m.unlit) out["extensions"][unlit] = Json::object();
   return out;
 }
 
@@ -209,27 +208,28 @@ void read_surface(const JsonView& source, const ReadTexture& read_texture, Mater
 
 float emissive_strength(const Material& material) {
   if (material.extensions.empty()) return 1;
-  const json extensions = json::parse(material.extensions);
-  const auto found = extensions.find("KHR_materials_emissive_strength");
-  if (found == extensions.end() || !found->is_object()) return 1;
-  const auto strength = found->find("emissiveStrength");
-  const bool known = strength != found->end() && strength->is_number();
+  const Json extensions = Json::parse(material.extensions);
+  const Json* const found = extensions.find("KHR_materials_emissive_strength");
+  const Json* const strength = found ? found->find("emissiveStrength") : nullptr;
+  const bool known = strength && strength->is_number();
   return known ? std::max(finite_float(strength->get<double>()), 0.0f) : 1;
 }
 
 void set_emissive_strength(Material& material, float strength) {
-  json extensions = material.extensions.empty() ? json::object() : json::parse(material.extensions);
+  Json extensions = material.extensions.empty() ? Json::object() : Json::parse(material.extensions);
   extensions.erase("KHR_materials_emissive_strength");
   if (strength != 1) extensions["KHR_materials_emissive_strength"]["emissiveStrength"] = strength;
   material.extensions = extensions.empty() ? "" : extensions.dump();
 }
 
-void list_extensions(const json& material, json& names) {
-  if (!material.is_structured()) return;
-  if (material.is_object() && material.contains("extensions"))
-    for (const auto& [name, value] : material["extensions"].items())
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  for (const json& value : material) list_extensions(value, names);
+void list_extensions(const Json& material, Json& names) {
+  if (material.is_array())
+    for (const Json& item : material) list_extensions(item, names);
+  if (!material.is_object()) return;
+  if (const Json* const extensions = material.find("extensions"))
+    for (const auto& [name, value] : extensions->items())
+      if (std::find(names.begin(), names.end(), Json(name)) == names.end()) names.push_back(name);
+  for (const auto& [name, value] : material.items()) list_extensions(value, names);
 }
 
 }  // namespace lodestone

@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
+#include "core/files/json.h"
 #include "core/files/json_view.h"
 #include "core/mesh/material.h"
 
@@ -23,7 +23,7 @@ using ReadTexture = std::function<PlacedTexture(const JsonView& info)>;
 
 // All of the material except its name, base colour and the textures of colour and normals. Numbers of textures are
 // those of the mesh; textures that are not below texture_count are left out.
-[[nodiscard]] nlohmann::json surface_json(const Material& material, std::size_t texture_count);
+[[nodiscard]] Json surface_json(const Material& material, std::size_t texture_count);
 // The inverse; members that are missing have the defaults of glTF, in which a surface is metallic. Throws InputError
 // for values of another kind.
 void read_surface(const JsonView& source, const ReadTexture& read_texture, Material& material);
@@ -41,9 +41,9 @@ void set_emissive_strength(Material& material, float strength);
 // KHR_texture_transform of a textureInfo; the default without one.
 [[nodiscard]] UvTransform read_uv_transform(const JsonView& info);
 // A textureInfo.
-[[nodiscard]] nlohmann::json texture_info(const PlacedTexture& texture);
+[[nodiscard]] Json texture_info(const PlacedTexture& texture);
 
 // Adds to `names` the extensions that a material uses.
-void list_extensions(const nlohmann::json& material, nlohmann::json& names);
+void list_extensions(const Json& material, Json& names);
 
 }  // namespace lodestone

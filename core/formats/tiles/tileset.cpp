@@ -43,7 +43,7 @@ class TilesetWalk {
   void add_tileset(ByteReader& input, const Affine3d& map, int depth) {
     count_use(input.name());
     const std::vector<char> text = read_all(input);
-    const nlohmann::json json = parse_json(text, input.name());
+    const Json json = parse_json(text, input.name());
     const Tileset tileset{JsonView(json, input.name()), input.name(), input.folder(), CompanionFiles(input.folder())};
     const JsonView asset = tileset.root.at("asset");
     const std::string version = asset.at("version").string();
@@ -168,7 +168,7 @@ RawMesh read_batched(ByteReader& input, const Affine3d& up, const ReadConfig& co
   RawMesh mesh = read_gltf(model, config);
   transform_mesh(mesh, up);
   if (header.feature_json == 0) return mesh;
-  const nlohmann::json features = parse_json(whole.subspan(28, header.feature_json), input.name());
+  const Json features = parse_json(whole.subspan(28, header.feature_json), input.name());
   const std::array<double, 3> centre =
       JsonView(features, input.name(), "feature table").numbers_or<3>("RTC_CENTER", {});
   transform_mesh(mesh, {Affine3d{}.axes, {centre[0], centre[1], centre[2]}});

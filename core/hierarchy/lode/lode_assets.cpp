@@ -12,8 +12,6 @@
 namespace lodestone {
 namespace {
 
-using nlohmann::json;
-
 // Both archives are called with the fields of a record in order: one writes them, the other reads them.
 class Writer {
  public:
@@ -127,8 +125,8 @@ Material recorded(const Material& m) {
   return {.name = m.name, .base_colour = m.base_colour, .texture = m.texture, .normal_map = m.normal_map};
 }
 
-json surfaces_of(const Hierarchy& hierarchy) {
-  json materials = json::array(), samplers = json::array();
+Json surfaces_of(const Hierarchy& hierarchy) {
+  Json materials = Json::array(), samplers = Json::array();
   for (const Material& m : hierarchy.materials) materials.push_back(surface_json(m, hierarchy.textures.size()));
   for (const Texture& t : hierarchy.textures)
     samplers.push_back({{"magFilter", t.mag_filter}, {"minFilter", t.min_filter}});
@@ -173,7 +171,7 @@ std::vector<std::byte> encode_assets(const Hierarchy& hierarchy) {
   put_all(writer, hierarchy.textures, each_texture);
   if (!hierarchy.texture_copies.empty()) put_all(writer, hierarchy.texture_copies, each_copy);
   if (has_surfaces(hierarchy)) {
-    const std::string text = surfaces_of(hierarchy).dump(-1, ' ', false, json::error_handler_t::replace);
+    const std::string text = surfaces_of(hierarchy).dump();
     writer(std::vector<char>(text.begin(), text.end()));
   }
   return std::move(writer.bytes);
@@ -202,7 +200,7 @@ const char* decode_assets(std::span<const std::byte> bytes, std::uint16_t featur
         return "the texture of a material does not exist";
   if (features & lode_surfaces) try {
       const std::string file;
-      const json root = parse_json(surfaces, file);
+      const Json root = parse_json(surfaces, file);
       read_surfaces({root, file}, hierarchy);
     } catch (const InputError&) {
       return "the surfaces are invalid";

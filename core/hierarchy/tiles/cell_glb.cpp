@@ -9,8 +9,6 @@
 namespace lodestone {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::uint32_t unseen = 0xffff'ffffu;
 
 class CellEncoder {
@@ -107,7 +105,7 @@ class CellEncoder {
       for (const std::uint32_t v : t.v) ids.push_back(number_[v]);
     }
     for (const auto& [material, ids] : by_material) {
-      json primitive{{"attributes", attributes_}, {"indices", glb_.add_indices(ids, used_.size())}};
+      Json primitive{{"attributes", attributes_}, {"indices", glb_.add_indices(ids, used_.size())}};
       if (material != no_material) {
         primitive["material"] = materials_.size();
         materials_.push_back(material);
@@ -147,7 +145,7 @@ class CellEncoder {
   const TileAtlas* atlas_;
   bool morph_;
   GlbBuilder glb_;
-  json attributes_;
+  Json attributes_;
   std::vector<std::uint32_t> number_, used_;  // of the cell's vertices in the file, and the other way
   std::vector<std::uint32_t> materials_;      // of the hierarchy, by number in the file
 };

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/base/error.h"
+#include "core/files/json.h"
 #include "core/formats/common/mesh_output.h"
 #include "core/hierarchy/model/level_mesh.h"
 #include "core/hierarchy/model/material_of.h"
@@ -15,8 +15,6 @@
 
 namespace lodestone {
 namespace {
-
-using nlohmann::json;
 
 std::string cell_name(const Hierarchy& hierarchy, CellId cell) {
   const CellCoord c = hierarchy.cells[cell].code.coord();
@@ -100,7 +98,7 @@ class TreeEncoder {
   }
 
   std::vector<TilesetFile> encode() {
-    json root = tile(CellId(0), 0);
+    Json root = tile(CellId(0), 0);
     root["transform"] = place_of_root();
     add_file("tileset.json", std::move(root), CellId(0));
     std::reverse(files_.begin(), files_.end());
@@ -109,7 +107,7 @@ class TreeEncoder {
 
  private:
   // The model's origin, and its up axis turned to z. On the Earth tilesets have up where it is.
-  [[nodiscard]] json place_of_root() const {
+  [[nodiscard]] Json place_of_root() const {
     const UpAxis up = hierarchy_.transform.up.axis;
     const Vec3d z = direction_of(UpAxis::z, {});
     const Affine3d turn = turn_between(up == UpAxis::earth ? z : direction_of(up, {}), z);
@@ -126,10 +124,10 @@ class TreeEncoder {
   }
 
   // `top`: level of the root of the file that it is written to.
-  json tile(CellId index, int top) {
+  Json tile(CellId index, int top) {
     const int level = hierarchy_.level_of(index);
     const Cell& cell = hierarchy_.cells[index];
-    json tile{{"boundingVolume", box(cell, level)}, {"geometricError", errors_[index]}};
+    Json tile{{"boundingVolume", box(cell, level)}, {"geometricError", errors_[index]}};
     if (is_cut(level) && level != top) {
       const std::string path = cell_name(hierarchy_, index) + ".json";
       add_file(path, this->tile(index, level), index);
@@ -147,7 +145,7 @@ class TreeEncoder {
   [[nodiscard]] static std::string from(int top, const std::string& path) { return top == 0 ? path : "../" + path; }
 
   // Relative to the origin, that is before the root's transform.
-  [[nodiscard]] json box(const Cell& cell, int level) const {
+  [[nodiscard]] Json box(const Cell& cell, int level) const {
     const double scale = hierarchy_.transform.scale;
     const double slack = std::ldexp(1.0, -40) * (1 + hierarchy_.finest() - level);
     const auto half = [&](float lo, float hi) { return scale * (0.5 * (double{hi} - lo) + slack); };
@@ -159,13 +157,13 @@ class TreeEncoder {
 
   // A viewer with a budget of memory decides by these before it loads anything: vertices and triangles of the file, and
   // the textures of base colours and light, whose texels morph_of_levels() tells.
-  [[nodiscard]] json morph_of(CellId index, int level) {
+  [[nodiscard]] Json morph_of(CellId index, int level) {
     const Cell& cell = hierarchy_.cells[index];
     const auto [lo, hi] = cell.bounds;
     std::vector<bool> is_used(cell.positions.size());
     for (const Triangle& t : cell.triangles)
       for (const std::uint32_t v : t.v) is_used[v] = true;
-    json extras{{"level", level},
+    Json extras{{"level", level},
                 {"bounds", {lo.x, lo.y, lo.z, hi.x, hi.y, hi.z}},
                 {"vertices", std::count(is_used.begin(), is_used.end(), true)},
                 {"triangles", cell.triangles.size()}};
@@ -178,8 +176,8 @@ class TreeEncoder {
     return extras;
   }
 
-  [[nodiscard]] json morph_of_levels() const {
-    json reach, error;
+  [[nodiscard]] Json morph_of_levels() const {
+    Json reach, error;
     for (const Level& level : hierarchy_.levels) {
       reach.push_back({{"euclidean", level.reach[0]}, {"chebyshev", level.reach[1]}});
       error.push_back(level.error);
@@ -195,8 +193,8 @@ class TreeEncoder {
             {"thumbnails", thumbnails_}};
   }
 
-  void add_file(const std::string& path, json root, CellId cell) {
-    json tileset{{"asset", {{"version", "1.1"}}}, {"geometricError", errors_[cell]}, {"root", std::move(root)}};
+  void add_file(const std::string& path, Json root, CellId cell) {
+    Json tileset{{"asset", {{"version", "1.1"}}}, {"geometricError", errors_[cell]}, {"root", std::move(root)}};
     // If nothing is drawn, the error is the size of the model.
     if (cell == 0) {
       const auto [lo, hi] = hierarchy_.cells[0].bounds;

@@ -13,8 +13,6 @@
 namespace lodestone {
 namespace {
 
-using nlohmann::json;
-
 // Extras say where the model lies before it is turned y up.
 void add_place(GlbBuilder& glb, const Transform& t) {
   glb.add_node(t.origin, t.scale, t.up.axis);
@@ -33,11 +31,11 @@ std::size_t add_parents(GlbBuilder& glb, const std::vector<std::uint32_t>& paren
 }
 
 // Returns the attributes of all primitives.
-json add_vertices(GlbBuilder& glb, const ProgressiveMesh& mesh) {
+Json add_vertices(GlbBuilder& glb, const ProgressiveMesh& mesh) {
   const auto add = [&]<class T>(const std::vector<T>& values, GltfComponent component, const char* type) {
     return glb.add_accessor(std::span(values), component, type, GltfTarget::vertices);
   };
-  json attributes{{"POSITION", glb.add_positions(mesh.positions)}};
+  Json attributes{{"POSITION", glb.add_positions(mesh.positions)}};
   attributes["_PARENTINDEX"] = add_parents(glb, mesh.parents);
   std::vector<float> errors;
   for (const float e : mesh.errors) errors.push_back(static_cast<float>(e * mesh.transform.scale));
@@ -59,7 +57,7 @@ json add_vertices(GlbBuilder& glb, const ProgressiveMesh& mesh) {
   return attributes;
 }
 
-void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const json& attributes) {
+void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const Json& attributes) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> by_material;
   const std::uint32_t only = mesh.wedges.materials.empty() ? no_material : 0;
   for (const Triangle& t : mesh.triangles) {
@@ -68,7 +66,7 @@ void add_primitives(GlbBuilder& glb, const ProgressiveMesh& mesh, const json& at
     ids.insert(ids.end(), t.v.begin(), t.v.end());
   }
   for (const auto& [material, ids] : by_material) {
-    json primitive{{"attributes", attributes}, {"indices", glb.add_indices(ids, mesh.positions.size())}};
+    Json primitive{{"attributes", attributes}, {"indices", glb.add_indices(ids, mesh.positions.size())}};
     if (material < mesh.wedges.materials.size()) primitive["material"] = material;
     glb.root["meshes"][0]["primitives"].push_back(std::move(primitive));
   }
@@ -96,7 +94,7 @@ void add_textures(GlbBuilder& glb, const std::vector<Texture>& textures, std::sp
 
 void add_extras(GlbBuilder& glb, const ProgressiveMesh& mesh) {
   if (mesh.wedges.materials.empty()) return;  // glTF has no empty list of materials
-  json& materials = glb.root["materials"];
+  Json& materials = glb.root["materials"];
   for (std::size_t m = 0; m < mesh.object_normals.size(); ++m)
     if (mesh.object_normals[m] != no_texture)
       materials[m]["extras"]["objectNormalTexture"]["index"] = mesh.object_normals[m];

@@ -76,7 +76,7 @@ class LpmDecoder {
 
   ProgressiveMesh read() {
     const auto text = frames_.header();
-    const nlohmann::json json = parse_json(text, name_);
+    const Json json = parse_json(text, name_);
     header_ = read_header(JsonView(json, name_));
     read_thumbnails();
     SplitCodec<RangeDecoder> codec(header_.settings, mesh_, values_);

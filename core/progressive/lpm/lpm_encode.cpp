@@ -292,7 +292,7 @@ LpmBytes encode_lpm(const ProgressiveMesh& mesh, const LpmConfig& config, std::s
   }
   LpmBytes out;
   out.finest_error = header.finest_error;
-  const std::string text = to_json(header).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string text = to_json(header).dump();
   for (const char* c = lpm_magic; *c != 0; ++c) out.bytes.push_back(static_cast<std::byte>(*c));
   append(out.bytes, static_cast<std::uint32_t>(text.size()));
   append(out.bytes, crc32(std::as_bytes(std::span(text))));

@@ -9,12 +9,10 @@
 namespace lodestone::progressive {
 namespace {
 
-using nlohmann::json;
-
 constexpr std::uint64_t version = 3;  // earlier ones, with parents as plain numbers, were never released
 constexpr std::array wraps{"repeat", "clamp", "mirror"};
 
-json texture_index(std::uint32_t index) { return index == no_texture ? json(nullptr) : json(index); }
+Json texture_index(std::uint32_t index) { return index == no_texture ? Json(nullptr) : Json(index); }
 
 std::uint32_t read_index(const JsonView& place, const char* key, std::size_t count) {
   const auto member = place.find(key);
@@ -67,8 +65,8 @@ void read_geometry(const JsonView& header, LpmHeader& h) {
 
 }  // namespace
 
-json to_json(const LpmHeader& h) {
-  json materials = json::array(), textures = json::array();
+Json to_json(const LpmHeader& h) {
+  Json materials = Json::array(), textures = Json::array();
   for (const Material& m : h.materials)
     materials.push_back({{"name", m.name},
                          {"colour", m.base_colour},
@@ -93,7 +91,7 @@ json to_json(const LpmHeader& h) {
   }
   for (std::size_t k = 0; k < h.thumbnails.size(); ++k)
     if (!h.thumbnails[k].empty()) textures[k]["thumbnail"] = h.thumbnails[k];
-  json header{{"version", version},
+  Json header{{"version", version},
               {"vertices", h.vertices},
               {"groups", h.groups},
               {"baseGroups", h.base_groups},

@@ -4,12 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/files/json.h"
 #include "core/files/json_view.h"
 #include "core/progressive/lpm/split_codec.h"
 #include "core/progressive/mesh/progressive_mesh.h"
@@ -32,7 +32,7 @@ struct LpmHeader {
   std::vector<std::string> thumbnails;  // by texture: the type of its thumbnail; empty if it has none
 };
 
-[[nodiscard]] nlohmann::json to_json(const LpmHeader& header);
+[[nodiscard]] Json to_json(const LpmHeader& header);
 [[nodiscard]] LpmHeader read_header(const JsonView& json);
 
 // Frames grow with the mesh: what is on the screen gets finer by a share each time.

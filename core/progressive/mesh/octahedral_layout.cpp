@@ -1,8 +1,8 @@
 #include "core/progressive/mesh/octahedral_layout.h"
 
 #include <bit>
-#include <nlohmann/json.hpp>
 
+#include "core/files/json.h"
 #include "core/files/json_view.h"
 
 namespace lodestone {
@@ -18,9 +18,9 @@ std::uint32_t read_side(const JsonView& json, std::uint64_t most) {
 
 }  // namespace
 
-nlohmann::json to_json(const OctahedralLayout& layout) {
+Json to_json(const OctahedralLayout& layout) {
   if (layout.squares.empty()) return true;
-  nlohmann::json squares = nlohmann::json::array();
+  Json squares = Json::array();
   for (const SquareRun& run : layout.squares) squares.push_back({run.side, run.count});
   return {{"side", layout.side}, {"squares", std::move(squares)}};
 }

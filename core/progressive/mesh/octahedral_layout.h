@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 namespace lodestone {
 
+class Json;
 class JsonView;
 
 // So many squares of equal sides, powers of two in texels.
@@ -25,7 +25,7 @@ struct OctahedralLayout {
 };
 
 // true, or {"side": 256, "squares": [[64, 2], [16, 30]]}.
-[[nodiscard]] nlohmann::json to_json(const OctahedralLayout& layout);
+[[nodiscard]] Json to_json(const OctahedralLayout& layout);
 // Throws InputError with the place for squares that do not fit.
 [[nodiscard]] OctahedralLayout read_octahedral_layout(const JsonView& json);
 

@@ -112,7 +112,7 @@ std::vector<AtlasSquare> squares_of(const OctahedralLayout& layout, std::uint32_
 ImagePlace place_in(const SquareAtlas& atlas, std::size_t square, std::uint32_t material) {
   const AtlasSquare& at = atlas.squares[square];
   const double texel = 1.0 / atlas.side;
-  return {material, {texel * (at.x + at.margin()), texel * (at.y + at.margin())}, texel * at.image()};
+  return {material, {texel * (at.x + at.margin()), texel * (at.y + at.margin())}, texel * at.image(), at.image()};
 }
 
 }  // namespace lodestone::spherical

@@ -75,6 +75,7 @@ struct ImagePlace {
   std::uint32_t material = 0;
   SquarePoint origin;
   double scale = 1;
+  std::uint32_t side = 0;  // of the square: pixels
   [[nodiscard]] SquarePoint of(SquarePoint p) const { return {origin.s + scale * p.s, origin.t + scale * p.t}; }
 };
 [[nodiscard]] ImagePlace place_in(const SquareAtlas& atlas, std::size_t square, std::uint32_t material);

@@ -25,6 +25,12 @@ int side_of(Vec3d p, Vec3d a, Vec3d b) {
   return sign(p.x != 0 ? p.x * normal.x : p.y != 0 ? p.y * normal.y : p.z * normal.z);
 }
 
+// `copy` as in Quarters below.
+SquarePoint place_of(Vec3d d, std::uint32_t copy) {
+  return square_point(
+      d, {d.x < 0 || (copy & 1u) != 0 ? -1.0 : 1.0, d.y < 0 || (copy & 2u) != 0 ? -1.0 : 1.0, d.z < 0 ? -1.0 : 1.0});
+}
+
 class Cutter {
  public:
   Cutter(std::span<const Triangle> triangles, std::span<const Vec3d> directions) : input_(directions.size()) {
@@ -37,6 +43,8 @@ class Cutter {
   void insert(Vec3d p);
   // Splits all edges that the two arcs in the plane where the coordinate is zero cross.
   void split_along(double Vec3d::*coordinate);
+  // Halves edges until none is bent by more than this, or a quarter of the triangles has been added.
+  void split_bent(double most_bend);
   [[nodiscard]] Unfolding take();
 
  private:
@@ -57,6 +65,10 @@ class Cutter {
   bool insert_into(std::uint32_t triangle, Vec3d p);
   void split_edge(std::uint32_t a, std::uint32_t b, Vec3d p);
   std::optional<std::uint32_t> middle_of(std::uint32_t a, std::uint32_t b, double Vec3d::*coordinate);
+  [[nodiscard]] double bend(std::uint32_t a, std::uint32_t b) const;
+  std::optional<std::uint32_t> middle_of_bent(std::uint32_t a, std::uint32_t b, double most_bend);
+  template <class MiddleOf>
+  bool split_all(const MiddleOf& middle_of);  // true if any edge was split
   void split(std::uint32_t triangle, const std::array<std::optional<std::uint32_t>, 3>& middles);
 
   std::size_t input_;
@@ -169,20 +181,64 @@ std::optional<std::uint32_t> Cutter::middle_of(std::uint32_t a, std::uint32_t b,
   return m;
 }
 
-void Cutter::split_along(double Vec3d::*coordinate) {
+// The distance in the square between the middle of an edge as it is drawn and as the image has it; the same for both
+// triangles at the edge, and for both copies of one on the cut.
+double Cutter::bend(std::uint32_t a, std::uint32_t b) const {
+  const Vec3d from = out_.directions[a], to = out_.directions[b], middle = from + to;
+  const auto place = [&](Vec3d d) {
+    return place_of(d, (d.x == 0 && middle.x < 0 ? 1u : 0u) | (d.y == 0 && middle.y < 0 ? 2u : 0u));
+  };
+  const SquarePoint p = place(from), q = place(to), m = place((1 / length(middle)) * middle);
+  return std::hypot(m.s - (p.s + q.s) / 2, m.t - (p.t + q.t) / 2);
+}
+
+std::optional<std::uint32_t> Cutter::middle_of_bent(std::uint32_t a, std::uint32_t b, double most_bend) {
+  if (a > b) std::swap(a, b);
+  const Vec3d from = out_.directions[a], to = out_.directions[b];
+  if (squared_length(from - to) < 4 * most_bend * most_bend) return std::nullopt;  // its places are nearer than that
+  const std::uint64_t edge = std::uint64_t{a} << 32 | b;
+  if (const auto known = middles_.find(edge); known != middles_.end()) return known->second;
+  if (!(bend(a, b) > most_bend)) return std::nullopt;
+  const std::array<Share, 2> shares{Share{a, 0.5}, Share{b, 0.5}};
+  const std::uint32_t m = add((1 / length(from + to)) * (from + to), shares);
+  middles_.emplace(edge, m);
+  return m;
+}
+
+template <class MiddleOf>
+bool Cutter::split_all(const MiddleOf& middle_of) {
   middles_.clear();
   const auto count = static_cast<std::uint32_t>(out_.triangles.size());
   for (std::uint32_t t = 0; t < count; ++t) {
     const std::array<std::uint32_t, 3>& v = out_.triangles[t].v;
     std::array<std::optional<std::uint32_t>, 3> middles;
-    for (std::size_t k = 0; k < 3; ++k) middles[k] = middle_of(v[k], v[(k + 1) % 3], coordinate);
+    for (std::size_t k = 0; k < 3; ++k) middles[k] = middle_of(v[k], v[(k + 1) % 3]);
     split(t, middles);
   }
+  return !middles_.empty();
 }
 
-// middles[k] is on the edge from corner k to the next, at most two of them.
+void Cutter::split_along(double Vec3d::*coordinate) {
+  split_all([&](std::uint32_t a, std::uint32_t b) { return middle_of(a, b, coordinate); });
+}
+
+// The worst first: what is left out where many are bent is small.
+void Cutter::split_bent(double most_bend) {
+  const std::size_t most_triangles = out_.triangles.size() + out_.triangles.size() / 4 + 256;
+  for (double bend = 0.25; bend >= most_bend; bend /= 2)
+    while (out_.triangles.size() < most_triangles &&
+           split_all([&](std::uint32_t a, std::uint32_t b) { return middle_of_bent(a, b, bend); })) {
+    }
+}
+
+// middles[k] is on the edge from corner k to the next.
 void Cutter::split(std::uint32_t triangle, const std::array<std::optional<std::uint32_t>, 3>& middles) {
   const std::array<std::uint32_t, 3> v = out_.triangles[triangle].v;
+  if (middles[0] && middles[1] && middles[2]) {
+    const std::uint32_t m = *middles[0], n = *middles[1], o = *middles[2];
+    return replace(triangle,
+                   std::array<Triangle, 4>{Triangle{{m, n, o}}, {{v[0], m, o}}, {{v[1], n, m}}, {{v[2], o, n}}});
+  }
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t next = (k + 1) % 3, last = (k + 2) % 3;
     if (!middles[k] || middles[next]) continue;
@@ -214,11 +270,6 @@ struct Quarters {
     return (d.x == 0 && negative[0] ? 1u : 0u) | (d.y == 0 && negative[1] ? 2u : 0u);
   }
 };
-
-SquarePoint place_of(Vec3d d, std::uint32_t copy) {
-  return square_point(
-      d, {d.x < 0 || (copy & 1u) != 0 ? -1.0 : 1.0, d.y < 0 || (copy & 2u) != 0 ? -1.0 : 1.0, d.z < 0 ? -1.0 : 1.0});
-}
 
 void make_wedges(Unfolding& out) {
   std::vector<std::uint8_t> copies(out.directions.size());  // bits of the copies that triangles use
@@ -262,11 +313,12 @@ Unfolding Cutter::take() {
 
 }  // namespace
 
-Unfolding unfold(std::span<const Triangle> triangles, std::span<const Vec3d> directions) {
+Unfolding unfold(std::span<const Triangle> triangles, std::span<const Vec3d> directions, double most_bend) {
   Cutter cutter(triangles, directions);
   for (const Vec3d end : ends) cutter.insert(end);
   cutter.split_along(&Vec3d::x);
   cutter.split_along(&Vec3d::y);
+  cutter.split_bent(most_bend);
   return cutter.take();
 }
 

@@ -2,7 +2,10 @@
 //
 // Triangles that an arc crosses are split on it, so that every triangle lies on one side of the cut and every vertex on
 // the cut has its copies exactly on the sides of the square. Rejected: corners outside the square, which show the wrong
-// part of the image wherever textures are clamped, and which no collapse towards a coarser level can keep.
+// part of the image wherever textures are clamped, and which no collapse towards a coarser level can keep.//
+// Images show the surface over the sphere, triangles are drawn with straight sides in the square: where a side is long
+// the two part, and a wall showed an arc of what lies beyond its foot. Edges are halved until their middles are near
+// enough, worst first, by at most 256 and a quarter more triangles.
 #pragma once
 
 #include <array>
@@ -45,6 +48,8 @@ struct Unfolding {
 // several components, each covers the sphere alone and is unfolded alone. Directions of vertices within rounding of the
 // south pole or an end of an arc are set onto it. Throws InputError if the triangles do not cover one of those points.
 // Linear time; about 150 bytes per triangle.
-[[nodiscard]] Unfolding unfold(std::span<const Triangle> triangles, std::span<const Vec3d> directions);
+// `most_bend`: how far the middle of an edge may be in the square from where the image has it; 1 allows anything.
+[[nodiscard]] Unfolding unfold(std::span<const Triangle> triangles, std::span<const Vec3d> directions,
+                               double most_bend = 1);
 
 }  // namespace lodestone::spherical

@@ -157,7 +157,7 @@ TEST(SquareAtlas, RefusesLayoutsThatDoNotFit) {
         R"({"side":131072,"squares":[[16,1]]})", R"({"side":256,"squares":[[24,1]]})",
         R"({"side":256,"squares":[[16,1],[32,1]]})", R"({"side":64,"squares":[[32,4],[16,1]]})",
         R"({"side":64,"squares":[[16,17]]})", R"({"side":64,"squares":[[0,1]]})"}) {
-    const nlohmann::json json = nlohmann::json::parse(wrong);
+    const Json json = Json::parse(wrong);
     EXPECT_THROW((void)read_octahedral_layout(JsonView(json, file)), InputError) << wrong;
   }
   for (const OctahedralLayout& layout : {OctahedralLayout{}, OctahedralLayout{64, {{32, 3}, {16, 4}}}})

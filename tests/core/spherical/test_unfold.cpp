@@ -95,8 +95,8 @@ void expect_copies_are_copies(const Unfolding& cut) {
   EXPECT_EQ(poles, 1u);
 }
 
-void expect_unfolds(const test::SphereMesh& mesh) {
-  const Unfolding cut = unfold(mesh.triangles, mesh.directions);
+void expect_unfolds(const test::SphereMesh& mesh, double most_bend = 1) {
+  const Unfolding cut = unfold(mesh.triangles, mesh.directions, most_bend);
   expect_is_subdivision(mesh, cut);
   expect_is_disc(cut);
   expect_copies_are_copies(cut);
@@ -159,6 +159,36 @@ TEST(Unfold, SplitsOnlyTrianglesThatTheArcsCross) {
     for (const std::uint32_t v : mesh.triangles[t].v) top = std::min(std::max(top, mesh.directions[v].z), 0.5);
     EXPECT_LT(top, 0.05);
   }
+}
+
+// The greatest distance, on the sphere, between the middle of an edge as it is drawn and as the image has it.
+double greatest_bend(const Unfolding& cut) {
+  double greatest = 0;
+  for (std::size_t t = 0; t < cut.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      const SquarePoint p = cut.place[cut.corners[t].v[k]], q = cut.place[cut.corners[t].v[next]];
+      const Vec3d sum = cut.directions[cut.triangles[t].v[k]] + cut.directions[cut.triangles[t].v[next]];
+      const Vec3d drawn = direction_of({(p.s + q.s) / 2, (p.t + q.t) / 2});
+      greatest = std::max(greatest, length(drawn - (1 / length(sum)) * sum));
+    }
+  return greatest;
+}
+
+TEST(Unfold, LongEdgesAreDrawnWhereTheImageHasThem) {
+  test::Numbers number(7);
+  for (int k = 0; k < 5; ++k) {
+    test::SphereMesh mesh = test::octahedron_on_sphere(1);
+    rotate(mesh, number.rotation());
+    EXPECT_GT(greatest_bend(unfold(mesh.triangles, mesh.directions)), 0.1);
+    EXPECT_LT(greatest_bend(unfold(mesh.triangles, mesh.directions, 1.0 / 64)), 0.08);
+    expect_unfolds(mesh, 1.0 / 64);
+  }
+  // However many are bent.
+  const test::SphereMesh fine = test::octahedron_on_sphere(4);
+  const std::size_t before = unfold(fine.triangles, fine.directions).triangles.size();
+  EXPECT_LT(unfold(fine.triangles, fine.directions, 1e-6).triangles.size(), 4 * before + 4 * 256);
+  expect_unfolds(fine, 1e-6);
 }
 
 TEST(Unfold, ASurfaceThatDoesNotCoverTheSphereIsRefused) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "core/base/error.h"
 #include "render/backends/make_renderer.h"
@@ -37,6 +38,36 @@ TEST(PositionMap, IsWhatEveryTriangleAgainstEveryPixelGives) {
   for (const IndexedMesh& mesh : {sphere_mesh(3), terrain_mesh(12, 0.3), torus_mesh(9, 5)})
     for (const MapView& view : some_views(mesh))
       EXPECT_EQ(rasterize_map(mesh, view, {}, *serial), obvious_map(mesh, view));
+}
+
+// Needles among them: rows take as long as for any triangle, however few of their points are covered.
+TEST(TriangleCoverage, RowsAndRectanglesAgreeWithPoints) {
+  std::mt19937 random(3);
+  const auto place = [&] { return static_cast<std::int32_t>(random() % 9000) - 500; };
+  constexpr std::int64_t step = 256, first = 128, count = 32;
+  std::size_t covered = 0, missed = 0;
+  for (int k = 0; k < 3000; ++k) {
+    const SnappedVertex a{place(), place(), 1}, b{place(), place(), 2};
+    const SnappedVertex c = k % 2 == 0 ? SnappedVertex{place(), place(), 3} : SnappedVertex{b.x + k % 7, b.y + k % 5, 3};
+    const TriangleCoverage coverage(a, b, c);
+    if (coverage.area == 0) continue;
+    bool any = false;
+    for (std::int64_t y = first; y < first + step * count; y += step) {
+      const auto [low, high] = coverage.row(y, first, step, count);
+      for (std::int64_t i = 0; i < count; ++i) {
+        double z = 0;
+        const bool at = coverage.at(first + step * i, y, z);
+        ASSERT_EQ(low <= i && i <= high, at) << k << ' ' << i << ' ' << y;
+        covered += at ? 1 : 0;
+        any |= at;
+      }
+    }
+    const bool misses = coverage.misses(first, first, first + step * (count - 1), first + step * (count - 1));
+    EXPECT_FALSE(misses && any) << k;
+    missed += misses ? 1 : 0;
+  }
+  EXPECT_GT(covered, 10'000u);
+  EXPECT_GT(missed, 10u);
 }
 
 TEST(PositionMap, IsTheSameForAnyNumberOfThreads) {
