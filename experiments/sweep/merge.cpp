@@ -50,7 +50,9 @@ void copy_text(const fs::path& from, const fs::path& to) { write_durably(to, rea
 
 // Files that parameters name: each by its content, so that one that is there is the same.
 void take_files(const Json& sweep, const fs::path& from, const fs::path& to) {
-  for (const Json& file : sweep.value("files", Json::object())) {
+  const Json* const files = sweep.find("files");
+  if (!files) return;
+  for (const auto& [name, file] : files->items()) {
     const fs::path copy = file.at("path").get<std::string>();
     make_folder((to / copy).parent_path());
     if (!fs::exists(to / copy)) copy_text(from / copy, to / copy);

@@ -28,6 +28,10 @@ constexpr double most_room = 1;
 
 glm::dvec3 to_glm(Vec3d v) { return {v.x, v.y, v.z}; }
 
+// Radians; of a hundred pixels each is then ten times the rounding of a direction. A model that fills the picture may
+// be 1e12 times its size away.
+constexpr double least_fov = 1e-12;
+
 void check(const Camera& camera) {
   if (!is_finite(camera.position) || !is_finite(camera.target) || !is_finite(camera.up))
     throw InputError(describe({}, "camera", "position, target and up must be finite numbers"));
@@ -35,6 +39,9 @@ void check(const Camera& camera) {
     throw InputError(describe({}, "camera", "position and target are the same point", "move one of them"));
   if (!(camera.vertical_fov > 0 && camera.vertical_fov < std::numbers::pi))
     throw InputError(describe({}, "camera", "the vertical field of view must lie between 0 and 180 degrees"));
+  if (camera.vertical_fov < least_fov)
+    throw InputError(describe({}, "camera", "its field of view is too narrow for directions in double precision",
+                              "widen it, and move the camera towards the model"));
 }
 
 InputError too_far() {

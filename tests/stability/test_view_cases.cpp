@@ -12,6 +12,7 @@
 #include "experiments/metrics/cracks/cracks.h"
 #include "experiments/metrics/pops/pops.h"
 #include "render/scene/scene_view.h"
+#include "tests/expect_error.h"
 #include "tests/render/conformance.h"
 
 namespace lodestone::test {
@@ -174,6 +175,17 @@ TEST_P(ViewsOnBackend, FromFarAwayAreAlike) {
     expect_finite(image);
     const ImageDifference d = difference(image, reference, ConformanceTolerance{}.threshold);
     EXPECT_LE(d.differing_share, ConformanceTolerance{}.differing_share);
+  }
+}
+
+// From so far a model is a point, and no direction in double precision leads to a part of it.
+TEST_P(ViewsOnBackend, FromFartherAreEmptyOrRefused) {
+  for (const double distance : {1e13, 1e15, 1e18}) {
+    SCOPED_TRACE(distance);
+    const Vec3d eye = middle + distance * Vec3d{0.36, -0.8, 0.48};
+    expect_finite(draw_scene(view_case("far", eye, middle), *renderer_).image);
+    expect_error_of<InputError>([&] { (void)draw_scene(view_case("far", eye, middle, fov_at(distance)), *renderer_); },
+                                {"field of view is too narrow"});
   }
 }
 

@@ -434,6 +434,24 @@ TEST(MakeSpherical, SmallComponentsShareTheirImages) {
   EXPECT_EQ(make(mesh, config).mesh.wedges.materials.size(), 21u);
 }
 
+// All have the same size, and so each would have images of the whole side.
+TEST(MakeSpherical, PartsOfFewTrianglesShareSmallImages) {
+  RawMesh raw;
+  const IndexedMesh one = sphere_mesh(0);
+  for (int k = 0; k < 40; ++k) {
+    const auto first = static_cast<std::uint32_t>(raw.positions.size());
+    for (const Vec3f p : one.positions) raw.positions.push_back(to_double(p) + Vec3d{3.0 * k, 0, 0});
+    for (const Triangle& t : one.triangles) raw.triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
+  }
+  Repairs repairs;
+  SphericalConfig config = small_images();
+  config.texture = 1024;
+  const Made made = make(prepare_mesh(std::move(raw), repairs, *make_serial_scheduler()), config);
+  EXPECT_EQ(made.report.topology.components, 40u);
+  EXPECT_EQ(made.mesh.wedges.materials.size(), 1u);
+  EXPECT_LE(made.report.pixels, 2u * 1024 * 1024);
+}
+
 // Triangles that face the other way are turned; two spheres that touch along an edge are cut apart there, and further
 // edges with the same ends are halved: colours come from the right places nevertheless.
 TEST(MakeSpherical, FollowsWhatWasTurnedAndCutApart) {

@@ -48,7 +48,8 @@ TEST(TriangleCoverage, RowsAndRectanglesAgreeWithPoints) {
   std::size_t covered = 0, missed = 0;
   for (int k = 0; k < 3000; ++k) {
     const SnappedVertex a{place(), place(), 1}, b{place(), place(), 2};
-    const SnappedVertex c = k % 2 == 0 ? SnappedVertex{place(), place(), 3} : SnappedVertex{b.x + k % 7, b.y + k % 5, 3};
+    const SnappedVertex c =
+        k % 2 == 0 ? SnappedVertex{place(), place(), 3} : SnappedVertex{b.x + k % 7, b.y + k % 5, 3};
     const TriangleCoverage coverage(a, b, c);
     if (coverage.area == 0) continue;
     bool any = false;
