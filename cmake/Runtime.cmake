@@ -22,6 +22,7 @@ set(sources
   parallel/streaming/cell_stream.cpp
   render/camera/projection.cpp
   render/lod/blend.cpp
+  render/lod/blend_curve.cpp
   render/lod/family_choice.cpp
   render/lod/limits.cpp
   render/lod/morph.cpp

@@ -31,7 +31,7 @@ std::vector<Row> run(const Parameters& parameters, const RunContext& context) {
 std::vector<std::string> verify(const Parameters&, const std::vector<Row>& rows) {
   std::vector<std::string> faults;
   for (const Row& row : rows)
-    if (const double reduction = row.at("reduction"); !(reduction > 0.2 && reduction <= 1))
+    if (const double reduction = row.at("reduction").get<double>(); !(reduction > 0.2 && reduction <= 1))
       faults.push_back("a level has " + std::to_string(reduction) + " of the next finer one's triangles");
   return faults;
 }

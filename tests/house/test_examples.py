@@ -96,7 +96,7 @@ class Extending(Examples):
             data = "torus"
             parameters = {{ {parameters} }}""")
         self.run_example(program, "sweep", sweep, "-o", out)
-        return [json.loads(line) for rows in sorted(out.rglob("rows.jsonl")) for line in rows.read_text().splitlines()]
+        return [json.loads(line) for rows in sorted(out.rglob("rows.*.jsonl")) for line in rows.read_text().splitlines()]
 
     def test_an_experiment_is_listed_and_swept(self):
         self.assertIn("reduction", self.run_example("experiment", "experiments"))

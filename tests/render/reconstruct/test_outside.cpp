@@ -9,6 +9,7 @@
 #include "core/spatial/mesh_distance.h"
 #include "experiments/metrics/geometry/mesh_quality.h"
 #include "experiments/metrics/geometry/surface_coverage.h"
+#include "render/reconstruct/outside/shell.h"
 #include "render/reconstruct/outside/shell_grid.h"
 #include "render/reconstruct/reconstruct.h"
 #include "render/reconstruct/views/choose_views.h"
