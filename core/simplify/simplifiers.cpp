@@ -26,6 +26,10 @@ Registry<SimplifierInfo>& simplifiers() {
   return all;
 }
 
+bool knows(const SimplifierInfo& info, Placement placement) {
+  return std::ranges::find(info.placements, placement) != info.placements.end();
+}
+
 }  // namespace
 
 void add_simplifier(const std::string& name, SimplifierInfo info) {
@@ -39,18 +43,25 @@ void add_simplifier(const std::string& name, SimplifierInfo info) {
 
 std::vector<std::string> simplifier_names() { return simplifiers().names(); }
 
+std::string simplifiers_that_know(Placement placement) {
+  std::string names;
+  for (const std::string& name : simplifier_names())
+    if (knows(simplifiers().at(name), placement)) names += (names.empty() ? "" : ", ") + name;
+  return names;
+}
+
 const std::vector<Placement>& placements_of(std::string_view simplifier) {
   return simplifiers().at(simplifier).placements;
 }
 
 std::unique_ptr<Simplifier> make_simplifier(std::string_view name, Placement placement) {
   const SimplifierInfo& info = simplifiers().at(name);
-  if (std::ranges::find(info.placements, placement) != info.placements.end()) return info.make(placement);
-  const std::string known(name_of(info.placements.front()));
+  if (knows(info, placement)) return info.make(placement);
   throw InputError(describe(
       "", "",
       "simplifier '" + std::string(name) + "' does not know the placement '" + std::string(name_of(placement)) + "'",
-      "use the placement '" + known + "'"));
+      "use the placement '" + std::string(name_of(info.placements.front())) + "', or one of the simplifiers " +
+          simplifiers_that_know(placement)));
 }
 
 }  // namespace lodestone

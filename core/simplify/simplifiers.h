@@ -25,6 +25,9 @@ void add_simplifier(const std::string& name, SimplifierInfo info);
 // "quadric", "cluster", "openmesh", "meshopt", and what was added.
 [[nodiscard]] std::vector<std::string> simplifier_names();
 
+// Their names, separated by commas; empty if there are none.
+[[nodiscard]] std::string simplifiers_that_know(Placement placement);
+
 // Throw InputError for an unknown name, and for a placement that the simplifier does not know.
 [[nodiscard]] const std::vector<Placement>& placements_of(std::string_view simplifier);
 [[nodiscard]] std::unique_ptr<Simplifier> make_simplifier(std::string_view name, Placement placement);

@@ -59,7 +59,8 @@ void check_build(SettingVerdict& verdict, const Parameters& parameters) {
   const std::string placing = parameters.text("placement");
   verdict.require(placing == "default" || std::ranges::find(known, placement(placing)) != known.end(),
                   {"simplifier", "placement"},
-                  assignment(parameters, "simplifier") + " does not know the placement " + placing);
+                  assignment(parameters, "simplifier") + " does not know the placement " + placing + "; only " +
+                      simplifiers_that_know(placing == "default" ? known.front() : placement(placing)) + " does");
   verdict.idle(known.size() == 1, "placement", assignment(parameters, "simplifier"));
   verdict.idle(parameters.integer("finest_level") >= 0, "cell_triangles", assignment(parameters, "finest_level"));
 }

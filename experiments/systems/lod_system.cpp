@@ -36,6 +36,7 @@ Registry<LodSystem>& systems() {
                          }});
     all.add("cross-fade", {.description = "the whole model at one level, two pictures blended while levels change",
                            .parts = faded_parts,
+                           .blends = true,
                            .moves_vertices = false});
     all.add(std::string(full_system),
             {"the finest level, what the others are measured against", [](const SystemQuery& q) {

@@ -34,10 +34,11 @@ struct SystemPart {
 
 struct LodSystem {
   std::string description = {};  // half a sentence
-  // One part, or two that are blended: the one that cracks are looked for in, then the other. Shares are in [0, 1] and
-  // add up to 1. A function of the query alone.
+  // One part; where it blends, two, of which the first is looked at for cracks. Shares are in [0, 1] and add up to 1. A
+  // function of the query alone.
   std::function<std::vector<SystemPart>(const SystemQuery&)> parts = {};
   bool keeps_promise = false;  // neither cracks nor pops with admissible radii
+  bool blends = false;         // two pictures at times, so that it draws scenes of one model alone
   bool moves_vertices = true;  // false: what changes is in the pictures alone, and there are no jumps
 };
 

@@ -19,12 +19,12 @@ void add_up(const FrameStats& from, FrameStats& to) {
   to.warnings.insert(to.warnings.end(), from.warnings.begin(), from.warnings.end());
 }
 
-void check_parts(std::string_view name, const std::vector<SystemPart>& parts) {
+void check_parts(std::string_view name, const std::vector<SystemPart>& parts, std::size_t most) {
   double sum = 0;
   for (const SystemPart& part : parts) sum += part.share >= 0 ? part.share : 2;
-  if (parts.empty() || parts.size() > 2 || !(std::abs(sum - 1) < 1e-6))
-    throw InputError("the system " + std::string(name) + " gave " + std::to_string(parts.size()) +
-                     " parts; one or two are drawn, with shares that add up to 1");
+  if (parts.empty() || parts.size() > most || !(std::abs(sum - 1) < 1e-6))
+    throw InputError("the system " + std::string(name) + " gave " + std::to_string(parts.size()) + " parts; at most " +
+                     std::to_string(most) + " are drawn, with shares that add up to 1");
 }
 
 }  // namespace
@@ -71,6 +71,8 @@ void SystemPictures::draw_part(const std::vector<std::vector<SystemPart>>& parts
 
 SystemPicture SystemPictures::draw(std::string_view name, const Camera& camera, const ViewConfig& view) {
   const LodSystem& system = lod_system(name);
+  if (system.blends && scene_.model_count() > 1)
+    throw InputError("the system " + std::string(name) + " is made for one model; this scene has several");
   (void)scene_.update(camera, view);
 
   SystemPicture picture;
@@ -79,9 +81,7 @@ SystemPicture SystemPictures::draw(std::string_view name, const Camera& camera, 
     const ModelFrame& seen = scene_.frame().models[m];
     const MorphContext& morph = seen.morph;
     parts.push_back(system.parts({*morph.hierarchy, *morph.radii, morph.blend, morph.viewpoint, config_.fade_width}));
-    check_parts(name, parts.back());
-    if (scene_.model_count() > 1 && parts.back().size() > 1)
-      throw InputError("the system " + std::string(name) + " is made for one model; this scene has several");
+    check_parts(name, parts.back(), system.blends ? 2 : 1);
     SystemModel& model = picture.models.emplace_back();
     model.hierarchy = morph.hierarchy;
     model.morph = *morph.radii;
