@@ -7,7 +7,11 @@
 namespace lodestone {
 namespace {
 
+std::string_view given_commit;
+
+// All that may run out of memory.
 int run_commands(int argc, char** argv) {
+  set_program_commit(given_commit);
   CommandTable commands;
   add_generate(commands);
   add_build(commands);
@@ -35,7 +39,7 @@ int run_commands(int argc, char** argv) {
 }  // namespace
 
 int run_program(int argc, char** argv, std::string_view commit) {
-  set_program_commit(commit);
+  given_commit = commit;
   return guard_memory(run_commands, argc, argv);
 }
 

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
@@ -91,17 +92,27 @@ void print_out_of_memory() noexcept {
   std::fputs("lodestone: out of memory; close other programs or use a smaller input\n", stderr);
 }
 
+std::atomic<bool> memory_ran_out{false};
+
+[[noreturn]] void on_no_memory() {
+  memory_ran_out = true;
+  throw std::bad_alloc();
+}
+
 // Memory that runs out in a function that may not throw ends the process with the same line and status as elsewhere.
+// The standard library ends it without saying why where that happens inside of a directory_iterator.
 [[noreturn]] void on_terminate() {
+  bool for_memory = !std::current_exception() && memory_ran_out;
   try {
     if (std::current_exception()) throw;
   } catch (const std::bad_alloc&) {
-    remove_temporaries();
-    print_out_of_memory();
-    std::_Exit(static_cast<int>(ExitStatus::resource));
+    for_memory = true;
   } catch (...) {
   }
-  std::abort();
+  if (!for_memory) std::abort();
+  remove_temporaries();
+  print_out_of_memory();
+  std::_Exit(static_cast<int>(ExitStatus::resource));
 }
 
 std::vector<std::string> names_in(const CLI::App& app, bool options) {
@@ -162,6 +173,7 @@ int run_command_line(const CommandTable& commands, int argc, char** argv) {
 
 int guard_memory(int (*run)(int, char**), int argc, char** argv) {
   std::set_terminate(on_terminate);
+  std::set_new_handler(on_no_memory);
   try {
     return run(argc, argv);
   } catch (const std::bad_alloc&) {  // also while an error was being described
