@@ -21,37 +21,24 @@ namespace py = pybind11;
 
 // The scalar that a record is made of, and how many of them: a Vec3f is 3 floats. A record of one is a column by
 // itself.
+template <class Of, py::ssize_t Width>
+struct Columns {
+  using Scalar = Of;
+  static constexpr py::ssize_t width = Width;
+};
 template <class Record>
-struct Layout {
-  using Scalar = Record;
-  static constexpr py::ssize_t width = 1;
-};
+struct Layout : Columns<Record, 1> {};
 template <>
-struct Layout<Vec3f> {
-  using Scalar = float;
-  static constexpr py::ssize_t width = 3;
-};
+struct Layout<Vec3f> : Columns<float, 3> {};
 template <>
-struct Layout<Vec3d> {
-  using Scalar = double;
-  static constexpr py::ssize_t width = 3;
-};
+struct Layout<Vec3d> : Columns<double, 3> {};
 template <>
-struct Layout<Vec2f> {
-  using Scalar = float;
-  static constexpr py::ssize_t width = 2;
-};
+struct Layout<Vec2f> : Columns<float, 2> {};
 template <>
-struct Layout<Triangle> {
-  using Scalar = std::uint32_t;
-  static constexpr py::ssize_t width = 3;
-};
+struct Layout<Triangle> : Columns<std::uint32_t, 3> {};
 
 template <>
-struct Layout<Rgba8> {
-  using Scalar = std::uint8_t;
-  static constexpr py::ssize_t width = 4;
-};
+struct Layout<Rgba8> : Columns<std::uint8_t, 4> {};
 
 template <class Record>
 std::vector<py::ssize_t> shape_of(std::size_t count) {
