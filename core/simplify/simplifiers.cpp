@@ -13,16 +13,15 @@ namespace lodestone {
 namespace {
 
 Registry<SimplifierInfo>& simplifiers() {
-  static Registry<SimplifierInfo> all("simplifier");
-  static const bool filled = [] {
-    all.add("quadric", {[](Placement placement) { return make_quadric_simplifier(InstructionSet::best, placement); },
-                        {Placement::optimal, Placement::endpoint}});
-    all.add("cluster", {[](Placement) { return make_cluster_simplifier(); }});
-    all.add("openmesh", {[](Placement) { return make_openmesh_simplifier(); }});
-    all.add("meshopt", {[](Placement) { return make_meshopt_simplifier(); }});
-    return true;
+  static Registry<SimplifierInfo> all = [] {
+    Registry<SimplifierInfo> ours("simplifier");
+    ours.add("quadric", {[](Placement placement) { return make_quadric_simplifier(InstructionSet::best, placement); },
+                         {Placement::optimal, Placement::endpoint}});
+    ours.add("cluster", {[](Placement) { return make_cluster_simplifier(); }});
+    ours.add("openmesh", {[](Placement) { return make_openmesh_simplifier(); }});
+    ours.add("meshopt", {[](Placement) { return make_meshopt_simplifier(); }});
+    return ours;
   }();
-  (void)filled;
   return all;
 }
 

@@ -11,19 +11,18 @@ namespace lodestone {
 namespace {
 
 Registry<Experiment>& experiments() {
-  static Registry<Experiment> all("experiment");
-  static const bool filled = [] {
+  static Registry<Experiment> all = [] {
+    Registry<Experiment> ours("experiment");
     for (const auto& make :
          {build_experiment, effects_experiment, families_experiment, flight_experiment, probe_experiment,
           progressive_experiment, raster_experiment, reconstruct_experiment, scaling_experiment, shells_experiment,
           spherical_experiment, systems_experiment, table_experiment}) {
       Experiment experiment = make();
       const std::string name = experiment.name;
-      all.add(name, std::move(experiment));
+      ours.add(name, std::move(experiment));
     }
-    return true;
+    return ours;
   }();
-  (void)filled;
   return all;
 }
 

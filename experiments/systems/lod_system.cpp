@@ -21,30 +21,29 @@ std::vector<SystemPart> faded_parts(const SystemQuery& q) {
 using Parts = std::vector<SystemPart>;
 
 Registry<LodSystem>& systems() {
-  static Registry<LodSystem> all("LOD system");
-  static const bool filled = [] {
-    all.add("morph", {"cells by distance, vertices morphed",
-                      [](const SystemQuery& q) {
-                        return Parts{{q.radii, q.blend}};
-                      },
-                      true});
-    all.add("step", {"cells by distance, vertices jump in the middle of the band", [](const SystemQuery& q) {
-                       return Parts{{q.radii, Blend::step}};
-                     }});
-    all.add("discrete", {"cells by distance, each at its level, no morph", [](const SystemQuery& q) {
-                           return Parts{{without_morph(q.radii), q.blend}};
-                         }});
-    all.add("cross-fade", {.description = "the whole model at one level, two pictures blended while levels change",
-                           .parts = faded_parts,
-                           .blends = true,
-                           .moves_vertices = false});
-    all.add(std::string(full_system),
-            {"the finest level, what the others are measured against", [](const SystemQuery& q) {
-               return Parts{{whole_level(q.radii, q.hierarchy.finest()), q.blend}};
-             }});
-    return true;
+  static Registry<LodSystem> all = [] {
+    Registry<LodSystem> ours("LOD system");
+    ours.add("morph", {"cells by distance, vertices morphed",
+                       [](const SystemQuery& q) {
+                         return Parts{{q.radii, q.blend}};
+                       },
+                       true});
+    ours.add("step", {"cells by distance, vertices jump in the middle of the band", [](const SystemQuery& q) {
+                        return Parts{{q.radii, Blend::step}};
+                      }});
+    ours.add("discrete", {"cells by distance, each at its level, no morph", [](const SystemQuery& q) {
+                            return Parts{{without_morph(q.radii), q.blend}};
+                          }});
+    ours.add("cross-fade", {.description = "the whole model at one level, two pictures blended while levels change",
+                            .parts = faded_parts,
+                            .blends = true,
+                            .moves_vertices = false});
+    ours.add(std::string(full_system),
+             {"the finest level, what the others are measured against", [](const SystemQuery& q) {
+                return Parts{{whole_level(q.radii, q.hierarchy.finest()), q.blend}};
+              }});
+    return ours;
   }();
-  (void)filled;
   return all;
 }
 

@@ -34,10 +34,9 @@ struct MappedComponents {
 };
 
 // The images that config.maps asks for, with those of colours also the other images that the materials need
-// (carried_surface.h); components of one colour have it in their material instead of an image. The
-// largest component's have the size of config.texture, others as many pixels per area within a factor of two; without
-// textures to take detail from none has more than 4096 pixels for a triangle. Adds
-// times, sizes and errors to the report.
+// (carried_surface.h); components of one colour have it in their material instead of an image. The largest component's
+// have the size of config.texture, others as many pixels per area within a factor of two; without textures to take
+// detail from none has more than 4096 pixels for a triangle. Adds times, sizes and errors to the report.
 [[nodiscard]] ComponentImages make_component_images(const MappedComponents& components, const SphericalConfig& config,
                                                     Scheduler& scheduler, SphericalReport& report);
 

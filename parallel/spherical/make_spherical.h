@@ -57,10 +57,10 @@ struct SphericalReport {
 // The recipe: close holes and handles (core/spherical/topology), map each component to the sphere (map_to_sphere.h),
 // unfold it, resample its colours and normals (core/spherical/resample), and make the surface, without what closed it,
 // progressive. A component has a material and images of its own; smaller ones have smaller images. Components of less
-// than 1/256 of the area, and those that the images would show few triangles of (component_images.h), share one material
-// and its images, an atlas no larger than the largest component's images as far as 16 texels for each allow
-// (core/spherical/octahedron/square_atlas.h), unless there are geometry images, each of which is that of one component. The result depends on the mesh and the configuration alone. Throws what these parts
-// throw.
+// than 1/256 of the area, and those that the images would show few triangles of (component_images.h), share one
+// material and its images, an atlas no larger than the largest component's images as far as 16 texels for each allow
+// (core/spherical/octahedron/square_atlas.h), unless there are geometry images, each of which is that of one component.
+// The result depends on the mesh and the configuration alone. Throws what these parts throw.
 [[nodiscard]] ProgressiveMesh make_spherical(const IndexedMesh& mesh, const SphericalConfig& config,
                                              Scheduler& scheduler, SphericalReport& report);
 

@@ -85,17 +85,16 @@ std::unique_ptr<MapRenderer> gl_maps(const IndexedMesh& mesh, Scheduler& schedul
 }
 
 Registry<BackendInfo>& backends() {
-  static Registry<BackendInfo> all("backend");
-  static const bool filled = [] {
-    all.add("soft", {.frames = [](Scheduler& scheduler) { return make_soft_renderer(scheduler); },
-                     .maps = [](const IndexedMesh& mesh,
-                                Scheduler& scheduler) { return std::make_unique<SoftMapRenderer>(mesh, scheduler); }});
-    all.add("gl", {.frames = gl_frames, .maps = gl_maps});
-    all.add("null",
-            {.frames = [](Scheduler&) { return std::make_unique<NullRenderer>(); }, .maps = {}, .pictures = false});
-    return true;
+  static Registry<BackendInfo> all = [] {
+    Registry<BackendInfo> ours("backend");
+    ours.add("soft", {.frames = [](Scheduler& scheduler) { return make_soft_renderer(scheduler); },
+                      .maps = [](const IndexedMesh& mesh,
+                                 Scheduler& scheduler) { return std::make_unique<SoftMapRenderer>(mesh, scheduler); }});
+    ours.add("gl", {.frames = gl_frames, .maps = gl_maps});
+    ours.add("null",
+             {.frames = [](Scheduler&) { return std::make_unique<NullRenderer>(); }, .maps = {}, .pictures = false});
+    return ours;
   }();
-  (void)filled;
   return all;
 }
 

@@ -5,8 +5,8 @@
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
-#include "core/files/temporaries.h"
 #include "core/files/json.h"
+#include "core/files/temporaries.h"
 #include "core/files/text_file.h"
 #include "render/position_map/read_map.h"
 

@@ -17,8 +17,8 @@ namespace lodestone {
 // Gives the same bytes for any number of workers. Time: vertices + triangles + covered pixels + rows of triangles.
 // Memory: 16 bytes a vertex, and 4 for each tile of 64x64 pixels that a triangle's box with a pixel's centre in it
 // overlaps, besides the map. Without `surface` depths are interpolated from the corners' and no positions are computed:
-// enough to decide visibility. Throws InputError for a view that check_view refuses, or when a vertex is not in front of
-// the eye of a perspective view.
+// enough to decide visibility. Throws InputError for a view that check_view refuses, or when a vertex is not in front
+// of the eye of a perspective view.
 [[nodiscard]] PositionMap rasterize_map(const IndexedMesh& mesh, const MapView& view, MapChannels channels,
                                         Scheduler& scheduler);
 
@@ -36,8 +36,9 @@ struct TriangleCoverage {
   explicit TriangleCoverage(const SnappedVertex& a, const SnappedVertex& b, const SnappedVertex& c);
   std::int64_t area = 0;  // doubled; 0: covers nothing
   [[nodiscard]] bool at(std::int64_t x, std::int64_t y, double& z) const;
-  // The first and the last i, with 0 <= i < count, of which the point (first + step i, y) is covered, as are all between
-  // them; the last is below the first if the row misses the triangle. Needles take no longer than what fills its box.
+  // The first and the last i, with 0 <= i < count, of which the point (first + step i, y) is covered, as are all
+  // between them; the last is below the first if the row misses the triangle. Needles take no longer than what fills
+  // its box.
   [[nodiscard]] std::pair<std::int64_t, std::int64_t> row(std::int64_t y, std::int64_t first, std::int64_t step,
                                                           std::int64_t count) const;
   // True if no point of the rectangle is covered; false does not say that one is.

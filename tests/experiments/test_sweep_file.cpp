@@ -99,7 +99,8 @@ TEST_F(SweepFiles, ARecordedPathIsLookedIntoAndReadOnce) {
   const std::string name = (folder_ / "walk.json").string();
   const auto camera = [](const std::string& names) { return clock("\nparameters = { camera = [" + names + "] }"); };
   const std::string missing =
-      name + ": cannot be opened for reading: No such file or directory; name a good file, relative to that of the sweep";
+      name +
+      ": cannot be opened for reading: No such file or directory; name a good file, relative to that of the sweep";
   refused(camera("\"orbit\", \"" + name + "\""), 9, "camera = \"" + name + "\": ");
   refused(camera("\"" + name + "\""), 9, missing);
   refused(clock("design = \"list\"\nparameters = [{},\n{ camera = \"" + name + "\" }]"), 10, missing);

@@ -2,7 +2,8 @@
 //
 // Triangles that an arc crosses are split on it, so that every triangle lies on one side of the cut and every vertex on
 // the cut has its copies exactly on the sides of the square. Rejected: corners outside the square, which show the wrong
-// part of the image wherever textures are clamped, and which no collapse towards a coarser level can keep.//
+// part of the image wherever textures are clamped, and which no collapse towards a coarser level can keep.
+//
 // Images show the surface over the sphere, triangles are drawn with straight sides in the square: where a side is long
 // the two part, and a wall showed an arc of what lies beyond its foot. Edges are halved until their middles are near
 // enough, worst first, by at most 256 and a quarter more triangles.

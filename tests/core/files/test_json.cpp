@@ -1,12 +1,12 @@
 // Json: what it reads and writes, and what it leaves when memory runs out at any allocation.
-#include "core/files/json.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <functional>
 #include <new>
+
+#include "core/files/json.h"
 
 namespace {
 
@@ -28,7 +28,8 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 namespace lodestone {
 namespace {
 
-constexpr const char* text = R"({"a":[1,-2,{"b":[3.5]}],"c":"a string that does not fit into the object itself","d":{}})";
+constexpr const char* text =
+    R"({"a":[1,-2,{"b":[3.5]}],"c":"a string that does not fit into the object itself","d":{}})";
 
 // Whatever the work has made is destroyed while there is no memory.
 void run_out_everywhere(const std::function<void()>& work) {
