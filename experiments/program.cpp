@@ -3,6 +3,7 @@
 #include "experiments/command_line/version.h"
 #include "experiments/commands/command.h"
 #include "experiments/commands/parser.h"
+#include "experiments/large_memory.h"
 
 namespace lodestone {
 namespace {
@@ -39,6 +40,7 @@ int run_commands(int argc, char** argv) {
 }  // namespace
 
 int run_program(int argc, char** argv, std::string_view commit) {
+  keep_large_memory();
   given_commit = commit;
   return guard_memory(run_commands, argc, argv);
 }
