@@ -419,8 +419,20 @@ TEST(Recompressed, DataKeepsItsChannelsApart) {
     EXPECT_EQ(data.media_type, "image/jpeg");
     EXPECT_LT(largest_change(picture, data), 12);
   }
-  EXPECT_GT(recompressed(png, PixelMeaning::normals, 50).bytes.size(),
-            recompressed(png, PixelMeaning::values, 50).bytes.size());
+}
+
+// A surface's normals: their channels change together.
+TEST(Recompressed, NormalsOfAReliefBecomeWebp) {
+  PixelImage picture{.size = {64, 64}, .channels = 3, .pixels = {}};
+  for (int k = 0; k < 64 * 64; ++k) {
+    const double x = 0.5 * std::sin(0.3 * (k % 64)), y = 0.5 * std::cos(0.2 * (k / 64));
+    for (const double v : {x, y, std::sqrt(1 - x * x - y * y)})
+      picture.pixels.push_back(static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * v)));
+  }
+  const Texture png{.name = "a", .media_type = "image/png", .bytes = encode_image(picture, "image/png")};
+  const Texture data = recompressed(png, PixelMeaning::normals, 80);
+  EXPECT_EQ(data.media_type, "image/webp");
+  EXPECT_LT(largest_change(picture, data), 24);
 }
 
 TEST(Recompressed, AlphaIsAsItWas) {
