@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -77,10 +78,12 @@ using CommandTable = std::vector<Command>;
 void add_command(CommandTable& commands, const CommandInfo& info, CommonOptions& common, OptionTable table,
                  std::function<void()> run);
 
-// A subcommand whose options live in a struct: `declare` makes the table of their addresses.
+// A subcommand whose options live in a struct: `declare` makes the table of their addresses. To be called with the
+// struct's name, which tells the functions of several commands apart.
 template <class Options>
-void define_command(CommandTable& commands, const CommandInfo& info, OptionTable (*declare)(Options&),
-                    void (*run)(const Options&, const CommonOptions&)) {
+void define_command(CommandTable& commands, const CommandInfo& info,
+                    OptionTable (*declare)(std::type_identity_t<Options>&),
+                    void (*run)(const std::type_identity_t<Options>&, const CommonOptions&)) {
   struct Both {
     Options own;
     CommonOptions common;

@@ -217,14 +217,15 @@ OptionTable declare(BuildOptions& o) {
 }  // namespace
 
 void add_build(CommandTable& commands) {
-  define_command(commands,
-                 {"build", "Build the hierarchical level of detail of a mesh",
-                  "  lodestone build scan.ply -o scan.lode\n"
-                  "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"
-                  "  lodestone build city/tileset.json -o city.lode --texture-levels\n"
-                  "  lodestone build statue.ply -o statue.lode --memory-limit 2GiB --scratch /mnt/fast --resume\n"
-                  "  lodestone build alps.raw --grid 1197x643:i16:30 --fill-voids -o alps.lode\n"},
-                 declare, run);
+  define_command<BuildOptions>(
+      commands,
+      {"build", "Build the hierarchical level of detail of a mesh",
+       "  lodestone build scan.ply -o scan.lode\n"
+       "  lodestone build scan.obj -o scan.lode --cell-triangles 1500 --json build.json\n"
+       "  lodestone build city/tileset.json -o city.lode --texture-levels\n"
+       "  lodestone build statue.ply -o statue.lode --memory-limit 2GiB --scratch /mnt/fast --resume\n"
+       "  lodestone build alps.raw --grid 1197x643:i16:30 --fill-voids -o alps.lode\n"},
+      declare, run);
 }
 
 }  // namespace lodestone

@@ -60,11 +60,11 @@ OptionTable declare(CompareOptions& o) {
 }  // namespace
 
 void add_compare(CommandTable& commands) {
-  define_command(commands,
-                 {"compare", "Distances between two surfaces, in both directions",
-                  "  lodestone compare scan.ply scan.lode:3\n"
-                  "  lodestone compare a.obj b.obj --json distance.json\n"},
-                 declare, run);
+  define_command<CompareOptions>(commands,
+                                 {"compare", "Distances between two surfaces, in both directions",
+                                  "  lodestone compare scan.ply scan.lode:3\n"
+                                  "  lodestone compare a.obj b.obj --json distance.json\n"},
+                                 declare, run);
 }
 
 }  // namespace lodestone

@@ -100,13 +100,13 @@ OptionTable declare(ExperimentsOptions& o) {
 }  // namespace
 
 void add_experiments(CommandTable& commands) {
-  define_command(commands,
-                 {"experiments", "List the experiments of sweeps with their questions",
-                  "  lodestone experiments\n"
-                  "  lodestone experiments probe\n"
-                  "  lodestone experiments --json experiments.json\n"
-                  "  lodestone experiments --schema\n"},
-                 declare, run);
+  define_command<ExperimentsOptions>(commands,
+                                     {"experiments", "List the experiments of sweeps with their questions",
+                                      "  lodestone experiments\n"
+                                      "  lodestone experiments probe\n"
+                                      "  lodestone experiments --json experiments.json\n"
+                                      "  lodestone experiments --schema\n"},
+                                     declare, run);
 }
 
 }  // namespace lodestone

@@ -128,13 +128,13 @@ OptionTable declare(ExportOptions& o) {
 }  // namespace
 
 void add_export(CommandTable& commands) {
-  define_command(commands,
-                 {"export", "Write one level of a hierarchy as a mesh, or all of it as a tileset",
-                  "  lodestone export scan.lode --level 3 -o level3.ply\n"
-                  "  lodestone export scan.lode -o finest.obj\n"
-                  "  lodestone export scan.lode --tiles tileset\n"
-                  "  lodestone export scan.lode --tiles scan.3tz --morph\n"},
-                 declare, run);
+  define_command<ExportOptions>(commands,
+                                {"export", "Write one level of a hierarchy as a mesh, or all of it as a tileset",
+                                 "  lodestone export scan.lode --level 3 -o level3.ply\n"
+                                 "  lodestone export scan.lode -o finest.obj\n"
+                                 "  lodestone export scan.lode --tiles tileset\n"
+                                 "  lodestone export scan.lode --tiles scan.3tz --morph\n"},
+                                declare, run);
 }
 
 }  // namespace lodestone

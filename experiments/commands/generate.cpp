@@ -81,12 +81,12 @@ OptionTable declare(GenerateOptions& o) {
 }  // namespace
 
 void add_generate(CommandTable& commands) {
-  define_command(commands,
-                 {"generate", "Write a generated surface as binary PLY",
-                  "  lodestone generate sphere --triangles 1000000 --seed 1 -o sphere.ply\n"
-                  "  lodestone generate terrain --triangles 64000000 -o terrain.ply\n"
-                  "  lodestone generate hard:needles -o needles.ply\n"},
-                 declare, run);
+  define_command<GenerateOptions>(commands,
+                                  {"generate", "Write a generated surface as binary PLY",
+                                   "  lodestone generate sphere --triangles 1000000 --seed 1 -o sphere.ply\n"
+                                   "  lodestone generate terrain --triangles 64000000 -o terrain.ply\n"
+                                   "  lodestone generate hard:needles -o needles.ply\n"},
+                                  declare, run);
 }
 
 }  // namespace lodestone

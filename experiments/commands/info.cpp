@@ -178,7 +178,7 @@ OptionTable declare(InfoOptions& o) {
 }  // namespace
 
 void add_info(CommandTable& commands) {
-  define_command(
+  define_command<InfoOptions>(
       commands,
       {"info", "Show the levels of a .lode file and the figures the guarantee rests on, or the edges of a mesh",
        "  lodestone info scan.lode\n"

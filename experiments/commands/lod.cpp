@@ -91,11 +91,11 @@ OptionTable declare(LodOptions& o) {
 }  // namespace
 
 void add_lod(CommandTable& commands) {
-  define_command(commands,
-                 {"lod", "Take a level of a progressive mesh",
-                  "  lodestone lod statue.glb --triangles 5000 -o statue5k.ply\n"
-                  "  lodestone lod scan.lpm --error 0.5 -o coarse.obj\n"},
-                 declare, run);
+  define_command<LodOptions>(commands,
+                             {"lod", "Take a level of a progressive mesh",
+                              "  lodestone lod statue.glb --triangles 5000 -o statue5k.ply\n"
+                              "  lodestone lod scan.lpm --error 0.5 -o coarse.obj\n"},
+                             declare, run);
 }
 
 }  // namespace lodestone

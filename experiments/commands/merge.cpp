@@ -43,10 +43,11 @@ OptionTable declare(MergeOptions& o) {
 }  // namespace
 
 void add_merge(CommandTable& commands) {
-  define_command(commands,
-                 {"merge", "Bring the shards of a sweep together; status 1 when repetitions failed or are missing",
-                  "  lodestone merge part1 part2 -o ablation\n"},
-                 declare, run);
+  define_command<MergeOptions>(
+      commands,
+      {"merge", "Bring the shards of a sweep together; status 1 when repetitions failed or are missing",
+       "  lodestone merge part1 part2 -o ablation\n"},
+      declare, run);
 }
 
 }  // namespace lodestone

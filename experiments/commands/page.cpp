@@ -194,11 +194,11 @@ OptionTable declare(PageOptions& o) {
 }  // namespace
 
 void add_page(CommandTable& commands) {
-  define_command(commands,
-                 {"page", "Write a static web page that shows models at any level",
-                  "  lodestone page scan.ply statue.obj -o page\n"
-                  "  lodestone page scan.lpm city.lode tileset -o page\n"},
-                 declare, run);
+  define_command<PageOptions>(commands,
+                              {"page", "Write a static web page that shows models at any level",
+                               "  lodestone page scan.ply statue.obj -o page\n"
+                               "  lodestone page scan.lpm city.lode tileset -o page\n"},
+                              declare, run);
 }
 
 }  // namespace lodestone

@@ -136,11 +136,12 @@ OptionTable declare(ProgressiveOptions& o) {
 }  // namespace
 
 void add_progressive(CommandTable& commands) {
-  define_command(commands,
-                 {"progressive", "Make a progressive mesh: any level by vertices, triangles or error",
-                  "  lodestone progressive scan.ply -o scan.lpm\n"
-                  "  lodestone progressive statue.obj -o statue.glb --metric attribute-quadric --base 2000\n"},
-                 declare, run);
+  define_command<ProgressiveOptions>(
+      commands,
+      {"progressive", "Make a progressive mesh: any level by vertices, triangles or error",
+       "  lodestone progressive scan.ply -o scan.lpm\n"
+       "  lodestone progressive statue.obj -o statue.glb --metric attribute-quadric --base 2000\n"},
+      declare, run);
 }
 
 }  // namespace lodestone

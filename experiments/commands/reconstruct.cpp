@@ -236,7 +236,7 @@ OptionTable declare(ReconstructOptions& o) {
 }  // namespace
 
 void add_reconstruct(CommandTable& commands) {
-  define_command(
+  define_command<ReconstructOptions>(
       commands,
       {"reconstruct", "Make LOD meshes from rendered position maps",
        "  lodestone reconstruct scan.ply -o lod.ply --resolution 256 --measure\n"

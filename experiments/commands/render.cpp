@@ -357,15 +357,16 @@ OptionTable declare(RenderOptions& o) {
 }  // namespace
 
 void add_render(CommandTable& commands) {
-  define_command(commands,
-                 {"render", "Draw a camera path; with --json, prove every frame free of cracks and pops",
-                  "  lodestone render scan.lode --camera fly-in --frames 60 -o frames\n"
-                  "  lodestone render experiments/scenes/museum.toml --explain -o frames\n"
-                  "  lodestone render city.lode --memory-budget 256MiB -o frames\n"
-                  "  lodestone render scan.lode --backend null --kappa0 3 --radii uniform --json proof.json\n"
-                  "  lodestone render scan.lode --camera adversarial --kappa0 1.5 --radii uniform "
-                  "--allow-inadmissible --backend null --json cracks.json\n"},
-                 declare, run);
+  define_command<RenderOptions>(
+      commands,
+      {"render", "Draw a camera path; with --json, prove every frame free of cracks and pops",
+       "  lodestone render scan.lode --camera fly-in --frames 60 -o frames\n"
+       "  lodestone render experiments/scenes/museum.toml --explain -o frames\n"
+       "  lodestone render city.lode --memory-budget 256MiB -o frames\n"
+       "  lodestone render scan.lode --backend null --kappa0 3 --radii uniform --json proof.json\n"
+       "  lodestone render scan.lode --camera adversarial --kappa0 1.5 --radii uniform "
+       "--allow-inadmissible --backend null --json cracks.json\n"},
+      declare, run);
 }
 
 }  // namespace lodestone

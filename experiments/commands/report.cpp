@@ -82,12 +82,13 @@ OptionTable declare(ReportOptions& o) {
 }  // namespace
 
 void add_report(CommandTable& commands) {
-  define_command(commands,
-                 {"report", "Write what sweeps have found as one web page that opens from disk",
-                  "  lodestone report ablation -o ablation.html\n"
-                  "  lodestone report scaling accuracy -o report.html --csv rows.csv --json report.json\n"
-                  "  lodestone report ablation -o small.html --pictures 0\n"},
-                 declare, run);
+  define_command<ReportOptions>(
+      commands,
+      {"report", "Write what sweeps have found as one web page that opens from disk",
+       "  lodestone report ablation -o ablation.html\n"
+       "  lodestone report scaling accuracy -o report.html --csv rows.csv --json report.json\n"
+       "  lodestone report ablation -o small.html --pictures 0\n"},
+      declare, run);
 }
 
 }  // namespace lodestone

@@ -128,11 +128,12 @@ OptionTable declare(SphericalOptions& o) {
 }  // namespace
 
 void add_spherical(CommandTable& commands) {
-  define_command(commands,
-                 {"spherical", "Map a scan to the sphere: seamless textures, levels that change freely",
-                  "  lodestone spherical statue.obj -o statue.glb\n"
-                  "  lodestone spherical scan.ply -o scan.lpm --effort best --texture 2048 --quality 80\n"},
-                 declare, run);
+  define_command<SphericalOptions>(
+      commands,
+      {"spherical", "Map a scan to the sphere: seamless textures, levels that change freely",
+       "  lodestone spherical statue.obj -o statue.glb\n"
+       "  lodestone spherical scan.ply -o scan.lpm --effort best --texture 2048 --quality 80\n"},
+      declare, run);
 }
 
 }  // namespace lodestone

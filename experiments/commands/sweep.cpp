@@ -199,13 +199,14 @@ OptionTable declare(SweepOptions& o) {
 }  // namespace
 
 void add_sweep(CommandTable& commands) {
-  define_command(commands,
-                 {"sweep", "Run an experiment over parameters and data; status 1 when a run failed",
-                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --dry-run\n"
-                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --small\n"
-                  "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --resume --shard 2/8\n",
-                  "Threads that make data; those of a run are a parameter of its experiment"},
-                 declare, run);
+  define_command<SweepOptions>(
+      commands,
+      {"sweep", "Run an experiment over parameters and data; status 1 when a run failed",
+       "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --dry-run\n"
+       "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --small\n"
+       "  lodestone sweep experiments/studies/standard/ablation.toml -o ablation --resume --shard 2/8\n",
+       "Threads that make data; those of a run are a parameter of its experiment"},
+      declare, run);
   const auto child = std::make_shared<ChildOptions>();
   commands.push_back({{"sweep-run", "", ""},
                       {OptionSpec{"FOLDER", &child->folder}.must(), OptionSpec{"--report", &child->report}.must()},

@@ -91,11 +91,11 @@ OptionTable declare(VerifyOptions& o) {
 }  // namespace
 
 void add_verify(CommandTable& commands) {
-  define_command(commands,
-                 {"verify", "Check every invariant of a hierarchy, independently of the builder",
-                  "  lodestone verify scan.lode\n"
-                  "  lodestone verify scan.lode --input scan.ply --json verify.json\n"},
-                 declare, run);
+  define_command<VerifyOptions>(commands,
+                                {"verify", "Check every invariant of a hierarchy, independently of the builder",
+                                 "  lodestone verify scan.lode\n"
+                                 "  lodestone verify scan.lode --input scan.ply --json verify.json\n"},
+                                declare, run);
 }
 
 }  // namespace lodestone

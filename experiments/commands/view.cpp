@@ -108,16 +108,17 @@ OptionTable declare(ViewOptions& o) {
 }  // namespace
 
 void add_view(CommandTable& commands) {
-  define_command(commands,
-                 {"view", "Look at a model in a window; a mesh is built for it, in memory",
-                  "  lodestone view scan.lode\n"
-                  "  lodestone view scan.ply --size 1600x900\n"
-                  "  lodestone view experiments/scenes/museum.toml\n"
-                  "  lodestone view city.lode --memory-budget 512MiB\n"
-                  "  lodestone view scan.lode --camera path.json --pixel-error 2\n"
-                  "In the window: left button orbits, right one pans, wheel zooms, a double click focuses; the panel "
-                  "names the keys.\n"},
-                 declare, run);
+  define_command<ViewOptions>(
+      commands,
+      {"view", "Look at a model in a window; a mesh is built for it, in memory",
+       "  lodestone view scan.lode\n"
+       "  lodestone view scan.ply --size 1600x900\n"
+       "  lodestone view experiments/scenes/museum.toml\n"
+       "  lodestone view city.lode --memory-budget 512MiB\n"
+       "  lodestone view scan.lode --camera path.json --pixel-error 2\n"
+       "In the window: left button orbits, right one pans, wheel zooms, a double click focuses; the panel "
+       "names the keys.\n"},
+      declare, run);
 }
 
 }  // namespace lodestone
