@@ -27,7 +27,7 @@ std::optional<UvMap> map_between(const PlaneTriangle& from, const PlaneTriangle&
 
 std::optional<UvTransform> transform_after(const UvMap& first, const UvMap& whole) {
   if (first == whole) return UvTransform{};
-  const auto& [a, b, c, d, x, y] = first;
+  const double a = first[0], b = first[1], c = first[2], d = first[3], x = first[4], y = first[5];
   const double area = a * d - b * c;
   if (!(std::abs(area) > 0)) return std::nullopt;
   const auto row = [&](double u, double v, double move) {

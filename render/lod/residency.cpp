@@ -1,7 +1,6 @@
 #include "render/lod/residency.h"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 namespace lodestone {
@@ -35,7 +34,8 @@ std::vector<CellId> Residency::make_room() {
   for (const CellId cell : resident_)
     if (!is_chosen_[cell] && !is_refined(cell)) idle.push_back(cell);
   idle = sorted_by_excess(hierarchy_, radii_, viewpoint_, idle);
-  for (const CellId cell : idle | std::views::reverse) {
+  std::ranges::reverse(idle);
+  for (const CellId cell : idle) {
     if (lacking_ == 0) break;
     lacking_ -= std::min(lacking_, family_bytes_[cell]);
     bytes_ -= family_bytes_[cell];

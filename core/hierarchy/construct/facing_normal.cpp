@@ -51,11 +51,12 @@ Vec3d facing_normal(const std::vector<Vec3d>& triangles) {
   if (all.empty()) return {};
   for (;;) {
     const Vec3d n = centre_of(all);
-    const auto far = std::ranges::stable_partition(all, [&](const Facing& f) { return dot(f.normal, n) >= far_cosine; });
-    if (far.empty()) return n;
+    const auto far =
+        std::stable_partition(all.begin(), all.end(), [&](const Facing& f) { return dot(f.normal, n) >= far_cosine; });
+    if (far == all.end()) return n;
     // One by one, but an eighth of many: thousands may meet at the tip of a cone.
-    const auto given_up = static_cast<std::ptrdiff_t>(std::max<std::size_t>(1, far.size() / 8));
-    std::ranges::nth_element(far, far.end() - given_up, std::greater{}, &Facing::area);
+    const auto given_up = std::max<std::ptrdiff_t>(1, (all.end() - far) / 8);
+    std::ranges::nth_element(far, all.end() - given_up, all.end(), std::greater{}, &Facing::area);
     all.resize(all.size() - static_cast<std::size_t>(given_up));
   }
 }

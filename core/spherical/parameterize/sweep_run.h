@@ -106,7 +106,7 @@ class Sweep {
 
   void try_step(Moving& m) {
     const Trial there = trial(m);
-    const unsigned lower = bits(there.energy < m.model.energy) & m.pending;
+    const unsigned lower = bits(Mask4(there.energy < m.model.energy)) & m.pending;
     m.pending &= ~accept(*m.group, m.to, lower, there.uncertain);
   }
 
