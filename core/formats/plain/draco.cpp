@@ -30,7 +30,8 @@ struct DracoMesh::Decoded {
   [[nodiscard]] std::array<double, 4> value(const draco::PointAttribute& attribute, std::uint32_t id) const {
     std::array<double, 4> value{};
     const auto components = static_cast<std::int8_t>(std::min<int>(attribute.num_components(), 4));
-    if (id >= attribute.size() ||
+    // The library loads truth values as bool, which is undefined for most bytes.
+    if (id >= attribute.size() || attribute.data_type() == draco::DT_BOOL ||
         !attribute.ConvertValue<double>(draco::AttributeValueIndex(id), components, value.data()))
       fail("value " + std::to_string(id) + " of an attribute cannot be read");
     return value;
