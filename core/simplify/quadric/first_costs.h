@@ -1,6 +1,7 @@
 // From triangles to rings, fresh quadrics and first buckets.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -81,7 +82,7 @@ inline void link_triangles(Block& b) {
   for (std::size_t first = 0; first < b.live; first += 8) {
     const std::size_t count = std::min<std::size_t>(8, b.live - first);
     Id corner[3][8];
-    std::fill(corner[0], corner[0] + 24, none);
+    for (Id(&lanes)[8] : corner) std::ranges::fill(lanes, none);
     for (std::size_t k = 0; k < count; ++k) {
       const Triangle& t = b.input.triangles[first + k];
       for (int i = 0; i < 3; ++i) {
