@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <string_view>
 
 #include "core/base/error.h"
 #include "core/files/atomic_file.h"
@@ -54,6 +55,35 @@ class MemoryInput final : public Imf::IStream {
   std::span<const std::byte> bytes_;
   std::size_t at_ = 0;
 };
+
+// The library makes room for as many bytes as an attribute of a header declares before it finds that the file ends. A
+// header follows 8 bytes, is a name, a type, a size and as many bytes for each attribute, and ends with an empty name;
+// files of several parts have more of them, and end with an empty one.
+void check_attributes(std::span<const std::byte> bytes, const std::string& name) {
+  const bool has_parts = bytes.size() > 5 && (bytes[5] & std::byte{0x10}) != std::byte{0};
+  std::string_view rest(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const auto skip = [&](std::size_t count) { rest.remove_prefix(std::min(rest.size(), count)); };
+  const auto skip_text = [&] {
+    const std::size_t length = rest.substr(0, rest.find('\0')).size();
+    skip(length + 1);
+    return length;
+  };
+  skip(8);
+  for (bool ended = false; !rest.empty();) {
+    if (skip_text() == 0) {
+      if (!has_parts || ended) return;
+      ended = true;
+      continue;
+    }
+    ended = false;
+    skip_text();
+    std::uint32_t size = 0;
+    std::memcpy(&size, rest.data(), std::min(sizeof(size), rest.size()));
+    skip(sizeof(size));
+    if (size > rest.size()) throw InputError(describe(name, "", "the file is cut off"));
+    skip(size);
+  }
+}
 
 // One channel, a value per pixel.
 struct Plane {
@@ -197,6 +227,7 @@ PositionMap parse_exr_map(std::span<const std::byte> bytes, const std::string& n
   map.view = view;
   map.transform = transform;
   try {
+    check_attributes(bytes, name);
     MemoryInput memory(bytes, name.c_str());
     Imf::InputFile file(memory, 0);
     ExrReader reader(file, bytes.size(), name);
