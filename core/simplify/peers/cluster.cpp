@@ -33,9 +33,10 @@ struct Grid {
   Box3f box;
   double size = 1;
 
+  // Coordinates that are not numbers are in the first cell.
   [[nodiscard]] std::uint64_t axis(double x, double lo) const {
     const double cell = std::floor((x - lo) / size);
-    return static_cast<std::uint64_t>(std::clamp(cell, 0.0, static_cast<double>((1 << axis_bits) - 1)));
+    return cell > 0 ? static_cast<std::uint64_t>(std::min(cell, static_cast<double>((1 << axis_bits) - 1))) : 0;
   }
   [[nodiscard]] std::uint64_t key(Vec3f p) const {
     return axis(p.x, box.lo.x) | axis(p.y, box.lo.y) << axis_bits | axis(p.z, box.lo.z) << 2 * axis_bits;
