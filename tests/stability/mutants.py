@@ -5,6 +5,7 @@ program runs. So one build holds hundreds of them.
 """
 
 import dataclasses
+import json
 import pathlib
 import random
 import re
@@ -115,6 +116,17 @@ def all_mutants(root):
     for folder in FOLDERS:
         for path in sorted((root / folder).rglob("*.cpp")):
             yield from mutants_of(path.relative_to(root).as_posix(), path.read_text())
+
+
+def commands_by_source(build, root):
+    """The entry of compile_commands.json that compiles each source file, alone or by a file of build/merged that includes
+    those of its folder."""
+    commands = {}
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        path = pathlib.Path(entry["file"])
+        merged = re.findall(r'#include "(.+)"', path.read_text()) if build / "merged" in path.parents else []
+        commands |= dict.fromkeys(merged or [path.relative_to(root).as_posix()], entry)
+    return commands
 
 
 def choose(mutants, seed, each=4):

@@ -1,6 +1,7 @@
 """The faults that scripts/mutate plants. usage: test_mutants.py SOURCE_DIR COMPILER"""
 
 import collections
+import json
 import pathlib
 import subprocess
 import sys
@@ -103,6 +104,19 @@ class Mutants(unittest.TestCase):
         kept = list(mutants.apart(found))
         self.assertEqual([m.kind for m in kept], ["comparison", "sign"])
         self.assertIn("planted::less<4>{} < b && c", mutants.plant("a < b && c;\nd + e;\n", {4: kept[0], 5: kept[1]}))
+
+    def test_files_of_a_folder_may_be_compiled_together(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            build = root / "build/release"
+            part = build / "merged/core/mesh/part__1.cpp"
+            part.parent.mkdir(parents=True)
+            part.write_text('#include "core/mesh/a.cpp"\n#include "core/mesh/b.cpp"\n')
+            (root / "alone.cpp").write_text('#include "alone.h"\n')
+            entries = [{"file": str(part)}, {"file": str(root / "alone.cpp")}]
+            (build / "compile_commands.json").write_text(json.dumps(entries))
+            self.assertEqual(mutants.commands_by_source(build, root), {
+                "core/mesh/a.cpp": entries[0], "core/mesh/b.cpp": entries[0], "alone.cpp": entries[1]})
 
     def test_near_and_quick_tests_come_first(self):
         def trial(name, folder, seconds, sees):
