@@ -1,0 +1,92 @@
+"""What scripts/fuzz and scripts/mutate have found, from their logs, as a section of docs/stability.md."""
+
+import collections
+import datetime
+import json
+import re
+
+HEAD = "## Searches for faults"
+
+FUZZ = """
+`scripts/fuzz` gives each reader, `simplify` and the selection of cells whatever libFuzzer makes of the corpus, under the
+address and undefined-behaviour sanitizers: an input fails that ends the program, takes more than a minute or 2 GiB, or breaks
+what the harness asserts. Edges are those of our code that the inputs reach before and after a search, which begins with the
+corpus and with what earlier ones have kept. Last run on {date}, {seconds:,} s in all, of a machine with other work to do:
+
+| harness | inputs | edges before | edges after | failed |
+| --- | ---: | ---: | ---: | --- |
+{rows}
+
+Found on 2026-11-24, mended, and kept in tests/fuzz/corpus: positions in Draco that are truth values (undefined behaviour in
+the library); an OpenEXR header of 875 bytes for which the library took 1.7 GB; coordinates that are not numbers in clusters
+(another undefined conversion); a fill across the rows of an array in `quadric`, at every input.
+"""
+
+MUTATE = """
+`scripts/mutate` plants small faults, each of which a test should notice. Of {count} faults at commit {commit} ({date})
+{tests}caught {caught} ({share:.1f} %): {kinds}.
+
+The nine survivors of 2026-11-24, at commit df424fe: one has become a check of the test `residency` (families that leave
+memory without need). Five cost time or take another choice that is as good: a comparison with an equal bound
+(core/hierarchy/construct/block.cpp:302); a doubt about errors that are then looked for all around (175); a box that the pick
+tests too often, and its direction of a further sight (render/viewer/session/surface_pick.cpp:32 and 239); a grid of clusters
+that lies one cell further (render/reconstruct/finish/simplify_merged.cpp:108). Three have no test yet: a sight exactly on an
+edge (surface_pick.cpp:46), pixel centres exactly on an edge (render/position_map/rasterize_map.cpp:211), two corners of a
+polygon in one place (core/mesh/polygons.cpp:213).
+"""
+
+
+def fuzz_row(log):
+    text = log.read_text(errors="replace")
+    runs = re.search(r"stat::number_of_executed_units: (\d+)", text)
+    edges = re.findall(r"cov: (\d+)", text)
+    inited = re.search(r"INITED cov: (\d+)", text)
+    seconds = re.search(r"Done \d+ runs in (\d+) second", text)
+    failed = re.search(r"SUMMARY: (.*)", text)
+    return (f"| {log.stem} | {int(runs[1]) if runs else 0:,} | {inited[1] if inited else 0} | {edges[-1] if edges else 0} | "
+            f"{failed[1] if failed else 'none'} |", int(seconds[1]) if seconds else 0)
+
+
+def date_of(files):
+    return datetime.date.fromtimestamp(max(file.stat().st_mtime for file in files))
+
+
+def fuzzing(build):
+    logs = sorted(log for log in (build / "fuzz").glob("*.log") if "INITED" in log.read_text(errors="replace"))
+    if not logs:
+        return ""
+    rows, seconds = zip(*map(fuzz_row, logs))
+    return FUZZ.format(date=date_of(logs), seconds=sum(seconds), rows="\n".join(rows))
+
+
+def mutation(build):
+    logs = sorted((build / "mutate").glob("*.jsonl"), key=lambda log: log.stat().st_mtime)
+    if not logs:
+        return ""
+    rows = [json.loads(line) for line in logs[-1].read_text().splitlines()]
+    kinds = collections.defaultdict(list)
+    for row in rows:
+        kinds[row["kind"]].append(row["caught"])
+    caught = sum(row["caught"] for row in rows)
+    return MUTATE.format(date=date_of(logs[-1:]), count=len(rows), commit=logs[-1].name.split("-")[0], caught=caught,
+                         tests="the tests of the nearest folder alone " if logs[-1].stem.endswith("-near") else "the tests ",
+                         share=100 * caught / max(1, len(rows)),
+                         kinds=", ".join(f"{kind} {sum(k)} of {len(k)}" for kind, k in sorted(kinds.items())))
+
+
+def place(page):
+    """Where the section is, with the empty line before it; without one, where it belongs: before the views."""
+    begin = page.find(f"\n{HEAD}\n")
+    if begin < 0:
+        begin = end = page.index("\n## Views\n")
+        return begin, end
+    return begin, page.index("\n## ", begin + 1)
+
+
+def section(build, page):
+    """From the logs below a folder `build`; where there are none, the text of the page remains."""
+    begin, end = place(page)
+    old = page[begin:end][len(HEAD) + 2:]
+    at = old.find(MUTATE[:MUTATE.index(" plants")])
+    fuzzed, mutated = (old, "") if at < 0 else (old[:at], old[at:])
+    return f"\n{HEAD}\n" + (fuzzing(build) or fuzzed) + (mutation(build) or mutated)

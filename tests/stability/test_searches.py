@@ -1,0 +1,46 @@
+"""The section on scripts/fuzz and scripts/mutate in docs/stability.md."""
+
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import searches  # noqa: E402
+
+PAGE = "# Hard input\n\n## Views\n\nThe test.\n"
+LOG = "#9\tINITED cov: 12 ft: 1\n#99\tDONE   cov: 34 ft: 2\nDone 1234 runs in 90 second(s)\nstat::number_of_executed_units: 1234\n"
+
+
+class Searches(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.build = pathlib.Path(folder.name)
+
+    def page(self, page):
+        begin, end = searches.place(page)
+        return page[:begin] + searches.section(self.build, page) + page[end:]
+
+    def test_logs_make_the_section_and_without_them_it_remains(self):
+        (self.build / "fuzz").mkdir()
+        (self.build / "fuzz/ply.log").write_text(LOG)
+        (self.build / "fuzz/off.log").write_text(LOG + "SUMMARY: AddressSanitizer: odd\n")
+        (self.build / "mutate").mkdir()
+        rows = [{"kind": "sign", "caught": True}, {"kind": "bound", "caught": False}]
+        (self.build / "mutate/abc-release-1-2-near.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+        page = self.page(PAGE)
+        self.assertIn("| ply | 1,234 | 12 | 34 | none |\n", page)
+        self.assertIn("| off | 1,234 | 12 | 34 | AddressSanitizer: odd |\n", page)
+        self.assertIn("Of 2 faults at commit abc (", page)
+        self.assertIn("the tests of the nearest folder alone caught 1 (50.0 %): bound 0 of 1, sign 1 of 1.", page)
+        self.assertTrue(page.endswith("\n## Views\n\nThe test.\n"))
+        self.assertEqual(self.page(page), page)
+        for file in (*self.build.glob("fuzz/*"), *self.build.glob("mutate/*")):
+            file.unlink()
+        self.assertEqual(self.page(page), page)
+
+
+if __name__ == "__main__":
+    unittest.main()
