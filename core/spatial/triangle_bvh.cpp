@@ -9,8 +9,9 @@
 namespace lodestone {
 namespace {
 
-// Long triangles in fans and strips overlap each other's boxes: as many parts as memory allows.
-constexpr std::size_t parts_per_triangle = 12;
+// Long triangles that cross each other's boxes: as many parts as memory allows. Where they lie side by side, a few
+// parts and slabs do.
+constexpr std::size_t parts_per_triangle = 12, parts_with_slabs = 2;
 
 // Squared distance of what coincides but for the rounding of coordinates near 1. Where thousands of triangles cover a
 // point, all of them would be searched for a smaller one.
@@ -63,30 +64,57 @@ class CentreLattice {
   double scale_ = 0;
 };
 
+using Corners = std::array<Vec3d, 3>;
+
+// Boxes of triangles and of parts of them, and their Morton order.
+struct Parts {
+  std::vector<BoxTree::Item> items;  // of each triangle, by its number, then more
+  std::vector<BoxTree::Code> codes;  // by slot
+
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(codes.size()); }
+  [[nodiscard]] std::uint32_t number(std::uint32_t slot) const { return items[codes[slot].number].number; }
+};
+
+Parts make_parts(const std::vector<Corners>& corners, std::size_t per_triangle, const CentreLattice& lattice) {
+  Parts parts{std::vector<BoxTree::Item>(corners.size()), {}};
+  for (std::uint32_t i = 0; i < corners.size(); ++i) {
+    parts.items[i].number = i;
+    for (const Vec3d p : corners[i]) extend(parts.items[i].box, p);
+  }
+  divide_boxes(parts.items, corners, per_triangle * corners.size());
+  parts.codes.resize(parts.items.size());
+  for (std::uint32_t i = 0; i < parts.codes.size(); ++i) parts.codes[i] = {lattice.code(parts.items[i].box), i};
+  std::sort(parts.codes.begin(), parts.codes.end(), [](const BoxTree::Code& a, const BoxTree::Code& b) {
+    return a.morton != b.morton ? a.morton < b.morton : a.number < b.number;
+  });
+  return parts;
+}
+
 }  // namespace
 
 TriangleBvh::TriangleBvh(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   assert(!triangles.empty());
-  std::vector<BoxTree::Item> parts(triangles.size());
-  std::vector<std::array<Vec3d, 3>> corners(triangles.size());
-  for (std::uint32_t i = 0; i < parts.size(); ++i) {
-    parts[i].number = i;
-    for (std::size_t k = 0; k < 3; ++k) extend(parts[i].box, corners[i][k] = positions[triangles[i].v[k]]);
-  }
-  divide_boxes(parts, corners, parts_per_triangle * triangles.size());
+  std::vector<Corners> corners(triangles.size());
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) corners[i][k] = positions[triangles[i].v[k]];
   const CentreLattice lattice(positions);
-  std::vector<BoxTree::Code> codes(parts.size());
-  for (std::uint32_t i = 0; i < codes.size(); ++i) codes[i] = {lattice.code(parts[i].box), i};
-  std::sort(codes.begin(), codes.end(), [](const BoxTree::Code& a, const BoxTree::Code& b) {
-    return a.morton != b.morton ? a.morton < b.morton : a.number < b.number;
-  });
+  Parts parts = make_parts(corners, parts_with_slabs, lattice);
+  const auto corners_of = [&](std::uint32_t slot) { return corners[parts.number(slot)]; };
+  bool with_slabs = false;
+  if (parts.items.size() == (1 + parts_with_slabs) * corners.size()) {
+    with_slabs = are_side_by_side(parts.size(), corners_of);
+    if (!with_slabs) parts = make_parts(corners, parts_per_triangle, lattice);
+  }
 
   std::vector<std::uint32_t> renumbered(positions.size(), no_hint);
-  slots_.reserve(codes.size());
-  for (const BoxTree::Code& code : codes) add_slot(triangles[parts[code.number].number], positions, renumbered);
-  tree_ = BoxTree(codes, [&](std::uint32_t slot) { return parts[codes[slot].number].box; });
-  triangle_of_.reserve(codes.size());
-  for (const BoxTree::Code& code : codes) triangle_of_.push_back(parts[code.number].number);
+  slots_.reserve(parts.size());
+  triangle_of_.reserve(parts.size());
+  for (std::uint32_t slot = 0; slot < parts.size(); ++slot) {
+    triangle_of_.push_back(parts.number(slot));
+    add_slot(triangles[parts.number(slot)], positions, renumbered);
+  }
+  tree_ = BoxTree(parts.codes, [&](std::uint32_t slot) { return parts.items[parts.codes[slot].number].box; });
+  if (with_slabs) tree_.add_slabs(corners_of);
 }
 
 // Vertices get the order in which slots first use them: those of a leaf are close together in memory.

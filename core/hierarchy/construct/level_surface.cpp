@@ -59,7 +59,12 @@ void LevelSurface::build_cell(CellRank cell) {
   std::vector<BoxTree::Item> parts = items;
   divide_boxes(parts, triangle_corners, 2 * triangle_corners.size());
   trees_[cell] = BoxTree(std::move(items), leaf_items);
-  if (parts.size() > undivided) parts_[cell] = BoxTree(std::move(parts), leaf_items);
+  if (parts.size() == undivided) return;
+  BoxTree& tree = parts_[cell] = BoxTree(std::move(parts), leaf_items);
+  // Points are the triangles of equal corners that corners() makes of them.
+  const auto corners_of = [&](std::uint32_t slot) { return corners({level_.id_of(cell), tree.items()[slot]}); };
+  const auto count = static_cast<std::uint32_t>(tree.items().size());
+  if (count > 2 * undivided && are_side_by_side(count, corners_of)) tree.add_slabs(corners_of);
 }
 
 void LevelSurface::build_rest() {
@@ -116,14 +121,19 @@ LevelSurface::Gathered LevelSurface::gather(const Box3f& box, double distance, s
       const auto [a, b, c] = corners(item);  // the boxes of needles say little
       return nearest_on_triangle(middle, a, b, c).squared_distance <= far * far;
     };
-    tree.walk(accepts, [&](BoxTree::Slots slots) {
+    const auto take_slots = [&](BoxTree::Slots slots) {
       for (std::uint32_t i = slots.begin; i < slots.end; ++i)
         if (const SurfaceItem item{level_.id_of(cell), tree.items()[i]}; is_near(item)) items.push_back(item);
       result.tested += slots.end - slots.begin;
       if (items.size() > limit && divided) keep_once(items, first);
       result.complete = items.size() <= limit && result.tested <= most_tested * limit;
       return !result.complete;
-    });
+    };
+    if (tree.has_slabs()) {
+      tree.search(middle, far * far, take_slots);  // boxes alone would lead to all needles that cross the place
+    } else {
+      tree.walk(accepts, take_slots);
+    }
     if (divided) keep_once(items, first);
     return !result.complete;
   });

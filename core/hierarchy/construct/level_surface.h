@@ -1,8 +1,8 @@
 // The surface of a level of a hierarchy as a search structure: a BoxTree for each cell, and one over the cells.
 //
 // Long triangles enter the searches as several boxes (core/spatial/part_boxes.h), so that a search visits few others.
-// Positions remain in the cells. About 25 bytes per triangle, four times that where all of them are needles. Built cell
-// by cell, so that a caller with several workers can use them.
+// Positions remain in the cells. About 25 bytes per triangle, four times that where all of them are needles, seven
+// times where these lie side by side. Built cell by cell, so that a caller with several workers can use them.
 #pragma once
 
 #include <array>
