@@ -1,6 +1,9 @@
 // Damped Newton steps on the sphere, four vertices at a time.
 #pragma once
 
+#include <algorithm>
+#include <memory>
+
 #include "core/base/prefetch.h"
 #include "core/math/orientation.h"
 #include "core/spherical/parameterize/sweep_build.h"
@@ -16,9 +19,15 @@ inline constexpr int most_trials = 4;            // each half as long as the one
 class Sweep {
  public:
   Sweep(const SphereState& state, const SweepBlock& block) : state_(state), block_(block), guard_(all4d(state.guard)) {
-    std::uint32_t faces = 0;
-    for (const SweepGroup& group : block.groups) faces = std::max(faces, group.faces);
-    corners_.resize(batch * (faces + 1));
+    // As many as the largest batch needs, without a value: a hub of 100,000 faces has 16 MB of them in every sweep.
+    std::size_t most = 0;
+    for (std::size_t begin = 0; begin < block.groups.size(); begin += batch) {
+      std::size_t corners = 0;
+      for (std::size_t k = begin; k < std::min(begin + batch, block.groups.size()); ++k)
+        corners += block.groups[k].faces + 1;
+      most = std::max(most, corners);
+    }
+    corners_ = std::make_unique_for_overwrite<Corner[]>(most);
   }
 
   void run() {
@@ -28,7 +37,7 @@ class Sweep {
     const double* constants = block_.constants.data();
     for (std::size_t begin = 0; begin < block_.groups.size(); begin += batch) {
       const std::size_t count = std::min(batch, block_.groups.size() - begin);
-      Corner* corners = corners_.data();
+      Corner* corners = corners_.get();
       for (std::size_t k = 0; k < count; ++k) {
         const SweepGroup& group = block_.groups[begin + k];
         const std::uint32_t ids = 4 * (group.faces + 1);
@@ -250,7 +259,7 @@ class Sweep {
   const SphereState& state_;
   const SweepBlock& block_;
   Double4 guard_;
-  std::vector<Corner> corners_;
+  std::unique_ptr<Corner[]> corners_;
 };
 
 inline constexpr SphereKernel sweep_functions{
