@@ -36,6 +36,7 @@ void generate_hard(const GenerateOptions& options, const CommonOptions& common) 
                         {"what", hard.what},
                         {"refusal", hard.refusal},
                         {"faces", mesh.polygon_count()},
+                        {"triangles", mesh.triangle_count()},
                         {"vertices", mesh.positions.size()},
                         {"bytes", bytes.size()}});
   if (common.prints())

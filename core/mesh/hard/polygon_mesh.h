@@ -15,6 +15,8 @@ struct PolygonMesh {
   std::vector<std::size_t> ends;       // of each polygon, in corners
 
   [[nodiscard]] std::size_t polygon_count() const { return ends.size(); }
+  // Those that the polygons are cut into; each has at least three corners.
+  [[nodiscard]] std::size_t triangle_count() const { return corners.size() - 2 * ends.size(); }
   std::uint32_t add_vertex(Vec3d p) {
     positions.push_back(p);
     return static_cast<std::uint32_t>(positions.size() - 1);
