@@ -117,8 +117,8 @@ LevelSurface::Gathered LevelSurface::gather(const Box3f& box, double distance, s
     const auto first = static_cast<std::ptrdiff_t>(items.size());
     const auto is_near = [&](SurfaceItem item) {
       if (!accepts(box_of(cell, item.number))) return false;
-      if (!divided) return true;
-      const auto [a, b, c] = corners(item);  // the boxes of needles say little
+      if (!divided || tree.has_slabs()) return true;
+      const auto [a, b, c] = corners(item);  // the boxes of needles say little, unlike slabs
       return nearest_on_triangle(middle, a, b, c).squared_distance <= far * far;
     };
     const auto take_slots = [&](BoxTree::Slots slots) {
