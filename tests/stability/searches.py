@@ -30,9 +30,9 @@ The nine survivors of 2026-11-24, at commit df424fe: one has become a check of t
 memory without need). Five cost time or take another choice that is as good: a comparison with an equal bound
 (core/hierarchy/construct/block.cpp:302); a doubt about errors that are then looked for all around (175); a box that the pick
 tests too often, and its direction of a further sight (render/viewer/session/surface_pick.cpp:32 and 239); a grid of clusters
-that lies one cell further (render/reconstruct/finish/simplify_merged.cpp:108). Three have no test yet: a sight exactly on an
-edge (surface_pick.cpp:46), pixel centres exactly on an edge (render/position_map/rasterize_map.cpp:211), two corners of a
-polygon in one place (core/mesh/polygons.cpp:213).
+that lies one cell further (render/reconstruct/finish/simplify_merged.cpp:108). Pixel centres exactly on an edge
+(render/position_map/rasterize_map.cpp:211) are now in the test `position_map`. Two have no test yet: a sight exactly on an
+edge (surface_pick.cpp:46), two corners of a polygon in one place (core/mesh/polygons.cpp:213).
 """
 
 
