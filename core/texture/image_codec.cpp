@@ -227,13 +227,7 @@ void set_for_measures(const PixelImage& image, WebPConfig& config) {
   const auto error_with = [&](int filter) {
     config.filter_strength = filter;
     config.method = 2;
-    const PixelImage back = decode_webp(run_webp(part, config));
-    std::uint64_t sum = 0;
-    for (std::size_t p = 0; p < part.pixels.size(); p += 3) {
-      const int difference = back.pixels[p] - part.pixels[p];
-      sum += static_cast<std::uint64_t>(difference * difference);
-    }
-    return sum;
+    return squared_error(part, decode_webp(run_webp(part, config)));
   };
   config.filter_strength = 30 * error_with(20) < 29 * error_with(0) ? 20 : 0;
   config.method = 6;
@@ -255,6 +249,15 @@ std::vector<char> encode_webp(const PixelImage& image, int quality) {
 }
 
 }  // namespace
+
+std::uint64_t squared_error(const PixelImage& a, const PixelImage& b) {
+  std::uint64_t sum = 0;
+  for (std::size_t p = 0; p < a.pixels.size(); ++p) {
+    const int difference = int{a.pixels[p]} - b.pixels[p];
+    sum += static_cast<std::uint64_t>(difference * difference);
+  }
+  return sum;
+}
 
 PixelImage decode_image(std::span<const char> bytes, const std::string& media_type) {
   if (media_type == "image/png") return decode_png(bytes);

@@ -23,6 +23,9 @@ struct PixelImage {
   friend bool operator==(const PixelImage&, const PixelImage&) = default;
 };
 
+// Sum of the squared differences between the numbers of two images of one size, with as many channels.
+[[nodiscard]] std::uint64_t squared_error(const PixelImage& a, const PixelImage& b);
+
 // The same of three channels, as 16-bit numbers that mean no colours: normals, positions.
 struct WideImage {
   PixelSize size;

@@ -30,22 +30,14 @@ bool is_grey(const PixelImage& image) {
   return true;
 }
 
-// Sum of squared differences over the channels of `before`.
-std::uint64_t squared_error(const PixelImage& before, const std::vector<char>& bytes, const std::string& type) {
-  const PixelImage after = decode_image(bytes, type);
-  std::uint64_t sum = 0;
-  for (std::size_t p = 0; p < before.pixels.size(); ++p) {
-    const int difference = int{before.pixels[p]} - after.pixels[p];
-    sum += static_cast<std::uint64_t>(difference * difference);
-  }
-  return sum;
-}
-
 // WebP halves the resolution of colours: of normals it is the better one where their channels change together.
 std::vector<char> encode_normals(const PixelImage& image, int quality, std::string& type) {
   std::vector<char> jpeg = encode_image(image, "image/jpeg", quality), webp = encode_image(image, type, quality);
-  constexpr std::uint64_t most_loss = 4;  // twice the error, in less than half of the bytes
-  if (squared_error(image, webp, type) <= most_loss * squared_error(image, jpeg, "image/jpeg")) return webp;
+  const auto error = [&](const std::vector<char>& bytes, const std::string& media_type) {
+    return squared_error(image, decode_image(bytes, media_type));
+  };
+  constexpr std::uint64_t most_loss = 4;  // of squares: twice the error
+  if (error(webp, type) <= most_loss * error(jpeg, "image/jpeg")) return webp;
   type = "image/jpeg";
   return jpeg;
 }
