@@ -15,12 +15,6 @@ from dataclasses import dataclass, field
 # Processor time and resident memory: per triangle, and what any start takes.
 SECONDS, SECONDS_PER_TRIANGLE = 1.0, 50e-6
 BYTES, BYTES_PER_TRIANGLE = 64 << 20, 2000
-# Added for reconstruction: the maps of its views, or its grid, have as many samples as the result needs, not as the model
-# has triangles, and are meshed into tens of thousands of triangles at each resolution that is tried.
-MAPS_SECONDS, MAPS_BYTES = 3.0, 256 << 20
-# Added for spherical maps: up to 256 components, of at least 1/256 of the area each, have images of their own, and to
-# compress one takes some 5 ms.
-IMAGES_SECONDS = 1.0
 WALL_SECONDS, ADDRESS_SPACE = 1200, 8 << 30  # beyond them a command is ended
 # In memory: a file system that has just removed thousands of files (the tiles of the last case) takes its time over new ones.
 FOLDER = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
@@ -34,8 +28,7 @@ class Step:
     needs: str = ""
     errors: str = ""  # a pattern of messages that are a right answer to valid input
     within: float = math.inf  # largest distance that comparing may give, over the diagonal
-    seconds: float = SECONDS  # that its start takes
-    bytes: int = BYTES
+    bytes: int = BYTES  # that its start takes
     same: str = ""  # the file whose bytes `makes` has
 
 
@@ -47,7 +40,6 @@ FLOAT32, ROUNDING = 1e-6, 1e-12  # of coordinates in files; of distances from th
 FLOAT32_STEP = 2.0**-149  # below the smallest normal number the files of float32 hold multiples of it
 NO_CRACK = "it cannot crack"
 NO_UV = "texture coordinates"
-MAPS = {"seconds": SECONDS + MAPS_SECONDS, "bytes": BYTES + MAPS_BYTES}
 NO_VIEW = "no view sees three neighbouring samples"
 
 
@@ -103,10 +95,9 @@ STEPS = [
     Step("progressive .glb", ["progressive", "in.ply", "-o", "outp.glb"]),
     Step("progressive, attributes", ["progressive", "in.ply", "-o", "outp.glb", "--metric", "attribute-quadric"]),
     Step("progressive, parametric", ["progressive", "in.ply", "-o", "outp.glb", "--metric", "parametric"], errors=NO_UV),
-    Step("reconstruct", ["reconstruct", "in.ply", "-o", "maps.ply", "--triangles", "500"], errors=NO_VIEW, **MAPS),
-    Step("reconstruct, shell", ["reconstruct", "in.ply", "-o", "shell.ply", "--triangles", "500", "--outside-only"], errors=NO_VIEW,
-         **MAPS),
-    Step("spherical", ["spherical", "in.ply", "-o", "sphere.glb", "--texture", "64"], seconds=SECONDS + IMAGES_SECONDS),
+    Step("reconstruct", ["reconstruct", "in.ply", "-o", "maps.ply", "--triangles", "500"], errors=NO_VIEW),
+    Step("reconstruct, shell", ["reconstruct", "in.ply", "-o", "shell.ply", "--triangles", "500", "--outside-only"], errors=NO_VIEW),
+    Step("spherical", ["spherical", "in.ply", "-o", "sphere.glb", "--texture", "64"]),
 ]
 
 
@@ -207,7 +198,7 @@ def run_case(program, name, wanted=None, options=()):
             outcome = Outcome(step.name, step.words[0], fault, error, seconds, size)
             if not fault and not error:
                 outcome.fault = wrong_result(step, folder)
-            outcome.over = [what for what, over in (("time", seconds > step.seconds + SECONDS_PER_TRIANGLE * case.triangles),
+            outcome.over = [what for what, over in (("time", seconds > SECONDS + SECONDS_PER_TRIANGLE * case.triangles),
                                                     ("memory", size > step.bytes + BYTES_PER_TRIANGLE * case.triangles)) if over]
             case.outcomes.append(outcome)
         return case
