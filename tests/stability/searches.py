@@ -6,6 +6,7 @@ import json
 import re
 
 HEAD = "## Searches for faults"
+FOUND = "\n### What they found\n"  # written by hand
 
 FUZZ = """
 `scripts/fuzz` gives each reader, `simplify` and the selection of cells whatever libFuzzer makes of the corpus, under the
@@ -16,23 +17,11 @@ corpus and with what earlier ones have kept. Last run on {date}, {seconds:,} s i
 | harness | inputs | edges before | edges after | failed |
 | --- | ---: | ---: | ---: | --- |
 {rows}
-
-Found on 2026-11-24, mended, and kept in tests/fuzz/corpus: positions in Draco that are truth values (undefined behaviour in
-the library); an OpenEXR header of 875 bytes for which the library took 1.7 GB; coordinates that are not numbers in clusters
-(another undefined conversion); a fill across the rows of an array in `quadric`, at every input.
 """
 
 MUTATE = """
 `scripts/mutate` plants small faults, each of which a test should notice. Of {count} faults at commit {commit} ({date})
 {tests}caught {caught} ({share:.1f} %): {kinds}.
-
-The nine survivors of 2026-11-24, at commit df424fe: one has become a check of the test `residency` (families that leave
-memory without need). Five cost time or take another choice that is as good: a comparison with an equal bound
-(core/hierarchy/construct/block.cpp:302); a doubt about errors that are then looked for all around (175); a box that the pick
-tests too often, and its direction of a further sight (render/viewer/session/surface_pick.cpp:32 and 239); a grid of clusters
-that lies one cell further (render/reconstruct/finish/simplify_merged.cpp:108). Pixel centres exactly on an edge
-(render/position_map/rasterize_map.cpp:211) are now in the test `position_map`. Two have no test yet: a sight exactly on an
-edge (surface_pick.cpp:46), two corners of a polygon in one place (core/mesh/polygons.cpp:213).
 """
 
 
@@ -84,9 +73,9 @@ def place(page):
 
 
 def section(build, page):
-    """From the logs below a folder `build`; where there are none, the text of the page remains."""
+    """From the logs below a folder `build`; where there are none, and for what was found, the text of the page remains."""
     begin, end = place(page)
-    old = page[begin:end][len(HEAD) + 2:]
+    old, found = (page[begin:end][len(HEAD) + 2:] + FOUND).split(FOUND)[:2]
     at = old.find(MUTATE[:MUTATE.index(" plants")])
     fuzzed, mutated = (old, "") if at < 0 else (old[:at], old[at:])
-    return f"\n{HEAD}\n" + (fuzzing(build) or fuzzed) + (mutation(build) or mutated)
+    return f"\n{HEAD}\n" + (fuzzing(build) or fuzzed) + (mutation(build) or mutated) + (FOUND + found if found else "")
