@@ -1,4 +1,4 @@
-// Where large arrays lie, and what becomes of their memory.
+// Huge pages for large arrays, and freed memory that is used again.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -52,7 +52,7 @@ TEST(LargeMemory, IsToLieInHugePages) {
   keep_large_memory();
   const auto array = std::make_unique_for_overwrite<char[]>(bytes);
   const std::string flags = flags_at(array.get() + bytes / 2);
-  if (flags.empty() || !std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) GTEST_SKIP();
+  if (flags.empty() || !std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) GTEST_SKIP() << "no huge pages here";
   EXPECT_NE(flags.find(" hg"), std::string::npos) << flags;
 }
 

@@ -128,8 +128,9 @@ class Loader {
     const std::uint64_t wanted = tables_.bytes_of(residency_.wanted()), room = residency_.room();
     const std::vector<CellId> gone = residency_.make_room();
     for (const CellId c : gone) EXPECT_EQ(families.erase(c), 1u);
-    if (!gone.empty())
+    if (!gone.empty()) {
       EXPECT_LT(room + tables_.bytes_of(gone) - tables_.bytes[gone.back()], wanted) << "gone for nothing";
+    }
     bool changed = !gone.empty();
     std::shuffle(loading_.begin(), loading_.end(), random_);
     std::erase_if(loading_, [&](CellId c) {
