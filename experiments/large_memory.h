@@ -1,5 +1,5 @@
-// Memory of large arrays: huge pages, and freed memory that is used again. Half of the time of a build of 16 million
-// triangles went to pages of 4 kB, which the system clears one by one for each new array (docs/decisions/0054).
+// Memory of large arrays: huge pages, and freed memory that is used again. Nearly half of the time of a build of 16
+// million triangles went to pages of 4 kB, which the system clears one by one for each new array (docs/decisions/0054).
 #pragma once
 
 namespace lodestone {
