@@ -169,6 +169,18 @@ class Fetching(DataCase):
         self.assertIn("10 models are missing, and the tests that need them will be skipped: a.ply, b.ply", said)
         self.assertIn("scripts/data --list", said)
 
+    def test_leaves_no_empty_folder(self):
+        """Tests take the folder of a model of several files for the model, and would fail instead of being skipped."""
+        self.serve("textured/tiles/a.glb")
+        self.serve("textured/tiles/deep/b.glb")
+        self.server.shutdown()
+        self.server.server_close()
+        source = self.folder / "models"
+        (source / "scans").mkdir(parents=True)
+        (source / "scans/own.ply").write_bytes(b"own")
+        self.data(source, status=1)
+        self.assertEqual([path.name for path in (self.folder / "into").iterdir()], ["scans"])
+
 
 class Folders(DataCase):
     def test_come_before_the_network(self):
