@@ -1,8 +1,10 @@
 #include "render/lod/morph.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace lodestone {
 
@@ -17,6 +19,23 @@ float morph_lambda(const MorphContext& context, int level, Vec3f w) {
 }
 
 namespace {
+
+// The lambda that all vertices of a signature share: 0 where one of their parents' cells is not refined, 1 where one of
+// their own is, and in between by what is missing to either.
+float signature_lambda(const MorphContext& context, int level, const Signatures::Users& users) {
+  const Radii& radii = *context.radii;
+  const float stale = radii.delta * cell_size(level);
+  const auto within = [&](CellId cell, float radius) {
+    return radius -
+           limited_distance(radii.metric, context.viewpoint, context.hierarchy->cells[cell].bounds, context.limits);
+  };
+  float parents = std::numeric_limits<float>::infinity(), own = -parents;
+  for (const CellId cell : users.parents) parents = std::min(parents, within(cell, radii.by_cell[cell] - 2 * stale));
+  if (parents <= 0) return 0;
+  for (const CellId cell : users.cells) own = std::max(own, within(cell, radii.by_cell[cell] + stale));
+  if (own >= 0) return 1;
+  return 1 - blend_share(context.blend, -own / (parents - own));
+}
 
 Vec3f blend_positions(float lambda, Vec3f w, Vec3f parent) {
   if (lambda >= 1) return w;
@@ -39,6 +58,14 @@ template <class Body>
 void for_each_vertex(const MorphContext& frame, CellId cell, const Body& body) {
   const Cell& c = frame.hierarchy->cells[cell];
   const int level = frame.hierarchy->level_of(cell);
+  if (level > 0 && !frame.radii->by_cell.empty()) {
+    std::vector<float> lambdas;
+    adaptive_lambdas(frame, cell, lambdas);
+    const std::uint32_t first = c.first_shared();
+    for (std::uint32_t i = 0; i < c.positions.size(); ++i)
+      body(i, lambdas[i < first ? 0 : 1 + i - first], c.parents[i]);
+    return;
+  }
   MorphContext context = frame;
   std::vector<DetailLimit> near;
   limits_near(frame.radii->metric, frame.viewpoint, c.bounds, frame.limits, near);
@@ -57,6 +84,34 @@ const Cell& parent_of(const MorphContext& context, const Cell& cell) {
 }
 
 }  // namespace
+
+float vertex_lambda(const MorphContext& context, CellId cell, VertexId vertex) {
+  const Cell& c = context.hierarchy->cells[cell];
+  const int level = context.hierarchy->level_of(cell);
+  if (level == 0) return 1;
+  if (context.radii->by_cell.empty()) return morph_lambda(context, level, c.positions[vertex]);
+  if (!context.radii->signatures) return 1;
+  const Signatures& signatures = *context.radii->signatures;
+  const std::uint32_t first = c.first_shared();
+  const std::size_t place = vertex < first ? 0 : signatures.places(cell)[vertex - first];
+  return signature_lambda(context, level, signatures.users(signatures.of(cell)[place]));
+}
+
+void adaptive_lambdas(const MorphContext& context, CellId cell, std::vector<float>& out) {
+  out.assign(1, 1);
+  if (!context.radii->signatures) {
+    out.resize(1 + context.hierarchy->cells[cell].shared_ids.size(), 1);
+    return;
+  }
+  const Signatures& signatures = *context.radii->signatures;
+  const int level = context.hierarchy->level_of(cell);
+  const std::span<const std::uint32_t> own = signatures.of(cell);
+  std::array<float, Signatures::most> of_signature;
+  for (std::size_t k = 0; k < own.size(); ++k)
+    of_signature[k] = signature_lambda(context, level, signatures.users(own[k]));
+  out.front() = of_signature[0];
+  for (const std::uint8_t place : signatures.places(cell)) out.push_back(of_signature[place]);
+}
 
 Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position) {
   return blend_positions(morph_lambda(context, level, w), w, parent_position);
@@ -92,11 +147,10 @@ void morph_cell_vertices(const MorphContext& context, CellId cell, std::span<Mor
 
 MorphedVertex morph_vertex(const MorphContext& context, CellId cell, VertexId vertex) {
   const Cell& c = context.hierarchy->cells[cell];
-  const int level = context.hierarchy->level_of(cell);
-  if (level == 0) return {c.positions[vertex], unpack_normal(c.normals[vertex])};
+  if (c.parent == no_cell) return {c.positions[vertex], unpack_normal(c.normals[vertex])};
   const Cell& coarser = parent_of(context, c);
   const std::uint32_t parent = c.parents[vertex];
-  const float lambda = morph_lambda(context, level, c.positions[vertex]);
+  const float lambda = vertex_lambda(context, cell, vertex);
   return {blend_positions(lambda, c.positions[vertex], coarser.positions[parent]),
           blend_normals(lambda, c.normals[vertex], coarser.normals[parent])};
 }

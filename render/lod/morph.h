@@ -1,5 +1,6 @@
 // The position of a drawn vertex: n = lambda w + (1 - lambda) P(w), lambda = b_l(d(v_p, w)), or of d'(w) where detail
-// limits hold (render/lod/limits.h).
+// limits hold (render/lod/limits.h). With adaptive radii lambda follows from the distances of the boxes that the
+// vertex's signature names (docs/decisions/0055), the same for all vertices of a signature.
 //
 // The one place of this formula on the CPU; the GL shader repeats it operation by operation. lambda is selected, not
 // only clamped, so that w and P(w) are reached bit for bit; `P + lambda (w - P)` would crack.
@@ -22,10 +23,17 @@ struct MorphContext {
   DetailLimits limits{};
 };
 
-// lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.
+// lambda in [0, 1] of a vertex of a cell.
+[[nodiscard]] float vertex_lambda(const MorphContext& context, CellId cell, VertexId vertex);
+
+// lambda of all vertices of a cell that is not the root, by adaptive radii: first that of all vertices that no other
+// cell uses, then one for every shared vertex. `out` is overwritten.
+void adaptive_lambdas(const MorphContext& context, CellId cell, std::vector<float>& out);
+
+// By distance: lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.
 [[nodiscard]] float morph_lambda(const MorphContext& context, int level, Vec3f w);
 
-// w, P(w) or the blend of the two; `level` is that of w.
+// By distance: w, P(w) or the blend of the two; `level` is that of w.
 [[nodiscard]] Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position);
 
 // Drawn positions of all vertices of a cell, in the cell's order. out.size() == cell.positions.size().

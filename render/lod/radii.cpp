@@ -15,6 +15,10 @@ void check(const RadiiConfig& config) {
   if (config.kappa0 && !positive(*config.kappa0)) throw InputError("kappa0 must be a positive number");
   if (!config.kappa0 && config.rule == RadiiRule::uniform)
     throw InputError("the uniform rule needs a kappa0; give one, or use per-level radii with a pixel error");
+  if (config.kappa0 && config.rule == RadiiRule::adaptive)
+    throw InputError("adaptive radii follow from a pixel error; give one instead of kappa0, or use per-level radii");
+  if (!(config.constraint >= 0 && config.constraint <= 1))
+    throw InputError("the share of the constraint that adaptive radii keep must lie between 0 and 1");
   if (!positive(config.pixel_error)) throw InputError("the pixel error must be a positive number");
   if (!positive(config.beta)) throw InputError("beta, the minimum width of the morph band, must be a positive number");
   if (config.delta != 0 && !positive(config.delta))
@@ -40,7 +44,105 @@ float radius_for_pixels(float error_ratio, const RadiiConfig& config) {
                               radius(std::nextafter(config.vertical_fov, infinity))));
 }
 
+double norm(DistanceMetric metric, Vec3d v) {
+  return metric == DistanceMetric::chebyshev ? std::max({v.x, v.y, v.z}) : length(v);
+}
+
+// The box rule (docs/decisions/0055), fine to coarse.
+class AdaptiveRadii {
+ public:
+  AdaptiveRadii(const Hierarchy& hierarchy, const RadiiConfig& config, const Signatures& signatures)
+      : hierarchy_(hierarchy), config_(config), signatures_(signatures), wanted_(hierarchy.cells.size()) {
+    for (std::size_t c = 0; c < wanted_.size(); ++c) wanted_[c] = radius_for_pixels(hierarchy.cells[c].error, config);
+  }
+
+  std::vector<float> make() {
+    radius_ = wanted_;
+    for (int level = hierarchy_.finest(); level >= 1; --level)
+      for (std::uint32_t s = signatures_.first(level); s < signatures_.first(level + 1); ++s) raise(level, s);
+    std::vector<float> finest(hierarchy_.levels.back().cell_count, std::numeric_limits<float>::infinity());
+    if (hierarchy_.finest() >= 1)
+      for (std::uint32_t s = signatures_.first(hierarchy_.finest()); s < signatures_.first(hierarchy_.finest() + 1);
+           ++s)
+        lower(s, finest);
+    std::ranges::copy(finest, radius_.begin() + hierarchy_.levels.back().first_cell);
+    return std::move(radius_);
+  }
+
+ private:
+  // The least difference of the radii of a parent and a cell that one signature has.
+  [[nodiscard]] double gap(int level, CellId cell, CellId parent) const {
+    const double band = (double{config_.beta} + 3 * double{config_.delta}) * cell_size(level);
+    return config_.constraint *
+           (norm(config_.metric, overhang(hierarchy_.cells[cell].bounds, hierarchy_.cells[parent].bounds)) + band);
+  }
+
+  // The radii of the parents of a signature. A vertex reaches its parent at the smallest radius of them: that one
+  // serves the errors of all.
+  void raise(int level, std::uint32_t signature) {
+    const auto [cells, parents] = signatures_.users(signature);
+    float wanted = 0;
+    for (const CellId parent : parents) wanted = std::max(wanted, wanted_[parent]);
+    for (const CellId parent : parents) {
+      float& radius = radius_[parent];
+      radius = std::max(radius, wanted);
+      if (level == hierarchy_.finest()) continue;
+      for (const CellId cell : cells)
+        radius = std::max(radius, float_above((double{radius_[cell]} + gap(level, cell, parent)) * widen));
+    }
+  }
+
+  // The finest cells have no radius of their own: the widest bands that the parents leave, from half the way on.
+  void lower(std::uint32_t signature, std::span<float> finest) const {
+    const auto [cells, parents] = signatures_.users(signature);
+    for (const CellId cell : cells)
+      for (const CellId parent : parents) {
+        const double radius = radius_[parent];
+        const double most = std::min(radius / 2, radius / widen - gap(hierarchy_.finest(), cell, parent));
+        float& own = finest[cell - hierarchy_.levels.back().first_cell];
+        own = std::min(own, float_down(most));
+      }
+  }
+
+  static constexpr double widen = 1 + double{rounding_guard};
+  const Hierarchy& hierarchy_;
+  const RadiiConfig& config_;
+  const Signatures& signatures_;
+  std::vector<float> wanted_, radius_;
+};
+
+Radii make_adaptive(const Hierarchy& hierarchy, const RadiiConfig& config,
+                    std::shared_ptr<const Signatures> signatures) {
+  if (!signatures) signatures = std::make_shared<const Signatures>(hierarchy);
+  Radii radii;
+  radii.metric = config.metric;
+  radii.by_cell = AdaptiveRadii(hierarchy, config, *signatures).make();
+  radii.signatures = std::move(signatures);
+  radii.delta = config.delta;
+  radii.admissible = config.constraint == 1;
+  for (int l = 0; l <= hierarchy.finest(); ++l) {
+    const Level& level = hierarchy.levels[static_cast<std::size_t>(l)];
+    float largest = 0;
+    for (CellId cell = level.first_cell; cell < level.end_cell(); ++cell)
+      largest = std::max(largest, radii.by_cell[cell]);
+    radii.select.push_back(l == hierarchy.finest() ? 0 : largest);
+    radii.band_begin.push_back(largest);
+    radii.band_end.push_back(std::nextafter(largest + config.beta * cell_size(l), 0.0f));
+  }
+  radii.band_begin[0] = radii.band_end[0] = std::numeric_limits<float>::infinity();
+  return radii;
+}
+
 }  // namespace
+
+Vec3d overhang(const Box3f& inner, const Box3f& outer) {
+  const auto beyond = [](double lo, double hi, double outer_lo, double outer_hi) {
+    return std::max({outer_lo - lo, hi - outer_hi, 0.0});
+  };
+  return {beyond(inner.lo.x, inner.hi.x, outer.lo.x, outer.hi.x),
+          beyond(inner.lo.y, inner.hi.y, outer.lo.y, outer.hi.y),
+          beyond(inner.lo.z, inner.hi.z, outer.lo.z, outer.hi.z)};
+}
 
 float reach(const Hierarchy& hierarchy, DistanceMetric metric) {
   float rho = 0;
@@ -56,8 +158,9 @@ RadiiConfig for_picture(RadiiConfig config, ImageSize size, double vertical_fov)
   return config;
 }
 
-Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config) {
+Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config, std::shared_ptr<const Signatures> signatures) {
   check(config);
+  if (config.rule == RadiiRule::adaptive) return make_adaptive(hierarchy, config, std::move(signatures));
   const auto finest = static_cast<std::size_t>(hierarchy.finest());
   const auto rho = [&](std::size_t l) { return hierarchy.levels[l].reach[static_cast<std::size_t>(config.metric)]; };
   const auto h = [](std::size_t l) { return cell_size(static_cast<int>(l)); };

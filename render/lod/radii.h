@@ -1,10 +1,13 @@
-// From a tolerance to numbers: the selection radius r_l and the morph band [a_l, c_l] of every level.
+// From a tolerance to numbers: the selection radius r_l and the morph band [a_l, c_l] of every level, or a selection
+// radius R_C of every cell (docs/decisions/0055).
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "core/hierarchy/model/hierarchy.h"
+#include "core/hierarchy/model/signatures.h"
 #include "render/camera/projection.h"
 #include "render/lod/blend.h"
 
@@ -13,6 +16,7 @@ namespace lodestone {
 enum class RadiiRule : std::uint8_t {
   per_level,  // r_l = max(kappa0 h_l, what keeps a band of width beta h_{l+1} at level l+1): admissible for any kappa0
   uniform,    // r_l = kappa0 h_l, the published rule: admissible iff kappa0 > rho + 3 delta
+  adaptive,   // R_C from the errors of the cell and of those around it: always admissible; pixel_error only
 };
 
 struct RadiiConfig {
@@ -25,6 +29,9 @@ struct RadiiConfig {
   float aspect = 16.0f / 9.0f;       // width over height: the angle to the image corner
   float beta = 0.5f;                 // least band width at level l over h_l; > 0
   float delta = 0;                   // guard for a selection stale by delta h_l; >= 0
+  // Share of the constraint between the radii of neighbouring cells that adaptive radii keep, in [0, 1]: below 1 the
+  // drawn surface may crack, which is what ablations look for.
+  float constraint = 1;
   friend bool operator==(const RadiiConfig&, const RadiiConfig&) = default;
 };
 
@@ -38,14 +45,31 @@ struct Radii {
   std::vector<float> band_end;    // c_l: lambda = 0 from here; at level 0 infinite (lambda = 1)
   // r_{l-1} > a_l for all levels, guards included: the drawn surface is continuous in space and time.
   bool admissible = false;
+  // Adaptive radii, else empty: R_C by cell. A cell is drawn iff d(v_p, B) >= R_C and no ancestor is. On the finest
+  // level, where all are drawn, it is where the morph begins. Then select[l] is the largest of level l, and
+  // [band_begin, band_end] are the narrowest that a vertex of the level may morph in, as wide as beta asks for.
+  std::vector<float> by_cell;
+  std::shared_ptr<const Signatures> signatures;  // null: cells are exchanged without a morph
+  float delta = 0;                               // of the configuration, for by_cell
+
+  // The radius at which a cell of this level is refined.
+  [[nodiscard]] float of(CellId cell, std::size_t level) const {
+    return by_cell.empty() ? select[level] : by_cell[cell];
+  }
 };
 
 // A relative guard for the rounding of distances: widens a_l and narrows c_l.
 inline constexpr float rounding_guard = 4e-6f;
 
 // Throws InputError for parameters out of range. An inadmissible uniform kappa0 gives admissible = false and bands that
-// are steps at r_{l-1}; the caller decides if that is an error.
-[[nodiscard]] Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config);
+// are steps at r_{l-1}; the caller decides if that is an error. Adaptive radii need the signatures of the hierarchy:
+// without them they are found here, which takes all of its payloads.
+[[nodiscard]] Radii make_radii(const Hierarchy& hierarchy, const RadiiConfig& config,
+                               std::shared_ptr<const Signatures> signatures = nullptr);
+
+// H(D, P) axis by axis: how far points of the inner box may lie from the outer one, in either direction of an axis. The
+// norm of it is the largest distance.
+[[nodiscard]] Vec3d overhang(const Box3f& inner, const Box3f& outer);
 
 // rho: a uniform kappa0 is admissible just above it.
 [[nodiscard]] float reach(const Hierarchy& hierarchy, DistanceMetric metric);

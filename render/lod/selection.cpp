@@ -13,9 +13,14 @@ Box3f drawn_bounds(const Hierarchy& hierarchy, CellId cell, int level) {
 
 namespace {
 
-// True if lambda = 1 on the whole box: its farthest corner lies at most at the beginning of the band.
-bool is_static(const Radii& radii, std::size_t level, Vec3f viewpoint, const Box3f& box, DetailLimits limits) {
-  return limited_farthest_distance(radii.metric, viewpoint, box, limits) < radii.band_begin[level];
+// True if lambda = 1 on the whole box: its farthest corner lies at most at the beginning of the band. By adaptive radii
+// if it is so for the cell's own vertices, for then it is for those that it shares.
+bool is_static(const Radii& radii, CellId id, std::size_t level, Vec3f viewpoint, const Box3f& box,
+               DetailLimits limits) {
+  if (radii.by_cell.empty() || level == 0)
+    return limited_farthest_distance(radii.metric, viewpoint, box, limits) < radii.band_begin[level];
+  const float stale = radii.delta * cell_size(static_cast<int>(level));
+  return limited_distance(radii.metric, viewpoint, box, limits) <= radii.by_cell[id] + stale;
 }
 
 class Traversal {
@@ -33,8 +38,8 @@ class Traversal {
       visible = !outside(*config_.frustum, cell.bounds, displacement_bound(hierarchy_.sigma0, static_cast<int>(level)));
     if (!visible && !config_.keep_culled) return;
     const bool drawn = static_cast<int>(level) == hierarchy_.finest() ||
-                       limited_distance(radii_.metric, viewpoint_, cell.bounds, config_.limits) >= radii_.select[level];
-    const bool morphing = drawn && !is_static(radii_, level, viewpoint_, cell.bounds, config_.limits);
+                       limited_distance(radii_.metric, viewpoint_, cell.bounds, config_.limits) >= radii_.of(id, level);
+    const bool morphing = drawn && !is_static(radii_, id, level, viewpoint_, cell.bounds, config_.limits);
     if (visible && config_.cones) {
       const NormalCones& cones = *config_.cones;
       visible = !turns_away(!drawn ? cones.subtree(id) : morphing ? cones.morphing(id) : cones.still(id), id, level);

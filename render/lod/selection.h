@@ -27,10 +27,10 @@ struct Selection {
   std::uint32_t visited = 0;        // cells that the traversal looked at
 };
 
-// A cell of level l is drawn iff its ancestors are not, and l = L or d(v_p, B(C)) >= r_l. Culling happens after that:
-// with B(C) grown by sigma0 h_l / 2, since morphed vertices leave B. A null frustum culls nothing; with one, whole
-// subtrees outside it are left out when `keep_culled` is false, and marked visible = false otherwise. With cones, cells
-// that turn their backs to the viewpoint are culled, too; BackFaces tells if backs can be seen.
+// A cell of level l is drawn iff its ancestors are not, and l = L or d(v_p, B(C)) >= r_l, or R_C. Culling happens after
+// that: with B(C) grown by sigma0 h_l / 2, since morphed vertices leave B. A null frustum culls nothing; with one,
+// whole subtrees outside it are left out when `keep_culled` is false, and marked visible = false otherwise. With cones,
+// cells that turn their backs to the viewpoint are culled, too; BackFaces tells if backs can be seen.
 struct SelectionConfig {
   const Frustum* frustum = nullptr;
   bool keep_culled = true;  // list culled cells as the exact partition needs them (metrics); false: leave them out

@@ -114,9 +114,14 @@ inline std::vector<ConformanceScene> conformance_scenes() {
   scenes.push_back({"straight_down", terrain, above_hills, kappa0(3)});
   const Camera scan_view = camera(*scan, {0.3, -0.6, 0.9}, {0.5, 0.5, 0.5});
   scenes.push_back({"built", scan, scan_view, {}});  // at one pixel
+  RadiiConfig adaptive;
+  adaptive.rule = RadiiRule::adaptive;
+  scenes.push_back({"adaptive", scan, scan_view, adaptive});
+  adaptive.pixel_error = 8;
+  scenes.push_back({"adaptive_coarse", torus, outside(torus), adaptive, Blend::linear, {320, 240}, true});
   scenes.push_back({"built_tinted", scan, scan_view, kappa0(0.9f), Blend::late, {320, 240}, true});
   scenes.push_back({"one_pixel", sphere, outside(sphere), kappa0(2), Blend::smoothstep, {1, 1}});
-  add_multisampled(scenes, {"morphing", "near_plane", "inside", "built_tinted", "one_pixel"});
+  add_multisampled(scenes, {"morphing", "adaptive", "near_plane", "inside", "built_tinted", "one_pixel"});
   return scenes;
 }
 

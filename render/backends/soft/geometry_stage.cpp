@@ -1,5 +1,6 @@
 #include "render/backends/soft/geometry_stage.h"
 
+#include <algorithm>
 #include <cassert>
 #include <numeric>
 
@@ -197,9 +198,16 @@ VertexJob GeometryStage::vertex_job(const SetupContext& context, const DrawnCell
   if (drawn.morphing) {
     job.coarser = drawn.coarser->positions.data();
     job.parents = drawn.parents;
-    w.limits.clear();
-    limits_near(morph.radii->metric, morph.viewpoint, drawn.own->bounds, morph.limits, w.limits);
-    job.limits = w.limits;
+    job.has_lambdas = !morph.radii->by_cell.empty();
+    if (job.has_lambdas) {
+      adaptive_lambdas(morph, drawn.cell, w.adaptive);
+      std::fill_n(drawn.lambdas, drawn.own->first_shared(), w.adaptive.front());
+      std::copy(w.adaptive.begin() + 1, w.adaptive.end(), drawn.lambdas + drawn.own->first_shared());
+    } else {
+      w.limits.clear();
+      limits_near(morph.radii->metric, morph.viewpoint, drawn.own->bounds, morph.limits, w.limits);
+      job.limits = w.limits;
+    }
   }
   job.viewpoint = morph.viewpoint;
   job.metric = morph.radii->metric;

@@ -44,6 +44,7 @@ class GeometryStage {
   struct Workplace {
     std::vector<WindowVertex> vertices;  // of the cell at hand
     std::vector<DetailLimit> limits;     // near it
+    std::vector<float> adaptive;         // its lambdas by adaptive radii
     std::vector<Triangle> sifted;        // its triangles, where only some are drawn
     std::unique_ptr<SetupLists> lists = std::make_unique_for_overwrite<SetupLists>();
     TileBins bins;

@@ -32,6 +32,7 @@ struct VertexJob {
   const Viewport* viewport = nullptr;
   WindowVertex* out = nullptr;  // one per position
   float* lambdas = nullptr;     // the same, where the cell morphs
+  bool has_lambdas = false;     // they are there (adaptive radii), not to be found by distance
 };
 
 // Stage 2: the triangles of a cell, a run at a time.

@@ -58,8 +58,9 @@ inline Float each_share(Blend blend, Float t) {
 }
 inline constexpr Blend one_by_one = Blend::cosine;
 
-// How the vertices of a cell move: not at all, or by lambda.
+// How the vertices of a cell move: not at all, by a lambda that is known, or by one that follows from distances.
 struct Still {};
+struct Given {};
 template <DistanceMetric Metric, Blend B>
 struct Morph {};
 
@@ -126,8 +127,13 @@ inline void transform_lanes(const VertexJob& job, const Vec3f* w, const std::uin
                             WindowVertex* out, float* lambdas) {
   Points p = load_points(w);
   if constexpr (!std::is_same_v<Motion, Still>) {
-    const Float lambda = lambda_of(job, p, motion);
-    store(lambdas, lambda);
+    Float lambda;
+    if constexpr (std::is_same_v<Motion, Given>) {
+      lambda = load<Float>(lambdas);
+    } else {
+      lambda = lambda_of(job, p, motion);
+      store(lambdas, lambda);
+    }
     p = morphed(lambda, p, job.coarser, parents);
   }
   store_vertices(reinterpret_cast<float*>(out), snapped(job, p));
@@ -151,6 +157,7 @@ void transform_all(const VertexJob& job, Motion motion) {
     const std::size_t from = i + k < n ? i + k : n - 1;
     w[k] = job.positions[from];
     parents[k] = moves ? job.parents[from] : 0;
+    lambdas[k] = moves && job.has_lambdas ? job.lambdas[from] : 0;
   }
   transform_lanes(job, w, parents, motion, out, lambdas);
   for (std::size_t k = i; k < n; ++k) {
@@ -181,6 +188,7 @@ void transform_morphing(const VertexJob& job) {
 
 inline void transform_cell(const VertexJob& job) {
   if (!job.coarser) return transform_all(job, Still{});
+  if (job.has_lambdas) return transform_all(job, Given{});
   if (job.metric == DistanceMetric::chebyshev) return transform_morphing<DistanceMetric::chebyshev>(job);
   transform_morphing<DistanceMetric::euclidean>(job);
 }

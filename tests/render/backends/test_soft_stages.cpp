@@ -27,12 +27,12 @@ class SoftKernels : public ::testing::TestWithParam<InstructionSet> {
 };
 
 // Every vertex of the cell by the functions for one vertex, bit for bit.
-void expect_same_vertices(const VertexJob& job, const MorphContext& morph, int level) {
+void expect_same_vertices(const VertexJob& job, const MorphContext& morph, CellId cell) {
   for (std::size_t i = 0; i < job.positions.size(); ++i) {
     Vec3f p = job.positions[i];
     if (job.coarser) {
-      ASSERT_EQ(bits(job.lambdas[i]), bits(morph_lambda(morph, level, p)));
-      p = morph_position(morph, level, p, job.coarser[job.parents[i]]);
+      ASSERT_EQ(bits(job.lambdas[i]), bits(vertex_lambda(morph, cell, VertexId(i))));
+      p = morph_vertex(morph, cell, VertexId(i)).position;
     }
     const ClipVertex clip = to_clip(*job.view_projection, p);
     const WindowVertex& v = job.out[i];
@@ -62,15 +62,18 @@ TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
     for (const Blend blend : test::blends_and_own())
       for (const auto& [rule, limits] : {std::pair{RadiiRule::per_level, DetailLimits{}},
                                          {RadiiRule::per_level, DetailLimits(some)},
-                                         {RadiiRule::uniform, DetailLimits{}}}) {
+                                         {RadiiRule::uniform, DetailLimits{}},
+                                         {RadiiRule::adaptive, DetailLimits(some)}}) {
         RadiiConfig config;
         config.rule = rule;
         config.metric = metric;
-        config.kappa0 = 0.9f;  // uniform: inadmissible, bands are steps
+        if (rule != RadiiRule::adaptive) config.kappa0 = 0.9f;  // uniform: inadmissible, bands are steps
+        config.pixel_error = 20;
         const Radii radii = make_radii(h, config);
         const MorphContext morph{&h, &radii, blend, viewpoint(camera, h.transform), limits};
         for (const Cell& cell : h.cells) {
-          const int level = h.level_of(CellId(&cell - h.cells.data()));
+          const CellId id(&cell - h.cells.data());
+          const int level = h.level_of(id);
           std::vector<WindowVertex> out(cell.positions.size());
           std::vector<float> lambdas(cell.positions.size());
           VertexJob job;
@@ -89,8 +92,11 @@ TEST_P(SoftKernels, VerticesAreThoseOfTheMorph) {
           job.viewport = &viewport;
           job.out = out.data();
           job.lambdas = lambdas.data();
+          job.has_lambdas = level > 0 && rule == RadiiRule::adaptive;
+          for (VertexId v{0}; job.has_lambdas && v < cell.positions.size(); ++v)
+            lambdas[v] = vertex_lambda(morph, id, v);
           kernels_->transform(job);
-          ASSERT_NO_FATAL_FAILURE(expect_same_vertices(job, morph, level));
+          ASSERT_NO_FATAL_FAILURE(expect_same_vertices(job, morph, id));
         }
       }
 }

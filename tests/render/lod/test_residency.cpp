@@ -79,7 +79,10 @@ TEST(FamilyChoice, TakesTheNearestByEuclidOfThoseEquallyFar) {
     return boxes;
   });
   t.add_level(2, [&](CellId parent) { return std::vector<Box3f>{t.hierarchy.cells[parent].bounds}; });
-  t.radii = {DistanceMetric::chebyshev, {30, 20, 0}, {0, 0, 0}, {}, true};
+  t.radii.metric = DistanceMetric::chebyshev;
+  t.radii.select = {30, 20, 0};
+  t.radii.band_begin = {0, 0, 0};
+  t.radii.admissible = true;
   t.bytes.assign(t.hierarchy.cells.size(), 1);
   std::set<CellId> expected{CellId(0)};
   for (int y = 3; y < 6; ++y)

@@ -11,6 +11,7 @@ namespace {
 bool is_static(const ModelFrame& model, const SelectedCell& selected) {
   if (selected.level == 0 || !model.effects.contains(Effect::geomorph)) return true;
   if (selected.morphing) return false;
+  if (!model.morph.radii->by_cell.empty()) return true;  // by the CPU's lambdas
   const MorphContext& morph = model.morph;
   const Box3f& bounds = morph.hierarchy->cells[selected.cell].bounds;
   return limited_farthest_distance(morph.radii->metric, morph.viewpoint, bounds, morph.limits) * (1 + rounding_guard) <
@@ -24,6 +25,7 @@ void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry&
   records_.clear();
   multi_draws_.clear();
   limits_.clear();
+  lambdas_.clear();
   bucket_count_ = 0;
   cells_ = triangles_ = morphing_vertices_ = 0;
   sort_into_pipelines(frame, geometry);
@@ -44,6 +46,7 @@ void GlCommands::set(const Frame& frame, const GlScene& scene, const GlGeometry&
   sent_commands_ = stream.write(std::span<const GlDrawCommand>(commands_));
   sent_records_ = stream.write(std::span<const GlDrawRecord>(records_));
   sent_limits_ = stream.write(std::span<const GlLimit>(limits_));
+  sent_lambdas_ = stream.write(std::span<const float>(lambdas_));
 }
 
 void GlCommands::sort_into_pipelines(const Frame& frame, const GlGeometry& geometry) {
@@ -87,23 +90,36 @@ void GlCommands::add(const ModelFrame& model, std::uint32_t instance, const GlSc
   if (!is_static(model, selected)) {
     morphing_vertices_ += cell.positions.size();
     record.bits |= morphs_bit;
-    record.first_limit = static_cast<std::uint32_t>(limits_.size());
-    near_.clear();
-    limits_near(model.morph.radii->metric, model.morph.viewpoint, cell.bounds, model.morph.limits, near_);
-    for (const DetailLimit& l : near_)
-      limits_.push_back({{l.box.lo.x, l.box.lo.y, l.box.lo.z}, l.radius, {l.box.hi.x, l.box.hi.y, l.box.hi.z}, 0});
-    record.end_limit = static_cast<std::uint32_t>(limits_.size());
+    add_motion(model.morph, selected.cell, place, record);
   }
   b.records.push_back(record);
 }
 
+// Sends the lambdas of a cell, or the limits that they follow from.
+void GlCommands::add_motion(const MorphContext& morph, CellId id, const CellPlace& place, GlDrawRecord& record) {
+  const Cell& cell = morph.hierarchy->cells[id];
+  if (!morph.radii->by_cell.empty()) {
+    record.first_limit = static_cast<std::uint32_t>(lambdas_.size());
+    record.end_limit = place.first_vertex + cell.first_shared();
+    adaptive_lambdas(morph, id, of_cell_);
+    lambdas_.insert(lambdas_.end(), of_cell_.begin(), of_cell_.end());
+    return;
+  }
+  record.first_limit = static_cast<std::uint32_t>(limits_.size());
+  near_.clear();
+  limits_near(morph.radii->metric, morph.viewpoint, cell.bounds, morph.limits, near_);
+  for (const DetailLimit& l : near_)
+    limits_.push_back({{l.box.lo.x, l.box.lo.y, l.box.lo.z}, l.radius, {l.box.hi.x, l.box.hi.y, l.box.hi.z}, 0});
+  record.end_limit = static_cast<std::uint32_t>(limits_.size());
+}
+
 void GlCommands::draw(const GlScene& scene, const std::function<void(const GlPipeline&)>& use) const {
   glBindBuffer(GL_DRAW_INDIRECT_BUFFER, sent_commands_.buffer);
-  sent_limits_.bind(GL_SHADER_STORAGE_BUFFER, limits_block);
   const GlPipeline* in_use = nullptr;
   for (const GlMultiDraw& multi : multi_draws_) {
     if (const GlPipeline* next = &pipelines_[multi.pipeline]; next != in_use) {
       use(*(in_use = next));
+      (next->variant.given ? sent_lambdas_ : sent_limits_).bind(GL_SHADER_STORAGE_BUFFER, limits_block);
       if (next->variant.clipped) glEnable(GL_CLIP_DISTANCE0);
     }
     scene.bind(multi.group, sent_records_);

@@ -116,7 +116,16 @@ float limited(float d, vec3 w) {
 }
 )";
 
-// morph.cpp
+// morph.cpp; the CPU has found the lambdas of adaptive radii, one for each signature
+constexpr const char* given_lambda = R"(
+layout(std430, binding = 2) readonly restrict buffer Lambdas { float lambdas[]; };
+float lambda_of_vertex() {
+  uint v = uint(gl_VertexID);
+  return lambdas[v < draw.w ? draw.z : draw.z + 1u + (v - draw.w)];
+}
+)";
+constexpr const char* found_lambda = "float lambda_of_vertex() { return morph_lambda(level, own_position); }\n";
+
 constexpr const char* morph_functions = R"(
 float blend_share(float t) {
   if (!(t > 0.0)) return 0.0;
@@ -169,7 +178,7 @@ void main() {
 #endif
 #ifdef GEOMORPH
   if ((draw.y & 256u) != 0u) {
-    lambda = morph_lambda(level, own_position);
+    lambda = lambda_of_vertex();
     if (lambda < 1.0) {
       parent = draw.x + parent_index;
       vec3 parent_position = vec3(positions[3u * parent], positions[3u * parent + 1u], positions[3u * parent + 2u]);
@@ -377,7 +386,7 @@ GlProgram make_draw_program(GlVariant variant) {
                            define(variant.material_bits & reads_alpha, "READS_ALPHA") +
                            define(variant.material_bits & leaves_out_backs, "LEAVES_OUT_BACKS") + frame_block_source();
   const bool through = variant.pass == GlPass::shadow_layers, from_light = variant.pass == GlPass::shadow || through;
-  std::string vertex = vertex_head + source.vertex +
+  std::string vertex = vertex_head + std::string(variant.given ? given_lambda : found_lambda) + source.vertex +
                        replaced(replaced(vertex_main, "EFFECTS", source.vertex_calls), "CLIP_ROWS",
                                 from_light ? "light_rows" : "clip_rows");
   const bool layers = variant.pass == GlPass::layers || variant.pass == GlPass::layers_4x;

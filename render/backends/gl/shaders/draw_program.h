@@ -22,7 +22,8 @@ enum class GlPass : std::uint8_t { picture, shadow, shadow_layers, count, windin
 struct GlVariant {
   Blend blend = Blend::smoothstep;
   DistanceMetric metric = DistanceMetric::euclidean;
-  bool limited = false;  // detail limits hold (render/lod/limits.h)
+  bool limited = false;  // detail limits hold (render/lod/limits.h), and the program finds lambda
+  bool given = false;    // the program is given lambda: adaptive radii
   bool face_normals = false;
   EffectSet effects;
   GlPass pass = GlPass::picture;
@@ -42,8 +43,8 @@ inline constexpr GLuint own_position = 0, own_normal = 1, parent_index = 2, draw
 inline constexpr GLuint own_uv = 4, own_colour = 5, own_material = 6;
 // Storage blocks: the vertices of the group again, to be read at the parent's place.
 inline constexpr GLuint positions_block = 0, normals_block = 1;
-// The frame's detail limits; only in the limited variant.
-inline constexpr GLuint limits_block = 2;
+// The frame's detail limits, only in the limited variant; or its lambdas, only in the given one.
+inline constexpr GLuint limits_block = 2, lambdas_block = 2;
 // The models of the frame.
 inline constexpr GLuint instances_block = 3;
 // Attributes of the group again, as above.
@@ -58,6 +59,8 @@ inline constexpr GLuint frame_block = 0;
 struct GlDrawRecord {
   std::uint32_t parent_first_vertex = 0;  // of the parent cell, in the group's vertices
   std::uint32_t bits = 0;                 // level, morphs_bit (else lambda = 1 for all vertices), number of the model
+  // The detail limits near the cell. Or the place of the lambda of the vertices that no other cell uses, after which
+  // those of the shared ones follow; and the first of these, among the group's vertices.
   std::uint32_t first_limit = 0, end_limit = 0;
 };
 inline constexpr std::uint32_t morphs_bit = 256, instance_shift = 9;

@@ -29,7 +29,9 @@ std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPa
 }  // namespace
 
 GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
-  GlVariant variant{model.morph.blend, model.morph.radii->metric, !model.morph.limits.empty(), false, {}, pass};
+  GlVariant variant{.blend = model.morph.blend, .metric = model.morph.radii->metric, .pass = pass};
+  variant.given = !model.morph.radii->by_cell.empty();
+  variant.limited = !variant.given && !model.morph.limits.empty();
   variant.clipped = model.clip.has_value();
   const bool counts = pass == GlPass::count || pass == GlPass::winding;
   if (pass == GlPass::shadow || pass == GlPass::shadow_layers || counts) {
