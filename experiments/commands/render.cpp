@@ -43,6 +43,12 @@ RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) 
   if (options.kappa0 && options.pixel_error)
     throw UsageError("--kappa0 and --pixel-error exclude each other; give one of them");
   RadiiConfig config = radii_config(options.radii, options.metric);
+  if (options.kappa0 && config.rule == RadiiRule::adaptive)
+    throw UsageError("--radii adaptive follows from --pixel-error, not from --kappa0; leave one of them out");
+  if (options.select_on_device && config.rule == RadiiRule::adaptive)
+    throw UsageError("--select-on-device knows a radius for every level, not for every cell; use --radii per-level");
+  if (options.memory_budget.count > 0 && config.rule == RadiiRule::adaptive)
+    throw UsageError("--radii adaptive needs the whole model in memory; leave out --memory-budget, or use per-level");
   config.kappa0 = options.kappa0;
   config.pixel_error = options.pixel_error.value_or(of_scene.pixel_error);
   config.beta = options.beta;
@@ -52,7 +58,8 @@ RadiiConfig radii_of(const RenderOptions& options, const RadiiConfig& of_scene) 
 
 // Cameras at adversarial viewpoints, each looking at the vertex that cracks there if anything does.
 std::vector<Camera> adversarial_cameras(const Hierarchy& hierarchy, const RadiiConfig& config, int frames, Vec3d up) {
-  if (!config.kappa0) throw UsageError("--camera adversarial needs --kappa0: its viewpoints are made for one");
+  if (!config.kappa0 && config.rule != RadiiRule::adaptive)
+    throw UsageError("--camera adversarial needs --kappa0 or --radii adaptive: its viewpoints are made for its radii");
   const AdversaryConfig adversary{.count = static_cast<std::size_t>(frames)};
   std::vector<Camera> cameras;
   for (const AdversarialView& view : adversarial_views(hierarchy, make_radii(hierarchy, config), adversary)) {
@@ -94,13 +101,14 @@ std::vector<Camera> cameras(const SceneView& view, const Hierarchy& whole, Image
   const Scene& scene = view.scene();
   if (scene.camera.path != "adversarial") return camera_path(view, size);
   if (view.model_count() > 1) throw InputError("--camera adversarial is made for one model; this scene has several");
-  return adversarial_cameras(whole, scene.radii, scene.camera.frames, view.up());
+  const RadiiConfig radii = for_picture(scene.radii, size, Camera{}.vertical_fov);
+  return adversarial_cameras(whole, radii, scene.camera.frames, view.up());
 }
 
 void refuse_inadmissible(const RenderOptions& options, const SceneView& view) {
   for (std::size_t m = 0; m < view.model_count() && !options.allow_inadmissible; ++m) {
     const RadiiConfig& config = view.scene().radii;
-    if (make_radii(view.hierarchy(m), config).admissible) continue;
+    if (config.rule != RadiiRule::uniform || make_radii(view.hierarchy(m), config).admissible) continue;
     const float rho = reach(view.hierarchy(m), config.metric);
     throw InputError(describe(
         view.model_count() > 1 ? view.scene().models[m].name : options.file, "",
@@ -326,7 +334,9 @@ OptionTable declare_view(RenderOptions& o) {
 OptionTable declare_levels(RenderOptions& o) {
   return {{"--pixel-error", &o.pixel_error, "Tolerance in pixels; 1 when neither this nor --kappa0 is given"},
           {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
-          {"--radii", &o.radii, "per-level (always admissible) or uniform (the published rule)"},
+          {"--radii", &o.radii,
+           "per-level; adaptive (a radius for every cell, by its own error: fewer triangles for the same tolerance in "
+           "pixels); or uniform (the published rule, which is not always admissible)"},
           {"--blend", &o.blend_name,
            "linear, smoothstep, smootherstep, cosine, early, late or step; or a curve of your own: table:0,0.1,0.9,1 "
            "(values at equal distances) or polynomial:0,0,3,-2 (coefficients of 1, t, t^2, ...); smoothstep unless the "
@@ -340,7 +350,8 @@ OptionTable declare_levels(RenderOptions& o) {
            "no crack and no pop for what is missing, but frames depend on the speed of the disk"},
           {"--cull-occluded", &o.cull_occluded,
            "Leave out cells that others hide: the same pictures, sooner where much is hidden"},
-          {"--select-on-device", &o.select_on_device, "Backend gl: select cells by a compute shader; the same cells"},
+          {"--select-on-device", &o.select_on_device,
+           "Backend gl: select cells by a compute shader; the same cells (not with --radii adaptive)"},
           {"--cull-back-faces", &o.cull_back_faces,
            "Leave out cells that turn their back, where the surface is closed and seen from outside"},
           {"--no-metrics", &o.no_metrics, "With --json: times and counts only, no cracks and pops"},

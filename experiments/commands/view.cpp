@@ -35,6 +35,8 @@ viewer::ViewState first_state(const ViewOptions& options) {
   settings.by_kappa0 = options.kappa0.has_value();
   if (options.kappa0) settings.kappa0 = *options.kappa0;
   const RadiiConfig radii = radii_config(options.radii, options.metric);
+  if (options.kappa0 && radii.rule == RadiiRule::adaptive)
+    throw UsageError("--radii adaptive follows from --pixel-error, not from --kappa0; leave one of them out");
   settings.rule = radii.rule;
   settings.blend = blend(options.blend_name);
   state.metric = radii.metric;
@@ -92,8 +94,10 @@ OptionTable declare(ViewOptions& o) {
        {"--camera", &o.camera, "A path file (.json): the camera is at its beginning, P plays it"},
        {"--pixel-error", &o.settings.pixel_error, "Tolerance in pixels"},
        {"--kappa0", &o.kappa0, "Selection radius over cell size instead"},
-       OptionSpec{"--radii", &o.radii, "per-level (always admissible) or uniform (the published rule)"}.one_of(
-           {"per-level", "uniform"}),
+       OptionSpec{"--radii", &o.radii,
+                  "per-level; adaptive (a radius for every cell, by its own error, for models in memory as wholes); or "
+                  "uniform (the published rule, of kappa0)"}
+           .one_of({"per-level", "adaptive", "uniform"}),
        {"--blend", &o.blend_name,
         "linear, smoothstep, smootherstep, cosine, early, late or step; or a curve of your own, as for render"},
        OptionSpec{"--metric", &o.metric, "euclidean or chebyshev"}.one_of({"euclidean", "chebyshev"}),

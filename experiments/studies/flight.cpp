@@ -40,7 +40,8 @@ std::vector<ParameterInfo> parameters() {
       {"kappa0", 0.0, "cell sizes", "least selection radius; 0: by pixel_error", 0, 1e6, {}},
       {"kappa0_over_rho", 0.0, "", "kappa0 as a multiple of the admissible border instead; 0: not used", 0, 1e3, {}},
       {"pixel_error", 1.0, "pixels", "tolerance, where no kappa0 is given", 1e-3, 1e3, {}},
-      {"radii", "per-level", "", "rule for the selection radii", 0, 0, {"per-level", "uniform"}},
+      {"radii", "per-level", "", "rule for the selection radii", 0, 0, {"per-level", "uniform", "adaptive"}},
+      {"constraint", 1.0, "", "share of the constraint that adaptive radii keep; below 1 they may crack", 0, 1, {}},
       {"beta", RadiiConfig{}.beta, "cell sizes", "least width of a morph band", 1e-3, 100, {}},
       {"delta", 0.0, "cell sizes", "guard for a stale selection", 0, 100, {}},
       {"blend", "smoothstep", "", "blending function", 0, 0, blend_names(),
@@ -87,6 +88,7 @@ RadiiConfig radii_of(const Parameters& parameters, const Hierarchy& hierarchy) {
   config.beta = static_cast<float>(parameters.number("beta"));
   config.delta = static_cast<float>(parameters.number("delta"));
   config.pixel_error = static_cast<float>(parameters.number("pixel_error"));
+  config.constraint = static_cast<float>(parameters.number("constraint"));
   const double kappa0 = parameters.number("kappa0"), ratio = parameters.number("kappa0_over_rho");
   if (kappa0 > 0) config.kappa0 = static_cast<float>(kappa0);
   if (ratio > 0) config.kappa0 = static_cast<float>(kappa0_of(ratio, hierarchy, config));
@@ -147,7 +149,8 @@ std::vector<Row> rows_of(const Parameters& parameters, const RunContext& context
   const Hierarchy hierarchy = build_study_hierarchy(parameters, context, *study.scheduler);
   const RadiiConfig radii = radii_of(parameters, hierarchy);
   const ViewConfig view = view_config(parameters, radii);
-  const std::vector<Shot> shots = viewpoints(hierarchy, make_radii(hierarchy, radii), parameters);
+  const std::vector<Shot> shots =
+      viewpoints(hierarchy, make_radii(hierarchy, for_picture(radii, view.size, Camera{}.vertical_fov)), parameters);
   Row row;
   row["frame_count"] = shots.size();
   add_border(row, radii, hierarchy);
@@ -166,6 +169,10 @@ std::vector<SettingFault> check(const Parameters& parameters) {
                       " exclude each other; give one of them");
   verdict.require(kappa0 || ratio || parameters.text("radii") != "uniform", {"radii"},
                   assignment(parameters, "radii") + " needs kappa0 or kappa0_over_rho");
+  const bool adaptive = parameters.text("radii") == "adaptive";
+  verdict.require(!adaptive || !(kappa0 || ratio), {"radii", "kappa0", "kappa0_over_rho"},
+                  assignment(parameters, "radii") + " goes by pixel_error, without kappa0 and kappa0_over_rho");
+  verdict.idle(!adaptive, "constraint", assignment(parameters, "radii"));
   verdict.idle(kappa0 || ratio, "pixel_error", assignment(parameters, kappa0 ? "kappa0" : "kappa0_over_rho"));
   const bool draws = parameters.text("backend") != "null";
   verdict.require(draws || !parameters.flag("image"), {"image", "backend"},

@@ -111,12 +111,13 @@ FlightTimes times_of(const std::vector<FrameResult>& frames) {
 }  // namespace
 
 RadiiConfig radii_config(const std::string& rule, const std::string& metric) {
-  if (rule != "per-level" && rule != "uniform")
-    throw InputError("--radii " + rule + ": unknown; " + known_names(rule, {"per-level", "uniform"}));
+  if (rule != "per-level" && rule != "uniform" && rule != "adaptive")
+    throw InputError("--radii " + rule + ": unknown; " + known_names(rule, {"adaptive", "per-level", "uniform"}));
   if (metric != "euclidean" && metric != "chebyshev")
     throw InputError("--metric " + metric + ": unknown; " + known_names(metric, {"euclidean", "chebyshev"}));
   RadiiConfig config;
   if (rule == "uniform") config.rule = RadiiRule::uniform;
+  if (rule == "adaptive") config.rule = RadiiRule::adaptive;
   if (metric == "chebyshev") config.metric = DistanceMetric::chebyshev;
   return config;
 }

@@ -63,6 +63,7 @@ Radii without_morph(const Radii& radii) {
   // Finite, so that differences of bands are 0 and not undefined; an empty band is a step where it ends.
   std::fill(own.band_begin.begin(), own.band_begin.end(), std::numeric_limits<float>::max());
   std::fill(own.band_end.begin(), own.band_end.end(), std::numeric_limits<float>::max());
+  own.signatures = nullptr;
   own.admissible = false;
   return own;
 }

@@ -144,8 +144,8 @@ inline constexpr const char* select =
     pixel_error=1.0, beta=0.5, delta=0.0, blend='smoothstep', effects='auto', tint=False)
 
 The cells that are drawn from a camera. size: (width, height) of the picture. pixel_error: tolerance in pixels;
-kappa0: radius over cell size instead. radii: 'per-level' or 'uniform' (which needs kappa0); metric: 'euclidean' or
-'chebyshev'; beta: least width of a morph band over the cell size, above 0; delta: guard for a viewpoint that is
+kappa0: radius over cell size instead. radii: 'per-level', 'adaptive' (a radius for every cell, by pixel_error) or
+'uniform' (which needs kappa0); metric: 'euclidean' or 'chebyshev'; beta: least width of a morph band over the cell size, above 0; delta: guard for a viewpoint that is
 stale by so many cell sizes; blend: 'linear', 'smoothstep', 'smootherstep', 'cosine', 'early', 'late' or 'step'.
 samples, effects and tint are for pictures alone. Returns a Selection. Raises InputError for a value out of range.)";
 

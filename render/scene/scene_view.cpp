@@ -144,6 +144,21 @@ bool SceneView::stream(Placed& placed, const ModelFrame& model, const Camera& ca
   return !same;
 }
 
+// Signatures are found when they are first asked for; placements of one model share them.
+void SceneView::set_radii(Placed& placed, const RadiiConfig& config) {
+  if (placed.radii_config == config) return;
+  if (config.rule == RadiiRule::adaptive && placed.open.resident)
+    throw InputError("adaptive radii need the whole model in memory; a streamed one is drawn by per-level radii");
+  if (config.rule == RadiiRule::adaptive && !placed.signatures) {
+    const auto same = std::ranges::find_if(
+        placed_, [&](const Placed& p) { return p.open.hierarchy == placed.open.hierarchy && p.signatures != nullptr; });
+    placed.signatures =
+        same == placed_.end() ? std::make_shared<const Signatures>(*placed.open.hierarchy) : same->signatures;
+  }
+  placed.radii = make_radii(*placed.open.hierarchy, config, placed.signatures);
+  placed.radii_config = config;
+}
+
 bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span<const ViewConfig> beside) {
   const bool rests = camera_ && *camera_ == camera && config_ == config;
   const auto streamed_one = [](const Placed& p) { return p.open.resident != nullptr; };
@@ -155,8 +170,7 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   camera_.reset();
   config_ = config;
   if (!rests && !frozen_)
-    for (Placed& placed : placed_)
-      placed.radii = make_radii(*placed.open.hierarchy, for_picture(config.radii, config.size, camera.vertical_fov));
+    for (Placed& placed : placed_) set_radii(placed, for_picture(config.radii, config.size, camera.vertical_fov));
 
   bool streamed = false;
   for (std::size_t m = 0; m < placed_.size(); ++m) {
@@ -188,8 +202,8 @@ bool SceneView::update(const Camera& camera, const ViewConfig& config, std::span
   frame_.size = config.size;
   frame_.samples = config.samples;
   frame_.cull_occluded = config.cull_occluded;
-  frame_.select_on_device =
-      config.select_on_device && !frozen_ && std::ranges::find(config.hidden, true) == config.hidden.end();
+  frame_.select_on_device = config.select_on_device && !frozen_ && config.radii.rule != RadiiRule::adaptive &&
+                            std::ranges::find(config.hidden, true) == config.hidden.end();
   for (std::size_t m = 0; m < placed_.size(); ++m) {
     if (!frozen_) select(frame_.models[m], placed_[m], is_hidden(m));
     frame_.models[m].selection = is_hidden(m) ? &no_cells : &placed_[m].selection;

@@ -4,6 +4,7 @@
 // camera at rest re-selects nothing, and draw() draws nothing again.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -94,13 +95,16 @@ class SceneView {
     Similarity placement;        // of normalised model space, in the scene
     Similarity in_picture;       // the same in units of the picture, whose origin lies with the models
     Appearance appearance;
+    std::shared_ptr<const Signatures> signatures;  // for adaptive radii
     Radii radii;
-    std::vector<DetailLimit> limits;  // of the frame
-    std::uint64_t revision = 0;       // of the streamed cells in it
-    std::vector<CellId> went, came;   // families that the renderer has yet to lose and to get
+    std::optional<RadiiConfig> radii_config;  // that the radii were made by
+    std::vector<DetailLimit> limits;          // of the frame
+    std::uint64_t revision = 0;               // of the streamed cells in it
+    std::vector<CellId> went, came;           // families that the renderer has yet to lose and to get
     Selection selection, casters;
   };
   void place_models();
+  void set_radii(Placed& placed, const RadiiConfig& config);
   [[nodiscard]] bool is_hidden(std::size_t model) const {
     return model < config_.hidden.size() && config_.hidden[model];
   }

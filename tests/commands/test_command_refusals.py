@@ -82,6 +82,10 @@ class Usage(CommandCase):
         self.refused(*render, "--blend", "none", names=["none", "smoothstep", "step"])
         self.refused(*render, "--metric", "taxi", names=["--metric taxi"])
         self.refused(*render, "--camera", "adversarial", names=["--camera", "--kappa0"])
+        adaptive = (*render, "--radii", "adaptive")
+        self.refused(*adaptive, "--kappa0", 2, names=["--radii adaptive", "--pixel-error"])
+        self.refused(*adaptive, "--memory-budget", "1MiB", names=["--radii adaptive", "--memory-budget"])
+        self.refused(*adaptive, "--select-on-device", names=["--select-on-device", "per-level"])
         for option, values in {"--pixel-error": ("0", "-1", "nan", "x"), "--kappa0": ("0", "-1", "nan", "x"),
                                "--beta": ("0", "nan", "x"), "--delta": ("-1", "nan", "x")}.items():
             for value in values:

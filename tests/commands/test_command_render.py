@@ -51,7 +51,8 @@ class Render(CommandCase):
         for camera in ("fly-in", "orbit"):
             for metric in ("euclidean", "chebyshev"):
                 uniform = ("--radii", "uniform", "--kappa0", 1.1 * self.rho(metric))
-                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 1), uniform):
+                adaptive = ("--radii", "adaptive", "--pixel-error", 2)
+                for rule in (("--pixel-error", 1), ("--pixel-error", 4), ("--kappa0", 1), uniform, adaptive):
                     result = self.fly("--camera", camera, "--metric", metric, *rule)
                     self.assert_seamless(result)
                     if camera == "fly-in":  # the orbit, seeing all, may keep clear of every band
@@ -74,6 +75,7 @@ class Render(CommandCase):
         self.assertGreater(result["open_edges"], 0)
         self.assertGreater(result["gap_max"], 0)
         self.assert_seamless_views(self.fly(*adversarial, 1.01 * self.rho()))
+        self.assert_seamless_views(self.fly("--camera", "adversarial", "--radii", "adaptive"))
 
     def assert_seamless_views(self, result):  # the camera leaps between adversarial views: jumps mean nothing
         self.assertTrue(result["admissible"])

@@ -177,6 +177,19 @@ inline Radii radii_of(const RandomModel& m, const Hierarchy& h) {
   return make_radii(h, config);
 }
 
+// Adaptive radii for errors that have nothing to do with the cells: whatever is wanted, the constraint is met.
+inline Radii adaptive_radii_of(const RandomModel& m, Hierarchy h) {
+  RadiiConfig config;
+  config.rule = RadiiRule::adaptive;
+  config.metric = metric_of(m);
+  config.beta = static_cast<float>(m.beta) / 10;
+  config.delta = static_cast<float>(m.delta) / 10;
+  std::mt19937 random(m.views);
+  std::uniform_real_distribution<float> digits(-6, -1);
+  for (Cell& cell : h.cells) cell.error = std::pow(10.0f, digits(random));
+  return make_radii(h, config);
+}
+
 // The ends of a segment, near the model or far from it, on a vertex, on a corner of the grid or anywhere, and steps in
 // between.
 inline std::vector<Vec3f> viewpoints_of(const RandomModel& m, const Hierarchy& h, int steps) {

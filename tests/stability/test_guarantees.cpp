@@ -58,7 +58,8 @@ class Trial {
         if (!check.passed) return "verify: " + check.name + ": " + check.detail;
     }
     if (const std::string text = topology_fault(); !text.empty()) return text;
-    return view_fault();
+    if (const std::string text = view_fault(radii_of(model_, hierarchy_)); !text.empty()) return text;
+    return view_fault(adaptive_radii_of(model_, hierarchy_));
   }
 
   // The adversary at 0.99 times the largest reach of a vertex that it knows: some view must be cracked. Nothing if no
@@ -116,8 +117,7 @@ class Trial {
     return {};
   }
 
-  [[nodiscard]] std::string view_fault() {
-    const Radii radii = radii_of(model_, hierarchy_);
+  [[nodiscard]] std::string view_fault(const Radii& radii) {
     if (!radii.admissible) return "the radii are not admissible";
     const std::vector<Vec3f> views = viewpoints_of(model_, hierarchy_, 6);
     std::optional<Drawn> before;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "core/base/error.h"
 
@@ -103,11 +105,74 @@ std::optional<AdversarialView> best_view(const ViewedLevel& viewed, CellId id) {
   return view_of_vertex(viewed, id, *best);
 }
 
+// A vertex of a cell with this signature, one that moves if there is any.
+VertexId vertex_of(const ViewedLevel& viewed, CellId id, std::uint32_t signature) {
+  const Signatures& signatures = *viewed.radii.signatures;
+  const Cell& cell = viewed.hierarchy.cells[id];
+  const std::span<const Vec3f> parents = viewed.hierarchy.cells[cell.parent].positions;
+  const std::span<const std::uint8_t> places = signatures.places(id);
+  VertexId found(cell.first_shared());
+  for (std::uint32_t k = 0; k < places.size(); ++k) {
+    if (signatures.of(id)[places[k]] != signature) continue;
+    found = VertexId(cell.first_shared() + k);
+    if (parents[cell.parents[found]] != cell.positions[found]) break;
+  }
+  return found;
+}
+
+// The view on the ray from one cell's parent through the corner of the other cell that is farthest from it.
+AdversarialView view_of_boxes(const ViewedLevel& viewed, CellId id, CellId parent, CellId other) {
+  const Radii& radii = viewed.radii;
+  const Box3f &box = viewed.hierarchy.cells[id].bounds, &outer = viewed.hierarchy.cells[parent].bounds;
+  const Vec3d over = overhang(box, outer);
+  const auto way = [](double length, float hi, float outer_hi) { return hi > outer_hi ? length : -length; };
+  const Vec3d out{way(over.x, box.hi.x, outer.hi.x), way(over.y, box.hi.y, outer.hi.y),
+                  way(over.z, box.hi.z, outer.hi.z)};
+  const auto corner = [](double out, float lo, float hi) { return double{out < 0 ? lo : hi}; };
+  const Vec3d z{corner(out.x, box.lo.x, box.hi.x), corner(out.y, box.lo.y, box.hi.y),
+                corner(out.z, box.lo.z, box.hi.z)};
+  const double radius = radii.by_cell[id], apart = norm(radii.metric, out);
+  AdversarialView view;
+  view.viewpoint = to_float(z + (radius * (1 - viewed.slack) / apart) * out);
+  view.across = to_float(z + (radius * (1 + viewed.slack) / apart) * out);
+  view.level = viewed.level;
+  view.cell = id, view.other = other;
+  view.refined = true;
+  view.reach = static_cast<float>((radius + apart) / radii.by_cell[parent]);
+  return view;
+}
+
+// One view per cell that shares a vertex with another cell's parent beyond which it reaches.
+std::vector<AdversarialView> box_views(const ViewedLevel& viewed) {
+  const Signatures& signatures = *viewed.radii.signatures;
+  const auto& cells = viewed.hierarchy.cells;
+  std::map<CellId, std::pair<AdversarialView, std::uint32_t>> best;  // and the signature
+  for (std::uint32_t s = signatures.first(viewed.level); s < signatures.first(viewed.level + 1); ++s) {
+    const std::span<const CellId> users = signatures.users(s).cells;
+    for (const CellId id : users)
+      for (const CellId other : users) {
+        const CellId parent = cells[other].parent;
+        if (parent == cells[id].parent || !(viewed.radii.by_cell[id] > 0)) continue;
+        if (overhang(cells[id].bounds, cells[parent].bounds) == Vec3d{}) continue;
+        const AdversarialView view = view_of_boxes(viewed, id, parent, other);
+        const auto [found, is_new] = best.try_emplace(id, view, s);
+        if (!is_new && view.reach > found->second.first.reach) found->second = {view, s};
+      }
+  }
+  std::vector<AdversarialView> views;
+  for (auto& [id, found] : best) {
+    found.first.vertex = vertex_of(viewed, id, found.second);
+    views.push_back(found.first);
+  }
+  return views;
+}
+
 // One view per cell that has one: the best `most` by reach.
 std::vector<AdversarialView> best_views(const ViewedLevel& viewed, std::size_t most) {
   const Level& level = viewed.hierarchy.levels[static_cast<std::size_t>(viewed.level)];
   std::vector<AdversarialView> found;
-  for (CellId cell = level.first_cell; cell < level.end_cell(); ++cell)
+  if (!viewed.radii.by_cell.empty()) found = box_views(viewed);
+  for (CellId cell = level.first_cell; viewed.radii.by_cell.empty() && cell < level.end_cell(); ++cell)
     if (const auto view = best_view(viewed, cell)) found.push_back(*view);
   std::stable_sort(found.begin(), found.end(),
                    [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });

@@ -6,6 +6,10 @@
 // as that is r_{l-1} or more (uniform rule: kappa0 <= d(u, z) / h_l), a cell of level l has its vertex at P(u) and the
 // children of a refined one at u. The hair decides on which of the two sides Q is: on the other one than a cell that
 // shares u. Random viewpoints hardly ever come near this; sweeps below the admissible border need it.
+//
+// With adaptive radii the pair that matters is a cell Q and another cell's parent P, which share u: the viewpoint lies
+// R_Q beyond the corner of B(Q) that is farthest from B(P), on the way from B(P). Q is about to be exchanged, and P is
+// R_Q + H(Q, P) away: not refined, once its radius is no larger than that.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +29,7 @@ struct AdversarialView {
   CellId other;          // a cell of the level that shares u; refined iff Q is not
   VertexId vertex;       // u, in Q
   bool refined = false;  // true if Q is refined, seen from `viewpoint`
-  float reach = 0;       // d(u, z) / h_l: at most the level's reach
+  float reach = 0;       // d(u, z) / h_l, at most the level's reach; adaptive: (R_Q + H) / R_P, below 1 if admissible
 };
 
 struct AdversaryConfig {

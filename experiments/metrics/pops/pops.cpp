@@ -98,6 +98,17 @@ Band band_of(const MorphContext& context, std::size_t level) {
   return {context.radii->band_begin[level], context.radii->band_end[level]};
 }
 
+// The largest change of a radius that moves vertices of the level: of their own cells or of the parents.
+double radius_shift(const MorphContext& before, const MorphContext& after, std::size_t level) {
+  double shift = 0;
+  for (const std::size_t l : {level - 1, level}) {
+    const Level& cells = before.hierarchy->levels[l];
+    for (CellId c = cells.first_cell; c < cells.end_cell(); ++c)
+      shift = std::max(shift, std::abs(double{after.radii->by_cell[c]} - before.radii->by_cell[c]));
+  }
+  return shift;
+}
+
 double step_length(const MorphContext& before, const MorphContext& after) {
   return length(to_double(after.viewpoint) - to_double(before.viewpoint));
 }
@@ -207,7 +218,9 @@ std::vector<double> jump_bounds(const MorphContext& before, const MorphContext& 
     const double width = std::min(from.end - from.begin, to.end - to.begin);
     const double lipschitz =
         width > 0 ? blend_lipschitz(before.blend) / width : std::numeric_limits<double>::infinity();
-    const double shift = std::max(std::abs(to.begin - from.begin), std::abs(to.end - from.end));
+    const bool adaptive = !before.radii->by_cell.empty() && !after.radii->by_cell.empty();
+    const double shift = adaptive ? radius_shift(before, after, l)
+                                  : std::max(std::abs(to.begin - from.begin), std::abs(to.end - from.end));
     const double way = step + shift + sinking * std::max(from.end, to.end) + view_rounding * std::max(from.end, to.end);
     bounds[l] = displacement_bound(hierarchy.sigma0, static_cast<int>(l)) * lipschitz * way;
   }

@@ -31,7 +31,7 @@ RadiiConfig radii_config(const ViewSettings& settings, DistanceMetric metric) {
   const ViewSettings s = clamped(settings);
   RadiiConfig config;
   config.metric = metric;
-  config.rule = s.by_kappa0 ? s.rule : RadiiRule::per_level;
+  if (s.rule == (s.by_kappa0 ? RadiiRule::uniform : RadiiRule::adaptive)) config.rule = s.rule;
   if (s.by_kappa0) config.kappa0 = s.kappa0;
   config.pixel_error = s.pixel_error;
   config.beta = s.beta;
@@ -44,7 +44,8 @@ Admissibility admissibility(std::span<const Hierarchy* const> models, const View
   Admissibility result;
   for (const Hierarchy* model : models) {
     result.least_kappa0 = std::max(result.least_kappa0, reach(*model, metric) + 3 * config.delta);
-    result.admissible = result.admissible && make_radii(*model, config).admissible;
+    result.admissible =
+        result.admissible && (config.rule != RadiiRule::uniform || make_radii(*model, config).admissible);
   }
   result.continuous = settings.blend != Blend::step;
   if (!result.admissible) result.remark = inadmissible(*config.kappa0, result.least_kappa0);

@@ -36,10 +36,28 @@ std::optional<float> lambda_at(const std::vector<Placed>& models, double x, doub
   return {};
 }
 
+// Down to the drawn cells, as the selection goes.
+std::optional<float> lambda_of_drawn(const MorphContext& morph, CellId id, std::size_t level, Vec3f p) {
+  const Hierarchy& hierarchy = *morph.hierarchy;
+  const Cell& cell = hierarchy.cells[id];
+  const Radii& radii = *morph.radii;
+  if (cell.positions.empty() || distance(DistanceMetric::chebyshev, p, cell.bounds) > 0) return {};
+  const bool drawn = cell.child_count == 0 ||
+                     limited_distance(radii.metric, morph.viewpoint, cell.bounds, morph.limits) >= radii.of(id, level);
+  if (drawn) {
+    const float lambda = vertex_lambda(morph, id, VertexId(0));
+    return lambda > 0 && lambda < 1 ? std::optional(lambda) : std::nullopt;
+  }
+  for (CellId k = cell.first_child; k < cell.end_child(); ++k)
+    if (const auto lambda = lambda_of_drawn(morph, k, level + 1, p)) return lambda;
+  return {};
+}
+
 }  // namespace
 
 std::optional<float> band_lambda(const MorphContext& morph, Vec3f p) {
   const Radii& radii = *morph.radii;
+  if (!radii.by_cell.empty()) return lambda_of_drawn(morph, CellId(0), 0, p);
   const float d = limited_distance(radii.metric, morph.viewpoint, p, morph.limits);
   for (std::size_t l = 1; l < radii.band_begin.size(); ++l) {
     const float a = radii.band_begin[l], c = radii.band_end[l];

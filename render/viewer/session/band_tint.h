@@ -4,6 +4,9 @@
 // parent's box holds it and so is nearer than r_{l-1}, and no point of its own box is farther from it than rho_l h_l,
 // so that the box is at least r_l away (docs/architecture.md, section 5). The pixel's own position is used for the
 // vertex, an error of the displacement of the morph, at most sigma0 h_l / 2.
+//
+// With adaptive radii it is the lambda of the vertices that no other cell uses, in the drawn cell whose box holds the
+// point; where boxes overlap, the first one in the order of the cells decides.
 #pragma once
 
 #include <optional>
@@ -14,7 +17,7 @@
 
 namespace lodestone::viewer {
 
-// lambda at p, in the band that contains it; empty outside all bands.
+// lambda at p, in the band that contains it; empty outside all bands, and where nothing moves.
 [[nodiscard]] std::optional<float> band_lambda(const MorphContext& morph, Vec3f p);
 
 // The colour of lambda in [0, 1], each channel in [0, 1].

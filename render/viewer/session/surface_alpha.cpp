@@ -23,7 +23,7 @@ std::array<double, 3> morphed_values(const ModelFrame& model, const MetTriangle&
     const std::uint32_t v = met.corners[k];
     values[k] = value(cell, v);
     if (!met.morphing) continue;
-    const double lambda = morph_lambda(model.morph, met.level, cell.positions[v]);
+    const double lambda = vertex_lambda(model.morph, met.cell, VertexId(v));
     values[k] = mixed(lambda, values[k], value(hierarchy.cells[cell.parent], cell.parents[v]));
   }
   return values;

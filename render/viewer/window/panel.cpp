@@ -77,6 +77,23 @@ void edit_blend(ViewSettings& settings) {
   ImGui::EndCombo();
 }
 
+// Radii per level, or the other rule of this name.
+void edit_rule(ViewSettings& settings, const char* name, RadiiRule other) {
+  int rule = settings.rule == other ? 1 : 0;
+  ImGui::RadioButton("per level", &rule, 0);
+  ImGui::SameLine();
+  ImGui::RadioButton(name, &rule, 1);
+  if (rule != (settings.rule == other ? 1 : 0)) settings.rule = rule == 1 ? other : RadiiRule::per_level;
+}
+
+// The tolerance in pixels and its rule: cells that come and go have no radii of their own.
+void edit_tolerance(ViewSettings& settings, bool streamed) {
+  ImGui::SliderFloat("pixels", &settings.pixel_error, 0.1f, 50, "%.2f", ImGuiSliderFlags_Logarithmic);
+  ImGui::BeginDisabled(streamed);
+  edit_rule(settings, "per cell", RadiiRule::adaptive);
+  ImGui::EndDisabled();
+}
+
 // kappa0 and its rule; red where the guarantee does not hold.
 void edit_kappa0(ViewSettings& settings, const Admissibility& found) {
   constexpr std::array frames{ImGuiCol_FrameBg, ImGuiCol_FrameBgHovered, ImGuiCol_FrameBgActive};
@@ -84,11 +101,7 @@ void edit_kappa0(ViewSettings& settings, const Admissibility& found) {
     for (const ImGuiCol_ frame : frames) ImGui::PushStyleColor(frame, ImVec4{0.45f, 0.12f, 0.1f, 1});
   ImGui::SliderFloat("kappa0", &settings.kappa0, 0.25f, 32, "%.3f", ImGuiSliderFlags_Logarithmic);
   if (!found.admissible) ImGui::PopStyleColor(static_cast<int>(frames.size()));
-  int rule = settings.rule == RadiiRule::uniform ? 1 : 0;
-  ImGui::RadioButton("per level", &rule, 0);
-  ImGui::SameLine();
-  ImGui::RadioButton("uniform", &rule, 1);
-  settings.rule = rule == 1 ? RadiiRule::uniform : RadiiRule::per_level;
+  edit_rule(settings, "uniform", RadiiRule::uniform);
   ImGui::SameLine();
   ImGui::TextDisabled("rho %.4f", static_cast<double>(found.least_kappa0));
 }
@@ -106,7 +119,7 @@ void edit_detail(const PanelFacts& facts, ViewState& state) {
   if (settings.by_kappa0)
     edit_kappa0(settings, found);
   else
-    ImGui::SliderFloat("pixels", &settings.pixel_error, 0.1f, 50, "%.2f", ImGuiSliderFlags_Logarithmic);
+    edit_tolerance(settings, facts.model->opened.streamed());
   edit_blend(settings);
   ImGui::SliderFloat("band", &settings.beta, 0.05f, 8, "at least %.2f h", ImGuiSliderFlags_Logarithmic);
   int metric = static_cast<int>(state.metric);

@@ -176,6 +176,35 @@ TEST_F(Drawing, TheBandTellsLambdaByDistanceAlone) {
   EXPECT_GT(inside, 1000);
 }
 
+// With a radius for every cell: the lambda of a drawn cell whose box holds the point.
+TEST_F(Drawing, TheBandTellsLambdaOfTheCellByAdaptiveRadii) {
+  int inside = 0;
+  state_.current().rule = RadiiRule::adaptive;
+  state_.current().by_kappa0 = false;
+  for (const float pixels : {1.0f, 5.0f, 30.0f}) {
+    state_.current().pixel_error = pixels;
+    const auto metric = DistanceMetric::euclidean;
+    const Camera camera = dolly(state_.home, 0.4);
+    const Radii radii =
+        make_radii(hierarchy(), for_picture(radii_config(state_.current(), metric), size, camera.vertical_fov));
+    ASSERT_FALSE(radii.by_cell.empty());
+    const MorphContext morph{&hierarchy(), &radii, Blend::smoothstep, viewpoint(camera, hierarchy().transform)};
+    Selection all;
+    select_cells(hierarchy(), radii, morph.viewpoint, {}, all);
+    for (const SelectedCell& selected : all.cells)
+      for (const Vec3f w : hierarchy().cells[selected.cell].positions) {
+        const std::optional<float> told = band_lambda(morph, w);
+        if (!told) continue;
+        ++inside;
+        EXPECT_TRUE(std::ranges::any_of(all.cells, [&](const SelectedCell& drawn) {
+          const Box3f& box = hierarchy().cells[drawn.cell].bounds;
+          return distance(metric, w, box) == 0 && vertex_lambda(morph, drawn.cell, VertexId(0)) == *told;
+        }));
+      }
+  }
+  EXPECT_GT(inside, 100);
+}
+
 TEST_F(Drawing, TheBandTintKeepsWhatStandsStill) {
   const Image plain = draw();
   Image tinted = plain;

@@ -152,6 +152,11 @@ TEST(ViewSettings, ATolerancesRadiiAreThoseOfRender) {
   expected.vertical_fov = 0.7f;
   EXPECT_EQ(make_radii(torus(), for_picture(radii_config(settings, DistanceMetric::euclidean), {400, 300}, 0.7)).select,
             make_radii(torus(), expected).select);
+  settings.rule = RadiiRule::adaptive;  // of the tolerance alone
+  EXPECT_EQ(radii_config(settings, DistanceMetric::euclidean).rule, RadiiRule::adaptive);
+  EXPECT_TRUE(admissibility(all(), settings, DistanceMetric::euclidean).admissible);
+  settings.by_kappa0 = true;
+  EXPECT_EQ(radii_config(settings, DistanceMetric::euclidean).rule, RadiiRule::per_level);
 }
 
 // ---- mouse and keys ----
