@@ -37,12 +37,6 @@ float signature_lambda(const MorphContext& context, int level, const Signatures:
   return 1 - blend_share(context.blend, -own / (parents - own));
 }
 
-Vec3f blend_positions(float lambda, Vec3f w, Vec3f parent) {
-  if (lambda >= 1) return w;
-  if (lambda <= 0) return parent;
-  return lambda * w + (1 - lambda) * parent;
-}
-
 // The ends are the stored normals themselves, like those of the positions: an exchange of cells changes no pixel.
 Vec3f blend_normals(float lambda, PackedNormal own, PackedNormal parent) {
   if (lambda >= 1) return unpack_normal(own);
@@ -84,6 +78,12 @@ const Cell& parent_of(const MorphContext& context, const Cell& cell) {
 }
 
 }  // namespace
+
+Vec3f blend_positions(float lambda, Vec3f w, Vec3f parent) {
+  if (lambda >= 1) return w;
+  if (lambda <= 0) return parent;
+  return lambda * w + (1 - lambda) * parent;
+}
 
 float vertex_lambda(const MorphContext& context, CellId cell, VertexId vertex) {
   const Cell& c = context.hierarchy->cells[cell];

@@ -33,6 +33,9 @@ void adaptive_lambdas(const MorphContext& context, CellId cell, std::vector<floa
 // By distance: lambda in [0, 1] of a vertex at w of the given level; exactly 1 up to a_l, exactly 0 from c_l on.
 [[nodiscard]] float morph_lambda(const MorphContext& context, int level, Vec3f w);
 
+// lambda w + (1 - lambda) P(w), and at the ends w and P(w) themselves.
+[[nodiscard]] Vec3f blend_positions(float lambda, Vec3f w, Vec3f parent_position);
+
 // By distance: w, P(w) or the blend of the two; `level` is that of w.
 [[nodiscard]] Vec3f morph_position(const MorphContext& context, int level, Vec3f w, Vec3f parent_position);
 

@@ -128,7 +128,7 @@ AdversarialView view_of_boxes(const ViewedLevel& viewed, CellId id, CellId paren
   const auto way = [](double length, float hi, float outer_hi) { return hi > outer_hi ? length : -length; };
   const Vec3d out{way(over.x, box.hi.x, outer.hi.x), way(over.y, box.hi.y, outer.hi.y),
                   way(over.z, box.hi.z, outer.hi.z)};
-  const auto corner = [](double out, float lo, float hi) { return double{out < 0 ? lo : hi}; };
+  const auto corner = [](double towards, float lo, float hi) { return double{towards < 0 ? lo : hi}; };
   const Vec3d z{corner(out.x, box.lo.x, box.hi.x), corner(out.y, box.lo.y, box.hi.y),
                 corner(out.z, box.lo.z, box.hi.z)};
   const double radius = radii.by_cell[id], apart = norm(radii.metric, out);

@@ -51,11 +51,15 @@ ClippedPolygon clip(const std::array<ClipVertex, 3>& triangle, const Viewport& v
   return polygon;
 }
 
+Vec3f drawn_position(const DrawnCell& cell, VertexId v) {
+  const Vec3f own = cell.positions[v];
+  return cell.morphing ? blend_positions(cell.lambdas[v], own, cell.coarser_positions[cell.parents[v]]) : own;
+}
+
 std::array<ClipVertex, 3> clip_corners(const ViewProjection& projection, const DrawnCell& cell, const VertexIds& v) {
   std::array<ClipVertex, 3> corners;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3f p =
-        cell.morphing ? morph_vertex(cell.model->morph, cell.cell, VertexId(v[k])).position : cell.own->positions[v[k]];
+    const Vec3f p = drawn_position(cell, VertexId(v[k]));
     corners[k] = to_clip(projection, p);
     if (cell.model->clip) corners[k].kept = distance_from(*cell.model->clip, p);
   }

@@ -22,9 +22,12 @@ struct ClippedPolygon {
 [[nodiscard]] ClippedPolygon clip(const std::array<ClipVertex, 3>& triangle, const Viewport& viewport);
 
 // Weights of the corners at a point in subpixels, perspective-correct, each in [0, 1], sum 1: interpolation in
-// homogeneous coordinates (olano1997), which needs no clipping. Morphs and transforms the corners again.
+// homogeneous coordinates (olano1997), which needs no clipping. Transforms the corners again.
 [[nodiscard]] std::array<float, 3> clipped_weights(const DrawnCell& cell, const VertexIds& v, const Viewport& viewport,
                                                    SnappedPoint at);
+
+// A vertex as the vertex stage, which has left its lambda, has drawn it.
+[[nodiscard]] Vec3f drawn_position(const DrawnCell& cell, VertexId v);
 
 // The corners before the division, by a projection of the model.
 [[nodiscard]] std::array<ClipVertex, 3> clip_corners(const ViewProjection& projection, const DrawnCell& cell,

@@ -28,9 +28,7 @@ bool shows_back(const ViewProjection& projection, const DrawnCell& drawn, const 
 // Vertices behind the plane wait to be clipped, as those outside the near plane do.
 void mark_clipped(const Plane& plane, const DrawnCell& drawn, std::vector<WindowVertex>& vertices) {
   for (std::uint32_t v = 0; v < drawn.own->positions.size(); ++v) {
-    const Vec3f p =
-        drawn.morphing ? morph_vertex(drawn.model->morph, drawn.cell, VertexId(v)).position : drawn.positions[v];
-    if (!(distance_from(plane, p) < 0)) continue;
+    if (!(distance_from(plane, drawn_position(drawn, VertexId(v))) < 0)) continue;
     WindowVertex& vertex = vertices[v];
     const std::uint32_t outside = vertex.inverse_w == 0 ? static_cast<std::uint32_t>(vertex.x) : 0;
     vertex = {static_cast<std::int32_t>(outside | Outside::clip), 0, 0, 0};

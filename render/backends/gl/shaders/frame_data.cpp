@@ -29,7 +29,9 @@ std::uint32_t material_bits_of(const Frame& frame, const ModelFrame& model, GlPa
 }  // namespace
 
 GlVariant variant_of(const Frame& frame, const ModelFrame& model, GlPass pass) {
-  GlVariant variant{.blend = model.morph.blend, .metric = model.morph.radii->metric, .pass = pass};
+  GlVariant variant;
+  variant.blend = model.morph.blend, variant.metric = model.morph.radii->metric;
+  variant.pass = pass;
   variant.given = !model.morph.radii->by_cell.empty();
   variant.limited = !variant.given && !model.morph.limits.empty();
   variant.clipped = model.clip.has_value();
