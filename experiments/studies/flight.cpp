@@ -170,7 +170,7 @@ std::vector<SettingFault> check(const Parameters& parameters) {
   verdict.require(kappa0 || ratio || parameters.text("radii") != "uniform", {"radii"},
                   assignment(parameters, "radii") + " needs kappa0 or kappa0_over_rho");
   const bool adaptive = parameters.text("radii") == "adaptive";
-  verdict.require(!adaptive || !(kappa0 || ratio), {"radii", "kappa0", "kappa0_over_rho"},
+  verdict.require(!adaptive || !(kappa0 || ratio), {"kappa0", "kappa0_over_rho", "radii"},
                   assignment(parameters, "radii") + " goes by pixel_error, without kappa0 and kappa0_over_rho");
   verdict.idle(!adaptive, "constraint", assignment(parameters, "radii"));
   verdict.idle(kappa0 || ratio, "pixel_error", assignment(parameters, kappa0 ? "kappa0" : "kappa0_over_rho"));

@@ -295,7 +295,7 @@ std::vector<Refusal> refusals() {
       {"flight", {{"kappa0", 2.0}, {"kappa0_over_rho", 0.5}}, "kappa0_over_rho", "exclude each other"},
       {"flight", {{"radii", "uniform"}}, "radii", "needs kappa0 or kappa0_over_rho"},
       {"flight", {{"radii", "adaptive"}, {"kappa0", 2.0}}, "radii", "goes by pixel_error"},
-      {"flight", {{"constraint", 0.5}}, "constraint", "radii = per-level", true},
+      {"flight", {{"constraint", 0.5}}, "constraint", "beside radii", true},
       {"flight", {{"image", true}, {"backend", "null"}}, "backend", "set backend to soft or gl"},
       {"flight", {{"image", true}}, "backend", "set backend to soft or gl"},
       {"flight", {{"from", 0.5}, {"to", 0.5}}, "to", "from = 0.5 must be less than to = 0.5"},

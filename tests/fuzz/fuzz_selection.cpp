@@ -38,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 4) return 0;
   std::memcpy(f, data + 4, std::min(size - 4, sizeof(f)));
   RadiiConfig config;
-  config.rule = data[0] & 1 ? RadiiRule::uniform : RadiiRule::per_level;
+  config.rule = data[0] & 1 ? RadiiRule::uniform : data[0] & 64 ? RadiiRule::adaptive : RadiiRule::per_level;
   config.metric = data[0] & 2 ? DistanceMetric::chebyshev : DistanceMetric::euclidean;
   if (data[0] & 4 || config.rule == RadiiRule::uniform) config.kappa0 = f[3];
   if (data[0] & 8) config.pixel_error = f[4], config.vertical_fov = f[5], config.aspect = f[6];

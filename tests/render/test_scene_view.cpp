@@ -10,6 +10,7 @@
 #include "render/camera/camera.h"
 #include "render/lod/resident_cells.h"
 #include "render/scene/scene_view.h"
+#include "tests/expect_error.h"
 #include "tests/render/conformance.h"
 #include "tests/test_folder.h"
 
@@ -282,6 +283,47 @@ TEST(SceneView, StreamedFamiliesComeAndGoOnce) {
     stream.wait();
   }
   EXPECT_GT(renderer.changes, 50u);
+}
+
+// Signatures are found once for all placements of a model, radii once for a tolerance.
+TEST(SceneView, AdaptiveRadiiAreMadeOncePerTolerance) {
+  Scene scene = scene_of_one();
+  scene.models.push_back(scene.models.front());
+  scene.models.back().name = "other";
+  scene.models.back().position = {3, 0, 0};
+  SceneView view(scene, {{&torus()}, {&torus()}});
+  ViewConfig config = view_config(view.scene(), size);
+  config.radii = {};
+  config.radii.rule = RadiiRule::adaptive;
+  ASSERT_TRUE(view.update(camera, config));
+  const Signatures* found = view.radii(0).signatures.get();
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(view.radii(1).signatures.get(), found);
+  EXPECT_TRUE(view.admissible());
+  const float* radii = view.radii(0).by_cell.data();
+  const std::vector<float> before = view.radii(0).by_cell;
+  Camera moved = camera;
+  moved.position.x += 1;
+  ASSERT_TRUE(view.update(moved, config));
+  EXPECT_EQ(view.radii(0).by_cell.data(), radii);
+  config.radii.pixel_error = 5;
+  ASSERT_TRUE(view.update(moved, config));
+  EXPECT_NE(view.radii(0).by_cell, before);
+  EXPECT_EQ(view.radii(0).signatures.get(), found);
+}
+
+TEST(SceneView, AdaptiveRadiiNeedTheWholeModel) {
+  const TestFolder folder;
+  (void)write_lode(torus(), folder.path() / "torus.lode");
+  CellStream stream(folder.path() / "torus.lode");
+  ResidentCells resident(stream, {.budget_bytes = std::uint64_t{1} << 30});
+  SceneView view(scene_of_one(), {{&resident.hierarchy(), &resident}});
+  ViewConfig config = view_config(view.scene(), size);
+  config.radii = {};
+  config.radii.rule = RadiiRule::adaptive;
+  expect_error_of<InputError>([&] { return view.update(camera, config); }, {"whole model", "per-level"});
+  config.radii.rule = RadiiRule::per_level;
+  EXPECT_TRUE(view.update(camera, config));
 }
 
 }  // namespace

@@ -77,20 +77,14 @@ void edit_blend(ViewSettings& settings) {
   ImGui::EndCombo();
 }
 
-// Radii per level, or the other rule of this name.
-void edit_rule(ViewSettings& settings, const char* name, RadiiRule other) {
-  int rule = settings.rule == other ? 1 : 0;
-  ImGui::RadioButton("per level", &rule, 0);
-  ImGui::SameLine();
-  ImGui::RadioButton(name, &rule, 1);
-  if (rule != (settings.rule == other ? 1 : 0)) settings.rule = rule == 1 ? other : RadiiRule::per_level;
-}
-
-// The tolerance in pixels and its rule: cells that come and go have no radii of their own.
+// The tolerance in pixels, and whether every cell has its own radius: streamed ones have none.
 void edit_tolerance(ViewSettings& settings, bool streamed) {
+  ImGui::SetNextItemWidth(scaled(110));
   ImGui::SliderFloat("pixels", &settings.pixel_error, 0.1f, 50, "%.2f", ImGuiSliderFlags_Logarithmic);
+  ImGui::SameLine();
   ImGui::BeginDisabled(streamed);
-  edit_rule(settings, "per cell", RadiiRule::adaptive);
+  bool per_cell = settings.rule == RadiiRule::adaptive;
+  if (ImGui::Checkbox("per cell", &per_cell)) settings.rule = per_cell ? RadiiRule::adaptive : RadiiRule::per_level;
   ImGui::EndDisabled();
 }
 
@@ -101,7 +95,11 @@ void edit_kappa0(ViewSettings& settings, const Admissibility& found) {
     for (const ImGuiCol_ frame : frames) ImGui::PushStyleColor(frame, ImVec4{0.45f, 0.12f, 0.1f, 1});
   ImGui::SliderFloat("kappa0", &settings.kappa0, 0.25f, 32, "%.3f", ImGuiSliderFlags_Logarithmic);
   if (!found.admissible) ImGui::PopStyleColor(static_cast<int>(frames.size()));
-  edit_rule(settings, "uniform", RadiiRule::uniform);
+  int rule = settings.rule == RadiiRule::uniform ? 1 : 0;
+  const bool per_level = ImGui::RadioButton("per level", &rule, 0);
+  ImGui::SameLine();
+  const bool uniform = ImGui::RadioButton("uniform", &rule, 1);
+  if (per_level || uniform) settings.rule = rule == 1 ? RadiiRule::uniform : RadiiRule::per_level;
   ImGui::SameLine();
   ImGui::TextDisabled("rho %.4f", static_cast<double>(found.least_kappa0));
 }
