@@ -75,7 +75,11 @@ class Render(CommandCase):
         self.assertGreater(result["open_edges"], 0)
         self.assertGreater(result["gap_max"], 0)
         self.assert_seamless_views(self.fly(*adversarial, 1.01 * self.rho()))
-        self.assert_seamless_views(self.fly("--camera", "adversarial", "--radii", "adaptive"))
+        # Shared vertices of cells with different parents move in deep hierarchies only.
+        self.lodestone("generate", "sphere", "--triangles", 100000, "-o", "large.ply")
+        self.lodestone("build", "large.ply", "-o", "deep.lode", "--cell-triangles", 50)
+        deep = self.folder / "deep.lode"
+        self.assert_seamless_views(self.fly("--camera", "adversarial", "--radii", "adaptive", lode=deep))
 
     def assert_seamless_views(self, result):  # the camera leaps between adversarial views: jumps mean nothing
         self.assertTrue(result["admissible"])

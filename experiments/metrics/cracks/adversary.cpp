@@ -105,17 +105,18 @@ std::optional<AdversarialView> best_view(const ViewedLevel& viewed, CellId id) {
   return view_of_vertex(viewed, id, *best);
 }
 
-// A vertex of a cell with this signature, one that moves if there is any.
-VertexId vertex_of(const ViewedLevel& viewed, CellId id, std::uint32_t signature) {
+// The vertex of a cell with this signature that has the longest way to its parent, if any moves; and that way.
+std::optional<std::pair<VertexId, float>> mover_of(const ViewedLevel& viewed, CellId id, std::uint32_t signature) {
   const Signatures& signatures = *viewed.radii.signatures;
   const Cell& cell = viewed.hierarchy.cells[id];
   const std::span<const Vec3f> parents = viewed.hierarchy.cells[cell.parent].positions;
   const std::span<const std::uint8_t> places = signatures.places(id);
-  VertexId found(cell.first_shared());
+  std::optional<std::pair<VertexId, float>> found;
   for (std::uint32_t k = 0; k < places.size(); ++k) {
     if (signatures.of(id)[places[k]] != signature) continue;
-    found = VertexId(cell.first_shared() + k);
-    if (parents[cell.parents[found]] != cell.positions[found]) break;
+    const VertexId v(cell.first_shared() + k);
+    const float way = length(parents[cell.parents[v]] - cell.positions[v]);
+    if (way > (found ? found->second : 0)) found = {v, way};
   }
   return found;
 }
@@ -142,40 +143,48 @@ AdversarialView view_of_boxes(const ViewedLevel& viewed, CellId id, CellId paren
   return view;
 }
 
-// One view per cell that shares a vertex with another cell's parent beyond which it reaches.
+// One view per cell that shares a moving vertex with another cell's parent beyond which it reaches, the best first:
+// those that crack by how far apart they do, then those that come nearest to it.
 std::vector<AdversarialView> box_views(const ViewedLevel& viewed) {
   const Signatures& signatures = *viewed.radii.signatures;
   const auto& cells = viewed.hierarchy.cells;
-  std::map<CellId, std::pair<AdversarialView, std::uint32_t>> best;  // and the signature
+  std::map<CellId, std::pair<float, AdversarialView>> best;  // by cell, with its rank
   for (std::uint32_t s = signatures.first(viewed.level); s < signatures.first(viewed.level + 1); ++s) {
     const std::span<const CellId> users = signatures.users(s).cells;
-    for (const CellId id : users)
+    for (const CellId id : users) {
+      const auto mover = mover_of(viewed, id, s);
+      if (!mover || !(viewed.radii.by_cell[id] > 0)) continue;
       for (const CellId other : users) {
         const CellId parent = cells[other].parent;
-        if (parent == cells[id].parent || !(viewed.radii.by_cell[id] > 0)) continue;
         if (overhang(cells[id].bounds, cells[parent].bounds) == Vec3d{}) continue;
-        const AdversarialView view = view_of_boxes(viewed, id, parent, other);
-        const auto [found, is_new] = best.try_emplace(id, view, s);
-        if (!is_new && view.reach > found->second.first.reach) found->second = {view, s};
+        AdversarialView view = view_of_boxes(viewed, id, parent, other);
+        view.vertex = mover->first;
+        const float rank = view.reach > 1 ? 1 + mover->second : view.reach;
+        const auto [found, is_new] = best.try_emplace(id, rank, view);
+        if (!is_new && rank > found->second.first) found->second = {rank, view};
       }
+    }
   }
+  std::vector<std::pair<float, AdversarialView>> ranked;
+  for (const auto& [id, found] : best) ranked.push_back(found);
+  std::ranges::stable_sort(ranked, [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<AdversarialView> views;
-  for (auto& [id, found] : best) {
-    found.first.vertex = vertex_of(viewed, id, found.second);
-    views.push_back(found.first);
-  }
+  for (const auto& [rank, view] : ranked) views.push_back(view);
   return views;
 }
 
-// One view per cell that has one: the best `most` by reach.
+// One view per cell that has one, the best first: by reach, or as box_views has them.
 std::vector<AdversarialView> best_views(const ViewedLevel& viewed, std::size_t most) {
-  const Level& level = viewed.hierarchy.levels[static_cast<std::size_t>(viewed.level)];
   std::vector<AdversarialView> found;
-  if (!viewed.radii.by_cell.empty()) found = box_views(viewed);
-  for (CellId cell = level.first_cell; viewed.radii.by_cell.empty() && cell < level.end_cell(); ++cell)
-    if (const auto view = best_view(viewed, cell)) found.push_back(*view);
-  std::stable_sort(found.begin(), found.end(),
-                   [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });
+  if (!viewed.radii.by_cell.empty()) {
+    found = box_views(viewed);
+  } else {
+    const Level& level = viewed.hierarchy.levels[static_cast<std::size_t>(viewed.level)];
+    for (CellId cell = level.first_cell; cell < level.end_cell(); ++cell)
+      if (const auto view = best_view(viewed, cell)) found.push_back(*view);
+    std::stable_sort(found.begin(), found.end(),
+                     [](const AdversarialView& a, const AdversarialView& b) { return a.reach > b.reach; });
+  }
   found.resize(std::min(found.size(), most));
   return found;
 }
