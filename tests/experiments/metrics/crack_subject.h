@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "experiments/metrics/cracks/adversary.h"
 #include "experiments/metrics/cracks/cracks.h"
 #include "tests/experiments/lod_frames.h"
 #include "tests/experiments/naive_hierarchy.h"
@@ -36,6 +37,20 @@ struct Subject {
   CrackBasis basis;
   CrackScratch scratch;
 };
+
+// Residual edges of frames that morph for viewpoints delta h_L nearer and farther than those they were selected for.
+inline std::uint64_t open_edges_when_stale(Subject& subject, const Radii& radii, std::size_t views, float delta) {
+  std::uint64_t open = 0;
+  for (const AdversarialView& view : adversarial_views(subject.hierarchy(), radii, {.count = views})) {
+    Frame frame = make_frame(subject.hierarchy(), radii, Blend::linear, view.viewpoint);
+    const Vec3f away = view.viewpoint - subject.hierarchy().cells[view.cell].positions[view.vertex];
+    for (const float side : {-0.999f, 0.999f}) {
+      frame.context.viewpoint = view.viewpoint + side * delta * cell_size(finest) / length(away) * away;
+      open += subject.cracks(frame).open_edges;
+    }
+  }
+  return open;
+}
 
 inline void expect_twins_agree(Subject& subject, const Frame& frame) {
   const CrackReport cracks = subject.cracks(frame);

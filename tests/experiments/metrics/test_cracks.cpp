@@ -119,16 +119,7 @@ TEST(Cracks, AStaleSelectionNeedsTheGuard) {
         config.kappa0 = 1.0001f * (reach(subject.hierarchy(), metric) + 3 * config.delta);
         const Radii radii = make_radii(subject.hierarchy(), config);
         ASSERT_TRUE(radii.admissible);
-        std::uint64_t open = 0;
-        for (const AdversarialView& view : adversarial_views(subject.hierarchy(), radii, {.count = 24})) {
-          Frame frame = make_frame(subject.hierarchy(), radii, Blend::linear, view.viewpoint);
-          const Vec3f away = view.viewpoint - subject.hierarchy().cells[view.cell].positions[view.vertex];
-          for (const float side : {-0.999f, 0.999f}) {
-            const float step = side * delta * cell_size(finest) / length(away);
-            frame.context.viewpoint = view.viewpoint + step * away;
-            open += subject.cracks(frame).open_edges;
-          }
-        }
+        const std::uint64_t open = open_edges_when_stale(subject, radii, 24, delta);
         if (guarded) {
           EXPECT_EQ(open, 0u);
         } else {

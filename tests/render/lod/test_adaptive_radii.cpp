@@ -168,7 +168,7 @@ TEST(AdaptiveRadii, SelectAPartitionWhoseStaticCellsDoNotMove) {
   EXPECT_GT(still, 100u);
 }
 
-// Where one cell is rough, per-level radii draw its whole level as it needs to be.
+// Per-level radii give a whole level the radius that its roughest cell needs.
 TEST(AdaptiveRadii, OneRoughCellCostsItsNeighbourhoodAlone) {
   test::NaiveHierarchy small = test::naive_hierarchy(test::torus_mesh(192, 96), 5, 0.6f);
   Hierarchy& h = small.hierarchy;
