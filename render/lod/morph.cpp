@@ -98,18 +98,14 @@ float vertex_lambda(const MorphContext& context, CellId cell, VertexId vertex) {
 }
 
 void adaptive_lambdas(const MorphContext& context, CellId cell, std::vector<float>& out) {
-  out.assign(1, 1);
-  if (!context.radii->signatures) {
-    out.resize(1 + context.hierarchy->cells[cell].shared_ids.size(), 1);
-    return;
-  }
+  if (!context.radii->signatures) return out.assign(1 + context.hierarchy->cells[cell].shared_ids.size(), 1);
   const Signatures& signatures = *context.radii->signatures;
   const int level = context.hierarchy->level_of(cell);
   const std::span<const std::uint32_t> own = signatures.of(cell);
   std::array<float, Signatures::most> of_signature;
   for (std::size_t k = 0; k < own.size(); ++k)
     of_signature[k] = signature_lambda(context, level, signatures.users(own[k]));
-  out.front() = of_signature[0];
+  out.assign(1, of_signature[0]);
   for (const std::uint8_t place : signatures.places(cell)) out.push_back(of_signature[place]);
 }
 
